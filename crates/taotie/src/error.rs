@@ -1,0 +1,119 @@
+//! What can go wrong, sorted by who can mend it, and what was put right in silence but counted.
+
+use std::path::{Path, PathBuf};
+
+/// The result of anything that touches what a user wrote.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// An error, sorted by who can mend it. Its text says where, what was wrong and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The operating system refused: the path, the disk or the rights need attention.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder concerned.
+        path: PathBuf,
+        /// What the operating system said.
+        #[source]
+        source: std::io::Error,
+    },
+    /// A file does not hold what its format demands: the file needs attention.
+    #[error("{}: {at}: {what}", path.display())]
+    Parse {
+        /// The file concerned.
+        path: PathBuf,
+        /// Where in the file: a line, a byte, or an element such as `mesh 0, primitive 2, POSITION`.
+        at: String,
+        /// What was wrong and what to do.
+        what: String,
+    },
+    /// A value is outside what the call allows: the caller needs attention.
+    #[error("{what}: {why}")]
+    Invalid {
+        /// The value or argument.
+        what: String,
+        /// Why it cannot be used, and what can.
+        why: String,
+    },
+    /// A file is sound but asks for something this program does not do.
+    #[error("{what} is not supported: {why}")]
+    Unsupported {
+        /// The feature asked for.
+        what: String,
+        /// What to do instead.
+        why: String,
+    },
+    /// The request is sound but larger than this program takes.
+    #[error("{what} is too large: {why}")]
+    Limit {
+        /// What is too large.
+        what: String,
+        /// The limit, and what to do.
+        why: String,
+    },
+}
+
+impl Error {
+    /// An operating-system error at `path`.
+    pub fn io(path: impl AsRef<Path>, source: std::io::Error) -> Self {
+        Self::Io { path: path.as_ref().to_path_buf(), source }
+    }
+
+    /// A format error in `path`, at the place `at`.
+    pub fn parse(path: impl AsRef<Path>, at: impl Into<String>, what: impl Into<String>) -> Self {
+        Self::Parse { path: path.as_ref().to_path_buf(), at: at.into(), what: what.into() }
+    }
+
+    /// A value that cannot be used.
+    pub fn invalid(what: impl Into<String>, why: impl Into<String>) -> Self {
+        Self::Invalid { what: what.into(), why: why.into() }
+    }
+
+    /// A feature that is not there.
+    pub fn unsupported(what: impl Into<String>, why: impl Into<String>) -> Self {
+        Self::Unsupported { what: what.into(), why: why.into() }
+    }
+
+    /// A request beyond a stated limit.
+    pub fn limit(what: impl Into<String>, why: impl Into<String>) -> Self {
+        Self::Limit { what: what.into(), why: why.into() }
+    }
+}
+
+/// Things that were wrong but could still be drawn, each counted once a kind, in order of first sight.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Warnings {
+    entries: Vec<(String, usize)>,
+}
+
+impl Warnings {
+    /// Counts `count` more of `what`; a count of zero leaves no entry.
+    pub fn note(&mut self, what: impl Into<String>, count: usize) {
+        if count == 0 {
+            return;
+        }
+        let what = what.into();
+        match self.entries.iter_mut().find(|(known, _)| *known == what) {
+            Some((_, total)) => *total += count,
+            None => self.entries.push((what, count)),
+        }
+    }
+
+    /// Takes over all of `other`.
+    pub fn absorb(&mut self, other: Warnings) {
+        for (what, count) in other.entries {
+            self.note(what, count);
+        }
+    }
+
+    /// The kinds and how often each was seen.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.entries.iter().map(|(what, count)| (what.as_str(), *count))
+    }
+
+    /// Whether nothing was noted.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+}

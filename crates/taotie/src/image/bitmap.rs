@@ -1,0 +1,95 @@
+//! Texels as a file stores them, before anybody says what they mean.
+
+use crate::error::{Error, Result};
+
+/// RGBA texels in one of the stored precisions, row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Texels {
+    /// 8-bit unsigned, 255 is one.
+    U8(Vec<[u8; 4]>),
+    /// 16-bit unsigned, 65535 is one.
+    U16(Vec<[u16; 4]>),
+    /// Float, unbounded.
+    F32(Vec<[f32; 4]>),
+}
+
+impl Texels {
+    /// How many texels there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::U8(t) => t.len(),
+            Self::U16(t) => t.len(),
+            Self::F32(t) => t.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// A decoded image file: texels in stored precision and encoding, origin top left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bitmap {
+    width: u32,
+    height: u32,
+    channels: u8,
+    texels: Texels,
+}
+
+impl Bitmap {
+    /// The largest width or height.
+    pub const MAX_SIDE: u32 = 32_768;
+
+    /// Checks the size. `channels` says how many of the four the file held: 1 grey, 2 grey and alpha, 3 RGB, 4 RGBA.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where a side is zero or the texel count is not `width · height`,
+    /// [`Error::Limit`] where a side is above [`Bitmap::MAX_SIDE`].
+    pub fn new(width: u32, height: u32, channels: u8, texels: Texels) -> Result<Self> {
+        if width == 0 || height == 0 {
+            return Err(Error::invalid(
+                "image",
+                format!("its size is {width}×{height}; both must be above 0"),
+            ));
+        }
+        if width > Self::MAX_SIDE || height > Self::MAX_SIDE {
+            let why = format!("at most {0}×{0}; scale it down", Self::MAX_SIDE);
+            return Err(Error::limit(format!("an image of {width}×{height}"), why));
+        }
+        if texels.len() != width as usize * height as usize {
+            return Err(Error::invalid("image", format!("{} texels for {width}×{height}", texels.len())));
+        }
+        Ok(Self { width, height, channels, texels })
+    }
+
+    /// The width in texels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// The height in texels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// How many channels the file held, 1 to 4.
+    pub fn channels(&self) -> u8 {
+        self.channels
+    }
+
+    /// The texels as stored.
+    pub fn texels(&self) -> &Texels {
+        &self.texels
+    }
+
+    /// Bits a channel: 8, 16 or 32.
+    pub fn bits(&self) -> u8 {
+        match self.texels {
+            Texels::U8(_) => 8,
+            Texels::U16(_) => 16,
+            Texels::F32(_) => 32,
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! A linear float picture: what rendering writes and comparing reads.
+
+use crate::error::{Error, Result};
+
+/// A linear RGBA picture, row by row from the top. Colour is premultiplied by alpha where alpha means coverage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    pixels: Vec<[f32; 4]>,
+}
+
+impl Image {
+    /// The largest width or height.
+    pub const MAX_SIDE: u32 = 16_384;
+
+    /// A picture with every pixel equal to `fill`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where a side is zero, [`Error::Limit`] where one is above [`Image::MAX_SIDE`].
+    pub fn new(width: u32, height: u32, fill: [f32; 4]) -> Result<Self> {
+        if width == 0 || height == 0 {
+            return Err(Error::invalid(
+                format!("size {width}x{height}"),
+                "both sides must be at least 1, such as 1024x1024",
+            ));
+        }
+        if width > Self::MAX_SIDE || height > Self::MAX_SIDE {
+            let why = format!("at most {0}x{0}", Self::MAX_SIDE);
+            return Err(Error::limit(format!("a picture of {width}x{height}"), why));
+        }
+        Ok(Self { width, height, pixels: vec![fill; width as usize * height as usize] })
+    }
+
+    /// The width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// The height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// All pixels, row by row from the top.
+    pub fn pixels(&self) -> &[[f32; 4]] {
+        &self.pixels
+    }
+
+    /// All pixels, to change them.
+    pub fn pixels_mut(&mut self) -> &mut [[f32; 4]] {
+        &mut self.pixels
+    }
+
+    /// The pixel in column `x` of row `y`.
+    pub fn pixel(&self, x: u32, y: u32) -> [f32; 4] {
+        self.pixels[y as usize * self.width as usize + x as usize]
+    }
+}

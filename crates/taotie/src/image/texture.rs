@@ -1,0 +1,193 @@
+//! A texture: a bitmap with its mip chain, decoded to linear values at each lookup.
+
+use super::{Bitmap, Texels};
+
+/// What stored numbers mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Colour encoded by the sRGB transfer function; alpha is linear.
+    Srgb,
+    /// The numbers themselves: normals, roughness, heights.
+    Linear,
+}
+
+/// A bitmap, its mip chain and the meaning of its numbers. Texels stay in stored precision.
+#[derive(Debug, Clone)]
+pub struct Texture {
+    levels: Vec<Bitmap>,
+    encoding: Encoding,
+    decode_u8: Box<[f32; 256]>,
+}
+
+impl Texture {
+    /// Builds the mip chain: each level halves the size, rounding down, by the area-weighted mean in linear space.
+    /// 16-bit sRGB texels are kept as float, since half of their precision would be lost otherwise.
+    pub fn new(bitmap: Bitmap, encoding: Encoding) -> Self {
+        let bitmap = match (encoding, bitmap.texels()) {
+            (Encoding::Srgb, Texels::U16(texels)) => linear_from_srgb16(&bitmap, texels),
+            _ => bitmap,
+        };
+        let decode_u8 = Box::new(std::array::from_fn(|i| decode_u8(i as u8, encoding)));
+        let mut texture = Self { levels: vec![bitmap], encoding, decode_u8 };
+        while texture.level_size(texture.levels() - 1) != (1, 1) {
+            let next = texture.halved(texture.levels() - 1);
+            texture.levels.push(next);
+        }
+        texture
+    }
+
+    /// The width of the finest level.
+    pub fn width(&self) -> u32 {
+        self.levels[0].width()
+    }
+
+    /// The height of the finest level.
+    pub fn height(&self) -> u32 {
+        self.levels[0].height()
+    }
+
+    /// The finest level as stored.
+    pub fn bitmap(&self) -> &Bitmap {
+        &self.levels[0]
+    }
+
+    /// What the stored numbers mean.
+    pub fn encoding(&self) -> Encoding {
+        self.encoding
+    }
+
+    /// How many levels there are, at least 1.
+    pub fn levels(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Width and height of a level.
+    #[inline]
+    pub fn level_size(&self, level: usize) -> (u32, u32) {
+        (self.levels[level].width(), self.levels[level].height())
+    }
+
+    /// The linear RGBA value of a texel.
+    #[inline]
+    pub fn texel(&self, level: usize, x: usize, y: usize) -> [f32; 4] {
+        let bitmap = &self.levels[level];
+        let i = y * bitmap.width() as usize + x;
+        match bitmap.texels() {
+            Texels::U8(texels) => {
+                let [r, g, b, a] = texels[i];
+                let decode = |v: u8| self.decode_u8[v as usize];
+                [decode(r), decode(g), decode(b), f32::from(a) / 255.0]
+            }
+            Texels::U16(texels) => texels[i].map(|v| f32::from(v) / 65535.0),
+            Texels::F32(texels) => texels[i],
+        }
+    }
+
+    fn halved(&self, level: usize) -> Bitmap {
+        let (w, h) = self.level_size(level);
+        let (half_w, half_h) = ((w / 2).max(1), (h / 2).max(1));
+        let mut means = Vec::with_capacity(half_w as usize * half_h as usize);
+        for y in 0..half_h {
+            let rows = span(y, half_h, h);
+            for x in 0..half_w {
+                means.push(self.mean(level, &span(x, half_w, w), &rows));
+            }
+        }
+        let texels = match self.levels[level].texels() {
+            Texels::U8(_) => Texels::U8(means.iter().map(|m| self.encode_u8(*m)).collect()),
+            Texels::U16(_) => {
+                Texels::U16(means.iter().map(|m| m.map(|v| (v * 65535.0 + 0.5) as u16)).collect())
+            }
+            Texels::F32(_) => Texels::F32(means),
+        };
+        let channels = self.levels[level].channels();
+        Bitmap::new(half_w, half_h, channels, texels).expect("half of a valid size is a valid size")
+    }
+
+    fn mean(&self, level: usize, columns: &[(usize, f32)], rows: &[(usize, f32)]) -> [f32; 4] {
+        let mut sum = [0.0; 4];
+        for (y, row_weight) in rows {
+            for (x, column_weight) in columns {
+                let weight = row_weight * column_weight;
+                let texel = self.texel(level, *x, *y);
+                for c in 0..4 {
+                    sum[c] += texel[c] * weight;
+                }
+            }
+        }
+        sum
+    }
+
+    fn encode_u8(&self, linear: [f32; 4]) -> [u8; 4] {
+        let [r, g, b, a] = linear;
+        let encode = |v: f32| match self.encoding {
+            Encoding::Linear => (v * 255.0 + 0.5) as u8,
+            Encoding::Srgb => nearest(&self.decode_u8, v),
+        };
+        [encode(r), encode(g), encode(b), (a * 255.0 + 0.5) as u8]
+    }
+}
+
+/// The texels of a row of `size` that the texel `i` of `halved` covers, with weights that sum to one.
+fn span(i: u32, halved: u32, size: u32) -> Vec<(usize, f32)> {
+    let (halved, size) = (f64::from(halved), f64::from(size));
+    let start = f64::from(i) * size / halved;
+    let end = f64::from(i + 1) * size / halved;
+    let width = end - start;
+    (start.floor() as usize..end.ceil() as usize)
+        .map(|x| {
+            let covered = (end.min(x as f64 + 1.0) - start.max(x as f64)) / width;
+            (x, covered as f32)
+        })
+        .collect()
+}
+
+/// The index of the entry of the rising `table` that is nearest to `value`.
+fn nearest(table: &[f32; 256], value: f32) -> u8 {
+    let above = table.partition_point(|v| *v < value).min(255);
+    let below = above.saturating_sub(1);
+    if value - table[below] < table[above] - value { below as u8 } else { above as u8 }
+}
+
+fn decode_u8(value: u8, encoding: Encoding) -> f32 {
+    let v = f64::from(value) / 255.0;
+    match encoding {
+        Encoding::Linear => v as f32,
+        Encoding::Srgb => crate::math::srgb::linear_from_srgb(v) as f32,
+    }
+}
+
+fn linear_from_srgb16(bitmap: &Bitmap, texels: &[[u16; 4]]) -> Bitmap {
+    let table: Vec<f32> =
+        (0..=65535u32).map(|v| crate::math::srgb::linear_from_srgb(f64::from(v) / 65535.0) as f32).collect();
+    let linear = texels
+        .iter()
+        .map(|[r, g, b, a]| {
+            [table[*r as usize], table[*g as usize], table[*b as usize], f32::from(*a) / 65535.0]
+        })
+        .collect();
+    Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), Texels::F32(linear))
+        .expect("the size is that of a valid bitmap")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mip_levels_keep_the_mean() {
+        let texels = (0..15).map(|i| [(i * 16) as u8; 4]).collect();
+        let texture = Texture::new(Bitmap::new(5, 3, 4, Texels::U8(texels)).unwrap(), Encoding::Linear);
+        assert_eq!(texture.levels(), 3);
+        assert_eq!(texture.level_size(1), (2, 1));
+        let mean = texture.texel(2, 0, 0)[0] * 255.0;
+        assert!((mean - 112.0).abs() <= 1.0, "{mean}");
+    }
+
+    #[test]
+    fn srgb_levels_average_light_not_code_values() {
+        let texels = vec![[0, 0, 0, 255], [255, 255, 255, 255]];
+        let texture = Texture::new(Bitmap::new(2, 1, 4, Texels::U8(texels)).unwrap(), Encoding::Srgb);
+        assert!(matches!(texture.levels[1].texels(), Texels::U8(t) if t[0] == [188, 188, 188, 255]));
+    }
+}

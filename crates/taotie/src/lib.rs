@@ -1,0 +1,29 @@
+//! Taotie puts a scan's relief on a light mesh, shades it by physics, and proves that it still looks the same.
+//!
+//! The crate is layered; a module imports only from lower layers and never from a sibling:
+//!
+//! ```text
+//! L3   render                         io
+//! L2   surface  shade  scene  raster  trace  film
+//! L1   image           mesh
+//! L0   math  error
+//! ```
+//!
+//! `raster` and `trace` find *hits*, never colours; `shade` turns numbers into numbers and never sees a scene;
+//! they meet in [`render`]. Only [`io`] reads paths. Nothing prints, and nothing depends on the machine: the same
+//! scene gives the same bits at every SIMD level and with any number of threads.
+
+pub mod error;
+pub mod film;
+pub mod image;
+pub mod io;
+pub mod math;
+pub mod mesh;
+pub mod raster;
+pub mod render;
+pub mod scene;
+pub mod shade;
+pub mod surface;
+pub mod trace;
+
+pub use error::{Error, Result, Warnings};

@@ -1,0 +1,15 @@
+//! Numbers, vectors, matrices and frames, each formula written once over the number type [`Lane`].
+
+mod lane;
+mod mat;
+mod simd;
+mod vec;
+
+pub mod poly;
+pub mod scalar;
+pub mod srgb;
+
+pub use lane::{Lane, Mask};
+pub use mat::Mat4;
+pub use simd::SimdLevel;
+pub use vec::{Vec2, Vec3};

@@ -1,0 +1,119 @@
+//! Triangle meshes whose arrays are checked once, so that nothing after them can fail.
+
+use crate::error::{Error, Result};
+use crate::math::{Vec2, Vec3};
+
+/// The arrays a [`Mesh`] is made from. Optional arrays are empty where absent.
+#[derive(Debug, Clone, Default)]
+pub struct MeshData {
+    /// Points in object space, model units.
+    pub positions: Vec<Vec3>,
+    /// One normal a position, unit or empty.
+    pub normals: Vec<Vec3>,
+    /// One tangent (x, y, z, handedness ±1) a position, or empty.
+    pub tangents: Vec<[f32; 4]>,
+    /// Any number of uv sets, each one pair a position; the uv origin is top left, as in glTF.
+    pub uvs: Vec<Vec<Vec2>>,
+    /// One linear RGBA colour a position, or empty.
+    pub colors: Vec<[f32; 4]>,
+    /// Counter-clockwise triangles as indices into the arrays above.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A triangle mesh: every index is in range, every position finite, every array as long as the positions.
+#[derive(Debug, Clone, Default)]
+pub struct Mesh {
+    data: MeshData,
+}
+
+impl Mesh {
+    /// Checks `data`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the first array, element and reason: an array shorter or longer than the
+    /// positions, a position that is infinite or NaN, or an index out of range.
+    pub fn new(data: MeshData) -> Result<Self> {
+        let count = data.positions.len();
+        if count > u32::MAX as usize {
+            return Err(Error::limit(format!("a mesh of {count} vertices"), "at most 2^32 - 1; split it"));
+        }
+        check_length("normals", data.normals.len(), count)?;
+        check_length("tangents", data.tangents.len(), count)?;
+        check_length("colors", data.colors.len(), count)?;
+        for (set, uvs) in data.uvs.iter().enumerate() {
+            if uvs.len() != count {
+                return Err(length_error(&format!("uv set {set}"), uvs.len(), count));
+            }
+        }
+        if let Some(i) = data.positions.iter().position(|p| !p.is_finite()) {
+            return Err(Error::invalid(format!("position {i}"), "it is infinite or NaN; mend the file"));
+        }
+        for (i, triangle) in data.triangles.iter().enumerate() {
+            if let Some(index) = triangle.iter().find(|index| **index as usize >= count) {
+                return Err(Error::invalid(
+                    format!("triangle {i}"),
+                    format!("it names vertex {index}, but there are {count}; mend the file"),
+                ));
+            }
+        }
+        Ok(Self { data })
+    }
+
+    /// The positions, object space.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.data.positions
+    }
+
+    /// The normals; empty where there are none.
+    pub fn normals(&self) -> &[Vec3] {
+        &self.data.normals
+    }
+
+    /// The tangents with handedness; empty where there are none.
+    pub fn tangents(&self) -> &[[f32; 4]] {
+        &self.data.tangents
+    }
+
+    /// The uv sets.
+    pub fn uvs(&self) -> &[Vec<Vec2>] {
+        &self.data.uvs
+    }
+
+    /// The linear RGBA vertex colours; empty where there are none.
+    pub fn colors(&self) -> &[[f32; 4]] {
+        &self.data.colors
+    }
+
+    /// The triangles.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.data.triangles
+    }
+
+    /// Gives the arrays back, to change them and check them again.
+    pub fn into_data(self) -> MeshData {
+        self.data
+    }
+
+    /// The corners of a triangle.
+    pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.data.triangles[triangle].map(|i| self.data.positions[i as usize])
+    }
+
+    /// How many triangles have no area, to the last bit.
+    pub fn degenerate_triangles(&self) -> usize {
+        (0..self.data.triangles.len())
+            .filter(|i| {
+                let [a, b, c] = self.corners(*i).map(Vec3::to_f64);
+                (b - a).cross(c - a).length() == 0.0
+            })
+            .count()
+    }
+}
+
+fn check_length(name: &str, length: usize, count: usize) -> Result<()> {
+    if length == 0 || length == count { Ok(()) } else { Err(length_error(name, length, count)) }
+}
+
+fn length_error(name: &str, length: usize, count: usize) -> Error {
+    Error::invalid(name, format!("{length} elements for {count} positions; the counts must be equal"))
+}

@@ -1,0 +1,184 @@
+//! What a surface is made of: factors and textures.
+
+use crate::image::Sampler;
+use crate::math::Vec2;
+
+/// A texture as a material uses it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TextureRef {
+    /// Index into [`super::Scene::textures`].
+    pub texture: usize,
+    /// Which uv set of the mesh.
+    pub uv_set: usize,
+    /// How texels are wrapped and filtered.
+    pub sampler: Sampler,
+    /// Applied to the uv before the lookup.
+    pub transform: UvTransform,
+}
+
+/// KHR_texture_transform: uv' = offset + R(rotation) · (scale · uv), as a 2×3 matrix.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UvTransform {
+    /// Rows of the linear part.
+    pub linear: [[f32; 2]; 2],
+    /// Added last.
+    pub offset: [f32; 2],
+}
+
+impl Default for UvTransform {
+    fn default() -> Self {
+        Self { linear: [[1.0, 0.0], [0.0, 1.0]], offset: [0.0, 0.0] }
+    }
+}
+
+impl UvTransform {
+    /// The image of a uv.
+    #[inline]
+    pub fn apply(&self, uv: Vec2) -> Vec2 {
+        let d = self.apply_linear(uv);
+        Vec2::new(d.x + self.offset[0], d.y + self.offset[1])
+    }
+
+    /// The image of a difference of two uvs.
+    #[inline]
+    pub fn apply_linear(&self, uv: Vec2) -> Vec2 {
+        let [[a, b], [c, d]] = self.linear;
+        Vec2::new(a * uv.x + b * uv.y, c * uv.x + d * uv.y)
+    }
+}
+
+/// Which way the green channel of a normal map points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum GreenChannel {
+    /// +Y, towards decreasing v (up in the picture): OpenGL and glTF.
+    #[default]
+    Up,
+    /// −Y: DirectX.
+    Down,
+}
+
+/// In which space a normal map's vectors are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NormalSpace {
+    /// Relative to tangent, bitangent and normal.
+    #[default]
+    Tangent,
+    /// Object space.
+    Object,
+}
+
+/// A normal map in use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormalMap {
+    /// The texture, linear.
+    pub texture: TextureRef,
+    /// Multiplies x and y before normalising.
+    pub scale: f32,
+    /// The space of its vectors.
+    pub space: NormalSpace,
+    /// The direction of its green channel.
+    pub green: GreenChannel,
+}
+
+/// A height map in use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeightMap {
+    /// The texture, linear; the first channel is the height in [0, 1].
+    pub texture: TextureRef,
+    /// The height of 1, in model units.
+    pub scale: f32,
+}
+
+/// What happens where a surface is not fully there.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// Drawn where alpha is at least the cutoff.
+    Mask(f32),
+    /// Laid over what is behind.
+    Blend,
+}
+
+/// The parameters of the classic models, where authored. What is `None` follows from the metallic-roughness values.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Classic {
+    /// k_a, linear RGB.
+    pub ambient: Option<[f32; 3]>,
+    /// k_d, linear RGB; multiplies the base colour texture.
+    pub diffuse: Option<[f32; 3]>,
+    /// k_s, linear RGB.
+    pub specular: Option<[f32; 3]>,
+    /// Phong and Blinn-Phong exponent, at least 0.
+    pub shininess: Option<f32>,
+    /// Beckmann rms slope, above 0.
+    pub slope: Option<f32>,
+}
+
+/// A surface: metallic-roughness as in glTF 2.0, with the parameters of other models beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Its name; may be empty.
+    pub name: String,
+    /// Linear RGB and alpha; multiplies texture and vertex colour.
+    pub base_color: [f32; 4],
+    /// RGBA, sRGB-encoded colour.
+    pub base_color_texture: Option<TextureRef>,
+    /// [0, 1].
+    pub metallic: f32,
+    /// What artists set, [0, 1]; α is its square.
+    pub roughness: f32,
+    /// Green is roughness, blue is metallic; linear.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Reflectance at normal incidence, linear RGB, where authored; else mixed from 0.04 and the base colour.
+    pub f0: Option<[f32; 3]>,
+    /// Reflectance at 82° (cos θ = 1/7), linear RGB, where authored; else Schlick's.
+    pub f82: Option<[f32; 3]>,
+    /// The normal map.
+    pub normal: Option<NormalMap>,
+    /// The height map, for bump mapping.
+    pub height: Option<HeightMap>,
+    /// Red is occlusion; darkens ambient light only.
+    pub occlusion_texture: Option<TextureRef>,
+    /// [0, 1]: how much the occlusion counts.
+    pub occlusion_strength: f32,
+    /// Emitted radiance, linear RGB.
+    pub emissive: [f32; 3],
+    /// Multiplies `emissive`; sRGB-encoded colour.
+    pub emissive_texture: Option<TextureRef>,
+    /// What alpha does.
+    pub alpha: AlphaMode,
+    /// Whether back faces are drawn, with the normal turned.
+    pub double_sided: bool,
+    /// KHR_materials_unlit: the base colour is the picture.
+    pub unlit: bool,
+    /// The parameters of the classic models.
+    pub classic: Classic,
+}
+
+impl Default for Material {
+    /// A neutral grey dielectric, for files that name no material.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: [0.6, 0.6, 0.6, 1.0],
+            base_color_texture: None,
+            metallic: 0.0,
+            roughness: 0.6,
+            metallic_roughness_texture: None,
+            f0: None,
+            f82: None,
+            normal: None,
+            height: None,
+            occlusion_texture: None,
+            occlusion_strength: 1.0,
+            emissive: [0.0; 3],
+            emissive_texture: None,
+            alpha: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+            classic: Classic::default(),
+        }
+    }
+}

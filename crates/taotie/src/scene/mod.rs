@@ -1,0 +1,87 @@
+//! What is looked at: meshes, materials, textures, instances, lights and cameras. Data, no behaviour.
+
+mod camera;
+mod light;
+mod material;
+
+pub use camera::{Camera, Projection};
+pub use light::{Falloff, Light, LightKind};
+pub use material::{
+    AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
+};
+
+use crate::image::Texture;
+use crate::math::{Mat4, Vec3};
+use crate::mesh::Mesh;
+
+/// A scene. Indices in it are in range: the readers and [`Scene::bounds`] rely on that.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    /// The meshes, object space.
+    pub meshes: Vec<Mesh>,
+    /// The materials.
+    pub materials: Vec<Material>,
+    /// The textures that materials name by index.
+    pub textures: Vec<Texture>,
+    /// What is placed where.
+    pub instances: Vec<Instance>,
+    /// The lights of the file, world space.
+    pub lights: Vec<Light>,
+    /// The cameras of the file, world space.
+    pub cameras: Vec<Camera>,
+}
+
+/// A mesh placed in the world with a material.
+#[derive(Debug, Clone, Copy)]
+pub struct Instance {
+    /// Index into [`Scene::meshes`].
+    pub mesh: usize,
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+    /// Takes object space to world space.
+    pub world_from_object: Mat4,
+}
+
+/// An axis-aligned box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// The corner of least coordinates.
+    pub min: Vec3<f64>,
+    /// The corner of greatest coordinates.
+    pub max: Vec3<f64>,
+}
+
+impl Bounds {
+    /// The middle.
+    pub fn center(&self) -> Vec3<f64> {
+        (self.min + self.max) * 0.5
+    }
+
+    /// The length of the diagonal.
+    pub fn diagonal(&self) -> f64 {
+        (self.max - self.min).length()
+    }
+}
+
+impl Scene {
+    /// The world-space box around every triangle's corners, or `None` where there is no triangle.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let mut bounds: Option<Bounds> = None;
+        for instance in &self.instances {
+            let mesh = &self.meshes[instance.mesh];
+            for index in mesh.triangles().iter().flatten() {
+                let p = mesh.positions()[*index as usize].to_f64();
+                let p = instance.world_from_object.transform_point(p);
+                let b = bounds.get_or_insert(Bounds { min: p, max: p });
+                b.min = Vec3::new(b.min.x.min(p.x), b.min.y.min(p.y), b.min.z.min(p.z));
+                b.max = Vec3::new(b.max.x.max(p.x), b.max.y.max(p.y), b.max.z.max(p.z));
+            }
+        }
+        bounds
+    }
+
+    /// How many triangles the instances draw.
+    pub fn triangle_count(&self) -> usize {
+        self.instances.iter().map(|i| self.meshes[i.mesh].triangles().len()).sum()
+    }
+}
