@@ -4,7 +4,7 @@ use super::batch::{Batch, load, load3, splat3, store3};
 use super::prepare::Draw;
 use crate::math::{Lane, Vec3, scalar};
 use crate::scene::{Falloff, Light, LightKind, Material};
-use crate::shade::{self, Angles, Shading, Substance};
+use crate::shade::{self, Angles, Shading, Substance, fresnel, lights, ndf};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 
 /// Reflectance at normal incidence of an ordinary dielectric, glTF 2.0 appendix B.
@@ -59,16 +59,16 @@ impl Source {
         let l = to_light * (f32x8::splat(simd, 1.0) / distance);
         let mut attenuation = match self.falloff {
             Falloff::None => f32x8::splat(simd, 1.0),
-            Falloff::InverseSquare => shade::inverse_square(distance_squared),
+            Falloff::InverseSquare => lights::inverse_square(distance_squared),
             Falloff::Windowed(range) => {
-                shade::inverse_square(distance_squared)
-                    * shade::range_window(distance, f32x8::splat(simd, range))
+                lights::inverse_square(distance_squared)
+                    * lights::range_window(distance_squared, f32x8::splat(simd, range))
             }
         };
         if let Some((axis, cos_inner, cos_outer)) = self.cone {
             let cos = -splat3(simd, axis).dot(l);
             let (inner, outer) = (f32x8::splat(simd, cos_inner), f32x8::splat(simd, cos_outer));
-            attenuation = attenuation * shade::spot_cone(cos, inner, outer);
+            attenuation = attenuation * lights::spot_cone(cos, inner, outer);
         }
         (l, color * attenuation)
     }
@@ -125,6 +125,11 @@ fn lit_pack<S: Simd>(
     radiance
 }
 
+/// Whether the model multiplies k_s by a Fresnel term made from F0, so that k_s itself is 1 where not authored.
+fn takes_fresnel(shading: Shading) -> bool {
+    matches!(shading, Shading::CookTorrance | Shading::CookTorrancePrinted)
+}
+
 /// The surface's parameters in every model's terms, and k_a. What the material does not author follows from the
 /// metallic-roughness values.
 #[inline(always)]
@@ -146,7 +151,7 @@ fn substance<S: Simd>(
         None => Vec3::splat(f32x8::splat(simd, DIELECTRIC_F0)) * (one - metallic) + base_color * metallic,
     };
     let f82_drop = match material.f82 {
-        Some(f82) => shade::f82_drop(f0, authored(f82)),
+        Some(f82) => fresnel::f82_drop(f0, authored(f82)),
         None => Vec3::splat(f32x8::splat(simd, 0.0)),
     };
     let diffuse = match material.classic.diffuse {
@@ -155,14 +160,14 @@ fn substance<S: Simd>(
     };
     let specular = match material.classic.specular {
         Some(specular) => authored(specular),
-        None if shading.takes_fresnel() => Vec3::splat(one),
+        None if takes_fresnel(shading) => Vec3::splat(one),
         None => f0,
     };
     let alpha = Lane::max(roughness * roughness, f32x8::splat(simd, 0.02));
     let shininess = material
         .classic
         .shininess
-        .map_or_else(|| shade::shininess_from_alpha(alpha), |shininess| f32x8::splat(simd, shininess));
+        .map_or_else(|| ndf::shininess_from_alpha(alpha), |shininess| f32x8::splat(simd, shininess));
     let slope = material.classic.slope.map_or(alpha, |slope| f32x8::splat(simd, slope));
     let ambient = match material.classic.ambient {
         Some(ambient) => authored(ambient).mul_elements(tint),
