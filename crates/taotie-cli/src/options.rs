@@ -50,7 +50,12 @@ pub fn size(value: &str) -> Result<[u32; 2], String> {
 
 /// A finite number.
 pub fn number(value: &str) -> Result<f64, String> {
-    value.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(|| format!("`{value}` is not a number"))
+    value
+        .trim()
+        .parse::<f64>()
+        .ok()
+        .filter(|v| v.is_finite())
+        .ok_or_else(|| format!("`{value}` is not a number"))
 }
 
 /// Finite numbers parted by commas.
@@ -71,8 +76,9 @@ pub fn color(value: &str) -> Result<Vec3, String> {
     if let Ok(grey) = number(value) {
         return Ok(Vec3::splat(grey as f32));
     }
-    let css = csscolorparser::parse(value)
-        .map_err(|_| format!("`{value}` is no colour; write a CSS colour such as #d0c8b0 or a linear grey such as 0.5"))?;
+    let css = csscolorparser::parse(value).map_err(|_| {
+        format!("`{value}` is no colour; write a CSS colour such as #d0c8b0 or a linear grey such as 0.5")
+    })?;
     let linear = |v: f32| taotie::math::srgb::linear_from_srgb(f64::from(v)) as f32;
     Ok(Vec3::new(linear(css.r), linear(css.g), linear(css.b)))
 }
@@ -84,7 +90,9 @@ mod tests {
     #[test]
     fn sizes() {
         assert_eq!(size("640x480"), Ok([640, 480]));
-        assert!(size("640").is_err() && size("0x1").is_err() && size("1x99999").is_err() && size("-1x2").is_err());
+        assert!(
+            size("640").is_err() && size("0x1").is_err() && size("1x99999").is_err() && size("-1x2").is_err()
+        );
     }
 
     #[test]

@@ -28,8 +28,12 @@ impl Viewpoint {
         let (azimuth, elevation, distance) = match args.orbit.as_deref() {
             None => (DEFAULT_ORBIT[0], DEFAULT_ORBIT[1], None),
             Some([azimuth, elevation]) => (*azimuth, *elevation, None),
-            Some([azimuth, elevation, distance]) if *distance > 0.0 => (*azimuth, *elevation, Some(*distance)),
-            Some(_) => bail!("--orbit: write AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE with a distance above 0"),
+            Some([azimuth, elevation, distance]) if *distance > 0.0 => {
+                (*azimuth, *elevation, Some(*distance))
+            }
+            Some(_) => bail!(
+                "--orbit: write AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE with a distance above 0"
+            ),
         };
         let [azimuth, elevation, fov_y] = [azimuth, elevation, args.fov_deg].map(f64::to_radians);
         let aspect = f64::from(args.size[0]) / f64::from(args.size[1]);
@@ -61,8 +65,12 @@ fn named(scene: &Scene, name: &str) -> Result<Camera> {
     if let Some(camera) = name.parse::<usize>().ok().and_then(|index| scene.cameras.get(index)) {
         return Ok(camera.clone());
     }
-    let names: Vec<String> =
-        scene.cameras.iter().enumerate().map(|(i, c)| if c.name.is_empty() { i.to_string() } else { c.name.clone() }).collect();
+    let names: Vec<String> = scene
+        .cameras
+        .iter()
+        .enumerate()
+        .map(|(i, c)| if c.name.is_empty() { i.to_string() } else { c.name.clone() })
+        .collect();
     match names.is_empty() {
         true => bail!("--camera {name}: the file has no camera; use --orbit"),
         false => bail!("--camera {name}: the file has no such camera; it has: {}", names.join(", ")),

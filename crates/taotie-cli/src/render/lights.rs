@@ -45,7 +45,8 @@ struct Words<'a> {
 impl<'a> Words<'a> {
     fn new(spec: &'a str) -> Result<Self> {
         let mut words = spec.split_whitespace();
-        let kind = words.next().ok_or_else(|| anyhow!("it is empty; start with point, spot or directional"))?;
+        let kind =
+            words.next().ok_or_else(|| anyhow!("it is empty; start with point, spot or directional"))?;
         let mut values = BTreeMap::new();
         for word in words {
             let (key, value) = word.split_once('=').ok_or_else(|| anyhow!("`{word}` is not key=value"))?;
@@ -65,7 +66,8 @@ impl<'a> Words<'a> {
 
 fn parse(spec: &str, camera: &Camera) -> Result<Light> {
     let mut words = Words::new(spec)?;
-    let position = |words: &mut Words<'_>| Ok::<_, anyhow::Error>(words.need("at", options::vector)?.to_f32());
+    let position =
+        |words: &mut Words<'_>| Ok::<_, anyhow::Error>(words.need("at", options::vector)?.to_f32());
     let kind = match words.kind {
         "point" => LightKind::Point { position: position(&mut words)? },
         "spot" => {
@@ -78,7 +80,11 @@ fn parse(spec: &str, camera: &Camera) -> Result<Light> {
     let strength = words.take("strength", options::number)?.unwrap_or(3.0);
     let color = words.take("color", options::color)?.unwrap_or(Vec3::splat(1.0));
     let falloff = words.take("falloff", |value| {
-        options::named("falloff", &[("none", Falloff::None), ("inverse-square", Falloff::InverseSquare)], value)
+        options::named(
+            "falloff",
+            &[("none", Falloff::None), ("inverse-square", Falloff::InverseSquare)],
+            value,
+        )
     })?;
     if let Some((key, _)) = words.values.first_key_value() {
         bail!("a {} light has no `{key}`", words.kind);
@@ -138,7 +144,8 @@ mod tests {
         let point = parse("point at=1,2,3 strength=2 color=0.5 falloff=none", &front()).unwrap();
         assert_eq!(point.kind, LightKind::Point { position: Vec3::new(1.0, 2.0, 3.0) });
         assert_eq!((point.color, point.falloff), (Vec3::splat(1.0), Falloff::None));
-        let LightKind::Directional { direction } = parse("directional from=90,0", &front()).unwrap().kind else {
+        let LightKind::Directional { direction } = parse("directional from=90,0", &front()).unwrap().kind
+        else {
             panic!("not directional")
         };
         assert!((direction - Vec3::new(-1.0, 0.0, 0.0)).length() < 1e-6);

@@ -6,8 +6,8 @@ use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use taotie::image::{Encoding, Sampler, Texture};
 use taotie::scene::{
-    AlphaMode, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, PRESETS, Scene, TextureRef, UvTransform,
-    preset,
+    AlphaMode, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, PRESETS, Scene, TextureRef,
+    UvTransform, preset,
 };
 use taotie::{Error, io};
 
@@ -145,7 +145,12 @@ fn unknown_preset() -> String {
 impl MaterialFile {
     /// Ranges, so that shading cannot be given nonsense.
     fn check(&self) -> Result<()> {
-        let unit = [("metallic", self.metallic), ("roughness", self.roughness), ("alpha", self.alpha), ("alpha_cutoff", self.alpha_cutoff)];
+        let unit = [
+            ("metallic", self.metallic),
+            ("roughness", self.roughness),
+            ("alpha", self.alpha),
+            ("alpha_cutoff", self.alpha_cutoff),
+        ];
         for (name, value) in unit {
             if value.is_some_and(|v| !(0.0..=1.0).contains(&v)) {
                 bail!("{name}: it must lie between 0 and 1");
@@ -158,8 +163,13 @@ impl MaterialFile {
             bail!("slope: it must be above 0");
         }
         let colors = [
-            ("base_color", self.base_color), ("f0", self.f0), ("f82", self.f82), ("ambient", self.ambient),
-            ("diffuse", self.diffuse), ("specular", self.specular), ("emissive", self.emissive),
+            ("base_color", self.base_color),
+            ("f0", self.f0),
+            ("f82", self.f82),
+            ("ambient", self.ambient),
+            ("diffuse", self.diffuse),
+            ("specular", self.specular),
+            ("emissive", self.emissive),
         ];
         for (name, color) in colors {
             if color.is_some_and(|c| c.iter().any(|v| !(*v >= 0.0 && v.is_finite()))) {
@@ -183,8 +193,10 @@ impl MaterialFile {
     }
 
     fn authors_reflectance(&self) -> bool {
-        let colors = [self.base_color, self.f0, self.f82, self.ambient, self.diffuse, self.specular, self.emissive];
-        let numbers = [self.alpha, self.metallic, self.roughness, self.shininess, self.slope, self.alpha_cutoff];
+        let colors =
+            [self.base_color, self.f0, self.f82, self.ambient, self.diffuse, self.specular, self.emissive];
+        let numbers =
+            [self.alpha, self.metallic, self.roughness, self.shininess, self.slope, self.alpha_cutoff];
         colors.iter().any(Option::is_some)
             || numbers.iter().any(Option::is_some)
             || self.alpha_mode.is_some()

@@ -75,7 +75,8 @@ fn render(args: &RenderArgs) -> Result<Report> {
         };
         let title = if frames > 1 { format!("frame {} of {frames}", index + 1) } else { "render".into() };
         let progress = Progress::new(title);
-        let frame = Pass::new(&prepared, &camera, &lighting, &settings)?.render(&|done| progress.set(done))?;
+        let frame =
+            Pass::new(&prepared, &camera, &lighting, &settings)?.render(&|done| progress.set(done))?;
         watch.lap("render");
         let path = if frames > 1 { numbered(&args.output, index, frames) } else { args.output.clone() };
         files.extend(output::write(args, &path, &frame)?);

@@ -50,7 +50,12 @@ pub fn write(args: &RenderArgs, path: &Path, frame: &Frame) -> Result<Vec<PathBu
 }
 
 /// Writes a linear picture, developed unless it is stored linear.
-pub fn write_picture(path: &Path, image: &Image, development: &Development, format: PictureFormat) -> Result<()> {
+pub fn write_picture(
+    path: &Path,
+    image: &Image,
+    development: &Development,
+    format: PictureFormat,
+) -> Result<()> {
     let (width, height) = (image.width(), image.height());
     let opaque = development.background.is_some();
     let color = if opaque { PngColor::Rgb } else { PngColor::Rgba };

@@ -9,6 +9,7 @@ use crate::math::{Vec2, Vec3, poly};
 use crate::mesh::Mesh;
 use crate::raster::{Barycentric, PerspectiveTriangle};
 use crate::scene::{HeightMap, Scene, TextureRef};
+use crate::surface;
 
 /// A triangle seen at a sample of a tile.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -170,21 +171,16 @@ impl<'p, 'a> Gather<'p, 'a> {
         TriangleSetup { vertices, perspective, n_front, dp_du, dp_dv }
     }
 
-    /// Solves the two edge equations of the triangle for ∂P/∂u and ∂P/∂v of the height map's uv.
+    /// ∂P/∂u and ∂P/∂v of the height map's uv; zero where no height map is read or uvs span no area.
     fn position_derivatives(&self, vertices: [u32; 3]) -> (Vec3, Vec3) {
         let zero = (Vec3::default(), Vec3::default());
         let (NormalSource::Bump(map, _) | NormalSource::BumpPrinted(map, _)) = self.draw.normal_source else {
             return zero;
         };
         let uvs = &self.draw.mesh.uvs()[map.texture.uv_set];
-        let [p0, p1, p2] = vertices.map(|v| self.draw.positions[v as usize]);
-        let [u0, u1, u2] = vertices.map(|v| map.texture.transform.apply(uvs[v as usize]));
-        let (e1, e2, d1, d2) = (p1 - p0, p2 - p0, u1 - u0, u2 - u0);
-        let det = d1.x * d2.y - d2.x * d1.y;
-        if det == 0.0 {
-            return zero;
-        }
-        ((e1 * d2.y - e2 * d1.y) / det, (e2 * d1.x - e1 * d2.x) / det)
+        let corners = vertices.map(|v| self.draw.positions[v as usize]);
+        let uvs = vertices.map(|v| map.texture.transform.apply(uvs[v as usize]));
+        surface::uv_derivatives(corners, uvs).map_or(zero, |d| (d.dp_du, d.dp_dv))
     }
 
     /// Position, sight, side, normal and tangent. Returns where shadow rays leave from.

@@ -54,7 +54,7 @@ impl Source {
             return (place, color);
         }
         let to_light = place - position;
-        let distance_squared = to_light.dot(to_light).max(f32x8::splat(simd, 1e-12));
+        let distance_squared = Lane::max(to_light.dot(to_light), f32x8::splat(simd, 1e-12));
         let distance = Lane::sqrt(distance_squared);
         let l = to_light * (f32x8::splat(simd, 1.0) / distance);
         let mut attenuation = match self.falloff {

@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, load, load3, splat3, store3};
 use super::prepare::{Draw, NormalSource};
-use crate::math::{Lane, Vec3};
+use crate::math::Vec3;
 use crate::scene::{GreenChannel, NormalMap};
 use crate::surface;
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
@@ -45,8 +45,8 @@ fn pack_normal<S: Simd>(simd: S, draw: &Draw<'_>, batch: &Batch, i: usize) -> Ve
             let [x, y, z] = draw.normal_matrix.map(|column| splat3(simd, column));
             x * bumped.x + y * bumped.y + z * bumped.z
         }
-        NormalSource::ObjectMap(map) => {
-            let stored = decode(simd, map, load3(simd, &batch.map, i));
+        NormalSource::ObjectMap(_) => {
+            let stored = surface::decode_object_normal(load3(simd, &batch.map, i));
             surface::object_normal(stored, draw.normal_matrix.map(|column| splat3(simd, column)))
         }
         NormalSource::TangentMap(map) => {

@@ -3,6 +3,7 @@
 mod camera;
 mod light;
 mod material;
+mod presets;
 
 pub use camera::{Camera, Framing, Orbit, Projection};
 pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
@@ -13,6 +14,7 @@ pub use material::{
 use crate::image::Texture;
 use crate::math::{Mat4, Vec3};
 use crate::mesh::Mesh;
+pub use presets::{PRESETS, preset};
 
 /// A scene. Indices in it are in range: the readers and [`Scene::bounds`] rely on that.
 #[derive(Debug, Clone, Default)]
