@@ -3,12 +3,14 @@
 mod camera;
 mod light;
 mod material;
+mod presets;
 
 pub use camera::{Camera, Projection};
 pub use light::{Falloff, Light, LightKind};
 pub use material::{
     AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
 };
+pub use presets::{PRESETS, Preset, preset};
 
 use crate::image::Texture;
 use crate::math::{Mat4, Vec3};
