@@ -10,6 +10,7 @@ pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
 pub use material::{
     AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
 };
+pub use presets::{PRESETS, Preset, preset};
 
 use crate::image::Texture;
 use crate::math::{Mat4, Vec3};

@@ -1,6 +1,6 @@
 //! The cosines that reflectance depends on.
 
-use crate::math::{Lane, Vec3};
+use crate::math::{Lane, Mask, Vec3};
 
 /// The smallest n·v that a formula sees: a perturbed or interpolated normal may turn away from a viewer who still
 /// sees the triangle, and several models divide by n·v.
@@ -41,13 +41,15 @@ impl<L: Lane> Angles<L> {
         let kept = squared.max(squared.lit(MIN_HALF_SQUARED));
         let length = kept.sqrt();
         let cross = n.cross(sum);
+        // Facets that face away or nowhere: the normal and h count as perpendicular.
+        let towards = n.dot(sum);
+        let hidden = towards.le(squared.lit(0.0)).or(squared.lt(kept));
         let sin2_h = (cross.dot(cross) / kept).clamp(0.0, 1.0);
-        let degenerate = squared.lt(kept);
         Self {
             n_dot_l,
             n_dot_v: n_dot_v.clamp(MIN_N_DOT_V, 1.0),
-            n_dot_h: L::select(degenerate, squared.lit(0.0), (n.dot(sum) / length).clamp(0.0, 1.0)),
-            sin2_h: L::select(degenerate, squared.lit(1.0), sin2_h),
+            n_dot_h: L::select(hidden, squared.lit(0.0), (towards / length).clamp(0.0, 1.0)),
+            sin2_h: L::select(hidden, squared.lit(1.0), sin2_h),
             v_dot_h: (length * length.lit(0.5)).clamp(0.0, 1.0),
             r_dot_v: (n_dot_l * n_dot_v * n_dot_l.lit(2.0) - l.dot(v)).clamp(-1.0, 1.0),
         }

@@ -1,20 +1,22 @@
-//! What the tests share.
+//! Where tests find data that is not in the repository.
+#![allow(dead_code, clippy::print_stderr)]
 
 use std::path::{Path, PathBuf};
 
-/// The folder `sub` of the test data by others, or `None` where it is absent.
+/// The folder `sub` of the test data: in `TAOTIE_DATA` if set, else in `../shared/data` beside the workspace.
 ///
-/// The data lie in the folder that the environment variable `TAOTIE_DATA` names, else beside the repository in
-/// `shared/data`. Where the variable `CI` is `true`, absence is a failure.
+/// Where it is absent the test has nothing to do: `None`, and a line that says so. In CI (`CI=true`) it panics, so
+/// that no test is skipped unseen.
 pub fn data_folder(sub: &str) -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let root = std::env::var_os("TAOTIE_DATA").map_or(beside, PathBuf::from);
+    let root = match std::env::var_os("TAOTIE_DATA") {
+        Some(folder) => PathBuf::from(folder),
+        None => Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+    };
     let folder = root.join(sub);
     if folder.exists() {
         return Some(folder);
     }
-    let reason = format!("no {}; set TAOTIE_DATA to the folder of test data", folder.display());
-    assert!(std::env::var("CI").as_deref() != Ok("true"), "{reason}");
-    println!("skipped: {reason}");
+    assert!(std::env::var("CI").as_deref() != Ok("true"), "test data missing in CI: {}", folder.display());
+    eprintln!("skipped: no test data at {} (set TAOTIE_DATA)", folder.display());
     None
 }
