@@ -190,7 +190,6 @@ mod tests {
         let start = std::time::Instant::now();
         let mut triangles = Vec::new();
         Cutter::default().cut(&spiral, &mut triangles);
-        eprintln!("spiral {:?} {}", start.elapsed(), triangles.len());
         assert!(start.elapsed().as_secs() < 20);
     }
 }

@@ -1,34 +1,21 @@
 //! Text files of unknown encoding, as lines that know their number.
 
+use super::file;
 use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// The longest file that is read: indices into it fit 32 bits.
-const MAX_BYTES: u64 = 4 << 30;
-
-/// The bytes of an ordinary file.
+/// The text of a file, see [`decode`].
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be read, [`Error::Limit`] where it is longer than 4 GiB,
-/// [`Error::Invalid`] where the path names a folder or a device.
-pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
-    let metadata = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
-    if !metadata.is_file() {
-        return Err(Error::invalid(
-            path.display().to_string(),
-            "it is not an ordinary file; name a model file",
-        ));
-    }
-    if metadata.len() >= MAX_BYTES {
-        return Err(Error::limit(path.display().to_string(), "at most 4 GiB; split the file"));
-    }
-    std::fs::read(path).map_err(|e| Error::io(path, e))
-}
-
-/// The text of a file, see [`decode`].
+/// [`Error::Io`] where the file cannot be read, [`Error::Limit`] where it is so long that counts of what it holds may
+/// not fit 32 bits.
 pub(super) fn read_text(path: &Path) -> Result<String> {
-    Ok(decode(read_bytes(path)?))
+    let bytes = file::read(path)?;
+    if bytes.len() >= u32::MAX as usize {
+        return Err(Error::limit(path.display().to_string(), "at most 4 GiB of text; split the file"));
+    }
+    Ok(decode(bytes))
 }
 
 /// Text from UTF-16 (with a byte order mark, or with a zero in the first two bytes), UTF-8, or else Latin-1, which

@@ -61,6 +61,11 @@ fn texture_ref(texture: usize, map: &Map) -> TextureRef {
     }
 }
 
+/// What a texture made from two files is called.
+fn names(maps: [Option<&Map>; 2]) -> String {
+    maps.into_iter().flatten().map(|map| map.file.as_str()).collect::<Vec<_>>().join(" + ")
+}
+
 /// The factor for a colour that has a texture: zero is read as one.
 fn factor(color: Option<[f32; 3]>, keyword: &str, warnings: &mut Warnings) -> [f32; 3] {
     match color {
@@ -101,7 +106,7 @@ fn color_encoding(map: &Map) -> Encoding {
 fn set_opacity_map(m: &mut Material, mtl: &Mtl, map: &Map, textures: &mut Textures, warnings: &mut Warnings) {
     let key = format!("opacity {map:?} of {:?} in {}", mtl.diffuse_map, mtl.folder.display());
     let colored = mtl.diffuse_map.as_ref().filter(|_| m.base_color_texture.is_some());
-    let index = textures.keyed(key, |textures| {
+    let index = textures.keyed(key, &names([colored, Some(map)]), |textures| {
         let opacity = textures.bitmap(map, &mtl.folder, warnings)?;
         let channel = map.channel.unwrap_or(Channel::Stored(if has_alpha(&opacity) { 3 } else { 0 }));
         let color = colored.and_then(|map| textures.bitmap(map, &mtl.folder, warnings));
@@ -153,7 +158,7 @@ fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, 
         map.and_then(|map| textures.bitmap(map, &mtl.folder, warnings))
     };
     let key = format!("roughness {rough:?} metalness {metal:?} in {}", mtl.folder.display());
-    let index = textures.keyed(key, |textures| {
+    let index = textures.keyed(key, &names([rough, metal]), |textures| {
         let green = read(rough, textures, warnings);
         let blue = read(metal, textures, warnings);
         let same = rough.zip(metal).is_some_and(|(a, b)| a.file == b.file);
@@ -222,10 +227,10 @@ fn height_map(
     let texture = match map.channel {
         None | Some(Channel::Stored(0)) => texture,
         Some(channel) => {
-            textures.keyed(format!("height {map:?} in {}", mtl.folder.display()), |textures| {
-                let height =
-                    combine([Some(Reader::new(textures.list[texture].bitmap(), channel)), None, None, None])?;
-                Some(Texture::new(height, Encoding::Linear))
+            let key = format!("height {map:?} in {}", mtl.folder.display());
+            textures.keyed(key, &map.file, |textures| {
+                let heights = Reader::new(textures.list[texture].bitmap(), channel);
+                combine([Some(heights), None, None, None]).map(|b| Texture::new(b, Encoding::Linear))
             })?
         }
     };

@@ -41,14 +41,15 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let obj = parse::parse(path, &text::read_text(path)?, &mut warnings)?;
     let parts = build::build(&obj, &mut warnings)?;
-    let scene = assemble(path.parent().unwrap_or(Path::new("")), &obj, parts, &mut warnings);
-    Ok(Loaded { scene, warnings, format: "OBJ" })
+    let mut loaded = Loaded::new(Scene::default(), warnings, "OBJ");
+    assemble(path.parent().unwrap_or(Path::new("")), &obj, parts, &mut loaded);
+    Ok(loaded)
 }
 
-fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, warnings: &mut Warnings) -> Scene {
-    let mut scene = Scene::default();
+fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Loaded) {
+    let Loaded { scene, warnings, missing_files, .. } = loaded;
     let mut textures = Textures::new(folder);
-    let library = library(folder, obj, warnings);
+    let library = library(folder, obj, warnings, missing_files);
     let mut material_of_name: HashMap<Option<usize>, usize> = HashMap::new();
     let mut unknown = 0;
     for (name, mesh) in parts {
@@ -63,10 +64,11 @@ fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, warnings: &mut Wa
             });
             scene.materials.len() - 1
         });
-        place(&mut scene, mesh, material);
+        place(scene, mesh, material);
     }
     scene.textures = textures.list;
-    scene
+    loaded.texture_names = textures.names;
+    loaded.missing_files.append(&mut textures.missing_files);
 }
 
 fn place(scene: &mut Scene, mesh: Mesh, material: usize) {
@@ -85,13 +87,19 @@ fn note_unknown(name: &str, unknown: &mut usize, warnings: &mut Warnings) {
 }
 
 /// The materials of all libraries by name; of equal names, the last.
-fn library(folder: &Path, obj: &Obj, warnings: &mut Warnings) -> HashMap<String, Mtl> {
+fn library(
+    folder: &Path,
+    obj: &Obj,
+    warnings: &mut Warnings,
+    missing_files: &mut Vec<String>,
+) -> HashMap<String, Mtl> {
     let mut materials = HashMap::new();
     for names in obj.libraries.iter().take(NAMED) {
         for name in library_files(names, folder) {
             let text = match textures::find(&name, &[folder]) {
                 None => {
                     warnings.note(format!("material library {} is not there", quote(&name)), 1);
+                    missing_files.push(name);
                     continue;
                 }
                 Some(path) => text::read_text(&path).map(|text| (path, text)),

@@ -18,19 +18,31 @@ pub(super) struct Textures<'a> {
     pub folder: &'a Path,
     /// What the materials will name by index.
     pub list: Vec<Texture>,
+    /// Of each texture, the files it was made from.
+    pub names: Vec<String>,
+    /// The files that are not there.
+    pub missing_files: Vec<String>,
     known: HashMap<String, Option<usize>>,
     missing: HashSet<String>,
 }
 
 impl<'a> Textures<'a> {
     pub(super) fn new(folder: &'a Path) -> Self {
-        Self { folder, list: Vec::new(), known: HashMap::new(), missing: HashSet::new() }
+        Self {
+            folder,
+            list: Vec::new(),
+            names: Vec::new(),
+            missing_files: Vec::new(),
+            known: HashMap::new(),
+            missing: HashSet::new(),
+        }
     }
 
-    /// The texture under `key`, which `make` makes at the first call; `None` where that failed.
+    /// The texture under `key`, made from the files `name`, which `make` makes at the first call; `None` where that failed.
     pub(super) fn keyed(
         &mut self,
         key: String,
+        name: &str,
         make: impl FnOnce(&mut Self) -> Option<Texture>,
     ) -> Option<usize> {
         if let Some(known) = self.known.get(&key) {
@@ -38,6 +50,7 @@ impl<'a> Textures<'a> {
         }
         let index = make(self).map(|texture| {
             self.list.push(texture);
+            self.names.push(name.to_owned());
             self.list.len() - 1
         });
         self.known.insert(key, index);
@@ -53,7 +66,7 @@ impl<'a> Textures<'a> {
         warnings: &mut Warnings,
     ) -> Option<usize> {
         let key = format!("{encoding:?} {}", full_name(map, folder));
-        self.keyed(key, |s| s.bitmap(map, folder, warnings).map(|b| Texture::new(b, encoding)))
+        self.keyed(key, &map.file, |s| s.bitmap(map, folder, warnings).map(|b| Texture::new(b, encoding)))
     }
 
     /// The picture that `map` names; `None` with a note where it cannot be read.
@@ -63,7 +76,10 @@ impl<'a> Textures<'a> {
             return None;
         }
         let why = match find(&map.file, &[folder, self.folder]) {
-            None => "it is not there".to_owned(),
+            None => {
+                self.missing_files.push(map.file.clone());
+                "it is not there".to_owned()
+            }
             Some(path) => match read_bitmap(&path) {
                 Ok(bitmap) => return Some(bitmap),
                 Err(error) => error.to_string(),
