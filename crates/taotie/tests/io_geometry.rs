@@ -32,12 +32,14 @@ fn every_file_loads_or_says_why_not_in_one_line() {
         let start = Instant::now();
         let text = match load_model(&path) {
             Ok(loaded) => {
+                println!("{} {:?} {:?}", path.display(), start.elapsed(), loaded.warnings);
                 let triangles = loaded.scene.triangle_count();
                 assert!(triangles > 0, "{}", path.display());
                 format!("{triangles} triangles, {:?}", loaded.warnings)
             }
             Err(error) => {
                 let text = error.to_string();
+                println!("{text}");
                 assert!(!text.contains('\n'), "{text}");
                 assert!(text.contains(&*path.file_name().expect("a name").to_string_lossy()), "{text}");
                 text

@@ -3,6 +3,7 @@
 mod bitmap;
 mod file;
 mod gltf;
+mod locate;
 mod obj;
 mod ply;
 mod polygon;

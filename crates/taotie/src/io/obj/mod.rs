@@ -13,8 +13,8 @@ mod textures;
 
 pub(super) use material::neutral;
 
-use super::Loaded;
 use super::text::{self, quote};
+use super::{Loaded, locate};
 use crate::error::{Result, Warnings};
 use crate::math::Mat4;
 use crate::mesh::Mesh;
@@ -96,7 +96,7 @@ fn library(
     let mut materials = HashMap::new();
     for names in obj.libraries.iter().take(NAMED) {
         for name in library_files(names, folder) {
-            let text = match textures::find(&name, &[folder]) {
+            let text = match locate::find(&name, &[folder]) {
                 None => {
                     warnings.note(format!("material library {} is not there", quote(&name)), 1);
                     missing_files.push(name);
@@ -122,7 +122,7 @@ fn library(
 /// backslash keeps the space behind it.
 fn library_files(names: &str, folder: &Path) -> Vec<String> {
     let whole = names.trim().trim_matches('"');
-    if !whole.contains(char::is_whitespace) || textures::find(whole, &[folder]).is_some() {
+    if !whole.contains(char::is_whitespace) || locate::find(whole, &[folder]).is_some() {
         return vec![whole.to_owned()];
     }
     let kept = whole.replace("\\ ", "\0");

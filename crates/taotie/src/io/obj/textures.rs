@@ -1,5 +1,6 @@
 //! The pictures that MTL files name, each read once.
 
+use super::super::locate::find;
 use super::super::read_bitmap;
 use super::super::text::quote;
 use super::mtl::{Channel, Map};
@@ -7,7 +8,7 @@ use super::pixels::stored;
 use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, Texels, Texture};
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// How many missing files are named one by one.
 const NAMED: usize = 64;
@@ -103,34 +104,6 @@ impl<'a> Textures<'a> {
 
 fn full_name(map: &Map, folder: &Path) -> String {
     format!("{} in {}", map.file, folder.display())
-}
-
-/// The file that a name written on any system means: as it stands below one of `folders`, else its last part beside
-/// them, else the same without regard to upper and lower case.
-pub(super) fn find(name: &str, folders: &[&Path]) -> Option<PathBuf> {
-    let name = name.replace('\\', "/");
-    let last = name.rsplit('/').next().unwrap_or(&name);
-    let candidates = [name.as_str(), last];
-    for candidate in candidates.iter().filter(|c| !c.is_empty()) {
-        for folder in folders {
-            let path = folder.join(candidate);
-            if path.is_file() {
-                return Some(path);
-            }
-        }
-    }
-    folders.iter().find_map(|folder| find_any_case(last, folder))
-}
-
-fn find_any_case(name: &str, folder: &Path) -> Option<PathBuf> {
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let mut found: Vec<PathBuf> = std::fs::read_dir(folder)
-        .ok()?
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.file_name().is_some_and(|f| f.to_string_lossy().eq_ignore_ascii_case(name)))
-        .collect();
-    found.sort();
-    found.into_iter().find(|path| path.is_file())
 }
 
 /// The channel that a map reads of a picture, in [0, 1], at a position in [0, 1) by the nearest texel.
