@@ -18,7 +18,7 @@ use super::{Loaded, locate};
 use crate::error::{Result, Warnings};
 use crate::math::Mat4;
 use crate::mesh::Mesh;
-use crate::scene::{Instance, Scene};
+use crate::scene::{Instance, Material, Scene};
 use mtl::Mtl;
 use parse::Obj;
 use std::collections::HashMap;
@@ -59,7 +59,8 @@ fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Load
                 Some(mtl) => material::material(mtl, &mut textures, warnings),
                 None => {
                     note_unknown(name, &mut unknown, warnings);
-                    neutral(name)
+                    let white = Material { base_color: [1.0; 4], ..neutral(name) };
+                    if obj.colors.is_empty() { neutral(name) } else { white }
                 }
             });
             scene.materials.len() - 1
