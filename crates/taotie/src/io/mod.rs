@@ -3,6 +3,12 @@
 mod bitmap;
 mod file;
 mod gltf;
+mod locate;
+mod obj;
+mod ply;
+mod polygon;
+mod stl;
+mod text;
 mod write;
 
 pub use bitmap::{decode_bitmap, read_bitmap};
@@ -55,10 +61,9 @@ impl Loaded {
 pub fn load_model(path: &Path) -> Result<Loaded> {
     match format_of(path)? {
         Format::Gltf => gltf::read(path),
-        // Readers of the other formats are registered here.
-        Format::Obj | Format::Ply | Format::Stl => {
-            Err(Error::unsupported("this format", "not yet registered"))
-        }
+        Format::Obj => obj::read(path),
+        Format::Ply => ply::read(path),
+        Format::Stl => stl::read(path),
     }
 }
 
