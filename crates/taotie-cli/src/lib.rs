@@ -1,1 +1,3 @@
+//! The taotie command.
 
+pub mod jue;
