@@ -39,11 +39,11 @@ pub(super) const INSIDE_SCALE: f64 = 2.45;
 /// Where the vessel's axis meets the interior's chart.
 pub(super) const INSIDE_CENTER: Vec2<f64> = Vec2::new(0.728, 0.112);
 /// Middles of the two posts' charts.
-pub(super) const POST_CENTERS: [Vec2<f64>; 2] = [Vec2::new(0.675, 0.395), Vec2::new(0.675, 0.518)];
+pub(super) const POST_CENTERS: [Vec2<f64>; 2] = [Vec2::new(0.698, 0.378), Vec2::new(0.698, 0.532)];
 /// Half the side of a post's chart.
-pub(super) const POST_RADIUS: f64 = 0.046;
+pub(super) const POST_RADIUS: f64 = 0.056;
 /// The middle of the handle's chart.
-pub(super) const HANDLE_CENTER: Vec2<f64> = Vec2::new(0.822, 0.470);
+pub(super) const HANDLE_CENTER: Vec2<f64> = Vec2::new(0.846, 0.470);
 /// Half the side of the handle's chart.
 pub(super) const HANDLE_RADIUS: f64 = 0.088;
 /// uv units a metre along a leg.

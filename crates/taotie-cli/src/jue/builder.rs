@@ -30,7 +30,6 @@ impl Builder {
         self.positions.len() - 1
     }
 
-
     /// Where a vertex lies in the atlas.
     pub fn uv(&self, vertex: usize) -> Vec2<f64> {
         self.uvs[vertex]

@@ -7,15 +7,17 @@ use taotie::math::{Vec2, Vec3, scalar};
 /// Angles of the legs about the axis from +x towards +z, in units of a twelfth of a turn: under the handle, front.
 const LEG_TWELFTHS: [f64; 3] = [9.0, 1.0, 5.0];
 /// Half width, distance from the axis and height of a leg's outer face at its three stations.
-const LEG_OUTER: [[f64; 3]; 3] = [[0.0085, 0.0290, 0.1030], [0.0063, 0.0335, 0.0520], [0.0, 0.0430, 0.0]];
+const LEG_OUTER: [[f64; 3]; 3] = [[0.0085, 0.0276, 0.1030], [0.0066, 0.0325, 0.0520], [0.0, 0.0430, 0.0]];
+/// How much nearer to the axis the leg under the handle stands, where the oval is narrow.
+const LEG_INSET: [f64; 3] = [0.0025, 0.0, 0.0];
 /// Distance from the axis and height of a leg's inner ridge.
 const LEG_RIDGE: [[f64; 2]; 2] = [[0.0120, 0.0890], [0.0235, 0.0520]];
 /// The foot of a post on the rim; the other is mirrored in z.
 const POST: [f64; 2] = [0.0290, 0.0222];
 /// Half side and height of a post's shaft below and above.
-const SHAFT: [[f64; 2]; 2] = [[0.0034, 0.1600], [0.0027, 0.1950]];
+const SHAFT: [[f64; 2]; 2] = [[0.0027, 0.1615], [0.0022, 0.1950]];
 /// Radius and height of the cap's edge, height of its top.
-const CAP: [f64; 3] = [0.0078, 0.1938, 0.2070];
+const CAP: [f64; 3] = [0.0096, 0.1935, 0.2065];
 /// The handle's middle line in the plane x = 0: y, −z, and the direction of its outer side as (y, −z).
 const HANDLE: [[f64; 4]; 5] = [
     [0.1510, 0.0286, 1.0, 0.0],
@@ -44,7 +46,7 @@ fn leg_point(leg: usize, across: f64, out: f64, y: f64) -> Vec3<f64> {
     let angle = std::f64::consts::PI / 6.0 * LEG_TWELFTHS[leg];
     let d = Vec3::new(scalar::cos(angle), 0.0, scalar::sin(angle));
     let right = Vec3::new(d.z, 0.0, -d.x);
-    d * out + right * across + Vec3::new(0.0, y, 0.0)
+    d * (out - LEG_INSET[leg]) + right * across + Vec3::new(0.0, y, 0.0)
 }
 
 fn add_leg(b: &mut Builder, leg: usize) {
@@ -115,8 +117,8 @@ fn add_post(b: &mut Builder, post: usize, side: f64) {
     let square = ring(4, 0.5 - side * 0.3);
     let hexagon = ring(6, 0.5 - side * 0.45);
     let apex = add(Vec2::new(0.0, 0.0), 0.0, CAP[2], Vec2::new(0.0, 0.0));
-    let cap: Vec<usize> = hexagon.iter().map(|o| add(*o, CAP[0], CAP[1], *o * 0.38)).collect();
-    let [foot, head] = [(SHAFT[0], 1.0), (SHAFT[1], 0.56)].map(|([half, y], chart)| -> Vec<usize> {
+    let cap: Vec<usize> = hexagon.iter().map(|o| add(*o, CAP[0], CAP[1], *o * 0.56)).collect();
+    let [foot, head] = [(SHAFT[0], 1.0), (SHAFT[1], 0.73)].map(|([half, y], chart)| -> Vec<usize> {
         square.iter().map(|o| add(*o, half * std::f64::consts::SQRT_2, y, *o * chart)).collect()
     });
     // The sole hangs on the side from corner 3 to corner 0, so its far corners are copies of 2 and 1.

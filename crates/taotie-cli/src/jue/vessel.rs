@@ -18,7 +18,7 @@ const INSIDE: Smooth = Smooth(1);
 const RINGS: [[f64; 3]; 4] =
     [[0.0875, 0.0240, 0.0208], [0.1000, 0.0322, 0.0280], [0.1190, 0.0342, 0.0293], [0.1400, 0.0330, 0.0283]];
 /// The lowest point of the outside and of the inside.
-const POLES: [f64; 2] = [0.0805, 0.0880];
+const POLES: [f64; 2] = [0.0795, 0.0875];
 /// Row 4 for columns 0 to 8: the tail's keel, the rim, then half of the spout's section. z is mirrored beyond.
 const ROW_4: [[f64; 3]; 9] = [
     [-0.0470, 0.1630, 0.0],
@@ -55,7 +55,7 @@ const FLOOR_MIDDLE: [f64; 3] = [0.0715, 0.1630, 0.0];
 /// The tail's floor inside.
 const TAIL_FLOOR: [f64; 3] = [-0.0455, 0.1665, 0.0];
 /// Height and half axes of the inside's ring.
-const INNER_RING: [f64; 3] = [0.1220, 0.0290, 0.0245];
+const INNER_RING: [f64; 3] = [0.1400, 0.0296, 0.0252];
 
 /// The point of column `j` on ring `i`.
 pub(super) fn ring_point(i: usize, j: usize) -> Vec3<f64> {
