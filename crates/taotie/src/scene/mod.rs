@@ -15,7 +15,6 @@ pub use presets::{PRESETS, Preset, preset};
 use crate::image::Texture;
 use crate::math::{Mat4, Vec3};
 use crate::mesh::Mesh;
-pub use presets::{PRESETS, preset};
 
 /// A scene. Indices in it are in range: the readers and [`Scene::bounds`] rely on that.
 #[derive(Debug, Clone, Default)]

@@ -11,7 +11,7 @@ pub fn data_folder(sub: &str) -> Option<PathBuf> {
         return Some(folder);
     }
     let reason = format!("{} does not exist; set TAOTIE_DATA", folder.display());
-    assert!(std::env::var("CI").is_ok_and(|ci| ci == "true") == false, "test data is needed: {reason}");
+    assert!(!std::env::var("CI").is_ok_and(|ci| ci == "true"), "test data is needed: {reason}");
     #[allow(clippy::print_stderr)]
     {
         eprintln!("skipped: {reason}");

@@ -1,0 +1,78 @@
+//! The patterns around the masks: thunder ground, rows of circles, banana-leaf blades. Millimetres.
+
+use super::profile::{bump, plateau, smooth};
+
+/// Half the side of a thunder cell.
+const HALF_CELL: f32 = 2.45;
+/// A square spiral in half cells, from outside inward.
+const SPIRAL: [[f32; 2]; 10] = [
+    [-0.8, -0.8],
+    [0.8, -0.8],
+    [0.8, 0.8],
+    [-0.8, 0.8],
+    [-0.8, -0.4],
+    [0.4, -0.4],
+    [0.4, 0.4],
+    [-0.4, 0.4],
+    [-0.4, 0.0],
+    [0.05, 0.0],
+];
+
+/// Thunder pattern (leiwen): square spirals, each the mirror image of its neighbours. In [0, 1].
+pub(super) fn thunder(x: f32, y: f32, half_cell: f32) -> f32 {
+    let (x, y) = (x / half_cell, y / half_cell);
+    let (i, j) = ((x * 0.5).floor(), (y * 0.5).floor());
+    let odd = |k: f32| k - 2.0 * (k * 0.5).floor() != 0.0;
+    let (cx, cy) = (x - 2.0 * i - 1.0, y - 2.0 * j - 1.0);
+    let (cx, cy) = (if odd(i) { -cx } else { cx }, if odd(j) { -cy } else { cy });
+    bump(spiral_distance(cx, cy), 0.2)
+}
+
+/// The distance to the spiral in half cells. Its pieces run along the axes, so clamping finds the nearest point.
+fn spiral_distance(x: f32, y: f32) -> f32 {
+    let mut nearest = 4.0;
+    for pair in SPIRAL.windows(2) {
+        let ([ax, ay], [bx, by]) = (pair[0], pair[1]);
+        let dx = x - x.clamp(ax.min(bx), ax.max(bx));
+        let dy = y - y.clamp(ay.min(by), ay.max(by));
+        let squared = dx * dx + dy * dy;
+        if squared < nearest {
+            nearest = squared;
+        }
+    }
+    nearest.sqrt()
+}
+
+/// The thunder ground of the belly.
+pub(super) fn belly_thunder(x: f32, y: f32) -> f32 {
+    thunder(x, y, HALF_CELL)
+}
+
+/// A border of height 4.4: two raised bands with a row of ringlets between. `y` from its middle.
+pub(super) fn ringlets(x: f32, y: f32) -> f32 {
+    const PERIOD: f32 = 48.4 / 16.0;
+    let band = 0.46 * plateau(((y.abs() - 1.95).abs()) - 0.26, 1.0, 0.34);
+    let from_center = x - PERIOD * (x / PERIOD + 0.5).floor();
+    let radius = (from_center * from_center + y * y).sqrt();
+    let ring = 0.42 * bump(radius - 0.82, 0.40);
+    let pearl = 0.42 * smooth(1.0 - radius / 0.45);
+    band + ring + pearl
+}
+
+/// An upright leaf of half width `foot` and the given `height`, its foot at y = 0: the distance to its edge.
+pub(super) fn leaf_distance(x: f32, y: f32, foot: f32, height: f32) -> f32 {
+    let t = (y / height).clamp(0.0, 1.2);
+    let half = foot * (1.0 - t) * (1.0 + 0.55 * t);
+    let slope = foot / height;
+    let side = (x.abs() - half) / (1.0 + slope * slope).sqrt();
+    if side > -y { side } else { -y }
+}
+
+/// A blade drawn as nested outlines with a rib.
+pub(super) fn blade(distance: f32, x: f32) -> f32 {
+    let body = plateau(distance, 0.46, 0.4);
+    let furrow = 0.30 * bump(distance + 1.0, 0.42);
+    let second = 0.26 * bump(distance + 2.25, 0.40);
+    let rib = if distance < -3.0 { 0.16 * bump(x, 0.55) * smooth((-3.0 - distance) / 0.8) } else { 0.0 };
+    body - furrow - second + rib
+}

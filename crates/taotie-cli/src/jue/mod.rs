@@ -1,0 +1,69 @@
+//! The demonstration's object: a Shang bronze *jue* (爵), a tripod for warm wine, made by code alone.
+
+mod atlas;
+mod bake;
+mod builder;
+mod ground;
+mod limbs;
+mod mask;
+mod noise;
+mod patina;
+mod profile;
+mod relief;
+mod strokes;
+mod texels;
+mod vessel;
+
+use bake::Bake;
+use relief::Relief;
+use std::sync::LazyLock;
+use taotie::image::Bitmap;
+use taotie::mesh::Mesh;
+
+/// The height of 1 of [`height`] above the low mesh, metres.
+pub const DEPTH: f64 = 0.0012;
+
+/// The drawings behind [`height`], prepared once.
+static RELIEF: LazyLock<Relief> = LazyLock::new(Relief::new);
+
+/// The relief at a uv in [0, 1]², as a fraction of [`DEPTH`] in [0, 1]. Continuous, and 0 at the border of every chart.
+pub fn height(u: f32, v: f32) -> f32 {
+    RELIEF.height(u, v)
+}
+
+/// The low mesh: 251 vertices, metres, standing on y = 0 with its spout along +x and its handle towards −z.
+///
+/// Every part is closed and turned outward; the one uv set has no mirrored and no overlapping charts. Tangents are
+/// left to the renderer.
+pub fn low_mesh() -> Mesh {
+    let mut builder = builder::Builder::default();
+    vessel::add(&mut builder);
+    limbs::add(&mut builder);
+    builder.finish()
+}
+
+/// The relief as a 16-bit grey map of `size` × `size` texels (1 to [`Bitmap::MAX_SIDE`]), grown beyond the charts'
+/// borders by 1/128 of its side. To be read as linear.
+pub fn height_map(size: u32) -> Bitmap {
+    Bake::new(&low_mesh(), size).height_map()
+}
+
+/// The relief as a 16-bit tangent-space normal map for [`low_mesh`] with MikkTSpace tangents: green up, linear.
+pub fn normal_map(size: u32) -> Bitmap {
+    Bake::new(&low_mesh(), size).normal_map()
+}
+
+/// Bare bronze and its patina as an 8-bit colour map, sRGB-encoded.
+pub fn base_color_map(size: u32) -> Bitmap {
+    let [color, _] = Bake::new(&low_mesh(), size).material_maps();
+    color
+}
+
+/// Occlusion (red), roughness (green) and metallic (blue), 8 bits, linear.
+pub fn orm_map(size: u32) -> Bitmap {
+    let [_, orm] = Bake::new(&low_mesh(), size).material_maps();
+    orm
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,128 @@
+//! What three thousand years in the ground made of the metal: green carbonates in the recesses, red cuprite around
+//! them, brown tarnish on the plain, and bare bronze where hands and cloths have rubbed.
+
+use super::noise::fractal;
+use super::profile::smooth;
+use super::texels::Point;
+use taotie::math::{Vec3, srgb};
+
+/// What decides the look of a texel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// Where on the vessel.
+    pub point: Point,
+    /// Relief, [0, 1].
+    pub height: f32,
+    /// How much lower it lies than what is within half a millimetre; negative on ridges.
+    pub cavity: f32,
+    /// How much lower it lies than what is within two millimetres.
+    pub wide_cavity: f32,
+}
+
+/// The look of a texel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    /// Linear RGB.
+    color: Vec3,
+    occlusion: f32,
+    roughness: f32,
+    metallic: f32,
+}
+
+impl Default for Surface {
+    fn default() -> Self {
+        Self { color: TARNISH, occlusion: 1.0, roughness: 0.55, metallic: 0.0 }
+    }
+}
+
+// Linear RGB.
+/// Rubbed tin bronze: reflectance at normal incidence, a little darkened.
+const METAL: Vec3 = Vec3::new(0.60, 0.37, 0.185);
+/// Brown, nearly black skin.
+const TARNISH: Vec3 = Vec3::new(0.066, 0.043, 0.028);
+/// Olive skin.
+const OLIVE: Vec3 = Vec3::new(0.082, 0.078, 0.043);
+/// Copper(I) oxide.
+const CUPRITE: Vec3 = Vec3::new(0.150, 0.042, 0.022);
+/// Basic copper carbonate, dense and pale.
+const MALACHITE: Vec3 = Vec3::new(0.075, 0.205, 0.118);
+const PALE_MALACHITE: Vec3 = Vec3::new(0.205, 0.365, 0.245);
+/// The blue carbonate.
+const AZURITE: Vec3 = Vec3::new(0.050, 0.135, 0.215);
+/// Burial earth.
+const EARTH: Vec3 = Vec3::new(0.235, 0.180, 0.110);
+
+fn mix(a: Vec3, b: Vec3, t: f32) -> Vec3 {
+    a + (b - a) * t
+}
+
+/// The look of a place.
+pub(super) fn surface(place: &Place) -> Surface {
+    let p = place.point.position * 1000.0;
+    let broad = fractal(p * (1.0 / 24.0), 4);
+    let patch = fractal(p * (1.0 / 7.0) + Vec3::splat(91.0), 4);
+    let grain = fractal(p * (1.0 / 1.1) + Vec3::splat(37.0), 2);
+    let n = place.point.normal.normalize();
+    let recess = smooth(place.cavity * 4.0 + 0.10) * 0.5 + smooth(place.wide_cavity * 2.2) * 0.7;
+    let ridge = smooth(-place.cavity * 5.0 - 0.05);
+
+    // Skin: brown to olive, with blushes of cuprite.
+    let mut color = mix(TARNISH, OLIVE, smooth(0.5 + 0.9 * broad));
+    let mut roughness = 0.44 + 0.08 * grain;
+    let red = smooth((patch - broad * 0.6 - 0.12) / 0.35) * 0.75;
+    color = mix(color, CUPRITE, red);
+
+    // Green, in patches and in what lies low.
+    let green_field =
+        0.95 * broad + 0.55 * patch + 0.25 * grain + 0.75 * recess - 0.42 - 0.35 * ridge + 0.10 * n.y;
+    let green = smooth(green_field / 0.30 + 0.5);
+    let crust = smooth((green_field - 0.30 + 0.25 * grain) / 0.35);
+    let blue = smooth((fractal(p * (1.0 / 11.0) + Vec3::splat(-53.0), 3) - 0.42) / 0.2) * 0.75;
+    let mineral = mix(mix(MALACHITE, PALE_MALACHITE, crust), AZURITE, blue);
+    color = mix(color, mineral * (1.0 + 0.22 * grain), green);
+    roughness += green * (0.30 + 0.10 * crust);
+
+    // Earth in the deepest furrows.
+    let earth = smooth((recess + 0.45 * patch - 0.85) / 0.4) * 0.55;
+    color = mix(color, EARTH, earth);
+    roughness += earth * 0.1;
+
+    // Rubbed metal on edges and high places, and faintly through thin skin.
+    let rubbed = 1.15 * ridge + 0.42 * smooth((place.height - 0.55) / 0.4) - 0.55 * broad
+        + 0.45 * grain
+        + 0.35 * patch
+        - 0.62;
+    let metallic = smooth(rubbed / 0.45 + 0.15) * (1.0 - 0.85 * green) * (1.0 - earth);
+    color = mix(color, METAL, metallic);
+    roughness += metallic * (0.30 - roughness);
+
+    Surface { color, occlusion: occlusion(place), roughness: roughness.clamp(0.2, 0.95), metallic }
+}
+
+/// How much of the sky a place sees: less in furrows, far less deep in the cup.
+fn occlusion(place: &Place) -> f32 {
+    let p = place.point.position;
+    let furrow = 0.55 * smooth(place.cavity * 3.0) + 0.30 * smooth(place.wide_cavity * 1.6);
+    let n = place.point.normal;
+    // Inside the cup normals point to the axis.
+    let inward = smooth(-(n.x * p.x + n.z * p.z) / 0.008) + smooth(n.y * 2.0 - 1.0);
+    let within = smooth((0.034 * 0.034 - p.x * p.x - p.z * p.z) * 4000.0) * inward.min(1.0);
+    let depth = ((0.164 - p.y) / 0.075).clamp(0.0, 1.0);
+    (1.0 - furrow) * (1.0 - 0.85 * within * depth.sqrt())
+}
+
+impl Surface {
+    /// The colour, sRGB-encoded.
+    pub fn srgb(&self) -> [u8; 4] {
+        let encode = |c: f32| (srgb::srgb_from_linear(f64::from(c.clamp(0.0, 1.0))) * 255.0 + 0.5) as u8;
+        let [r, g, b] = self.color.to_array().map(encode);
+        [r, g, b, 255]
+    }
+
+    /// Occlusion, roughness, metallic.
+    pub fn orm(&self) -> [u8; 4] {
+        let [o, r, m] =
+            [self.occlusion, self.roughness, self.metallic].map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+        [o, r, m, 255]
+    }
+}
