@@ -8,6 +8,7 @@ mod inspect;
 mod jue;
 mod options;
 mod render;
+mod sheet;
 
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
