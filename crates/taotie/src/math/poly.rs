@@ -271,7 +271,10 @@ mod tests {
         assert_eq!([exp(-87.4f32), exp(-1e30), exp(f32::NEG_INFINITY)], [0.0; 3]);
         assert_eq!([exp(88.0f32), exp(1e30), exp(f32::INFINITY)], [exp(88.0); 3]);
         assert!(exp(-87.33f32) >= f32::MIN_POSITIVE && exp(88.0f32) < 1.66e38);
-        assert_eq!([exp2(-127.0f32), exp2(-126.0), exp2(500.0)], [0.0, f32::MIN_POSITIVE, f32::from_bits(254 << 23)]);
+        assert_eq!(
+            [exp2(-127.0f32), exp2(-126.0), exp2(500.0)],
+            [0.0, f32::MIN_POSITIVE, f32::from_bits(254 << 23)]
+        );
         assert_eq!([ln(1.0f32), log2(1.0), log2(8.0), log2(0.125), exp2(3.0)], [0.0, 0.0, 3.0, -3.0, 8.0]);
         assert_eq!([ln(0.0f32), ln(-1.0), ln(f32::NAN)], [ln(f32::MIN_POSITIVE); 3]);
     }
