@@ -60,7 +60,7 @@ impl Sheet {
         let advance = get_raster_width(FontWeight::Regular, height);
         for (i, letter) in text.chars().take(room / advance).enumerate() {
             let Some(glyph) = get_raster(letter, FontWeight::Regular, height) else { continue };
-            for (row, line) in glyph.raster().iter().enumerate() {
+            for (row, line) in glyph.rows().enumerate() {
                 for (column, ink) in line.iter().enumerate() {
                     let pixel = &mut self.pixels[(y + row) * self.width + x + i * advance + column];
                     *pixel = std::array::from_fn(|c| mix(pixel[c], color[c], *ink));
@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn labels_leave_ink_and_stay_within_their_cell() {
-        let cell = Cell { title: "tangent-normal".repeat(9), note: "x".into(), pixels: vec![[0; 3]; 64 * 64] };
+        let cell =
+            Cell { title: "tangent-normal".repeat(9), note: "x".into(), pixels: vec![[0; 3]; 64 * 64] };
         let sheet = Sheet::new(&[cell], 64, 1);
         let inked: Vec<usize> = sheet.pixels[(GAP + 64) * sheet.width..]
             .iter()

@@ -53,7 +53,8 @@ fn write_map(path: &Path, texture: &Texture) -> Result<()> {
     let color = if channels == 1 { PngColor::Grey } else { PngColor::Rgb };
     let encoding = texture.encoding();
     let (width, height) = (bitmap.width(), bitmap.height());
-    let write = |samples: PngSamples<'_>| io::write_png(path, &PngImage { width, height, color, samples, encoding });
+    let write =
+        |samples: PngSamples<'_>| io::write_png(path, &PngImage { width, height, color, samples, encoding });
     match bitmap.texels() {
         Texels::U8(texels) => {
             let samples: Vec<u8> = texels.iter().flat_map(|t| &t[..channels]).copied().collect();

@@ -16,7 +16,9 @@ use taotie::image::{Encoding, Image, Texture};
 use taotie::io::{self, PngColor, PngImage, PngSamples};
 use taotie::math::Vec3;
 use taotie::render::{Lighting, RenderSettings, SurfaceSettings, render};
-use taotie::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Orbit, Scene, fitting_distance, from_view};
+use taotie::scene::{
+    Camera, Falloff, Light, LightKind, NormalSpace, Orbit, Scene, fitting_distance, from_view,
+};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 
@@ -210,7 +212,9 @@ fn lights(camera: &Camera) -> Vec<Light> {
     ];
     let light = |([azimuth, elevation], color): ([f64; 2], [f32; 3])| Light {
         name: String::new(),
-        kind: LightKind::Directional { direction: -from_view(camera, azimuth.to_radians(), elevation.to_radians()) },
+        kind: LightKind::Directional {
+            direction: -from_view(camera, azimuth.to_radians(), elevation.to_radians()),
+        },
         color: Vec3::from_array(color),
         falloff: Falloff::None,
     };

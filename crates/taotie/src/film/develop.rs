@@ -5,8 +5,8 @@ use super::encode::{round_to_codes, srgb_from_linear};
 use super::tone::clamped;
 use crate::error::{Error, Result};
 use crate::image::Image;
-use crate::math::{Lane, SimdLevel, Vec3, scalar};
-use fearless_simd::{Level, Simd, f32x4, f32x8, prelude::*};
+use crate::math::{Lane, Pack, SimdLevel, Vec3, dispatch_pack, scalar};
+use fearless_simd::Level;
 use rayon::prelude::*;
 
 /// How a picture is developed.
@@ -94,7 +94,6 @@ impl Recipe {
 
 /// How many pixels one task takes at a time; whole packs.
 const BAND: usize = 1024;
-const PACK: usize = 8;
 
 fn developed<T: Copy + Default + Send>(
     image: &Image,
@@ -117,44 +116,14 @@ fn developed<T: Copy + Default + Send>(
 }
 
 /// Turns pixels into codes, still as floats.
-///
-/// Not `fearless_simd::dispatch!`: that would compile emulated packs for the scalar level, which takes the compiler
-/// a minute where the formulas over plain `f32` take it a second.
 fn develop_band(level: Level, recipe: &Recipe, band: &mut [[f32; 4]; BAND]) {
-    match level {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Sse2(simd) => simd.vectorize(
-            #[inline(always)]
-            || packs(simd, recipe, band),
-        ),
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Sse4_2(simd) => simd.vectorize(
-            #[inline(always)]
-            || packs(simd, recipe, band),
-        ),
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Avx2(simd) => simd.vectorize(
-            #[inline(always)]
-            || packs(simd, recipe, band),
-        ),
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        Level::Avx512(simd) => simd.vectorize(
-            #[inline(always)]
-            || packs(simd, recipe, band),
-        ),
-        #[cfg(target_arch = "aarch64")]
-        Level::Neon(simd) => simd.vectorize(
-            #[inline(always)]
-            || packs(simd, recipe, band),
-        ),
-        _ => band.iter_mut().for_each(|pixel| *pixel = pixel_codes(recipe, *pixel)),
-    }
+    dispatch_pack!(level, P, token => packs::<P>(token, recipe, band));
 }
 
 #[inline(always)]
-fn packs<S: Simd>(simd: S, recipe: &Recipe, band: &mut [[f32; 4]; BAND]) {
-    for pixels in band.as_chunks_mut::<PACK>().0 {
-        store(pixel_codes(recipe, load(simd, pixels)), pixels);
+fn packs<P: Pack>(token: P::Token, recipe: &Recipe, band: &mut [[f32; 4]; BAND]) {
+    for pixels in band.chunks_exact_mut(P::LANES) {
+        P::store_pixels(pixel_codes(recipe, P::load_pixels(token, pixels)), pixels);
     }
 }
 
@@ -164,20 +133,4 @@ fn pixel_codes<L: Lane>(recipe: &Recipe, rgba: [L; 4]) -> [L; 4] {
     let (r, g) = (round_to_codes(r, recipe.top), round_to_codes(g, recipe.top));
     let (b, a) = (round_to_codes(b, recipe.top), round_to_codes(a, recipe.top));
     [r, g, b, a]
-}
-
-#[inline(always)]
-fn load<S: Simd>(simd: S, pixels: &[[f32; 4]; PACK]) -> [f32x8<S>; 4] {
-    let (low, high) = pixels.as_flattened().split_at(16);
-    let [r, g, b, a] = f32x4::load_four_interleaved(simd, low);
-    let [r2, g2, b2, a2] = f32x4::load_four_interleaved(simd, high);
-    [r.combine(r2), g.combine(g2), b.combine(b2), a.combine(a2)]
-}
-
-#[inline(always)]
-fn store<S: Simd>([r, g, b, a]: [f32x8<S>; 4], codes: &mut [[f32; 4]; PACK]) {
-    let (low, high) = codes.as_flattened_mut().split_at_mut(16);
-    let ((r, r2), (g, g2), (b, b2), (a, a2)) = (r.split(), g.split(), b.split(), a.split());
-    f32x4::store_four_interleaved([r, g, b, a], low);
-    f32x4::store_four_interleaved([r2, g2, b2, a2], high);
 }

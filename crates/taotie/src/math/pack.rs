@@ -1,7 +1,7 @@
 //! Packs of numbers that load from and store to slices, and the choice of one by SIMD level.
 
 use super::Lane;
-use fearless_simd::{Simd, f32x8, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
 
 /// A [`Lane`] that loads from and stores to neighbours in memory: one `f32`, or eight.
 pub trait Pack: Lane {
@@ -15,6 +15,10 @@ pub trait Pack: Lane {
     fn load(token: Self::Token, from: &[f32]) -> Self;
     /// Writes the first [`Self::LANES`] numbers of `to`.
     fn store(self, to: &mut [f32]);
+    /// The first [`Self::LANES`] pixels of `from`, channel by channel.
+    fn load_pixels(token: Self::Token, from: &[[f32; 4]]) -> [Self; 4];
+    /// Writes the first [`Self::LANES`] pixels of `to`.
+    fn store_pixels(channels: [Self; 4], to: &mut [[f32; 4]]);
 }
 
 impl Pack for f32 {
@@ -32,6 +36,14 @@ impl Pack for f32 {
     fn store(self, to: &mut [f32]) {
         to[0] = self;
     }
+    #[inline(always)]
+    fn load_pixels((): (), from: &[[f32; 4]]) -> [Self; 4] {
+        from[0]
+    }
+    #[inline(always)]
+    fn store_pixels(channels: [Self; 4], to: &mut [[f32; 4]]) {
+        to[0] = channels;
+    }
 }
 
 impl<S: Simd> Pack for f32x8<S> {
@@ -48,6 +60,20 @@ impl<S: Simd> Pack for f32x8<S> {
     #[inline(always)]
     fn store(self, to: &mut [f32]) {
         self.store_slice(&mut to[..8]);
+    }
+    #[inline(always)]
+    fn load_pixels(token: S, from: &[[f32; 4]]) -> [Self; 4] {
+        let (low, high) = from[..8].as_flattened().split_at(16);
+        let [r, g, b, a] = f32x4::load_four_interleaved(token, low);
+        let [r2, g2, b2, a2] = f32x4::load_four_interleaved(token, high);
+        [r.combine(r2), g.combine(g2), b.combine(b2), a.combine(a2)]
+    }
+    #[inline(always)]
+    fn store_pixels([r, g, b, a]: [Self; 4], to: &mut [[f32; 4]]) {
+        let (low, high) = to[..8].as_flattened_mut().split_at_mut(16);
+        let ((r, r2), (g, g2), (b, b2), (a, a2)) = (r.split(), g.split(), b.split(), a.split());
+        f32x4::store_four_interleaved([r, g, b, a], low);
+        f32x4::store_four_interleaved([r2, g2, b2, a2], high);
     }
 }
 
