@@ -5,7 +5,7 @@
 mod console;
 mod demo;
 mod inspect;
-mod jue;
+pub mod jue;
 mod options;
 mod render;
 mod sheet;

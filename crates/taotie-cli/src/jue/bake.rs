@@ -44,6 +44,17 @@ impl Bake {
         self.bitmap(3, Stored::U16(texels))
     }
 
+    /// The object-space normal map, 16 bits.
+    pub fn object_normal_map(&self) -> Bitmap {
+        let up = [32768, 65535, 32768, u16::MAX];
+        let texels = self.texels.map(up, |x, y, point| {
+            let n = relief_normal(point, self.slope(x, y)).normalize();
+            let [r, g, b] = n.to_array().map(|c| ((c * 0.5 + 0.5) * 65535.0 + 0.5) as u16);
+            [r, g, b, u16::MAX]
+        });
+        self.bitmap(3, Stored::U16(texels))
+    }
+
     /// Colour (to be decoded as sRGB), and occlusion, roughness and metallic in red, green and blue; 8 bits.
     pub fn material_maps(&self) -> [Bitmap; 2] {
         let size = self.texels.size();
@@ -85,18 +96,24 @@ impl Bake {
     }
 }
 
-/// The unit normal of the relief in the frame (T, B, N) in which a renderer reads it.
+/// A vector along the normal of the relief, object space.
 ///
 /// The surface is P + h n with n the unit interpolated normal; with the tangent plane's vectors P_u, P_v made
 /// perpendicular to n, its normal to first order is n − ∇h, where ∇h · P_u = h_u and ∇h · P_v = h_v (Mikkelsen 2020,
 /// "Surface gradient–based bump mapping framework", eq. 2). P_u and P_v need be neither equal in length nor
-/// perpendicular. That vector is then resolved in the interpolated, un-normalised frame, so decoding gives it back.
-pub(super) fn tangent_normal(point: &Point, [h_u, h_v]: [f32; 2]) -> Vec3 {
+/// perpendicular.
+fn relief_normal(point: &Point, [h_u, h_v]: [f32; 2]) -> Vec3 {
     let n = point.normal.normalize();
     let [p_u, p_v] = point.by_uv.map(|p| p - n * n.dot(p));
     let area = n.dot(p_u.cross(p_v));
     let gradient = (p_v.cross(n) * h_u + n.cross(p_u) * h_v) * (1.0 / area);
-    let relief = n - gradient;
+    n - gradient
+}
+
+/// The unit normal of the relief in the frame (T, B, N) in which a renderer reads it: interpolated and not
+/// normalised, so that decoding gives the relief's normal back.
+pub(super) fn tangent_normal(point: &Point, slope: [f32; 2]) -> Vec3 {
+    let relief = relief_normal(point, slope);
     let (t, b) = (point.tangent, point.normal.cross(point.tangent));
     resolve(relief, [t, b, point.normal]).normalize()
 }
