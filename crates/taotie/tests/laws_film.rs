@@ -1,5 +1,7 @@
 //! What holds for every tone curve, for the encoding and for developing, whatever the numbers.
 
+#![allow(clippy::print_stdout, reason = "tests say what they found")]
+
 use taotie::film::{Development, ToneCurve, develop_pixel, develop8, develop16, srgb_from_linear};
 use taotie::image::Image;
 use taotie::math::{SimdLevel, Vec3, srgb};

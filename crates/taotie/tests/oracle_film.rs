@@ -1,5 +1,7 @@
 //! Tone curves and the sRGB encoding against NumPy in double precision (`tests/oracle/film_oracle.py`).
 
+#![allow(clippy::print_stdout, reason = "tests say what they found")]
+
 use serde_json::Value;
 use taotie::film::{ToneCurve, srgb_from_linear};
 use taotie::math::Vec3;
