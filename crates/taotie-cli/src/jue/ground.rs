@@ -68,11 +68,10 @@ pub(super) fn leaf_distance(x: f32, y: f32, foot: f32, height: f32) -> f32 {
     if side > -y { side } else { -y }
 }
 
-/// A blade drawn as nested outlines with a rib.
-pub(super) fn blade(distance: f32, x: f32) -> f32 {
+/// A blade drawn as nested outlines.
+pub(super) fn blade(distance: f32) -> f32 {
     let body = plateau(distance, 0.46, 0.4);
     let furrow = 0.30 * bump(distance + 1.0, 0.42);
     let second = 0.26 * bump(distance + 2.25, 0.40);
-    let rib = if distance < -3.0 { 0.16 * bump(x, 0.55) * smooth((-3.0 - distance) / 0.8) } else { 0.0 };
-    body - furrow - second + rib
+    body - furrow - second
 }

@@ -2,7 +2,7 @@
 //!
 //! Drawn in millimetres for the right half: x from the nose outward (48 at the panel's edge), y upward (0 to 37).
 
-use super::profile::{bump, dome, plateau};
+use super::profile::{bump, dome, from_whole, plateau, smooth};
 use super::strokes::{Drawing, Stroke};
 
 /// Half the width of a panel.
@@ -39,7 +39,7 @@ const LEVELS: [[f32; 2]; PARTS] = [
 ];
 
 /// Middle and half axes of the eyeball.
-const EYE: [f32; 4] = [13.2, 16.6, 4.0, 3.3];
+const EYE: [f32; 4] = [13.4, 16.6, 4.9, 4.2];
 
 const STROKES: &[Stroke] = &[
     Stroke {
@@ -54,46 +54,47 @@ const STROKES: &[Stroke] = &[
     Stroke {
         part: LID,
         points: &[
-            [5.4, 12.6, 0.35],
-            [7.6, 16.6, 0.75],
-            [13.0, 20.7, 0.8],
-            [18.6, 19.4, 0.7],
-            [23.0, 17.4, 0.3],
+            [5.2, 12.0, 0.35],
+            [7.2, 16.6, 0.75],
+            [10.0, 20.4, 0.85],
+            [13.6, 21.8, 0.85],
+            [18.8, 19.9, 0.75],
+            [23.4, 17.6, 0.3],
         ],
     },
     Stroke {
         part: LID,
         points: &[
-            [5.4, 12.6, 0.35],
-            [9.0, 12.9, 0.7],
-            [13.4, 12.5, 0.75],
-            [18.4, 14.2, 0.7],
-            [23.0, 17.4, 0.3],
+            [5.2, 12.0, 0.35],
+            [9.0, 12.0, 0.75],
+            [13.6, 11.4, 0.8],
+            [18.6, 13.6, 0.75],
+            [23.4, 17.6, 0.3],
         ],
     },
     Stroke {
         part: BROW,
         points: &[
-            [5.2, 20.4, 0.3],
-            [9.4, 22.6, 0.8],
-            [15.8, 23.3, 0.9],
-            [21.6, 21.6, 0.6],
-            [24.4, 19.8, 0.25],
+            [5.0, 21.6, 0.3],
+            [9.0, 23.7, 0.85],
+            [15.4, 24.5, 1.0],
+            [21.4, 22.6, 0.8],
+            [24.6, 20.2, 0.25],
         ],
     },
     Stroke {
         part: HORN,
         points: &[
-            [5.8, 25.4, 0.7],
-            [10.0, 26.3, 1.7],
-            [16.6, 26.2, 2.1],
-            [22.6, 27.2, 2.3],
-            [25.4, 30.6, 2.1],
-            [22.9, 34.1, 1.8],
-            [17.4, 34.5, 1.5],
-            [14.2, 32.3, 1.2],
-            [15.6, 30.0, 0.9],
-            [18.6, 30.6, 0.5],
+            [5.8, 26.6, 0.7],
+            [10.0, 27.7, 1.6],
+            [16.6, 27.7, 2.0],
+            [22.6, 28.2, 2.3],
+            [25.6, 31.2, 2.1],
+            [23.1, 34.5, 1.8],
+            [17.6, 34.9, 1.5],
+            [14.4, 33.0, 1.1],
+            [15.8, 31.2, 0.85],
+            [18.6, 31.8, 0.5],
         ],
     },
     Stroke {
@@ -186,8 +187,14 @@ impl Mask {
             height = max(height, plateau(d, level, 0.42) - engraved * level);
             nearest = min(nearest, d);
         }
+        height -= hairs(x, distances[BROW]);
         (height, nearest)
     }
+}
+
+/// The hairs engraved in the brow.
+fn hairs(x: f32, brow: f32) -> f32 {
+    0.20 * bump(from_whole(x / 1.35) * 1.35, 0.36) * smooth((-0.12 - brow) / 0.3)
 }
 
 /// The eyeball: a dome with a drilled pupil.

@@ -3,6 +3,7 @@
 mod atlas;
 mod bake;
 mod builder;
+mod displaced;
 mod ground;
 mod limbs;
 mod mask;
@@ -63,6 +64,14 @@ pub fn base_color_map(size: u32) -> Bitmap {
 pub fn orm_map(size: u32) -> Bitmap {
     let [_, orm] = Bake::new(&low_mesh(), size).material_maps();
     orm
+}
+
+/// The vessel with its relief as geometry: each triangle of [`low_mesh`] rounded by its normals, split into
+/// `subdivisions`² and displaced by [`height`]; 54 gives more than a million triangles.
+///
+/// Its uvs are the low mesh's, so the two can be compared point by point.
+pub fn displaced_mesh(subdivisions: u32) -> Mesh {
+    displaced::mesh(&low_mesh(), subdivisions, height)
 }
 
 #[cfg(test)]

@@ -2,35 +2,51 @@
 
 use taotie::math::Vec3;
 
-/// A number in [0, 1) from three whole ones.
-fn hash(x: i32, y: i32, z: i32) -> f32 {
+/// A scrambled number from three whole ones.
+fn hash(x: i32, y: i32, z: i32) -> u32 {
     let mut h = (x as u32).wrapping_mul(0x8da6_b343) ^ (y as u32).wrapping_mul(0xd816_3841);
     h ^= (z as u32).wrapping_mul(0xcb1a_b31f);
     h = (h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d);
     h = (h ^ (h >> 12)).wrapping_mul(0x297a_2d39);
-    ((h ^ (h >> 15)) >> 8) as f32 / 16_777_216.0
+    h ^ (h >> 15)
 }
 
-/// Value noise in [0, 1): random at whole numbers, smooth between.
+/// The product of an offset with one of the twelve directions to a cube's edges.
+fn gradient(h: u32, x: f32, y: f32, z: f32) -> f32 {
+    let (a, b) = match h % 3 {
+        0 => (x, y),
+        1 => (y, z),
+        _ => (z, x),
+    };
+    let signed = |v: f32, bit: u32| if h & bit == 0 { v } else { -v };
+    signed(a, 1 << 8) + signed(b, 1 << 9)
+}
+
+/// Gradient noise within ±1: 0 at whole numbers, with random slopes, smooth between (Perlin 2002).
 fn value(p: Vec3) -> f32 {
     let floor = p.map(f32::floor);
-    let f = (p - floor).map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
+    let d = p - floor;
+    let f = d.map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
     let [x, y, z] = floor.to_array().map(|v| v as i32);
     let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    let edge = |dy: i32, dz: i32| mix(hash(x, y + dy, z + dz), hash(x + 1, y + dy, z + dz), f.x);
+    let corner = |i: i32, j: i32, k: i32| {
+        gradient(hash(x + i, y + j, z + k), d.x - i as f32, d.y - j as f32, d.z - k as f32)
+    };
+    let edge = |j: i32, k: i32| mix(corner(0, j, k), corner(1, j, k), f.x);
     mix(mix(edge(0, 0), edge(1, 0), f.y), mix(edge(0, 1), edge(1, 1), f.y), f.z)
 }
 
-/// Octaves of value noise about 0, roughly within ±1; the coarsest has features of size 1.
+/// Octaves of noise about 0, roughly within ±1; the coarsest has features of size 1.
 pub(super) fn fractal(p: Vec3, octaves: usize) -> f32 {
     let (mut sum, mut amplitude, mut p) = (0.0, 1.0, p);
     for _ in 0..octaves {
-        sum += amplitude * (value(p) - 0.5);
+        sum += amplitude * value(p);
         amplitude *= 0.5;
         // Turned a little from octave to octave, so that lattices do not line up.
-        p = Vec3::new(1.6 * p.x + 1.2 * p.y, 1.6 * p.y - 1.2 * p.x, 2.0 * p.z) + Vec3::new(17.3, 5.9, 31.7);
+        p = Vec3::new(1.6 * p.x + 1.2 * p.y, 1.6 * p.y - 1.2 * p.x, 2.0 * p.z);
+        p = Vec3::new(p.x + 17.3, 0.8 * p.y + 0.6 * p.z + 5.9, 0.8 * p.z - 0.6 * p.y + 31.7);
     }
-    sum * 1.6
+    sum * 0.95
 }
 
 #[cfg(test)]

@@ -4,7 +4,13 @@
 use super::noise::fractal;
 use super::profile::smooth;
 use super::texels::Point;
+use std::sync::LazyLock;
 use taotie::math::{Vec3, srgb};
+
+/// The sRGB encoding of the 16-bit linear values.
+static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    (0..=65535u32).map(|i| (srgb::srgb_from_linear(f64::from(i) / 65535.0) * 255.0 + 0.5) as u8).collect()
+});
 
 /// What decides the look of a texel.
 #[derive(Debug, Clone, Copy)]
@@ -63,38 +69,36 @@ pub(super) fn surface(place: &Place) -> Surface {
     let patch = fractal(p * (1.0 / 7.0) + Vec3::splat(91.0), 4);
     let grain = fractal(p * (1.0 / 1.1) + Vec3::splat(37.0), 2);
     let n = place.point.normal.normalize();
-    let recess = smooth(place.cavity * 4.0 + 0.10) * 0.5 + smooth(place.wide_cavity * 2.2) * 0.7;
-    let ridge = smooth(-place.cavity * 5.0 - 0.05);
+    let recess = 0.5 * smooth(place.cavity * 4.0 + 0.10) + 0.7 * smooth(place.wide_cavity * 2.2);
+    let raised = smooth((place.height - 0.42) / 0.20);
+    let ridge = smooth(-place.cavity * 5.0 - 0.05) * smooth((place.height - 0.28) / 0.2);
 
     // Skin: brown to olive, with blushes of cuprite.
-    let mut color = mix(TARNISH, OLIVE, smooth(0.5 + 0.9 * broad));
-    let mut roughness = 0.44 + 0.08 * grain;
-    let red = smooth((patch - broad * 0.6 - 0.12) / 0.35) * 0.75;
+    let mut color = mix(TARNISH, OLIVE, smooth(0.5 + 0.9 * broad)) * (1.0 + 0.2 * grain);
+    let mut roughness = 0.42 + 0.10 * grain;
+    let red = 0.7 * smooth((patch - 0.5 * broad - 0.10) / 0.45);
     color = mix(color, CUPRITE, red);
 
     // Green, in patches and in what lies low.
-    let green_field =
-        0.95 * broad + 0.55 * patch + 0.25 * grain + 0.75 * recess - 0.42 - 0.35 * ridge + 0.10 * n.y;
-    let green = smooth(green_field / 0.30 + 0.5);
-    let crust = smooth((green_field - 0.30 + 0.25 * grain) / 0.35);
-    let blue = smooth((fractal(p * (1.0 / 11.0) + Vec3::splat(-53.0), 3) - 0.42) / 0.2) * 0.75;
+    let field = 0.95 * broad + 0.55 * patch + 0.25 * grain + 0.80 * recess - 0.34 * raised - 0.25 * ridge;
+    let field = field - 0.36 + 0.08 * n.y;
+    let green = smooth(field / 0.36 + 0.5);
+    let crust = smooth((field - 0.28 + 0.3 * grain) / 0.4);
+    let blue = 0.55 * smooth((fractal(p * (1.0 / 11.0) + Vec3::splat(-53.0), 3) - 0.30) / 0.3);
     let mineral = mix(mix(MALACHITE, PALE_MALACHITE, crust), AZURITE, blue);
-    color = mix(color, mineral * (1.0 + 0.22 * grain), green);
+    color = mix(color, mineral * (1.0 + 0.25 * grain), green);
     roughness += green * (0.30 + 0.10 * crust);
 
     // Earth in the deepest furrows.
-    let earth = smooth((recess + 0.45 * patch - 0.85) / 0.4) * 0.55;
+    let earth = 0.5 * smooth((recess + 0.45 * patch - 0.85) / 0.4);
     color = mix(color, EARTH, earth);
     roughness += earth * 0.1;
 
-    // Rubbed metal on edges and high places, and faintly through thin skin.
-    let rubbed = 1.15 * ridge + 0.42 * smooth((place.height - 0.55) / 0.4) - 0.55 * broad
-        + 0.45 * grain
-        + 0.35 * patch
-        - 0.62;
-    let metallic = smooth(rubbed / 0.45 + 0.15) * (1.0 - 0.85 * green) * (1.0 - earth);
+    // Rubbed metal on edges and high places.
+    let rubbed = 0.95 * ridge + 0.42 * raised - 0.45 * broad + 0.45 * grain + 0.40 * patch - 0.52;
+    let metallic = smooth(rubbed / 0.5 + 0.1) * (1.0 - 0.8 * green) * (1.0 - earth);
     color = mix(color, METAL, metallic);
-    roughness += metallic * (0.30 - roughness);
+    roughness += metallic * (0.32 + 0.05 * grain - roughness);
 
     Surface { color, occlusion: occlusion(place), roughness: roughness.clamp(0.2, 0.95), metallic }
 }
@@ -114,7 +118,7 @@ fn occlusion(place: &Place) -> f32 {
 impl Surface {
     /// The colour, sRGB-encoded.
     pub fn srgb(&self) -> [u8; 4] {
-        let encode = |c: f32| (srgb::srgb_from_linear(f64::from(c.clamp(0.0, 1.0))) * 255.0 + 0.5) as u8;
+        let encode = |c: f32| SRGB[(c.clamp(0.0, 1.0) * 65535.0 + 0.5) as usize];
         let [r, g, b] = self.color.to_array().map(encode);
         [r, g, b, 255]
     }

@@ -85,11 +85,11 @@ fn neck(from_tail: f32, y: f32) -> f32 {
     let only_small = from_nose > -42.0 && from_nose < 30.0;
     let mut height = 0.0_f32;
     if only_small {
-        height = height.max(blade(small, x));
+        height = height.max(blade(small));
     }
     let long = |d: f32, x: f32, y: f32| {
         let inner = smooth((-d - 3.1) / 0.5);
-        blade(d, 9.0).max(0.0) - 0.46 * inner + inner * (0.27 * thunder(x, y, 1.9) + 0.1)
+        blade(d).max(0.0) - 0.46 * inner + inner * (0.27 * thunder(x, y, 1.9) + 0.1)
     };
     height.max(long(tail, from_tail, y)).max(long(spout, spout_x, y))
 }

@@ -18,7 +18,7 @@ const INSIDE: Smooth = Smooth(1);
 const RINGS: [[f64; 3]; 4] =
     [[0.0875, 0.0240, 0.0208], [0.1000, 0.0322, 0.0280], [0.1190, 0.0342, 0.0293], [0.1400, 0.0330, 0.0283]];
 /// The lowest point of the outside and of the inside.
-const POLES: [f64; 2] = [0.0795, 0.0875];
+const POLES: [f64; 2] = [0.0798, 0.0875];
 /// Row 4 for columns 0 to 8: the tail's keel, the rim, then half of the spout's section. z is mirrored beyond.
 const ROW_4: [[f64; 3]; 9] = [
     [-0.0470, 0.1630, 0.0],
