@@ -1,1 +1,7 @@
-fn main() {}
+//! The `taotie` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    taotie_cli::run(std::env::args_os())
+}

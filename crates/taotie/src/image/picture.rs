@@ -19,6 +19,15 @@ impl Image {
     /// # Errors
     /// [`Error::Invalid`] where a side is zero, [`Error::Limit`] where one is above [`Image::MAX_SIDE`].
     pub fn new(width: u32, height: u32, fill: [f32; 4]) -> Result<Self> {
+        Self::check_size(width, height)?;
+        Ok(Self { width, height, pixels: vec![fill; width as usize * height as usize] })
+    }
+
+    /// Whether a picture of this size can be made.
+    ///
+    /// # Errors
+    /// As [`Image::new`].
+    pub fn check_size(width: u32, height: u32) -> Result<()> {
         if width == 0 || height == 0 {
             return Err(Error::invalid(
                 format!("size {width}x{height}"),
@@ -29,7 +38,7 @@ impl Image {
             let why = format!("at most {0}x{0}", Self::MAX_SIDE);
             return Err(Error::limit(format!("a picture of {width}x{height}"), why));
         }
-        Ok(Self { width, height, pixels: vec![fill; width as usize * height as usize] })
+        Ok(())
     }
 
     /// The width in pixels.

@@ -1,1 +1,133 @@
-//! (to come)
+//! Files in and out: models, textures and pictures. The only module that meets paths and sRGB-encoded numbers.
+
+mod bitmap;
+mod file;
+mod gltf;
+mod locate;
+mod obj;
+mod ply;
+mod polygon;
+mod stl;
+mod text;
+mod write;
+
+pub use bitmap::{decode_bitmap, read_bitmap};
+pub use write::{ExrLayer, PngColor, PngImage, PngSamples, write_bytes, write_exr, write_png, write_text};
+
+use crate::error::{Error, Result, Warnings};
+use crate::scene::Scene;
+use std::path::Path;
+
+/// What a model file held: the scene, what was put right, and what a report about the file wants to know.
+#[derive(Debug, Clone, Default)]
+pub struct Loaded {
+    /// What is drawn.
+    pub scene: Scene,
+    /// What was wrong or ignored, but could be drawn without.
+    pub warnings: Warnings,
+    /// The format read: `glTF`, `GLB`, `OBJ`, `PLY` or `STL`.
+    pub format: &'static str,
+    /// The program that wrote the file, where the file says so.
+    pub generator: Option<String>,
+    /// The rights notice in the file.
+    pub copyright: Option<String>,
+    /// glTF extensions that the file uses.
+    pub extensions_used: Vec<String>,
+    /// glTF extensions that the file requires.
+    pub extensions_required: Vec<String>,
+    /// Names of `scene.meshes`, in the same order; shorter where the format has no names.
+    pub mesh_names: Vec<String>,
+    /// Files or names of `scene.textures`, in the same order.
+    pub texture_names: Vec<String>,
+    /// Files that the model names and that are not there.
+    pub missing_files: Vec<String>,
+    /// How many animations the file holds; only the rest pose is drawn.
+    pub animations: usize,
+}
+
+impl Loaded {
+    /// A scene with nothing more to tell.
+    pub fn new(scene: Scene, warnings: Warnings, format: &'static str) -> Self {
+        Self { scene, warnings, format, ..Self::default() }
+    }
+}
+
+/// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case. Where the first bytes of the
+/// file contradict the extension, the bytes are believed.
+///
+/// # Errors
+/// [`Error::Io`] where the file cannot be read, [`Error::Unsupported`] for another extension or a feature that is
+/// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn.
+pub fn load_model(path: &Path) -> Result<Loaded> {
+    match format_of(path)? {
+        Format::Gltf => gltf::read(path),
+        Format::Obj => obj::read(path),
+        Format::Ply => ply::read(path),
+        Format::Stl => stl::read(path),
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Gltf,
+    Obj,
+    Ply,
+    Stl,
+}
+
+fn format_of(path: &Path) -> Result<Format> {
+    let start = file::read_start(path, 512)?;
+    if let Some(format) = format_from_content(&start) {
+        return Ok(format);
+    }
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "gltf" | "glb" => Ok(Format::Gltf),
+        "obj" => Ok(Format::Obj),
+        "ply" => Ok(Format::Ply),
+        "stl" => Ok(Format::Stl),
+        _ => Err(Error::unsupported(
+            format!("{}: the extension '{extension}'", path.display()),
+            "models are read from .gltf, .glb, .obj, .ply and .stl",
+        )),
+    }
+}
+
+/// The format whose signature `start` bears. OBJ and binary STL have none.
+fn format_from_content(start: &[u8]) -> Option<Format> {
+    let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start).trim_ascii_start();
+    if start.starts_with(b"glTF") || text.starts_with(b"{") {
+        return Some(Format::Gltf);
+    }
+    if start.starts_with(b"ply\n") || start.starts_with(b"ply\r") {
+        return Some(Format::Ply);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_goes_before_extension() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).unwrap();
+            format_of(&path)
+        };
+        assert_eq!(write("a.obj", b"glTF\x02\0\0\0").unwrap(), Format::Gltf);
+        assert_eq!(write("b.STL", b"ply\nformat ascii 1.0\n").unwrap(), Format::Ply);
+        assert_eq!(write("c.GLTF", b"").unwrap(), Format::Gltf);
+        assert_eq!(write("d.Obj", b"v 0 0 0").unwrap(), Format::Obj);
+        let error = write("e.fbx", b"Kaydara").unwrap_err().to_string();
+        assert!(error.contains("'fbx'") && error.contains(".glb"), "{error}");
+    }
+
+    #[test]
+    fn a_missing_file_is_named() {
+        let error = load_model(Path::new("no/such/model.glb")).unwrap_err();
+        assert!(matches!(&error, Error::Io { path, .. } if path.ends_with("model.glb")), "{error}");
+    }
+}

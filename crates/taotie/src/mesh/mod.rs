@@ -1,5 +1,7 @@
 //! Triangle meshes whose arrays are checked once, so that nothing after them can fail.
 
+pub mod deform;
+
 use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};
 

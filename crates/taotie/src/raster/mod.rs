@@ -1,1 +1,21 @@
-//! (to come)
+//! From clip space to visibility: clipping, binning to tiles, coverage and depth. Finds triangles, never colours.
+//!
+//! Clip space has x right, y up, z reversed: z/w is 1 on the near plane and 0 on the far plane (or at infinity).
+//! Screen space has its origin top left, y down. Vertices are snapped to 1/256 pixel, so edge functions are exact
+//! integers and every sample on a shared edge belongs to exactly one triangle (the top-left rule).
+
+mod barycentric;
+mod bin;
+mod clip;
+mod samples;
+mod tile;
+
+pub use barycentric::{Barycentric, PerspectiveTriangle};
+pub use bin::{Bins, Faces, Geometry, Viewport, bin};
+pub use samples::SamplePattern;
+pub use tile::{
+    Layer, NO_TRIANGLE, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, rasterize_layers, rasterize_opaque,
+};
+
+/// Subpixel positions in a pixel, along each axis.
+const SUBPIXELS: i32 = 256;

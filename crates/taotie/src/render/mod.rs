@@ -1,1 +1,40 @@
-//! (to come)
+//! The one place where hits meet shading: a scene, a camera and lights become a picture.
+//!
+//! [`Prepared`] holds what does not change with the camera: world-space vertices, tangents, the BVH for shadows. A
+//! [`Pass`] is one picture of it. Tiles are independent; in a tile every sample goes through the same stages:
+//! visibility, fragments (interpolation and textures), normals, shadows, lighting, and resolve into the tile.
+
+mod batch;
+mod fragments;
+mod frame;
+mod lighting;
+mod normals;
+mod pass;
+mod prepare;
+mod settings;
+mod shadows;
+mod view;
+
+pub use batch::{BATCH, Batch};
+pub use fragments::Key;
+pub use frame::{Aovs, Frame};
+pub use pass::Pass;
+pub use prepare::Prepared;
+pub use settings::{Lighting, RenderSettings, SurfaceSettings};
+
+use crate::error::Result;
+use crate::scene::{Camera, Scene};
+
+/// Prepares `scene` and takes one picture of it.
+///
+/// # Errors
+/// As [`Prepared::new`] and [`Pass::new`].
+pub fn render(
+    scene: &Scene,
+    camera: &Camera,
+    lighting: &Lighting,
+    settings: &RenderSettings,
+) -> Result<Frame> {
+    let prepared = Prepared::new(scene, &settings.surface)?;
+    Pass::new(&prepared, camera, lighting, settings)?.render(&|_| {})
+}

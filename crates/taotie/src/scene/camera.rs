@@ -1,6 +1,6 @@
 //! Where a picture is taken from.
 
-use crate::math::Mat4;
+use crate::math::{Mat4, Vec3, scalar};
 
 /// A camera in the world. It looks along its −z axis with +y up.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,4 +38,94 @@ pub enum Projection {
         /// Distance of the far plane, above `near`.
         far: f64,
     },
+}
+
+/// A place on a sphere around a target, and the angle of view from there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Orbit {
+    /// Radians to the right of the front, which is +z.
+    pub azimuth: f64,
+    /// Radians above the horizon.
+    pub elevation: f64,
+    /// From the target, model units.
+    pub distance: f64,
+    /// What is looked at, world space.
+    pub target: Vec3<f64>,
+    /// Full vertical angle, radians.
+    pub fov_y: f64,
+}
+
+impl Orbit {
+    /// The camera there. `size` is the radius around the target that the near plane must not cut.
+    pub fn camera(&self, size: f64) -> Camera {
+        let (sin_a, cos_a) = (scalar::sin(self.azimuth), scalar::cos(self.azimuth));
+        let (sin_e, cos_e) = (scalar::sin(self.elevation), scalar::cos(self.elevation));
+        let right = Vec3::new(cos_a, 0.0, -sin_a);
+        let up = Vec3::new(-sin_e * sin_a, cos_e, -sin_e * cos_a);
+        let back = Vec3::new(cos_e * sin_a, sin_e, cos_e * cos_a);
+        let eye = self.target + back * self.distance;
+        let near = (self.distance - size * 1.01).max(self.distance.max(size) * 1e-3);
+        Camera {
+            name: String::new(),
+            world_from_view: Mat4::from_axes(right, up, back, eye),
+            projection: Projection::Perspective { fov_y: self.fov_y, aspect: None, near, far: None },
+        }
+    }
+}
+
+/// A cylinder about the vertical through the middle of what is drawn: it looks alike from every azimuth, so a
+/// turntable framed by it does not jump.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Framing {
+    /// Middle of the cylinder, world space.
+    pub center: Vec3<f64>,
+    /// Radius about the vertical axis.
+    pub radius: f64,
+    /// Half the height.
+    pub half_height: f64,
+}
+
+impl Framing {
+    /// The radius of the sphere around the cylinder.
+    pub fn sphere(&self) -> f64 {
+        (self.radius * self.radius + self.half_height * self.half_height).sqrt()
+    }
+
+    /// The least distance from the centre at which the cylinder fills at most `fill` of the picture's width and
+    /// height, seen from `elevation` with the vertical angle `fov_y` and width over height `aspect`.
+    pub fn distance(&self, elevation: f64, fov_y: f64, aspect: f64, fill: f64) -> f64 {
+        let tan_y = scalar::tan(fov_y / 2.0) * fill;
+        let tan_x = tan_y * aspect;
+        let (sin_e, cos_e) = (scalar::sin(elevation), scalar::cos(elevation));
+        let mut distance = self.sphere() * 1e-3;
+        for i in 0..RIM_POINTS {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(RIM_POINTS);
+            let (x, z) = (self.radius * scalar::sin(angle), self.radius * scalar::cos(angle));
+            for y in [-self.half_height, self.half_height] {
+                // In view axes about the centre: right, up, towards the viewer.
+                let (up, near) = (y * cos_e - z * sin_e, z * cos_e + y * sin_e);
+                distance = distance.max(near + x.abs() / tan_x).max(near + up.abs() / tan_y);
+            }
+        }
+        distance
+    }
+}
+
+/// Points on each rim of the cylinder that must be seen.
+const RIM_POINTS: u32 = 64;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn orbit_looks_at_its_target_from_everywhere() {
+        for (azimuth, elevation) in [(0.0, 0.0), (1.0, 0.5), (-2.0, std::f64::consts::FRAC_PI_2)] {
+            let target = Vec3::new(1.0, 2.0, 3.0);
+            let orbit = Orbit { azimuth, elevation, distance: 5.0, target, fov_y: 0.7 };
+            let view = orbit.camera(1.0).world_from_view.inverse_affine().unwrap();
+            assert!((view.transform_point(target) - Vec3::new(0.0, 0.0, -5.0)).length() < 1e-12);
+            assert!((view.determinant3() - 1.0).abs() < 1e-12);
+        }
+    }
 }

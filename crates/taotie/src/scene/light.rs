@@ -1,6 +1,7 @@
 //! Lights that are points or directions.
 
-use crate::math::Vec3;
+use super::Camera;
+use crate::math::{Vec3, scalar};
 
 /// A light in world space.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,4 +52,31 @@ pub enum Falloff {
     Windowed(f32),
     /// E = I at any distance, as in the seed paper.
     None,
+}
+
+/// The unit direction, world space, to what lies `azimuth` radians to the right of the viewer and `elevation` above,
+/// as seen from the object: (0, 0) is behind the camera.
+pub fn from_view(camera: &Camera, azimuth: f64, elevation: f64) -> Vec3 {
+    let cos_e = scalar::cos(elevation);
+    let local = Vec3::new(scalar::sin(azimuth) * cos_e, scalar::sin(elevation), scalar::cos(azimuth) * cos_e);
+    camera.world_from_view.transform_vector(local).normalize().to_f32()
+}
+
+/// Key, fill and rim, fixed to the camera: the key rakes from the upper left so that relief casts its shading, a
+/// weak cool fill opens the shadows, and a rim from behind parts the object from the ground.
+pub fn three_point_rig(camera: &Camera) -> Vec<Light> {
+    let rig: [(&str, [f64; 2], [f32; 3]); 3] = [
+        ("key", [-52.0, 38.0], [3.4, 3.25, 3.0]),
+        ("fill", [55.0, 12.0], [0.75, 0.82, 0.95]),
+        ("rim", [152.0, 42.0], [2.2, 2.2, 2.2]),
+    ];
+    rig.map(|(name, [azimuth, elevation], color)| Light {
+        name: name.into(),
+        kind: LightKind::Directional {
+            direction: -from_view(camera, azimuth.to_radians(), elevation.to_radians()),
+        },
+        color: Vec3::from_array(color),
+        falloff: Falloff::None,
+    })
+    .into()
 }

@@ -3,12 +3,14 @@
 mod camera;
 mod light;
 mod material;
+mod presets;
 
-pub use camera::{Camera, Projection};
-pub use light::{Falloff, Light, LightKind};
+pub use camera::{Camera, Framing, Orbit, Projection};
+pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
 pub use material::{
     AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
 };
+pub use presets::{PRESETS, Preset, preset};
 
 use crate::image::Texture;
 use crate::math::{Mat4, Vec3};
@@ -78,6 +80,22 @@ impl Scene {
             }
         }
         bounds
+    }
+
+    /// The cylinder around every triangle's corners, or `None` where there is no triangle.
+    pub fn framing(&self) -> Option<Framing> {
+        let bounds = self.bounds()?;
+        let center = bounds.center();
+        let mut squared: f64 = 0.0;
+        for instance in &self.instances {
+            let mesh = &self.meshes[instance.mesh];
+            for index in mesh.triangles().iter().flatten() {
+                let p = mesh.positions()[*index as usize].to_f64();
+                let p = instance.world_from_object.transform_point(p) - center;
+                squared = squared.max(p.x * p.x + p.z * p.z);
+            }
+        }
+        Some(Framing { center, radius: squared.sqrt(), half_height: (bounds.max.y - bounds.min.y) / 2.0 })
     }
 
     /// How many triangles the instances draw.

@@ -1,1 +1,21 @@
-//! (to come)
+//! How much light a surface sends to the viewer: numbers in, numbers out, each formula written once over
+//! [`Lane`](crate::math::Lane).
+//!
+//! [`fresnel`], [`ndf`] and [`masking`] are the parts, free to combine; [`reflect`] evaluates the named models of
+//! [`Shading`]. Nothing here knows of a scene: the caller samples textures into a [`Substance`], makes [`Angles`]
+//! from its directions and multiplies the result by the irradiance that [`lights`] helps to find.
+
+mod angles;
+mod models;
+mod shading;
+mod substance;
+
+pub mod fresnel;
+pub mod lights;
+pub mod masking;
+pub mod ndf;
+
+pub use angles::Angles;
+pub use models::reflect;
+pub use shading::Shading;
+pub use substance::Substance;

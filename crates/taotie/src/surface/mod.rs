@@ -1,1 +1,24 @@
-//! (to come)
+//! Where the shading normal comes from: facets, vertex normals, bump and normal maps, and the tangents they need.
+//!
+//! The formulas that run per pixel ([`tangent_normal`], [`bump`] and their like) are written once over
+//! [`crate::math::Lane`]; what runs once per mesh or per texture works on whole arrays.
+
+mod bump;
+mod frame;
+mod inspect;
+mod maps;
+mod method;
+mod mikktspace;
+mod normals;
+mod tangents;
+mod weld;
+
+pub use bump::{bump, bump_printed, surface_gradient};
+pub use frame::{UvDerivatives, uv_derivatives};
+pub use inspect::{GreenGuess, GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};
+pub use maps::{
+    decode_normal, decode_object_normal, encode_normal, object_normal, rebuild_z, tangent_normal,
+};
+pub use method::{SurfaceMethod, TangentMethod};
+pub use normals::{facet_normal, vertex_normals};
+pub use tangents::{Tangented, with_tangents};

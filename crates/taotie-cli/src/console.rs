@@ -1,0 +1,81 @@
+//! What the command says: results on stdout, talk and progress on stderr.
+
+use anyhow::Result;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::cell::OnceCell;
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+use taotie::Warnings;
+
+/// Writes a result line to stdout.
+pub fn result(line: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{line}")?;
+    Ok(stdout.flush()?)
+}
+
+/// Writes talk to stderr. Nobody listening is no error.
+pub fn say(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// Says each kind of warning with its count.
+pub fn say_warnings(warnings: &Warnings) {
+    for (what, count) in warnings.iter() {
+        let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
+        say(&format!("taotie: warning: {what}{times}"));
+    }
+}
+
+/// Warnings as JSON.
+pub fn json_warnings(warnings: &Warnings) -> serde_json::Value {
+    warnings.iter().map(|(what, count)| serde_json::json!({ "what": what, "count": count })).collect()
+}
+
+/// Whether the error comes from a reader that went away.
+pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let kind =
+        |cause: &(dyn std::error::Error + 'static)| cause.downcast_ref::<io::Error>().map(io::Error::kind);
+    error.chain().any(|cause| kind(cause) == Some(io::ErrorKind::BrokenPipe))
+}
+
+/// A bar that appears on a terminal once the work has taken a second.
+pub struct Progress {
+    title: String,
+    start: Instant,
+    bar: OnceCell<ProgressBar>,
+}
+
+/// The bar's length: progress comes in thousandths.
+const STEPS: u64 = 1000;
+
+impl Progress {
+    /// A bar that is not yet shown.
+    pub fn new(title: impl Into<String>) -> Self {
+        Self { title: title.into(), start: Instant::now(), bar: OnceCell::new() }
+    }
+
+    /// Shows the fraction done.
+    pub fn set(&self, fraction: f64) {
+        if self.start.elapsed() < Duration::from_secs(1) {
+            return;
+        }
+        self.bar.get_or_init(|| self.new_bar()).set_position((fraction * STEPS as f64) as u64);
+    }
+
+    fn new_bar(&self) -> ProgressBar {
+        let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+        let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %, {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.set_message(self.title.clone());
+        bar
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = self.bar.get() {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Where the picture is taken from.
+
+use super::RenderArgs;
+use anyhow::{Result, bail};
+use taotie::math::{Mat4, Vec3};
+use taotie::scene::{Camera, Orbit, Scene};
+
+/// How much of the picture a framed object fills.
+const FILL: f64 = 0.9;
+
+/// Where a model is looked at from if nothing is said, degrees: a little from the side and from above.
+const DEFAULT_ORBIT: [f64; 2] = [25.0, 15.0];
+
+/// A camera that can be turned about the vertical through its target.
+pub struct Viewpoint {
+    camera: Camera,
+    pivot: Vec3<f64>,
+}
+
+impl Viewpoint {
+    /// The camera asked for: one of the file by name, an orbit, else the object framed.
+    pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<Self> {
+        let Some(framing) = scene.framing() else { bail!("the model has no triangle to look at") };
+        let pivot = args.target.unwrap_or(framing.center);
+        if let Some(name) = &args.camera {
+            return Ok(Self { camera: named(scene, name)?, pivot });
+        }
+        let (azimuth, elevation, distance) = match args.orbit.as_deref() {
+            None => (DEFAULT_ORBIT[0], DEFAULT_ORBIT[1], None),
+            Some([azimuth, elevation]) => (*azimuth, *elevation, None),
+            Some([azimuth, elevation, distance]) if *distance > 0.0 => {
+                (*azimuth, *elevation, Some(*distance))
+            }
+            Some(_) => bail!(
+                "--orbit: write AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE with a distance above 0"
+            ),
+        };
+        let [azimuth, elevation, fov_y] = [azimuth, elevation, args.fov_deg].map(f64::to_radians);
+        let aspect = f64::from(args.size[0]) / f64::from(args.size[1]);
+        let framed = framing.distance(elevation, fov_y, aspect, FILL);
+        let orbit = Orbit { azimuth, elevation, distance: distance.unwrap_or(framed), target: pivot, fov_y };
+        let reach = framing.sphere() + (pivot - framing.center).length();
+        Ok(Self { camera: orbit.camera(reach), pivot })
+    }
+
+    /// The camera after the object has turned by `turn` radians, as if it stood on a turntable.
+    pub fn camera(&self, turn: f64) -> Camera {
+        let mut camera = self.camera.clone();
+        camera.world_from_view = self.turned(turn) * camera.world_from_view;
+        camera
+    }
+
+    /// What fixes things to the camera while the object turns.
+    pub fn turned(&self, turn: f64) -> Mat4 {
+        let up = Vec3::new(0.0, 1.0, 0.0);
+        Mat4::translation(self.pivot) * Mat4::rotation_about(up, -turn) * Mat4::translation(-self.pivot)
+    }
+}
+
+fn named(scene: &Scene, name: &str) -> Result<Camera> {
+    if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
+        return Ok(camera.clone());
+    }
+    // Nameless cameras can be chosen by number.
+    if let Some(camera) = name.parse::<usize>().ok().and_then(|index| scene.cameras.get(index)) {
+        return Ok(camera.clone());
+    }
+    let names: Vec<String> = scene
+        .cameras
+        .iter()
+        .enumerate()
+        .map(|(i, c)| if c.name.is_empty() { i.to_string() } else { c.name.clone() })
+        .collect();
+    match names.is_empty() {
+        true => bail!("--camera {name}: the file has no camera; use --orbit"),
+        false => bail!("--camera {name}: the file has no such camera; it has: {}", names.join(", ")),
+    }
+}

@@ -1,0 +1,136 @@
+//! `taotie render`: a model in, a picture out.
+
+mod args;
+mod camera;
+mod lights;
+mod material;
+mod output;
+
+pub use args::RenderArgs;
+pub use output::{PictureFormat, write_picture};
+
+use crate::console::{self, Progress};
+use anyhow::{Context, Result};
+use camera::Viewpoint;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use taotie::render::{Lighting, Pass, Prepared};
+use taotie::{Warnings, io};
+
+/// Version of the JSON that `--json` prints.
+const SCHEMA: u32 = 1;
+
+/// What came of a run.
+struct Report {
+    files: Vec<PathBuf>,
+    triangles: usize,
+    warnings: Warnings,
+    /// Stage and seconds.
+    seconds: Vec<(&'static str, f64)>,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &RenderArgs) -> Result<()> {
+    args.check()?;
+    let report = in_pool(args.threads, || render(args))??;
+    if args.json {
+        return console::result(&serde_json::to_string_pretty(&report.json(args))?);
+    }
+    console::say_warnings(&report.warnings);
+    for file in &report.files {
+        console::result(&file.display().to_string())?;
+    }
+    Ok(())
+}
+
+/// Runs `work` on `threads` threads, or on all of the machine's.
+pub fn in_pool<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .build()
+        .context("the threads could not be started; ask for fewer with --threads")?;
+    Ok(pool.install(work))
+}
+
+fn render(args: &RenderArgs) -> Result<Report> {
+    let mut watch = Watch::new();
+    let mut loaded = io::load_model(&args.model)?;
+    let mut warnings = std::mem::take(&mut loaded.warnings);
+    material::apply(args, &mut loaded.scene)?;
+    watch.lap("load");
+    let settings = args.settings();
+    let prepared = Prepared::new(&loaded.scene, &settings.surface)?;
+    warnings.absorb(prepared.warnings().clone());
+    watch.lap("prepare");
+    let viewpoint = Viewpoint::choose(args, &loaded.scene)?;
+    let frames = args.turntable.unwrap_or(1);
+    let mut files = Vec::new();
+    for index in 0..frames {
+        let turn = std::f64::consts::TAU * f64::from(index) / f64::from(frames);
+        let camera = viewpoint.camera(turn);
+        let lighting = Lighting {
+            lights: lights::choose(args, &loaded.scene, &viewpoint, turn)?,
+            ambient: args.ambient(&loaded.scene),
+        };
+        let title = if frames > 1 { format!("frame {} of {frames}", index + 1) } else { "render".into() };
+        let progress = Progress::new(title);
+        let frame =
+            Pass::new(&prepared, &camera, &lighting, &settings)?.render(&|done| progress.set(done))?;
+        watch.lap("render");
+        let path = if frames > 1 { numbered(&args.output, index, frames) } else { args.output.clone() };
+        files.extend(output::write(args, &path, &frame)?);
+        watch.lap("write");
+    }
+    Ok(Report { files, triangles: loaded.scene.triangle_count(), warnings, seconds: watch.laps })
+}
+
+/// `turn.png` becomes `turn.007.png`.
+fn numbered(path: &Path, index: u32, count: u32) -> PathBuf {
+    let digits = (count.saturating_sub(1)).to_string().len().max(3);
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_extension(format!("{index:0digits$}.{extension}"))
+}
+
+impl Report {
+    fn json(&self, args: &RenderArgs) -> serde_json::Value {
+        let seconds: serde_json::Map<String, serde_json::Value> =
+            self.seconds.iter().map(|(stage, s)| ((*stage).to_string(), json!(s))).collect();
+        json!({
+            "schema": SCHEMA,
+            "version": env!("CARGO_PKG_VERSION"),
+            "model": args.model,
+            "files": self.files,
+            "triangles": self.triangles,
+            "size": args.size,
+            "samples": args.samples,
+            "shading": args.shading.name(),
+            "surface": args.surface.map(|s| s.name()),
+            "tone": args.tone.name(),
+            "seconds": seconds,
+            "warnings": console::json_warnings(&self.warnings),
+        })
+    }
+}
+
+/// Sums the time of each stage.
+struct Watch {
+    last: Instant,
+    laps: Vec<(&'static str, f64)>,
+}
+
+impl Watch {
+    fn new() -> Self {
+        Self { last: Instant::now(), laps: Vec::new() }
+    }
+
+    fn lap(&mut self, stage: &'static str) {
+        let now = Instant::now();
+        let seconds = now.duration_since(self.last).as_secs_f64();
+        self.last = now;
+        match self.laps.iter_mut().find(|(known, _)| *known == stage) {
+            Some((_, total)) => *total += seconds,
+            None => self.laps.push((stage, seconds)),
+        }
+    }
+}

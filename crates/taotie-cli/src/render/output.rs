@@ -1,0 +1,119 @@
+//! Developing pictures and writing them.
+
+use super::RenderArgs;
+use anyhow::{Result, bail};
+use std::path::{Path, PathBuf};
+use taotie::film::{self, Development, ToneCurve};
+use taotie::image::{Encoding, Image};
+use taotie::io::{self, ExrLayer, PngColor, PngImage, PngSamples};
+use taotie::render::Frame;
+
+/// How a picture is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// sRGB, 8 bits a channel.
+    Png8,
+    /// sRGB, 16 bits a channel.
+    Png16,
+    /// Linear float.
+    Exr,
+}
+
+impl PictureFormat {
+    /// The format that the path's extension asks for.
+    pub fn of(path: &Path, bits: &str) -> Result<Self> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        match (extension.as_str(), bits) {
+            ("png", "16") => Ok(Self::Png16),
+            ("png", _) => Ok(Self::Png8),
+            ("exr", _) => Ok(Self::Exr),
+            _ => bail!("{}: pictures are written as .png or .exr", path.display()),
+        }
+    }
+}
+
+/// Writes a frame and the output variables asked for; returns the files.
+pub fn write(args: &RenderArgs, path: &Path, frame: &Frame) -> Result<Vec<PathBuf>> {
+    let format = PictureFormat::of(path, &args.bits)?;
+    write_picture(path, &frame.color, &args.development()?, format)?;
+    let mut files = vec![path.to_path_buf()];
+    let named = frame.aovs.iter().flat_map(|aovs| aovs.named());
+    for (name, image) in named.filter(|(name, _)| args.aovs.iter().any(|asked| asked == name)) {
+        let exact = path.with_extension(format!("{name}.exr"));
+        write_exr(&exact, image)?;
+        let visible = path.with_extension(format!("{name}.png"));
+        let development = Development { tone: ToneCurve::Linear, background: None, ..Development::default() };
+        write_picture(&visible, &to_look_at(name, image), &development, PictureFormat::Png8)?;
+        files.extend([exact, visible]);
+    }
+    Ok(files)
+}
+
+/// Writes a linear picture, developed unless it is stored linear.
+pub fn write_picture(
+    path: &Path,
+    image: &Image,
+    development: &Development,
+    format: PictureFormat,
+) -> Result<()> {
+    let (width, height) = (image.width(), image.height());
+    let opaque = development.background.is_some();
+    let color = if opaque { PngColor::Rgb } else { PngColor::Rgba };
+    let channels = if opaque { 3 } else { 4 };
+    let png = |samples: PngSamples<'_>| {
+        io::write_png(path, &PngImage { width, height, color, samples, encoding: Encoding::Srgb })
+    };
+    match format {
+        PictureFormat::Exr => return write_exr(path, image),
+        PictureFormat::Png8 => {
+            let pixels = film::develop8(image, development)?;
+            let samples: Vec<u8> = pixels.iter().flat_map(|p| &p[..channels]).copied().collect();
+            png(PngSamples::U8(&samples))?;
+        }
+        PictureFormat::Png16 => {
+            let pixels = film::develop16(image, development)?;
+            let samples: Vec<u16> = pixels.iter().flat_map(|p| &p[..channels]).copied().collect();
+            png(PngSamples::U16(&samples))?;
+        }
+    }
+    Ok(())
+}
+
+fn write_exr(path: &Path, image: &Image) -> Result<()> {
+    let samples: Vec<f32> = image.pixels().iter().flatten().copied().collect();
+    let layer = ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples: &samples };
+    Ok(io::write_exr(path, (image.width(), image.height()), &[layer])?)
+}
+
+/// An output variable brought into [0, 1], so that its PNG shows something.
+fn to_look_at(name: &str, image: &Image) -> Image {
+    let mut picture = image.clone();
+    let (near, far) = range(image);
+    for pixel in picture.pixels_mut().iter_mut().filter(|pixel| pixel[3] != 0.0) {
+        let [x, y, z, a] = *pixel;
+        let encoded = match name {
+            "normals" => [x, y, z].map(|v| v * 0.5 + 0.5),
+            "depth" => [1.0 - 0.9 * (x - near) / (far - near).max(f32::MIN_POSITIVE); 3],
+            "uv" => [x - x.floor(), y - y.floor(), 0.0],
+            "triangle" => false_color(x as u32),
+            _ => continue,
+        };
+        // What is written goes through the sRGB curve, which must not change these numbers.
+        let [r, g, b] = encoded.map(|v| taotie::math::srgb::linear_from_srgb(f64::from(v)) as f32);
+        *pixel = [r, g, b, a];
+    }
+    picture
+}
+
+/// Least and greatest first channel where something was seen.
+fn range(image: &Image) -> (f32, f32) {
+    let seen = image.pixels().iter().filter(|pixel| pixel[3] != 0.0).map(|pixel| pixel[0]);
+    seen.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// A colour that neighbours in number do not share.
+fn false_color(id: u32) -> [f32; 3] {
+    let hash = id.wrapping_add(1).wrapping_mul(0x9e37_79b1);
+    let hash = (hash ^ (hash >> 15)).wrapping_mul(0x85eb_ca77);
+    [hash, hash >> 8, hash >> 16].map(|h| 0.15 + 0.85 * (h & 0xff) as f32 / 255.0)
+}

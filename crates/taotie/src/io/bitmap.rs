@@ -1,0 +1,210 @@
+//! Textures from PNG, JPEG, TGA, Radiance HDR and OpenEXR, in the precision and encoding of the file.
+
+mod exr;
+
+use super::file;
+use crate::error::{Error, Result};
+use crate::image::{Bitmap, Texels};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use std::io::Cursor;
+use std::path::Path;
+
+/// The most texels of one image: 16,384 × 16,384.
+const MAX_TEXELS: u64 = 1 << 28;
+
+/// No format read here packs more texels into a byte: deflate reaches 1032 to 1, and a byte holds 8 one-bit texels.
+/// A declared size beyond it is refused before anything is allocated.
+const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
+
+/// Reads an image file.
+///
+/// # Errors
+/// As [`decode_bitmap`], and [`Error::Io`] where the file cannot be read.
+pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    decode_bitmap(&file::read(path)?, &name, path)
+}
+
+/// Decodes an image in memory. The format is told from the content; TGA, which has no signature, from the ending of
+/// `name`. `path` is the file that errors are about.
+///
+/// # Errors
+/// [`Error::Unsupported`] for a format that is not read, [`Error::Limit`] for a size beyond [`Bitmap::MAX_SIDE`] a
+/// side, 2²⁸ texels, or what so few bytes can hold, [`Error::Parse`] for damaged content.
+pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
+    let format = guess_format(bytes, name).ok_or_else(|| {
+        Error::unsupported(
+            format!("{}: the image format of '{name}'", path.display()),
+            "images are read from PNG, JPEG, TGA, HDR and EXR",
+        )
+    })?;
+    let at = || format!("image '{name}'");
+    if format == ImageFormat::OpenExr {
+        return exr::decode(bytes).map_err(|failure| failure.into_error(path, at()));
+    }
+    decode(bytes, format).map_err(|failure| failure.into_error(path, at()))
+}
+
+/// Why an image cannot be had, before it is known which file is to blame.
+enum Failure {
+    Damaged(String),
+    TooLarge(String),
+    Unsupported(String),
+}
+
+impl Failure {
+    fn into_error(self, path: &Path, at: String) -> Error {
+        match self {
+            Self::Damaged(what) => Error::parse(path, at, one_line(&what)),
+            Self::TooLarge(why) => Error::limit(format!("{}: {at}", path.display()), why),
+            Self::Unsupported(what) => Error::unsupported(
+                format!("{}: {at}: {}", path.display(), one_line(&what)),
+                "convert it to PNG",
+            ),
+        }
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn guess_format(bytes: &[u8], name: &str) -> Option<ImageFormat> {
+    use ImageFormat::{Hdr, Jpeg, OpenExr, Png, Tga};
+    match image::guess_format(bytes) {
+        Ok(format @ (Png | Jpeg | Hdr | OpenExr)) => Some(format),
+        Ok(_) => None,
+        Err(_) => {
+            let name = name.to_ascii_lowercase();
+            [".tga", ".icb", ".vda", ".vst"].iter().any(|e| name.ends_with(e)).then_some(Tga)
+        }
+    }
+}
+
+fn decode(bytes: &[u8], format: ImageFormat) -> std::result::Result<Bitmap, Failure> {
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    reader.no_limits();
+    let mut decoder = reader.into_decoder().map_err(failure)?;
+    let (width, height) = decoder.dimensions();
+    check_size(u64::from(width), u64::from(height), bytes.len())?;
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MAX_TEXELS * 16);
+    decoder.set_limits(limits).map_err(failure)?;
+    let picture = DynamicImage::from_decoder(decoder).map_err(failure)?;
+    bitmap_from(picture)
+}
+
+/// Refuses sizes that cannot be drawn or cannot be true.
+fn check_size(width: u64, height: u64, bytes: usize) -> std::result::Result<(), Failure> {
+    let side = u64::from(Bitmap::MAX_SIDE);
+    if width > side || height > side || width * height > MAX_TEXELS {
+        let why = format!("{width}×{height}; at most {side} a side and 16384×16384 in all: scale it down");
+        return Err(Failure::TooLarge(why));
+    }
+    if width * height > (bytes as u64).saturating_mul(MAX_TEXELS_PER_BYTE) {
+        return Err(Failure::Damaged(format!(
+            "{bytes} bytes cannot hold {width}×{height} texels; save it again"
+        )));
+    }
+    Ok(())
+}
+
+fn failure(error: ImageError) -> Failure {
+    match error {
+        ImageError::Limits(e) => Failure::TooLarge(e.to_string()),
+        ImageError::Unsupported(e) => Failure::Unsupported(e.to_string()),
+        other => Failure::Damaged(other.to_string()),
+    }
+}
+
+fn bitmap_from(picture: DynamicImage) -> std::result::Result<Bitmap, Failure> {
+    let (width, height) = (picture.width(), picture.height());
+    let channels = picture.color().channel_count();
+    let texels = match &picture {
+        DynamicImage::ImageLuma8(p) => Texels::U8(expand(p, channels, u8::MAX)),
+        DynamicImage::ImageLumaA8(p) => Texels::U8(expand(p, channels, u8::MAX)),
+        DynamicImage::ImageRgb8(p) => Texels::U8(expand(p, channels, u8::MAX)),
+        DynamicImage::ImageRgba8(p) => Texels::U8(expand(p, channels, u8::MAX)),
+        DynamicImage::ImageLuma16(p) => Texels::U16(expand(p, channels, u16::MAX)),
+        DynamicImage::ImageLumaA16(p) => Texels::U16(expand(p, channels, u16::MAX)),
+        DynamicImage::ImageRgb16(p) => Texels::U16(expand(p, channels, u16::MAX)),
+        DynamicImage::ImageRgba16(p) => Texels::U16(expand(p, channels, u16::MAX)),
+        DynamicImage::ImageRgb32F(p) => Texels::F32(expand(p, channels, 1.0)),
+        DynamicImage::ImageRgba32F(p) => Texels::F32(expand(p, channels, 1.0)),
+        other => return Err(Failure::Unsupported(format!("pixels of type {:?}", other.color()))),
+    };
+    Bitmap::new(width, height, channels, texels).map_err(|e| Failure::Damaged(e.to_string()))
+}
+
+/// RGBA texels from interleaved samples; grey is repeated, missing alpha is `one`.
+fn expand<T: Copy>(samples: &[T], channels: u8, one: T) -> Vec<[T; 4]> {
+    let texel = |s: &[T]| match *s {
+        [v] => [v, v, v, one],
+        [v, a] => [v, v, v, a],
+        [r, g, b] => [r, g, b, one],
+        [r, g, b, a, ..] => [r, g, b, a],
+        [] => [one; 4],
+    };
+    samples.chunks_exact(usize::from(channels)).map(texel).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tga(kind: u8, (width, height): (u8, u8), bits: u8, descriptor: u8, data: &[u8]) -> Result<Bitmap> {
+        let mut bytes = vec![0, 0, kind, 0, 0, 0, 0, 0, 0, 0, 0, 0, width, 0, height, 0, bits, descriptor];
+        bytes.extend_from_slice(data);
+        decode_bitmap(&bytes, "x.TGA", Path::new("x.TGA"))
+    }
+
+    fn reds(bitmap: &Bitmap) -> Vec<u8> {
+        let Texels::U8(texels) = bitmap.texels() else { panic!("8 bits") };
+        texels.iter().map(|t| t[0]).collect()
+    }
+
+    #[test]
+    fn tga_origins() {
+        let data = [0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4]; // blue, green, red of a 2×2 picture
+        let order = |descriptor| reds(&tga(2, (2, 2), 24, descriptor, &data).unwrap());
+        assert_eq!(order(0x20), [1, 2, 3, 4], "top left");
+        assert_eq!(order(0x00), [3, 4, 1, 2], "bottom left");
+        assert_eq!(order(0x30), [2, 1, 4, 3], "top right");
+        assert_eq!(order(0x10), [4, 3, 2, 1], "bottom right");
+    }
+
+    #[test]
+    fn tga_run_lengths_and_truncation() {
+        let packets = [0x82, 9, 9, 7, 0x00, 9, 9, 5]; // three times red 7, then one red 5
+        let bitmap = tga(10, (2, 2), 24, 0x20, &packets).unwrap();
+        assert_eq!(reds(&bitmap), [7, 7, 7, 5]);
+        let error = tga(10, (2, 2), 24, 0x20, &packets[..6]).unwrap_err();
+        assert!(matches!(error, Error::Parse { .. }), "{error}");
+        let grey = tga(3, (2, 1), 8, 0x20, &[3, 250]).unwrap();
+        assert_eq!((grey.channels(), reds(&grey)), (1, vec![3, 250]));
+    }
+
+    #[test]
+    fn absurd_sizes_are_refused_before_allocation() {
+        let mut header = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec();
+        header.extend_from_slice(&[0, 0, 0x40, 0, 0, 0, 0x40, 0, 8, 6, 0, 0, 0]); // 16384 × 16384 RGBA
+        let crc = crc32(&header[12..]);
+        header.extend_from_slice(&crc.to_be_bytes());
+        header.extend_from_slice(b"\0\0\0\0IDAT\x35\xaf\x06\x1e");
+        let error = decode_bitmap(&header, "bomb.png", Path::new("bomb.png")).unwrap_err().to_string();
+        assert!(error.contains("cannot hold"), "{error}");
+    }
+
+    fn crc32(bytes: &[u8]) -> u32 {
+        let step = |crc: u32| if crc & 1 == 1 { 0xedb8_8320 ^ (crc >> 1) } else { crc >> 1 };
+        !bytes.iter().fold(!0, |crc, b| (0..8).fold(crc ^ u32::from(*b), |crc, _| step(crc)))
+    }
+
+    #[test]
+    fn unknown_content_is_named() {
+        let error = decode_bitmap(b"GIF89a....", "a.png", Path::new("m.gltf")).unwrap_err().to_string();
+        assert!(error.contains("a.png") && error.contains("m.gltf"), "{error}");
+        assert!(decode_bitmap(b"", "a.png", Path::new("a.png")).is_err());
+        assert!(decode_bitmap(b"", "a.tga", Path::new("a.tga")).is_err());
+    }
+}

@@ -1,0 +1,37 @@
+//! Reading bytes from regular files only, since a model may name any path.
+
+use crate::error::{Error, Result};
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The largest file read, in bytes.
+const MAX_BYTES: u64 = 1 << 34;
+
+/// The whole file.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>> {
+    let (file, length) = open(path)?;
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    Ok(bytes)
+}
+
+/// The first bytes of the file, at most `count`.
+pub(super) fn read_start(path: &Path, count: u64) -> Result<Vec<u8>> {
+    let (file, _) = open(path)?;
+    let mut bytes = Vec::new();
+    file.take(count).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    Ok(bytes)
+}
+
+/// Opens a regular file. Devices and pipes are refused before opening, since both can block for ever.
+fn open(path: &Path) -> Result<(File, u64)> {
+    let about = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
+    if !about.is_file() {
+        return Err(Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file")));
+    }
+    if about.len() > MAX_BYTES {
+        return Err(Error::limit(path.display().to_string(), format!("at most {} GiB", MAX_BYTES >> 30)));
+    }
+    Ok((File::open(path).map_err(|e| Error::io(path, e))?, about.len()))
+}

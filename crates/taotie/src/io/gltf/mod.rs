@@ -1,0 +1,94 @@
+//! glTF 2.0, `.gltf` and `.glb`: the scene in its rest pose.
+//!
+//! The `gltf` crate gives the types of the JSON; every index, range and number in it is checked here, so that a
+//! file that is wrong in one place is drawn without that place, or refused in one line.
+
+mod accessor;
+mod document;
+mod lights;
+mod materials;
+mod meshes;
+mod nodes;
+mod repair;
+mod textures;
+mod triangles;
+mod uri;
+mod vertices;
+
+use super::Loaded;
+use crate::error::{Result, Warnings};
+use crate::math::Vec2;
+use crate::mesh::Mesh;
+use crate::scene::{Instance, Material, Scene, TextureRef as TextureUse};
+use document::Document;
+use meshes::Meshes;
+use nodes::Nodes;
+use std::path::Path;
+use textures::{Decoded, Textures};
+
+/// Reads a `.gltf` or `.glb` file with everything it names.
+pub(super) fn read(path: &Path) -> Result<Loaded> {
+    let mut warnings = Warnings::default();
+    let document = Document::open(path, &mut warnings)?;
+    let nodes = Nodes::resolve(&document, &mut warnings)?;
+    let Meshes { meshes, names, mut instances } = meshes::build(&document, &nodes, &mut warnings)?;
+    let mut textures = Textures::new(&document);
+    let mut materials = materials::read(&document, &mut textures, &mut warnings);
+    let decoded = textures.decode(&mut materials, &mut warnings);
+    drop_unused_default(&mut materials, &mut instances);
+    let Decoded { textures, names: texture_names, missing: missing_files } = decoded;
+    let lights = lights::lights(&document, &nodes, &mut warnings);
+    let cameras = lights::cameras(&document, &nodes, &mut warnings);
+    let mut scene = Scene { meshes, materials, textures, instances, lights, cameras };
+    add_missing_uvs(&mut scene, &mut warnings)?;
+    let root = &document.root;
+    Ok(Loaded {
+        generator: root.asset.generator.clone(),
+        copyright: root.asset.copyright.clone(),
+        extensions_used: root.extensions_used.clone(),
+        extensions_required: root.extensions_required.clone(),
+        mesh_names: names,
+        texture_names,
+        missing_files,
+        animations: root.animations.len(),
+        ..Loaded::new(scene, warnings, document.format)
+    })
+}
+
+/// The default material stands last; it goes where no primitive needs it.
+fn drop_unused_default(materials: &mut Vec<Material>, instances: &mut [Instance]) {
+    let default = materials.len() - 1;
+    if instances.iter().all(|i| i.material != default) {
+        materials.pop();
+    }
+}
+
+/// Gives each mesh every uv set that its materials name, since a file may promise more than it holds.
+fn add_missing_uvs(scene: &mut Scene, warnings: &mut Warnings) -> Result<()> {
+    for instance in &scene.instances {
+        let material = &scene.materials[instance.material];
+        let needed = uv_sets_of(material);
+        let mesh = &mut scene.meshes[instance.mesh];
+        if needed <= mesh.uvs().len() {
+            continue;
+        }
+        warnings.note(format!("'{}' names uv sets that its mesh lacks; they are 0", material.name), 1);
+        let mut data = std::mem::take(mesh).into_data();
+        let zeros = vec![Vec2::default(); data.positions.len()];
+        data.uvs.resize(needed, zeros);
+        *mesh = Mesh::new(data)?;
+    }
+    Ok(())
+}
+
+/// One more than the highest uv set that a material names.
+fn uv_sets_of(material: &Material) -> usize {
+    let slots = [
+        material.base_color_texture,
+        material.metallic_roughness_texture,
+        material.occlusion_texture,
+        material.emissive_texture,
+        material.normal.map(|n| n.texture),
+    ];
+    slots.into_iter().flatten().map(|t| t.uv_set + 1).max().unwrap_or(0)
+}

@@ -1,0 +1,133 @@
+//! The node hierarchy: world matrices, and which nodes the scene shows.
+
+use super::document::{Document, no_such};
+use crate::error::{Result, Warnings};
+use crate::math::{Mat4, Vec3};
+use gltf::json;
+
+/// The hierarchy, resolved.
+pub(super) struct Nodes {
+    /// World matrix of every node of the file.
+    pub world: Vec<Mat4>,
+    /// The nodes of the shown scene, parents before children.
+    pub shown: Vec<usize>,
+}
+
+impl Nodes {
+    /// Follows the hierarchy of `document`.
+    ///
+    /// # Errors
+    /// Where a node is its own ancestor, a node is named that does not exist, or a transform is not finite.
+    pub fn resolve(document: &Document, warnings: &mut Warnings) -> Result<Self> {
+        let parents = parents(document, warnings)?;
+        let world = world_matrices(document, &parents, warnings)?;
+        let shown = shown(document, &parents)?;
+        Ok(Self { world, shown })
+    }
+}
+
+type Parents = Vec<Option<usize>>;
+
+fn at(node: usize) -> String {
+    format!("node {node}")
+}
+
+fn children(document: &Document, node: usize) -> impl Iterator<Item = usize> {
+    document.root.nodes[node].children.iter().flatten().map(|c| c.value())
+}
+
+/// The parent of each node; of several the first counts.
+fn parents(document: &Document, warnings: &mut Warnings) -> Result<Parents> {
+    let count = document.root.nodes.len();
+    let mut parents = vec![None; count];
+    for node in 0..count {
+        for child in children(document, node) {
+            match parents.get_mut(child) {
+                None => return Err(document.error(at(node), no_such("child", child))),
+                Some(parent @ None) => *parent = Some(node),
+                Some(Some(_)) => warnings.note("nodes with two parents; the first counts", 1),
+            }
+        }
+    }
+    Ok(parents)
+}
+
+fn world_matrices(document: &Document, parents: &Parents, warnings: &mut Warnings) -> Result<Vec<Mat4>> {
+    let count = parents.len();
+    let mut world: Vec<Option<Mat4>> = vec![None; count];
+    let mut waiting: Vec<usize> = (0..count).filter(|n| parents[*n].is_none()).collect();
+    while let Some(node) = waiting.pop() {
+        let local = local_matrix(document, node, warnings)?;
+        let parent = parents[node].and_then(|p| world[p]).unwrap_or_default();
+        world[node] = Some(parent * local);
+        waiting.extend(children(document, node).filter(|c| parents[*c] == Some(node) && world[*c].is_none()));
+    }
+    let cycle = || "it is its own ancestor; nodes must form trees";
+    world.into_iter().enumerate().map(|(n, m)| m.ok_or_else(|| document.error(at(n), cycle()))).collect()
+}
+
+fn local_matrix(document: &Document, index: usize, warnings: &mut Warnings) -> Result<Mat4> {
+    let node = &document.root.nodes[index];
+    let local = match &node.matrix {
+        Some(m) => from_columns(m, warnings),
+        None => from_parts(node, warnings),
+    };
+    if local.is_finite() { Ok(local) } else { Err(document.error(at(index), "its transform is not finite")) }
+}
+
+/// A matrix stored by columns; projective parts are dropped.
+pub(super) fn from_columns(m: &[f32; 16], warnings: &mut Warnings) -> Mat4 {
+    let mut columns = [[0.0; 4]; 4];
+    for (i, v) in m.iter().enumerate() {
+        columns[i / 4][i % 4] = f64::from(*v);
+    }
+    let last_row = columns.map(|c| c[3]);
+    if last_row != [0.0, 0.0, 0.0, 1.0] {
+        warnings.note("matrices with a last row other than 0 0 0 1; it is ignored", 1);
+        columns.iter_mut().zip([0.0, 0.0, 0.0, 1.0]).for_each(|(c, v)| c[3] = v);
+    }
+    Mat4 { columns }
+}
+
+fn from_parts(node: &json::Node, warnings: &mut Warnings) -> Mat4 {
+    let vector = |v: [f32; 3]| Vec3::from_array(v).to_f64();
+    let translation = vector(node.translation.unwrap_or_default());
+    let scale = vector(node.scale.unwrap_or([1.0; 3]));
+    let rotation = node.rotation.unwrap_or_default().0.map(f64::from);
+    Mat4::translation(translation) * Mat4::rotation(unit(rotation, warnings)) * Mat4::scale(scale)
+}
+
+fn unit(q: [f64; 4], warnings: &mut Warnings) -> [f64; 4] {
+    let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+    if length == 0.0 {
+        warnings.note("rotations of length zero; taken as none", 1);
+        return [0.0, 0.0, 0.0, 1.0];
+    }
+    q.map(|v| v / length)
+}
+
+/// The nodes of the default scene, else of the first, else every tree there is.
+fn shown(document: &Document, parents: &Parents) -> Result<Vec<usize>> {
+    let root = &document.root;
+    let scene = root.scene.map_or(0, |s| s.value());
+    let mut waiting: Vec<usize> = match root.scenes.get(scene) {
+        Some(scene) => scene.nodes.iter().map(|n| n.value()).collect(),
+        None if root.scene.is_some() => return Err(document.error("scene", no_such("scene", scene))),
+        None => (0..parents.len()).filter(|n| parents[*n].is_none()).collect(),
+    };
+    if let Some(node) = waiting.iter().find(|n| **n >= parents.len()) {
+        return Err(document.error(format!("scene {scene}"), no_such("node", *node)));
+    }
+    waiting.reverse();
+    let mut seen = vec![false; parents.len()];
+    let mut shown = Vec::new();
+    while let Some(node) = waiting.pop() {
+        if std::mem::replace(&mut seen[node], true) {
+            continue;
+        }
+        shown.push(node);
+        let below: Vec<usize> = children(document, node).filter(|c| parents[*c] == Some(node)).collect();
+        waiting.extend(below.into_iter().rev());
+    }
+    Ok(shown)
+}

@@ -1,0 +1,151 @@
+//! Mending what a mesh's arrays hold, each kind of repair counted.
+
+use crate::error::Warnings;
+use crate::math::{Vec2, Vec3};
+use crate::mesh::MeshData;
+
+/// Makes normals unit and finite, invents flat ones where there are none, and cleans uvs, colours and tangents.
+/// Warnings start with `place`.
+pub(super) fn repair(data: &mut MeshData, place: &str, warnings: &mut Warnings) {
+    let mut note = |what: &str, count| warnings.note(format!("{place}: {what}"), count);
+    if data.normals.is_empty() {
+        *data = with_flat_normals(data);
+    } else {
+        note("normals that were zero or NaN, taken from the faces", mend_normals(data));
+    }
+    note("tangents that were zero or NaN; all are computed anew", mend_tangents(data));
+    note("uvs that were infinite or NaN, set to 0", mend_uvs(&mut data.uvs));
+    note("vertex colours that were infinite or NaN, set to white", mend_colors(&mut data.colors));
+}
+
+/// Every triangle with its own three vertices and its face's normal. Tangents are dropped, as glTF 2.0, 3.7.2.1 says.
+fn with_flat_normals(data: &MeshData) -> MeshData {
+    let corners = || data.triangles.iter().flatten().map(|i| *i as usize);
+    let normals = data.triangles.iter().flat_map(|triangle| {
+        let normal = face_vector(data, triangle).normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32();
+        [normal; 3]
+    });
+    MeshData {
+        positions: corners().map(|i| data.positions[i]).collect(),
+        normals: normals.collect(),
+        tangents: Vec::new(),
+        uvs: data.uvs.iter().map(|uvs| corners().map(|i| uvs[i]).collect()).collect(),
+        colors: if data.colors.is_empty() { Vec::new() } else { corners().map(|i| data.colors[i]).collect() },
+        triangles: (0..data.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+    }
+}
+
+/// The face's normal times twice its area.
+fn face_vector(data: &MeshData, triangle: &[u32; 3]) -> Vec3<f64> {
+    let [a, b, c] = triangle.map(|i| data.positions[i as usize].to_f64());
+    (b - a).cross(c - a)
+}
+
+fn mend_normals(data: &mut MeshData) -> usize {
+    let usable = |n: &Vec3| n.is_finite() && n.to_f64().length() > 1e-18;
+    let bad: Vec<usize> = (0..data.normals.len()).filter(|i| !usable(&data.normals[*i])).collect();
+    if !bad.is_empty() {
+        let faces = area_weighted_normals(data);
+        bad.iter().for_each(|i| data.normals[*i] = faces[*i]);
+    }
+    for normal in &mut data.normals {
+        *normal = normal.to_f64().normalize().to_f32();
+    }
+    bad.len()
+}
+
+fn area_weighted_normals(data: &MeshData) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::splat(0.0); data.positions.len()];
+    for triangle in &data.triangles {
+        let face = face_vector(data, triangle);
+        triangle.iter().for_each(|i| sums[*i as usize] += face);
+    }
+    sums.into_iter().map(|s| s.normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32()).collect()
+}
+
+/// Drops all tangents where one is unusable: one vertex cannot be mended without its neighbours.
+fn mend_tangents(data: &mut MeshData) -> usize {
+    let usable = |[x, y, z, _]: &[f32; 4]| {
+        let t = Vec3::new(*x, *y, *z);
+        t.is_finite() && t.to_f64().length() > 1e-18
+    };
+    let bad = data.tangents.iter().filter(|t| !usable(t)).count();
+    if bad > 0 {
+        data.tangents.clear();
+    }
+    for tangent in &mut data.tangents {
+        tangent[3] = if tangent[3] < 0.0 { -1.0 } else { 1.0 };
+    }
+    bad
+}
+
+fn mend_uvs(sets: &mut [Vec<Vec2>]) -> usize {
+    let mut count = 0;
+    for uv in sets.iter_mut().flatten().filter(|uv| !(uv.x.is_finite() && uv.y.is_finite())) {
+        *uv = Vec2::default();
+        count += 1;
+    }
+    count
+}
+
+fn mend_colors(colors: &mut [[f32; 4]]) -> usize {
+    let mut count = 0;
+    for color in colors.iter_mut().filter(|c| c.iter().any(|v| !v.is_finite())) {
+        *color = [1.0; 4];
+        count += 1;
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> MeshData {
+        let corner = |x, y| Vec3::new(x, y, 0.0);
+        MeshData {
+            positions: vec![corner(0.0, 0.0), corner(2.0, 0.0), corner(2.0, 2.0), corner(0.0, 2.0)],
+            uvs: vec![vec![Vec2::new(0.5, f32::NAN); 4]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..MeshData::default()
+        }
+    }
+
+    #[test]
+    fn flat_normals_unweld() {
+        let mut data = square();
+        data.positions[3] = Vec3::new(0.0, 0.0, 5.0);
+        data.tangents = vec![[1.0, 0.0, 0.0, 1.0]; 4];
+        let mut warnings = Warnings::default();
+        repair(&mut data, "here", &mut warnings);
+        assert_eq!(data.positions.len(), 6);
+        assert_eq!(data.triangles, [[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(data.normals[0], Vec3::new(0.0, 0.0, 1.0));
+        assert!((data.normals[3] - data.normals[5]).length() == 0.0 && data.normals[3].z.abs() < 1e-6);
+        assert!(data.tangents.is_empty());
+        assert_eq!(data.uvs[0], [Vec2::default(); 6]);
+        assert_eq!(warnings.iter().next(), Some(("here: uvs that were infinite or NaN, set to 0", 6)));
+    }
+
+    #[test]
+    fn bad_normals_come_from_the_faces() {
+        let mut data = square();
+        data.normals = vec![Vec3::new(0.0, 3.0, 0.0); 4];
+        data.normals[1] = Vec3::new(f32::NAN, 0.0, 0.0);
+        data.normals[2] = Vec3::splat(0.0);
+        assert_eq!(mend_normals(&mut data), 2);
+        let (up, out) = (Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0));
+        assert_eq!(data.normals, [up, out, out, up]);
+    }
+
+    #[test]
+    fn tangents_stay_unless_one_is_unusable() {
+        let mut data = square();
+        data.tangents = vec![[0.0, 2.0, 0.0, -1.0]; 4];
+        assert_eq!(mend_tangents(&mut data), 0);
+        assert_eq!(data.tangents, [[0.0, 2.0, 0.0, -1.0]; 4]);
+        data.tangents[2] = [0.0, 0.0, 0.0, 1.0];
+        assert_eq!(mend_tangents(&mut data), 1);
+        assert!(data.tangents.is_empty());
+    }
+}

@@ -1,0 +1,254 @@
+//! Texture slots, samplers and images, each image decoded once and kept once an encoding.
+
+use super::document::{Document, Reason, no_such};
+use super::uri;
+use crate::error::Warnings;
+use crate::image::{Bitmap, Encoding, MipFilter, Sampler, TexelFilter, Texture, Wrap};
+use crate::io::{decode_bitmap, file};
+use crate::math::scalar;
+use crate::scene::{Material, TextureRef, UvTransform};
+use gltf::json::extensions::texture::TextureTransform;
+use gltf::json::texture::{Info, MagFilter, MinFilter, WrappingMode};
+use gltf::json::validation::Checked;
+use gltf::json::{Value, deserialize};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// A texture as a material names it.
+pub(super) struct Slot {
+    index: usize,
+    uv_set: u32,
+    transform: Option<TextureTransform>,
+}
+
+impl Slot {
+    /// A slot whose extensions the parser knows.
+    pub fn from_info(info: &Info) -> Self {
+        let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.clone());
+        Self { index: info.index.value(), uv_set: info.tex_coord, transform }
+    }
+
+    /// A slot whose extensions are still JSON: those of normal and occlusion textures.
+    pub fn new<'a>(
+        index: usize,
+        uv_set: u32,
+        extensions: Option<impl IntoIterator<Item = (&'a String, &'a Value)>>,
+    ) -> Self {
+        let transform = extensions
+            .and_then(|e| e.into_iter().find(|(name, _)| *name == "KHR_texture_transform"))
+            .and_then(|(_, value)| deserialize::from_value(value.clone()).ok());
+        Self { index, uv_set, transform }
+    }
+}
+
+/// The images that materials ask for, before any is decoded.
+pub(super) struct Textures<'a> {
+    document: &'a Document,
+    /// What each texture of the scene is made from.
+    requests: Vec<(usize, Encoding)>,
+}
+
+/// The textures of a scene.
+#[derive(Default)]
+pub(super) struct Decoded {
+    /// The textures.
+    pub textures: Vec<Texture>,
+    /// Their files or names, in the same order.
+    pub names: Vec<String>,
+    /// Files that are not there.
+    pub missing: Vec<String>,
+}
+
+impl<'a> Textures<'a> {
+    /// No requests yet.
+    pub fn new(document: &'a Document) -> Self {
+        Self { document, requests: Vec::new() }
+    }
+
+    /// Registers a use of a texture; `None` with a warning where it has no image that can be read.
+    pub fn resolve(
+        &mut self,
+        slot: &Slot,
+        encoding: Encoding,
+        (place, warnings): (&str, &mut Warnings),
+    ) -> Option<TextureRef> {
+        match self.find_image(slot.index) {
+            Ok((image, sampler)) => Some(self.request(slot, (image, encoding), sampler)),
+            Err(why) => {
+                warnings.note(format!("{place}: a texture is left out: {why}"), 1);
+                None
+            }
+        }
+    }
+
+    fn find_image(&self, index: usize) -> Reason<(usize, Sampler)> {
+        let root = &self.document.root;
+        let texture = root.textures.get(index).ok_or_else(|| no_such("texture", index))?;
+        let image = texture.source.value();
+        if image == u32::MAX as usize {
+            return Err(format!("texture {index} has no PNG or JPEG, only what an extension would read"));
+        }
+        if image >= root.images.len() {
+            return Err(no_such("image", image));
+        }
+        let sampler = texture.sampler.and_then(|s| root.samplers.get(s.value()));
+        Ok((image, sampler.map_or_else(Sampler::default, sampler_from)))
+    }
+
+    fn request(&mut self, slot: &Slot, request: (usize, Encoding), sampler: Sampler) -> TextureRef {
+        let known = self.requests.iter().position(|r| *r == request);
+        let texture = known.unwrap_or_else(|| {
+            self.requests.push(request);
+            self.requests.len() - 1
+        });
+        let transform = slot.transform.as_ref();
+        let uv_set = transform.and_then(|t| t.tex_coord).unwrap_or(slot.uv_set) as usize;
+        TextureRef { texture, uv_set, sampler, transform: transform.map(matrix).unwrap_or_default() }
+    }
+
+    /// Decodes what was asked for. Uses of images that cannot be read are taken out of `materials`, with a warning.
+    pub fn decode(self, materials: &mut [Material], warnings: &mut Warnings) -> Decoded {
+        let mut uses: BTreeMap<usize, usize> = BTreeMap::new();
+        self.requests.iter().for_each(|(image, _)| *uses.entry(*image).or_default() += 1);
+        let images: Vec<usize> = uses.into_keys().collect();
+        let read: Vec<_> = images.par_iter().map(|i| read_image(self.document, *i)).collect();
+        let mut decoded = Decoded::default();
+        let mut bitmaps = BTreeMap::new();
+        for (image, result) in images.into_iter().zip(read) {
+            match result {
+                Ok(bitmap) => drop(bitmaps.insert(image, bitmap)),
+                Err(Unread { why, missing }) => {
+                    warnings.note(format!("image {image} is left out: {why}"), 1);
+                    decoded.missing.extend(missing);
+                }
+            }
+        }
+        let kept = |r: &(usize, Encoding)| bitmaps.contains_key(&r.0);
+        let mut next = 0..;
+        let places: Vec<Option<usize>> =
+            self.requests.iter().map(|r| if kept(r) { next.next() } else { None }).collect();
+        materials.iter_mut().for_each(|m| renumber(m, &places));
+        let requests: Vec<_> = self.requests.into_iter().filter(|r| kept(r)).collect();
+        decoded.names = requests.iter().map(|(image, _)| image_name(self.document, *image)).collect();
+        decoded.textures =
+            requests.par_iter().map(|(image, e)| Texture::new(bitmaps[image].clone(), *e)).collect();
+        decoded
+    }
+}
+
+/// Gives each texture use its final number, or takes it out.
+fn renumber(material: &mut Material, places: &[Option<usize>]) {
+    let place = |texture: &mut TextureRef| match places.get(texture.texture) {
+        Some(Some(place)) => {
+            texture.texture = *place;
+            true
+        }
+        _ => false,
+    };
+    let slots = [
+        &mut material.base_color_texture,
+        &mut material.metallic_roughness_texture,
+        &mut material.occlusion_texture,
+        &mut material.emissive_texture,
+    ];
+    for slot in slots {
+        slot.take_if(|texture| !place(texture));
+    }
+    material.normal.take_if(|map| !place(&mut map.texture));
+}
+
+struct Unread {
+    why: String,
+    missing: Option<String>,
+}
+
+impl From<String> for Unread {
+    fn from(why: String) -> Self {
+        Self { why, missing: None }
+    }
+}
+
+fn read_image(document: &Document, index: usize) -> std::result::Result<Bitmap, Unread> {
+    let image = &document.root.images[index];
+    let name = image_name(document, index);
+    let decode =
+        |bytes: &[u8]| decode_bitmap(bytes, &name, &document.path).map_err(|e| Unread::from(e.to_string()));
+    if let Some(view) = image.buffer_view {
+        return decode(document.view(view.value())?.0);
+    }
+    let Some(address) = &image.uri else { return Err("it has neither uri nor bufferView".to_owned().into()) };
+    match uri::locate(address, document.folder()).map_err(|why| format!("'{name}': {why}"))? {
+        uri::Source::Data { bytes, .. } => decode(&bytes),
+        uri::Source::File(path) if path.exists() => {
+            let bytes = file::read(&path).map_err(|e| e.to_string())?;
+            let file_name = path.file_name().unwrap_or_default().to_string_lossy();
+            decode_bitmap(&bytes, &file_name, &path).map_err(|e| e.to_string().into())
+        }
+        uri::Source::File(_) => {
+            Err(Unread { why: format!("the file '{name}' is missing"), missing: Some(name) })
+        }
+    }
+}
+
+/// What a person would call an image: its file, else its name, else its number.
+fn image_name(document: &Document, index: usize) -> String {
+    let image = &document.root.images[index];
+    let file = image.uri.as_ref().filter(|u| !u.starts_with("data:"));
+    let name = file.or(image.name.as_ref());
+    name.map_or_else(|| format!("image {index}"), |n| uri::shortened(n))
+}
+
+/// T · R · S, where a positive angle turns uvs counter-clockwise as seen with v pointing down.
+/// Source: KHR_texture_transform, with the sign that KhronosGroup/glTF#1563 settles.
+fn matrix(transform: &TextureTransform) -> UvTransform {
+    let angle = f64::from(transform.rotation.0);
+    let (s, c) = (scalar::sin(angle), scalar::cos(angle));
+    let [x, y] = transform.scale.0.map(f64::from);
+    let linear = [[(c * x) as f32, (s * y) as f32], [(-s * x) as f32, (c * y) as f32]];
+    UvTransform { linear, offset: transform.offset.0 }
+}
+
+fn sampler_from(json: &gltf::json::texture::Sampler) -> Sampler {
+    let wrap = |mode: &Checked<WrappingMode>| match mode {
+        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
+        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
+        _ => Wrap::Repeat,
+    };
+    let magnify = match json.mag_filter {
+        Some(Checked::Valid(MagFilter::Nearest)) => TexelFilter::Nearest,
+        _ => TexelFilter::Linear,
+    };
+    let (minify, mip) = match json.min_filter {
+        Some(Checked::Valid(filter)) => minification(filter),
+        _ => (TexelFilter::Linear, MipFilter::Linear),
+    };
+    Sampler { wrap_u: wrap(&json.wrap_s), wrap_v: wrap(&json.wrap_t), magnify, minify, mip }
+}
+
+fn minification(filter: MinFilter) -> (TexelFilter, MipFilter) {
+    match filter {
+        MinFilter::Nearest => (TexelFilter::Nearest, MipFilter::None),
+        MinFilter::Linear => (TexelFilter::Linear, MipFilter::None),
+        MinFilter::NearestMipmapNearest => (TexelFilter::Nearest, MipFilter::Nearest),
+        MinFilter::LinearMipmapNearest => (TexelFilter::Linear, MipFilter::Nearest),
+        MinFilter::NearestMipmapLinear => (TexelFilter::Nearest, MipFilter::Linear),
+        MinFilter::LinearMipmapLinear => (TexelFilter::Linear, MipFilter::Linear),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec2;
+
+    #[test]
+    fn texture_transform_as_in_the_extension_s_example() {
+        // "Only the lower left quadrant of the source image, rotated clockwise 90°."
+        let json = r#"{"offset":[0,1],"rotation":1.5707963,"scale":[0.5,0.5]}"#;
+        let m = matrix(&deserialize::from_str(json).unwrap());
+        let close = |uv: Vec2, x: f32, y: f32| (uv.x - x).abs() < 1e-6 && (uv.y - y).abs() < 1e-6;
+        assert!(close(m.apply(Vec2::new(0.0, 0.0)), 0.0, 1.0));
+        assert!(close(m.apply(Vec2::new(1.0, 0.0)), 0.0, 0.5));
+        assert!(close(m.apply(Vec2::new(1.0, 1.0)), 0.5, 0.5));
+    }
+}

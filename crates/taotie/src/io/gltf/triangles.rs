@@ -1,0 +1,76 @@
+//! From primitive modes and indices to triangles.
+
+use super::accessor::Accessor;
+use super::document::Reason;
+use gltf::json::mesh::Mode;
+
+/// The triangles of a primitive, and what was left out of them.
+pub(super) struct Triangles {
+    /// Counter-clockwise, in the file's vertex indices.
+    pub list: Vec<[u32; 3]>,
+    /// How many indices at the end made no whole triangle.
+    pub surplus: usize,
+}
+
+/// Reads the vertex indices of a primitive of `vertices` vertices; without `indices` they count up from zero.
+pub(super) fn read_indices(indices: Option<&Accessor>, vertices: usize) -> Reason<Vec<u32>> {
+    let Some(accessor) = indices else { return Ok((0..vertices as u32).collect()) };
+    if accessor.width != 1 || !accessor.is_unsigned() {
+        return Err("indices must be unsigned integers, one an element".into());
+    }
+    let read: Vec<u32> = (0..accessor.count).map(|i| accessor.unsigned::<1>(i)[0]).collect();
+    match read.iter().position(|v| *v as usize >= vertices) {
+        Some(i) => Err(format!("index {i} names vertex {}, but there are {vertices}", read[i])),
+        None => Ok(read),
+    }
+}
+
+/// Cuts strips and fans into triangles; `None` for points and lines.
+///
+/// Every second triangle of a strip is turned, so that all keep the winding of the first. Triangles of a strip or
+/// fan that name a vertex twice only join its parts and are dropped.
+/// Source: glTF 2.0, 3.7.2.1.
+pub(super) fn triangulate(mode: Mode, indices: &[u32]) -> Option<Triangles> {
+    let list: Vec<[u32; 3]> = match mode {
+        Mode::Triangles => {
+            let list = indices.as_chunks::<3>();
+            return Some(Triangles { list: list.0.to_vec(), surplus: list.1.len() });
+        }
+        Mode::TriangleStrip => indices.windows(3).enumerate().map(|(i, w)| turned(i, w)).collect(),
+        Mode::TriangleFan => match indices.split_first() {
+            Some((hub, rim)) => rim.windows(2).map(|w| [w[0], w[1], *hub]).collect(),
+            None => Vec::new(),
+        },
+        _ => return None,
+    };
+    let whole = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+    Some(Triangles { list: list.into_iter().filter(whole).collect(), surplus: 0 })
+}
+
+fn turned(i: usize, window: &[u32]) -> [u32; 3] {
+    let odd = i % 2;
+    [window[0], window[1 + odd], window[2 - odd]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_the_winding() {
+        let strip = triangulate(Mode::TriangleStrip, &[0, 1, 2, 3, 4]).unwrap();
+        assert_eq!(strip.list, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
+        let fan = triangulate(Mode::TriangleFan, &[9, 1, 2, 3]).unwrap();
+        assert_eq!(fan.list, [[1, 2, 9], [2, 3, 9]]);
+    }
+
+    #[test]
+    fn joints_of_strips_and_surplus_indices_go() {
+        let strip = triangulate(Mode::TriangleStrip, &[0, 1, 2, 2, 3, 3, 4, 5]).unwrap();
+        assert_eq!(strip.list, [[0, 1, 2], [3, 5, 4]]);
+        let list = triangulate(Mode::Triangles, &[0, 1, 2, 3]).unwrap();
+        assert_eq!((list.list, list.surplus), (vec![[0, 1, 2]], 1));
+        assert!(triangulate(Mode::Lines, &[0, 1]).is_none());
+        assert!(triangulate(Mode::TriangleFan, &[]).unwrap().list.is_empty());
+    }
+}

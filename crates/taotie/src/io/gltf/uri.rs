@@ -1,0 +1,122 @@
+//! Where a buffer or image is: in a data URI or in a file beside the model. The network is never asked.
+
+use super::document::Reason;
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use percent_encoding::percent_decode_str;
+use std::path::{Path, PathBuf};
+
+/// Padding is often forgotten.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true),
+);
+
+/// Where bytes come from.
+#[derive(Debug, PartialEq)]
+pub(super) enum Source {
+    /// In the URI itself.
+    Data {
+        /// The media type, such as `image/png`; may be empty.
+        media_type: String,
+        /// What was encoded.
+        bytes: Vec<u8>,
+    },
+    /// A file that may or may not exist.
+    File(PathBuf),
+}
+
+/// Finds what `uri` means, seen from `folder`.
+pub(super) fn locate(uri: &str, folder: &Path) -> Reason<Source> {
+    if let Some(data) = strip_scheme(uri, "data:") {
+        return decode_data(data);
+    }
+    if has_scheme(uri) {
+        return Err("addresses with a scheme are not fetched; save the file beside the model".into());
+    }
+    if uri.starts_with(['/', '\\']) {
+        return Err("absolute paths are not followed; save the file beside the model".into());
+    }
+    let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| "it is not UTF-8")?;
+    // Names written without encoding, or with the separators of Windows, are common.
+    let candidates = [decoded.as_ref(), uri, &decoded.replace('\\', "/")].map(|name| folder.join(name));
+    let found = candidates.iter().find(|path| path.exists()).unwrap_or(&candidates[0]);
+    Ok(Source::File(found.clone()))
+}
+
+/// A URI fit for one line of a message.
+pub(super) fn shortened(uri: &str) -> String {
+    let start: String = uri.chars().filter(|c| !c.is_control()).take(80).collect();
+    if start.len() < uri.len() { format!("{start}…") } else { start }
+}
+
+fn strip_scheme<'a>(uri: &'a str, scheme: &str) -> Option<&'a str> {
+    let (start, rest) = uri.split_at_checked(scheme.len())?;
+    start.eq_ignore_ascii_case(scheme).then_some(rest)
+}
+
+/// RFC 3986, 3.1. A single letter counts too: it is a drive of Windows, which is an absolute path.
+fn has_scheme(uri: &str) -> bool {
+    let Some((scheme, _)) = uri.split_once(':') else { return false };
+    scheme.starts_with(|c: char| c.is_ascii_alphabetic())
+        && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+}
+
+fn decode_data(data: &str) -> Reason<Source> {
+    let (header, body) = data.split_once(',').ok_or("a data URI without a comma")?;
+    let mut parts = header.split(';');
+    let media_type = parts.next().unwrap_or_default().to_ascii_lowercase();
+    let bytes = if parts.any(|p| p.trim().eq_ignore_ascii_case("base64")) {
+        let body: Vec<u8> = percent_decode_str(body).filter(|b| !b.is_ascii_whitespace()).collect();
+        BASE64.decode(body).map_err(|e| format!("its base64 is damaged: {e}"))?
+    } else {
+        percent_decode_str(body).collect()
+    };
+    Ok(Source::Data { media_type, bytes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn data(uri: &str) -> Vec<u8> {
+        match locate(uri, Path::new("")).unwrap() {
+            Source::Data { bytes, .. } => bytes,
+            Source::File(path) => panic!("{path:?}"),
+        }
+    }
+
+    #[test]
+    fn data_uris() {
+        assert_eq!(data("data:application/octet-stream;base64,AQID"), [1, 2, 3]);
+        assert_eq!(data("DATA:;base64,AQI="), [1, 2]);
+        assert_eq!(data("data:;base64,AQI"), [1, 2]);
+        assert_eq!(data("data:text/plain,a%20b"), b"a b");
+        assert!(locate("data:;base64,A*", Path::new("")).is_err());
+        assert!(locate("data:;base64", Path::new("")).is_err());
+    }
+
+    #[test]
+    fn files_with_spaces_and_backslashes() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("a b")).unwrap();
+        let there = folder.path().join("a b/c%20d.bin");
+        std::fs::write(&there, "").unwrap();
+        for name in ["a%20b/c%2520d.bin", "a b/c%20d.bin"] {
+            assert_eq!(locate(name, folder.path()).unwrap(), Source::File(there.clone()), "{name}");
+        }
+        std::fs::write(folder.path().join("a b/e.bin"), "").unwrap();
+        let Ok(Source::File(found)) = locate("a b\\e.bin", folder.path()) else { panic!("a file") };
+        assert!(found.exists());
+    }
+
+    #[test]
+    fn nothing_is_fetched() {
+        for uri in ["http://x/y.bin", "HTTPS://x", "file:///etc/passwd", "/etc/passwd", "C:\\x.bin"] {
+            assert!(locate(uri, Path::new("")).is_err(), "{uri}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Faces into meshes, one for each material and each set of attributes that faces have.
+
+use super::super::polygon::{Cutter, Outline};
+use super::parse::{Corner, Face, NONE, Obj};
+use crate::error::{Result, Warnings};
+use crate::math::srgb::linear_from_srgb;
+use crate::math::{Vec2, Vec3};
+use crate::mesh::{Mesh, MeshData};
+use std::collections::HashMap;
+
+/// A mesh with its material: an index into [`Obj::material_names`], or `None`.
+pub(super) type Part = (Option<usize>, Mesh);
+
+/// Cuts the faces of `obj` into triangles and welds corners with equal position, uv and normal index.
+///
+/// A mesh has uvs only where all of its faces have them at every corner, and so with normals; so one material can
+/// have up to four meshes. In memory the uv origin is top left.
+pub(super) fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
+    let mut parts: Vec<PartBuilder> = Vec::new();
+    let mut part_of_kind: HashMap<Kind, usize> = HashMap::new();
+    let mut current: Option<(Kind, usize)> = None;
+    let mut scratch = Scratch::default();
+    let colors = linear_colors(obj, warnings);
+    for face in &obj.faces {
+        let kind = scratch.take(obj, face, warnings);
+        let part = match current {
+            Some((same, part)) if same == kind => part,
+            _ => *part_of_kind.entry(kind).or_insert_with(|| {
+                parts.push(PartBuilder::new(kind));
+                parts.len() - 1
+            }),
+        };
+        current = Some((kind, part));
+        scratch.cut(warnings);
+        parts[part].add(obj, &colors, &scratch);
+    }
+    parts.into_iter().map(|part| part.finish(warnings)).collect()
+}
+
+/// Material, whether there are uvs, whether there are normals.
+type Kind = (u32, bool, bool);
+
+/// The face at hand.
+#[derive(Default)]
+struct Scratch {
+    corners: Vec<Corner>,
+    points: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    cutter: Cutter,
+}
+
+impl Scratch {
+    /// Takes the corners of `face`, without the uvs or normals that cannot be used.
+    fn take(&mut self, obj: &Obj, face: &Face, warnings: &mut Warnings) -> Kind {
+        self.corners.clear();
+        self.corners.extend_from_slice(&obj.corners[face.first as usize..][..face.count as usize]);
+        self.points.clear();
+        self.points.extend(self.corners.iter().map(|c| obj.positions[c[0] as usize]));
+        let bad_uv = |i: u32| i != NONE && !is_finite(obj.uvs[i as usize]);
+        let bad_normal = |i: u32| i != NONE && !is_direction(obj.normals[i as usize]);
+        let uvs = self.keep(
+            1,
+            bad_uv,
+            "faces whose uvs are left out, being infinite, NaN or not at every corner",
+            warnings,
+        );
+        let normals = self.keep(
+            2,
+            bad_normal,
+            "faces whose normals are left out, being zero, NaN or not at every corner",
+            warnings,
+        );
+        (face.material, uvs, normals)
+    }
+
+    /// Whether every corner has a usable index in `slot`; else none of them keeps it.
+    fn keep(&mut self, slot: usize, bad: impl Fn(u32) -> bool, name: &str, warnings: &mut Warnings) -> bool {
+        let all = self.corners.iter().all(|c| c[slot] != NONE && !bad(c[slot]));
+        if !all {
+            let some = self.corners.iter().any(|c| c[slot] != NONE);
+            warnings.note(name, usize::from(some));
+            self.corners.iter_mut().for_each(|c| c[slot] = NONE);
+        }
+        all
+    }
+
+    fn cut(&mut self, warnings: &mut Warnings) {
+        self.triangles.clear();
+        if self.cutter.cut(&self.points, &mut self.triangles) == Outline::Crossing {
+            warnings.note("polygons that cross themselves are drawn only roughly", 1);
+        }
+    }
+}
+
+struct PartBuilder {
+    kind: Kind,
+    data: MeshData,
+    welded: HashMap<Corner, u32>,
+}
+
+impl PartBuilder {
+    fn new(kind: Kind) -> Self {
+        let uvs = if kind.1 { vec![Vec::new()] } else { Vec::new() };
+        Self { kind, data: MeshData { uvs, ..MeshData::default() }, welded: HashMap::new() }
+    }
+
+    fn add(&mut self, obj: &Obj, colors: &[[f32; 4]], face: &Scratch) {
+        for triangle in &face.triangles {
+            let triangle = triangle.map(|i| self.vertex(obj, colors, face.corners[i as usize]));
+            self.data.triangles.push(triangle);
+        }
+    }
+
+    fn vertex(&mut self, obj: &Obj, colors: &[[f32; 4]], corner: Corner) -> u32 {
+        let next = self.data.positions.len() as u32;
+        let index = *self.welded.entry(corner).or_insert(next);
+        if index == next {
+            let [position, uv, normal] = corner.map(|i| i as usize);
+            self.data.positions.push(obj.positions[position]);
+            if let Some(uvs) = self.data.uvs.first_mut() {
+                uvs.push(Vec2::new(obj.uvs[uv].x, 1.0 - obj.uvs[uv].y));
+            }
+            if self.kind.2 {
+                self.data.normals.push(obj.normals[normal].to_f64().normalize().to_f32());
+            }
+            if let Some(color) = colors.get(position) {
+                self.data.colors.push(*color);
+            }
+        }
+        index
+    }
+
+    fn finish(self, warnings: &mut Warnings) -> Result<Part> {
+        let mesh = Mesh::new(self.data)?;
+        warnings.note("triangles without area", mesh.degenerate_triangles());
+        Ok(((self.kind.0 != NONE).then_some(self.kind.0 as usize), mesh))
+    }
+}
+
+fn is_finite(uv: Vec2) -> bool {
+    uv.x.is_finite() && uv.y.is_finite()
+}
+
+fn is_direction(normal: Vec3) -> bool {
+    let length = normal.to_f64().length();
+    length > 1e-20 && length.is_finite()
+}
+
+/// Vertex colours, which the format does not define and tools write sRGB-encoded in [0, 1], or in [0, 255].
+fn linear_colors(obj: &Obj, warnings: &mut Warnings) -> Vec<[f32; 4]> {
+    let usable = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
+    let largest = obj.colors.iter().flatten().fold(0.0, |a: f32, v| a.max(usable(*v)));
+    let scale = if largest > 1.5 { 1.0 / 255.0 } else { 1.0 };
+    warnings.note("vertex colours above 1, so all are read as 0 to 255", usize::from(scale < 1.0));
+    let decode = |v: f32| linear_from_srgb((f64::from(usable(v)) * scale).min(1.0)) as f32;
+    obj.colors.iter().map(|[r, g, b]| [decode(*r), decode(*g), decode(*b), 1.0]).collect()
+}

@@ -1,0 +1,131 @@
+//! OBJ with MTL: polygons, materials and the pictures beside them.
+//!
+//! The format is read here rather than through a crate, because files in the wild need what those lack: errors with
+//! line numbers, concave polygons, continued lines, UTF-16 and Latin-1, faces with and without uvs in one object,
+//! and the options of texture statements.
+
+mod build;
+mod material;
+mod mtl;
+mod parse;
+mod pixels;
+mod textures;
+
+pub(super) use material::neutral;
+
+use super::text::{self, quote};
+use super::{Loaded, locate};
+use crate::error::{Result, Warnings};
+use crate::math::Mat4;
+use crate::mesh::Mesh;
+use crate::scene::{Instance, Material, Scene};
+use mtl::Mtl;
+use parse::Obj;
+use std::collections::HashMap;
+use std::path::Path;
+use textures::Textures;
+
+/// How many missing libraries or materials are named one by one.
+const NAMED: usize = 64;
+
+/// Reads an OBJ file, its MTL files and their textures.
+///
+/// The scene has one mesh for each material in use (two or more where only some of its faces have uvs or normals);
+/// objects and groups are not kept apart. Normals are absent where the file has none. The uv origin is turned from
+/// bottom left to top left; vertex colours are taken as sRGB-encoded, material colours as linear.
+///
+/// # Errors
+/// [`crate::Error::Io`] where the file cannot be read, [`crate::Error::Parse`] with the line of what cannot be used.
+/// Missing libraries, materials and textures are noted in the warnings.
+pub(super) fn read(path: &Path) -> Result<Loaded> {
+    let mut warnings = Warnings::default();
+    let obj = parse::parse(path, &text::read_text(path)?, &mut warnings)?;
+    let parts = build::build(&obj, &mut warnings)?;
+    let mut loaded = Loaded::new(Scene::default(), warnings, "OBJ");
+    assemble(path.parent().unwrap_or(Path::new("")), &obj, parts, &mut loaded);
+    Ok(loaded)
+}
+
+fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Loaded) {
+    let Loaded { scene, warnings, missing_files, .. } = loaded;
+    let mut textures = Textures::new(folder);
+    let library = library(folder, obj, warnings, missing_files);
+    let mut material_of_name: HashMap<Option<usize>, usize> = HashMap::new();
+    let mut unknown = 0;
+    for (name, mesh) in parts {
+        let material = *material_of_name.entry(name).or_insert_with(|| {
+            let name = name.map_or("", |i| obj.material_names[i].as_str());
+            scene.materials.push(match library.get(name) {
+                Some(mtl) => material::material(mtl, &mut textures, warnings),
+                None => {
+                    note_unknown(name, &mut unknown, warnings);
+                    let white = Material { base_color: [1.0; 4], ..neutral(name) };
+                    if obj.colors.is_empty() { neutral(name) } else { white }
+                }
+            });
+            scene.materials.len() - 1
+        });
+        place(scene, mesh, material);
+    }
+    scene.textures = textures.list;
+    loaded.texture_names = textures.names;
+    loaded.missing_files.append(&mut textures.missing_files);
+}
+
+fn place(scene: &mut Scene, mesh: Mesh, material: usize) {
+    scene.meshes.push(mesh);
+    let mesh = scene.meshes.len() - 1;
+    scene.instances.push(Instance { mesh, material, world_from_object: Mat4::IDENTITY });
+}
+
+fn note_unknown(name: &str, unknown: &mut usize, warnings: &mut Warnings) {
+    *unknown += usize::from(!name.is_empty());
+    if *unknown > NAMED {
+        warnings.note("further materials that no library describes are drawn in grey", 1);
+    } else if !name.is_empty() {
+        warnings.note(format!("no library describes material {}; it is drawn in grey", quote(name)), 1);
+    }
+}
+
+/// The materials of all libraries by name; of equal names, the last.
+fn library(
+    folder: &Path,
+    obj: &Obj,
+    warnings: &mut Warnings,
+    missing_files: &mut Vec<String>,
+) -> HashMap<String, Mtl> {
+    let mut materials = HashMap::new();
+    for names in obj.libraries.iter().take(NAMED) {
+        for name in library_files(names, folder) {
+            let text = match locate::find(&name, &[folder]) {
+                None => {
+                    warnings.note(format!("material library {} is not there", quote(&name)), 1);
+                    missing_files.push(name);
+                    continue;
+                }
+                Some(path) => text::read_text(&path).map(|text| (path, text)),
+            };
+            match text {
+                Ok((path, text)) => {
+                    let found = mtl::parse(&path, &text, warnings);
+                    materials.extend(found.into_iter().map(|m| (m.name.clone(), m)));
+                }
+                Err(error) => warnings.note(error.to_string(), 1),
+            }
+        }
+    }
+    let more = obj.libraries.len().saturating_sub(NAMED);
+    warnings.note(format!("material libraries beyond {NAMED} are not read"), more);
+    materials
+}
+
+/// The files behind one `mtllib`: a single name with spaces where there is such a file, else one a word, where a
+/// backslash keeps the space behind it.
+fn library_files(names: &str, folder: &Path) -> Vec<String> {
+    let whole = names.trim().trim_matches('"');
+    if !whole.contains(char::is_whitespace) || locate::find(whole, &[folder]).is_some() {
+        return vec![whole.to_owned()];
+    }
+    let kept = whole.replace("\\ ", "\0");
+    kept.split_whitespace().take(NAMED).map(|word| word.replace('\0', " ")).collect()
+}

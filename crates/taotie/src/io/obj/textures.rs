@@ -1,0 +1,166 @@
+//! The pictures that MTL files name, each read once.
+
+use super::super::locate::find;
+use super::super::read_bitmap;
+use super::super::text::quote;
+use super::mtl::{Channel, Map};
+use super::pixels::stored;
+use crate::error::Warnings;
+use crate::image::{Bitmap, Encoding, Texels, Texture};
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+/// How many missing files are named one by one.
+const NAMED: usize = 64;
+
+/// The textures of a scene as it is built.
+pub(super) struct Textures<'a> {
+    /// Where the OBJ file is.
+    pub folder: &'a Path,
+    /// What the materials will name by index.
+    pub list: Vec<Texture>,
+    /// Of each texture, the files it was made from.
+    pub names: Vec<String>,
+    /// The files that are not there.
+    pub missing_files: Vec<String>,
+    known: HashMap<String, Option<usize>>,
+    missing: HashSet<String>,
+}
+
+impl<'a> Textures<'a> {
+    pub(super) fn new(folder: &'a Path) -> Self {
+        Self {
+            folder,
+            list: Vec::new(),
+            names: Vec::new(),
+            missing_files: Vec::new(),
+            known: HashMap::new(),
+            missing: HashSet::new(),
+        }
+    }
+
+    /// The texture under `key`, made from the files `name`, which `make` makes at the first call; `None` where that failed.
+    pub(super) fn keyed(
+        &mut self,
+        key: String,
+        name: &str,
+        make: impl FnOnce(&mut Self) -> Option<Texture>,
+    ) -> Option<usize> {
+        if let Some(known) = self.known.get(&key) {
+            return *known;
+        }
+        let index = make(self).map(|texture| {
+            self.list.push(texture);
+            self.names.push(name.to_owned());
+            self.list.len() - 1
+        });
+        self.known.insert(key, index);
+        index
+    }
+
+    /// The picture that `map` names as a texture of its own.
+    pub(super) fn plain(
+        &mut self,
+        map: &Map,
+        folder: &Path,
+        encoding: Encoding,
+        warnings: &mut Warnings,
+    ) -> Option<usize> {
+        let key = format!("{encoding:?} {}", full_name(map, folder));
+        self.keyed(key, &map.file, |s| s.bitmap(map, folder, warnings).map(|b| Texture::new(b, encoding)))
+    }
+
+    /// The picture that `map` names; `None` with a note where it cannot be read.
+    pub(super) fn bitmap(&mut self, map: &Map, folder: &Path, warnings: &mut Warnings) -> Option<Bitmap> {
+        let name = full_name(map, folder);
+        if self.missing.contains(&name) {
+            return None;
+        }
+        let why = match find(&map.file, &[folder, self.folder]) {
+            None => {
+                self.missing_files.push(map.file.clone());
+                "it is not there".to_owned()
+            }
+            Some(path) => match read_bitmap(&path) {
+                Ok(bitmap) => return Some(bitmap),
+                Err(error) => error.to_string(),
+            },
+        };
+        self.missing.insert(name);
+        let what = if self.missing.len() > NAMED {
+            "further textures that cannot be read are left out".to_owned()
+        } else {
+            format!("texture {} is left out: {why}", quote(&map.file))
+        };
+        warnings.note(what, 1);
+        None
+    }
+
+    /// Whether the picture that `map` names could be read, after it was asked for.
+    pub(super) fn has(&self, map: &Map, folder: &Path) -> bool {
+        !self.missing.contains(&full_name(map, folder))
+    }
+}
+
+fn full_name(map: &Map, folder: &Path) -> String {
+    format!("{} in {}", map.file, folder.display())
+}
+
+/// The channel that a map reads of a picture, in [0, 1], at a position in [0, 1) by the nearest texel.
+pub(super) struct Reader<'a> {
+    bitmap: &'a Bitmap,
+    channel: Channel,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(bitmap: &'a Bitmap, channel: Channel) -> Self {
+        Self { bitmap, channel }
+    }
+
+    fn at(&self, x: u32, y: u32, size: (u32, u32)) -> f32 {
+        let scaled = |i: u32, n: u32, to: u32| (u64::from(i) * u64::from(to) / u64::from(n)) as usize;
+        let column = scaled(x, size.0, self.bitmap.width());
+        let row = scaled(y, size.1, self.bitmap.height());
+        let texel = stored(self.bitmap, row * self.bitmap.width() as usize + column);
+        let value = match self.channel {
+            Channel::Stored(c) => texel[c],
+            Channel::Mean => (texel[0] + texel[1] + texel[2]) / 3.0,
+        };
+        if value > 0.0 { value.min(1.0) } else { 0.0 }
+    }
+}
+
+/// A linear picture whose channels are read from others; `None` is 1 everywhere. It is as large as the largest of
+/// them and has 16 bits where one of them has more than 8.
+pub(super) fn combine(channels: [Option<Reader>; 4]) -> Option<Bitmap> {
+    let sources = || channels.iter().flatten().map(|r| r.bitmap);
+    let size = (sources().map(Bitmap::width).max()?, sources().map(Bitmap::height).max()?);
+    let deep = sources().any(|b| b.bits() > 8);
+    let texel = |i: u64| {
+        let (x, y) = ((i % u64::from(size.0)) as u32, (i / u64::from(size.0)) as u32);
+        std::array::from_fn(|c| channels[c].as_ref().map_or(1.0, |reader| reader.at(x, y, size)))
+    };
+    let count = u64::from(size.0) * u64::from(size.1);
+    let texels = if deep {
+        Texels::U16((0..count).map(|i| texel(i).map(|v: f32| (v * 65535.0 + 0.5) as u16)).collect())
+    } else {
+        Texels::U8((0..count).map(|i| texel(i).map(|v: f32| (v * 255.0 + 0.5) as u8)).collect())
+    };
+    Bitmap::new(size.0, size.1, 4, texels).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn combines_pictures_of_different_size() {
+        let small = Bitmap::new(1, 1, 1, Texels::U8(vec![[51; 4]])).unwrap();
+        let wide = Bitmap::new(2, 1, 3, Texels::U8(vec![[0, 7, 30, 255], [0, 9, 60, 255]])).unwrap();
+        let green = Reader::new(&small, Channel::Stored(0));
+        let blue = Reader::new(&wide, Channel::Mean);
+        let both = combine([None, Some(green), Some(blue), None]).unwrap();
+        assert_eq!(both.texels(), &Texels::U8(vec![[255, 51, 12, 255], [255, 51, 23, 255]]));
+        assert!(combine([None, None, None, None]).is_none());
+    }
+}

@@ -1,0 +1,154 @@
+//! PNG pictures of 8 or 16 bits a channel.
+
+use super::write_with;
+use crate::error::{Error, Result};
+use crate::image::Encoding;
+use std::path::Path;
+
+/// Which channels a picture has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PngColor {
+    /// One channel.
+    Grey,
+    /// Red, green, blue.
+    Rgb,
+    /// Red, green, blue and alpha; colour is not premultiplied.
+    Rgba,
+}
+
+/// Channel values, interleaved, row by row from the top.
+#[derive(Debug, Clone, Copy)]
+pub enum PngSamples<'a> {
+    /// 8 bits a channel.
+    U8(&'a [u8]),
+    /// 16 bits a channel.
+    U16(&'a [u16]),
+}
+
+/// A picture to be written as PNG.
+#[derive(Debug, Clone, Copy)]
+pub struct PngImage<'a> {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Which channels there are.
+    pub color: PngColor,
+    /// `width · height ·` channels values.
+    pub samples: PngSamples<'a>,
+    /// [`Encoding::Srgb`] marks the file as sRGB colour; [`Encoding::Linear`] leaves it without colour space, which
+    /// is right for normals, heights and masks.
+    pub encoding: Encoding,
+}
+
+/// Writes a picture to `path`, whole or not at all. The same picture gives the same bytes.
+///
+/// # Errors
+/// [`Error::Invalid`] where the sample count does not fit the size, [`Error::Io`] where the file cannot be written.
+pub fn write_png(path: &Path, image: &PngImage) -> Result<()> {
+    let channels = match image.color {
+        PngColor::Grey => 1,
+        PngColor::Rgb => 3,
+        PngColor::Rgba => 4,
+    };
+    let count = match image.samples {
+        PngSamples::U8(samples) => samples.len(),
+        PngSamples::U16(samples) => samples.len(),
+    };
+    if image.width == 0
+        || image.height == 0
+        || count != image.width as usize * image.height as usize * channels
+    {
+        let why = format!("{count} samples for {}×{}×{channels}", image.width, image.height);
+        return Err(Error::invalid("PNG image", why));
+    }
+    write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
+}
+
+fn encode(image: &PngImage, out: &mut dyn super::Sink) -> std::result::Result<(), png::EncodingError> {
+    let mut encoder = png::Encoder::new(out, image.width, image.height);
+    encoder.set_color(match image.color {
+        PngColor::Grey => png::ColorType::Grayscale,
+        PngColor::Rgb => png::ColorType::Rgb,
+        PngColor::Rgba => png::ColorType::Rgba,
+    });
+    // Renders are smooth: adaptive filters with the light deflate give small files in little time.
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    if image.encoding == Encoding::Srgb {
+        encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    }
+    match image.samples {
+        PngSamples::U8(samples) => {
+            encoder.set_depth(png::BitDepth::Eight);
+            let mut writer = encoder.write_header()?;
+            writer.write_image_data(samples)?;
+            writer.finish()
+        }
+        PngSamples::U16(samples) => {
+            encoder.set_depth(png::BitDepth::Sixteen);
+            let bytes: Vec<u8> = samples.iter().flat_map(|v| v.to_be_bytes()).collect();
+            let mut writer = encoder.write_header()?;
+            writer.write_image_data(&bytes)?;
+            writer.finish()
+        }
+    }
+}
+
+fn encoding_error(path: &Path, error: png::EncodingError) -> Error {
+    match error {
+        png::EncodingError::IoError(e) => Error::io(path, e),
+        other => Error::invalid("PNG image", other.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Texels;
+    use crate::io::read_bitmap;
+
+    #[test]
+    fn every_kind_reads_back_as_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.png");
+        let bytes: Vec<u8> = (0..3 * 2 * 4).map(|i| i as u8 * 10).collect();
+        let words: Vec<u16> = bytes.iter().map(|v| u16::from(*v) * 250 + 7).collect();
+        for (color, channels) in [(PngColor::Grey, 1), (PngColor::Rgb, 3), (PngColor::Rgba, 4)] {
+            let write = |samples| {
+                let image = PngImage { width: 3, height: 2, color, samples, encoding: Encoding::Srgb };
+                write_png(&path, &image).unwrap();
+                read_bitmap(&path).unwrap()
+            };
+            let bitmap = write(PngSamples::U8(&bytes[..6 * channels]));
+            assert_eq!((bitmap.channels() as usize, bitmap.bits()), (channels, 8));
+            let Texels::U8(texels) = bitmap.texels() else { panic!("8 bits") };
+            assert_eq!(texels[5][0], bytes[5 * channels]);
+            let bitmap = write(PngSamples::U16(&words[..6 * channels]));
+            assert_eq!((bitmap.channels() as usize, bitmap.bits()), (channels, 16));
+            let Texels::U16(texels) = bitmap.texels() else { panic!("16 bits") };
+            assert_eq!(texels[5][0], words[5 * channels]);
+        }
+    }
+
+    #[test]
+    fn only_colour_is_marked_srgb() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.png");
+        for (encoding, marked) in [(Encoding::Srgb, true), (Encoding::Linear, false)] {
+            let samples = PngSamples::U8(&[1, 2, 3]);
+            let image = PngImage { width: 1, height: 1, color: PngColor::Rgb, samples, encoding };
+            write_png(&path, &image).unwrap();
+            let bytes = std::fs::read(&path).unwrap();
+            assert_eq!(bytes.windows(4).any(|w| w == b"sRGB"), marked);
+        }
+    }
+
+    #[test]
+    fn a_wrong_count_is_refused() {
+        let samples = PngSamples::U8(&[0; 5]);
+        let image =
+            PngImage { width: 2, height: 1, color: PngColor::Rgb, samples, encoding: Encoding::Linear };
+        assert!(matches!(write_png(Path::new("x.png"), &image), Err(Error::Invalid { .. })));
+    }
+}

@@ -1,0 +1,139 @@
+//! A few hundred fragments in columns, so that eight neighbours load as one pack.
+
+use crate::math::Vec3;
+use fearless_simd::{Simd, f32x8, prelude::*};
+
+/// How many fragments go through the stages together; small enough to stay in the nearest caches.
+pub const BATCH: usize = 256;
+
+/// One number of each fragment.
+pub(super) type Column = [f32; BATCH];
+
+/// A vector of each fragment.
+pub(super) type Column3 = [Column; 3];
+
+/// Fragments of one draw between interpolation and film. Entries from `len` up to the next multiple of eight
+/// repeat the last fragment, so that packs compute no nonsense.
+#[derive(Debug, Clone)]
+pub struct Batch {
+    pub(super) len: usize,
+    /// World space.
+    pub(super) position: Column3,
+    /// Unit, world space, on the side of the face that is seen.
+    pub(super) n_geom: Column3,
+    /// Interpolated, not normalised; object space for `bump-printed`, else world space.
+    pub(super) normal: Column3,
+    /// Interpolated, not normalised, world space.
+    pub(super) tangent: Column3,
+    pub(super) handedness: Column,
+    /// 1 where the front is seen, −1 where the back is.
+    pub(super) facing: Column,
+    /// The normal map's stored vector, each component in [0, 1].
+    pub(super) map: Column3,
+    pub(super) dp_du: Column3,
+    pub(super) dp_dv: Column3,
+    /// Height derivatives in model units a uv unit; for `bump-printed` the first holds half the grey difference.
+    pub(super) dh_du: Column,
+    pub(super) dh_dv: Column,
+    /// Base colour texture times vertex colour.
+    pub(super) tint: Column3,
+    pub(super) alpha: Column,
+    pub(super) metallic: Column,
+    pub(super) roughness: Column,
+    pub(super) occlusion: Column,
+    pub(super) emissive: Column3,
+    /// Unit to viewer, world space.
+    pub(super) v: Column3,
+    /// The shading normal: unit but for `bump-printed`.
+    pub(super) n: Column3,
+    /// Base colour with its factor.
+    pub(super) albedo: Column3,
+    pub(super) uv: [Column; 2],
+    /// What leaves towards the viewer, linear RGB.
+    pub(super) radiance: Column3,
+    /// For each light, 1 where it is seen and 0 where it is not.
+    pub(super) visibility: Vec<Column>,
+}
+
+const ZERO: Column = [0.0; BATCH];
+const ZERO3: Column3 = [ZERO; 3];
+
+impl Batch {
+    pub(super) fn new(lights: usize) -> Box<Self> {
+        Box::new(Self {
+            len: 0,
+            position: ZERO3,
+            n_geom: ZERO3,
+            normal: ZERO3,
+            tangent: ZERO3,
+            handedness: ZERO,
+            facing: ZERO,
+            map: ZERO3,
+            dp_du: ZERO3,
+            dp_dv: ZERO3,
+            dh_du: ZERO,
+            dh_dv: ZERO,
+            tint: ZERO3,
+            alpha: ZERO,
+            metallic: ZERO,
+            roughness: ZERO,
+            occlusion: ZERO,
+            emissive: ZERO3,
+            v: ZERO3,
+            n: ZERO3,
+            albedo: ZERO3,
+            uv: [ZERO; 2],
+            radiance: ZERO3,
+            visibility: vec![[1.0; BATCH]; lights],
+        })
+    }
+
+    /// How many fragments there are.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The first entries of the packs that hold the fragments.
+    pub(super) fn packs(&self) -> impl Iterator<Item = usize> + use<> {
+        (0..self.len).step_by(8)
+    }
+}
+
+#[inline(always)]
+pub(super) fn set3(column: &mut Column3, i: usize, value: Vec3) {
+    column[0][i] = value.x;
+    column[1][i] = value.y;
+    column[2][i] = value.z;
+}
+
+#[inline(always)]
+pub(super) fn get3(column: &Column3, i: usize) -> Vec3 {
+    Vec3::new(column[0][i], column[1][i], column[2][i])
+}
+
+#[inline(always)]
+pub(super) fn load<S: Simd>(simd: S, column: &Column, i: usize) -> f32x8<S> {
+    f32x8::from_slice(simd, &column[i..i + 8])
+}
+
+#[inline(always)]
+pub(super) fn load3<S: Simd>(simd: S, column: &Column3, i: usize) -> Vec3<f32x8<S>> {
+    Vec3::new(load(simd, &column[0], i), load(simd, &column[1], i), load(simd, &column[2], i))
+}
+
+#[inline(always)]
+pub(super) fn store3<S: Simd>(value: Vec3<f32x8<S>>, column: &mut Column3, i: usize) {
+    value.x.store_slice(&mut column[0][i..i + 8]);
+    value.y.store_slice(&mut column[1][i..i + 8]);
+    value.z.store_slice(&mut column[2][i..i + 8]);
+}
+
+#[inline(always)]
+pub(super) fn splat3<S: Simd>(simd: S, value: Vec3) -> Vec3<f32x8<S>> {
+    value.map(|c| f32x8::splat(simd, c))
+}

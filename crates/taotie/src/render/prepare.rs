@@ -1,0 +1,264 @@
+//! World-space geometry, tangents and shadows: what does not change with the camera.
+
+use super::SurfaceSettings;
+use super::shadows::ShadowCasters;
+use crate::error::{Error, Result, Warnings};
+use crate::math::{Mat4, Vec3, scalar};
+use crate::mesh::Mesh;
+use crate::scene::{AlphaMode, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene};
+use crate::surface::{self, SurfaceMethod, TangentMethod};
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+
+/// A scene made ready for pictures from any camera.
+pub struct Prepared<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) draws: Vec<Draw<'a>>,
+    casters: OnceLock<ShadowCasters>,
+    warnings: Warnings,
+}
+
+/// A mesh in the world with one material.
+pub(super) struct Draw<'a> {
+    pub mesh: Arc<Mesh>,
+    pub material: &'a Material,
+    /// The number of its first triangle over all draws.
+    pub first_triangle: u32,
+    pub normal_source: NormalSource<'a>,
+    /// World space.
+    pub positions: Vec<Vec3>,
+    /// Unit, world space.
+    pub normals: Vec<Vec3>,
+    /// Unit, world space, with handedness; empty unless a tangent-space map is read.
+    pub tangents: Vec<[f32; 4]>,
+    /// Takes object-space normals to world space, keeping the length of uniformly scaled ones.
+    pub normal_matrix: [Vec3; 3],
+    /// Whether the transform turns counter-clockwise triangles into clockwise ones.
+    pub mirrored: bool,
+}
+
+/// Where the shading normals of a draw come from.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum NormalSource<'a> {
+    Facet,
+    Smooth,
+    /// With the height of 1 in model units.
+    Bump(&'a HeightMap, f32),
+    /// With the paper's factor.
+    BumpPrinted(&'a HeightMap, f32),
+    ObjectMap(&'a NormalMap),
+    TangentMap(&'a NormalMap),
+}
+
+/// The paper's smaller bump factor.
+const PRINTED_BUMP: f32 = 5.0;
+
+impl<'a> Prepared<'a> {
+    /// Transforms vertices to world space and makes the normals and tangents that are lacking.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the scene draws no triangle, a transform is not finite, or a mesh cannot be given
+    /// tangents; [`Error::Limit`] beyond 2^32 − 2 triangles.
+    pub fn new(scene: &'a Scene, settings: &SurfaceSettings) -> Result<Self> {
+        let total = scene.triangle_count();
+        if total == 0 {
+            return Err(Error::invalid("scene", "there is no triangle to draw"));
+        }
+        if total >= u32::MAX as usize {
+            return Err(Error::limit(format!("{total} triangles"), "at most 2^32 - 2"));
+        }
+        let mut preparation =
+            Preparation { scene, settings, meshes: HashMap::new(), warnings: Warnings::default() };
+        let mut draws: Vec<Draw<'a>> = Vec::with_capacity(scene.instances.len());
+        let mut first_triangle = 0;
+        for instance in &scene.instances {
+            let draw = preparation.draw(instance, first_triangle)?;
+            first_triangle += draw.mesh.triangles().len() as u32;
+            draws.push(draw);
+        }
+        Ok(Self { scene, draws, casters: OnceLock::new(), warnings: preparation.warnings })
+    }
+
+    /// What could not be drawn as asked.
+    pub fn warnings(&self) -> &Warnings {
+        &self.warnings
+    }
+
+    /// The draw that a triangle belongs to.
+    pub(super) fn draw_of(&self, triangle: u32) -> usize {
+        self.draws.partition_point(|draw| draw.first_triangle <= triangle) - 1
+    }
+
+    /// All triangles that cast shadows, sorted for rays; made when first asked for. Blended surfaces cast none.
+    pub(super) fn casters(&self) -> &ShadowCasters {
+        self.casters.get_or_init(|| ShadowCasters::new(&self.draws))
+    }
+}
+
+/// What preparing needs to remember from one instance to the next.
+struct Preparation<'a, 'b> {
+    scene: &'a Scene,
+    settings: &'b SurfaceSettings,
+    /// Meshes with what was lacking, by mesh and the uv set that tangents follow.
+    meshes: HashMap<(usize, Option<usize>), Arc<Mesh>>,
+    warnings: Warnings,
+}
+
+impl<'a> Preparation<'a, '_> {
+    fn draw(&mut self, instance: &Instance, first_triangle: u32) -> Result<Draw<'a>> {
+        let m = instance.world_from_object;
+        if !m.is_finite() {
+            return Err(Error::invalid("an instance's transform", "it is infinite or NaN; mend the file"));
+        }
+        let material = &self.scene.materials[instance.material];
+        let mut normal_source = self.normal_source(material);
+        let tangent_set = match normal_source {
+            NormalSource::TangentMap(map) => Some(map.texture.uv_set),
+            _ => None,
+        };
+        if self.lacks_uvs(instance.mesh, &normal_source) {
+            normal_source = NormalSource::Smooth;
+        }
+        let mesh = self.mesh(
+            instance.mesh,
+            tangent_set.filter(|_| matches!(normal_source, NormalSource::TangentMap(_))),
+        )?;
+        Ok(Draw::new(mesh, material, first_triangle, normal_source, m))
+    }
+
+    /// The method asked for, as far as the material has what it needs.
+    fn normal_source(&mut self, material: &'a Material) -> NormalSource<'a> {
+        let best = match (&material.normal, &material.height) {
+            (Some(map), _) if map.space == NormalSpace::Object => SurfaceMethod::ObjectNormal,
+            (Some(_), _) => SurfaceMethod::TangentNormal,
+            (None, Some(_)) => SurfaceMethod::Bump,
+            (None, None) => SurfaceMethod::Smooth,
+        };
+        let method = self.settings.method.unwrap_or(best);
+        let map = |space| material.normal.as_ref().filter(|map| map.space == space);
+        let found = match method {
+            SurfaceMethod::Facet => Some(NormalSource::Facet),
+            SurfaceMethod::Smooth => Some(NormalSource::Smooth),
+            SurfaceMethod::Bump => material
+                .height
+                .as_ref()
+                .map(|height| NormalSource::Bump(height, self.settings.bump_scale.unwrap_or(height.scale))),
+            SurfaceMethod::BumpPrinted => material.height.as_ref().map(|height| {
+                NormalSource::BumpPrinted(height, self.settings.bump_scale.unwrap_or(PRINTED_BUMP))
+            }),
+            SurfaceMethod::ObjectNormal => map(NormalSpace::Object).map(NormalSource::ObjectMap),
+            SurfaceMethod::TangentNormal => map(NormalSpace::Tangent).map(NormalSource::TangentMap),
+        };
+        found.unwrap_or_else(|| {
+            let what = format!("materials without the map that `{}` needs: drawn smooth", method.name());
+            self.warnings.note(what, 1);
+            NormalSource::Smooth
+        })
+    }
+
+    fn lacks_uvs(&mut self, mesh: usize, source: &NormalSource<'_>) -> bool {
+        let texture = match source {
+            NormalSource::Facet | NormalSource::Smooth => return false,
+            NormalSource::Bump(map, _) | NormalSource::BumpPrinted(map, _) => &map.texture,
+            NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => &map.texture,
+        };
+        let lacks = texture.uv_set >= self.scene.meshes[mesh].uvs().len();
+        self.warnings.note(
+            "meshes without the uv set of their normal or height map: drawn smooth",
+            usize::from(lacks),
+        );
+        lacks
+    }
+
+    /// The mesh with normals, and with tangents along `tangent_set` where that is asked for.
+    fn mesh(&mut self, index: usize, tangent_set: Option<usize>) -> Result<Arc<Mesh>> {
+        if let Some(mesh) = self.meshes.get(&(index, tangent_set)) {
+            return Ok(mesh.clone());
+        }
+        let mut mesh = with_normals(&self.scene.meshes[index])?;
+        if let Some(uv_set) = tangent_set
+            && (mesh.tangents().is_empty() || self.settings.tangents.is_some())
+        {
+            let method = self.settings.tangents.unwrap_or(TangentMethod::MikkTSpace);
+            let made = surface::with_tangents(&mesh, uv_set, method)?;
+            self.warnings.note(
+                "triangles without uv area, given a tangent frame about their normal",
+                made.degenerate_uvs,
+            );
+            mesh = made.mesh;
+        }
+        let mesh = Arc::new(mesh);
+        self.meshes.insert((index, tangent_set), mesh.clone());
+        Ok(mesh)
+    }
+}
+
+fn with_normals(mesh: &Mesh) -> Result<Mesh> {
+    if !mesh.normals().is_empty() {
+        return Ok(mesh.clone());
+    }
+    let mut data = mesh.clone().into_data();
+    data.normals = surface::vertex_normals(mesh);
+    data.tangents = Vec::new();
+    Mesh::new(data)
+}
+
+impl<'a> Draw<'a> {
+    fn new(
+        mesh: Arc<Mesh>,
+        material: &'a Material,
+        first_triangle: u32,
+        normal_source: NormalSource<'a>,
+        m: Mat4,
+    ) -> Self {
+        let normal_matrix = uniform_normal_matrix(&m);
+        let mirrored = m.determinant3() < 0.0;
+        let positions = mesh.positions().iter().map(|p| m.transform_point(p.to_f64()).to_f32()).collect();
+        let normals: Vec<Vec3> = mesh.normals().iter().map(|n| unit(apply(&normal_matrix, *n))).collect();
+        let tangents = match normal_source {
+            NormalSource::TangentMap(_) => world_tangents(&mesh, &m, mirrored),
+            _ => Vec::new(),
+        };
+        Self {
+            mesh,
+            material,
+            first_triangle,
+            normal_source,
+            positions,
+            normals,
+            tangents,
+            normal_matrix,
+            mirrored,
+        }
+    }
+
+    /// Whether parts of the surface may be missing, so that visibility must ask the material.
+    pub(super) fn layered(&self) -> bool {
+        self.material.alpha != AlphaMode::Opaque
+    }
+}
+
+/// Mirroring turns the cross product of normal and tangent round, so handedness turns with it.
+fn world_tangents(mesh: &Mesh, m: &Mat4, mirrored: bool) -> Vec<[f32; 4]> {
+    let sign = if mirrored { -1.0 } else { 1.0 };
+    let turn = |[x, y, z, w]: &[f32; 4]| {
+        let t = unit(m.transform_vector(Vec3::new(*x, *y, *z).to_f64()).to_f32());
+        [t.x, t.y, t.z, w * sign]
+    };
+    mesh.tangents().iter().map(turn).collect()
+}
+
+fn uniform_normal_matrix(m: &Mat4) -> [Vec3; 3] {
+    let cofactors = m.normal_matrix();
+    let size = scalar::pow(cofactors.determinant3().abs(), 1.0 / 3.0);
+    let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
+    [0, 1, 2].map(|j| (cofactors.axis(j) * scale).to_f32())
+}
+
+fn apply([x, y, z]: &[Vec3; 3], v: Vec3) -> Vec3 {
+    *x * v.x + *y * v.y + *z * v.z
+}
+
+fn unit(v: Vec3) -> Vec3 {
+    v.normalize_or(Vec3::new(0.0, 0.0, 1.0))
+}

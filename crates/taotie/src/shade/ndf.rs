@@ -1,0 +1,90 @@
+//! Normal distributions: which share of a rough surface's facets face a direction.
+//!
+//! All are normalised so that their projection on the surface has area one, ∫ D(h) (n·h) dh = 1 over the hemisphere.
+//! `n_dot_h` and `sin2_h` = 1 − (n·h)² are passed apart, since near the highlight the first determines the second
+//! badly; [`super::Angles`] has both.
+
+use crate::math::{Lane, poly};
+use std::f64::consts::{FRAC_1_PI, PI};
+
+/// The smallest α: a roughness of 0 would be a mirror, whose highlight of a point light has no finite radiance.
+pub const MIN_ALPHA: f64 = 1e-3;
+
+/// The smallest (n·h)² that [`d_beckmann`] divides by; the exponential there is zero long before.
+const MIN_COS2: f64 = 1e-6;
+
+/// α = roughness², at least [`MIN_ALPHA`].
+///
+/// `roughness` in [0, 1].
+/// Source: Burley 2012, §5.4, as in glTF 2.0, appendix B.
+#[inline(always)]
+pub fn alpha_from_roughness<L: Lane>(roughness: L) -> L {
+    (roughness * roughness).max(roughness.lit(MIN_ALPHA))
+}
+
+/// The α whose GGX and Beckmann lobes are about as wide as Blinn's of exponent `shininess`.
+///
+/// α² = 2/(s + 2)
+///
+/// `shininess` at least 0; α in (0, 1].
+/// Law: inverse of [`shininess_from_alpha`] (`laws_shade::shininess_and_alpha_are_inverse`).
+/// Source: Walter et al. 2007, §5.2.
+#[inline(always)]
+pub fn alpha_from_shininess<L: Lane>(shininess: L) -> L {
+    (shininess.lit(2.0) / (shininess + shininess.lit(2.0))).sqrt()
+}
+
+/// The Blinn exponent that goes with `alpha`.
+///
+/// s = 2/α² − 2
+///
+/// `alpha` in (0, 1]; s at least 0.
+/// Law: inverse of [`alpha_from_shininess`] (`laws_shade::shininess_and_alpha_are_inverse`).
+/// Source: Walter et al. 2007, §5.2.
+#[inline(always)]
+pub fn shininess_from_alpha<L: Lane>(alpha: L) -> L {
+    let two = alpha.lit(2.0);
+    two / (alpha * alpha) - two
+}
+
+/// Beckmann's normal distribution, D(h), in sr⁻¹.
+///
+/// D(h) = exp(−tan²θ_h / m²) / (π m² cos⁴θ_h), that is exp(((n·h)² − 1)/(m² (n·h)²)) / (π m² (n·h)⁴)
+///
+/// `n_dot_h` and `sin2_h` in [0, 1]; `slope` m above 0, taken as at least 1e-3.
+/// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws_shade::ndf_is_normalised`).
+/// Source: Cook and Torrance 1982, eq. 5 with today's 1/π; Walter et al. 2007, eq. 25. The seed paper's eq. 7 has no 1/π.
+#[inline(always)]
+pub fn d_beckmann<L: Lane>(n_dot_h: L, sin2_h: L, slope: L) -> L {
+    let cos2 = (n_dot_h * n_dot_h).max(slope.lit(MIN_COS2));
+    let m = slope.max(slope.lit(MIN_ALPHA));
+    let m2 = m * m;
+    poly::exp(-(sin2_h / (m2 * cos2))) / (m2 * cos2 * cos2 * m.lit(PI))
+}
+
+/// Trowbridge–Reitz (GGX) normal distribution, D(h), in sr⁻¹.
+///
+/// D(h) = α² / (π ((n·h)² (α² − 1) + 1)²), computed as α² / (π ((n·h)² α² + sin²θ_h)²)
+///
+/// `n_dot_h` and `sin2_h` in [0, 1]; `alpha` in [[`MIN_ALPHA`], 1].
+/// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws_shade::ndf_is_normalised`).
+/// Source: Walter et al. 2007, eq. 33.
+#[inline(always)]
+pub fn d_ggx<L: Lane>(n_dot_h: L, sin2_h: L, alpha: L) -> L {
+    let a2 = alpha * alpha;
+    let t = n_dot_h * n_dot_h * a2 + sin2_h;
+    a2 / (t * t * alpha.lit(PI))
+}
+
+/// Blinn's normal distribution, D(h), in sr⁻¹.
+///
+/// D(h) = (s + 2)/(2π) (n·h)^s
+///
+/// `n_dot_h` in [0, 1]; `shininess` s at least 0.
+/// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws_shade::ndf_is_normalised`).
+/// Source: Blinn 1977; Walter et al. 2007, eq. 30.
+#[inline(always)]
+pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
+    let scale = (shininess + shininess.lit(2.0)) * shininess.lit(0.5 * FRAC_1_PI);
+    scale * poly::pow(n_dot_h, shininess)
+}

@@ -1,0 +1,85 @@
+//! Normals from heights, per pixel.
+
+use crate::math::{Lane, Vec3};
+
+/// The surface gradient of a height: the tangent vector along which height grows fastest, per model unit.
+///
+/// ∇h = (∂h/∂u · (∂p/∂v × n) + ∂h/∂v · (n × ∂p/∂u)) / (n · (∂p/∂u × ∂p/∂v))
+///
+/// `n` unit; heights in model units; u and v are any two parameters: uvs, or the pixels of the screen. Zero where
+/// the derivatives of position span no area.
+/// Law: the gradient of a linear ramp tilts a plane exactly (`laws_surface::bump_of_a_ramp_is_the_tilted_plane`).
+/// Source: Mikkelsen 2020, "Surface gradient–based bump mapping framework", JCGT 9(3), eq. 4.
+#[inline(always)]
+pub fn surface_gradient<L: Lane>(n: Vec3<L>, dp_du: Vec3<L>, dp_dv: Vec3<L>, dh_du: L, dh_dv: L) -> Vec3<L> {
+    let across_v = dp_dv.cross(n);
+    let across_u = n.cross(dp_du);
+    let area = dp_du.dot(across_v);
+    let gradient = across_v * dh_du + across_u * dh_dv;
+    let zero = Vec3::splat(area.lit(0.0));
+    Vec3::select(area.lit(0.0).lt(area.abs()), gradient / area, zero)
+}
+
+/// The unit normal of a surface raised by a height of this surface gradient: n − ∇h, normalised.
+///
+/// `n` unit and perpendicular to `gradient`; steepness adds up: gradients of several heights may be summed first.
+/// Source: Mikkelsen 2020, eq. 5.
+#[inline(always)]
+pub fn bump<L: Lane>(n: Vec3<L>, gradient: Vec3<L>) -> Vec3<L> {
+    (n - gradient).normalize_or(n)
+}
+
+/// The seed paper's bump mapping as its Table 2 prints it: n + s · (g / 255) · (1, 1, 0). *Not* normalised.
+///
+/// `bump_scale` s is the paper's "bump" (5 and 50); `g` is half the central grey difference of the height map in
+/// grey levels, in [−127.5, 127.5], one number for both axes; the direction (1, 1, 0) is in object space.
+/// It is shipped to reproduce the paper, not to be used: the result depends on the object's orientation, and its
+/// length on the height.
+/// Source: Guo and Wang 2025, Table 2, all ten rows (`bump::tests::follows_table_2`).
+#[inline(always)]
+pub fn bump_printed<L: Lane>(n: Vec3<L>, bump_scale: L, g: L) -> Vec3<L> {
+    let raise = bump_scale * (g / g.lit(255.0));
+    Vec3::new(n.x + raise, n.y + raise, n.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of the paper's Table 2 with its misprints mended: N1, N2 (bump 5), N3 (bump 50), and the grey
+    /// difference that explains both.
+    #[rustfmt::skip]
+    const TABLE_2: [([f64; 3], [f64; 3], [f64; 3], f64); 10] = [
+        ([0.5334, -0.6374, 0.5556], [0.5628, -0.6080, 0.5556], [ 0.8275, -0.3433, 0.5556],  1.5),
+        ([0.5324, -0.6379, 0.5554], [0.4932, -0.6771, 0.5554], [ 0.1402, -1.0301, 0.5554], -2.0),
+        ([0.5297, -0.6388, 0.5562], [0.6571, -0.5113, 0.5562], [ 1.8042,  0.6357, 0.5562],  6.5),
+        ([0.5270, -0.6396, 0.5570], [0.5074, -0.6592, 0.5570], [ 0.3309, -0.8357, 0.5570], -1.0),
+        ([0.5242, -0.6405, 0.5578], [0.4654, -0.6993, 0.5578], [-0.0639, -1.2288, 0.5578], -3.0),
+        ([0.5215, -0.6414, 0.5586], [0.5411, -0.6218, 0.5586], [ 0.7176, -0.4453, 0.5586],  1.0),
+        ([0.5341, -0.6375, 0.5543], [0.9459, -0.2257, 0.5543], [ 4.6518,  3.4800, 0.5543], 21.0),
+        ([0.5314, -0.6384, 0.5551], [0.7863, -0.3835, 0.5551], [ 3.0804,  1.9105, 0.5551], 13.0),
+        ([0.5287, -0.6393, 0.5559], [0.4405, -0.7275, 0.5559], [-0.3536, -1.5216, 0.5559], -4.5),
+        ([0.5260, -0.6401, 0.5567], [0.5750, -0.5911, 0.5567], [ 1.0162, -0.1499, 0.5567],  2.5),
+    ];
+
+    #[test]
+    fn follows_table_2() {
+        for (row, (n1, n2, n3, g)) in TABLE_2.into_iter().enumerate() {
+            for (scale, printed) in [(5.0, n2), (50.0, n3)] {
+                let ours = bump_printed(Vec3::from_array(n1), scale, g);
+                let off = ours - Vec3::from_array(printed);
+                // The table cuts N1 and the result after four decimals.
+                let worst = off.to_array().iter().fold(0.0f64, |w, d| w.max(d.abs()));
+                assert!(worst < 2e-4, "row {}, bump {scale}: {ours:?} against {printed:?}", row + 1);
+            }
+        }
+    }
+
+    #[test]
+    fn no_area_means_no_bump() {
+        let n = Vec3::new(0.0, 0.0, 1.0);
+        let along = Vec3::new(1.0, 0.0, 0.0);
+        assert_eq!(surface_gradient(n, along, along, 1.0, 1.0), Vec3::splat(0.0));
+        assert_eq!(bump(n, Vec3::splat(0.0)), n);
+    }
+}

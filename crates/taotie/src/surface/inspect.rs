@@ -1,0 +1,161 @@
+//! What a texture's pixels say about it: is it a normal map, which way is green, what is broken.
+
+use crate::image::{Bitmap, Texels};
+use crate::math::{Vec2, Vec3};
+use rayon::prelude::*;
+
+/// What a texture seems to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalMapKind {
+    /// Unit vectors that nearly all have z > 0.
+    Tangent,
+    /// Unit vectors in all directions.
+    Object,
+    /// Not unit vectors.
+    No,
+}
+
+/// Which way a normal map's green channel points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GreenVerdict {
+    /// +Y: OpenGL, glTF.
+    Up,
+    /// −Y: DirectX.
+    Down,
+    /// The map has too little relief, or speaks for both.
+    Unclear,
+}
+
+/// The outcome of [`green_direction`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GreenGuess {
+    /// The direction.
+    pub verdict: GreenVerdict,
+    /// How sure, [0, 1]; 0 where unclear.
+    pub confidence: f32,
+}
+
+/// How many texels cannot be tangent-space normals: those with blue at or below 0.5.
+pub fn invalid_texels(bitmap: &Bitmap) -> usize {
+    match bitmap.texels() {
+        Texels::U8(texels) => texels.par_iter().filter(|t| t[2] <= 127).count(),
+        Texels::U16(texels) => texels.par_iter().filter(|t| t[2] <= 32_767).count(),
+        Texels::F32(texels) => texels.par_iter().filter(|t| !(t[2] > 0.5)).count(),
+    }
+}
+
+/// Guesses from its pixels whether a texture is a normal map.
+///
+/// Nine in ten vectors must be within 0.2 of unit length and six in ten within 0.06; texels that are grey (padding)
+/// do not count. It is a tangent-space map where 99 in 100 of the first have z > 0.
+pub fn is_normal_map(bitmap: &Bitmap) -> NormalMapKind {
+    let texels = bitmap.texels();
+    let tally = (0..texels.len()).into_par_iter().map(|i| Tally::of(vector(texels, i)));
+    tally.reduce(Tally::default, Tally::plus).verdict()
+}
+
+/// The vector of texel `i`, of any length.
+fn vector(texels: &Texels, i: usize) -> Vec3 {
+    let [r, g, b] = match texels {
+        Texels::U8(t) => [0, 1, 2].map(|c| f32::from(t[i][c]) / 255.0),
+        Texels::U16(t) => [0, 1, 2].map(|c| f32::from(t[i][c]) / 65535.0),
+        Texels::F32(t) => [t[i][0], t[i][1], t[i][2]],
+    };
+    Vec3::new(2.0 * r - 1.0, 2.0 * g - 1.0, 2.0 * b - 1.0)
+}
+
+/// Counts of texels: all that are not grey, those nearly and very nearly unit, and of the former those with z > 0.
+#[derive(Default, Clone, Copy)]
+struct Tally {
+    all: usize,
+    near: usize,
+    very_near: usize,
+    upward: usize,
+}
+
+impl Tally {
+    fn of(v: Vec3) -> Self {
+        if v.x == v.y && v.y == v.z {
+            return Self::default();
+        }
+        let off = (v.length() - 1.0).abs();
+        Self {
+            all: 1,
+            near: usize::from(off < 0.2),
+            very_near: usize::from(off < 0.06),
+            upward: usize::from(off < 0.2 && v.z > 0.0),
+        }
+    }
+
+    fn plus(self, o: Self) -> Self {
+        Self {
+            all: self.all + o.all,
+            near: self.near + o.near,
+            very_near: self.very_near + o.very_near,
+            upward: self.upward + o.upward,
+        }
+    }
+
+    fn verdict(self) -> NormalMapKind {
+        if self.all == 0 || self.near * 10 < self.all * 9 || self.very_near * 10 < self.all * 6 {
+            NormalMapKind::No
+        } else if self.upward * 100 >= self.near * 99 {
+            NormalMapKind::Tangent
+        } else {
+            NormalMapKind::Object
+        }
+    }
+}
+
+/// Guesses from the curl of a tangent-space normal map which way its green channel points.
+///
+/// A map made from relief holds the slopes p = ∂h/∂x and q = ∂h/∂y of a height, so ∂p/∂y = ∂q/∂x. The two signs
+/// that green may have differ in Σ (∂p/∂y − ∂q/∂x)² by four times Σ ∂p/∂y · ∂q/∂x, whose sign therefore decides. It
+/// is summed over cells of 2×2 texels, without those at seams and holes, in blocks; if the blocks' sums had random
+/// signs, a total of t standard deviations would have a chance of at most 1/t² (Chebyshev), which is the doubt.
+pub fn green_direction(bitmap: &Bitmap) -> GreenGuess {
+    const ENOUGH: f64 = 0.9;
+    let votes = block_votes(bitmap);
+    let total: f64 = votes.iter().sum();
+    let variance: f64 = votes.iter().map(|vote| vote * vote).sum();
+    let doubt = variance / (total * total);
+    let confidence = if doubt < 1.0 { 1.0 - doubt } else { 0.0 };
+    if confidence < ENOUGH {
+        return GreenGuess { verdict: GreenVerdict::Unclear, confidence: 0.0 };
+    }
+    let verdict = if total > 0.0 { GreenVerdict::Up } else { GreenVerdict::Down };
+    GreenGuess { verdict, confidence: confidence as f32 }
+}
+
+/// Σ ∂p/∂y · ∂q/∂x of each block, y pointing up the picture: positive where green does.
+fn block_votes(bitmap: &Bitmap) -> Vec<f64> {
+    const SIDE: usize = 32;
+    let (w, h) = (bitmap.width() as usize - 1, bitmap.height() as usize - 1);
+    let across = w.div_ceil(SIDE);
+    let vote = |block: usize| {
+        let (x0, y0) = (block % across * SIDE, block / across * SIDE);
+        let rows = y0..(y0 + SIDE).min(h);
+        rows.flat_map(|y| (x0..(x0 + SIDE).min(w)).map(move |x| (x, y)))
+            .filter_map(|(x, y)| cell_vote(bitmap, x, y))
+            .sum()
+    };
+    (0..across * h.div_ceil(SIDE)).into_par_iter().map(vote).collect()
+}
+
+/// ∂p/∂y · ∂q/∂x at the corner that four texels share; `None` at a seam or hole.
+fn cell_vote(bitmap: &Bitmap, x: usize, y: usize) -> Option<f64> {
+    const SEAM: f32 = 0.5;
+    let w = bitmap.width() as usize;
+    let at = |x: usize, y: usize| slopes(vector(bitmap.texels(), y * w + x));
+    let (a, b, c, d) = (at(x, y)?, at(x + 1, y)?, at(x, y + 1)?, at(x + 1, y + 1)?);
+    let dp_dy = 0.5 * ((a.x + b.x) - (c.x + d.x));
+    let dq_dx = 0.5 * ((b.y + d.y) - (a.y + c.y));
+    let smooth = dp_dy.abs() < SEAM && dq_dx.abs() < SEAM;
+    smooth.then(|| f64::from(dp_dy) * f64::from(dq_dx))
+}
+
+/// The slopes of the height whose normal `v` is, where it is nearly unit and not steep.
+fn slopes(v: Vec3) -> Option<Vec2> {
+    let sound = (v.length() - 1.0).abs() < 0.2 && v.z > 0.2;
+    sound.then(|| Vec2::new(-v.x / v.z, -v.y / v.z))
+}

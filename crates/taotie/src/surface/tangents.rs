@@ -1,0 +1,240 @@
+//! Tangents for a mesh, by three methods that end alike: a tangent per corner, then a weld.
+
+use super::frame::{any_tangent, gram_schmidt, uv_derivatives, uv_determinant};
+use super::weld::{Classes, bits};
+use super::{TangentMethod, mikktspace, normals};
+use crate::error::{Error, Result};
+use crate::math::{Vec2, Vec3};
+use crate::mesh::{Mesh, MeshData};
+use rayon::prelude::*;
+
+/// A mesh that has tangents.
+#[derive(Debug, Clone)]
+pub struct Tangented {
+    /// Triangle i is triangle i of the mesh that was given; vertices are split where tangents differ and welded
+    /// where all attributes agree. Unused vertices are gone.
+    pub mesh: Mesh,
+    /// Triangles whose uvs span no area. They have a frame about the normal, but one that means nothing.
+    pub degenerate_uvs: usize,
+}
+
+/// A tangent (x, y, z, handedness) at each corner of a triangle, where one was found.
+pub(super) type CornerTangents = [Option<[f32; 4]>; 3];
+
+/// Gives `mesh` tangents that follow its uv set `uv_set` (origin top left); those it has are replaced.
+///
+/// Each tangent is a unit vector perpendicular to its vertex normal, with the handedness w = ±1 of glTF 2.0:
+/// the bitangent w · cross(n, t) points up the picture. The three corners of a triangle whose uvs span an area
+/// share w. Normals that are not unit are normalised for this; a normal that is zero or NaN counts as (0, 0, 1).
+///
+/// - `face`: ∂p/∂u of the triangle, made perpendicular to each corner's normal.
+/// - `averaged`: the mean of the triangles at a vertex (equal position, normal and uv) weighted by their angle
+///   there, kept apart by handedness.
+/// - `mikktspace`: as the [reference](http://www.mikktspace.com) gives them, to the bit: fed one corner at a time
+///   with v flipped, and welded after. So too for triangles without uv area, which it leaves with the handedness
+///   of their neighbours corner by corner, or with (1, 0, 0) and w = −1 where they have none.
+///
+/// # Errors
+/// [`Error::Invalid`] where the mesh has no normals or no such uv set, [`Error::Limit`] above 2³² / 3 triangles.
+pub fn with_tangents(mesh: &Mesh, uv_set: usize, method: TangentMethod) -> Result<Tangented> {
+    let corners = Corners::new(mesh, uv_set)?;
+    let (mut tangents, settle): (_, fn(_, _) -> _) = match method {
+        TangentMethod::Face => (face_tangents(&corners), of_one_hand),
+        TangentMethod::Averaged => (averaged_tangents(&corners), of_one_hand),
+        TangentMethod::MikkTSpace => (mikktspace::tangents(&corners), as_the_reference),
+    };
+    let degenerate_uvs =
+        (0..corners.len()).into_par_iter().filter(|t| uv_determinant(corners.uvs(*t)).is_none()).count();
+    tangents.par_iter_mut().enumerate().for_each(|(t, found)| *found = settle(*found, corners.normals(t)));
+    Ok(Tangented { mesh: welded(mesh, &tangents)?, degenerate_uvs })
+}
+
+/// The corners of a mesh's triangles, with normals and uvs fit for use.
+pub(super) struct Corners<'a> {
+    mesh: &'a Mesh,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+}
+
+impl<'a> Corners<'a> {
+    fn new(mesh: &'a Mesh, uv_set: usize) -> Result<Self> {
+        if mesh.normals().is_empty() && !mesh.positions().is_empty() {
+            return Err(Error::invalid("tangents", "the mesh has no normals; make vertex normals first"));
+        }
+        if mesh.triangles().len() > (u32::MAX / 3) as usize {
+            return Err(Error::limit("a mesh of 2^32 / 3 triangles for tangents", "split it"));
+        }
+        let uvs = mesh.uvs().get(uv_set).ok_or_else(|| {
+            let count = mesh.uvs().len();
+            Error::invalid(format!("uv set {uv_set} for tangents"), format!("the mesh has {count}"))
+        })?;
+        let normals = mesh.normals().iter().map(|n| usable_normal(*n)).collect();
+        Ok(Self { mesh, normals, uvs: uvs.iter().map(|uv| usable_uv(*uv)).collect() })
+    }
+
+    /// How many triangles.
+    pub fn len(&self) -> usize {
+        self.mesh.triangles().len()
+    }
+
+    /// The vertices of a triangle.
+    pub fn triangle(&self, t: usize) -> [usize; 3] {
+        self.mesh.triangles()[t].map(|v| v as usize)
+    }
+
+    /// The positions of a triangle's corners.
+    pub fn positions(&self, t: usize) -> [Vec3; 3] {
+        self.mesh.corners(t)
+    }
+
+    /// The unit normals of a triangle's corners.
+    pub fn normals(&self, t: usize) -> [Vec3; 3] {
+        self.triangle(t).map(|v| self.normals[v])
+    }
+
+    /// The finite uvs of a triangle's corners.
+    pub fn uvs(&self, t: usize) -> [Vec2; 3] {
+        self.triangle(t).map(|v| self.uvs[v])
+    }
+
+    /// The classes of equal positions, a class a vertex.
+    pub fn places(&self) -> Classes {
+        super::weld::by_position(self.mesh.positions())
+    }
+
+    /// The classes of vertices that share a tangent: equal in position, normal and uv.
+    pub fn shared(&self, places: &Classes) -> Classes {
+        places
+            .split_by(|v| bits(self.normals[v].to_array()))
+            .split_by(|v| bits([self.uvs[v].x, self.uvs[v].y]))
+    }
+}
+
+/// `n` where it is unit to a thousandth, else its unit vector, else the fallback.
+fn usable_normal(n: Vec3) -> Vec3 {
+    let squared = n.dot(n);
+    if (squared - 1.0).abs() < 1e-3 {
+        return n;
+    }
+    let wide = n.to_f64();
+    let unit = (wide / wide.length()).to_f32();
+    if unit.is_finite() { unit } else { normals::FALLBACK }
+}
+
+fn usable_uv(uv: Vec2) -> Vec2 {
+    if uv.x.is_finite() && uv.y.is_finite() { uv } else { Vec2::new(0.0, 0.0) }
+}
+
+fn face_tangents(corners: &Corners) -> Vec<CornerTangents> {
+    (0..corners.len()).into_par_iter().map(|t| face_tangent(corners, t)).collect()
+}
+
+/// ∂p/∂u of triangle `t` at each of its corners.
+pub(super) fn face_tangent(corners: &Corners, t: usize) -> CornerTangents {
+    match uv_derivatives(corners.positions(t), corners.uvs(t)) {
+        Some(d) => corners.normals(t).map(|n| tangent_at(n, d.dp_du.to_f64(), d.handedness)),
+        None => [None; 3],
+    }
+}
+
+fn tangent_at(n: Vec3, tangent: Vec3<f64>, handedness: f32) -> Option<[f32; 4]> {
+    gram_schmidt(n.to_f64(), tangent).map(|t| with_handedness(t, handedness))
+}
+
+fn with_handedness(t: Vec3<f64>, handedness: f32) -> [f32; 4] {
+    let t = t.to_f32();
+    [t.x, t.y, t.z, handedness]
+}
+
+fn averaged_tangents(corners: &Corners) -> Vec<CornerTangents> {
+    let shared = corners.shared(&corners.places());
+    let faces = face_tangents(corners);
+    let sums = tangent_sums(corners, &shared, &faces);
+    let at_corner = |t: usize, i: usize, n: Vec3| {
+        let [mirrored, upright] = sums[shared.of[corners.triangle(t)[i]] as usize];
+        match faces[t][i] {
+            Some([.., w]) => tangent_at(n, if w > 0.0 { upright } else { mirrored }, w).or(faces[t][i]),
+            // Without uv area a triangle borrows what its neighbours have.
+            None => tangent_at(n, upright, 1.0).or_else(|| tangent_at(n, mirrored, -1.0)),
+        }
+    };
+    let at_triangle = |t: usize| {
+        let normals = corners.normals(t);
+        std::array::from_fn(|i| at_corner(t, i, normals[i]))
+    };
+    (0..corners.len()).into_par_iter().map(at_triangle).collect()
+}
+
+/// The angle-weighted sums of tangents at each shared vertex: of mirrored and of upright triangles.
+fn tangent_sums(corners: &Corners, shared: &Classes, faces: &[CornerTangents]) -> Vec<[Vec3<f64>; 2]> {
+    let mut sums = vec![[Vec3::splat(0.0); 2]; shared.firsts.len()];
+    for (t, tangents) in faces.iter().enumerate() {
+        let angles = normals::corner_angles(corners.positions(t).map(Vec3::to_f64));
+        for i in 0..3 {
+            if let Some([x, y, z, w]) = tangents[i] {
+                let side = usize::from(w > 0.0);
+                let class = shared.of[corners.triangle(t)[i]] as usize;
+                sums[class][side] += Vec3::new(x, y, z).to_f64() * angles[i];
+            }
+        }
+    }
+    sums
+}
+
+/// A tangent at every corner, all with one handedness: that of most corners.
+fn of_one_hand(found: CornerTangents, normals: [Vec3; 3]) -> CornerTangents {
+    let balance: f32 = found.iter().flatten().map(|t| t[3]).sum();
+    let handedness = if balance < 0.0 { -1.0 } else { 1.0 };
+    std::array::from_fn(|i| {
+        Some(match found[i] {
+            Some([x, y, z, _]) => [x, y, z, handedness],
+            None => with_handedness(any_tangent(normals[i].to_f64()), handedness),
+        })
+    })
+}
+
+/// A tangent at every corner; the reference's (1, 0, 0) and w = −1 where it finds none, unless that is the normal.
+fn as_the_reference(found: CornerTangents, normals: [Vec3; 3]) -> CornerTangents {
+    const PARALLEL: f32 = 0.999;
+    std::array::from_fn(|i| {
+        let x_is_normal = normals[i].x.abs() > PARALLEL;
+        let t = if x_is_normal { any_tangent(normals[i].to_f64()) } else { Vec3::new(1.0, 0.0, 0.0) };
+        found[i].or(Some(with_handedness(t, -1.0)))
+    })
+}
+
+/// The mesh with these tangents, equal corners being one vertex.
+fn welded(mesh: &Mesh, tangents: &[CornerTangents]) -> Result<Mesh> {
+    let vertices = by_attributes(mesh);
+    let tangent = |c: usize| tangents[c / 3][c % 3].unwrap_or([1.0, 0.0, 0.0, 1.0]);
+    let vertex = |c: usize| mesh.triangles()[c / 3][c % 3] as usize;
+    let corners = Classes::by(3 * tangents.len(), |c| (vertices.of[vertex(c)], bits(tangent(c))));
+    let old: Vec<usize> = corners.firsts.iter().map(|c| vertex(*c as usize)).collect();
+    Mesh::new(MeshData {
+        positions: gather(mesh.positions(), &old),
+        normals: gather(mesh.normals(), &old),
+        tangents: corners.firsts.iter().map(|c| tangent(*c as usize)).collect(),
+        uvs: mesh.uvs().iter().map(|set| gather(set, &old)).collect(),
+        colors: gather(mesh.colors(), &old),
+        triangles: corners.of.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+    })
+}
+
+fn gather<T: Copy>(from: &[T], which: &[usize]) -> Vec<T> {
+    if from.is_empty() { Vec::new() } else { which.iter().map(|i| from[*i]).collect() }
+}
+
+/// The classes of vertices that are equal in everything but the tangent.
+fn by_attributes(mesh: &Mesh) -> Classes {
+    let mut classes = super::weld::by_position(mesh.positions());
+    if !mesh.normals().is_empty() {
+        classes = classes.split_by(|v| bits(mesh.normals()[v].to_array()));
+    }
+    for set in mesh.uvs() {
+        classes = classes.split_by(|v| bits([set[v].x, set[v].y]));
+    }
+    if !mesh.colors().is_empty() {
+        classes = classes.split_by(|v| bits(mesh.colors()[v]));
+    }
+    classes
+}

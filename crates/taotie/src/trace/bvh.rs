@@ -1,0 +1,135 @@
+//! A bounding volume hierarchy over triangles, built and walked by `obvhs`.
+
+use super::Ray;
+use crate::math::Vec3;
+use obvhs::BvhBuildParams;
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::ray::RayHit;
+use obvhs::triangle::Triangle;
+use std::time::Duration;
+
+/// A point where a ray meets a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Index of the triangle as given to [`Bvh::build`].
+    pub triangle: u32,
+    /// Weights of its corners.
+    pub weights: [f32; 3],
+    /// Distance in lengths of the ray's direction.
+    pub distance: f32,
+}
+
+/// Triangles sorted for rays.
+pub struct Bvh {
+    tree: Option<CwBvh>,
+    corners: Vec<[Vec3; 3]>,
+    indices: Vec<u32>,
+}
+
+impl Bvh {
+    /// Sorts `triangles`, of finite positions.
+    pub fn build(triangles: &[[Vec3; 3]]) -> Self {
+        if triangles.is_empty() {
+            return Self { tree: None, corners: Vec::new(), indices: Vec::new() };
+        }
+        let boxes: Vec<Triangle> = triangles
+            .iter()
+            .map(|corners| {
+                let [v0, v1, v2] = corners.map(to_glam);
+                Triangle { v0, v1, v2 }
+            })
+            .collect();
+        let tree = build_cwbvh(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
+        let indices = tree.primitive_indices.clone();
+        let corners = indices.iter().map(|i| triangles[*i as usize]).collect();
+        Self { tree: Some(tree), corners, indices }
+    }
+
+    /// The nearest hit with a distance below `limit`.
+    pub fn nearest(&self, ray: &Ray, limit: f32) -> Option<Hit> {
+        let tree = self.tree.as_ref()?;
+        let mut best: Option<Hit> = None;
+        let traversal = obvhs::ray::Ray::new(to_glam(ray.origin()), to_glam(ray.direction()), 0.0, limit);
+        tree.ray_traverse(traversal, &mut RayHit::none(), |bound, slot| {
+            match self.hit(ray, slot) {
+                // Equal distances go to the smaller index, whatever the order of the walk.
+                Some(hit) if hit.distance < bound.tmax || best.is_some_and(|b| ties(&hit, &b)) => {
+                    best = Some(hit);
+                    hit.distance
+                }
+                _ => f32::INFINITY,
+            }
+        });
+        best
+    }
+
+    /// Whether anything that `blocks` is hit at a distance below `limit`.
+    pub fn occluded(&self, ray: &Ray, limit: f32, blocks: impl Fn(&Hit) -> bool) -> bool {
+        let Some(tree) = self.tree.as_ref() else { return false };
+        let traversal = obvhs::ray::Ray::new(to_glam(ray.origin()), to_glam(ray.direction()), 0.0, limit);
+        !tree.ray_traverse_miss(traversal, |_, slot| match self.hit(ray, slot) {
+            Some(hit) if hit.distance < limit && blocks(&hit) => hit.distance,
+            _ => f32::INFINITY,
+        })
+    }
+
+    fn hit(&self, ray: &Ray, slot: usize) -> Option<Hit> {
+        let (distance, weights) = ray.intersect(self.corners[slot])?;
+        Some(Hit { triangle: self.indices[slot], weights, distance })
+    }
+}
+
+fn ties(hit: &Hit, best: &Hit) -> bool {
+    hit.distance == best.distance && hit.triangle < best.triangle
+}
+
+fn to_glam(v: Vec3) -> glam::Vec3A {
+    glam::Vec3A::new(v.x, v.y, v.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pseudo-random numbers in [0, 1).
+    fn random(state: &mut u32) -> f32 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*state >> 8) as f32 / (1 << 24) as f32
+    }
+
+    fn random_point(state: &mut u32) -> Vec3 {
+        Vec3::new(random(state), random(state), random(state))
+    }
+
+    #[test]
+    fn agrees_with_testing_every_triangle() {
+        let mut state = 1;
+        let triangles: Vec<[Vec3; 3]> = (0..500)
+            .map(|_| {
+                let p = random_point(&mut state);
+                [p, p + random_point(&mut state) * 0.1, p + random_point(&mut state) * 0.1]
+            })
+            .collect();
+        let bvh = Bvh::build(&triangles);
+        let mut hits = 0;
+        for _ in 0..2000 {
+            let ray = Ray::new(random_point(&mut state), random_point(&mut state) - random_point(&mut state));
+            let brute = triangles
+                .iter()
+                .filter_map(|t| ray.intersect(*t))
+                .map(|(t, _)| t)
+                .fold(f32::INFINITY, f32::min);
+            let found = bvh.nearest(&ray, f32::INFINITY).map_or(f32::INFINITY, |h| h.distance);
+            assert_eq!(found, brute);
+            assert_eq!(bvh.occluded(&ray, f32::INFINITY, |_| true), brute.is_finite());
+            hits += usize::from(brute.is_finite());
+        }
+        assert!(hits > 200, "the test must see hits, saw {hits}");
+    }
+
+    #[test]
+    fn empty_hits_nothing() {
+        let ray = Ray::new(Vec3::default(), Vec3::new(0.0, 0.0, 1.0));
+        assert!(Bvh::build(&[]).nearest(&ray, 1.0).is_none());
+    }
+}

@@ -1,0 +1,107 @@
+//! Watertight intersection of a ray with a triangle.
+
+use crate::math::Vec3;
+
+/// A half-line, prepared for intersection: Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection".
+/// A ray through a shared edge or corner hits at least one of the triangles.
+#[derive(Debug, Clone, Copy)]
+pub struct Ray {
+    origin: Vec3,
+    direction: Vec3,
+    /// Which axes become x, y, z, so that the ray runs along z.
+    axes: [usize; 3],
+    shear: [f32; 3],
+}
+
+impl Ray {
+    /// From any point along a direction that is not zero; distances count in lengths of `direction`.
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        let d = direction.to_array();
+        let z = (0..3).fold(0, |best, i| if d[i].abs() > d[best].abs() { i } else { best });
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        if d[z] < 0.0 {
+            std::mem::swap(&mut x, &mut y);
+        }
+        Self { origin, direction, axes: [x, y, z], shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]] }
+    }
+
+    /// The origin.
+    pub fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// The direction as given.
+    pub fn direction(&self) -> Vec3 {
+        self.direction
+    }
+
+    /// Where the ray meets the triangle, either side: distance ≥ 0 and the weights of the corners.
+    #[inline]
+    pub fn intersect(&self, corners: [Vec3; 3]) -> Option<(f32, [f32; 3])> {
+        let [kx, ky, kz] = self.axes;
+        let [sx, sy, sz] = self.shear;
+        let local = corners.map(|p| (p - self.origin).to_array());
+        let [a, b, c] = local.map(|p| [p[kx] - sx * p[kz], p[ky] - sy * p[kz]]);
+        let edges = edge_functions(a, b, c);
+        if edges.iter().any(|e| *e < 0.0) && edges.iter().any(|e| *e > 0.0) {
+            return None;
+        }
+        let det = edges[0] + edges[1] + edges[2];
+        if det == 0.0 {
+            return None;
+        }
+        let weights = edges.map(|e| e / det);
+        let t = sz * (weights[0] * local[0][kz] + weights[1] * local[1][kz] + weights[2] * local[2][kz]);
+        (t >= 0.0).then_some((t, weights))
+    }
+}
+
+/// Twice the areas opposite each corner; in double precision where one is zero, since its sign decides an edge.
+#[inline]
+fn edge_functions(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> [f32; 3] {
+    let cross = |p: [f32; 2], q: [f32; 2]| p[0] * q[1] - p[1] * q[0];
+    let edges = [cross(b, c), cross(c, a), cross(a, b)];
+    if edges.iter().all(|e| *e != 0.0) {
+        return edges;
+    }
+    let exact = |p: [f32; 2], q: [f32; 2]| {
+        let [p, q] = [p.map(f64::from), q.map(f64::from)];
+        (p[0] * q[1] - p[1] * q[0]) as f32
+    };
+    [exact(b, c), exact(c, a), exact(a, b)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRIANGLE: [Vec3; 3] =
+        [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
+
+    #[test]
+    fn hits_from_both_sides() {
+        for side in [-1.0, 1.0] {
+            let ray = Ray::new(Vec3::new(0.25, 0.25, 2.0 * side), Vec3::new(0.0, 0.0, -side));
+            let (t, weights) = ray.intersect(TRIANGLE).unwrap();
+            assert_eq!((t, weights), (2.0, [0.5, 0.25, 0.25]));
+        }
+    }
+
+    #[test]
+    fn misses_behind_and_beside() {
+        assert!(Ray::new(Vec3::new(0.2, 0.2, 1.0), Vec3::new(0.0, 0.0, 1.0)).intersect(TRIANGLE).is_none());
+        assert!(Ray::new(Vec3::new(0.9, 0.9, 1.0), Vec3::new(0.0, 0.0, -1.0)).intersect(TRIANGLE).is_none());
+    }
+
+    #[test]
+    fn no_ray_slips_through_a_shared_edge() {
+        let other = [TRIANGLE[1], Vec3::new(1.0, 1.0, 0.0), TRIANGLE[2]];
+        for i in 1..1000 {
+            let t = i as f32 / 1000.0;
+            let target = Vec3::new(t, 1.0 - t, 0.0);
+            let origin = Vec3::new(0.3, -0.7, 1.3);
+            let ray = Ray::new(origin, target - origin);
+            assert!(ray.intersect(TRIANGLE).is_some() || ray.intersect(other).is_some(), "{i}");
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Laws of coverage: every sample of a shared edge belongs to exactly one triangle, at every SIMD level.
+
+use taotie::math::SimdLevel;
+use taotie::raster::{
+    Bins, Faces, Geometry, SamplePattern, TILE_PIXELS, Tile, TilePlane, Viewport, bin, rasterize_layers,
+    rasterize_opaque,
+};
+
+const SIDE: u32 = 128;
+
+/// Pseudo-random numbers in [0, 1).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 40) as f32 / (1u64 << 24) as f32
+    }
+}
+
+fn viewport(samples: u32) -> Viewport {
+    Viewport { width: SIDE, height: SIDE, pattern: SamplePattern::new(samples).unwrap() }
+}
+
+/// How often each pixel of the picture is covered at a sample.
+fn coverage(bins: &Bins, viewport: &Viewport, sample: usize, simd: SimdLevel) -> Vec<u32> {
+    let (across, down) = viewport.tiles();
+    let mut counts = vec![0; (across * down) as usize * TILE_PIXELS];
+    let offset = viewport.pattern.offsets()[sample];
+    for index in 0..(across * down) as usize {
+        let tile = Tile::new(viewport, index);
+        for layer in rasterize_layers(bins, &tile, offset, simd, &TilePlane::default()).unwrap() {
+            counts[index * TILE_PIXELS + layer.pixel as usize] += 1;
+        }
+    }
+    counts
+}
+
+/// A sheet of jittered cells that covers more than the picture, each cell cut into two triangles, with corners at
+/// subpixel positions that fall on sample points as often as not.
+fn sheet(cells: usize, random: &mut Random) -> (Vec<[f32; 4]>, Vec<[u32; 3]>) {
+    let mut clip = Vec::new();
+    for j in 0..=cells {
+        for i in 0..=cells {
+            let jitter = |r: f32| (r * 16.0).floor() / 16.0 - 0.5;
+            let place = |k: usize, r: f32| ((k as f32 + 0.4 * jitter(r)) / cells as f32) * 2.6 - 1.3;
+            let w = 0.5 + random.next();
+            let (x, y) = (place(i, random.next()), place(j, random.next()));
+            // Rounded to half pixels in every other cell, so that edges run through sample points.
+            let snap = |v: f32| if (i + j) % 2 == 0 { (v * SIDE as f32).round() / SIDE as f32 } else { v };
+            clip.push([snap(x) * w, snap(y) * w, 0.25 * w, w]);
+        }
+    }
+    let mut triangles = Vec::new();
+    for j in 0..cells {
+        for i in 0..cells {
+            let at = |di: usize, dj: usize| ((j + dj) * (cells + 1) + i + di) as u32;
+            let [a, b, c, d] = [at(0, 0), at(1, 0), at(1, 1), at(0, 1)];
+            if (i + j) % 2 == 0 {
+                triangles.extend([[a, b, c], [a, c, d]]);
+            } else {
+                triangles.extend([[a, b, d], [b, c, d]]);
+            }
+        }
+    }
+    (clip, triangles)
+}
+
+#[test]
+fn every_sample_of_a_sheet_is_covered_exactly_once() {
+    let mut random = Random(7);
+    for (cells, samples) in [(4, 1), (7, 1), (40, 1), (150, 1), (23, 4), (23, 16)] {
+        let (clip, triangles) = sheet(cells, &mut random);
+        let viewport = viewport(samples);
+        let geometry = Geometry { clip: &clip, triangles: &triangles, faces: Faces::Both, first_id: 0 };
+        let bins = bin(&[geometry], &viewport);
+        for sample in 0..samples as usize {
+            let counts = coverage(&bins, &viewport, sample, SimdLevel::Auto);
+            let wrong = counts.iter().filter(|count| **count != 1).count();
+            assert_eq!(wrong, 0, "{cells} cells, sample {sample} of {samples}");
+        }
+    }
+}
+
+#[test]
+fn a_fan_about_a_sample_point_covers_it_once() {
+    // The hub lies exactly on the centre of pixel (64, 64).
+    let hub = [(64.5 / 64.0) - 1.0, 1.0 - (64.5 / 64.0)];
+    for spokes in [3, 4, 5, 8, 16, 33] {
+        let mut clip = vec![[hub[0], hub[1], 0.5, 1.0]];
+        let mut random = Random(spokes);
+        for i in 0..spokes {
+            let angle = (i as f64 + f64::from(random.next()) * 0.5) / spokes as f64 * std::f64::consts::TAU;
+            let (x, y) = (taotie::math::scalar::cos(angle) as f32, taotie::math::scalar::sin(angle) as f32);
+            clip.push([hub[0] + 0.5 * x, hub[1] + 0.5 * y, 0.5, 1.0]);
+        }
+        let triangles: Vec<[u32; 3]> =
+            (0..spokes as u32).map(|i| [0, 1 + i, 1 + (i + 1) % spokes as u32]).collect();
+        let viewport = viewport(1);
+        let geometry = Geometry { clip: &clip, triangles: &triangles, faces: Faces::Both, first_id: 0 };
+        let counts = coverage(&bin(&[geometry], &viewport), &viewport, 0, SimdLevel::Auto);
+        assert!(counts.iter().all(|count| *count <= 1), "{spokes} spokes cover a pixel twice");
+        let (across, _) = viewport.tiles();
+        let tile = (64 / 64) * across as usize + 64 / 64;
+        assert_eq!(counts[tile * TILE_PIXELS], 1, "{spokes} spokes leave the hub open");
+    }
+}
+
+#[test]
+fn near_clipping_keeps_what_is_in_front() {
+    // A floor that runs from behind the eye to the horizon covers the lower half of the picture and nothing else.
+    let near = 0.1;
+    let corner = |x: f32, z: f32| [x, -1.0, near, -z];
+    let clip = [corner(-1e4, 10.0), corner(1e4, 10.0), corner(1e4, -1e4), corner(-1e4, -1e4)];
+    let geometry = Geometry { clip: &clip, triangles: &[[0, 1, 2], [0, 2, 3]], faces: Faces::Both, first_id: 0 };
+    let viewport = viewport(1);
+    let bins = bin(&[geometry], &viewport);
+    let counts = coverage(&bins, &viewport, 0, SimdLevel::Auto);
+    let (across, down) = viewport.tiles();
+    for index in 0..(across * down) as usize {
+        let tile = Tile::new(&viewport, index);
+        for pixel in 0..TILE_PIXELS as u32 {
+            let y = tile.y + pixel / 64;
+            let expected = u32::from(y >= SIDE / 2);
+            assert_eq!(counts[index * TILE_PIXELS + pixel as usize], expected, "row {y}");
+        }
+    }
+}
+
+#[test]
+fn faces_are_culled_by_their_turn() {
+    let clip = [[-1.0, -1.0, 0.5, 1.0], [1.0, -1.0, 0.5, 1.0], [0.0, 1.0, 0.5, 1.0]];
+    let seen = |triangle: [u32; 3], faces: Faces| {
+        let geometry = Geometry { clip: &clip, triangles: &[triangle], faces, first_id: 0 };
+        bin(&[geometry], &viewport(1)).triangle_count()
+    };
+    assert_eq!([seen([0, 1, 2], Faces::CounterClockwise), seen([0, 2, 1], Faces::CounterClockwise)], [1, 0]);
+    assert_eq!([seen([0, 1, 2], Faces::Clockwise), seen([0, 2, 1], Faces::Clockwise)], [0, 1]);
+    assert_eq!([seen([0, 1, 2], Faces::Both), seen([0, 2, 1], Faces::Both)], [1, 1]);
+}
+
+#[test]
+fn the_nearest_triangle_wins_and_levels_agree_to_the_bit() {
+    let mut random = Random(3);
+    let mut clip = Vec::new();
+    for _ in 0..3 * 400 {
+        let w = 0.2 + 3.0 * random.next();
+        let (x, y, z) = (random.next() * 3.0 - 1.5, random.next() * 3.0 - 1.5, random.next());
+        clip.push([x * w, y * w, z * w, w]);
+    }
+    let triangles: Vec<[u32; 3]> = (0..400).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let viewport = viewport(1);
+    let geometry = Geometry { clip: &clip, triangles: &triangles, faces: Faces::Both, first_id: 0 };
+    let bins = bin(&[geometry], &viewport);
+    let offset = viewport.pattern.offsets()[0];
+    let tile = Tile::new(&viewport, 0);
+    let mut planes = Vec::new();
+    for simd in SimdLevel::available() {
+        let mut plane = TilePlane::default();
+        rasterize_opaque(&bins, &tile, offset, simd, &mut plane).unwrap();
+        let layers = rasterize_layers(&bins, &tile, offset, simd, &TilePlane::default()).unwrap();
+        for layer in &layers {
+            assert!(layer.depth <= plane.depths[layer.pixel as usize]);
+        }
+        assert!(layers.len() > 4 * TILE_PIXELS, "the test must see overlap, saw {}", layers.len());
+        let bits: Vec<u32> = plane.depths.iter().map(|d| d.to_bits()).collect();
+        planes.push((simd, plane.ids, bits));
+    }
+    assert!(planes.windows(2).all(|pair| (&pair[0].1, &pair[0].2) == (&pair[1].1, &pair[1].2)));
+}
