@@ -37,7 +37,11 @@ impl Bake {
     pub fn normal_map(&self) -> Bitmap {
         let flat = [32768, 32768, 65535, u16::MAX];
         let texels = self.texels.map(flat, |x, y, point| {
-            let n = tangent_normal(point, self.slope(x, y));
+            let n = tangent_normal(
+                point,
+                self.heights[y * self.texels.size() + x] * DEPTH as f32,
+                self.slope(x, y),
+            );
             let [r, g, b] = n.to_array().map(|c| ((c * 0.5 + 0.5) * 65535.0 + 0.5) as u16);
             [r, g, b, u16::MAX]
         });
@@ -74,31 +78,38 @@ impl Bake {
         Bitmap::new(size, size, channels, texels).expect("the texels were made for this size")
     }
 
-    /// How the height in metres changes with u and v, by central differences of texels.
+    /// How the height in metres changes with u and v: differences of texels over ±1 and ±2, exact for cubics.
     fn slope(&self, x: usize, y: usize) -> [f32; 2] {
-        let size = self.texels.size();
-        let at = |x: usize, y: usize| self.heights[y.min(size - 1) * size + x.min(size - 1)];
-        let scale = DEPTH as f32 * size as f32 * 0.5;
-        let by_u = at(x + 1, y) - at(x.saturating_sub(1), y);
-        let by_v = at(x, y + 1) - at(x, y.saturating_sub(1));
+        let size = self.texels.size() as isize;
+        let at = |dx: isize, dy: isize| {
+            let (x, y) = (x as isize + dx, y as isize + dy);
+            self.heights[(y.clamp(0, size - 1) * size + x.clamp(0, size - 1)) as usize]
+        };
+        let scale = DEPTH as f32 * size as f32 / 12.0;
+        let by_u = 8.0 * (at(1, 0) - at(-1, 0)) - (at(2, 0) - at(-2, 0));
+        let by_v = 8.0 * (at(0, 1) - at(0, -1)) - (at(0, 2) - at(0, -2));
         [by_u * scale, by_v * scale]
     }
 }
 
 /// The unit normal of the relief in the frame (T, B, N) in which a renderer reads it.
 ///
-/// The surface is P + h n with n the unit interpolated normal; with the tangent plane's vectors P_u, P_v made
-/// perpendicular to n, its normal to first order is n − ∇h, where ∇h · P_u = h_u and ∇h · P_v = h_v (Mikkelsen 2020,
-/// "Surface gradient–based bump mapping framework", eq. 2). P_u and P_v need be neither equal in length nor
-/// perpendicular. That vector is then resolved in the interpolated, un-normalised frame, so decoding gives it back.
-pub(super) fn tangent_normal(point: &Point, [h_u, h_v]: [f32; 2]) -> Vec3 {
-    let n = point.normal.normalize();
-    let [p_u, p_v] = point.by_uv.map(|p| p - n * n.dot(p));
+/// The surface is Q = P + h n, with h in metres and n the unit interpolated normal. Its tangents are
+/// Q_u = P_u + h n_u + h_u n, and so for v; the parts along the tangent plane are p_u = P_u + h n_u made perpendicular
+/// to n, so that the facets of P do not show. Its normal is n − ∇h, where ∇h · p_u = h_u and ∇h · p_v = h_v
+/// (Mikkelsen 2020, "Surface gradient–based bump mapping framework"); p_u and p_v need be neither equal in length
+/// nor perpendicular. That vector is then resolved in the interpolated, un-normalised frame, so that decoding gives
+/// it back.
+pub(super) fn tangent_normal(point: &Point, h: f32, [h_u, h_v]: [f32; 2]) -> Vec3 {
+    let (n, scale) = (point.normal.normalize(), h / point.normal.length());
+    let [p_u, p_v] = [0, 1].map(|k| {
+        let p = point.by_uv[k] + point.normal_by_uv[k] * scale;
+        p - n * n.dot(p)
+    });
     let area = n.dot(p_u.cross(p_v));
     let gradient = (p_v.cross(n) * h_u + n.cross(p_u) * h_v) * (1.0 / area);
-    let relief = n - gradient;
     let (t, b) = (point.tangent, point.normal.cross(point.tangent));
-    resolve(relief, [t, b, point.normal]).normalize()
+    resolve(n - gradient, [t, b, point.normal]).normalize()
 }
 
 /// The coordinates of `v` in a frame that need not be orthonormal (Cramer's rule).

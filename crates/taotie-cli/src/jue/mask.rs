@@ -203,7 +203,7 @@ fn eye(x: f32, y: f32) -> (f32, f32) {
     let (px, py) = ((x - cx) / a, (y - cy) / b);
     let radius = (px * px + py * py).sqrt();
     let d = (radius - 1.0) * b;
-    let ball = plateau(d + 0.15, 0.60, 0.5) + 0.40 * dome(radius / 0.92);
+    let ball = plateau(d + 0.15, 0.34, 0.5) + 0.66 * dome(radius / 0.96);
     let (qx, qy) = (x - cx, y - cy);
     let pupil = ((qx * qx) * 0.5 + qy * qy).sqrt();
     (ball - 0.42 * plateau(pupil - 0.62, 1.0, 0.5), d)

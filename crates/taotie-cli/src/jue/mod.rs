@@ -8,6 +8,7 @@ mod ground;
 mod limbs;
 mod mask;
 mod noise;
+mod normals;
 mod patina;
 mod profile;
 mod relief;
@@ -18,8 +19,12 @@ mod vessel;
 use bake::Bake;
 use relief::Relief;
 use std::sync::LazyLock;
-use taotie::image::Bitmap;
+use taotie::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
+use taotie::math::Mat4;
 use taotie::mesh::Mesh;
+use taotie::scene::{
+    GreenChannel, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
+};
 
 /// The height of 1 of [`height`] above the low mesh, metres.
 pub const DEPTH: f64 = 0.0012;
@@ -64,6 +69,49 @@ pub fn base_color_map(size: u32) -> Bitmap {
 pub fn orm_map(size: u32) -> Bitmap {
     let [_, orm] = Bake::new(&low_mesh(), size).material_maps();
     orm
+}
+
+/// The vessel with its material: one instance, no light and no camera. Textures 0 to 3 are colour, occlusion with
+/// roughness and metallic, normals, and heights, each of `size` × `size` texels.
+pub fn scene(size: u32) -> Scene {
+    let mesh = low_mesh();
+    let bake = Bake::new(&mesh, size);
+    let [color, orm] = bake.material_maps();
+    let textures = vec![
+        Texture::new(color, Encoding::Srgb),
+        Texture::new(orm, Encoding::Linear),
+        Texture::new(bake.normal_map(), Encoding::Linear),
+        Texture::new(bake.height_map(), Encoding::Linear),
+    ];
+    let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
+    Scene { meshes: vec![mesh], materials: vec![material()], textures, instances, ..Scene::default() }
+}
+
+/// Factors of one everywhere: the textures say it all.
+fn material() -> Material {
+    let texture = |texture| TextureRef {
+        texture,
+        uv_set: 0,
+        sampler: Sampler { wrap_u: Wrap::Clamp, wrap_v: Wrap::Clamp, ..Sampler::default() },
+        transform: UvTransform::default(),
+    };
+    Material {
+        name: "excavated bronze".into(),
+        base_color: [1.0; 4],
+        base_color_texture: Some(texture(0)),
+        metallic: 1.0,
+        roughness: 1.0,
+        metallic_roughness_texture: Some(texture(1)),
+        occlusion_texture: Some(texture(1)),
+        normal: Some(NormalMap {
+            texture: texture(2),
+            scale: 1.0,
+            space: NormalSpace::Tangent,
+            green: GreenChannel::Up,
+        }),
+        height: Some(HeightMap { texture: texture(3), scale: DEPTH as f32 }),
+        ..Material::default()
+    }
 }
 
 /// The vessel with its relief as geometry: each triangle of [`low_mesh`] rounded by its normals, split into

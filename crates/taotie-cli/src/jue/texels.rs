@@ -18,6 +18,8 @@ pub(super) struct Point {
     pub tangent: Vec3,
     /// How the position changes with u and v on the flat triangle, metres.
     pub by_uv: [Vec3; 2],
+    /// How the interpolated normal changes with u and v.
+    pub normal_by_uv: [Vec3; 2],
 }
 
 /// A quantity linear in uv over a triangle: its value at uv (0, 0) and its changes with u and v.
@@ -95,6 +97,7 @@ impl Texels {
             normal: normal.at(u, v),
             tangent: tangent.at(u, v),
             by_uv: [position.by_u.to_f32(), position.by_v.to_f32()],
+            normal_by_uv: [normal.by_u.to_f32(), normal.by_v.to_f32()],
         })
     }
 

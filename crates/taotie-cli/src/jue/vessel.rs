@@ -5,13 +5,13 @@
 //! row, its mouth; the column of the tail ends in the tail's tip.
 
 use super::atlas;
-use super::builder::{Builder, Smooth};
+use super::builder::{Builder, ROUND, Smooth};
 use taotie::math::{Vec2, Vec3, scalar};
 
 /// Columns once around.
 pub(super) const COLUMNS: usize = 16;
 /// Outside and bottom.
-const OUTSIDE: Smooth = Smooth(0);
+const OUTSIDE: Smooth = ROUND;
 /// Lip and inside.
 const INSIDE: Smooth = Smooth(1);
 /// Height and half axes along x and z of the four rings of the belly.
