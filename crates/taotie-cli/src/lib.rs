@@ -5,9 +5,10 @@
 mod console;
 mod demo;
 mod inspect;
-mod jue;
+pub mod jue;
 mod options;
 mod render;
+mod sheet;
 
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;

@@ -112,7 +112,8 @@ fn near_clipping_keeps_what_is_in_front() {
     let near = 0.1;
     let corner = |x: f32, z: f32| [x, -1.0, near, -z];
     let clip = [corner(-1e4, 10.0), corner(1e4, 10.0), corner(1e4, -1e4), corner(-1e4, -1e4)];
-    let geometry = Geometry { clip: &clip, triangles: &[[0, 1, 2], [0, 2, 3]], faces: Faces::Both, first_id: 0 };
+    let geometry =
+        Geometry { clip: &clip, triangles: &[[0, 1, 2], [0, 2, 3]], faces: Faces::Both, first_id: 0 };
     let viewport = viewport(1);
     let bins = bin(&[geometry], &viewport);
     let counts = coverage(&bins, &viewport, 0, SimdLevel::Auto);

@@ -1,5 +1,7 @@
 //! Tangents against those of the MikkTSpace reference, corner by corner.
 
+#![allow(clippy::print_stdout, reason = "tests say what they found")]
+
 mod common;
 
 use serde_json::Value;

@@ -59,6 +59,11 @@ pub fn normal_map(size: u32) -> Bitmap {
     Bake::new(&low_mesh(), size).normal_map()
 }
 
+/// The relief as a 16-bit object-space normal map for [`low_mesh`], linear.
+pub fn object_normal_map(size: u32) -> Bitmap {
+    Bake::new(&low_mesh(), size).object_normal_map()
+}
+
 /// Bare bronze and its patina as an 8-bit colour map, sRGB-encoded.
 pub fn base_color_map(size: u32) -> Bitmap {
     let [color, _] = Bake::new(&low_mesh(), size).material_maps();

@@ -55,18 +55,22 @@ pub(super) struct Texels {
 }
 
 impl Texels {
-    /// Assigns triangles to the texels of a map of `size` × `size`; `tangents` are the low mesh's.
-    pub fn new(mesh: &Mesh, tangents: &[Vec3<f64>], size: usize) -> Self {
+    /// Assigns triangles of a mesh with tangents to the texels of a map of `size` × `size`.
+    pub fn new(mesh: &Mesh, size: usize) -> Self {
         let uvs: Vec<Vec2<f64>> =
             mesh.uvs()[0].iter().map(|uv| Vec2::new(f64::from(uv.x), f64::from(uv.y))).collect();
         let linears = mesh.triangles().iter().map(|triangle| {
             let [a, b, c] = triangle.map(|i| i as usize);
             let corners = [uvs[a], uvs[b], uvs[c]];
             let normal = |i: usize| mesh.normals()[i].to_f64();
+            let tangent = |i: usize| {
+                let [x, y, z, _] = mesh.tangents()[i];
+                Vec3::new(x, y, z).to_f64()
+            };
             [
                 Linear::new([a, b, c].map(|i| mesh.positions()[i].to_f64()), corners),
                 Linear::new([a, b, c].map(normal), corners),
-                Linear::new([a, b, c].map(|i| tangents[i]), corners),
+                Linear::new([a, b, c].map(tangent), corners),
             ]
         });
         let linears = linears.collect();

@@ -2,8 +2,12 @@
 
 use super::RenderArgs;
 use anyhow::{Result, bail};
+use std::f64::consts::TAU;
 use taotie::math::{Mat4, Vec3};
-use taotie::scene::{Camera, Orbit, Scene};
+use taotie::scene::{Camera, Orbit, Scene, fitting_distance};
+
+/// Directions from which a turntable's object must fit.
+const TURNS: u32 = 24;
 
 /// How much of the picture a framed object fills.
 const FILL: f64 = 0.9;
@@ -20,8 +24,8 @@ pub struct Viewpoint {
 impl Viewpoint {
     /// The camera asked for: one of the file by name, an orbit, else the object framed.
     pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<Self> {
-        let Some(framing) = scene.framing() else { bail!("the model has no triangle to look at") };
-        let pivot = args.target.unwrap_or(framing.center);
+        let Some(bounds) = scene.bounds() else { bail!("the model has no triangle to look at") };
+        let pivot = args.target.unwrap_or(bounds.center());
         if let Some(name) = &args.camera {
             return Ok(Self { camera: named(scene, name)?, pivot });
         }
@@ -37,9 +41,9 @@ impl Viewpoint {
         };
         let [azimuth, elevation, fov_y] = [azimuth, elevation, args.fov_deg].map(f64::to_radians);
         let aspect = f64::from(args.size[0]) / f64::from(args.size[1]);
-        let framed = framing.distance(elevation, fov_y, aspect, FILL);
-        let orbit = Orbit { azimuth, elevation, distance: distance.unwrap_or(framed), target: pivot, fov_y };
-        let reach = framing.sphere() + (pivot - framing.center).length();
+        let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target: pivot, fov_y };
+        orbit.distance = distance.unwrap_or_else(|| framed(args, scene, &orbit, aspect));
+        let reach = bounds.diagonal() / 2.0 + (pivot - bounds.center()).length();
         Ok(Self { camera: orbit.camera(reach), pivot })
     }
 
@@ -55,6 +59,20 @@ impl Viewpoint {
         let up = Vec3::new(0.0, 1.0, 0.0);
         Mat4::translation(self.pivot) * Mat4::rotation_about(up, -turn) * Mat4::translation(-self.pivot)
     }
+}
+
+/// The distance that frames the object: for a turntable, wherever it has turned to, so that the picture does not
+/// jump.
+fn framed(args: &RenderArgs, scene: &Scene, orbit: &Orbit, aspect: f64) -> f64 {
+    if args.turntable.is_none() {
+        return fitting_distance(orbit, aspect, FILL, scene.corners());
+    }
+    let around = (0..TURNS).map(|i| TAU * f64::from(i) / f64::from(TURNS));
+    let distances = around.map(|turn| {
+        let turned = Orbit { azimuth: orbit.azimuth + turn, ..*orbit };
+        fitting_distance(&turned, aspect, FILL, scene.corners())
+    });
+    distances.fold(0.0, f64::max)
 }
 
 fn named(scene: &Scene, name: &str) -> Result<Camera> {

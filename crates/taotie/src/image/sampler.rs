@@ -100,7 +100,7 @@ impl Sampler {
         } else {
             0.0
         };
-        if !(lod > switch) {
+        if lod <= switch || lod.is_nan() {
             return self.level(texture, 0, uv, self.magnify);
         }
         let last = (texture.levels() - 1) as f32;

@@ -38,7 +38,8 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
             "images are read from PNG, JPEG, TGA, HDR and EXR",
         )
     })?;
-    let at = || format!("image '{name}'");
+    let is_the_file = path.file_name().is_some_and(|file| file.to_string_lossy() == name);
+    let at = || if is_the_file { "image".to_owned() } else { format!("image '{name}'") };
     if format == ImageFormat::OpenExr {
         return exr::decode(bytes).map_err(|failure| failure.into_error(path, at()));
     }

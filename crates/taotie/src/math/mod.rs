@@ -2,6 +2,7 @@
 
 mod lane;
 mod mat;
+mod pack;
 mod simd;
 mod vec;
 
@@ -11,5 +12,7 @@ pub mod srgb;
 
 pub use lane::{Lane, Mask};
 pub use mat::Mat4;
+pub use pack::Pack;
+pub(crate) use pack::dispatch_pack;
 pub use simd::SimdLevel;
 pub use vec::{Vec2, Vec3};

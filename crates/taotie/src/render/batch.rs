@@ -1,7 +1,6 @@
 //! A few hundred fragments in columns, so that eight neighbours load as one pack.
 
-use crate::math::Vec3;
-use fearless_simd::{Simd, f32x8, prelude::*};
+use crate::math::{Pack, Vec3};
 
 /// How many fragments go through the stages together; small enough to stay in the nearest caches.
 pub const BATCH: usize = 256;
@@ -99,8 +98,8 @@ impl Batch {
     }
 
     /// The first entries of the packs that hold the fragments.
-    pub(super) fn packs(&self) -> impl Iterator<Item = usize> + use<> {
-        (0..self.len).step_by(8)
+    pub(super) fn packs<P: Pack>(&self) -> impl Iterator<Item = usize> + use<P> {
+        (0..self.len).step_by(P::LANES)
     }
 }
 
@@ -117,23 +116,23 @@ pub(super) fn get3(column: &Column3, i: usize) -> Vec3 {
 }
 
 #[inline(always)]
-pub(super) fn load<S: Simd>(simd: S, column: &Column, i: usize) -> f32x8<S> {
-    f32x8::from_slice(simd, &column[i..i + 8])
+pub(super) fn load<P: Pack>(token: P::Token, column: &Column, i: usize) -> P {
+    P::load(token, &column[i..])
 }
 
 #[inline(always)]
-pub(super) fn load3<S: Simd>(simd: S, column: &Column3, i: usize) -> Vec3<f32x8<S>> {
-    Vec3::new(load(simd, &column[0], i), load(simd, &column[1], i), load(simd, &column[2], i))
+pub(super) fn load3<P: Pack>(token: P::Token, column: &Column3, i: usize) -> Vec3<P> {
+    Vec3::new(load(token, &column[0], i), load(token, &column[1], i), load(token, &column[2], i))
 }
 
 #[inline(always)]
-pub(super) fn store3<S: Simd>(value: Vec3<f32x8<S>>, column: &mut Column3, i: usize) {
-    value.x.store_slice(&mut column[0][i..i + 8]);
-    value.y.store_slice(&mut column[1][i..i + 8]);
-    value.z.store_slice(&mut column[2][i..i + 8]);
+pub(super) fn store3<P: Pack>(value: Vec3<P>, column: &mut Column3, i: usize) {
+    value.x.store(&mut column[0][i..]);
+    value.y.store(&mut column[1][i..]);
+    value.z.store(&mut column[2][i..]);
 }
 
 #[inline(always)]
-pub(super) fn splat3<S: Simd>(simd: S, value: Vec3) -> Vec3<f32x8<S>> {
-    value.map(|c| f32x8::splat(simd, c))
+pub(super) fn splat3<P: Pack>(token: P::Token, value: Vec3) -> Vec3<P> {
+    Vec3::new(P::splat(token, value.x), P::splat(token, value.y), P::splat(token, value.z))
 }

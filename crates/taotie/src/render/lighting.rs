@@ -2,10 +2,10 @@
 
 use super::batch::{Batch, load, load3, splat3, store3};
 use super::prepare::Draw;
-use crate::math::{Lane, Vec3, scalar};
+use crate::math::{Pack, Vec3, dispatch_pack, scalar};
 use crate::scene::{Falloff, Light, LightKind, Material};
 use crate::shade::{self, Angles, Shading, Substance, fresnel, lights, ndf};
-use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
+use fearless_simd::Level;
 
 /// Reflectance at normal incidence of an ordinary dielectric, glTF 2.0 appendix B.
 const DIELECTRIC_F0: f32 = 0.04;
@@ -47,27 +47,27 @@ impl Source {
 
     /// The unit direction to the light and the irradiance on a plane that faces it.
     #[inline(always)]
-    fn incidence<S: Simd>(&self, simd: S, position: Vec3<f32x8<S>>) -> (Vec3<f32x8<S>>, Vec3<f32x8<S>>) {
-        let color = splat3(simd, self.color);
-        let place = splat3(simd, self.place);
+    fn incidence<P: Pack>(&self, token: P::Token, position: Vec3<P>) -> (Vec3<P>, Vec3<P>) {
+        let color = splat3(token, self.color);
+        let place = splat3(token, self.place);
         if self.at_infinity {
             return (place, color);
         }
         let to_light = place - position;
-        let distance_squared = Lane::max(to_light.dot(to_light), f32x8::splat(simd, 1e-12));
-        let distance = Lane::sqrt(distance_squared);
-        let l = to_light * (f32x8::splat(simd, 1.0) / distance);
+        let distance_squared = to_light.dot(to_light).max(P::splat(token, 1e-12));
+        let distance = distance_squared.sqrt();
+        let l = to_light * (P::splat(token, 1.0) / distance);
         let mut attenuation = match self.falloff {
-            Falloff::None => f32x8::splat(simd, 1.0),
+            Falloff::None => P::splat(token, 1.0),
             Falloff::InverseSquare => lights::inverse_square(distance_squared),
             Falloff::Windowed(range) => {
                 lights::inverse_square(distance_squared)
-                    * lights::range_window(distance_squared, f32x8::splat(simd, range))
+                    * lights::range_window(distance_squared, P::splat(token, range))
             }
         };
         if let Some((axis, cos_inner, cos_outer)) = self.cone {
-            let cos = -splat3(simd, axis).dot(l);
-            let (inner, outer) = (f32x8::splat(simd, cos_inner), f32x8::splat(simd, cos_outer));
+            let cos = -splat3(token, axis).dot(l);
+            let (inner, outer) = (P::splat(token, cos_inner), P::splat(token, cos_outer));
             attenuation = attenuation * lights::spot_cone(cos, inner, outer);
         }
         (l, color * attenuation)
@@ -84,41 +84,42 @@ pub(super) struct Illumination<'a> {
 
 /// Fills `batch.radiance` and `batch.albedo`.
 pub(super) fn light(level: Level, illumination: &Illumination<'_>, draw: &Draw<'_>, batch: &mut Batch) {
-    dispatch!(level, simd => all_packs(simd, illumination, draw, batch));
+    dispatch_pack!(level, P, token => all_packs::<P>(token, illumination, draw, batch));
 }
 
 #[inline(always)]
-fn all_packs<S: Simd>(simd: S, illumination: &Illumination<'_>, draw: &Draw<'_>, batch: &mut Batch) {
-    for i in batch.packs() {
+fn all_packs<P: Pack>(token: P::Token, illumination: &Illumination<'_>, draw: &Draw<'_>, batch: &mut Batch) {
+    for i in batch.packs::<P>() {
         let [r, g, b, _] = draw.material.base_color;
-        let albedo = load3(simd, &batch.tint, i).mul_elements(splat3(simd, Vec3::new(r, g, b)));
+        let tint: Vec3<P> = load3(token, &batch.tint, i);
+        let albedo = tint.mul_elements(splat3(token, Vec3::new(r, g, b)));
         let radiance =
-            if draw.material.unlit { albedo } else { lit_pack(simd, illumination, draw.material, batch, i) };
+            if draw.material.unlit { albedo } else { lit_pack(token, illumination, draw.material, batch, i) };
         store3(albedo, &mut batch.albedo, i);
         store3(radiance, &mut batch.radiance, i);
     }
 }
 
 #[inline(always)]
-fn lit_pack<S: Simd>(
-    simd: S,
+fn lit_pack<P: Pack>(
+    token: P::Token,
     illumination: &Illumination<'_>,
     material: &Material,
     batch: &Batch,
     i: usize,
-) -> Vec3<f32x8<S>> {
-    let (substance, ambient) = substance(simd, illumination.shading, material, batch, i);
-    let (n, v) = (load3(simd, &batch.n, i), load3(simd, &batch.v, i));
-    let position = load3(simd, &batch.position, i);
-    let surround = splat3(simd, illumination.ambient) * load(simd, &batch.occlusion, i);
-    let mut radiance = load3(simd, &batch.emissive, i) + ambient.mul_elements(surround);
+) -> Vec3<P> {
+    let (substance, ambient) = substance(token, illumination.shading, material, batch, i);
+    let (n, v) = (load3(token, &batch.n, i), load3(token, &batch.v, i));
+    let position = load3(token, &batch.position, i);
+    let surround = splat3(token, illumination.ambient) * load(token, &batch.occlusion, i);
+    let mut radiance = load3(token, &batch.emissive, i) + ambient.mul_elements(surround);
     for (index, source) in illumination.sources.iter().enumerate() {
-        let (l, irradiance) = source.incidence(simd, position);
+        let (l, irradiance) = source.incidence(token, position);
         let angles = Angles::new(n, v, l);
         let mut reflected =
             shade::reflect(illumination.shading, &substance, &angles).mul_elements(irradiance);
         if illumination.shadows {
-            reflected = reflected * load(simd, &batch.visibility[index], i);
+            reflected = reflected * load(token, &batch.visibility[index], i);
         }
         radiance += reflected;
     }
@@ -133,26 +134,26 @@ fn takes_fresnel(shading: Shading) -> bool {
 /// The surface's parameters in every model's terms, and k_a. What the material does not author follows from the
 /// metallic-roughness values.
 #[inline(always)]
-fn substance<S: Simd>(
-    simd: S,
+fn substance<P: Pack>(
+    token: P::Token,
     shading: Shading,
     material: &Material,
     batch: &Batch,
     i: usize,
-) -> (Substance<f32x8<S>>, Vec3<f32x8<S>>) {
-    let tint = load3(simd, &batch.tint, i);
-    let (metallic, roughness) = (load(simd, &batch.metallic, i), load(simd, &batch.roughness, i));
-    let one = f32x8::splat(simd, 1.0);
-    let authored = |rgb: [f32; 3]| splat3(simd, Vec3::from_array(rgb));
+) -> (Substance<P>, Vec3<P>) {
+    let tint = load3(token, &batch.tint, i);
+    let (metallic, roughness): (P, P) = (load(token, &batch.metallic, i), load(token, &batch.roughness, i));
+    let one = P::splat(token, 1.0);
+    let authored = |rgb: [f32; 3]| splat3(token, Vec3::from_array(rgb));
     let [r, g, b, _] = material.base_color;
     let base_color = tint.mul_elements(authored([r, g, b]));
     let f0 = match material.f0 {
         Some(f0) => authored(f0),
-        None => Vec3::splat(f32x8::splat(simd, DIELECTRIC_F0)) * (one - metallic) + base_color * metallic,
+        None => Vec3::splat(P::splat(token, DIELECTRIC_F0)) * (one - metallic) + base_color * metallic,
     };
     let f82_drop = match material.f82 {
         Some(f82) => fresnel::f82_drop(f0, authored(f82)),
-        None => Vec3::splat(f32x8::splat(simd, 0.0)),
+        None => Vec3::splat(P::splat(token, 0.0)),
     };
     let diffuse = match material.classic.diffuse {
         Some(diffuse) => authored(diffuse).mul_elements(tint),
@@ -163,12 +164,12 @@ fn substance<S: Simd>(
         None if takes_fresnel(shading) => Vec3::splat(one),
         None => f0,
     };
-    let alpha = Lane::max(roughness * roughness, f32x8::splat(simd, 0.02));
+    let alpha = (roughness * roughness).max(P::splat(token, 0.02));
     let shininess = material
         .classic
         .shininess
-        .map_or_else(|| ndf::shininess_from_alpha(alpha), |shininess| f32x8::splat(simd, shininess));
-    let slope = material.classic.slope.map_or(alpha, |slope| f32x8::splat(simd, slope));
+        .map_or_else(|| ndf::shininess_from_alpha(alpha), |shininess| P::splat(token, shininess));
+    let slope = material.classic.slope.map_or(alpha, |slope| P::splat(token, slope));
     let ambient = match material.classic.ambient {
         Some(ambient) => authored(ambient).mul_elements(tint),
         None => diffuse + f0,

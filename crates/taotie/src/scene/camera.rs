@@ -73,50 +73,44 @@ impl Orbit {
     }
 }
 
-/// A cylinder about the vertical through the middle of what is drawn: it looks alike from every azimuth, so a
-/// turntable framed by it does not jump.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Framing {
-    /// Middle of the cylinder, world space.
-    pub center: Vec3<f64>,
-    /// Radius about the vertical axis.
-    pub radius: f64,
-    /// Half the height.
-    pub half_height: f64,
+/// The least distance from `orbit.target` at which all `points` (world space) lie within the part `fill` of the
+/// picture's width and height, for width over height `aspect`. `orbit.distance` is not read.
+pub fn fitting_distance(
+    orbit: &Orbit,
+    aspect: f64,
+    fill: f64,
+    points: impl Iterator<Item = Vec3<f64>>,
+) -> f64 {
+    let tan_y = scalar::tan(orbit.fov_y / 2.0) * fill;
+    let tan_x = tan_y * aspect;
+    let camera = Orbit { distance: 0.0, ..*orbit }.camera(0.0).world_from_view;
+    let [right, up, back] = [0, 1, 2].map(|j| camera.axis(j));
+    points.fold(f64::MIN_POSITIVE, |distance, point| {
+        let p = point - orbit.target;
+        let near = p.dot(back);
+        distance.max(near + p.dot(right).abs() / tan_x).max(near + p.dot(up).abs() / tan_y)
+    })
 }
-
-impl Framing {
-    /// The radius of the sphere around the cylinder.
-    pub fn sphere(&self) -> f64 {
-        (self.radius * self.radius + self.half_height * self.half_height).sqrt()
-    }
-
-    /// The least distance from the centre at which the cylinder fills at most `fill` of the picture's width and
-    /// height, seen from `elevation` with the vertical angle `fov_y` and width over height `aspect`.
-    pub fn distance(&self, elevation: f64, fov_y: f64, aspect: f64, fill: f64) -> f64 {
-        let tan_y = scalar::tan(fov_y / 2.0) * fill;
-        let tan_x = tan_y * aspect;
-        let (sin_e, cos_e) = (scalar::sin(elevation), scalar::cos(elevation));
-        let mut distance = self.sphere() * 1e-3;
-        for i in 0..RIM_POINTS {
-            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(RIM_POINTS);
-            let (x, z) = (self.radius * scalar::sin(angle), self.radius * scalar::cos(angle));
-            for y in [-self.half_height, self.half_height] {
-                // In view axes about the centre: right, up, towards the viewer.
-                let (up, near) = (y * cos_e - z * sin_e, z * cos_e + y * sin_e);
-                distance = distance.max(near + x.abs() / tan_x).max(near + up.abs() / tan_y);
-            }
-        }
-        distance
-    }
-}
-
-/// Points on each rim of the cylinder that must be seen.
-const RIM_POINTS: u32 = 64;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fitted_points_touch_the_frame_and_do_not_cross_it() {
+        let orbit =
+            Orbit { azimuth: 0.4, elevation: 0.3, distance: 0.0, target: Vec3::default(), fov_y: 0.6 };
+        let points = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 2.0, 0.5), Vec3::new(-0.3, -1.0, 1.0)];
+        let distance = fitting_distance(&orbit, 1.5, 0.9, points.into_iter());
+        let view = Orbit { distance, ..orbit }.camera(1.0).world_from_view.inverse_affine().unwrap();
+        let tangent = scalar::tan(0.3) * 0.9;
+        let reach = points.map(|p| {
+            let q = view.transform_point(p);
+            (q.x.abs() / -q.z / (tangent * 1.5)).max(q.y.abs() / -q.z / tangent)
+        });
+        let most = reach.into_iter().fold(0.0, f64::max);
+        assert!((most - 1.0).abs() < 1e-9, "{most}");
+    }
 
     #[test]
     fn orbit_looks_at_its_target_from_everywhere() {

@@ -5,7 +5,7 @@ mod light;
 mod material;
 mod presets;
 
-pub use camera::{Camera, Framing, Orbit, Projection};
+pub use camera::{Camera, Orbit, Projection, fitting_distance};
 pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
 pub use material::{
     AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
@@ -69,33 +69,22 @@ impl Scene {
     /// The world-space box around every triangle's corners, or `None` where there is no triangle.
     pub fn bounds(&self) -> Option<Bounds> {
         let mut bounds: Option<Bounds> = None;
-        for instance in &self.instances {
-            let mesh = &self.meshes[instance.mesh];
-            for index in mesh.triangles().iter().flatten() {
-                let p = mesh.positions()[*index as usize].to_f64();
-                let p = instance.world_from_object.transform_point(p);
-                let b = bounds.get_or_insert(Bounds { min: p, max: p });
-                b.min = Vec3::new(b.min.x.min(p.x), b.min.y.min(p.y), b.min.z.min(p.z));
-                b.max = Vec3::new(b.max.x.max(p.x), b.max.y.max(p.y), b.max.z.max(p.z));
-            }
+        for p in self.corners() {
+            let b = bounds.get_or_insert(Bounds { min: p, max: p });
+            b.min = Vec3::new(b.min.x.min(p.x), b.min.y.min(p.y), b.min.z.min(p.z));
+            b.max = Vec3::new(b.max.x.max(p.x), b.max.y.max(p.y), b.max.z.max(p.z));
         }
         bounds
     }
 
-    /// The cylinder around every triangle's corners, or `None` where there is no triangle.
-    pub fn framing(&self) -> Option<Framing> {
-        let bounds = self.bounds()?;
-        let center = bounds.center();
-        let mut squared: f64 = 0.0;
-        for instance in &self.instances {
+    /// Every corner of every triangle, world space, as often as it is used.
+    pub fn corners(&self) -> impl Iterator<Item = Vec3<f64>> + '_ {
+        self.instances.iter().flat_map(|instance| {
             let mesh = &self.meshes[instance.mesh];
-            for index in mesh.triangles().iter().flatten() {
-                let p = mesh.positions()[*index as usize].to_f64();
-                let p = instance.world_from_object.transform_point(p) - center;
-                squared = squared.max(p.x * p.x + p.z * p.z);
-            }
-        }
-        Some(Framing { center, radius: squared.sqrt(), half_height: (bounds.max.y - bounds.min.y) / 2.0 })
+            mesh.triangles().iter().flatten().map(|index| {
+                instance.world_from_object.transform_point(mesh.positions()[*index as usize].to_f64())
+            })
+        })
     }
 
     /// How many triangles the instances draw.

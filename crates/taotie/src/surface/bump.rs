@@ -8,7 +8,7 @@ use crate::math::{Lane, Vec3};
 ///
 /// `n` unit; heights in model units; u and v are any two parameters: uvs, or the pixels of the screen. Zero where
 /// the derivatives of position span no area.
-/// Law: the gradient of a linear ramp tilts a plane exactly (`laws_surface::bump_of_a_ramp_is_the_tilted_plane`).
+/// Law: the gradient of a linear ramp tilts a plane exactly (`laws_maps::bump_of_a_ramp_is_the_tilted_plane`).
 /// Source: Mikkelsen 2020, "Surface gradient–based bump mapping framework", JCGT 9(3), eq. 4.
 #[inline(always)]
 pub fn surface_gradient<L: Lane>(n: Vec3<L>, dp_du: Vec3<L>, dp_dv: Vec3<L>, dh_du: L, dh_dv: L) -> Vec3<L> {
@@ -46,10 +46,12 @@ pub fn bump_printed<L: Lane>(n: Vec3<L>, bump_scale: L, g: L) -> Vec3<L> {
 mod tests {
     use super::*;
 
+    type Row = ([f64; 3], [f64; 3], [f64; 3], f64);
+
     /// Rows of the paper's Table 2 with its misprints mended: N1, N2 (bump 5), N3 (bump 50), and the grey
     /// difference that explains both.
     #[rustfmt::skip]
-    const TABLE_2: [([f64; 3], [f64; 3], [f64; 3], f64); 10] = [
+    const TABLE_2: [Row; 10] = [
         ([0.5334, -0.6374, 0.5556], [0.5628, -0.6080, 0.5556], [ 0.8275, -0.3433, 0.5556],  1.5),
         ([0.5324, -0.6379, 0.5554], [0.4932, -0.6771, 0.5554], [ 0.1402, -1.0301, 0.5554], -2.0),
         ([0.5297, -0.6388, 0.5562], [0.6571, -0.5113, 0.5562], [ 1.8042,  0.6357, 0.5562],  6.5),

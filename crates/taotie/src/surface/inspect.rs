@@ -40,7 +40,7 @@ pub fn invalid_texels(bitmap: &Bitmap) -> usize {
     match bitmap.texels() {
         Texels::U8(texels) => texels.par_iter().filter(|t| t[2] <= 127).count(),
         Texels::U16(texels) => texels.par_iter().filter(|t| t[2] <= 32_767).count(),
-        Texels::F32(texels) => texels.par_iter().filter(|t| !(t[2] > 0.5)).count(),
+        Texels::F32(texels) => texels.par_iter().filter(|t| t[2] <= 0.5 || t[2].is_nan()).count(),
     }
 }
 

@@ -32,6 +32,8 @@ pub(super) struct Document {
     pub root: Root,
     /// `GLB` or `glTF`.
     pub format: &'static str,
+    /// How many animations there are. They are not parsed: only the rest pose is drawn.
+    pub animations: usize,
     /// The bytes of each buffer; `None` for one that has no source.
     buffers: Vec<Option<Vec<u8>>>,
 }
@@ -41,9 +43,9 @@ impl Document {
     pub fn open(path: &Path, warnings: &mut Warnings) -> Result<Self> {
         let (text, blob) = split(path, file::read(path)?)?;
         let format = if blob.is_some() { "GLB" } else { "glTF" };
-        let root = parse(path, &text)?;
+        let (root, animations) = parse(path, &text)?;
         check_extensions(path, &root, warnings)?;
-        let mut document = Self { path: path.to_path_buf(), root, format, buffers: Vec::new() };
+        let mut document = Self { path: path.to_path_buf(), root, format, animations, buffers: Vec::new() };
         document.load_buffers(blob.filter(|b| !b.is_empty()), warnings)?;
         Ok(document)
     }
@@ -168,19 +170,23 @@ fn little_endian(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
 }
 
-fn parse(path: &Path, text: &[u8]) -> Result<Root> {
+/// The typed JSON, and how many animations were left out of it.
+fn parse(path: &Path, text: &[u8]) -> Result<(Root, usize)> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let wrong = |e: &json::Error| Error::parse(path, "JSON", e.to_string());
     let mut value: Value = json::deserialize::from_slice(text).map_err(|e| wrong(&e))?;
     check_version(path, &value)?;
+    let animations = value.as_object_mut().and_then(|root| root.remove("animations"));
+    let animations = animations.and_then(|a| a.as_array().map(Vec::len)).unwrap_or(0);
     tidy(&mut value);
-    json::deserialize::from_value(value).map_err(|e| {
+    let root = json::deserialize::from_value(value).map_err(|e| {
         // Parsing the text again tells the line, which a value does not know.
         match json::deserialize::from_slice::<Root>(text) {
             Err(placed) => wrong(&placed),
             Ok(_) => wrong(&e),
         }
-    })
+    })?;
+    Ok((root, animations))
 }
 
 fn check_version(path: &Path, value: &Value) -> Result<()> {

@@ -10,6 +10,7 @@ use crate::error::{Error, Result, Warnings};
 use crate::math::Mat4;
 use crate::mesh::Mesh;
 use crate::scene::Instance;
+use gltf::json;
 use gltf::json::mesh::Primitive;
 use gltf::json::validation::Checked;
 use std::collections::HashMap;
@@ -20,6 +21,8 @@ const MAX_ELEMENTS_PER_BYTE: usize = 8;
 
 /// Added to that, so that tiny files are free.
 const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
+
+const NOT_TRIANGLES: &str = "primitives of points or lines; only triangles are drawn";
 
 /// The meshes of the scene with their places.
 #[derive(Default)]
@@ -52,6 +55,9 @@ pub(super) fn build(document: &Document, nodes: &Nodes, warnings: &mut Warnings)
     for node in &nodes.shown {
         builder.show(*node)?;
     }
+    if document.root.nodes.is_empty() {
+        builder.show_library()?;
+    }
     builder.finish()
 }
 
@@ -66,13 +72,24 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
+    /// Shows every mesh of a file that has no nodes at all, such as a library of parts.
+    fn show_library(&mut self) -> Result<()> {
+        for mesh in 0..self.document.root.meshes.len() {
+            self.warnings.note("meshes that no node shows, since the file has none; drawn at the origin", 1);
+            for (mesh, material) in self.build_mesh(mesh, None)? {
+                self.out.instances.push(Instance { mesh, material, world_from_object: Mat4::IDENTITY });
+            }
+        }
+        Ok(())
+    }
+
     fn show(&mut self, node: usize) -> Result<()> {
         let json = &self.document.root.nodes[node];
         let Some(mesh) = json.mesh.map(|m| m.value()) else { return Ok(()) };
         let posed = json.skin.is_some() || json.weights.is_some();
         let key = (mesh, posed.then_some(node));
         if !self.built.contains_key(&key) {
-            let parts = self.build_mesh(mesh, node)?;
+            let parts = self.build_mesh(mesh, Some(node))?;
             self.built.insert(key, parts);
         }
         // A skin puts the mesh into the world by itself: the node's own place does not count (glTF 2.0, 3.7.3.3).
@@ -83,14 +100,16 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn build_mesh(&mut self, index: usize, node: usize) -> Result<Vec<(usize, usize)>> {
-        let Some(mesh) = self.document.root.meshes.get(index) else {
-            return Err(self.document.error(format!("node {node}"), no_such("mesh", index)));
+    /// The meshes and materials of the primitives of mesh `index` as `node` shows them.
+    fn build_mesh(&mut self, index: usize, node: Option<usize>) -> Result<Vec<(usize, usize)>> {
+        let posed = match self.document.root.meshes.get(index) {
+            Some(mesh) => self.pose(mesh, node).map(|pose| (mesh, pose)),
+            None => Err(no_such("mesh", index)),
         };
-        let pose = match self.pose(index, node) {
-            Ok(pose) => pose,
+        let (mesh, pose) = match posed {
+            Ok(posed) => posed,
             Err(why) => {
-                self.failures.push((format!("node {node}"), why));
+                self.failures.push((node.map_or("scene".into(), |n| format!("node {n}")), why));
                 return Ok(Vec::new());
             }
         };
@@ -111,15 +130,15 @@ impl Builder<'_> {
         Ok(parts)
     }
 
-    fn pose(&mut self, mesh: usize, node: usize) -> Reason<Pose> {
-        let json = &self.document.root.nodes[node];
-        let weights = json.weights.as_ref().or(self.document.root.meshes[mesh].weights.as_ref());
+    fn pose(&mut self, mesh: &json::Mesh, node: Option<usize>) -> Reason<Pose> {
+        let node = node.map(|n| &self.document.root.nodes[n]);
+        let weights = node.and_then(|n| n.weights.as_ref()).or(mesh.weights.as_ref());
         let mut weights = weights.cloned().unwrap_or_default();
         for weight in weights.iter_mut().filter(|w| !w.is_finite()) {
             self.warnings.note("morph weights that were infinite or NaN, set to 0", 1);
             *weight = 0.0;
         }
-        let skin = json.skin.map(|s| s.value());
+        let skin = node.and_then(|n| n.skin).map(|s| s.value());
         let joints =
             skin.map(|s| joint_matrices(self.document, s, &self.nodes.world, self.warnings)).transpose()?;
         Ok(Pose { weights, joints })
@@ -141,30 +160,30 @@ impl Builder<'_> {
         };
         let indices = self.indices(primitive, vertices.count)?;
         let Some(triangles) = triangulate(mode, &indices) else {
-            self.warnings.note("primitives of points or lines; only triangles are drawn", 1);
+            self.warnings.note(NOT_TRIANGLES, 1);
             return Ok(None);
         };
-        self.warnings.note(format!("{place}: indices that make no whole triangle"), triangles.surplus);
+        self.warnings.note("indices that make no whole triangle", triangles.surplus);
         let (used, triangles) = compact(triangles.list, vertices.count);
-        self.spend(used.len() + 3 * triangles.len())?;
         if triangles.is_empty() {
             self.warnings.note("primitives without a triangle; nothing to draw", 1);
             return Ok(None);
         }
         let mut data = vertices.read(&used, pose, place, self.warnings)?;
         data.triangles = triangles;
-        repair(&mut data, place, self.warnings);
+        repair(&mut data, self.warnings);
         let mesh = Mesh::new(data).map_err(|e| e.to_string())?;
-        self.warnings.note(format!("{place}: triangles without area"), mesh.degenerate_triangles());
+        self.warnings.note("triangles without area", mesh.degenerate_triangles());
         Ok(Some(mesh))
     }
 
-    fn indices(&self, primitive: &Primitive, vertices: usize) -> std::result::Result<Vec<u32>, Stop> {
+    fn indices(&mut self, primitive: &Primitive, vertices: usize) -> std::result::Result<Vec<u32>, Stop> {
         let within = |why: String| format!("indices: {why}");
         let accessor = match primitive.indices {
             Some(index) => Some(Accessor::open(self.document, index.value()).map_err(within)?),
             None => None,
         };
+        self.spend(accessor.as_ref().map_or(vertices, |a| a.count))?;
         Ok(read_indices(accessor.as_ref(), vertices).map_err(within)?)
     }
 
@@ -191,11 +210,19 @@ impl Builder<'_> {
         index.min(count)
     }
 
+    fn why_empty(&self) -> &'static str {
+        if self.warnings.iter().any(|(what, _)| what == NOT_TRIANGLES) {
+            "there is nothing to draw: it holds only points or lines"
+        } else {
+            "there is nothing to draw: no node shows a triangle"
+        }
+    }
+
     fn finish(self) -> Result<Meshes> {
         if self.out.instances.is_empty() {
-            return Err(match self.failures.into_iter().next() {
+            return Err(match self.failures.first() {
                 Some((place, why)) => self.document.error(place, why),
-                None => self.document.error("scene", "there is nothing to draw: no node shows a triangle"),
+                None => self.document.error("scene", self.why_empty()),
             });
         }
         for (place, why) in self.failures {

@@ -50,7 +50,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
         mesh_names: names,
         texture_names,
         missing_files,
-        animations: root.animations.len(),
+        animations: document.animations,
         ..Loaded::new(scene, warnings, document.format)
     })
 }

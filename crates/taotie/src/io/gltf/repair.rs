@@ -5,9 +5,8 @@ use crate::math::{Vec2, Vec3};
 use crate::mesh::MeshData;
 
 /// Makes normals unit and finite, invents flat ones where there are none, and cleans uvs, colours and tangents.
-/// Warnings start with `place`.
-pub(super) fn repair(data: &mut MeshData, place: &str, warnings: &mut Warnings) {
-    let mut note = |what: &str, count| warnings.note(format!("{place}: {what}"), count);
+pub(super) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
+    let mut note = |what: &str, count| warnings.note(what, count);
     if data.normals.is_empty() {
         *data = with_flat_normals(data);
     } else {
@@ -117,14 +116,14 @@ mod tests {
         data.positions[3] = Vec3::new(0.0, 0.0, 5.0);
         data.tangents = vec![[1.0, 0.0, 0.0, 1.0]; 4];
         let mut warnings = Warnings::default();
-        repair(&mut data, "here", &mut warnings);
+        repair(&mut data, &mut warnings);
         assert_eq!(data.positions.len(), 6);
         assert_eq!(data.triangles, [[0, 1, 2], [3, 4, 5]]);
         assert_eq!(data.normals[0], Vec3::new(0.0, 0.0, 1.0));
         assert!((data.normals[3] - data.normals[5]).length() == 0.0 && data.normals[3].z.abs() < 1e-6);
         assert!(data.tangents.is_empty());
         assert_eq!(data.uvs[0], [Vec2::default(); 6]);
-        assert_eq!(warnings.iter().next(), Some(("here: uvs that were infinite or NaN, set to 0", 6)));
+        assert_eq!(warnings.iter().next(), Some(("uvs that were infinite or NaN, set to 0", 6)));
     }
 
     #[test]

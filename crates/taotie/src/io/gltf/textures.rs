@@ -2,6 +2,7 @@
 
 use super::document::{Document, Reason, no_such};
 use super::uri;
+use super::vertices::MAX_UV_SETS;
 use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, MipFilter, Sampler, TexelFilter, Texture, Wrap};
 use crate::io::{decode_bitmap, file};
@@ -12,7 +13,7 @@ use gltf::json::texture::{Info, MagFilter, MinFilter, WrappingMode};
 use gltf::json::validation::Checked;
 use gltf::json::{Value, deserialize};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A texture as a material names it.
 pub(super) struct Slot {
@@ -38,6 +39,12 @@ impl Slot {
             .and_then(|e| e.into_iter().find(|(name, _)| *name == "KHR_texture_transform"))
             .and_then(|(_, value)| deserialize::from_value(value.clone()).ok());
         Self { index, uv_set, transform }
+    }
+}
+
+impl Slot {
+    fn uv_set(&self) -> u32 {
+        self.transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(self.uv_set)
     }
 }
 
@@ -72,7 +79,7 @@ impl<'a> Textures<'a> {
         encoding: Encoding,
         (place, warnings): (&str, &mut Warnings),
     ) -> Option<TextureRef> {
-        match self.find_image(slot.index) {
+        match self.find_image(slot) {
             Ok((image, sampler)) => Some(self.request(slot, (image, encoding), sampler)),
             Err(why) => {
                 warnings.note(format!("{place}: a texture is left out: {why}"), 1);
@@ -81,8 +88,11 @@ impl<'a> Textures<'a> {
         }
     }
 
-    fn find_image(&self, index: usize) -> Reason<(usize, Sampler)> {
-        let root = &self.document.root;
+    fn find_image(&self, slot: &Slot) -> Reason<(usize, Sampler)> {
+        let (root, index) = (&self.document.root, slot.index);
+        if slot.uv_set() >= MAX_UV_SETS {
+            return Err(format!("it names uv set {}; at most {MAX_UV_SETS} are read", slot.uv_set()));
+        }
         let texture = root.textures.get(index).ok_or_else(|| no_such("texture", index))?;
         let image = texture.source.value();
         if image == u32::MAX as usize {
@@ -101,39 +111,51 @@ impl<'a> Textures<'a> {
             self.requests.push(request);
             self.requests.len() - 1
         });
-        let transform = slot.transform.as_ref();
-        let uv_set = transform.and_then(|t| t.tex_coord).unwrap_or(slot.uv_set) as usize;
-        TextureRef { texture, uv_set, sampler, transform: transform.map(matrix).unwrap_or_default() }
+        let transform = slot.transform.as_ref().map(matrix).unwrap_or_default();
+        TextureRef { texture, uv_set: slot.uv_set() as usize, sampler, transform }
     }
 
     /// Decodes what was asked for. Uses of images that cannot be read are taken out of `materials`, with a warning.
     pub fn decode(self, materials: &mut [Material], warnings: &mut Warnings) -> Decoded {
-        let mut uses: BTreeMap<usize, usize> = BTreeMap::new();
-        self.requests.iter().for_each(|(image, _)| *uses.entry(*image).or_default() += 1);
-        let images: Vec<usize> = uses.into_keys().collect();
-        let read: Vec<_> = images.par_iter().map(|i| read_image(self.document, *i)).collect();
         let mut decoded = Decoded::default();
+        let bitmaps = self.read_images(&mut decoded.missing, warnings);
+        let mut next = 0..;
+        let kept = |(image, _): &(usize, Encoding)| bitmaps.contains_key(image);
+        let places: Vec<_> = self.requests.iter().map(|r| kept(r).then(|| next.next()).flatten()).collect();
+        materials.iter_mut().for_each(|m| renumber(m, &places));
+        let requests: Vec<_> = self.requests.iter().filter(|r| kept(r)).copied().collect();
+        decoded.names = requests.iter().map(|(image, _)| image_name(self.document, *image)).collect();
+        decoded.textures = build_textures(&requests, bitmaps);
+        decoded
+    }
+
+    fn read_images(&self, missing: &mut Vec<String>, warnings: &mut Warnings) -> BTreeMap<usize, Bitmap> {
+        let images: BTreeSet<usize> = self.requests.iter().map(|(image, _)| *image).collect();
+        let images: Vec<usize> = images.into_iter().collect();
+        let read: Vec<_> = images.par_iter().map(|i| read_image(self.document, *i)).collect();
         let mut bitmaps = BTreeMap::new();
         for (image, result) in images.into_iter().zip(read) {
             match result {
                 Ok(bitmap) => drop(bitmaps.insert(image, bitmap)),
-                Err(Unread { why, missing }) => {
-                    warnings.note(format!("image {image} is left out: {why}"), 1);
-                    decoded.missing.extend(missing);
+                Err(unread) => {
+                    warnings.note(format!("image {image} is left out: {}", unread.why), 1);
+                    missing.extend(unread.missing);
                 }
             }
         }
-        let kept = |r: &(usize, Encoding)| bitmaps.contains_key(&r.0);
-        let mut next = 0..;
-        let places: Vec<Option<usize>> =
-            self.requests.iter().map(|r| if kept(r) { next.next() } else { None }).collect();
-        materials.iter_mut().for_each(|m| renumber(m, &places));
-        let requests: Vec<_> = self.requests.into_iter().filter(|r| kept(r)).collect();
-        decoded.names = requests.iter().map(|(image, _)| image_name(self.document, *image)).collect();
-        decoded.textures =
-            requests.par_iter().map(|(image, e)| Texture::new(bitmaps[image].clone(), *e)).collect();
-        decoded
+        bitmaps
     }
+}
+
+/// One texture a request; a bitmap is copied only where it is needed under both encodings.
+fn build_textures(requests: &[(usize, Encoding)], mut bitmaps: BTreeMap<usize, Bitmap>) -> Vec<Texture> {
+    let mut parts = Vec::with_capacity(requests.len());
+    for (i, (image, encoding)) in requests.iter().enumerate() {
+        let again = requests[i + 1..].iter().any(|(later, _)| later == image);
+        let bitmap = if again { bitmaps.get(image).cloned() } else { bitmaps.remove(image) };
+        parts.extend(bitmap.map(|b| (b, *encoding)));
+    }
+    parts.into_par_iter().map(|(bitmap, encoding)| Texture::new(bitmap, encoding)).collect()
 }
 
 /// Gives each texture use its final number, or takes it out.

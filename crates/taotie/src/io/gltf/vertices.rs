@@ -10,7 +10,7 @@ use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 /// The most uv sets of a mesh that are read.
-const MAX_UV_SETS: u32 = 8;
+pub(super) const MAX_UV_SETS: u32 = 8;
 
 /// The most sets of four joints of a vertex that are read.
 const MAX_JOINT_SETS: u32 = 4;
@@ -77,7 +77,7 @@ impl<'a> Vertices<'a> {
         }
         self.morph(&mut data, used, &pose.weights)?;
         if let Some(joints) = &pose.joints {
-            self.skin(&mut data, used, joints, (place, warnings))?;
+            self.skin(&mut data, used, joints, warnings)?;
         }
         if let Some(i) = data.positions.iter().position(|p| !p.is_finite()) {
             return Err(format!("POSITION: vertex {} is infinite or NaN", used[i]));
@@ -120,12 +120,11 @@ impl<'a> Vertices<'a> {
         data: &mut MeshData,
         used: &[u32],
         joints: &[Mat4],
-        (place, warnings): (&str, &mut Warnings),
+        warnings: &mut Warnings,
     ) -> Reason<()> {
         let mut binding = self.binding(used)?;
         let unbound = normalize_weights(&mut binding);
-        warnings
-            .note(format!("{place}: vertices without joint weights; they follow the first joint"), unbound);
+        warnings.note("vertices without joint weights; they follow their first joint", unbound);
         deform::skin(data, &binding, joints).map_err(|e| format!("JOINTS_0: {e}"))
     }
 

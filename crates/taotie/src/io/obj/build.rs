@@ -34,6 +34,9 @@ pub(super) fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
         scratch.cut(warnings);
         parts[part].add(obj, &colors, &scratch);
     }
+    if parts.iter().any(|part| !part.kind.2) {
+        warnings.note("smoothing groups are drawn as one, since faces lack normals", obj.smoothing_changes);
+    }
     parts.into_iter().map(|part| part.finish(warnings)).collect()
 }
 

@@ -45,6 +45,8 @@ pub(super) struct Obj {
     pub material_names: Vec<String>,
     /// What stands behind each `mtllib`.
     pub libraries: Vec<String>,
+    /// How often `s` names another smoothing group than before, once one was named.
+    pub smoothing_changes: usize,
 }
 
 /// Reads the statements of `text`, which stands in the file `path`.
@@ -77,6 +79,7 @@ struct Parser {
     obj: Obj,
     material: u32,
     material_ids: HashMap<String, u32>,
+    smoothing: Option<String>,
 }
 
 impl Parser {
@@ -98,6 +101,7 @@ impl Parser {
             "f" | "fo" => self.face(rest, line, warnings)?,
             "usemtl" => self.use_material(rest),
             "mtllib" => self.obj.libraries.push(rest.to_owned()),
+            "s" => self.smooth(rest),
             "p" => warnings.note("point statements are not drawn", 1),
             "l" => warnings.note("line statements are not drawn", 1),
             "curv" | "curv2" | "surf" => warnings.note("free-form curves and surfaces are not drawn", 1),
@@ -153,6 +157,13 @@ impl Parser {
         Ok(())
     }
 
+    fn smooth(&mut self, group: &str) {
+        if self.smoothing.as_deref() != Some(group) {
+            self.obj.smoothing_changes += usize::from(self.smoothing.is_some());
+            self.smoothing = Some(group.to_owned());
+        }
+    }
+
     fn use_material(&mut self, name: &str) {
         let next = self.obj.material_names.len() as u32;
         self.material = *self.material_ids.entry(name.to_owned()).or_insert(next);
@@ -164,10 +175,9 @@ impl Parser {
 
 /// Statements that change nothing in the picture: names, groups, and the attributes of free-form geometry.
 fn is_harmless(keyword: &str) -> bool {
-    const KEYWORDS: [&str; 37] = [
+    const KEYWORDS: [&str; 36] = [
         "o",
         "g",
-        "s",
         "mg",
         "vp",
         "lod",

@@ -1,0 +1,106 @@
+//! Contact sheets: labelled pictures side by side.
+
+use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+
+/// Room between pictures and at the border, pixels.
+const GAP: usize = 16;
+/// Room for a label of two lines under a picture.
+const LABEL: usize = 52;
+
+const GROUND: [u8; 3] = [24, 25, 27];
+const TITLE: [u8; 3] = [236, 230, 216];
+const NOTE: [u8; 3] = [150, 152, 156];
+
+/// A picture with what is said of it.
+pub struct Cell {
+    /// First line.
+    pub title: String,
+    /// Second line, smaller.
+    pub note: String,
+    /// `side` × `side` sRGB pixels.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+/// An 8-bit sRGB picture.
+pub struct Sheet {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// Row by row from the top.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+impl Sheet {
+    /// Lays out square pictures of `side` pixels in rows of `columns`.
+    pub fn new(cells: &[Cell], side: usize, columns: usize) -> Self {
+        let rows = cells.len().div_ceil(columns);
+        let width = GAP + columns * (side + GAP);
+        let height = GAP + rows * (side + LABEL + GAP);
+        let mut sheet = Self { width, height, pixels: vec![GROUND; width * height] };
+        for (i, cell) in cells.iter().enumerate() {
+            let x = GAP + (i % columns) * (side + GAP);
+            let y = GAP + (i / columns) * (side + LABEL + GAP);
+            sheet.paste(cell, side, [x, y]);
+            sheet.write(&cell.title, [x, y + side + 6], RasterHeight::Size20, TITLE, side);
+            sheet.write(&cell.note, [x, y + side + 29], RasterHeight::Size16, NOTE, side);
+        }
+        sheet
+    }
+
+    fn paste(&mut self, cell: &Cell, side: usize, [x, y]: [usize; 2]) {
+        for (row, pixels) in cell.pixels.chunks(side).enumerate() {
+            let start = (y + row) * self.width + x;
+            self.pixels[start..start + pixels.len()].copy_from_slice(pixels);
+        }
+    }
+
+    /// Writes `text` from the top left corner `at`, cut off after `room` pixels.
+    fn write(&mut self, text: &str, [x, y]: [usize; 2], height: RasterHeight, color: [u8; 3], room: usize) {
+        let advance = get_raster_width(FontWeight::Regular, height);
+        for (i, letter) in text.chars().take(room / advance).enumerate() {
+            let Some(glyph) = get_raster(letter, FontWeight::Regular, height) else { continue };
+            for (row, line) in glyph.rows().enumerate() {
+                for (column, ink) in line.iter().enumerate() {
+                    let pixel = &mut self.pixels[(y + row) * self.width + x + i * advance + column];
+                    *pixel = std::array::from_fn(|c| mix(pixel[c], color[c], *ink));
+                }
+            }
+        }
+    }
+}
+
+fn mix(below: u8, above: u8, ink: u8) -> u8 {
+    let ink = u32::from(ink);
+    ((u32::from(below) * (255 - ink) + u32::from(above) * ink + 127) / 255) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_lie_in_rows_with_their_labels() {
+        let cell = |grey| Cell { title: "ab".into(), note: String::new(), pixels: vec![[grey; 3]; 64] };
+        let sheet = Sheet::new(&[cell(10), cell(20), cell(30)], 8, 2);
+        let at = |x: usize, y: usize| sheet.pixels[y * sheet.width + x];
+        assert_eq!((sheet.width, sheet.height), (3 * GAP + 16, 3 * GAP + 2 * (8 + LABEL)));
+        assert_eq!([at(GAP, GAP), at(2 * GAP + 8, GAP)], [[10; 3], [20; 3]]);
+        assert_eq!(at(GAP, 2 * GAP + 8 + LABEL), [30; 3]);
+        assert_eq!(at(0, 0), GROUND);
+    }
+
+    #[test]
+    fn labels_leave_ink_and_stay_within_their_cell() {
+        let cell =
+            Cell { title: "tangent-normal".repeat(9), note: "x".into(), pixels: vec![[0; 3]; 64 * 64] };
+        let sheet = Sheet::new(&[cell], 64, 1);
+        let inked: Vec<usize> = sheet.pixels[(GAP + 64) * sheet.width..]
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| **p != GROUND)
+            .map(|(i, _)| i % sheet.width)
+            .collect();
+        assert!(inked.len() > 50 && inked.iter().all(|x| (GAP..GAP + 64).contains(x)));
+    }
+}

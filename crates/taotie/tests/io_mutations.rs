@@ -1,0 +1,196 @@
+//! Sound small files of every format, damaged in fixed pseudo-random ways: a reader gives a result or an error, and
+//! never panics. `fuzz/` looks further.
+
+use std::io::Cursor;
+use std::path::Path;
+use taotie::io::{decode_bitmap, load_model};
+
+/// How often each seed is damaged.
+const ROUNDS: usize = 200;
+
+/// Knuth's linear congruential generator; the high half is used.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self, sides: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % sides.max(1)
+    }
+}
+
+/// What numbers in damaged files look like.
+const WORDS: [&str; 8] = ["-1", "0", "nan", "1e39", "4294967295", "99999999999999999999", "\0", "\n"];
+
+fn damage(seed: &[u8], dice: &mut Dice) -> Vec<u8> {
+    let mut bytes = seed.to_vec();
+    for _ in 0..=dice.roll(3) {
+        let at = dice.roll(bytes.len());
+        match dice.roll(6) {
+            0 => bytes.truncate(at),
+            1 if at < bytes.len() => bytes[at] ^= 1 << dice.roll(8),
+            2 if at < bytes.len() => bytes[at] = [0, 0x7F, 0x80, 0xFF][dice.roll(4)],
+            3 => drop(bytes.drain(at..bytes.len().min(at + 1 + dice.roll(8)))),
+            4 => {
+                let word = WORDS[dice.roll(WORDS.len())];
+                bytes.splice(at..bytes.len().min(at + 1), word.bytes());
+            }
+            _ => {
+                let copied = bytes[at..bytes.len().min(at + 1 + dice.roll(40))].to_vec();
+                let to = dice.roll(bytes.len());
+                bytes.splice(to..to, copied);
+            }
+        }
+    }
+    bytes
+}
+
+/// Loads damaged copies of `seed`, put into a folder as `damaged` beside `model`, which may be the same.
+fn torment(model: &str, text: &[u8], damaged: &str, seed: &[u8]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(model);
+    std::fs::write(&path, text).expect("a file");
+    std::fs::write(folder.path().join(damaged), seed).expect("a file");
+    load_model(&path).unwrap_or_else(|e| panic!("the seed itself must be sound: {e}"));
+    let mut dice = Dice(1);
+    for round in 0..ROUNDS {
+        let bytes = damage(seed, &mut dice);
+        std::fs::write(folder.path().join(damaged), &bytes).expect("a file");
+        match load_model(&path) {
+            Ok(loaded) => {
+                let scene = &loaded.scene;
+                assert!(scene.instances.iter().all(|i| i.mesh < scene.meshes.len()), "round {round}");
+                assert!(scene.instances.iter().all(|i| i.material < scene.materials.len()), "round {round}");
+                scene.bounds();
+            }
+            Err(e) => assert!(!e.to_string().contains('\n'), "round {round}: {e}"),
+        }
+    }
+}
+
+fn torment_alone(name: &str, seed: &[u8]) {
+    torment(name, seed, name, seed);
+}
+
+const OBJ: &str = "mtllib a.mtl\no x\nv 0 0 0 .1 .2 .3\nv 1 0 0\nv 1 1 0 1\nv 0 1 0\nv .5 .5 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
+    vn 0 0 1\nusemtl m\nf 1/1/1 2/2/1 3/3/1\nf -5//1 -4//-1 -3//1 -2//1\nf 1 2 3 \\\n 4 5\ns 1\np 1\nl 1 2\n";
+const MTL: &str = "newmtl m\nKa .1 .1 .1\nKd .5 .5 .5\nKs 1\nNs 20\nKe 0 0 0\nd .9\nTr .1\nPr .3\nPm .4\n\
+    map_Kd -s 1 2 3 -o .1 -mm 0 1 a.png\nmap_Bump -bm 2 -imfchan g a.png\nnorm a.png\nmap_Pr a.png\n\
+    map_Pm -clamp on a.png\nmap_d a.png\nmap_Ke a.png\n";
+
+#[test]
+fn damaged_obj_and_mtl() {
+    torment_alone("a.obj", OBJ.as_bytes());
+    torment("a.obj", OBJ.as_bytes(), "a.mtl", MTL.as_bytes());
+    let utf16: Vec<u8> = OBJ.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    torment_alone("a.obj", &utf16);
+}
+
+const PLY: &str = "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\nproperty float x\nproperty float y\n\
+    property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n\
+    property list uchar int vertex_indices\nproperty list uchar float texcoord\nelement tristrips 1\n\
+    property list int int vertex_indices\nend_header\n0 0 0 1 2 3\n1 0 0 1 2 3\n1 1 0 1 2 3\n0 1 0 1 2 3\n\
+    4 0 1 2 3 8 0 0 1 0 1 1 0 1\n3 0 1 2 6 0 0 1 0 1 1\n5 0 1 2 -1 3\n";
+
+#[test]
+fn damaged_ply() {
+    torment_alone("a.ply", PLY.as_bytes());
+    for (format, big) in [("binary_little_endian", false), ("binary_big_endian", true)] {
+        let end = PLY.find("end_header\n").expect("a header") + 11;
+        let mut bytes = PLY[..end].replace("ascii", format).into_bytes();
+        let float = |v: f32| if big { v.to_be_bytes() } else { v.to_le_bytes() };
+        let int = |v: i32| if big { v.to_be_bytes() } else { v.to_le_bytes() };
+        for [x, y] in [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]] {
+            bytes.extend([float(x), float(y), float(0.0)].concat());
+            bytes.extend([1, 2, 3]);
+        }
+        for corners in [4, 3] {
+            bytes.push(corners);
+            bytes.extend((0..i32::from(corners)).flat_map(int));
+            bytes.push(2 * corners);
+            bytes.extend((0..2 * corners).flat_map(|v| float(f32::from(v))));
+        }
+        bytes.extend([5, 0, 1, 2, -1, 3].into_iter().flat_map(int));
+        torment_alone("a.ply", &bytes);
+    }
+}
+
+#[test]
+fn damaged_stl() {
+    let facet =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+    torment_alone(
+        "a.stl",
+        format!("solid a\n{facet}endsolid a\nsolid b\n{facet}{facet}endsolid\n").as_bytes(),
+    );
+    let mut binary = vec![b' '; 80];
+    binary.extend(2u32.to_le_bytes());
+    for _ in 0..2 {
+        let numbers = [0.0f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        binary.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
+        binary.extend([0, 0]);
+    }
+    torment_alone("a.stl", &binary);
+}
+
+/// A triangle whose positions are the twelve words of 0, 0, 0; 1, 0, 0; 0, 1, 0 and padded indices 0, 1, 2.
+const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+    "nodes":[{"mesh":0,"translation":[1,2,3],"children":[1]},{"camera":0,"rotation":[0,0,0,1]}],
+    "cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}],
+    "materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,1,1,1],"metallicFactor":0.5},"alphaMode":"MASK"}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0,"mode":4}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+    {"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}],
+    "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],
+    "buffers":[{"byteLength":44BUFFER}]}"#;
+
+fn gltf_buffer() -> Vec<u8> {
+    let positions = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let mut buffer: Vec<u8> = positions.iter().flat_map(|v| v.to_le_bytes()).collect();
+    buffer.extend([0u16, 1, 2, 0].iter().flat_map(|v| v.to_le_bytes()));
+    buffer
+}
+
+#[test]
+fn damaged_gltf() {
+    let hex: String = gltf_buffer().iter().map(|b| format!("%{b:02X}")).collect();
+    let uri = format!(",\"uri\":\"data:application/octet-stream,{hex}\"");
+    let beside = GLTF.replace("BUFFER", ",\"uri\":\"a.bin\"");
+    torment("a.gltf", beside.as_bytes(), "a.bin", &gltf_buffer());
+    torment_alone("a.gltf", GLTF.replace("BUFFER", &uri).as_bytes());
+
+    let mut json = GLTF.replace("BUFFER", "").into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let chunk = |kind: &[u8; 4], data: &[u8]| [&(data.len() as u32).to_le_bytes(), &kind[..], data].concat();
+    let chunks = [chunk(b"JSON", &json), chunk(b"BIN\0", &gltf_buffer())].concat();
+    let length = (12 + chunks.len()) as u32;
+    torment_alone("a.glb", &[&b"glTF\x02\0\0\0"[..], &length.to_le_bytes(), &chunks].concat());
+}
+
+#[test]
+fn damaged_pictures() {
+    let grey =
+        image::DynamicImage::ImageLuma8(image::GrayImage::from_fn(9, 7, |x, y| image::Luma([(x * y) as u8])));
+    let deep = image::DynamicImage::ImageRgba16(grey.to_rgba16());
+    let float = image::DynamicImage::ImageRgb32F(grey.to_rgb32f());
+    let seeds = [
+        ("a.png", &grey, image::ImageFormat::Png),
+        ("b.png", &deep, image::ImageFormat::Png),
+        ("a.jpg", &grey, image::ImageFormat::Jpeg),
+        ("a.tga", &grey, image::ImageFormat::Tga),
+        ("a.hdr", &float, image::ImageFormat::Hdr),
+        ("a.exr", &float, image::ImageFormat::OpenExr),
+    ];
+    for (name, picture, format) in seeds {
+        let mut seed = Cursor::new(Vec::new());
+        picture.write_to(&mut seed, format).expect("an encoder");
+        let seed = seed.into_inner();
+        let sound = decode_bitmap(&seed, name, Path::new(name)).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((sound.width(), sound.height()), (9, 7), "{name}");
+        let mut dice = Dice(2);
+        for round in 0..ROUNDS {
+            if let Err(e) = decode_bitmap(&damage(&seed, &mut dice), name, Path::new(name)) {
+                assert!(!e.to_string().contains('\n'), "{name}, round {round}: {e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! PLY files.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| taotie_fuzz::load("ply", bytes, &[]));
