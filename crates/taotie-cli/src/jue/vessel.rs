@@ -77,7 +77,7 @@ fn eighths(j: usize) -> (f64, f64) {
         9..=12 => -quarter(j - 8),
         _ => -quarter(16 - j),
     };
-    (if j % 8 == 0 { 0.0 } else { sin(j) }, if j % 8 == 4 { 0.0 } else { sin((j + 4) % COLUMNS) })
+    (if j.is_multiple_of(8) { 0.0 } else { sin(j) }, if j % 8 == 4 { 0.0 } else { sin((j + 4) % COLUMNS) })
 }
 
 /// The entry of a table of columns 0 to 8 (or `first` to 8) for any column.
