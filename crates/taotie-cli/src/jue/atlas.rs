@@ -18,7 +18,7 @@ use super::vessel;
 use taotie::math::Vec2;
 
 /// uv units a metre on the belly strip; patterns there are drawn in millimetres of this nominal scale.
-pub(super) const STRIP_SCALE: f64 = 5.04;
+pub(super) const STRIP_SCALE: f64 = STRIP_WIDTH / 0.1936;
 /// The left edge of the strip, column 0.
 pub(super) const STRIP_LEFT: f64 = 0.012;
 /// The width of the strip.
@@ -39,9 +39,11 @@ pub(super) const INSIDE_SCALE: f64 = 2.45;
 /// Where the vessel's axis meets the interior's chart.
 pub(super) const INSIDE_CENTER: Vec2<f64> = Vec2::new(0.728, 0.112);
 /// Middles of the two posts' charts.
-pub(super) const POST_CENTERS: [Vec2<f64>; 2] = [Vec2::new(0.698, 0.378), Vec2::new(0.698, 0.532)];
+pub(super) const POST_CENTERS: [Vec2<f64>; 2] = [Vec2::new(0.690, 0.360), Vec2::new(0.690, 0.500)];
 /// Half the side of a post's chart.
 pub(super) const POST_RADIUS: f64 = 0.056;
+/// How much of a post's chart its cap fills.
+pub(super) const CAP_FRACTION: f64 = 0.47;
 /// The middle of the handle's chart.
 pub(super) const HANDLE_CENTER: Vec2<f64> = Vec2::new(0.846, 0.470);
 /// Half the side of the handle's chart.

@@ -1,12 +1,12 @@
 //! The maps of the low mesh: height, tangent-space normals, colour and the rest.
 
-use super::builder::corner_angles;
 use super::texels::{Point, Texels};
 use super::{DEPTH, patina};
 use rayon::prelude::*;
 use taotie::image::{Bitmap, Texels as Stored};
-use taotie::math::{Vec3, scalar};
+use taotie::math::Vec3;
 use taotie::mesh::Mesh;
+use taotie::surface::{TangentMethod, with_tangents};
 
 /// Heights sampled at texel middles, and the atlas they belong to.
 #[derive(Debug)]
@@ -18,7 +18,7 @@ pub(super) struct Bake {
 impl Bake {
     /// Samples the relief for maps of `size` × `size`.
     pub fn new(mesh: &Mesh, size: u32) -> Self {
-        let texels = Texels::new(mesh, &tangents(mesh), size as usize);
+        let texels = Texels::new(&with_frames(mesh), size as usize);
         let middle = |i: usize| (i as f32 + 0.5) / size as f32;
         let heights = texels.map(0.0, |x, y, _| super::height(middle(x), middle(y)));
         Self { texels, heights }
@@ -37,7 +37,7 @@ impl Bake {
     pub fn normal_map(&self) -> Bitmap {
         let flat = [32768, 32768, 65535, u16::MAX];
         let texels = self.texels.map(flat, |x, y, point| {
-            let n = tangent_normal(point, self.slope(x, y));
+            let n = tangent_normal(point, self.relief(x, y));
             let [r, g, b] = n.to_array().map(|c| ((c * 0.5 + 0.5) * 65535.0 + 0.5) as u16);
             [r, g, b, u16::MAX]
         });
@@ -48,7 +48,7 @@ impl Bake {
     pub fn object_normal_map(&self) -> Bitmap {
         let up = [32768, 65535, 32768, u16::MAX];
         let texels = self.texels.map(up, |x, y, point| {
-            let n = relief_normal(point, self.slope(x, y)).normalize();
+            let n = relief_normal(point, self.relief(x, y)).normalize();
             let [r, g, b] = n.to_array().map(|c| ((c * 0.5 + 0.5) * 65535.0 + 0.5) as u16);
             [r, g, b, u16::MAX]
         });
@@ -85,72 +85,62 @@ impl Bake {
         Bitmap::new(size, size, channels, texels).expect("the texels were made for this size")
     }
 
-    /// How the height in metres changes with u and v, by central differences of texels.
-    fn slope(&self, x: usize, y: usize) -> [f32; 2] {
-        let size = self.texels.size();
-        let at = |x: usize, y: usize| self.heights[y.min(size - 1) * size + x.min(size - 1)];
-        let scale = DEPTH as f32 * size as f32 * 0.5;
-        let by_u = at(x + 1, y) - at(x.saturating_sub(1), y);
-        let by_v = at(x, y + 1) - at(x, y.saturating_sub(1));
-        [by_u * scale, by_v * scale]
+    /// The relief at a texel; its changes by differences of texels over ±1 and ±2, exact for cubics.
+    fn relief(&self, x: usize, y: usize) -> Relief {
+        let size = self.texels.size() as isize;
+        let at = |dx: isize, dy: isize| {
+            let (x, y) = (x as isize + dx, y as isize + dy);
+            self.heights[(y.clamp(0, size - 1) * size + x.clamp(0, size - 1)) as usize]
+        };
+        let depth = DEPTH as f32;
+        let scale = depth * size as f32 / 12.0;
+        let by_u = 8.0 * (at(1, 0) - at(-1, 0)) - (at(2, 0) - at(-2, 0));
+        let by_v = 8.0 * (at(0, 1) - at(0, -1)) - (at(0, 2) - at(0, -2));
+        Relief { height: at(0, 0) * depth, by_u: by_u * scale, by_v: by_v * scale }
     }
+}
+
+/// The height at a texel and how it changes with u and v, metres.
+#[derive(Debug, Clone, Copy)]
+struct Relief {
+    height: f32,
+    by_u: f32,
+    by_v: f32,
 }
 
 /// A vector along the normal of the relief, object space.
 ///
-/// The surface is P + h n with n the unit interpolated normal; with the tangent plane's vectors P_u, P_v made
-/// perpendicular to n, its normal to first order is n − ∇h, where ∇h · P_u = h_u and ∇h · P_v = h_v (Mikkelsen 2020,
-/// "Surface gradient–based bump mapping framework", eq. 2). P_u and P_v need be neither equal in length nor
-/// perpendicular.
-fn relief_normal(point: &Point, [h_u, h_v]: [f32; 2]) -> Vec3 {
-    let n = point.normal.normalize();
-    let [p_u, p_v] = point.by_uv.map(|p| p - n * n.dot(p));
+/// The surface is Q = P + h n, with h in metres and n the unit interpolated normal. Its tangents are
+/// Q_u = P_u + h n_u + h_u n, and so for v; the parts along the tangent plane are p_u = P_u + h n_u made perpendicular
+/// to n, so that the facets of P do not show. Its normal is n − ∇h, where ∇h · p_u = h_u and ∇h · p_v = h_v
+/// (Mikkelsen 2020, "Surface gradient–based bump mapping framework"); p_u and p_v need be neither equal in length
+/// nor perpendicular.
+fn relief_normal(point: &Point, relief: Relief) -> Vec3 {
+    let (n, scale) = (point.normal.normalize(), relief.height / point.normal.length());
+    let [p_u, p_v] = [0, 1].map(|k| {
+        let p = point.by_uv[k] + point.normal_by_uv[k] * scale;
+        p - n * n.dot(p)
+    });
     let area = n.dot(p_u.cross(p_v));
-    let gradient = (p_v.cross(n) * h_u + n.cross(p_u) * h_v) * (1.0 / area);
-    n - gradient
+    n - (p_v.cross(n) * relief.by_u + n.cross(p_u) * relief.by_v) * (1.0 / area)
 }
 
 /// The unit normal of the relief in the frame (T, B, N) in which a renderer reads it: interpolated and not
 /// normalised, so that decoding gives the relief's normal back.
-pub(super) fn tangent_normal(point: &Point, slope: [f32; 2]) -> Vec3 {
-    let relief = relief_normal(point, slope);
+fn tangent_normal(point: &Point, relief: Relief) -> Vec3 {
     let (t, b) = (point.tangent, point.normal.cross(point.tangent));
-    resolve(relief, [t, b, point.normal]).normalize()
+    resolve(relief_normal(point, relief), [t, b, point.normal]).normalize()
+}
+
+/// The mesh with the tangents that renderers of glTF take where a file has none.
+pub(super) fn with_frames(mesh: &Mesh) -> Mesh {
+    with_tangents(mesh, 0, TangentMethod::MikkTSpace).expect("the vessel has normals and uvs").mesh
 }
 
 /// The coordinates of `v` in a frame that need not be orthonormal (Cramer's rule).
 fn resolve(v: Vec3, [t, b, n]: [Vec3; 3]) -> Vec3 {
     let det = t.dot(b.cross(n));
     Vec3::new(v.dot(b.cross(n)), v.dot(n.cross(t)), v.dot(t.cross(b))) * (1.0 / det)
-}
-
-/// Vertex tangents as MikkTSpace makes them where no chart is mirrored: the directions of rising u of the triangles
-/// around a vertex, made perpendicular to its normal and weighted by angle. The bitangent is then n × t.
-pub(super) fn tangents(mesh: &Mesh) -> Vec<Vec3<f64>> {
-    let mut sums = vec![Vec3::splat(0.0); mesh.positions().len()];
-    for (i, triangle) in mesh.triangles().iter().enumerate() {
-        let corners = mesh.corners(i).map(Vec3::to_f64);
-        let [a, b, c] = triangle.map(|k| mesh.uvs()[0][k as usize]);
-        let (b_v, c_v) = (f64::from(b.y) - f64::from(a.y), f64::from(c.y) - f64::from(a.y));
-        // The determinant is negative throughout, since v points down.
-        let by_u = (corners[2] - corners[0]) * b_v - (corners[1] - corners[0]) * c_v;
-        for (k, corner) in triangle.iter().enumerate() {
-            let n = mesh.normals()[*corner as usize].to_f64();
-            let flat = |v: Vec3<f64>| (v - n * n.dot(v)).normalize();
-            let angle = corner_angle_about(n, corners, k);
-            sums[*corner as usize] += flat(by_u) * angle;
-        }
-    }
-    sums.into_iter().map(|t| t.normalize_or(Vec3::new(1.0, 0.0, 0.0))).collect()
-}
-
-/// The angle of corner `k` between its edges projected along the normal `n`, as MikkTSpace weighs corners.
-fn corner_angle_about(n: Vec3<f64>, corners: [Vec3<f64>; 3], k: usize) -> f64 {
-    let flat = |v: Vec3<f64>| (v - n * n.dot(v)).normalize();
-    let p = corners[k];
-    let (e, f) = (flat(corners[(k + 1) % 3] - p), flat(corners[(k + 2) % 3] - p));
-    let angle = scalar::acos(e.dot(f).clamp(-1.0, 1.0));
-    if angle.is_nan() { corner_angles(corners)[k] } else { angle }
 }
 
 /// The mean over a square of side 2 · `radius` + 1, borders continued.

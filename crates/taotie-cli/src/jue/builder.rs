@@ -1,11 +1,15 @@
 //! Collects vertices and triangles and makes a mesh with smooth normals from them.
 
+use super::normals::vertex_normals;
 use taotie::math::{Vec2, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
 
 /// Which faces share their normals: two vertices at the same place do so where their group is the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Smooth(pub u32);
+
+/// The group that stands for a round surface.
+pub(super) const ROUND: Smooth = Smooth(0);
 
 /// A mesh in the making.
 ///
@@ -69,7 +73,7 @@ impl Builder {
         if det < 0.0 { [a, b, c] } else { [a, c, b] }
     }
 
-    /// The mesh, with normals weighted by the angle of each corner.
+    /// The mesh, with smooth normals within each group.
     pub fn finish(self) -> Mesh {
         let normals = self.normals();
         let triangles = self.triangles.iter().chain(&self.hidden).map(|t| t.map(|i| i as u32)).collect();
@@ -83,17 +87,12 @@ impl Builder {
         Mesh::new(data).expect("every index comes from `vertex` and every number is finite")
     }
 
+    /// Seams are welded for this, so that charts do not show.
     fn normals(&self) -> Vec<Vec3<f64>> {
         let leaders: Vec<usize> = (0..self.positions.len()).map(|i| self.leader(i)).collect();
-        let mut sums = vec![Vec3::splat(0.0); self.positions.len()];
-        for triangle in &self.triangles {
-            let [p, q, r] = triangle.map(|i| self.positions[i]);
-            let n = (q - p).cross(r - p).normalize();
-            for (corner, angle) in triangle.iter().zip(corner_angles([p, q, r])) {
-                sums[leaders[*corner]] += n * angle;
-            }
-        }
-        leaders.iter().map(|leader| sums[*leader].normalize_or(Vec3::new(0.0, 1.0, 0.0))).collect()
+        let welded: Vec<[usize; 3]> = self.triangles.iter().map(|t| t.map(|i| leaders[i])).collect();
+        let normals = vertex_normals(&self.positions, &welded, |i| self.groups[i] == ROUND.0);
+        leaders.iter().map(|leader| normals[*leader]).collect()
     }
 
     /// The first vertex at the same place in the same group.

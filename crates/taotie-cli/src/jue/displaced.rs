@@ -94,8 +94,8 @@ fn curves(mesh: &Mesh, welds: &Welds) -> HashMap<(u32, u32), Curve> {
         .collect()
 }
 
-/// The longest handle at a crease, metres: the long edges of the spout stay nearly straight.
-const LONGEST: f64 = 0.007;
+/// How far a curve's control point may leave its chord, metres: long edges, such as the spout's, stay nearly straight.
+const LARGEST_BEND: f64 = 0.0022;
 
 /// A third of the way `d` along a curve whose end has these normals on its two sides.
 ///
@@ -103,13 +103,17 @@ const LONGEST: f64 = 0.007;
 /// Where that leads elsewhere, at tips and corners, the way stays straight.
 fn handle(d: Vec3<f64>, n: Vec3<f64>, m: Vec3<f64>) -> Vec3<f64> {
     let crease = n.cross(m);
-    if crease.length() < 1e-6 {
-        return (d - n * n.dot(d)) / 3.0;
-    }
-    let along = crease.normalize();
-    let reach = along.dot(d);
-    let wayward = reach.abs() < 0.88 * d.length() || crease.length() < 0.3;
-    if wayward { d / 3.0 } else { along * (reach / 3.0).clamp(-LONGEST, LONGEST) }
+    let tangent = if crease.length() < 1e-6 {
+        d - n * n.dot(d)
+    } else {
+        let along = crease.normalize();
+        let reach = along.dot(d);
+        let wayward = reach.abs() < 0.88 * d.length() || crease.length() < 0.3;
+        if wayward { d } else { along * reach }
+    };
+    let bend = (tangent - d) / 3.0;
+    let length = bend.length();
+    d / 3.0 + if length > LARGEST_BEND { bend * (LARGEST_BEND / length) } else { bend }
 }
 
 /// De Casteljau would do; the Bernstein sum is symmetric and short.

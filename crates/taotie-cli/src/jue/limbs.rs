@@ -117,7 +117,7 @@ fn add_post(b: &mut Builder, post: usize, side: f64) {
     let square = ring(4, 0.5 - side * 0.3);
     let hexagon = ring(6, 0.5 - side * 0.45);
     let apex = add(Vec2::new(0.0, 0.0), 0.0, CAP[2], Vec2::new(0.0, 0.0));
-    let cap: Vec<usize> = hexagon.iter().map(|o| add(*o, CAP[0], CAP[1], *o * 0.56)).collect();
+    let cap: Vec<usize> = hexagon.iter().map(|o| add(*o, CAP[0], CAP[1], *o * atlas::CAP_FRACTION)).collect();
     let [foot, head] = [(SHAFT[0], 1.0), (SHAFT[1], 0.73)].map(|([half, y], chart)| -> Vec<usize> {
         square.iter().map(|o| add(*o, half * std::f64::consts::SQRT_2, y, *o * chart)).collect()
     });

@@ -8,6 +8,7 @@ mod ground;
 mod limbs;
 mod mask;
 mod noise;
+mod normals;
 mod patina;
 mod profile;
 mod relief;

@@ -45,18 +45,18 @@ impl Default for Surface {
 /// Rubbed tin bronze: reflectance at normal incidence, a little darkened.
 const METAL: Vec3 = Vec3::new(0.60, 0.37, 0.185);
 /// Brown, nearly black skin.
-const TARNISH: Vec3 = Vec3::new(0.066, 0.043, 0.028);
+const TARNISH: Vec3 = Vec3::new(0.088, 0.060, 0.041);
 /// Olive skin.
-const OLIVE: Vec3 = Vec3::new(0.082, 0.078, 0.043);
+const OLIVE: Vec3 = Vec3::new(0.100, 0.094, 0.056);
 /// Copper(I) oxide.
-const CUPRITE: Vec3 = Vec3::new(0.150, 0.042, 0.022);
+const CUPRITE: Vec3 = Vec3::new(0.140, 0.055, 0.033);
 /// Basic copper carbonate, dense and pale.
-const MALACHITE: Vec3 = Vec3::new(0.075, 0.205, 0.118);
-const PALE_MALACHITE: Vec3 = Vec3::new(0.205, 0.365, 0.245);
+const MALACHITE: Vec3 = Vec3::new(0.094, 0.192, 0.118);
+const PALE_MALACHITE: Vec3 = Vec3::new(0.270, 0.385, 0.290);
 /// The blue carbonate.
-const AZURITE: Vec3 = Vec3::new(0.050, 0.135, 0.215);
+const AZURITE: Vec3 = Vec3::new(0.075, 0.135, 0.175);
 /// Burial earth.
-const EARTH: Vec3 = Vec3::new(0.235, 0.180, 0.110);
+const EARTH: Vec3 = Vec3::new(0.250, 0.200, 0.130);
 
 fn mix(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     a + (b - a) * t
@@ -84,7 +84,7 @@ pub(super) fn surface(place: &Place) -> Surface {
     let field = field - 0.36 + 0.08 * n.y;
     let green = smooth(field / 0.36 + 0.5);
     let crust = smooth((field - 0.28 + 0.3 * grain) / 0.4);
-    let blue = 0.55 * smooth((fractal(p * (1.0 / 11.0) + Vec3::splat(-53.0), 3) - 0.30) / 0.3);
+    let blue = 0.45 * smooth((fractal(p * (1.0 / 11.0) + Vec3::splat(-53.0), 3) - 0.30) / 0.3);
     let mineral = mix(mix(MALACHITE, PALE_MALACHITE, crust), AZURITE, blue);
     color = mix(color, mineral * (1.0 + 0.25 * grain), green);
     roughness += green * (0.30 + 0.10 * crust);

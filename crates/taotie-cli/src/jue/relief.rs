@@ -153,7 +153,7 @@ fn mould_seams(u: f32, v: f32) -> f32 {
 fn whorl(post: usize, u: f32, v: f32) -> f32 {
     let c = atlas::POST_CENTERS[post];
     let (x, y) = (f64::from(u) - c.x, f64::from(v) - c.y);
-    let radius = ((x * x + y * y).sqrt() / (atlas::POST_RADIUS * 0.56)) as f32;
+    let radius = ((x * x + y * y).sqrt() / (atlas::POST_RADIUS * atlas::CAP_FRACTION)) as f32;
     let button = 0.5 * smooth((0.20 - radius) / 0.08);
     let ring = 0.38 * bump(radius - 0.30, 0.07) + 0.38 * bump(radius - 0.76, 0.07);
     let turn = scalar::atan2(y, x) as f32 / std::f32::consts::TAU;

@@ -145,7 +145,8 @@ fn charts_lie_apart_in_the_unit_square() {
     assert_eq!(mesh.uvs().len(), 1);
     assert!(mesh.uvs()[0].iter().all(|uv| uv.x > 0.0 && uv.x < 1.0 && uv.y > 0.0 && uv.y < 1.0));
     let coverage = coverage(&mesh, SIZE);
-    assert!(coverage.iter().all(|texel| texel.len() <= 1), "triangles overlap in uv");
+    let double = coverage.iter().position(|texel| texel.len() > 1);
+    assert!(double.is_none(), "triangles overlap in uv: {:?}", double.map(|i| (i % SIZE, i / SIZE)));
     let charts = charts(&mesh);
     let at = |x: usize, y: usize| coverage[y * SIZE + x].first().map(|t| charts[*t]);
     // 3 texels here are 12 at 2048.
@@ -215,30 +216,31 @@ fn both_faces_bear_the_same_mask_mirrored_about_its_nose() {
 fn front_of_the_belly() -> Mesh {
     let mesh = low_mesh();
     let mut data = mesh.clone().into_data();
-    let [left, right] = [2, 6].map(|j| atlas::strip_u(j) as f32);
+    let [left, right] = [3, 5].map(|j| atlas::strip_u(j) as f32);
     let [low, high] = [1, 3].map(|i| atlas::strip_v(atlas::STRIP_ROWS[i]) as f32);
     let inside = |i: &u32| {
         let uv = mesh.uvs()[0][*i as usize];
         uv.x > left - 1e-4 && uv.x < right + 1e-4 && uv.y < low + 1e-4 && uv.y > high - 1e-4
     };
     data.triangles.retain(|t| t.iter().all(inside));
-    assert_eq!(data.triangles.len(), 16);
+    assert_eq!(data.triangles.len(), 8);
     Mesh::new(data).unwrap()
 }
 
 #[test]
 fn normal_map_agrees_with_the_displaced_surface() {
-    const SIZE: u32 = 2048;
+    // The finest lines are half a millimetre wide; both sides need to resolve them.
+    const SIZE: u32 = 4096;
     let low = low_mesh();
-    let texels = texels::Texels::new(&low, &bake::tangents(&low), SIZE as usize);
+    let texels = texels::Texels::new(&bake::with_frames(&low), SIZE as usize);
     let map = normal_map(SIZE);
     let taotie::image::Texels::U16(map) = map.texels() else { panic!("16 bits are promised") };
-    let fine = displaced::mesh(&front_of_the_belly(), 150, height);
-    let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0.0);
-    for (uv, n) in fine.uvs()[0].iter().zip(fine.normals()).step_by(7) {
+    let fine = displaced::mesh(&front_of_the_belly(), 400, height);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (uv, n) in fine.uvs()[0].iter().zip(fine.normals()) {
         let [x, y] = [uv.x, uv.y].map(|c| c * SIZE as f32);
-        // Near a texel's middle, where no filter is needed.
-        if [x, y].iter().any(|c| (c - c.floor() - 0.5).abs() > 0.2) {
+        // Only near a texel's middle, where no filter is needed.
+        if [x, y].iter().any(|c| (c - c.floor() - 0.5).abs() > 0.08) {
             continue;
         }
         let (x, y) = (x as usize, y as usize);
@@ -246,25 +248,22 @@ fn normal_map_agrees_with_the_displaced_surface() {
         let [r, g, b, _] = map[y * SIZE as usize + x].map(|c| f32::from(c) / 65535.0 * 2.0 - 1.0);
         let bitangent = point.normal.cross(point.tangent);
         let decoded = (point.tangent * r + bitangent * g + point.normal * b).normalize();
-        let angle = f64::from(decoded.cross(*n).length()).atan2_degrees(f64::from(decoded.dot(*n)));
-        sum += angle;
-        worst = worst.max(angle);
+        sum += degrees_between(decoded, *n);
         count += 1.0;
     }
-    let mean = sum / count;
     assert!(count > 1000.0);
-    assert!(mean < 2.0, "mean {mean}°, worst {worst}°");
+    let mean = sum / count;
+    assert!(mean < 1.8, "mean {mean}°");
 }
 
-/// The angle whose sine and cosine are in these proportions, degrees.
-trait Degrees {
-    fn atan2_degrees(self, cosine: f64) -> f64;
+#[test]
+fn no_chart_is_mirrored() {
+    assert!(bake::with_frames(&low_mesh()).tangents().iter().all(|t| t[3] == 1.0));
 }
 
-impl Degrees for f64 {
-    fn atan2_degrees(self, cosine: f64) -> f64 {
-        taotie::math::scalar::atan2(self, cosine).to_degrees()
-    }
+fn degrees_between(a: Vec3, b: Vec3) -> f64 {
+    let (sine, cosine) = (f64::from(a.cross(b).length()), f64::from(a.dot(b)));
+    taotie::math::scalar::atan2(sine, cosine).to_degrees()
 }
 
 #[test]

@@ -18,6 +18,8 @@ pub(super) struct Point {
     pub tangent: Vec3,
     /// How the position changes with u and v on the flat triangle, metres.
     pub by_uv: [Vec3; 2],
+    /// How the interpolated normal changes with u and v.
+    pub normal_by_uv: [Vec3; 2],
 }
 
 /// A quantity linear in uv over a triangle: its value at uv (0, 0) and its changes with u and v.
@@ -53,18 +55,22 @@ pub(super) struct Texels {
 }
 
 impl Texels {
-    /// Assigns triangles to the texels of a map of `size` × `size`; `tangents` are the low mesh's.
-    pub fn new(mesh: &Mesh, tangents: &[Vec3<f64>], size: usize) -> Self {
+    /// Assigns triangles of a mesh with tangents to the texels of a map of `size` × `size`.
+    pub fn new(mesh: &Mesh, size: usize) -> Self {
         let uvs: Vec<Vec2<f64>> =
             mesh.uvs()[0].iter().map(|uv| Vec2::new(f64::from(uv.x), f64::from(uv.y))).collect();
         let linears = mesh.triangles().iter().map(|triangle| {
             let [a, b, c] = triangle.map(|i| i as usize);
             let corners = [uvs[a], uvs[b], uvs[c]];
             let normal = |i: usize| mesh.normals()[i].to_f64();
+            let tangent = |i: usize| {
+                let [x, y, z, _] = mesh.tangents()[i];
+                Vec3::new(x, y, z).to_f64()
+            };
             [
                 Linear::new([a, b, c].map(|i| mesh.positions()[i].to_f64()), corners),
                 Linear::new([a, b, c].map(normal), corners),
-                Linear::new([a, b, c].map(|i| tangents[i]), corners),
+                Linear::new([a, b, c].map(tangent), corners),
             ]
         });
         let linears = linears.collect();
@@ -95,6 +101,7 @@ impl Texels {
             normal: normal.at(u, v),
             tangent: tangent.at(u, v),
             by_uv: [position.by_u.to_f32(), position.by_v.to_f32()],
+            normal_by_uv: [normal.by_u.to_f32(), normal.by_v.to_f32()],
         })
     }
 

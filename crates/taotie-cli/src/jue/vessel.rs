@@ -5,13 +5,13 @@
 //! row, its mouth; the column of the tail ends in the tail's tip.
 
 use super::atlas;
-use super::builder::{Builder, Smooth};
+use super::builder::{Builder, ROUND, Smooth};
 use taotie::math::{Vec2, Vec3, scalar};
 
 /// Columns once around.
 pub(super) const COLUMNS: usize = 16;
 /// Outside and bottom.
-const OUTSIDE: Smooth = Smooth(0);
+const OUTSIDE: Smooth = ROUND;
 /// Lip and inside.
 const INSIDE: Smooth = Smooth(1);
 /// Height and half axes along x and z of the four rings of the belly.
@@ -77,7 +77,7 @@ fn eighths(j: usize) -> (f64, f64) {
         9..=12 => -quarter(j - 8),
         _ => -quarter(16 - j),
     };
-    (if j % 8 == 0 { 0.0 } else { sin(j) }, if j % 8 == 4 { 0.0 } else { sin((j + 4) % COLUMNS) })
+    (if j.is_multiple_of(8) { 0.0 } else { sin(j) }, if j % 8 == 4 { 0.0 } else { sin((j + 4) % COLUMNS) })
 }
 
 /// The entry of a table of columns 0 to 8 (or `first` to 8) for any column.
