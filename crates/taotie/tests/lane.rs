@@ -71,7 +71,7 @@ impl Random {
 
     fn direction(&mut self) -> [f64; 3] {
         let z = 2.0 * self.next() - 1.0;
-        let (r, phi) = ((1.0 - z * z).sqrt(), 6.283 * self.next());
+        let (r, phi) = ((1.0 - z * z).sqrt(), std::f64::consts::TAU * self.next());
         [r * scalar::cos(phi), r * scalar::sin(phi), z]
     }
 
@@ -231,7 +231,8 @@ fn operands() -> [Vec<f32>; 3] {
             i @ 0..6 => special[i],
             6..20 => (random.next() * 4.0 - 2.0) as f32,
             _ => {
-                f32::from_bits((random.next() * f64::from(u32::MAX)) as u32 % 0x7f80_0000 | (i32::MIN as u32))
+                let bits = (random.next() * f64::from(u32::MAX)) as u32;
+                Some(f32::from_bits(bits)).filter(|x| !x.is_nan()).unwrap_or(3.0)
             }
         }
     };

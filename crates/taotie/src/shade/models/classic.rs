@@ -32,7 +32,9 @@ pub(super) fn phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
 ///
 /// f · n·l = (C_diff/π + (s + 8)/(8π) C_spec (n·h)^s) n·l
 ///
-/// Law: reciprocity; energy ≤ 1 where C_diff + C_spec ≤ 1 (`laws_shade`).
+/// The factor is a handy approximation: where C_diff + C_spec = 1, up to 7.5 % more light is reflected than arrives
+/// (s = 9, seen along the normal).
+/// Law: reciprocity; energy ≤ 1.0755 (`laws_shade::physical_models_stay_within_energy`).
 /// Source: Blinn 1977; normalisation of Akenine-Möller, Haines and Hoffman, Real-Time Rendering, 3rd ed., eq. 7.49.
 #[inline(always)]
 pub(super) fn blinn_phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {

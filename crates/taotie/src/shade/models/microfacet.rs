@@ -27,7 +27,11 @@ pub(super) fn cook_torrance<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L>
 ///
 /// f · n·l = ((1 − F)(1 − metallic) ρ/π + D_ggx V_smith F) n·l
 ///
-/// Law: reciprocity, energy ≤ 1, white furnace (`laws_shade`).
+/// The diffuse part is weighed by 1 − F(v·h) as glTF has it, not by what the highlight takes: a metal never reflects
+/// more than arrives, but a white dielectric seen at a grazing angle does, up to 1.7 times (1.02 over all angles).
+/// Single scattering only: a rough metal loses light, 1 − ln 2 of it remain at roughness 1 along the normal.
+/// Law: reciprocity, energy ≤ 1 for metals, white furnace (`laws_shade::white_furnace_of_ggx`,
+/// `laws_shade::a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only`).
 /// Source: glTF 2.0 specification, appendix B.3; Walter et al. 2007; Heitz 2014.
 #[inline(always)]
 pub(super) fn ggx<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
