@@ -99,8 +99,8 @@ impl Report {
         json!({
             "schema": SCHEMA,
             "version": env!("CARGO_PKG_VERSION"),
-            "model": args.model,
-            "files": self.files,
+            "model": args.model.to_string_lossy(),
+            "files": self.files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
             "triangles": self.triangles,
             "size": args.size,
             "samples": args.samples,
