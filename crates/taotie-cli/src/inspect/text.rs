@@ -195,7 +195,7 @@ fn textures(textures: &[TextureReport]) -> String {
         let channels = ["", "grey", "grey + alpha", "RGB", "RGBA"][usize::from(texture.channels.min(4))];
         table.row([
             texture.role.into(),
-            short(&texture.file),
+            clean(&texture.file),
             format!("{}×{}", texture.width, texture.height),
             format!("{}-bit {channels}", texture.bits),
             if texture.encoding == "srgb" { "sRGB".into() } else { texture.encoding.into() },

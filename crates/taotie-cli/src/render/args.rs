@@ -179,6 +179,7 @@ impl RenderArgs {
         taotie::raster::SamplePattern::new(self.samples)?;
         self.simd.dispatch()?;
         super::output::PictureFormat::of(&self.output, &self.bits)?;
+        super::output::check_folder(&self.output)?;
         self.background()?;
         Ok(())
     }

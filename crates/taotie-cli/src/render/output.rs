@@ -32,6 +32,15 @@ impl PictureFormat {
     }
 }
 
+/// Refuses a path whose folder is not there before any work is done.
+pub fn check_folder(path: &Path) -> Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        bail!("{}: there is no such folder; make it first", folder.display());
+    }
+    Ok(())
+}
+
 /// Writes a frame and the output variables asked for; returns the files.
 pub fn write(args: &RenderArgs, path: &Path, frame: &Frame) -> Result<Vec<PathBuf>> {
     let format = PictureFormat::of(path, &args.bits)?;
