@@ -179,7 +179,7 @@ impl RenderArgs {
         taotie::raster::SamplePattern::new(self.samples)?;
         self.simd.dispatch()?;
         super::output::PictureFormat::of(&self.output, &self.bits)?;
-        super::output::check_folder(&self.output)?;
+        super::output::check_place(&self.output)?;
         self.background()?;
         Ok(())
     }

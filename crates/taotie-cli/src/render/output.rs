@@ -32,8 +32,11 @@ impl PictureFormat {
     }
 }
 
-/// Refuses a path whose folder is not there before any work is done.
-pub fn check_folder(path: &Path) -> Result<()> {
+/// Refuses, before any work is done, a path that is a folder or lies in none.
+pub fn check_place(path: &Path) -> Result<()> {
+    if path.is_dir() {
+        bail!("{}: it is a folder; give a file name", path.display());
+    }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
         bail!("{}: there is no such folder; make it first", folder.display());

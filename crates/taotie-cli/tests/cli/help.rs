@@ -5,7 +5,21 @@ use snapbox::str;
 
 #[test]
 fn the_program_names_its_subcommands() {
-    Place::new().taotie("--help").assert().success().stderr_eq("").stdout_eq(str![]);
+    Place::new().taotie("--help").assert().success().stderr_eq("").stdout_eq(str![[r#"
+Puts a scan's relief on a light mesh and shades it by physics
+
+Usage: taotie <COMMAND>
+
+Commands:
+  render   Renders a model to a picture
+  inspect  Says what is in a model and what is wrong with it
+  demo     Renders the built-in bronze jue by every surface method and shading model
+
+Options:
+  -h, --help     Print help
+  -V, --version  Print version
+
+"#]]);
 }
 
 #[test]

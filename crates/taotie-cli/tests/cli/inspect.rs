@@ -14,14 +14,94 @@ fn square_with_relief(green: Green) -> Place {
 #[test]
 fn everything_a_model_can_have() {
     let place = square_with_relief(Green::Up);
-    place.taotie("inspect a.gltf").assert().success().stderr_eq("").stdout_eq(str![]);
+    place.taotie("inspect a.gltf").assert().success().stderr_eq("").stdout_eq(str![[r#"
+model      a.gltf
+format     glTF
+generator  by hand
+copyright  nobody
+bounds     0 0 0 to 1 1 0
+size       1 × 1 × 0
+
+Counts
+  meshes           1
+  instances        1
+  triangles        2
+  triangles drawn  2
+  vertices         4
+  materials        1
+  textures         1
+  lights           1
+  cameras          2
+  animations       0
+
+Meshes
+  #  name    triangles  zero-area  vertices  uv sets  normals  tangents  colours  material
+  0  square          2          0         4        1  flat     yes       no       0
+
+Uv sets
+  mesh    set  outside [0, 1]  no area  mirrored
+  square    0           0.0 %        0     0.0 %
+
+Tangents of the file
+  mesh    not unit  not perpendicular  mixed handedness  against MikkTSpace
+  square         0                  0                 0  mean 0.00°, max 0.00°, 0 corners of other handedness
+
+Materials
+  0  stone: base colour 0.5 0.25 0.125 1, metallic 0, roughness 0.75, mask at 0.25, double-sided
+      normal  normals.png  192×192  8-bit RGB  linear  uv 0
+      normal map by its pixels: tangent-space, green up (97.2 % sure), 0 of 36,864 texels invalid; drawn as tangent-space, green up, scale 0.5
+
+Lights
+  0  point  lamp
+
+Cameras
+  0  perspective   front
+  1  orthographic
+
+Extensions
+  KHR_lights_punctual
+  EXT_nobody_knows
+
+Missing files
+  missing.png
+
+Warnings
+  1×  the extension EXT_nobody_knows is ignored
+  1×  image 1 is left out: the file 'missing.png' is missing
+
+"#]]);
     assert_eq!(place.files(), ["a.gltf", "normals.png"]);
 }
 
 #[test]
 fn a_bare_model() {
     let place = Place::with("a.obj", TRIANGLE);
-    place.taotie("inspect a.obj").assert().success().stderr_eq("").stdout_eq(str![]);
+    place.taotie("inspect a.obj").assert().success().stderr_eq("").stdout_eq(str![[r#"
+model   a.obj
+format  OBJ
+bounds  0 0 0 to 1 1 0
+size    1 × 1 × 0
+
+Counts
+  meshes           1
+  instances        1
+  triangles        1
+  triangles drawn  1
+  vertices         3
+  materials        1
+  textures         0
+  lights           0
+  cameras          0
+  animations       0
+
+Meshes
+  #  name    triangles  zero-area  vertices  uv sets  normals  tangents  colours  material
+  0  mesh 0          1          0         3        0  missing  no        no       0
+
+Materials
+  0  (no name): base colour 0.6 0.6 0.6 1, metallic 0, roughness 0.6, opaque, double-sided
+
+"#]]);
 }
 
 #[test]

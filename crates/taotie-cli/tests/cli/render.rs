@@ -14,7 +14,12 @@ fn picture(place: &Place, name: &str) -> Bitmap {
 #[test]
 fn writes_the_named_file_and_no_other() {
     let place = Place::with("a.obj", TRIANGLE);
-    place.taotie("render a.obj -o b.png --size 40x30").assert().success().stderr_eq("").stdout_eq(str![]);
+    place.taotie("render a.obj -o b.png --size 40x30").assert().success().stderr_eq("").stdout_eq(str![[
+        r#"
+b.png
+
+"#
+    ]]);
     assert_eq!(place.files(), ["a.obj", "b.png"]);
     let png = picture(&place, "b.png");
     assert_eq!((png.width(), png.height(), png.bits(), png.channels()), (40, 30, 8, 3));
@@ -33,7 +38,12 @@ fn a_transparent_background_has_alpha() {
 #[test]
 fn exr_is_linear_float() {
     let place = Place::with("a.obj", TRIANGLE);
-    place.taotie("render a.obj -o b.exr --size 16x16").assert().success().stderr_eq("").stdout_eq(str![]);
+    place.taotie("render a.obj -o b.exr --size 16x16").assert().success().stderr_eq("").stdout_eq(str![[
+        r#"
+b.exr
+
+"#
+    ]]);
     assert_eq!(place.read("b.exr")[..4], [0x76, 0x2f, 0x31, 0x01]);
     assert_eq!(picture(&place, "b.exr").bits(), 32);
 }
@@ -42,7 +52,14 @@ fn exr_is_linear_float() {
 fn output_variables_are_named_after_the_picture() {
     let place = Place::with("a.obj", TRIANGLE);
     let line = "render a.obj -o b.png --size 16x16 --aov normals,depth";
-    place.taotie(line).assert().success().stderr_eq("").stdout_eq(str![]);
+    place.taotie(line).assert().success().stderr_eq("").stdout_eq(str![[r#"
+b.png
+b.normals.exr
+b.normals.png
+b.depth.exr
+b.depth.png
+
+"#]]);
     let files = ["a.obj", "b.depth.exr", "b.depth.png", "b.normals.exr", "b.normals.png", "b.png"];
     assert_eq!(place.files(), files);
 }
@@ -51,7 +68,12 @@ fn output_variables_are_named_after_the_picture() {
 fn turntables_are_numbered() {
     let place = Place::with("a.obj", TRIANGLE);
     let line = "render a.obj -o b.png --size 16x16 --turntable 3";
-    place.taotie(line).assert().success().stderr_eq("").stdout_eq(str![]);
+    place.taotie(line).assert().success().stderr_eq("").stdout_eq(str![[r#"
+b.000.png
+b.001.png
+b.002.png
+
+"#]]);
     assert_eq!(place.files(), ["a.obj", "b.000.png", "b.001.png", "b.002.png"]);
 }
 
@@ -59,7 +81,10 @@ fn turntables_are_numbered() {
 fn triangles_without_area_are_counted() {
     let place = Place::with("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 2 4 2\n");
     let line = "render a.obj -o b.png --size 16x16";
-    place.taotie(line).assert().success().stdout_eq("b.png\n").stderr_eq(str![]);
+    place.taotie(line).assert().success().stdout_eq("b.png\n").stderr_eq(str![[r#"
+taotie: warning: triangles without area (2 times)
+
+"#]]);
 }
 
 #[test]
@@ -67,7 +92,10 @@ fn a_missing_texture_of_the_model_is_said_and_drawn_without() {
     let place = Place::with("a.obj", format!("mtllib a.mtl\nusemtl m\n{TRIANGLE}"));
     place.write("a.mtl", "newmtl m\nKd 1 1 1\nnorm none.png\n");
     let line = "render a.obj -o b.png --size 16x16";
-    place.taotie(line).assert().success().stdout_eq("b.png\n").stderr_eq(str![]);
+    place.taotie(line).assert().success().stdout_eq("b.png\n").stderr_eq(str![[r#"
+taotie: warning: texture 'none.png' is left out: it is not there
+
+"#]]);
 }
 
 #[test]
@@ -80,7 +108,10 @@ fn cameras_of_the_file_go_by_name_or_number() {
     }
     assert_eq!(place.files(), ["1.png", "a.gltf", "front.png", "normals.png"]);
     let unknown = place.taotie("render a.gltf -o b.png --camera back").assert();
-    unknown.code(2).stderr_eq(str![]);
+    unknown.code(2).stderr_eq(str![[r#"
+taotie: error: --camera back: the file has no such camera; it has: front, 1
+
+"#]]);
 }
 
 #[test]
