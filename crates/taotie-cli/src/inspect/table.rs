@@ -29,6 +29,11 @@ impl Table {
         self.rows.iter().map(|row| self.line(row, &widths, indent)).collect()
     }
 
+    /// As [`Table::lines`]; nothing at all where there are only titles.
+    pub fn filled_lines(&self, indent: usize) -> String {
+        if self.rows.len() > 1 { self.lines(indent) } else { String::new() }
+    }
+
     fn width(&self, column: usize) -> usize {
         let cells = self.rows.iter().map(|row| row[column].chars().count());
         cells.max().unwrap_or(0)
@@ -53,6 +58,7 @@ mod tests {
         let mut table = Table::new(&["name", ">count"]);
         table.row(["a".into(), "1,000,000".into()]);
         table.row(["düne".into(), "7".into()]);
-        assert_eq!(table.lines(1), " name      count\n a     1,000,000\n düne          7\n");
+        assert_eq!(Table::new(&["name"]).filled_lines(1), "");
+        assert_eq!(table.filled_lines(1), " name      count\n a     1,000,000\n düne          7\n");
     }
 }

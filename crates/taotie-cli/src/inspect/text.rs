@@ -98,7 +98,7 @@ fn meshes(meshes: &[MeshReport]) -> String {
             mesh.materials.iter().map(usize::to_string).collect::<Vec<_>>().join(" "),
         ]);
     }
-    if meshes.is_empty() { String::new() } else { table.lines(2) }
+    table.filled_lines(2)
 }
 
 fn normals(mesh: &MeshReport) -> String {
@@ -114,21 +114,29 @@ fn normals(mesh: &MeshReport) -> String {
 }
 
 fn uv_sets(meshes: &[MeshReport]) -> String {
-    let mut table = Table::new(&["mesh", ">set", ">outside [0, 1]", ">no area", ">mirrored"]);
-    let sets = || meshes.iter().flat_map(|mesh| mesh.uv_sets.iter().enumerate().map(move |set| (mesh, set)));
-    for (mesh, (set, uvs)) in sets() {
-        let (outside, mirrored) = (percent(uvs.outside), percent(uvs.mirrored));
-        table.row([short(&mesh.name), set.to_string(), outside, thousands(uvs.degenerate), mirrored]);
+    let mut table = Table::new(&[">#", "mesh", ">set", ">outside [0, 1]", ">no area", ">mirrored"]);
+    for (index, mesh) in meshes.iter().enumerate() {
+        for (set, uvs) in mesh.uv_sets.iter().enumerate() {
+            table.row([
+                index.to_string(),
+                short(&mesh.name),
+                set.to_string(),
+                percent(uvs.outside),
+                thousands(uvs.degenerate),
+                percent(uvs.mirrored),
+            ]);
+        }
     }
-    if sets().next().is_none() { String::new() } else { table.lines(2) }
+    table.filled_lines(2)
 }
 
 fn tangents(meshes: &[MeshReport]) -> String {
-    let titles = ["mesh", ">not unit", ">not perpendicular", ">mixed handedness", "against MikkTSpace"];
+    let titles = [">#", "mesh", ">not unit", ">not perpendicular", ">mixed handedness", "against MikkTSpace"];
     let mut table = Table::new(&titles);
-    let healths = || meshes.iter().filter_map(|mesh| Some((mesh, mesh.tangents.as_ref()?)));
-    for (mesh, health) in healths() {
+    for (index, mesh) in meshes.iter().enumerate() {
+        let Some(health) = &mesh.tangents else { continue };
         table.row([
+            index.to_string(),
             short(&mesh.name),
             thousands(health.not_unit),
             thousands(health.not_perpendicular),
@@ -136,7 +144,7 @@ fn tangents(meshes: &[MeshReport]) -> String {
             agreement(health),
         ]);
     }
-    if healths().next().is_none() { String::new() } else { table.lines(2) }
+    table.filled_lines(2)
 }
 
 fn agreement(health: &TangentHealth) -> String {
