@@ -32,6 +32,15 @@ pub fn json_warnings(warnings: &Warnings) -> serde_json::Value {
     warnings.iter().map(|(what, count)| serde_json::json!({ "what": what, "count": count })).collect()
 }
 
+/// The causes of an error from the outside in, without those that the one before has already told.
+pub fn causes(error: &anyhow::Error) -> String {
+    error.chain().map(ToString::to_string).fold(String::new(), |told, cause| match told.as_str() {
+        "" => cause,
+        _ if told.ends_with(&cause) => told,
+        _ => format!("{told}: {cause}"),
+    })
+}
+
 /// Whether the error comes from a reader that went away.
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     let kind =
@@ -77,5 +86,19 @@ impl Drop for Progress {
         if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::anyhow;
+
+    #[test]
+    fn no_cause_is_told_twice() {
+        let refused = io::Error::new(io::ErrorKind::NotFound, "not there");
+        let error = anyhow::Error::from(taotie::Error::io("a.obj", refused)).context("reading");
+        assert_eq!(causes(&error), "reading: a.obj: not there");
+        assert_eq!(causes(&anyhow!("alone")), "alone");
     }
 }

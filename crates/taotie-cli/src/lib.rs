@@ -51,7 +51,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if console::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            console::say(&format!("taotie: error: {error:#}"));
+            console::say(&format!("taotie: error: {}", console::causes(&error)));
             ExitCode::from(2)
         }
     }

@@ -117,7 +117,7 @@ pub struct RenderArgs {
     /// Threads; all of the machine's if not given. Pixels do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
-    /// SIMD level: auto, scalar, sse2, sse4.2, avx2, avx512, neon. Pixels do not depend on it
+    /// SIMD level: auto, scalar, sse2, avx2, neon. Pixels do not depend on it
     #[arg(long, value_parser = options::simd, default_value = "auto", help_heading = "Running")]
     pub simd: SimdLevel,
     /// Print a report as JSON
@@ -179,6 +179,7 @@ impl RenderArgs {
         taotie::raster::SamplePattern::new(self.samples)?;
         self.simd.dispatch()?;
         super::output::PictureFormat::of(&self.output, &self.bits)?;
+        super::output::check_place(&self.output)?;
         self.background()?;
         Ok(())
     }

@@ -10,12 +10,13 @@ pub use args::RenderArgs;
 pub use output::{PictureFormat, write_picture};
 
 use crate::console::{self, Progress};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use camera::Viewpoint;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use taotie::render::{Lighting, Pass, Prepared};
+use taotie::scene::Scene;
 use taotie::{Warnings, io};
 
 /// Version of the JSON that `--json` prints.
@@ -57,10 +58,12 @@ fn render(args: &RenderArgs) -> Result<Report> {
     let mut watch = Watch::new();
     let mut loaded = io::load_model(&args.model)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
+    check_extent(args, &loaded.scene)?;
     material::apply(args, &mut loaded.scene)?;
     watch.lap("load");
     let settings = args.settings();
-    let prepared = Prepared::new(&loaded.scene, &settings.surface)?;
+    let prepared =
+        Prepared::new(&loaded.scene, &settings.surface).with_context(|| args.model.display().to_string())?;
     warnings.absorb(prepared.warnings().clone());
     watch.lap("prepare");
     let viewpoint = Viewpoint::choose(args, &loaded.scene)?;
@@ -85,6 +88,14 @@ fn render(args: &RenderArgs) -> Result<Report> {
     Ok(Report { files, triangles: loaded.scene.triangle_count(), warnings, seconds: watch.laps })
 }
 
+/// Refuses a model that has nothing to be seen from anywhere.
+fn check_extent(args: &RenderArgs, scene: &Scene) -> Result<()> {
+    if scene.bounds().is_some_and(|bounds| bounds.diagonal() == 0.0) {
+        bail!("{}: all its triangles lie in one point; there is nothing to see", args.model.display());
+    }
+    Ok(())
+}
+
 /// `turn.png` becomes `turn.007.png`.
 fn numbered(path: &Path, index: u32, count: u32) -> PathBuf {
     let digits = (count.saturating_sub(1)).to_string().len().max(3);
@@ -99,8 +110,8 @@ impl Report {
         json!({
             "schema": SCHEMA,
             "version": env!("CARGO_PKG_VERSION"),
-            "model": args.model,
-            "files": self.files,
+            "model": args.model.to_string_lossy(),
+            "files": self.files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
             "triangles": self.triangles,
             "size": args.size,
             "samples": args.samples,

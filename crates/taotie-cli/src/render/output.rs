@@ -32,6 +32,18 @@ impl PictureFormat {
     }
 }
 
+/// Refuses, before any work is done, a path that is a folder or lies in none.
+pub fn check_place(path: &Path) -> Result<()> {
+    if path.is_dir() {
+        bail!("{}: it is a folder; give a file name", path.display());
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        bail!("{}: there is no such folder; make it first", folder.display());
+    }
+    Ok(())
+}
+
 /// Writes a frame and the output variables asked for; returns the files.
 pub fn write(args: &RenderArgs, path: &Path, frame: &Frame) -> Result<Vec<PathBuf>> {
     let format = PictureFormat::of(path, &args.bits)?;

@@ -1,0 +1,167 @@
+//! What a material is made of.
+
+use super::normal_map::{NormalMapReport, Pixels};
+use serde::Serialize;
+use std::collections::HashMap;
+use taotie::image::Encoding;
+use taotie::io::Loaded;
+use taotie::scene::{AlphaMode, Classic, Material, TextureRef};
+
+/// What a material is made of.
+#[derive(Debug, Serialize)]
+pub struct MaterialReport {
+    /// As in the file; may be empty.
+    pub name: String,
+    /// Linear RGB and alpha.
+    pub base_color: [f32; 4],
+    /// [0, 1].
+    pub metallic: f32,
+    /// [0, 1].
+    pub roughness: f32,
+    /// Reflectance at normal incidence, linear RGB, where the file states it.
+    pub f0: Option<[f32; 3]>,
+    /// Emitted radiance, linear RGB.
+    pub emissive: [f32; 3],
+    /// `opaque`, `mask` or `blend`.
+    pub alpha_mode: &'static str,
+    /// Of `mask`.
+    pub alpha_cutoff: Option<f32>,
+    /// Whether back faces are drawn.
+    pub double_sided: bool,
+    /// Whether light does not count.
+    pub unlit: bool,
+    /// [0, 1]: how much the occlusion texture counts.
+    pub occlusion_strength: f32,
+    /// The height of white of the height map, model units.
+    pub height_scale: Option<f32>,
+    /// What the classic models take.
+    pub classic: ClassicReport,
+    /// What it reads.
+    pub textures: Vec<TextureReport>,
+    /// What is known about the normal map.
+    pub normal_map: Option<NormalMapReport>,
+}
+
+/// Parameters of the classic models where the file states them.
+#[derive(Debug, Serialize)]
+pub struct ClassicReport {
+    /// k_a, linear RGB.
+    pub ambient: Option<[f32; 3]>,
+    /// k_d, linear RGB.
+    pub diffuse: Option<[f32; 3]>,
+    /// k_s, linear RGB.
+    pub specular: Option<[f32; 3]>,
+    /// Exponent.
+    pub shininess: Option<f32>,
+    /// Beckmann rms slope.
+    pub slope: Option<f32>,
+}
+
+/// A texture in its role.
+#[derive(Debug, Serialize)]
+pub struct TextureReport {
+    /// `base-color`, `metallic-roughness`, `normal`, `height`, `occlusion` or `emissive`.
+    pub role: &'static str,
+    /// The file or name.
+    pub file: String,
+    /// Texels across.
+    pub width: u32,
+    /// Texels down.
+    pub height: u32,
+    /// Bits a channel.
+    pub bits: u8,
+    /// Channels in the file, 1 to 4.
+    pub channels: u8,
+    /// `srgb` or `linear`.
+    pub encoding: &'static str,
+    /// Which uv set of the mesh.
+    pub uv_set: usize,
+}
+
+/// Reports about materials, looking at the pixels of each normal map once.
+pub struct Materials<'a> {
+    loaded: &'a Loaded,
+    pixels: HashMap<usize, Pixels>,
+}
+
+impl<'a> Materials<'a> {
+    /// About the materials of `loaded`.
+    pub fn new(loaded: &'a Loaded) -> Self {
+        Self { loaded, pixels: HashMap::new() }
+    }
+
+    /// One a material, in order.
+    pub fn reports(mut self) -> Vec<MaterialReport> {
+        self.loaded.scene.materials.iter().map(|material| self.report(material)).collect()
+    }
+
+    fn report(&mut self, material: &Material) -> MaterialReport {
+        let (alpha_mode, alpha_cutoff) = match material.alpha {
+            AlphaMode::Opaque => ("opaque", None),
+            AlphaMode::Mask(cutoff) => ("mask", Some(cutoff)),
+            AlphaMode::Blend => ("blend", None),
+        };
+        MaterialReport {
+            name: material.name.clone(),
+            base_color: material.base_color,
+            metallic: material.metallic,
+            roughness: material.roughness,
+            f0: material.f0,
+            emissive: material.emissive,
+            alpha_mode,
+            alpha_cutoff,
+            double_sided: material.double_sided,
+            unlit: material.unlit,
+            occlusion_strength: material.occlusion_strength,
+            height_scale: material.height.map(|map| map.scale),
+            classic: ClassicReport::new(&material.classic),
+            textures: self.textures(material),
+            normal_map: material
+                .normal
+                .map(|map| NormalMapReport::new(&map, self.pixels(map.texture.texture))),
+        }
+    }
+
+    fn textures(&self, material: &Material) -> Vec<TextureReport> {
+        let roles = [
+            ("base-color", material.base_color_texture),
+            ("metallic-roughness", material.metallic_roughness_texture),
+            ("normal", material.normal.map(|map| map.texture)),
+            ("height", material.height.map(|map| map.texture)),
+            ("occlusion", material.occlusion_texture),
+            ("emissive", material.emissive_texture),
+        ];
+        let used = roles.into_iter().filter_map(|(role, texture)| Some((role, texture?)));
+        used.map(|(role, texture)| self.texture(role, &texture)).collect()
+    }
+
+    fn texture(&self, role: &'static str, used: &TextureRef) -> TextureReport {
+        let texture = &self.loaded.scene.textures[used.texture];
+        let name = self.loaded.texture_names.get(used.texture).cloned();
+        TextureReport {
+            role,
+            file: name.unwrap_or_else(|| format!("texture {}", used.texture)),
+            width: texture.width(),
+            height: texture.height(),
+            bits: texture.bitmap().bits(),
+            channels: texture.bitmap().channels(),
+            encoding: match texture.encoding() {
+                Encoding::Srgb => "srgb",
+                Encoding::Linear => "linear",
+            },
+            uv_set: used.uv_set,
+        }
+    }
+
+    fn pixels(&mut self, texture: usize) -> Pixels {
+        let bitmap = self.loaded.scene.textures[texture].bitmap();
+        self.pixels.entry(texture).or_insert_with(|| Pixels::of(bitmap)).clone()
+    }
+}
+
+impl ClassicReport {
+    fn new(classic: &Classic) -> Self {
+        let Classic { ambient, diffuse, specular, shininess, slope } = *classic;
+        Self { ambient, diffuse, specular, shininess, slope }
+    }
+}

@@ -1,0 +1,129 @@
+//! What a mesh holds and how sound it is.
+
+use super::tangents::TangentHealth;
+use super::uvs::UvHealth;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use taotie::io::Loaded;
+use taotie::math::Vec3;
+use taotie::mesh::Mesh;
+use taotie::scene::{NormalSpace, Scene};
+
+/// What a mesh holds and how sound it is.
+#[derive(Debug, Serialize)]
+pub struct MeshReport {
+    /// As in the file, else its number.
+    pub name: String,
+    /// How many triangles.
+    pub triangles: usize,
+    /// How many vertices.
+    pub vertices: usize,
+    /// Triangles without area, to the last bit.
+    pub zero_area_triangles: usize,
+    /// Whether there are vertex normals.
+    pub normals: Normals,
+    /// Normals more than 1 % from unit length.
+    pub normals_not_unit: usize,
+    /// Whether there are vertex colours.
+    pub colors: bool,
+    /// Of the tangents in the file; `None` where it has none.
+    pub tangents: Option<TangentHealth>,
+    /// Of each uv set.
+    pub uv_sets: Vec<UvHealth>,
+    /// The numbers of the materials that its instances have.
+    pub materials: Vec<usize>,
+}
+
+/// What normals a mesh has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Normals {
+    /// None; smooth ones are made from the faces.
+    Missing,
+    /// Each corner has its face's normal, as glTF demands for meshes without normals.
+    Flat,
+    /// Some corner's normal leans from its face's.
+    Smooth,
+}
+
+/// How far from one the length of a direction may be.
+pub const UNIT_MARGIN: f32 = 0.01;
+
+/// Reports about all meshes, in order.
+pub fn reports(loaded: &Loaded) -> Vec<MeshReport> {
+    let meshes = loaded.scene.meshes.iter().enumerate();
+    meshes.map(|(index, mesh)| report(loaded, index, mesh)).collect()
+}
+
+fn report(loaded: &Loaded, index: usize, mesh: &Mesh) -> MeshReport {
+    let materials = materials_of(&loaded.scene, index);
+    let uv_set = mapped_uv_set(&loaded.scene, &materials);
+    MeshReport {
+        name: loaded.mesh_names.get(index).cloned().unwrap_or_else(|| format!("mesh {index}")),
+        triangles: mesh.triangles().len(),
+        vertices: mesh.positions().len(),
+        zero_area_triangles: mesh.degenerate_triangles(),
+        normals: Normals::of(mesh),
+        normals_not_unit: mesh.normals().iter().filter(|n| !is_unit(**n)).count(),
+        colors: !mesh.colors().is_empty(),
+        tangents: TangentHealth::of(mesh, uv_set),
+        uv_sets: (0..mesh.uvs().len()).map(|set| UvHealth::of(mesh, set)).collect(),
+        materials,
+    }
+}
+
+fn materials_of(scene: &Scene, mesh: usize) -> Vec<usize> {
+    let instances = scene.instances.iter().filter(|instance| instance.mesh == mesh);
+    let materials: BTreeSet<usize> = instances.map(|instance| instance.material).collect();
+    materials.into_iter().collect()
+}
+
+/// The uv set of the first tangent-space normal map among `materials`.
+fn mapped_uv_set(scene: &Scene, materials: &[usize]) -> Option<usize> {
+    let maps = materials.iter().filter_map(|index| scene.materials[*index].normal);
+    maps.filter(|map| map.space == NormalSpace::Tangent).map(|map| map.texture.uv_set).next()
+}
+
+/// Whether `v` has unit length within [`UNIT_MARGIN`].
+pub fn is_unit(v: Vec3) -> bool {
+    (v.length() - 1.0).abs() <= UNIT_MARGIN
+}
+
+impl Normals {
+    fn of(mesh: &Mesh) -> Self {
+        if mesh.normals().is_empty() {
+            return Self::Missing;
+        }
+        let flat = (0..mesh.triangles().len()).all(|triangle| is_flat(mesh, triangle));
+        if flat { Self::Flat } else { Self::Smooth }
+    }
+}
+
+/// Whether the corners' normals are the face's, to a thousandth. A triangle without area has no normal to compare.
+fn is_flat(mesh: &Mesh, triangle: usize) -> bool {
+    const MARGIN: f64 = 1e-3;
+    let [a, b, c] = mesh.corners(triangle).map(Vec3::to_f64);
+    let face = (b - a).cross(c - a);
+    let length = face.length();
+    let normals = mesh.triangles()[triangle].map(|i| mesh.normals()[i as usize].to_f64());
+    length == 0.0 || normals.iter().all(|n| (*n - face * (1.0 / length)).length() <= MARGIN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::mesh::MeshData;
+
+    fn triangle(normals: Vec<Vec3>) -> Mesh {
+        let positions = vec![Vec3::default(), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
+        Mesh::new(MeshData { positions, normals, triangles: vec![[0, 1, 2]], ..MeshData::default() }).unwrap()
+    }
+
+    #[test]
+    fn flat_is_told_from_smooth() {
+        let up = Vec3::new(0.0, 0.0, 1.0);
+        assert_eq!(Normals::of(&triangle(Vec::new())), Normals::Missing);
+        assert_eq!(Normals::of(&triangle(vec![up; 3])), Normals::Flat);
+        assert_eq!(Normals::of(&triangle(vec![up, up, Vec3::new(0.0, 0.1, 0.995)])), Normals::Smooth);
+    }
+}

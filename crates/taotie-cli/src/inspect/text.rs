@@ -1,0 +1,334 @@
+//! The report for people: sections of aligned lines.
+
+use super::material::{MaterialReport, TextureReport};
+use super::mesh::{MeshReport, Normals};
+use super::normal_map::NormalMapReport;
+use super::report::{Counts, Extent, Named, Report};
+use super::table::Table;
+use super::tangents::TangentHealth;
+
+/// The longest name that is shown whole, in characters.
+const NAME: usize = 40;
+
+/// The whole report.
+pub fn of(report: &Report) -> String {
+    let sections = [
+        ("", head(report)),
+        ("Counts", counts(&report.counts)),
+        ("Meshes", meshes(&report.meshes)),
+        ("Uv sets", uv_sets(&report.meshes)),
+        ("Tangents of the file", tangents(&report.meshes)),
+        ("Materials", report.materials.iter().enumerate().map(|(i, m)| material(i, m)).collect()),
+        ("Lights", named(&report.lights)),
+        ("Cameras", named(&report.cameras)),
+        ("Extensions", extensions(report)),
+        ("Missing files", report.missing_files.iter().map(|file| format!("  {}\n", clean(file))).collect()),
+        ("Warnings", warnings(report)),
+        ("Hints", report.hints.iter().map(|hint| format!("  {}\n", clean(hint))).collect()),
+    ];
+    let filled = sections.into_iter().filter(|(_, lines)| !lines.is_empty());
+    let titled =
+        filled.map(|(title, lines)| if title.is_empty() { lines } else { format!("{title}\n{lines}") });
+    titled.collect::<Vec<_>>().join("\n")
+}
+
+fn head(report: &Report) -> String {
+    let mut table = Table::untitled(&["", ""]);
+    let mut row = |key: &str, value: String| table.row([key.into(), value]);
+    row("model", clean(&report.model));
+    row("format", report.format.into());
+    for (key, value) in [("generator", &report.generator), ("copyright", &report.copyright)] {
+        if let Some(value) = value {
+            row(key, clean(value));
+        }
+    }
+    match &report.bounds {
+        Some(Extent { min, max, size }) => {
+            row("bounds", format!("{} to {}", numbers(min), numbers(max)));
+            row("size", size.map(number).join(" × "));
+        }
+        None => row("bounds", "nothing is drawn".into()),
+    }
+    table.lines(0)
+}
+
+fn counts(counts: &Counts) -> String {
+    let mut table = Table::untitled(&["", ">"]);
+    let rows = [
+        ("meshes", counts.meshes),
+        ("instances", counts.instances),
+        ("triangles", counts.triangles),
+        ("triangles drawn", counts.triangles_drawn),
+        ("vertices", counts.vertices),
+        ("materials", counts.materials),
+        ("textures", counts.textures),
+        ("lights", counts.lights),
+        ("cameras", counts.cameras),
+        ("animations", counts.animations),
+    ];
+    rows.into_iter().for_each(|(key, count)| table.row([key.into(), thousands(count)]));
+    table.lines(2)
+}
+
+fn meshes(meshes: &[MeshReport]) -> String {
+    let titles = [
+        ">#",
+        "name",
+        ">triangles",
+        ">zero-area",
+        ">vertices",
+        ">uv sets",
+        "normals",
+        "tangents",
+        "colours",
+        "material",
+    ];
+    let mut table = Table::new(&titles);
+    for (index, mesh) in meshes.iter().enumerate() {
+        table.row([
+            index.to_string(),
+            short(&mesh.name),
+            thousands(mesh.triangles),
+            thousands(mesh.zero_area_triangles),
+            thousands(mesh.vertices),
+            mesh.uv_sets.len().to_string(),
+            normals(mesh),
+            yes_or_no(mesh.tangents.is_some()),
+            yes_or_no(mesh.colors),
+            mesh.materials.iter().map(usize::to_string).collect::<Vec<_>>().join(" "),
+        ]);
+    }
+    table.filled_lines(2)
+}
+
+fn normals(mesh: &MeshReport) -> String {
+    let kind = match mesh.normals {
+        Normals::Missing => "missing",
+        Normals::Flat => "flat",
+        Normals::Smooth => "smooth",
+    };
+    match mesh.normals_not_unit {
+        0 => kind.into(),
+        bad => format!("{kind}, {} not unit", thousands(bad)),
+    }
+}
+
+fn uv_sets(meshes: &[MeshReport]) -> String {
+    let mut table = Table::new(&[">#", "mesh", ">set", ">outside [0, 1]", ">no area", ">mirrored"]);
+    for (index, mesh) in meshes.iter().enumerate() {
+        for (set, uvs) in mesh.uv_sets.iter().enumerate() {
+            table.row([
+                index.to_string(),
+                short(&mesh.name),
+                set.to_string(),
+                percent(uvs.outside),
+                thousands(uvs.degenerate),
+                percent(uvs.mirrored),
+            ]);
+        }
+    }
+    table.filled_lines(2)
+}
+
+fn tangents(meshes: &[MeshReport]) -> String {
+    let titles = [">#", "mesh", ">not unit", ">not perpendicular", ">mixed handedness", "against MikkTSpace"];
+    let mut table = Table::new(&titles);
+    for (index, mesh) in meshes.iter().enumerate() {
+        let Some(health) = &mesh.tangents else { continue };
+        table.row([
+            index.to_string(),
+            short(&mesh.name),
+            thousands(health.not_unit),
+            thousands(health.not_perpendicular),
+            thousands(health.mixed_handedness),
+            agreement(health),
+        ]);
+    }
+    table.filled_lines(2)
+}
+
+fn agreement(health: &TangentHealth) -> String {
+    let Some(agreement) = &health.mikktspace else { return "no normal map".into() };
+    format!(
+        "mean {:.2}°, max {:.2}°, {} corners of other handedness",
+        agreement.mean_degrees,
+        agreement.max_degrees,
+        thousands(agreement.other_handedness)
+    )
+}
+
+fn material(index: usize, material: &MaterialReport) -> String {
+    let name = if material.name.is_empty() { "(no name)".into() } else { short(&material.name) };
+    let textures = textures(&material.textures);
+    let map = material.normal_map.iter().map(normal_map);
+    let map: String = map.map(|line| format!("      {line}\n")).collect();
+    format!("  {index}  {name}: {}\n{textures}{map}", factors(material))
+}
+
+fn factors(material: &MaterialReport) -> String {
+    let alpha = match material.alpha_cutoff {
+        Some(cutoff) => format!("mask at {cutoff}"),
+        None => material.alpha_mode.into(),
+    };
+    let mut parts = vec![
+        format!("base colour {}", numbers(&material.base_color.map(f64::from))),
+        format!("metallic {}", material.metallic),
+        format!("roughness {}", material.roughness),
+        alpha,
+        if material.double_sided { "double-sided".into() } else { "single-sided".into() },
+    ];
+    let classic = &material.classic;
+    let colors = [
+        ("f0", material.f0),
+        ("emissive", Some(material.emissive).filter(|emissive| *emissive != [0.0; 3])),
+        ("ambient", classic.ambient),
+        ("diffuse", classic.diffuse),
+        ("specular", classic.specular),
+    ];
+    let given = colors.into_iter().filter_map(|(key, color)| Some((key, color?)));
+    parts.extend(given.map(|(key, color)| format!("{key} {}", numbers(&color.map(f64::from)))));
+    let scalars =
+        [("shininess", classic.shininess), ("slope", classic.slope), ("height scale", material.height_scale)];
+    let given = scalars.into_iter().filter_map(|(key, value)| Some((key, value?)));
+    parts.extend(given.map(|(key, value)| format!("{key} {value}")));
+    if material.unlit {
+        parts.push("unlit".into());
+    }
+    parts.join(", ")
+}
+
+fn textures(textures: &[TextureReport]) -> String {
+    let mut table = Table::untitled(&["", "", ">", "", "", ""]);
+    for texture in textures {
+        let channels = ["", "grey", "grey + alpha", "RGB", "RGBA"][usize::from(texture.channels.min(4))];
+        table.row([
+            texture.role.into(),
+            clean(&texture.file),
+            format!("{}×{}", texture.width, texture.height),
+            format!("{}-bit {channels}", texture.bits),
+            if texture.encoding == "srgb" { "sRGB".into() } else { texture.encoding.into() },
+            format!("uv {}", texture.uv_set),
+        ]);
+    }
+    table.lines(6)
+}
+
+fn normal_map(map: &NormalMapReport) -> String {
+    let pixels = &map.pixels;
+    let kind = match pixels.kind_by_pixels {
+        "none" => "no normal map".into(),
+        kind => format!("{kind}-space"),
+    };
+    let green = match (pixels.green_by_pixels, pixels.green_confidence) {
+        (Some("unclear"), _) => ", green unclear".into(),
+        (Some(green), Some(sure)) => format!(", green {green} ({} sure)", percent(f64::from(sure))),
+        _ => String::new(),
+    };
+    let invalid = pixels
+        .invalid_texels
+        .map(|invalid| format!(", {} of {} texels invalid", thousands(invalid), thousands(pixels.texels)));
+    format!(
+        "normal map by its pixels: {kind}{green}{}; drawn as {}-space, green {}, scale {}",
+        invalid.unwrap_or_default(),
+        map.space,
+        map.green,
+        map.scale
+    )
+}
+
+fn named(all: &[Named]) -> String {
+    let mut table = Table::untitled(&[">", "", ""]);
+    for (index, one) in all.iter().enumerate() {
+        table.row([index.to_string(), one.kind.into(), short(&one.name)]);
+    }
+    table.lines(2)
+}
+
+fn extensions(report: &Report) -> String {
+    let mut table = Table::untitled(&["", ""]);
+    for name in &report.extensions_used {
+        let required = report.extensions_required.contains(name);
+        table.row([clean(name), if required { "required".into() } else { String::new() }]);
+    }
+    table.lines(2)
+}
+
+fn warnings(report: &Report) -> String {
+    let mut table = Table::untitled(&[">", ""]);
+    for warning in &report.warnings {
+        table.row([format!("{}×", thousands(warning.count)), clean(&warning.what)]);
+    }
+    table.lines(2)
+}
+
+/// Text of a file without control characters, which could rule the terminal.
+fn clean(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
+}
+
+/// At most [`NAME`] characters.
+fn short(name: &str) -> String {
+    let name = clean(name);
+    match name.char_indices().nth(NAME) {
+        Some(_) => name.chars().take(NAME - 1).chain(['…']).collect(),
+        None => name,
+    }
+}
+
+fn yes_or_no(there: bool) -> String {
+    if there { "yes".into() } else { "no".into() }
+}
+
+/// Digits in groups of three.
+fn thousands(count: usize) -> String {
+    let digits = count.to_string();
+    let start = digits.len() % 3;
+    let (first, rest) = digits.split_at(start);
+    let groups = rest.as_bytes().chunks(3).map(|group| String::from_utf8_lossy(group).into_owned());
+    let groups = std::iter::once(first.to_owned()).filter(|first| !first.is_empty()).chain(groups);
+    groups.collect::<Vec<_>>().join(",")
+}
+
+fn percent(fraction: f64) -> String {
+    format!("{:.1} %", 100.0 * fraction)
+}
+
+fn numbers(values: &[f64]) -> String {
+    values.iter().map(|value| number(*value)).collect::<Vec<_>>().join(" ")
+}
+
+/// About six digits, without trailing zeros.
+fn number(value: f64) -> String {
+    if value != 0.0 && !(1e-4..1e9).contains(&value.abs()) {
+        return format!("{value:.4e}");
+    }
+    let decimals = match value.abs() {
+        large if large >= 1e5 => 0,
+        large if large >= 1e2 => 3,
+        _ => 6,
+    };
+    let text = format!("{value:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    if text == "-0" { "0".into() } else { text.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_readable() {
+        let counts = [0, 999, 1000, 1_234_567].map(thousands);
+        assert_eq!(counts, ["0", "999", "1,000", "1,234,567"]);
+        let values = [0.0, -0.0, 1.0, 0.1_f64 + 0.2, -1234.5678, 1.5e-7, 123_456.7, 1e12].map(number);
+        assert_eq!(values, ["0", "0", "1", "0.3", "-1234.568", "1.5000e-7", "123457", "1.0000e12"]);
+        assert_eq!(percent(1.0 / 3.0), "33.3 %");
+    }
+
+    #[test]
+    fn names_cannot_rule_the_terminal() {
+        assert_eq!(clean("a\u{1b}[31m\nb"), "a\u{fffd}[31m\u{fffd}b");
+        assert_eq!(short(&"x".repeat(50)).chars().count(), NAME);
+        assert_eq!(short("Suzanne"), "Suzanne");
+    }
+}

@@ -1,0 +1,383 @@
+//! What is refused, in which words, and that nothing is written then.
+
+use super::models::{TRIANGLE, gltf};
+use super::place::Place;
+use snapbox::data::Inline;
+use snapbox::str;
+
+/// Runs in `place` a line that has to be refused with `stderr`, and looks whether no file came or went.
+fn refused(place: &Place, line: &str, stderr: Inline) {
+    let before = place.files();
+    place.taotie(line).assert().code(2).stdout_eq("").stderr_eq(stderr);
+    assert_eq!(place.files(), before, "{line}");
+}
+
+/// As [`refused`], beside a sound model `a.obj`.
+fn refused_beside_a_model(line: &str, stderr: Inline) {
+    refused(&Place::with("a.obj", TRIANGLE), line, stderr);
+}
+
+#[test]
+fn unknown_shading() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --shading gxx",
+        str![[r#"
+error: invalid value 'gxx' for '--shading <SHADING>': there is no shading model of this name; choose one of: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, cook-torrance-printed, blinn-phong-printed, ggx-printed
+
+For more information, try '--help'.
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_surface() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --surface rough",
+        str![[r#"
+error: invalid value 'rough' for '--surface <SURFACE>': there is no surface method of this name; choose one of: facet, smooth, bump, bump-printed, object-normal, tangent-normal
+
+For more information, try '--help'.
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_preset() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --material unobtainium",
+        str![[r#"
+taotie: error: --material unobtainium: there is no preset of this name; name a .toml file or choose one of: guo-wang-2025, bronze, bronze-patina, copper, cu85zn15, brass, gold, silver, clay, plaster, marble
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_key_of_a_material_file() {
+    let place = Place::with("a.obj", TRIANGLE);
+    place.write("m.toml", "roughness = 0.5\nshinyness = 3\n");
+    refused(
+        &place,
+        "render a.obj -o a.png --material m.toml",
+        str![[r#"
+taotie: error: m.toml: line 2: unknown field `shinyness`, expected one of `preset`, `base_color`, `alpha`, `metallic`, `roughness`, `f0`, `f82`, `ambient`, `diffuse`, `specular`, `shininess`, `slope`, `emissive`, `alpha_mode`, `alpha_cutoff`, `double_sided`, `unlit`, `maps`
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_camera() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --camera front",
+        str![[r#"
+taotie: error: --camera front: the file has no camera; use --orbit
+
+"#]],
+    );
+}
+
+#[test]
+fn a_size_that_is_none() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --size huge",
+        str![[r#"
+error: invalid value 'huge' for '--size <WxH>': write WIDTHxHEIGHT in pixels, such as 1920x1080
+
+For more information, try '--help'.
+
+"#]],
+    );
+}
+
+#[test]
+fn an_empty_size() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --size 0x10",
+        str![[r#"
+error: invalid value '0x10' for '--size <WxH>': size 0x10: both sides must be at least 1, such as 1024x1024
+
+For more information, try '--help'.
+
+"#]],
+    );
+}
+
+#[test]
+fn an_absurd_size() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --size 100000x100000",
+        str![[r#"
+error: invalid value '100000x100000' for '--size <WxH>': a picture of 100000x100000 is too large: at most 16384x16384
+
+For more information, try '--help'.
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_samples() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --samples 5",
+        str![[r#"
+taotie: error: 5 samples a pixel: choose 1, 4 or 16
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_light() {
+    let place = Place::with("a.obj", TRIANGLE);
+    let arguments = ["render", "a.obj", "-o", "a.png", "--light", "sun from=0,0"];
+    place.taotie_with(&arguments).assert().code(2).stdout_eq("").stderr_eq(str![[r#"
+taotie: error: --light "sun from=0,0": there is no light of the kind `sun`; choose point, spot or directional
+
+"#]]);
+    assert_eq!(place.files(), ["a.obj"]);
+}
+
+#[test]
+fn unknown_background() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --background mauve-ish",
+        str![[r#"
+taotie: error: --background: `mauve-ish` is no colour; write a CSS colour such as #d0c8b0 or a linear grey such as 0.5
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_picture_format() {
+    refused_beside_a_model(
+        "render a.obj -o a.bmp",
+        str![[r#"
+taotie: error: a.bmp: pictures are written as .png or .exr
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_output_variable() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --aov normals,curvature",
+        str![[r#"
+taotie: error: --aov curvature: there is no such output; choose from: normals, depth, albedo, uv, triangle
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_simd_level() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --simd mmx",
+        str![[r#"
+error: invalid value 'mmx' for '--simd <SIMD>': there is no SIMD level of this name; choose one of: auto, scalar, sse2, avx2, neon
+
+For more information, try '--help'.
+
+"#]],
+    );
+}
+
+#[test]
+fn no_threads() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --threads 0",
+        str![[r#"
+taotie: error: --threads 0: at least one thread is needed; leave it out for all of the machine's
+
+"#]],
+    );
+}
+
+#[test]
+fn no_angle_of_view() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --fov-deg 180",
+        str![[r#"
+taotie: error: --fov-deg 180: the angle must lie between 0 and 180 degrees
+
+"#]],
+    );
+}
+
+#[test]
+fn unknown_subcommand() {
+    refused_beside_a_model(
+        "paint a.obj",
+        str![[r#"
+error: unrecognized subcommand 'paint'
+
+Usage: taotie <COMMAND>
+
+For more information, try '--help'.
+
+"#]],
+    );
+}
+
+#[test]
+fn a_model_that_is_not_there() {
+    refused(
+        &Place::new(),
+        "render none.glb -o a.png",
+        str![[r#"
+taotie: error: none.glb: [..] (os error 2)
+
+"#]],
+    );
+    refused(
+        &Place::new(),
+        "inspect none.glb",
+        str![[r#"
+taotie: error: none.glb: [..] (os error 2)
+
+"#]],
+    );
+}
+
+#[test]
+fn a_model_of_an_unknown_format() {
+    refused(
+        &Place::with("a.fbx", "Kaydara"),
+        "render a.fbx -o a.png",
+        str![[r#"
+taotie: error: a.fbx: the extension 'fbx' is not supported: models are read from .gltf, .glb, .obj, .ply and .stl
+
+"#]],
+    );
+}
+
+#[test]
+fn a_model_that_is_a_folder() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("a.obj")).unwrap();
+    refused(
+        &place,
+        "render a.obj -o a.png",
+        str![[r#"
+taotie: error: a.obj: it is not a regular file
+
+"#]],
+    );
+}
+
+#[test]
+fn a_normal_map_that_is_not_there() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --normal-map none.png",
+        str![[r#"
+taotie: error: none.png: [..] (os error 2)
+
+"#]],
+    );
+}
+
+#[test]
+fn an_empty_mesh() {
+    refused(
+        &Place::with("a.obj", ""),
+        "render a.obj -o a.png",
+        str![[r#"
+taotie: error: a.obj: whole file: no face (0 vertices); export triangles or polygons
+
+"#]],
+    );
+    refused(
+        &Place::with("a.gltf", gltf(&[], &[])),
+        "render a.gltf -o a.png",
+        str![[r#"
+taotie: error: a.gltf: scene: there is nothing to draw: no node shows a triangle
+
+"#]],
+    );
+}
+
+const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+
+#[test]
+fn an_index_out_of_range() {
+    refused(
+        &Place::with("a.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n"),
+        "render a.obj -o a.png",
+        str![[r#"
+taotie: error: a.obj: line 3: vertex index 9 is out of range, there are 2; mend the file
+
+"#]],
+    );
+    refused(
+        &Place::with("a.gltf", gltf(&CORNERS, &[0, 1, 9])),
+        "render a.gltf -o a.png",
+        str![[r#"
+taotie: error: a.gltf: mesh 0, primitive 0: indices: index 2 names vertex 9, but there are 3
+
+"#]],
+    );
+}
+
+#[test]
+fn a_position_that_is_nan() {
+    refused(
+        &Place::with("a.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"),
+        "render a.obj -o a.png",
+        str![[r#"
+taotie: error: a.obj: line 2: vertex position '1 nan 0' is infinite or NaN; mend the file
+
+"#]],
+    );
+    let mut corners = CORNERS;
+    corners[1][2] = f32::NAN;
+    refused(
+        &Place::with("a.gltf", gltf(&corners, &[0, 1, 2])),
+        "render a.gltf -o a.png",
+        str![[r#"
+taotie: error: a.gltf: mesh 0, primitive 0: POSITION: vertex 1 is infinite or NaN
+
+"#]],
+    );
+}
+
+#[test]
+fn a_model_in_one_point() {
+    let place = Place::with("a.gltf", gltf(&[[0.5; 3]; 3], &[0, 1, 2]));
+    refused(
+        &place,
+        "render a.gltf -o a.png",
+        str![[r#"
+taotie: error: a.gltf: all its triangles lie in one point; there is nothing to see
+
+"#]],
+    );
+}
+
+#[test]
+fn an_output_folder_that_is_not_there() {
+    refused_beside_a_model(
+        "render a.obj -o no/such/a.png",
+        str![[r#"
+taotie: error: no/such: there is no such folder; make it first
+
+"#]],
+    );
+}
+
+#[test]
+fn an_output_that_is_a_folder() {
+    let place = Place::with("a.obj", TRIANGLE);
+    std::fs::create_dir(place.path("a.png")).unwrap();
+    refused(
+        &place,
+        "render a.obj -o a.png --size 8x8",
+        str![[r#"
+taotie: error: a.png: it is a folder; give a file name
+
+"#]],
+    );
+}

@@ -1,0 +1,218 @@
+//! The documents that `--json` prints, as a program in another language would read them.
+//!
+//! A field more or less is a change of schema: it needs a new number, here and in the command.
+#![allow(dead_code)]
+
+use super::models::{Green, square, write_relief};
+use super::place::Place;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
+
+fn parse<T: DeserializeOwned>(line: &str) -> T {
+    let place = Place::with("a.gltf", square());
+    write_relief(&place.path("normals.png"), Green::Up);
+    serde_json::from_value(place.json(line)).expect("the document has this form")
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Counted {
+    what: String,
+    count: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RenderReport {
+    schema: u32,
+    version: String,
+    model: String,
+    files: Vec<String>,
+    triangles: usize,
+    size: [u32; 2],
+    samples: u32,
+    shading: String,
+    surface: Option<String>,
+    tone: String,
+    seconds: BTreeMap<String, f64>,
+    warnings: Vec<Counted>,
+}
+
+#[test]
+fn of_render() {
+    let report: RenderReport = parse("render a.gltf -o b.png --size 8x6 --samples 1 --json");
+    assert_eq!((report.schema, report.version.as_str()), (1, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.model.as_str(), report.files.as_slice()), ("a.gltf", ["b.png".to_owned()].as_slice()));
+    assert_eq!((report.triangles, report.size, report.samples), (2, [8, 6], 1));
+    assert_eq!((report.shading.as_str(), report.surface, report.tone.as_str()), ("ggx", None, "neutral"));
+    assert!(["load", "prepare", "render", "write"].iter().all(|stage| report.seconds[*stage] >= 0.0));
+    assert!(report.warnings.iter().any(|w| w.what.contains("missing.png") && w.count == 1));
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct InspectReport {
+    schema: u32,
+    version: String,
+    model: String,
+    format: String,
+    generator: Option<String>,
+    copyright: Option<String>,
+    counts: Counts,
+    bounds: Option<Extent>,
+    meshes: Vec<Mesh>,
+    materials: Vec<Material>,
+    lights: Vec<Named>,
+    cameras: Vec<Named>,
+    missing_files: Vec<String>,
+    extensions_used: Vec<String>,
+    extensions_required: Vec<String>,
+    warnings: Vec<Counted>,
+    hints: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Counts {
+    meshes: usize,
+    instances: usize,
+    triangles: usize,
+    triangles_drawn: usize,
+    vertices: usize,
+    materials: usize,
+    textures: usize,
+    lights: usize,
+    cameras: usize,
+    animations: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Extent {
+    min: [f64; 3],
+    max: [f64; 3],
+    size: [f64; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Named {
+    name: String,
+    kind: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Mesh {
+    name: String,
+    triangles: usize,
+    vertices: usize,
+    zero_area_triangles: usize,
+    normals: String,
+    normals_not_unit: usize,
+    colors: bool,
+    tangents: Option<Tangents>,
+    uv_sets: Vec<Uvs>,
+    materials: Vec<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tangents {
+    not_unit: usize,
+    not_perpendicular: usize,
+    mixed_handedness: usize,
+    mikktspace: Option<Agreement>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Agreement {
+    uv_set: usize,
+    mean_degrees: f64,
+    max_degrees: f64,
+    other_handedness: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Uvs {
+    outside: f64,
+    degenerate: usize,
+    mirrored: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Material {
+    name: String,
+    base_color: [f32; 4],
+    metallic: f32,
+    roughness: f32,
+    f0: Option<[f32; 3]>,
+    emissive: [f32; 3],
+    alpha_mode: String,
+    alpha_cutoff: Option<f32>,
+    double_sided: bool,
+    unlit: bool,
+    occlusion_strength: f32,
+    height_scale: Option<f32>,
+    classic: Classic,
+    textures: Vec<Texture>,
+    normal_map: Option<NormalMap>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Classic {
+    ambient: Option<[f32; 3]>,
+    diffuse: Option<[f32; 3]>,
+    specular: Option<[f32; 3]>,
+    shininess: Option<f32>,
+    slope: Option<f32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Texture {
+    role: String,
+    file: String,
+    width: u32,
+    height: u32,
+    bits: u8,
+    channels: u8,
+    encoding: String,
+    uv_set: usize,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NormalMap {
+    scale: f32,
+    space: String,
+    green: String,
+    kind_by_pixels: String,
+    green_by_pixels: Option<String>,
+    green_confidence: Option<f32>,
+    invalid_texels: Option<usize>,
+    texels: usize,
+}
+
+#[test]
+fn of_inspect() {
+    let report: InspectReport = parse("inspect a.gltf --json");
+    assert_eq!((report.schema, report.format.as_str()), (1, "glTF"));
+    assert_eq!((report.generator.as_deref(), report.copyright.as_deref()), (Some("by hand"), Some("nobody")));
+    let counts = &report.counts;
+    assert_eq!((counts.triangles, counts.triangles_drawn, counts.vertices), (2, 2, 4));
+    assert_eq!((counts.textures, counts.lights, counts.cameras), (1, 1, 2));
+    assert_eq!(report.bounds.expect("it has triangles").size, [1.0, 1.0, 0.0]);
+    assert_eq!(report.missing_files, ["missing.png"]);
+    let tangents = report.meshes[0].tangents.as_ref().expect("the file has tangents");
+    let mikktspace = tangents.mikktspace.as_ref().expect("there is a normal map");
+    assert!(mikktspace.max_degrees < 0.01 && mikktspace.other_handedness == 0);
+    let map = report.materials[0].normal_map.as_ref().expect("there is a normal map");
+    assert_eq!((map.kind_by_pixels.as_str(), map.green_by_pixels.as_deref()), ("tangent", Some("up")));
+    assert_eq!((map.invalid_texels, map.texels), (Some(0), 192 * 192));
+}

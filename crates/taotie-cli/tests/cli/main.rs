@@ -1,0 +1,12 @@
+//! The command's contract: exit codes, stdout, stderr and the files that a run leaves.
+//!
+//! After a wanted change of output, `SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli` renews the snapshots.
+
+mod arguments;
+mod help;
+mod inspect;
+mod json;
+mod models;
+mod place;
+mod render;
+mod running;

@@ -1,0 +1,81 @@
+//! A folder of its own for each test, in which the command runs.
+
+use serde_json::Value;
+use snapbox::cmd::Command;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// A folder that is removed at the end, and an empty one beside it for temporary files.
+pub struct Place {
+    folder: TempDir,
+    temporary: TempDir,
+}
+
+impl Place {
+    /// An empty folder.
+    pub fn new() -> Self {
+        let folder = || tempfile::tempdir().expect("temporary folders can be made");
+        Self { folder: folder(), temporary: folder() }
+    }
+
+    /// A folder with one file.
+    pub fn with(name: &str, content: impl AsRef<[u8]>) -> Self {
+        let place = Self::new();
+        place.write(name, content);
+        place
+    }
+
+    /// The path of a file in it.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes a file.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), content).expect("the folder can be written to");
+    }
+
+    /// Reads a file.
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Every name in it, sorted; fails where anything was left among the temporary files.
+    pub fn files(&self) -> Vec<String> {
+        assert_eq!(names(self.temporary.path()), [""; 0], "temporary files are left");
+        names(self.folder.path())
+    }
+
+    /// The command with the words of `line`, which is run in the folder.
+    pub fn taotie(&self, line: &str) -> Command {
+        self.taotie_with(&line.split_whitespace().collect::<Vec<_>>())
+    }
+
+    /// The command with these arguments.
+    pub fn taotie_with(&self, arguments: &[&str]) -> Command {
+        Command::from_std(self.process(arguments))
+    }
+
+    /// As [`Place::taotie_with`], to be started by hand.
+    pub fn process(&self, arguments: &[&str]) -> std::process::Command {
+        let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_taotie"));
+        process.args(arguments).current_dir(self.folder.path());
+        process.env("TMPDIR", self.temporary.path()).env_remove("RUST_BACKTRACE");
+        process
+    }
+
+    /// Runs a command that has to succeed and gives its stdout as JSON.
+    pub fn json(&self, line: &str) -> Value {
+        let assert = self.taotie(line).assert().success();
+        serde_json::from_slice(&assert.get_output().stdout).expect("stdout is one JSON document")
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("the folder is readable");
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.expect("it is readable").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}

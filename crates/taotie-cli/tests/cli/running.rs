@@ -1,0 +1,54 @@
+//! Runs beside and after one another, and readers that go away.
+
+use super::models::TRIANGLE;
+use super::place::Place;
+use std::process::{Command, Stdio};
+
+/// Runs with a stdout that nobody reads; the exit code and stderr.
+fn unread(mut process: Command) -> (Option<i32>, String) {
+    let (reader, writer) = std::io::pipe().expect("pipes can be made");
+    drop(reader);
+    let child = process.stdout(writer).stderr(Stdio::piped()).spawn().expect("the command starts");
+    let output = child.wait_with_output().expect("the command ends");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let place = Place::with("a.obj", TRIANGLE);
+    let lines: [&[&str]; 5] = [
+        &["inspect", "a.obj"],
+        &["inspect", "a.obj", "--json"],
+        &["render", "a.obj", "-o", "b.png", "--size", "8x8"],
+        &["render", "a.obj", "-o", "b.png", "--size", "8x8", "--json"],
+        &["--help"],
+    ];
+    for line in lines {
+        assert_eq!(unread(place.process(line)), (Some(0), String::new()), "{line:?}");
+    }
+    assert_eq!(place.files(), ["a.obj", "b.png"]);
+}
+
+#[test]
+fn runs_side_by_side_leave_whole_files_only() {
+    let place = Place::with("a.obj", TRIANGLE);
+    let line = ["render", "a.obj", "-o", "b.png", "--size", "64x64"];
+    let start = || place.process(&line).stdout(Stdio::null()).spawn().expect("the command starts");
+    let children = [start(), start(), start()];
+    for mut child in children {
+        assert!(child.wait().expect("the command ends").success());
+    }
+    assert_eq!(place.files(), ["a.obj", "b.png"]);
+    let together = place.read("b.png");
+    assert!(place.process(&line).output().expect("the command runs").status.success());
+    assert!(together == place.read("b.png"), "a file was not whole");
+}
+
+#[test]
+fn a_failed_run_keeps_the_old_picture() {
+    let place = Place::with("a.obj", "v 0 0 0\n");
+    place.write("b.png", "old");
+    place.taotie("render a.obj -o b.png").assert().code(2);
+    assert_eq!(place.read("b.png"), b"old");
+    assert_eq!(place.files(), ["a.obj", "b.png"]);
+}

@@ -1,0 +1,223 @@
+//! The rules that keep the house in order, checked on the source text: who may import whom, who may touch the
+//! system, and how large a file may be.
+#![allow(clippy::print_stderr)]
+
+#[path = "architecture/scanner.rs"]
+mod scanner;
+
+use scanner::{Found, scan};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
+/// never see each other, so nobody at all sees `io` or `render`.
+const LAYERS: [(&str, u32); 13] = [
+    // Everybody's ground: `math` too reports errors.
+    ("error", 0),
+    ("math", 1),
+    ("image", 2),
+    ("mesh", 2),
+    ("surface", 3),
+    ("shade", 3),
+    ("scene", 3),
+    ("raster", 3),
+    ("trace", 3),
+    ("film", 3),
+    ("compare", 3),
+    ("render", 4),
+    ("io", 4),
+];
+
+/// The names that the crate's root gives again, and the module that they come from.
+const RENAMED: [(&str, &str); 3] = [("Error", "error"), ("Result", "error"), ("Warnings", "error")];
+
+/// Parts of `std` that meet the system, and who may use them.
+const SYSTEM: [(&str, &[&str]); 6] = [
+    ("env", &["io"]),
+    ("fs", &["io"]),
+    ("net", &[]),
+    ("path", &["io", "error"]),
+    ("process", &[]),
+    ("time", &["io"]),
+];
+
+/// The longest file.
+const MOST_LINES: usize = 600;
+
+fn source() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// Every Rust file below `folder` but in folders named `target`; sorted.
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut waiting = vec![folder.to_path_buf()];
+    while let Some(folder) = waiting.pop() {
+        for entry in std::fs::read_dir(&folder).expect("the folder is readable") {
+            let path = entry.expect("the folder is readable").path();
+            match path.extension() {
+                _ if path.is_dir() => waiting.extend((!path.ends_with("target")).then_some(path)),
+                Some(extension) if extension == "rs" => found.push(path),
+                _ => {}
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The module path of a file below `src`: `io/gltf/mod.rs` is `io`, `gltf`.
+fn module_of(file: &Path) -> Vec<String> {
+    let parts = file.with_extension("");
+    let mut parts: Vec<String> = parts.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    parts.pop_if(|last| ["mod", "lib"].contains(&last.as_str()));
+    parts
+}
+
+fn layer(module: &str) -> Result<u32, String> {
+    LAYERS.iter().find(|(name, _)| *name == module).map(|(_, layer)| *layer).ok_or_else(|| {
+        format!(
+            "the module `{module}` has no layer yet: add it to LAYERS in tests/architecture.rs, \
+             and to ARCHITECTURE.md"
+        )
+    })
+}
+
+/// What is wrong with the source text of the module `module`.
+fn violations(module: &[String], text: &str) -> Vec<String> {
+    let Some(own) = module.first() else { return Vec::new() };
+    let wrong = |found: Found| match found {
+        Found::Import(path) => wrong_import(own, &path),
+        Found::Macro(name) => Some(format!("`{name}!` prints; report to the caller instead")),
+        Found::Unsafe => Some("`unsafe` is forbidden".into()),
+    };
+    scan(module, text)
+        .into_iter()
+        .filter_map(|(line, found)| Some(format!("line {line}: {}", wrong(found)?)))
+        .collect()
+}
+
+fn wrong_import(own: &str, path: &[String]) -> Option<String> {
+    let part = |index: usize| path.get(index).map_or("", String::as_str);
+    match part(0) {
+        // Only `pub(crate)` is as short as this.
+        "crate" if path.len() > 1 => wrong_layer(own, part(1)),
+        // A length of time is no clock.
+        "std" if part(2) != "Duration" => {
+            let (_, allowed) = SYSTEM.iter().find(|(name, _)| *name == part(1))?;
+            let refused = !allowed.contains(&own);
+            refused.then(|| format!("`{own}` may not use `std::{}`; only {allowed:?} may", part(1)))
+        }
+        _ => None,
+    }
+}
+
+fn wrong_layer(own: &str, named: &str) -> Option<String> {
+    let target = RENAMED.iter().find(|(name, _)| *name == named).map_or(named, |(_, module)| module);
+    if target == own {
+        return None;
+    }
+    match (layer(own), layer(target)) {
+        (Err(why), _) | (_, Err(why)) => Some(why),
+        (Ok(mine), Ok(other)) => (other >= mine).then(|| {
+            format!("`{own}` may not import `{target}`: modules import only from lower layers (house rule in lib.rs)")
+        }),
+    }
+}
+
+fn report(faults: &[String]) {
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+#[test]
+fn modules_import_from_lower_layers_only() {
+    let source = source();
+    let mut faults = Vec::new();
+    for file in rust_files(&source) {
+        let name = file.strip_prefix(&source).expect("it lies below");
+        let text = std::fs::read_to_string(&file).expect("the file is readable");
+        let found = violations(&module_of(name), &text);
+        faults.extend(found.into_iter().map(|fault| format!("{}: {fault}", name.display())));
+    }
+    report(&faults);
+}
+
+#[test]
+fn every_module_of_the_crate_has_a_layer() {
+    let lib = std::fs::read_to_string(source().join("lib.rs")).expect("lib.rs is readable");
+    let declared = lib.lines().filter_map(|line| line.trim().trim_start_matches("pub ").strip_prefix("mod "));
+    let faults: Vec<String> =
+        declared.filter_map(|line| layer(line.trim_end_matches([';', ' ', '{'])).err()).collect();
+    report(&faults);
+}
+
+#[test]
+fn every_file_of_the_workspace_opens_with_its_purpose_and_is_short() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut faults = Vec::new();
+    for file in ["crates", "xtask", "fuzz"]
+        .iter()
+        .map(|f| root.join(f))
+        .filter(|f| f.is_dir())
+        .flat_map(|f| rust_files(&f))
+    {
+        let text = std::fs::read_to_string(&file).expect("the file is readable");
+        if !text.starts_with("//!") {
+            faults.push(format!("{}: it must open with `//!` and say what it is for", file.display()));
+        }
+        let lines = text.lines().count();
+        if lines > MOST_LINES {
+            faults.push(format!(
+                "{}: {lines} lines; at most {MOST_LINES}: split it by concept",
+                file.display()
+            ));
+        }
+    }
+    report(&faults);
+}
+
+#[test]
+fn the_scanner_catches_what_is_wrong() {
+    let cases: BTreeMap<&str, &[(&str, usize)]> = BTreeMap::from([
+        ("shade", [
+            ("use crate::scene::Scene;", 1),
+            ("use crate::{math::Vec3, scene::{Scene, Camera}};", 2),
+            ("fn f() { crate::raster::go::<crate::io::Loaded>(); }", 2),
+            ("use super::super::scene::Scene;", 1),
+            ("use super::angles; use self::ndf; use crate::shade::ndf;", 0),
+            ("mod tests { use super::super::super::trace::Bvh; use super::super::ndf; }", 1),
+            ("// use crate::scene::Scene;\n/* crate::scene /* nested */ crate::io */", 0),
+            ("const A: &str = \"crate::scene\"; const B: &str = r#\"use \"crate::io\";\"#; const C: char = '\"';", 0),
+            ("fn f<'a>(x: &'a str) { use crate::io; }", 1),
+            ("use crate::math::{Lane, Vec3}; use crate::Result; use crate::error::Error;", 0),
+            ("use crate::newcomer::X;", 1),
+            ("use std::fs; use std::{env, collections::HashMap}; use std::path::Path;", 3),
+            ("fn f() { println!(\"{}\", 1); eprint!(\"\"); dbg!(2); }", 3),
+            ("fn f() { unsafe { g() } }", 1),
+                ("pub(crate) use simd::go; use std::time::{Duration, Instant};", 1),
+            ("macro_rules! m { () => { $crate::trace::Bvh } }", 1),
+            ("use crate::*;", 1),
+        ].as_slice()),
+        ("io", [
+            ("use std::fs::File; use std::path::Path; use crate::scene::Scene; use super::super::Error;", 0),
+            ("use crate::render::Frame;", 1),
+            ("use std::time::Instant;", 0),
+        ].as_slice()),
+        ("error", [("use std::path::PathBuf;", 0), ("use crate::math::Vec3;", 1)].as_slice()),
+    ]);
+    for (own, texts) in cases {
+        for (text, expected) in texts {
+            // As if in a file one level below.
+            let found = violations(&[own.to_string(), "part".to_string()], text);
+            assert_eq!(found.len(), *expected, "{own}: {text}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn the_missing_layer_is_explained() {
+    let fault = violations(&["shade".into()], "use crate::newcomer::X;").remove(0);
+    assert!(fault.contains("newcomer") && fault.contains("LAYERS in tests/architecture.rs"), "{fault}");
+    assert_eq!(module_of(Path::new("io/gltf/mod.rs")), ["io", "gltf"]);
+    assert_eq!(module_of(Path::new("lib.rs")), Vec::<String>::new());
+}
