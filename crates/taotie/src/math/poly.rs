@@ -9,7 +9,8 @@
 //! ```
 //!
 //! In `f32` rounding dominates; in `f64` the polynomials do, so an `f64` result is good to about 1e-8. The bounds
-//! stated at each function are measured over the whole range by the tests below.
+//! stated at each function of one number were found by visiting every `f32` of its range: at most 0.99 ulp for
+//! `exp` and `exp2`, 0.67 for `ln`, 1.55 for `log2`. The tests below repeat that, by default with a stride.
 
 use super::{Lane, Mask};
 
@@ -66,7 +67,7 @@ pub fn exp<L: Lane>(x: L) -> L {
 
 /// 2^x.
 ///
-/// `f32`: within 2 ulp for x in [−126, 127], exact at integers. Zero below that range, 2^127 above it.
+/// `f32`: within 1 ulp for x in [−126, 127], exact at integers. Zero below that range, 2^127 above it.
 #[inline(always)]
 pub fn exp2<L: Lane>(x: L) -> L {
     let kept = x.clamp(-126.0, 127.0);
@@ -208,8 +209,8 @@ mod tests {
         let found = [
             ("exp", 1.0, worst(smallest, 88.0, stride, exp, scalar::exp)),
             ("exp of negative", 1.0, worst(-87.33, -smallest, stride, exp, scalar::exp)),
-            ("exp2", 2.0, worst(smallest, 127.0, stride, exp2, scalar::exp2)),
-            ("exp2 of negative", 2.0, worst(-126.0, -smallest, stride, exp2, scalar::exp2)),
+            ("exp2", 1.0, worst(smallest, 127.0, stride, exp2, scalar::exp2)),
+            ("exp2 of negative", 1.0, worst(-126.0, -smallest, stride, exp2, scalar::exp2)),
             ("ln below 1", 1.0, worst(smallest, 0.999_999_94, stride, ln, scalar::ln)),
             ("ln above 1", 1.0, worst(1.000_000_1, f32::MAX, stride, ln, scalar::ln)),
             ("log2 below 1", 2.0, worst(smallest, 0.999_999_94, stride, log2, scalar::log2)),
@@ -226,7 +227,7 @@ mod tests {
         bounds_hold(1021);
     }
 
-    /// Minutes: `cargo test --release -p taotie --lib poly -- --ignored`.
+    /// About eight minutes of one core: `cargo test --release -p taotie --lib poly -- --ignored`.
     #[test]
     #[ignore = "visits every f32, which takes minutes"]
     fn errors_stay_within_the_bounds_everywhere() {
