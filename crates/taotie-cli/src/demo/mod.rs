@@ -55,7 +55,7 @@ const LARGE: u32 = 1400;
 /// Pictures in a row of the contact sheet.
 const COLUMNS: usize = 4;
 /// Behind the vessel.
-const GROUND: f32 = 0.028;
+const GROUND: f32 = 0.055;
 
 /// One picture of the contact sheet.
 struct Picture {
@@ -91,7 +91,7 @@ fn demo(args: &DemoArgs) -> Result<(Vec<PathBuf>, Vec<Made>)> {
     let progress = Progress::new("demo");
     let scene = jue::scene(MAPS);
     let object_scene = with_object_map(&scene);
-    let stage = Stage::new(&scene);
+    let (whole, cup) = (Stage::whole(&scene), Stage::cup(&scene));
     let mut files = export::write(&args.out, &scene)?;
     let pictures = pictures();
     let steps = (pictures.len() + 1) as f64;
@@ -100,14 +100,14 @@ fn demo(args: &DemoArgs) -> Result<(Vec<PathBuf>, Vec<Made>)> {
         progress.set(i as f64 / steps);
         let scene = if picture.surface == SurfaceMethod::ObjectNormal { &object_scene } else { &scene };
         let start = Instant::now();
-        let image = stage.take(scene, &picture, args.size, 4)?;
+        let image = cup.take(scene, &picture, args.size, 4)?;
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
         cells.push(cell(&picture, &image)?);
         made.push(Made { picture, milliseconds });
     }
     files.push(write_sheet(args, &cells)?);
     progress.set(1.0 - 1.0 / steps);
-    files.push(write_large(args, &stage, &scene)?);
+    files.push(write_large(args, &whole, &scene)?);
     Ok((files, made))
 }
 
@@ -172,13 +172,29 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(scene: &Scene) -> Self {
+    /// The whole vessel.
+    fn whole(scene: &Scene) -> Self {
         let bounds = scene.bounds().expect("the jue has triangles");
-        let [azimuth, elevation, fov_y] = [24.0f64, 15.0, 26.0].map(f64::to_radians);
-        let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target: bounds.center(), fov_y };
+        let mut orbit = orbit([24.0, 15.0], bounds.center());
         orbit.distance = fitting_distance(&orbit, 1.0, 0.92, scene.corners());
-        let camera = orbit.camera(bounds.diagonal() / 2.0);
-        let lighting = Lighting { lights: lights(&camera), ambient: Vec3::new(0.10, 0.105, 0.115) };
+        Self::new(orbit, bounds.diagonal())
+    }
+
+    /// The mask on the cup, near enough to tell one method from another.
+    fn cup(scene: &Scene) -> Self {
+        let bounds = scene.bounds().expect("the jue has triangles");
+        let low = bounds.min + (bounds.max - bounds.min) * 0.36;
+        let high = bounds.min + (bounds.max - bounds.min) * 0.72;
+        let middle = Vec3::new(0.0, (low.y + high.y) / 2.0, 0.0);
+        let mut orbit = orbit([14.0, 12.0], middle);
+        let within = move |p: &Vec3<f64>| (low.y..high.y).contains(&p.y) && p.x.abs() < 0.05;
+        orbit.distance = fitting_distance(&orbit, 1.0, 0.96, scene.corners().filter(within));
+        Self::new(orbit, bounds.diagonal())
+    }
+
+    fn new(orbit: Orbit, size: f64) -> Self {
+        let camera = orbit.camera(size / 2.0);
+        let lighting = Lighting { lights: lights(&camera), ambient: Vec3::new(0.20, 0.205, 0.22) };
         Self { camera, lighting }
     }
 
@@ -200,15 +216,21 @@ impl Stage {
     }
 }
 
+/// Looks at `target` from azimuth and elevation in degrees.
+fn orbit([azimuth, elevation]: [f64; 2], target: Vec3<f64>) -> Orbit {
+    let [azimuth, elevation, fov_y] = [azimuth, elevation, 26.0].map(f64::to_radians);
+    Orbit { azimuth, elevation, distance: 0.0, target, fov_y }
+}
+
 /// A raking key, a row of soft boxes for the metal to mirror, and a rim.
 fn lights(camera: &Camera) -> Vec<Light> {
     let lamps: [([f64; 2], [f32; 3]); 6] = [
-        ([-58.0, 34.0], [3.6, 3.4, 3.1]),
-        ([-20.0, 62.0], [0.9, 0.9, 0.9]),
-        ([30.0, 25.0], [0.55, 0.58, 0.64]),
-        ([72.0, 10.0], [0.8, 0.88, 1.0]),
-        ([150.0, 38.0], [2.4, 2.4, 2.5]),
-        ([-140.0, 20.0], [1.2, 1.15, 1.05]),
+        ([-56.0, 36.0], [6.4, 6.0, 5.4]),
+        ([-16.0, 64.0], [1.8, 1.8, 1.8]),
+        ([30.0, 25.0], [1.1, 1.15, 1.25]),
+        ([70.0, 8.0], [1.5, 1.6, 1.8]),
+        ([150.0, 38.0], [4.2, 4.2, 4.4]),
+        ([-140.0, 20.0], [2.2, 2.1, 1.9]),
     ];
     let light = |([azimuth, elevation], color): ([f64; 2], [f32; 3])| Light {
         name: String::new(),
