@@ -17,7 +17,7 @@ const POST: [f64; 2] = [0.0290, 0.0222];
 /// Half side and height of a post's shaft below and above.
 const SHAFT: [[f64; 2]; 2] = [[0.0027, 0.1615], [0.0022, 0.1950]];
 /// Radius and height of the cap's edge, height of its top.
-const CAP: [f64; 3] = [0.0096, 0.1935, 0.2065];
+const CAP: [f64; 3] = [0.0096, 0.1935, 0.2048];
 /// The handle's middle line in the plane x = 0: y, −z, and the direction of its outer side as (y, −z).
 const HANDLE: [[f64; 4]; 5] = [
     [0.1510, 0.0286, 1.0, 0.0],

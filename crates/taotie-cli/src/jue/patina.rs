@@ -65,8 +65,8 @@ fn mix(a: Vec3, b: Vec3, t: f32) -> Vec3 {
 /// The look of a place.
 pub(super) fn surface(place: &Place) -> Surface {
     let p = place.point.position * 1000.0;
-    let broad = fractal(p * (1.0 / 24.0), 4);
-    let patch = fractal(p * (1.0 / 7.0) + Vec3::splat(91.0), 4);
+    let broad = fractal(p * (1.0 / 24.0), 3);
+    let patch = fractal(p * (1.0 / 7.0) + Vec3::splat(91.0), 3);
     let grain = fractal(p * (1.0 / 1.1) + Vec3::splat(37.0), 2);
     let n = place.point.normal.normalize();
     let recess = 0.5 * smooth(place.cavity * 4.0 + 0.10) + 0.7 * smooth(place.wide_cavity * 2.2);
@@ -84,9 +84,11 @@ pub(super) fn surface(place: &Place) -> Surface {
     let field = field - 0.36 + 0.08 * n.y;
     let green = smooth(field / 0.36 + 0.5);
     let crust = smooth((field - 0.28 + 0.3 * grain) / 0.4);
-    let blue = 0.45 * smooth((fractal(p * (1.0 / 11.0) + Vec3::splat(-53.0), 3) - 0.30) / 0.3);
-    let mineral = mix(mix(MALACHITE, PALE_MALACHITE, crust), AZURITE, blue);
-    color = mix(color, mineral * (1.0 + 0.25 * grain), green);
+    if green > 0.0 {
+        let blue = 0.45 * smooth((fractal(p * (1.0 / 11.0) + Vec3::splat(-53.0), 2) - 0.28) / 0.3);
+        let mineral = mix(mix(MALACHITE, PALE_MALACHITE, crust), AZURITE, blue);
+        color = mix(color, mineral * (1.0 + 0.25 * grain), green);
+    }
     roughness += green * (0.30 + 0.10 * crust);
 
     // Earth in the deepest furrows.
