@@ -108,6 +108,8 @@ fn material() -> Material {
         roughness: 1.0,
         metallic_roughness_texture: Some(texture(1)),
         occlusion_texture: Some(texture(1)),
+        // Fully occluded texels would turn black under the few lights of a demo.
+        occlusion_strength: 0.7,
         normal: Some(NormalMap {
             texture: texture(2),
             scale: 1.0,
