@@ -43,8 +43,9 @@ fn obj(mesh: &Mesh) -> String {
     text
 }
 
+/// The same file for roughness and metalness says that it is packed as glTF packs them.
 fn mtl() -> String {
-    "newmtl jue\nKd 1 1 1\nPr 0.55\nPm 0.4\nmap_Kd jue_color.png\nnorm jue_normal.png\n".into()
+    "newmtl jue\nKd 1 1 1\nmap_Kd jue_color.png\nmap_Pr jue_orm.png\nmap_Pm jue_orm.png\nnorm jue_normal.png\n".into()
 }
 
 fn write_map(path: &Path, texture: &Texture) -> Result<()> {
