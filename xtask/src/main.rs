@@ -1,7 +1,71 @@
-//! Generators and checks of the repository: `cargo run -p xtask -- help-pages [--check]`.
+//! Generators of files that are kept in the repository, and checks that they are fresh:
+//! `cargo run -p xtask -- <task>`.
+//!
+//! Exit codes: 0 fine, 1 a checked file is stale, 2 error.
 
+mod generated;
+mod help_pages;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use generated::Generated;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+/// Writes or checks the files that are made from others.
+#[derive(Parser)]
+#[command(name = "xtask", disable_help_subcommand = true)]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// The pages in docs/help, from the definition of the command line.
+    HelpPages {
+        /// Write nothing; name the stale pages and exit with 1.
+        #[arg(long)]
+        check: bool,
+    },
+}
+
 fn main() -> ExitCode {
-    ExitCode::SUCCESS
+    match run(&Cli::parse()) {
+        Ok(code) => code,
+        Err(error) => {
+            // Nobody listening is no error.
+            let _ = writeln!(io::stderr().lock(), "xtask: error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(cli: &Cli) -> Result<ExitCode> {
+    match cli.task {
+        Task::HelpPages { check } => finish(&help_pages::generated(&root()), check, "make docs"),
+    }
+}
+
+/// The repository's root.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository").to_path_buf()
+}
+
+/// Writes the stale files, or names them, and `remedy`, where `check` is set.
+fn finish(generated: &Generated, check: bool, remedy: &str) -> Result<ExitCode> {
+    let stale = generated.stale()?;
+    let mut stderr = io::stderr().lock();
+    if check {
+        for path in &stale {
+            writeln!(stderr, "stale: {} (`{remedy}` renews it)", path.display())?;
+        }
+        return Ok(ExitCode::from(u8::from(!stale.is_empty())));
+    }
+    generated.write(&stale)?;
+    for path in &stale {
+        writeln!(stderr, "renewed: {}", path.display())?;
+    }
+    Ok(ExitCode::SUCCESS)
 }

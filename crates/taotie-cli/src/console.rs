@@ -32,20 +32,21 @@ pub fn json_warnings(warnings: &Warnings) -> serde_json::Value {
     warnings.iter().map(|(what, count)| serde_json::json!({ "what": what, "count": count })).collect()
 }
 
-/// The causes of an error from the outside in, without those that the one before has already told.
+/// The causes of an error from the outside in.
 pub fn causes(error: &anyhow::Error) -> String {
-    error.chain().map(ToString::to_string).fold(String::new(), |told, cause| match told.as_str() {
-        "" => cause,
-        _ if told.ends_with(&cause) => told,
-        _ => format!("{told}: {cause}"),
-    })
+    format!("{error:#}")
 }
 
 /// Whether the error comes from a reader that went away.
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    let kind =
-        |cause: &(dyn std::error::Error + 'static)| cause.downcast_ref::<io::Error>().map(io::Error::kind);
-    error.chain().any(|cause| kind(cause) == Some(io::ErrorKind::BrokenPipe))
+    error.chain().filter_map(io_error).any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
+}
+
+fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::Error> {
+    match error.downcast_ref() {
+        Some(taotie::Error::Io { cause, .. }) => Some(cause),
+        _ => error.downcast_ref(),
+    }
 }
 
 /// A bar that appears on a terminal once the work has taken a second.
@@ -100,5 +101,17 @@ mod tests {
         let error = anyhow::Error::from(taotie::Error::io("a.obj", refused)).context("reading");
         assert_eq!(causes(&error), "reading: a.obj: not there");
         assert_eq!(causes(&anyhow!("alone")), "alone");
+    }
+
+    #[test]
+    fn a_reader_that_went_away_is_recognised_in_both_kinds_of_error() {
+        let refused = |kind| io::Error::new(kind, "refused");
+        let plain = |kind| anyhow::Error::from(refused(kind)).context("writing");
+        let ours = |kind| anyhow::Error::from(taotie::Error::io("a.png", refused(kind))).context("writing");
+        assert!(is_broken_pipe(&plain(io::ErrorKind::BrokenPipe)));
+        assert!(is_broken_pipe(&ours(io::ErrorKind::BrokenPipe)));
+        assert!(!is_broken_pipe(&plain(io::ErrorKind::NotFound)));
+        assert!(!is_broken_pipe(&ours(io::ErrorKind::NotFound)));
+        assert!(!is_broken_pipe(&anyhow!("alone")));
     }
 }

@@ -10,7 +10,7 @@ mod options;
 mod render;
 mod sheet;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
@@ -30,6 +30,11 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// Renders the built-in bronze jue by every surface method and shading model.
     Demo(demo::DemoArgs),
+}
+
+/// The definition of the command line, from which help pages are made.
+pub fn command() -> clap::Command {
+    Cli::command()
 }
 
 /// Runs the command with its arguments, the program's name first.

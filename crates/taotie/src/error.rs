@@ -10,13 +10,15 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 pub enum Error {
     /// The operating system refused: the path, the disk or the rights need attention.
-    #[error("{}: {source}", path.display())]
+    ///
+    /// The text already holds what the system said, so this error has no [`source`](std::error::Error::source):
+    /// neither who prints the text alone nor who prints the whole chain loses or repeats it.
+    #[error("{}: {cause}", path.display())]
     Io {
         /// The file or folder concerned.
         path: PathBuf,
         /// What the operating system said.
-        #[source]
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// A file does not hold what its format demands: the file needs attention.
     #[error("{}: {at}: {what}", path.display())]
@@ -56,8 +58,8 @@ pub enum Error {
 
 impl Error {
     /// An operating-system error at `path`.
-    pub fn io(path: impl AsRef<Path>, source: std::io::Error) -> Self {
-        Self::Io { path: path.as_ref().to_path_buf(), source }
+    pub fn io(path: impl AsRef<Path>, cause: std::io::Error) -> Self {
+        Self::Io { path: path.as_ref().to_path_buf(), cause }
     }
 
     /// A format error in `path`, at the place `at`.

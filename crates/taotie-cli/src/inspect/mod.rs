@@ -25,8 +25,9 @@ Examples:
 
 Counted as unhealthy:
   uvs       triangles with a corner outside [0, 1], without uv area, or mirrored (uvs run clockwise)
-  tangents  more than 1 % from unit length, more than 1 degree from perpendicular to the normal, triangles whose
-            corners differ in handedness; where the material has a normal map, the angle to MikkTSpace's tangents
+  tangents  more than 1 % from unit length, more than 1 degree from perpendicular to the normal,
+            triangles whose corners differ in handedness; where the material has a normal map, the
+            angle to MikkTSpace's tangents
   texels    of a tangent-space normal map whose blue is not above one half";
 
 /// Says what is in a model and what is wrong with it.

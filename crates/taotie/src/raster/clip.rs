@@ -34,7 +34,7 @@ impl ClipVolume {
         let mut code = 0;
         for (plane, distance) in self.distances(vertex).into_iter().enumerate() {
             // A NaN distance counts as outside.
-            code |= u8::from(!(distance >= 0.0)) << plane;
+            code |= u8::from(distance < 0.0 || distance.is_nan()) << plane;
         }
         code
     }

@@ -36,11 +36,11 @@ impl Source {
     }
 
     /// From a point to the light; not normalised.
-    pub(super) fn to_light(&self, point: Vec3) -> Vec3 {
+    pub(super) fn ray_from(&self, point: Vec3) -> Vec3 {
         if self.at_infinity { self.place } else { self.place - point }
     }
 
-    /// How far a shadow ray along [`Self::to_light`] goes, in its lengths.
+    /// How far a shadow ray along [`Self::ray_from`] goes, in its lengths.
     pub(super) fn ray_limit(&self) -> f32 {
         if self.at_infinity { f32::INFINITY } else { 1.0 }
     }

@@ -124,10 +124,20 @@ impl<'p, 'a> Pass<'p, 'a> {
         (across * down) as usize
     }
 
+    /// The picture's size and sampling pattern.
+    pub fn viewport(&self) -> &Viewport {
+        &self.viewport
+    }
+
+    /// An empty batch with room for the visibility of every light.
+    pub fn batch(&self) -> Box<Batch> {
+        Batch::new(self.sources.len())
+    }
+
     fn tile(&self, index: usize) -> Result<(Tile, TilePicture)> {
         let tile = Tile::new(&self.viewport, index);
         let mut plane = TilePlane::default();
-        let mut batch = Batch::new(self.sources.len());
+        let mut batch = self.batch();
         let mut resolve = Resolve::new(self.viewport.pattern, self.settings.aovs);
         for sample in 0..self.viewport.pattern.offsets().len() {
             let keys = self.visible(&tile, sample, &mut plane)?;
@@ -180,8 +190,8 @@ impl<'p, 'a> Pass<'p, 'a> {
         shaded
     }
 
-    /// The parts of `keys` that belong to one draw each.
-    fn runs<'k>(&self, keys: &'k [Key]) -> impl Iterator<Item = (usize, &'k [Key])> {
+    /// The parts of `keys`, sorted by draw, that belong to one draw each, with the draw's number.
+    pub fn runs<'k>(&self, keys: &'k [Key]) -> impl Iterator<Item = (usize, &'k [Key])> {
         let draw_of = |key: &Key| self.prepared.draw_of(key.triangle);
         keys.chunk_by(move |a, b| draw_of(a) == draw_of(b)).map(move |keys| (draw_of(&keys[0]), keys))
     }

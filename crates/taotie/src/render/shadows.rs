@@ -55,10 +55,10 @@ pub(super) fn trace_shadows(
 ) {
     let casters = prepared.casters();
     for (light, source) in sources.iter().enumerate() {
-        for i in 0..batch.len {
-            let to_light = source.to_light(origins[i]);
+        for (i, origin) in origins.iter().enumerate().take(batch.len) {
+            let to_light = source.ray_from(*origin);
             let faces = get3(&batch.n, i).dot(to_light) > 0.0;
-            let seen = faces && casters.sees(prepared, origins[i], to_light, source.ray_limit());
+            let seen = faces && casters.sees(prepared, *origin, to_light, source.ray_limit());
             batch.visibility[light][i] = f32::from(u8::from(seen));
         }
     }

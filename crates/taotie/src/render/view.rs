@@ -60,7 +60,7 @@ fn perspective(fov_y: f64, aspect: Option<f64>, picture: f64, near: f64, far: Op
     if !(fov_y > 0.0 && fov_y < std::f64::consts::PI) {
         return Err(Error::invalid("camera field of view", "it must lie between 0° and 180°"));
     }
-    if !(near > 0.0 && near.is_finite()) || far.is_some_and(|far| !(far > near)) {
+    if !(near > 0.0 && near.is_finite()) || far.is_some_and(|far| far <= near || far.is_nan()) {
         return Err(Error::invalid("camera planes", "near must be above 0 and below far"));
     }
     let tangent = scalar::tan(fov_y / 2.0);

@@ -81,13 +81,18 @@ const BOSS: f64 = 0.05;
 
 /// A unit sphere with bosses as height map, tangent-space or object-space normal map.
 pub fn embossed_sphere(space: NormalSpace) -> Scene {
+    embossed_sphere_with(space, 256, 64)
+}
+
+/// The embossed sphere with its relief in `relief`² and its colours in `color`² texels.
+pub fn embossed_sphere_with(space: NormalSpace, relief: u32, color: u32) -> Scene {
     let slope = |u: f64, v: f64| {
         let h = 1e-4;
         let du = (bosses(u + h, v) - bosses(u - h, v)) / (2.0 * h) * BOSS;
         let dv = (bosses(u, v + h) - bosses(u, v - h)) / (2.0 * h) * BOSS;
         (du, dv)
     };
-    let normals = texture(256, Encoding::Linear, |u, v| {
+    let normals = texture(relief, Encoding::Linear, |u, v| {
         let (theta, phi) = (std::f64::consts::PI * v, std::f64::consts::TAU * u);
         let (du, dv) = slope(u, v);
         // Slopes over arc length; green points up, against v.
@@ -105,12 +110,13 @@ pub fn embossed_sphere(space: NormalSpace) -> Scene {
         };
         [n.x * 0.5 + 0.5, n.y * 0.5 + 0.5, n.z * 0.5 + 0.5, 1.0]
     });
-    let heights = texture(256, Encoding::Linear, |u, v| [bosses(u, v), 0.0, 0.0, 1.0]);
-    let colors = texture(64, Encoding::Srgb, |u, v| match ((u * 8.0) as u32 + (v * 4.0) as u32) % 2 {
+    let heights = texture(relief, Encoding::Linear, |u, v| [bosses(u, v), 0.0, 0.0, 1.0]);
+    let colors = texture(color, Encoding::Srgb, |u, v| match ((u * 8.0) as u32 + (v * 4.0) as u32) % 2 {
         0 => [0.85, 0.55, 0.3, 1.0],
         _ => [0.35, 0.5, 0.45, 1.0],
     });
-    let orm = texture(64, Encoding::Linear, |u, v| [1.0 - 0.5 * v, 0.25 + 0.5 * v, f64::from(u > 0.5), 1.0]);
+    let orm =
+        texture(color, Encoding::Linear, |u, v| [1.0 - 0.5 * v, 0.25 + 0.5 * v, f64::from(u > 0.5), 1.0]);
     let material = Material {
         base_color: [1.0; 4],
         base_color_texture: Some(plain(2)),

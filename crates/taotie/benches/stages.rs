@@ -1,0 +1,127 @@
+//! Milliseconds per stage of a fixed picture: an embossed sphere under one light, by `ggx`, at one sample a pixel.
+//!
+//! Everything but `whole-frame-all-threads` runs on one thread, so that `clip-and-bin`, `raster`, `texture` and
+//! `shade` add up to `whole-frame` but for the resolve into the picture; `film` comes after it.
+
+#![allow(missing_docs, reason = "criterion's macros make public functions")]
+
+#[path = "../tests/common/scenes.rs"]
+#[allow(dead_code, reason = "the golden pictures use the rest")]
+mod scenes;
+
+use criterion::{
+    BenchmarkGroup, Criterion, SamplingMode, criterion_group, criterion_main, measurement::WallTime,
+};
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+use taotie::film::{Development, develop8};
+use taotie::math::Vec3;
+use taotie::raster::{Tile, TilePlane};
+use taotie::render::{BATCH, Lighting, Pass, Prepared, RenderSettings};
+use taotie::scene::{Camera, NormalSpace};
+
+/// Texels across each of the four textures.
+const TEXTURE_SIZE: u32 = 2048;
+
+/// From here the unit sphere covers about 60 % of the picture.
+const DISTANCE: f64 = 3.29;
+
+/// What the stages of one picture took.
+#[derive(Default)]
+struct Times {
+    raster: Duration,
+    texture: Duration,
+    shade: Duration,
+    /// How many pixels show the sphere.
+    fragments: usize,
+}
+
+/// Runs the stages as the renderer does, batch by batch, so that each finds its data in the caches.
+fn stages(pass: &Pass<'_, '_>) -> Times {
+    let mut times = Times::default();
+    let mut plane = TilePlane::default();
+    let mut batch = pass.batch();
+    for index in 0..pass.tile_count() {
+        let tile = Tile::new(pass.viewport(), index);
+        let start = Instant::now();
+        let keys = pass.visible(&tile, 0, &mut plane).expect("the SIMD level is there");
+        times.raster += start.elapsed();
+        times.fragments += keys.len();
+        for (draw, keys) in pass.runs(&keys) {
+            for keys in keys.chunks(BATCH) {
+                let start = Instant::now();
+                let origins = pass.gather(&tile, 0, draw, keys, &mut batch);
+                let gathered = Instant::now();
+                pass.light(draw, &origins, &mut batch);
+                times.texture += gathered - start;
+                times.shade += gathered.elapsed();
+                black_box(&batch);
+            }
+        }
+    }
+    times
+}
+
+fn camera() -> Camera {
+    scenes::camera(25.0, 20.0, DISTANCE)
+}
+
+fn lighting() -> Lighting {
+    Lighting {
+        lights: vec![scenes::directional(Vec3::new(0.6, -1.0, -0.7), 1.2)],
+        ambient: Vec3::splat(0.08),
+    }
+}
+
+/// Measures every stage for a sphere of about `2 · columns · rows` triangles.
+fn sphere(criterion: &mut Criterion, name: &str, columns: usize, rows: usize) {
+    let mut scene = scenes::embossed_sphere_with(NormalSpace::Tangent, TEXTURE_SIZE, TEXTURE_SIZE);
+    scene.meshes = vec![scenes::sphere(1.0, columns, rows)];
+    let settings = RenderSettings { samples: 1, ..RenderSettings::default() };
+    let prepared = Prepared::new(&scene, &settings.surface).expect("the scene is sound");
+    let (camera, lighting) = (camera(), lighting());
+    let new_pass = || Pass::new(&prepared, &camera, &lighting, &settings).expect("the settings are sound");
+    let frame = || new_pass().render(&|_| {}).expect("the picture fits");
+
+    let pass = new_pass();
+    let covered = stages(&pass).fragments as f64 / f64::from(settings.width * settings.height);
+    assert!((0.55..0.65).contains(&covered), "the sphere covers {covered} of the picture");
+
+    let mut group = group(criterion, name);
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread is to be had");
+    group.bench_function("clip-and-bin", |b| b.iter(|| one_thread.install(new_pass)));
+    let mut stage = |name: &str, time: fn(&Times) -> Duration| {
+        let run = || time(&one_thread.install(|| stages(&pass)));
+        group.bench_function(name, |b| b.iter_custom(|count| (0..count).map(|_| run()).sum()));
+    };
+    stage("raster", |times| times.raster);
+    stage("texture", |times| times.texture);
+    stage("shade", |times| times.shade);
+    let color = frame().color;
+    let film = || develop8(&color, &Development::default());
+    group.bench_function("film", |b| b.iter(|| one_thread.install(film)));
+    group.bench_function("whole-frame", |b| b.iter(|| one_thread.install(frame)));
+    group.bench_function("whole-frame-all-threads", |b| b.iter(frame));
+    group.finish();
+}
+
+fn group<'c>(criterion: &'c mut Criterion, name: &str) -> BenchmarkGroup<'c, WallTime> {
+    let mut group = criterion.benchmark_group(name);
+    group
+        .sample_size(10)
+        .sampling_mode(SamplingMode::Flat)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(3));
+    group
+}
+
+fn few_triangles(criterion: &mut Criterion) {
+    sphere(criterion, "sphere-2k", 46, 23);
+}
+
+fn many_triangles(criterion: &mut Criterion) {
+    sphere(criterion, "sphere-200k", 448, 224);
+}
+
+criterion_group!(benches, few_triangles, many_triangles);
+criterion_main!(benches);

@@ -1,0 +1,74 @@
+//! The help pages in `docs/help`: what `taotie --help` and `taotie <subcommand> --help` print.
+
+use crate::generated::Generated;
+use clap::Command;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Columns that the text is wrapped to.
+const WIDTH: usize = 100;
+
+/// All pages, to be kept below the repository's `root`.
+pub fn generated(root: &Path) -> Generated {
+    Generated { folder: root.join("docs/help"), files: pages(taotie_cli::command()) }
+}
+
+/// The text of each page by its file's name: the front page and one for each subcommand.
+fn pages(command: Command) -> BTreeMap<String, String> {
+    let mut command = command.term_width(WIDTH);
+    // Tells the subcommands the program's name and the width.
+    command.build();
+    let links: String = command.get_subcommands().map(link).collect();
+    let name = command.get_name().to_string();
+    let front = format!("{}\n{links}", page(&name, &mut command));
+    let subcommands = command.get_subcommands_mut().map(|subcommand| {
+        let title = format!("{name} {}", subcommand.get_name());
+        (file_name(subcommand.get_name()), page(&title, subcommand))
+    });
+    std::iter::once((file_name(&name), front)).chain(subcommands).collect()
+}
+
+fn file_name(command: &str) -> String {
+    format!("{command}.md")
+}
+
+fn link(subcommand: &Command) -> String {
+    let name = subcommand.get_name();
+    format!("- [{name}]({})\n", file_name(name))
+}
+
+fn page(title: &str, command: &mut Command) -> String {
+    let help = command.render_long_help().to_string();
+    let lines: Vec<&str> = help.trim().lines().map(str::trim_end).collect();
+    format!("# {title}\n\n```text\n{}\n```\n", lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_kept_pages_are_fresh() {
+        let stale = generated(&crate::root()).stale().expect("the pages are readable");
+        assert!(stale.is_empty(), "`make docs` renews {stale:?}");
+    }
+
+    #[test]
+    fn every_subcommand_has_a_page_that_the_front_page_links() {
+        let pages = pages(taotie_cli::command());
+        for name in ["render", "inspect", "demo"] {
+            assert!(pages["taotie.md"].contains(&format!("]({name}.md)")));
+            let usage = format!("Usage: taotie {name} ");
+            assert!(pages[&format!("{name}.md")].contains(&usage), "{pages:#?}");
+        }
+    }
+
+    #[test]
+    fn the_text_is_as_wide_as_stated() {
+        let widest = |page: &String| page.lines().map(|line| line.chars().count()).max().unwrap_or(0);
+        let pages = pages(taotie_cli::command());
+        let widths: Vec<usize> = pages.values().map(widest).collect();
+        assert!(widths.iter().all(|width| *width <= WIDTH), "{widths:?}");
+        assert!(widths.iter().any(|width| *width > WIDTH * 9 / 10), "{widths:?}");
+    }
+}
