@@ -1,41 +1,11 @@
 //! Readers of option values that several subcommands share.
 
-use taotie::film::ToneCurve;
-use taotie::math::{SimdLevel, Vec3};
-use taotie::shade::Shading;
-use taotie::surface::{SurfaceMethod, TangentMethod};
+use taotie::math::Vec3;
+use taotie::names::Named;
 
-/// One of a list of named values; the error lists the names.
-pub fn named<T: Copy>(what: &str, names: &[(&'static str, T)], value: &str) -> Result<T, String> {
-    names.iter().find(|(name, _)| *name == value).map(|(_, v)| *v).ok_or_else(|| {
-        let list: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
-        format!("there is no {what} of this name; choose one of: {}", list.join(", "))
-    })
-}
-
-/// A reflectance model by name.
-pub fn shading(value: &str) -> Result<Shading, String> {
-    named("shading model", &Shading::NAMES, value)
-}
-
-/// A surface method by name.
-pub fn surface(value: &str) -> Result<SurfaceMethod, String> {
-    named("surface method", &SurfaceMethod::NAMES, value)
-}
-
-/// A tangent method by name.
-pub fn tangents(value: &str) -> Result<TangentMethod, String> {
-    named("tangent method", &TangentMethod::NAMES, value)
-}
-
-/// A tone curve by name.
-pub fn tone(value: &str) -> Result<ToneCurve, String> {
-    named("tone curve", &ToneCurve::NAMES, value)
-}
-
-/// A SIMD level by name.
-pub fn simd(value: &str) -> Result<SimdLevel, String> {
-    named("SIMD level", &SimdLevel::NAMES, value)
+/// A value by its name; the error lists the names.
+pub fn named<T: Named>(value: &str) -> Result<T, String> {
+    T::from_name(value).map_err(|error| error.to_string())
 }
 
 /// `WIDTHxHEIGHT`.
@@ -105,6 +75,6 @@ mod tests {
 
     #[test]
     fn unknown_names_are_answered_with_the_list() {
-        assert!(shading("gxx").unwrap_err().contains("ggx"));
+        assert!(named::<taotie::shade::Shading>("gxx").unwrap_err().contains("ggx"));
     }
 }

@@ -6,7 +6,7 @@
 //! L3   render                         io
 //! L2   surface  shade  scene  raster  trace  film
 //! L1   image           mesh
-//! L0   math  error
+//! L0   math         error  names
 //! ```
 //!
 //! `raster` and `trace` find *hits*, never colours; `shade` turns numbers into numbers and never sees a scene;
@@ -19,6 +19,7 @@ pub mod image;
 pub mod io;
 pub mod math;
 pub mod mesh;
+pub mod names;
 pub mod raster;
 pub mod render;
 pub mod scene;

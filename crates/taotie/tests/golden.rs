@@ -12,6 +12,7 @@ use taotie::film::{Development, develop8};
 use taotie::image::{Encoding, Image, Texels};
 use taotie::io::{PngColor, PngImage, PngSamples, read_bitmap, write_png, write_text};
 use taotie::math::{SimdLevel, Vec3};
+use taotie::names::Named;
 use taotie::render::{Frame, Lighting, RenderSettings, SurfaceSettings, render};
 use taotie::scene::{Camera, Light, NormalSpace, Scene};
 use taotie::shade::Shading;

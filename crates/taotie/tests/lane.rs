@@ -7,6 +7,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use taotie::math::{Lane, Mask, SimdLevel, Vec3, poly, scalar};
+use taotie::names::Named;
 use taotie::shade::fresnel::{f_conductor, f_dielectric};
 use taotie::shade::lights::{inverse_square, range_window, spot_cone};
 use taotie::shade::{Angles, Shading, Substance, reflect};
@@ -560,7 +561,7 @@ fn tally(graph: &[Node]) -> BTreeMap<&'static str, usize> {
 #[test]
 fn a_recorder_writes_the_models_down_and_they_play_back() {
     let mut random = Random(11);
-    for (name, shading) in Shading::NAMES {
+    for (name, shading) in Shading::NAMES.iter().copied() {
         let graph = Graph::default();
         let inputs = std::array::from_fn(|i| Recorder::push(&graph, Node::Input(i)));
         let outputs = shade(shading, &inputs).to_array().map(|output| output.at);

@@ -5,6 +5,7 @@
 use taotie::film::{Development, ToneCurve, develop_pixel, develop8, develop16, srgb_from_linear};
 use taotie::image::Image;
 use taotie::math::{SimdLevel, Vec3, srgb};
+use taotie::names::Named;
 
 /// A rising sequence from black to far beyond any light.
 fn rising() -> impl Iterator<Item = f32> {
@@ -28,7 +29,7 @@ fn picture(width: u32, height: u32) -> Image {
 
 #[test]
 fn greys_rise_from_black_to_at_most_one() {
-    for (name, curve) in ToneCurve::NAMES {
+    for (name, curve) in ToneCurve::NAMES.iter().copied() {
         let mut last = Vec3::splat(0.0);
         assert_eq!(curve.apply(last).to_array(), [0.0; 3], "{name}: black");
         for grey in rising() {
@@ -47,7 +48,7 @@ fn greys_rise_from_black_to_at_most_one() {
 #[test]
 fn nonsense_stays_in_range() {
     let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, f32::MAX, f32::MIN_POSITIVE, 1e-45];
-    for (name, curve) in ToneCurve::NAMES {
+    for (name, curve) in ToneCurve::NAMES.iter().copied() {
         for (a, b) in odd.into_iter().flat_map(|a| odd.map(|b| (a, b))) {
             let shown = curve.apply(Vec3::new(a, b, 0.5));
             assert!(
@@ -128,7 +129,7 @@ fn codes_come_back_from_their_light() {
 fn every_level_gives_the_same_bits() {
     // A width that leaves a rest after packs of eight and after bands.
     let image = picture(1031, 7);
-    for (name, tone) in ToneCurve::NAMES {
+    for (name, tone) in ToneCurve::NAMES.iter().copied() {
         for background in [None, Some(Vec3::new(0.2, 0.5, 0.9))] {
             let at = |simd| Development { exposure_stops: 0.7, tone, background, simd };
             let expected = develop16(&image, &at(SimdLevel::Scalar)).unwrap();
@@ -176,7 +177,7 @@ fn what_is_out_of_range_is_named() {
     let bright = Development { background: Some(Vec3::splat(2.0)), ..Development::default() };
     assert!(develop16(&image, &bright).unwrap_err().to_string().contains("background"));
     assert!(ToneCurve::from_name("filmic").unwrap_err().to_string().contains("neutral, linear"));
-    for (name, curve) in ToneCurve::NAMES {
+    for (name, curve) in ToneCurve::NAMES.iter().copied() {
         assert_eq!(ToneCurve::from_name(name).unwrap().name(), curve.name());
     }
 }

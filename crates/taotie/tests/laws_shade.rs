@@ -3,6 +3,7 @@
 
 use std::f64::consts::{LN_2, PI};
 use taotie::math::{Vec3, scalar};
+use taotie::names::Named;
 use taotie::shade::fresnel::{f_conductor, f_dielectric, f_f82, f_schlick, f_schlick_f90, f82_drop};
 use taotie::shade::lights::{inverse_square, range_window, spot_cone};
 use taotie::shade::masking::{
@@ -416,7 +417,7 @@ fn unphysical_models_earn_their_names() {
         shininess: 100.0,
         ..white()
     };
-    for (_, shading) in Shading::NAMES {
+    for (_, shading) in Shading::NAMES.iter().copied() {
         if PHYSICAL.contains(&shading) {
             continue;
         }
@@ -431,7 +432,7 @@ fn unphysical_models_earn_their_names() {
 #[test]
 fn light_from_behind_gives_nothing() {
     let mut random = Random(3);
-    for (_, shading) in Shading::NAMES {
+    for (_, shading) in Shading::NAMES.iter().copied() {
         let (s, v, l) = (random.substance(), random.direction(0.1), -random.direction(0.0));
         let value = reflect(shading, &s, &Angles::new(N, v, l));
         if shading == Shading::GgxPrinted {
@@ -476,7 +477,7 @@ fn every_value_is_a_plain_number() {
                     shininess: bit(4) * 1e5,
                     slope: if bit(5) > 0.0 { 10.0 } else { 1e-9 },
                 };
-                for (name, shading) in Shading::NAMES {
+                for (name, shading) in Shading::NAMES.iter().copied() {
                     let value = reflect(shading, &s, &a);
                     assert!(value.is_finite(), "{name}: {value:?} at v {v:?} l {l:?} {s:?}");
                     assert!(

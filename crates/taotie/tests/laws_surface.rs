@@ -3,6 +3,7 @@
 use serde_json::Value;
 use taotie::math::{Vec2, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
+use taotie::names::Named;
 use taotie::surface::*;
 
 const METHODS: [TangentMethod; 3] = [TangentMethod::Face, TangentMethod::Averaged, TangentMethod::MikkTSpace];

@@ -5,6 +5,7 @@
 use serde_json::Value;
 use taotie::film::{ToneCurve, srgb_from_linear};
 use taotie::math::Vec3;
+use taotie::names::Named;
 
 fn oracle() -> Value {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/oracle/film_oracle.json");
@@ -29,7 +30,7 @@ fn every_curve_follows_its_publication() {
     let oracle = oracle();
     let inputs = colors(&oracle["inputs"]);
     assert_eq!(oracle["curves"].as_object().unwrap().len(), ToneCurve::NAMES.len());
-    for (name, curve) in ToneCurve::NAMES {
+    for (name, curve) in ToneCurve::NAMES.iter().copied() {
         let expected = colors(&oracle["curves"][name]);
         assert_eq!(expected.len(), inputs.len());
         let (mut worst, mut worst_wide) = (0.0f64, 0.0f64);

@@ -5,6 +5,7 @@ mod common;
 
 use serde_json::Value;
 use taotie::math::{Lane, Vec3, poly};
+use taotie::names::Named;
 use taotie::scene::preset;
 use taotie::shade::fresnel::{f_conductor, f_dielectric, f_f82, f_schlick, f_schlick_f90, f82_drop};
 use taotie::shade::lights::{inverse_square, range_window, spot_cone};
@@ -118,7 +119,7 @@ fn models_agree<L: Scalar>(tolerance: f64) {
     let mut check = Check::new(tolerance);
     for (i, case) in rows(&oracle, "cases").iter().enumerate() {
         let (s, a) = (substance::<L>(case), angles::<L>(case));
-        for (name, shading) in Shading::NAMES {
+        for (name, shading) in Shading::NAMES.iter().copied() {
             check.color(&format!("case {i} {name}"), reflect(shading, &s, &a), &case["models"][name]);
         }
     }

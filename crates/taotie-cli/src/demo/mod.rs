@@ -15,6 +15,7 @@ use taotie::film::{self, Development};
 use taotie::image::{Encoding, Image, Texture};
 use taotie::io::{self, PngColor, PngImage, PngSamples};
 use taotie::math::Vec3;
+use taotie::names::Named;
 use taotie::render::{Lighting, RenderSettings, SurfaceSettings, render};
 use taotie::scene::{
     Camera, Falloff, Light, LightKind, NormalSpace, Orbit, Scene, fitting_distance, from_view,

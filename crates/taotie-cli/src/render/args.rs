@@ -30,14 +30,14 @@ pub struct RenderArgs {
 
     /// Reflectance model: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
     /// cook-torrance-printed, blinn-phong-printed, ggx-printed
-    #[arg(long, value_parser = options::shading, default_value = "ggx", help_heading = "Surface")]
+    #[arg(long, value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
     pub shading: Shading,
     /// Where normals come from: facet, smooth, bump, bump-printed, object-normal, tangent-normal; the best that the
     /// material provides if not given
-    #[arg(long, value_parser = options::surface, help_heading = "Surface")]
+    #[arg(long, value_parser = options::named::<SurfaceMethod>, help_heading = "Surface")]
     pub surface: Option<SurfaceMethod>,
     /// How tangents are made: face, averaged, mikktspace; the file's own if not given
-    #[arg(long, value_parser = options::tangents, help_heading = "Surface")]
+    #[arg(long, value_parser = options::named::<TangentMethod>, help_heading = "Surface")]
     pub tangents: Option<TangentMethod>,
     /// Height of white in model units for `bump`, the paper's factor for `bump-printed`
     #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
@@ -99,7 +99,7 @@ pub struct RenderArgs {
     #[arg(long, default_value_t = 4, help_heading = "Picture")]
     pub samples: u32,
     /// Tone curve: neutral, linear, reinhard, aces, agx
-    #[arg(long, value_parser = options::tone, default_value = "neutral", help_heading = "Picture")]
+    #[arg(long, value_parser = options::named::<ToneCurve>, default_value = "neutral", help_heading = "Picture")]
     pub tone: ToneCurve,
     /// Exposure in stops
     #[arg(long, value_name = "STOPS", value_parser = options::number, default_value = "0", allow_negative_numbers = true, help_heading = "Picture")]
@@ -118,7 +118,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// SIMD level: auto, scalar, sse2, avx2, neon. Pixels do not depend on it
-    #[arg(long, value_parser = options::simd, default_value = "auto", help_heading = "Running")]
+    #[arg(long, value_parser = options::named::<SimdLevel>, default_value = "auto", help_heading = "Running")]
     pub simd: SimdLevel,
     /// Print a report as JSON
     #[arg(long, help_heading = "Running")]

@@ -79,13 +79,7 @@ fn parse(spec: &str, camera: &Camera) -> Result<Light> {
     };
     let strength = words.take("strength", options::number)?.unwrap_or(3.0);
     let color = words.take("color", options::color)?.unwrap_or(Vec3::splat(1.0));
-    let falloff = words.take("falloff", |value| {
-        options::named(
-            "falloff",
-            &[("none", Falloff::None), ("inverse-square", Falloff::InverseSquare)],
-            value,
-        )
-    })?;
+    let falloff = words.take("falloff", falloff)?;
     if let Some((key, _)) = words.values.first_key_value() {
         bail!("a {} light has no `{key}`", words.kind);
     }
@@ -98,6 +92,14 @@ fn parse(spec: &str, camera: &Camera) -> Result<Light> {
         color: color * strength as f32,
         falloff: falloff.unwrap_or(Falloff::InverseSquare),
     })
+}
+
+fn falloff(value: &str) -> Result<Falloff, String> {
+    match value {
+        "none" => Ok(Falloff::None),
+        "inverse-square" => Ok(Falloff::InverseSquare),
+        _ => Err(format!("there is no falloff `{value}`; choose none or inverse-square")),
+    }
 }
 
 /// The way the light travels: from a place relative to the view, or a world direction.

@@ -15,6 +15,7 @@ use camera::Viewpoint;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use taotie::names::Named;
 use taotie::render::{Lighting, Pass, Prepared};
 use taotie::scene::Scene;
 use taotie::{Warnings, io};

@@ -6,6 +6,7 @@ use snapbox::str;
 use taotie::image::{Bitmap, Texels};
 use taotie::io::read_bitmap;
 use taotie::math::SimdLevel;
+use taotie::names::Named;
 
 fn picture(place: &Place, name: &str) -> Bitmap {
     read_bitmap(&place.path(name)).expect("it is a picture")

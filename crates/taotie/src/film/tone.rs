@@ -1,8 +1,8 @@
 //! The tone curves by name.
 
 use super::curves::{aces, agx, linear, neutral, reinhard};
-use crate::error::{Error, Result};
 use crate::math::{Lane, Vec3};
+use crate::names::Named;
 
 /// How unbounded light is fitted into what a screen shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -20,32 +20,18 @@ pub enum ToneCurve {
     Agx,
 }
 
-impl ToneCurve {
-    /// Every curve with its name on the command line.
-    pub const NAMES: [(&'static str, ToneCurve); 5] = [
+impl Named for ToneCurve {
+    const WHAT: &'static str = "tone curve";
+    const NAMES: &'static [(&'static str, Self)] = &[
         ("neutral", Self::Neutral),
         ("linear", Self::Linear),
         ("reinhard", Self::Reinhard),
         ("aces", Self::Aces),
         ("agx", Self::Agx),
     ];
+}
 
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, curve)| *curve == self).map_or("", |(name, _)| name)
-    }
-
-    /// The curve of this name.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] that lists the names.
-    pub fn from_name(name: &str) -> Result<Self> {
-        Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, curve)| *curve).ok_or_else(|| {
-            let known = Self::NAMES.map(|(known, _)| known).join(", ");
-            Error::invalid(format!("tone curve `{name}`"), format!("there is {known}"))
-        })
-    }
-
+impl ToneCurve {
     /// The display-referred linear colour in [0, 1] of a scene-referred one (linear sRGB primaries).
     ///
     /// Channels below zero or NaN count as zero, those above 1e9 as 1e9.

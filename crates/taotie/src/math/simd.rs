@@ -1,6 +1,7 @@
 //! Which SIMD level runs: a choice of speed, never of pixels.
 
 use crate::error::{Error, Result};
+use crate::names::Named;
 use fearless_simd::Level;
 
 /// A SIMD level by name. All levels give the same bits.
@@ -19,21 +20,18 @@ pub enum SimdLevel {
     Neon,
 }
 
-impl SimdLevel {
-    /// Every level with its name on the command line.
-    pub const NAMES: [(&'static str, SimdLevel); 5] = [
+impl Named for SimdLevel {
+    const WHAT: &'static str = "SIMD level";
+    const NAMES: &'static [(&'static str, Self)] = &[
         ("auto", Self::Auto),
         ("scalar", Self::Scalar),
         ("sse2", Self::Sse2),
         ("avx2", Self::Avx2),
         ("neon", Self::Neon),
     ];
+}
 
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, level)| *level == self).map_or("auto", |(name, _)| name)
-    }
-
+impl SimdLevel {
     /// The levels that this machine can run, `Auto` left out.
     pub fn available() -> Vec<SimdLevel> {
         let named = Self::NAMES.iter().map(|(_, level)| *level);

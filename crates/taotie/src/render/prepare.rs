@@ -5,6 +5,7 @@ use super::shadows::ShadowCasters;
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3, scalar};
 use crate::mesh::Mesh;
+use crate::names::Named;
 use crate::scene::{AlphaMode, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene};
 use crate::surface::{self, SurfaceMethod, TangentMethod};
 use std::collections::HashMap;

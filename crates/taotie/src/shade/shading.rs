@@ -1,6 +1,6 @@
 //! The reflectance models by name.
 
-use crate::error::{Error, Result};
+use crate::names::Named;
 
 /// A reflectance model. The correct models bear their standard names; a model ending in `Printed` computes what
 /// the seed paper or article prints, errors included, so that its pictures can be reproduced and compared.
@@ -27,9 +27,9 @@ pub enum Shading {
     GgxPrinted,
 }
 
-impl Shading {
-    /// Every model with its name on the command line.
-    pub const NAMES: [(&'static str, Shading); 9] = [
+impl Named for Shading {
+    const WHAT: &'static str = "shading model";
+    const NAMES: &'static [(&'static str, Self)] = &[
         ("lambert", Self::Lambert),
         ("phong", Self::Phong),
         ("blinn-phong", Self::BlinnPhong),
@@ -40,39 +40,4 @@ impl Shading {
         ("blinn-phong-printed", Self::BlinnPhongPrinted),
         ("ggx-printed", Self::GgxPrinted),
     ];
-
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.iter().find(|(_, shading)| *shading == self).map_or("", |(name, _)| name)
-    }
-
-    /// The model of this name.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`], listing the names, where there is none.
-    pub fn from_name(name: &str) -> Result<Self> {
-        Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, shading)| *shading).ok_or_else(|| {
-            let names: Vec<_> = Self::NAMES.iter().map(|(name, _)| *name).collect();
-            Error::invalid(format!("shading `{name}`"), format!("choose one of {}", names.join(", ")))
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_lead_back() {
-        for (name, shading) in Shading::NAMES {
-            assert_eq!(shading.name(), name);
-            assert_eq!(Shading::from_name(name).unwrap(), shading);
-        }
-    }
-
-    #[test]
-    fn an_unknown_name_is_told_the_known_ones() {
-        let error = Shading::from_name("gxx").unwrap_err().to_string();
-        assert!(error.contains("gxx") && error.contains("cook-torrance-printed"), "{error}");
-    }
 }

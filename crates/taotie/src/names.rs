@@ -1,0 +1,27 @@
+//! Values that users choose by name: one list of names for the command line, files, tests and errors.
+
+use crate::error::{Error, Result};
+
+/// A closed set of values, each with the name that users write.
+pub trait Named: Copy + PartialEq + 'static {
+    /// What the set is called in messages, such as `shading model`.
+    const WHAT: &'static str;
+    /// Every value with its name.
+    const NAMES: &'static [(&'static str, Self)];
+
+    /// The name of this value.
+    fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, value)| *value == self).map_or("", |(name, _)| name)
+    }
+
+    /// The value of this name.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] that lists the names.
+    fn from_name(name: &str) -> Result<Self> {
+        Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, value)| *value).ok_or_else(|| {
+            let known: Vec<&str> = Self::NAMES.iter().map(|(known, _)| *known).collect();
+            Error::invalid(format!("{} `{name}`", Self::WHAT), format!("choose one of: {}", known.join(", ")))
+        })
+    }
+}

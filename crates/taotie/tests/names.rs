@@ -1,0 +1,26 @@
+//! Every set of named values leads from name to value and back.
+
+use taotie::film::ToneCurve;
+use taotie::math::SimdLevel;
+use taotie::names::Named;
+use taotie::shade::Shading;
+use taotie::surface::{SurfaceMethod, TangentMethod};
+
+fn names_lead_back<T: Named + std::fmt::Debug>() {
+    for (name, value) in T::NAMES {
+        assert_eq!(value.name(), *name);
+        assert_eq!(T::from_name(name).unwrap(), *value);
+    }
+    let error = T::from_name("nonesuch").unwrap_err().to_string();
+    assert!(T::NAMES.iter().all(|(name, _)| error.contains(name)), "{error}");
+    assert!(error.contains("`nonesuch`") && error.contains(T::WHAT), "{error}");
+}
+
+#[test]
+fn every_name_leads_back_and_an_unknown_one_is_told_the_list() {
+    names_lead_back::<Shading>();
+    names_lead_back::<SurfaceMethod>();
+    names_lead_back::<TangentMethod>();
+    names_lead_back::<ToneCurve>();
+    names_lead_back::<SimdLevel>();
+}
