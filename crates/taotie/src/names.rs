@@ -21,7 +21,10 @@ pub trait Named: Copy + PartialEq + 'static {
     fn from_name(name: &str) -> Result<Self> {
         Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, value)| *value).ok_or_else(|| {
             let known: Vec<&str> = Self::NAMES.iter().map(|(known, _)| *known).collect();
-            Error::invalid(format!("{} `{name}`", Self::WHAT), format!("choose one of: {}", known.join(", ")))
+            Error::invalid(
+                format!("{} `{name}`", Self::WHAT),
+                format!("there is none of this name; choose one of: {}", known.join(", ")),
+            )
         })
     }
 }

@@ -22,7 +22,7 @@ fn unknown_shading() {
     refused_beside_a_model(
         "render a.obj -o a.png --shading gxx",
         str![[r#"
-error: invalid value 'gxx' for '--shading <SHADING>': there is no shading model of this name; choose one of: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, cook-torrance-printed, blinn-phong-printed, ggx-printed
+error: invalid value 'gxx' for '--shading <SHADING>': shading model `gxx`: there is none of this name; choose one of: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, cook-torrance-printed, blinn-phong-printed, ggx-printed
 
 For more information, try '--help'.
 
@@ -35,7 +35,7 @@ fn unknown_surface() {
     refused_beside_a_model(
         "render a.obj -o a.png --surface rough",
         str![[r#"
-error: invalid value 'rough' for '--surface <SURFACE>': there is no surface method of this name; choose one of: facet, smooth, bump, bump-printed, object-normal, tangent-normal
+error: invalid value 'rough' for '--surface <SURFACE>': surface method `rough`: there is none of this name; choose one of: facet, smooth, bump, bump-printed, object-normal, tangent-normal
 
 For more information, try '--help'.
 
@@ -178,7 +178,7 @@ fn unknown_simd_level() {
     refused_beside_a_model(
         "render a.obj -o a.png --simd mmx",
         str![[r#"
-error: invalid value 'mmx' for '--simd <SIMD>': there is no SIMD level of this name; choose one of: auto, scalar, sse2, avx2, neon
+error: invalid value 'mmx' for '--simd <SIMD>': SIMD level `mmx`: there is none of this name; choose one of: auto, scalar, sse2, avx2, neon
 
 For more information, try '--help'.
 

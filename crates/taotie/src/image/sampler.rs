@@ -53,14 +53,20 @@ pub struct Sampler {
 }
 
 impl Wrap {
-    /// The texel index in [0, size) for the integral coordinate `i`.
+    /// The texel index in [0, size) for the integral coordinate `i` in [-1, period], where the period is `size`, for
+    /// mirroring twice that. Comparisons do what a slow division would.
     #[inline]
     fn apply(self, i: i32, size: i32) -> usize {
+        let within = |period: i32| match i {
+            i if i < 0 => i + period,
+            i if i >= period => i - period,
+            i => i,
+        };
         let wrapped = match self {
-            Self::Repeat => i.rem_euclid(size),
+            Self::Repeat => within(size),
             Self::Clamp => i.clamp(0, size - 1),
             Self::Mirror => {
-                let j = i.rem_euclid(2 * size);
+                let j = within(2 * size);
                 if j < size { j } else { 2 * size - 1 - j }
             }
         };
@@ -166,10 +172,26 @@ mod tests {
 
     #[test]
     fn wraps_as_gltf_says() {
-        let indices = |wrap: Wrap| (-5..9).map(|i| wrap.apply(i, 4)).collect::<Vec<_>>();
-        assert_eq!(indices(Wrap::Repeat), [3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0]);
-        assert_eq!(indices(Wrap::Mirror), [3, 3, 2, 1, 0, 0, 1, 2, 3, 3, 2, 1, 0, 0]);
-        assert_eq!(indices(Wrap::Clamp), [0, 0, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 3, 3]);
+        let indices = |wrap: Wrap, last: i32| (-1..=last).map(|i| wrap.apply(i, 4)).collect::<Vec<_>>();
+        assert_eq!(indices(Wrap::Repeat, 4), [3, 0, 1, 2, 3, 0]);
+        assert_eq!(indices(Wrap::Mirror, 8), [0, 0, 1, 2, 3, 3, 2, 1, 0, 0]);
+        assert_eq!(indices(Wrap::Clamp, 8), [0, 0, 1, 2, 3, 3, 3, 3, 3, 3]);
+    }
+
+    #[test]
+    fn far_coordinates_repeat_and_mirror() {
+        for (wrap, period) in [(Wrap::Repeat, 1.0), (Wrap::Mirror, 2.0)] {
+            let sampler = Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() };
+            for i in 0..40 {
+                let u = i as f32 / 16.0 - 1.25;
+                let at = |u: f32| sampler.sample(&ramp(), Vec2::new(u, 0.5), 0.0);
+                assert_eq!(at(u), at(u + 8.0 * period), "{wrap:?} {u}");
+                assert_eq!(at(u), at(u - 6.0 * period), "{wrap:?} {u}");
+                if wrap == Wrap::Mirror {
+                    assert_eq!(at(u), at(-u), "{u}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -208,6 +208,9 @@ impl<'p, 'a> Gather<'p, 'a> {
             set3(&mut batch.tangent, i, Vec3::new(x, y, z));
             batch.handedness[i] = draw.tangents[footprint.vertices[0] as usize][3];
         }
+        if !self.pass.settings.shadows {
+            return position;
+        }
         let corners = footprint.vertices.map(|v| draw.positions[v as usize]);
         let corner_normals = footprint.vertices.map(|v| draw.normals[v as usize] * facing);
         let lift = n_geom * self.pass.shadow_lift;
@@ -263,10 +266,14 @@ impl<'p, 'a> Gather<'p, 'a> {
         let [r, g, b, a] = footprint.tint(scene, draw);
         set3(&mut batch.tint, i, Vec3::new(r, g, b));
         batch.alpha[i] = material.base_color[3] * a;
-        let [_, roughness, metallic, _] = sample(&material.metallic_roughness_texture);
-        batch.roughness[i] = material.roughness * roughness;
-        batch.metallic[i] = material.metallic * metallic;
-        let [occlusion, ..] = sample(&material.occlusion_texture);
+        let packed = sample(&material.metallic_roughness_texture);
+        batch.roughness[i] = material.roughness * packed[1];
+        batch.metallic[i] = material.metallic * packed[2];
+        // Files often pack occlusion into the red channel of the same texture.
+        let [occlusion, ..] = match material.occlusion_texture == material.metallic_roughness_texture {
+            true => packed,
+            false => sample(&material.occlusion_texture),
+        };
         batch.occlusion[i] = 1.0 + material.occlusion_strength * (occlusion - 1.0);
         let [er, eg, eb, _] = sample(&material.emissive_texture);
         let [fr, fg, fb] = material.emissive;

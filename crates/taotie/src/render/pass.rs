@@ -37,7 +37,7 @@ pub struct Pass<'p, 'a> {
     layered: Bins,
     sources: Vec<Source>,
     ambient: Vec3,
-    settings: RenderSettings,
+    pub(super) settings: RenderSettings,
     level: Level,
 }
 
