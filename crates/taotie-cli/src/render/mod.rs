@@ -62,31 +62,50 @@ fn render(args: &RenderArgs) -> Result<Report> {
     check_extent(args, &loaded.scene)?;
     material::apply(args, &mut loaded.scene)?;
     watch.lap("load");
-    let settings = args.settings();
-    let prepared =
-        Prepared::new(&loaded.scene, &settings.surface).with_context(|| args.model.display().to_string())?;
+    let prepared = Prepared::new(&loaded.scene, &args.settings().surface)
+        .with_context(|| args.model.display().to_string())?;
     warnings.absorb(prepared.warnings().clone());
     watch.lap("prepare");
     let viewpoint = Viewpoint::choose(args, &loaded.scene)?;
-    let frames = args.turntable.unwrap_or(1);
+    let studio = Studio { args, scene: &loaded.scene, prepared: &prepared, viewpoint };
     let mut files = Vec::new();
-    for index in 0..frames {
+    for index in 0..studio.frames() {
+        files.extend(studio.take(index, &mut watch)?);
+    }
+    Ok(Report { files, triangles: loaded.scene.triangle_count(), warnings, seconds: watch.laps })
+}
+
+/// Everything that stays as it is from one frame of a turntable to the next.
+struct Studio<'a> {
+    args: &'a RenderArgs,
+    scene: &'a Scene,
+    prepared: &'a Prepared<'a>,
+    viewpoint: Viewpoint,
+}
+
+impl Studio<'_> {
+    fn frames(&self) -> u32 {
+        self.args.turntable.unwrap_or(1)
+    }
+
+    /// Renders and writes one frame; returns the files.
+    fn take(&self, index: u32, watch: &mut Watch) -> Result<Vec<PathBuf>> {
+        let (args, frames) = (self.args, self.frames());
         let turn = std::f64::consts::TAU * f64::from(index) / f64::from(frames);
-        let camera = viewpoint.camera(turn);
         let lighting = Lighting {
-            lights: lights::choose(args, &loaded.scene, &viewpoint, turn)?,
-            ambient: args.ambient(&loaded.scene),
+            lights: lights::choose(args, self.scene, &self.viewpoint, turn)?,
+            ambient: args.ambient(self.scene),
         };
         let title = if frames > 1 { format!("frame {} of {frames}", index + 1) } else { "render".into() };
         let progress = Progress::new(title);
-        let frame =
-            Pass::new(&prepared, &camera, &lighting, &settings)?.render(&|done| progress.set(done))?;
+        let pass = Pass::new(self.prepared, &self.viewpoint.camera(turn), &lighting, &args.settings())?;
+        let frame = pass.render(&|done| progress.set(done))?;
         watch.lap("render");
         let path = if frames > 1 { numbered(&args.output, index, frames) } else { args.output.clone() };
-        files.extend(output::write(args, &path, &frame)?);
+        let files = output::write(args, &path, &frame)?;
         watch.lap("write");
+        Ok(files)
     }
-    Ok(Report { files, triangles: loaded.scene.triangle_count(), warnings, seconds: watch.laps })
 }
 
 /// Refuses a model that has nothing to be seen from anywhere.

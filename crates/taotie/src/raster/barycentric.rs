@@ -44,7 +44,18 @@ impl PerspectiveTriangle {
             let sum = self.planes[0][step] + self.planes[1][step] + self.planes[2][step];
             std::array::from_fn(|i| ((self.planes[i][step] - weights[i] * sum) * inverse) as f32)
         };
-        Barycentric { weights: weights.map(|w| w as f32), d_x: derivative(1), d_y: derivative(2) }
+        Barycentric { weights: inside(weights), d_x: derivative(1), d_y: derivative(2) }
+    }
+}
+
+/// The weights brought into the triangle. Vertices are snapped for coverage, so a covered sample can lie a little
+/// outside the exact triangle, and a sliver seen edge-on has no weights at all.
+fn inside(weights: [f64; 3]) -> [f32; 3] {
+    let kept = weights.map(|w| w.max(0.0));
+    let sum = kept[0] + kept[1] + kept[2];
+    match sum > 0.0 && sum.is_finite() {
+        true => kept.map(|w| (w / sum) as f32),
+        false => [1.0 / 3.0; 3],
     }
 }
 
@@ -68,6 +79,20 @@ mod tests {
         assert!(close(triangle.at(100.0, 50.0).weights, [0.0, 1.0, 0.0]));
         // Halfway on the screen the near corner weighs three times the far one.
         assert!(close(triangle.at(50.0, 50.0).weights, [0.75, 0.25, 0.0]));
+    }
+
+    #[test]
+    fn weights_never_leave_the_triangle() {
+        let viewport = Viewport { width: 100, height: 50, pattern: SamplePattern::new(1).unwrap() };
+        let flat = [[-1.0, -1.0, 0.0, 1.0], [1.0, 1.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
+        let wide = [[-1.0, -1.0, 0.0, 1.0], [3.0, -3.0, 0.0, 3.0], [-1.0, 1.0, 0.0, 1.0]];
+        for (corners, x, y) in
+            [(flat, 50.0, 25.0), (flat, 3.0, 40.0), (wide, -4.0, 60.0), (wide, 120.0, 10.0)]
+        {
+            let weights = PerspectiveTriangle::new(corners, &viewport).at(x, y).weights;
+            assert!(weights.iter().all(|w| (0.0..=1.0).contains(w)), "{weights:?}");
+            assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{weights:?}");
+        }
     }
 
     #[test]

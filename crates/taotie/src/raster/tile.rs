@@ -4,7 +4,7 @@ use super::bin::{Bins, ScreenTriangle};
 use super::{SUBPIXELS, Viewport};
 use crate::error::Result;
 use crate::math::SimdLevel;
-use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8, mask32x8, prelude::*, u32x8};
+use fearless_simd::{Simd, dispatch, f32x8, i32x8, mask32x8, prelude::*, u32x8};
 
 /// The side of a tile in pixels.
 pub const TILE_SIZE: u32 = 64;
@@ -89,11 +89,8 @@ pub fn rasterize_opaque(
     let level = simd.dispatch()?;
     plane.ids.fill(NO_TRIANGLE);
     plane.depths.fill(0.0);
-    for triangle in bins.tile(tile.index) {
-        if let Some(setup) = TileTriangle::new(triangle, tile, offset) {
-            scan(level, &setup, &mut Nearest { plane });
-        }
-    }
+    let mut sink = Nearest { plane };
+    dispatch!(level, simd => scan_triangles(simd, bins, tile, offset, &mut sink));
     Ok(())
 }
 
@@ -110,11 +107,8 @@ pub fn rasterize_layers(
 ) -> Result<Vec<Layer>> {
     let level = simd.dispatch()?;
     let mut layers = Vec::new();
-    for triangle in bins.tile(tile.index) {
-        if let Some(setup) = TileTriangle::new(triangle, tile, offset) {
-            scan(level, &setup, &mut InFront { opaque, layers: &mut layers });
-        }
-    }
+    let mut sink = InFront { opaque, layers: &mut layers };
+    dispatch!(level, simd => scan_triangles(simd, bins, tile, offset, &mut sink));
     Ok(layers)
 }
 
@@ -236,8 +230,13 @@ fn depth_plane(triangle: &ScreenTriangle, [ox, oy]: [i32; 2]) -> [f32; 3] {
     [at_origin as f32, (dz_dx * subpixels) as f32, (dz_dy * subpixels) as f32]
 }
 
-fn scan<K: Sink>(level: Level, triangle: &TileTriangle, sink: &mut K) {
-    dispatch!(level, simd => scan_packs(simd, triangle, sink));
+#[inline(always)]
+fn scan_triangles<S: Simd, K: Sink>(simd: S, bins: &Bins, tile: &Tile, offset: [i32; 2], sink: &mut K) {
+    for triangle in bins.tile(tile.index) {
+        if let Some(setup) = TileTriangle::new(triangle, tile, offset) {
+            scan_packs(simd, &setup, sink);
+        }
+    }
 }
 
 #[inline(always)]
