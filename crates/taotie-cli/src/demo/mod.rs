@@ -33,7 +33,7 @@ const SCHEMA: u32 = 1;
 
 /// Renders the built-in bronze jue by every surface method and shading model.
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
+#[command(before_help = EXAMPLES)]
 pub struct DemoArgs {
     /// Folder to write to; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "taotie-demo")]

@@ -32,7 +32,7 @@ Counted as unhealthy:
 
 /// Says what is in a model and what is wrong with it.
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
+#[command(before_help = EXAMPLES)]
 pub struct InspectArgs {
     /// The model: .gltf, .glb, .obj, .ply or .stl
     pub model: PathBuf,

@@ -20,7 +20,7 @@ Examples:
 
 /// Renders a model (glTF, GLB, OBJ, PLY, STL) to a picture (PNG, EXR).
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
+#[command(before_help = EXAMPLES)]
 pub struct RenderArgs {
     /// The model: .gltf, .glb, .obj, .ply or .stl
     pub model: PathBuf,
@@ -36,7 +36,7 @@ pub struct RenderArgs {
     /// material provides if not given
     #[arg(long, value_parser = options::named::<SurfaceMethod>, help_heading = "Surface")]
     pub surface: Option<SurfaceMethod>,
-    /// How tangents are made: face, averaged, mikktspace; the file's own if not given
+    /// How tangents are made: face, averaged, mikktspace; if not given the file's own, else mikktspace
     #[arg(long, value_parser = options::named::<TangentMethod>, help_heading = "Surface")]
     pub tangents: Option<TangentMethod>,
     /// Height of white in model units for `bump`, the paper's factor for `bump-printed`
