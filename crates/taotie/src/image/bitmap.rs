@@ -84,6 +84,16 @@ impl Bitmap {
         &self.texels
     }
 
+    /// The numbers of texel `i` as stored, 1 being the largest of an integer type; nothing is decoded.
+    #[inline]
+    pub fn stored(&self, i: usize) -> [f32; 4] {
+        match &self.texels {
+            Texels::U8(t) => t[i].map(|v| f32::from(v) / 255.0),
+            Texels::U16(t) => t[i].map(|v| f32::from(v) / 65535.0),
+            Texels::F32(t) => t[i],
+        }
+    }
+
     /// Bits a channel: 8, 16 or 32.
     pub fn bits(&self) -> u8 {
         match self.texels {

@@ -49,18 +49,13 @@ pub fn invalid_texels(bitmap: &Bitmap) -> usize {
 /// Nine in ten vectors must be within 0.2 of unit length and six in ten within 0.06; texels that are grey (padding)
 /// do not count. It is a tangent-space map where 99 in 100 of the first have z > 0.
 pub fn is_normal_map(bitmap: &Bitmap) -> NormalMapKind {
-    let texels = bitmap.texels();
-    let tally = (0..texels.len()).into_par_iter().map(|i| Tally::of(vector(texels, i)));
+    let tally = (0..bitmap.texels().len()).into_par_iter().map(|i| Tally::of(vector(bitmap, i)));
     tally.reduce(Tally::default, Tally::plus).verdict()
 }
 
 /// The vector of texel `i`, of any length.
-fn vector(texels: &Texels, i: usize) -> Vec3 {
-    let [r, g, b] = match texels {
-        Texels::U8(t) => [0, 1, 2].map(|c| f32::from(t[i][c]) / 255.0),
-        Texels::U16(t) => [0, 1, 2].map(|c| f32::from(t[i][c]) / 65535.0),
-        Texels::F32(t) => [t[i][0], t[i][1], t[i][2]],
-    };
+fn vector(bitmap: &Bitmap, i: usize) -> Vec3 {
+    let [r, g, b, _] = bitmap.stored(i);
     Vec3::new(2.0 * r - 1.0, 2.0 * g - 1.0, 2.0 * b - 1.0)
 }
 
@@ -146,7 +141,7 @@ fn block_votes(bitmap: &Bitmap) -> Vec<f64> {
 fn cell_vote(bitmap: &Bitmap, x: usize, y: usize) -> Option<f64> {
     const SEAM: f32 = 0.5;
     let w = bitmap.width() as usize;
-    let at = |x: usize, y: usize| slopes(vector(bitmap.texels(), y * w + x));
+    let at = |x: usize, y: usize| slopes(vector(bitmap, y * w + x));
     let (a, b, c, d) = (at(x, y)?, at(x + 1, y)?, at(x, y + 1)?, at(x + 1, y + 1)?);
     let dp_dy = 0.5 * ((a.x + b.x) - (c.x + d.x));
     let dq_dx = 0.5 * ((b.y + d.y) - (a.y + c.y));
@@ -158,4 +153,44 @@ fn cell_vote(bitmap: &Bitmap, x: usize, y: usize) -> Option<f64> {
 fn slopes(v: Vec3) -> Option<Vec2> {
     let sound = (v.length() - 1.0).abs() < 0.2 && v.z > 0.2;
     sound.then(|| Vec2::new(-v.x / v.z, -v.y / v.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::scalar;
+
+    fn picture(channels: u8, texel: impl Fn(f64, f64) -> [f64; 3]) -> Bitmap {
+        let texels = (0..4096)
+            .map(|i| {
+                let [r, g, b] = texel(f64::from(i % 64) / 63.0, f64::from(i / 64) / 63.0);
+                [r, g, b, 1.0].map(|v| (v * 255.0 + 0.5) as u8)
+            })
+            .collect();
+        Bitmap::new(64, 64, channels, Texels::U8(texels)).unwrap()
+    }
+
+    fn encoded(x: f64, y: f64, z: f64) -> [f64; 3] {
+        let length = (x * x + y * y + z * z).sqrt();
+        [x, y, z].map(|v| v / length * 0.5 + 0.5)
+    }
+
+    #[test]
+    fn tells_heights_from_both_kinds_of_normals() {
+        let kind = |channels, texel: &dyn Fn(f64, f64) -> [f64; 3]| is_normal_map(&picture(channels, texel));
+        assert_eq!(kind(3, &|u, v| [u * v; 3]), NormalMapKind::No);
+        assert_eq!(kind(1, &|_, _| [0.5; 3]), NormalMapKind::No);
+        assert_eq!(kind(3, &|u, v| [u, v, 0.2]), NormalMapKind::No);
+        assert_eq!(kind(3, &|_, _| [0.0; 3]), NormalMapKind::No);
+        assert_eq!(kind(3, &|_, _| [0.5, 0.5, 1.0]), NormalMapKind::Tangent);
+        let waves = |u: f64, v: f64| encoded(scalar::sin(u * 40.0), scalar::cos(v * 30.0), 1.0);
+        assert_eq!(kind(3, &waves), NormalMapKind::Tangent);
+        assert_eq!(kind(3, &|u, v| if u < 0.7 { [0.0; 3] } else { waves(u, v) }), NormalMapKind::Tangent);
+        let sphere = |u: f64, v: f64| {
+            let (a, z) = (u * std::f64::consts::TAU, 2.0 * v - 1.0);
+            let r = (1.0 - z * z).sqrt();
+            encoded(r * scalar::cos(a), r * scalar::sin(a), z)
+        };
+        assert_eq!(kind(3, &sphere), NormalMapKind::Object);
+    }
 }

@@ -1,13 +1,13 @@
 //! MTL materials into the scene's.
 
 use super::mtl::{Channel, Map, Mtl};
-use super::pixels::{Relief, relief, stored};
 use super::textures::{Reader, Textures, combine};
 use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
 use crate::scene::{
     AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
 };
+use crate::surface::{NormalMapKind, is_normal_map};
 
 /// The material of files and names that no library describes: the neutral default, seen from both sides, since
 /// formats without a rule for back faces are full of shells and of faces wound either way.
@@ -125,13 +125,13 @@ fn set_opacity_map(m: &mut Material, mtl: &Mtl, map: &Map, textures: &mut Textur
 }
 
 fn has_alpha(bitmap: &Bitmap) -> bool {
-    matches!(bitmap.channels(), 2 | 4) && (0..bitmap.texels().len()).any(|i| stored(bitmap, i)[3] < 1.0)
+    matches!(bitmap.channels(), 2 | 4) && (0..bitmap.texels().len()).any(|i| bitmap.stored(i)[3] < 1.0)
 }
 
 /// Whether at least 95 in 100 texels are fully there or fully away.
 fn is_cutout(bitmap: &Bitmap) -> bool {
     let count = bitmap.texels().len();
-    let hard = (0..count).filter(|i| !(0.02..0.98).contains(&stored(bitmap, *i)[3])).count();
+    let hard = (0..count).filter(|i| !(0.02..0.98).contains(&bitmap.stored(*i)[3])).count();
     hard as u64 * 100 >= count as u64 * 95
 }
 
@@ -185,7 +185,7 @@ fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, 
 fn is_colorful(bitmap: &Bitmap) -> bool {
     let count = bitmap.texels().len();
     (0..count).step_by((count >> 16) | 1).any(|i| {
-        let [r, g, b, _] = stored(bitmap, i);
+        let [r, g, b, _] = bitmap.stored(i);
         r.max(g).max(b) - r.min(g).min(b) > 8.0 / 255.0
     })
 }
@@ -195,21 +195,21 @@ fn set_relief(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &m
     if let Some(map) = &mtl.bump_map
         && let Some(texture) = textures.plain(map, &mtl.folder, Encoding::Linear, warnings)
     {
-        match relief(textures.list[texture].bitmap()) {
-            Relief::Height => m.height = height_map(texture, map, mtl, textures, warnings),
+        match is_normal_map(textures.list[texture].bitmap()) {
+            NormalMapKind::No => m.height = height_map(texture, map, mtl, textures, warnings),
             kind => m.normal = Some(normal_map(texture, map, kind)),
         }
     }
     if let Some(map) = &mtl.normal_map
         && let Some(texture) = textures.plain(map, &mtl.folder, Encoding::Linear, warnings)
     {
-        m.normal = Some(normal_map(texture, map, relief(textures.list[texture].bitmap())));
+        m.normal = Some(normal_map(texture, map, is_normal_map(textures.list[texture].bitmap())));
     }
 }
 
 /// -bm multiplies the leaning of the normals.
-fn normal_map(texture: usize, map: &Map, kind: Relief) -> NormalMap {
-    let space = if kind == Relief::ObjectNormals { NormalSpace::Object } else { NormalSpace::Tangent };
+fn normal_map(texture: usize, map: &Map, kind: NormalMapKind) -> NormalMap {
+    let space = if kind == NormalMapKind::Object { NormalSpace::Object } else { NormalSpace::Tangent };
     NormalMap { texture: texture_ref(texture, map), scale: map.bump, space, green: GreenChannel::Up }
 }
 

@@ -8,7 +8,6 @@ mod build;
 mod material;
 mod mtl;
 mod parse;
-mod pixels;
 mod textures;
 
 pub(super) use material::neutral;

@@ -4,7 +4,6 @@ use super::super::locate::find;
 use super::super::read_bitmap;
 use super::super::text::quote;
 use super::mtl::{Channel, Map};
-use super::pixels::stored;
 use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, Texels, Texture};
 use std::collections::{HashMap, HashSet};
@@ -121,7 +120,7 @@ impl<'a> Reader<'a> {
         let scaled = |i: u32, n: u32, to: u32| (u64::from(i) * u64::from(to) / u64::from(n)) as usize;
         let column = scaled(x, size.0, self.bitmap.width());
         let row = scaled(y, size.1, self.bitmap.height());
-        let texel = stored(self.bitmap, row * self.bitmap.width() as usize + column);
+        let texel = self.bitmap.stored(row * self.bitmap.width() as usize + column);
         let value = match self.channel {
             Channel::Stored(c) => texel[c],
             Channel::Mean => (texel[0] + texel[1] + texel[2]) / 3.0,
