@@ -8,6 +8,7 @@ use crate::mesh::Mesh;
 use crate::names::Named;
 use crate::scene::{AlphaMode, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene};
 use crate::surface::{self, SurfaceMethod, TangentMethod};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
@@ -21,7 +22,8 @@ pub struct Prepared<'a> {
 
 /// A mesh in the world with one material.
 pub(super) struct Draw<'a> {
-    pub mesh: Arc<Mesh>,
+    /// The scene's own where it lacks nothing.
+    pub mesh: Arc<Cow<'a, Mesh>>,
     pub material: &'a Material,
     /// The number of its first triangle over all draws.
     pub first_triangle: u32,
@@ -101,7 +103,7 @@ struct Preparation<'a, 'b> {
     scene: &'a Scene,
     settings: &'b SurfaceSettings,
     /// Meshes with what was lacking, by mesh and the uv set that tangents follow.
-    meshes: HashMap<(usize, Option<usize>), Arc<Mesh>>,
+    meshes: HashMap<(usize, Option<usize>), Arc<Cow<'a, Mesh>>>,
     warnings: Warnings,
 }
 
@@ -172,7 +174,7 @@ impl<'a> Preparation<'a, '_> {
     }
 
     /// The mesh with normals, and with tangents along `tangent_set` where that is asked for.
-    fn mesh(&mut self, index: usize, tangent_set: Option<usize>) -> Result<Arc<Mesh>> {
+    fn mesh(&mut self, index: usize, tangent_set: Option<usize>) -> Result<Arc<Cow<'a, Mesh>>> {
         if let Some(mesh) = self.meshes.get(&(index, tangent_set)) {
             return Ok(mesh.clone());
         }
@@ -186,7 +188,7 @@ impl<'a> Preparation<'a, '_> {
                 "triangles without uv area, given a tangent frame about their normal",
                 made.degenerate_uvs,
             );
-            mesh = made.mesh;
+            mesh = Cow::Owned(made.mesh);
         }
         let mesh = Arc::new(mesh);
         self.meshes.insert((index, tangent_set), mesh.clone());
@@ -194,19 +196,19 @@ impl<'a> Preparation<'a, '_> {
     }
 }
 
-fn with_normals(mesh: &Mesh) -> Result<Mesh> {
+fn with_normals(mesh: &Mesh) -> Result<Cow<'_, Mesh>> {
     if !mesh.normals().is_empty() {
-        return Ok(mesh.clone());
+        return Ok(Cow::Borrowed(mesh));
     }
     let mut data = mesh.clone().into_data();
     data.normals = surface::vertex_normals(mesh);
     data.tangents = Vec::new();
-    Mesh::new(data)
+    Ok(Cow::Owned(Mesh::new(data)?))
 }
 
 impl<'a> Draw<'a> {
     fn new(
-        mesh: Arc<Mesh>,
+        mesh: Arc<Cow<'a, Mesh>>,
         material: &'a Material,
         first_triangle: u32,
         normal_source: NormalSource<'a>,
