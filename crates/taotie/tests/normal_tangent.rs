@@ -1,5 +1,6 @@
 //! Khronos' NormalTangentTest: cells of real relief stand beside cells that have it as a normal map, in several
 //! orientations. Seen head-on, both must have the same normals; a turned or mirrored tangent frame would show.
+#![allow(clippy::print_stdout, reason = "tests say what they found")]
 
 mod common;
 

@@ -289,7 +289,7 @@ fn metal_presets_agree_with_the_shared_table() {
         let entries = table.as_object().unwrap().values();
         let entry = entries.into_iter().find(|e| e["source"].as_str().is_some_and(|s| s.ends_with(source)));
         let Some(entry) = entry else {
-            println!("skipped: the table has no {source}");
+            eprintln!("skipped: the table has no {source}");
             continue;
         };
         same_color(name, preset(name).unwrap().f0.unwrap(), &entry["F0_linear_sRGB"]);
