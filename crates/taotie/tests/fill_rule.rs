@@ -1,5 +1,9 @@
 //! Laws of coverage: every sample of a shared edge belongs to exactly one triangle, at every SIMD level.
 
+#[path = "common/random.rs"]
+mod random;
+
+use random::Random;
 use taotie::math::SimdLevel;
 use taotie::raster::{
     Bins, Faces, Geometry, SamplePattern, TILE_PIXELS, Tile, TilePlane, Viewport, bin, rasterize_layers,
@@ -7,16 +11,6 @@ use taotie::raster::{
 };
 
 const SIDE: u32 = 128;
-
-/// Pseudo-random numbers in [0, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-}
 
 fn viewport(samples: u32) -> Viewport {
     Viewport { width: SIDE, height: SIDE, pattern: SamplePattern::new(samples).unwrap() }
@@ -44,8 +38,8 @@ fn sheet(cells: usize, random: &mut Random) -> (Vec<[f32; 4]>, Vec<[u32; 3]>) {
         for i in 0..=cells {
             let jitter = |r: f32| (r * 16.0).floor() / 16.0 - 0.5;
             let place = |k: usize, r: f32| ((k as f32 + 0.4 * jitter(r)) / cells as f32) * 2.6 - 1.3;
-            let w = 0.5 + random.next();
-            let (x, y) = (place(i, random.next()), place(j, random.next()));
+            let w = 0.5 + (random.next() as f32);
+            let (x, y) = (place(i, random.next() as f32), place(j, random.next() as f32));
             // Rounded to half pixels in every other cell, so that edges run through sample points.
             let snap = |v: f32| if (i + j) % 2 == 0 { (v * SIDE as f32).round() / SIDE as f32 } else { v };
             clip.push([snap(x) * w, snap(y) * w, 0.25 * w, w]);
@@ -90,7 +84,7 @@ fn a_fan_about_a_sample_point_covers_it_once() {
         let mut clip = vec![[hub[0], hub[1], 0.5, 1.0]];
         let mut random = Random(spokes);
         for i in 0..spokes {
-            let angle = (i as f64 + f64::from(random.next()) * 0.5) / spokes as f64 * std::f64::consts::TAU;
+            let angle = (i as f64 + random.next() * 0.5) / spokes as f64 * std::f64::consts::TAU;
             let (x, y) = (taotie::math::scalar::cos(angle) as f32, taotie::math::scalar::sin(angle) as f32);
             clip.push([hub[0] + 0.5 * x, hub[1] + 0.5 * y, 0.5, 1.0]);
         }
@@ -146,8 +140,9 @@ fn the_nearest_triangle_wins_and_levels_agree_to_the_bit() {
     let mut random = Random(3);
     let mut clip = Vec::new();
     for _ in 0..3 * 400 {
-        let w = 0.2 + 3.0 * random.next();
-        let (x, y, z) = (random.next() * 3.0 - 1.5, random.next() * 3.0 - 1.5, random.next());
+        let w = 0.2 + 3.0 * (random.next() as f32);
+        let (x, y, z) =
+            ((random.next() as f32) * 3.0 - 1.5, (random.next() as f32) * 3.0 - 1.5, random.next() as f32);
         clip.push([x * w, y * w, z * w, w]);
     }
     let triangles: Vec<[u32; 3]> = (0..400).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();

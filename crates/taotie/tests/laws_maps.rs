@@ -3,33 +3,15 @@
 #![allow(clippy::print_stdout, reason = "tests say what they found")]
 
 mod common;
+#[path = "common/random.rs"]
+mod random;
+
+use random::{Random, angle};
 
 use std::path::{Path, PathBuf};
 use taotie::image::{Bitmap, Texels};
 use taotie::math::{Vec3, scalar};
 use taotie::surface::*;
-
-/// Numbers in [0, 1) that are the same on every run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn vector(&mut self) -> Vec3<f64> {
-        Vec3::new(self.next() - 0.5, self.next() - 0.5, self.next() - 0.5)
-    }
-
-    fn unit(&mut self) -> Vec3<f64> {
-        self.vector().normalize()
-    }
-}
-
-fn angle(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
-    scalar::atan2(a.cross(b).length(), a.dot(b))
-}
 
 #[test]
 fn a_flat_map_is_no_map() {

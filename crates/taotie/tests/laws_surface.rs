@@ -1,5 +1,9 @@
 //! What holds for normals and tangents, whatever the mesh.
 
+#[path = "common/random.rs"]
+mod random;
+
+use random::{Random, angle};
 use serde_json::Value;
 use taotie::math::{Vec2, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
@@ -7,28 +11,6 @@ use taotie::names::Named;
 use taotie::surface::*;
 
 const METHODS: [TangentMethod; 3] = [TangentMethod::Face, TangentMethod::Averaged, TangentMethod::MikkTSpace];
-
-/// Numbers in [0, 1) that are the same on every run.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn vector(&mut self) -> Vec3<f64> {
-        Vec3::new(self.next() - 0.5, self.next() - 0.5, self.next() - 0.5)
-    }
-
-    fn unit(&mut self) -> Vec3<f64> {
-        self.vector().normalize()
-    }
-}
-
-fn angle(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
-    scalar::atan2(a.cross(b).length(), a.dot(b))
-}
 
 fn mesh(data: MeshData) -> Mesh {
     Mesh::new(data).unwrap()
