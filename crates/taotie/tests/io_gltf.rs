@@ -12,7 +12,10 @@ use taotie::scene::{AlphaMode, Falloff, LightKind, Projection};
 // ---------------------------------------------------------------------------------------------- files by others
 
 fn models(sub: &str) -> Vec<PathBuf> {
-    data_folder(sub).map_or_else(Vec::new, |folder| files_below(&folder, &["gltf", "glb"]))
+    let Some(folder) = data_folder(sub) else { return Vec::new() };
+    let models = files_below(&folder, &["gltf", "glb"]);
+    assert!(!models.is_empty(), "{} holds no model", folder.display());
+    models
 }
 
 /// Loads within a minute, or fails in one line that names the file.
@@ -103,23 +106,25 @@ fn odd_models_load_or_say_why() {
 }
 
 /// The validator's report beside each file tells whether it is sound. A sound file loads unless it has no geometry
-/// or no triangle, or is another stated case.
+/// or no triangle.
 #[test]
 fn models_that_the_validator_accepts_load() {
+    let mut sound = 0;
     for path in models("gltf-validator") {
         let result = load(&path);
         let report = PathBuf::from(format!("{}.report.json", path.display()));
-        let Ok(report) = std::fs::read(report) else { continue };
-        let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&std::fs::read(report).unwrap()).unwrap();
         if report["issues"]["numErrors"] != 0 {
             continue;
         }
+        sound += 1;
         if let Err(error) = result {
             let triangles = report["info"]["totalTriangleCount"].as_u64().unwrap_or(0);
-            let empty = triangles == 0 && error.contains("nothing to draw");
-            assert!(empty || is_stated_case(&path, &error), "{error}");
+            let minimum = report["info"]["minVersion"].is_string() && error.contains("glTF version");
+            assert!(triangles == 0 && error.contains("nothing to draw") || minimum, "{error}");
         }
     }
+    assert!(sound > 0 || data_folder("gltf-validator").is_none(), "no file is sound");
 }
 
 // ------------------------------------------------------------------------------------------------ made here
