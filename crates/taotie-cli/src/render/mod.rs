@@ -12,9 +12,9 @@ use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use taotie::Warnings;
 use taotie::names::Named;
 use taotie::render::{Pass, Prepared};
-use taotie::Warnings;
 use taotie::scene::Scene;
 
 /// Version of the JSON that `--json` prints.

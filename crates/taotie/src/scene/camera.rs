@@ -143,11 +143,11 @@ mod tests {
 
     #[test]
     fn pixels_fill_the_angle_of_view() {
-        let orbit = Orbit { azimuth: 0.0, elevation: 0.0, distance: 3.0, target: Vec3::default(), fov_y: 1.0 };
+        let orbit =
+            Orbit { azimuth: 0.0, elevation: 0.0, distance: 3.0, target: Vec3::default(), fov_y: 1.0 };
         let size = orbit.camera(1.0).pixel_size(3.0, 200, 100);
         assert!((size - 2.0 * 3.0 * scalar::tan(0.5) / 100.0).abs() < 1e-12);
-        let projection =
-            Projection::Orthographic { half_width: 4.0, half_height: 1.0, near: 0.0, far: 9.0 };
+        let projection = Projection::Orthographic { half_width: 4.0, half_height: 1.0, near: 0.0, far: 9.0 };
         let camera = Camera { projection, ..orbit.camera(1.0) };
         assert_eq!([1.0, 7.0].map(|depth| camera.pixel_size(depth, 200, 100)), [0.04; 2]);
     }
