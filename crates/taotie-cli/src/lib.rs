@@ -9,6 +9,7 @@ pub mod jue;
 mod options;
 mod render;
 mod sheet;
+mod studio;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
