@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 fine, 2 error. Results go to stdout, talk to stderr; a closed pipe is no error.
 
+mod compare;
 mod console;
 mod demo;
 mod inspect;
@@ -28,6 +29,8 @@ struct Cli {
 enum Command {
     /// Renders a model to a picture.
     Render(Box<render::RenderArgs>),
+    /// Renders a model by several surface methods and measures how they differ.
+    Compare(Box<compare::CompareArgs>),
     /// Says what is in a model and what is wrong with it.
     Inspect(inspect::InspectArgs),
     /// Renders the built-in bronze jue by every surface method and shading model.
@@ -51,6 +54,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Demo(args) => demo::run(&args),
     };

@@ -10,6 +10,7 @@ mod model;
 pub use args::{CameraArgs, FilmArgs, LightArgs, MaterialArgs, RunningArgs};
 pub use camera::{Framing, Viewpoint};
 pub use lights::lighting;
+pub use material::apply_choice;
 pub use model::load;
 
 use anyhow::{Context, Result};

@@ -46,6 +46,22 @@ pub struct PngImage<'a> {
 /// # Errors
 /// [`Error::Invalid`] where the sample count does not fit the size, [`Error::Io`] where the file cannot be written.
 pub fn write_png(path: &Path, image: &PngImage) -> Result<()> {
+    check(image)?;
+    write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
+}
+
+/// The bytes that [`write_png`] would write.
+///
+/// # Errors
+/// [`Error::Invalid`] where the sample count does not fit the size.
+pub fn encode_png(image: &PngImage) -> Result<Vec<u8>> {
+    check(image)?;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    encode(image, &mut bytes).map_err(|e| Error::invalid("PNG image", e.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+fn check(image: &PngImage) -> Result<()> {
     let channels = match image.color {
         PngColor::Grey => 1,
         PngColor::Rgb => 3,
@@ -62,7 +78,7 @@ pub fn write_png(path: &Path, image: &PngImage) -> Result<()> {
         let why = format!("{count} samples for {}×{}×{channels}", image.width, image.height);
         return Err(Error::invalid("PNG image", why));
     }
-    write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
+    Ok(())
 }
 
 fn encode(image: &PngImage, out: &mut dyn super::Sink) -> std::result::Result<(), png::EncodingError> {
