@@ -88,7 +88,8 @@ fn over([r, g, b, alpha]: [f64; 4], background: [f64; 3]) -> [f64; 3] {
 fn encoded(linear: [f64; 3]) -> ([f32; 3], bool) {
     const ROUNDING: f64 = 1e-6;
     let inside = linear.iter().all(|v| (-ROUNDING..=1.0 + ROUNDING).contains(v));
-    (linear.map(|v| srgb_from_linear(v.max(0.0).min(1.0)).clamp(0.0, 1.0) as f32), !inside)
+    let screen = |v: f64| if v.is_nan() { 0.0 } else { srgb_from_linear(v.clamp(0.0, 1.0)).clamp(0.0, 1.0) };
+    (linear.map(|v| screen(v) as f32), !inside)
 }
 
 #[cfg(test)]
