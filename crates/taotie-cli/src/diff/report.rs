@@ -14,8 +14,7 @@ use taotie::image::Bitmap;
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// The mean angle, degrees, that storing nearly flat normals in 8 bits alone makes: their x and y are off by
-/// anything up to 1/255, and the mean distance from the middle of a square of side 2 is 0.765.
+/// The mean angle, degrees, that storing normals in 8 bits alone makes (`laws_bake::eight_bits_cost_a_sixth_of_a_degree`).
 const FLOOR_OF_8_BITS: f64 = 0.17;
 
 /// What came of a comparison.

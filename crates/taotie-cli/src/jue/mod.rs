@@ -13,7 +13,6 @@ mod patina;
 mod profile;
 mod relief;
 mod strokes;
-mod texels;
 mod vessel;
 
 use bake::Bake;
