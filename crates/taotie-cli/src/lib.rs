@@ -9,6 +9,7 @@ mod inspect;
 pub mod jue;
 mod options;
 mod render;
+pub mod report;
 mod sheet;
 mod studio;
 
