@@ -7,10 +7,12 @@ mod demo;
 mod diff;
 mod inspect;
 pub mod jue;
+mod normals;
 mod options;
 mod render;
 pub mod report;
 mod sheet;
+mod spread;
 mod studio;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -31,6 +33,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Says what is in a model and what is wrong with it.
     Inspect(inspect::InspectArgs),
+    /// Makes normal maps from heights, and converts them.
+    Normals(Box<normals::NormalsArgs>),
     /// Says how two pictures or normal maps differ.
     Diff(diff::DiffArgs),
     /// Renders the built-in bronze jue by every surface method and shading model.
@@ -63,6 +67,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let result = match cli.command {
         Command::Render(args) => render::run(&args).map(|()| Outcome::Fine),
         Command::Inspect(args) => inspect::run(&args).map(|()| Outcome::Fine),
+        Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),
         Command::Diff(args) => diff::run(&args),
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
     };

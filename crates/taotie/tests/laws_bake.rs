@@ -303,6 +303,13 @@ fn more_bits_and_back_change_nothing() {
 }
 
 #[test]
+fn dithering_changes_no_code() {
+    let texels = (0..=u16::MAX).map(|c| [c, u16::MAX - c, c ^ 0x5555, u16::MAX]).collect();
+    let all = Bitmap::new(256, 256, 3, Texels::U16(texels)).unwrap();
+    assert_eq!(requantised(&all, Storage { bits: 16, dither: true }).unwrap(), all);
+}
+
+#[test]
 fn green_turned_twice_is_as_it_was() {
     let turned = green_turned(&codes());
     assert_eq!(green_turned(&turned), codes());

@@ -3,9 +3,10 @@
 use super::args::{DiffArgs, Metric};
 use super::subject::{Content, Subject};
 use crate::console::Progress;
+use crate::spread::Spread;
 use anyhow::{Result, bail};
 use serde::Serialize;
-use taotie::compare::{self, Field, Picture, SSIM_WINDOW, Summary};
+use taotie::compare::{self, Field, Picture, SSIM_WINDOW};
 
 /// What was measured; `None` where it does not apply or was not asked for.
 #[derive(Debug, Default, Serialize)]
@@ -20,36 +21,6 @@ pub struct Measured {
     pub psnr: Option<f64>,
     /// [0, 1].
     pub rmse: Option<f64>,
-}
-
-/// What the numbers of a field come to, in its unit.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub struct Spread {
-    /// How many pixels have a number.
-    pub count: usize,
-    /// The arithmetic mean.
-    pub mean: f64,
-    /// The quantile 0.5.
-    pub median: f64,
-    /// The quantiles 0.25 and 0.75.
-    pub quartiles: [f64; 2],
-    /// The quantile 0.95.
-    pub p95: f64,
-    /// The largest.
-    pub max: f64,
-}
-
-impl From<Summary> for Spread {
-    fn from(s: Summary) -> Self {
-        Self {
-            count: s.count,
-            mean: s.mean,
-            median: s.median,
-            quartiles: s.quartiles,
-            p95: s.p95,
-            max: s.max,
-        }
-    }
 }
 
 impl Measured {

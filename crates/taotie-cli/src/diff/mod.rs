@@ -20,17 +20,24 @@ use subject::Subject;
 pub fn run(args: &DiffArgs) -> Result<Outcome> {
     args.check()?;
     let report = studio::in_pool(args.threads, || compare(args))??;
-    if args.json {
-        console::result(&serde_json::to_string_pretty(&report)?)?;
-    } else {
-        console::say_warnings(&report.warnings);
-        console::result(report.text().trim_end())?;
+    match print(args, &report) {
+        // A reader that went away still gets the exit code.
+        Err(error) if !console::is_broken_pipe(&error) => return Err(error),
+        _ => {}
     }
     Ok(if report.threshold.is_some_and(|threshold| threshold.exceeded) {
         Outcome::Different
     } else {
         Outcome::Fine
     })
+}
+
+fn print(args: &DiffArgs, report: &Report) -> Result<()> {
+    if args.json {
+        return console::result(&serde_json::to_string_pretty(report)?);
+    }
+    console::say_warnings(&report.warnings);
+    console::result(report.text().trim_end())
 }
 
 fn compare(args: &DiffArgs) -> Result<Report> {

@@ -1,7 +1,7 @@
 //! What came of a comparison, for people and for machines.
 
 use super::args::DiffArgs;
-use super::measure::{Measured, Spread};
+use super::measure::Measured;
 use super::subject::{Content, Subject};
 use crate::console;
 use anyhow::Result;
@@ -181,14 +181,5 @@ impl File {
             );
         }
         text
-    }
-}
-
-impl Spread {
-    fn text(&self, digits: usize, unit: &str) -> String {
-        let number = |value: f64| format!("{value:.digits$}{unit}");
-        let Self { mean, median, quartiles: [first, third], p95, max, .. } = *self;
-        let [mean, median, first, third, p95, max] = [mean, median, first, third, p95, max].map(number);
-        format!("mean {mean}, median {median}, quartiles {first} and {third}, p95 {p95}, max {max}")
     }
 }

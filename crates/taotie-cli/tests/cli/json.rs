@@ -291,3 +291,36 @@ fn of_diff() {
     );
     assert_eq!((pictures.pixels_per_degree, pictures.b.normals), (67.0, None));
 }
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NormalsReport {
+    schema: u32,
+    version: String,
+    input: String,
+    output: String,
+    size: [u32; 2],
+    from: String,
+    to: String,
+    green_in: String,
+    green: String,
+    bits: u8,
+    dither: bool,
+    stored: Option<Spread>,
+    round_trip: Option<Spread>,
+    warnings: Vec<Counted>,
+}
+
+#[test]
+fn of_normals() {
+    let report: NormalsReport = parse("normals normals.png --to object --mesh a.gltf -o b.png --json");
+    assert_eq!((report.schema, report.version.as_str()), (1, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.input.as_str(), report.output.as_str()), ("normals.png", "b.png"));
+    assert_eq!((report.from.as_str(), report.to.as_str(), report.bits), ("tangent", "object", 16));
+    assert_eq!((report.green_in.as_str(), report.green.as_str(), report.dither), ("up", "up", false));
+    let (stored, back) =
+        (report.stored.expect("there are normals"), report.round_trip.expect("the space changed"));
+    assert_eq!((report.size, stored.count, back.count), ([192, 192], 192 * 192, 192 * 192));
+    assert!(stored.max < 0.01 && back.max < 0.01);
+    assert!(report.warnings.iter().any(|w| w.what.contains("missing.png")));
+}

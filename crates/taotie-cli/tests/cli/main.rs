@@ -8,6 +8,7 @@ mod help;
 mod inspect;
 mod json;
 mod models;
+mod normals;
 mod place;
 mod render;
 mod running;

@@ -112,11 +112,11 @@ fn stored(
     Bitmap::new(width, height, channels, texels)
 }
 
-/// The pattern at a texel, [−0.5, 0.5).
+/// The pattern at a texel, within ±0.49: what is a code up to single precision stays that code.
 fn dither([x, y]: [u32; 2], channel: u32) -> f64 {
     // 2³² over the plastic number and over its square, and 2³² over the golden ratio.
     const STEPS: [u32; 3] = [0xC13F_A9A9, 0x91E1_0DA5, 0x9E37_79B9];
     let phase =
         [x, y, channel].iter().zip(STEPS).fold(0u32, |sum, (v, step)| sum.wrapping_add(v.wrapping_mul(step)));
-    f64::from(phase) / 4_294_967_296.0 - 0.5
+    (f64::from(phase) / 4_294_967_296.0 - 0.5) * 0.98
 }
