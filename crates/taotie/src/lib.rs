@@ -3,7 +3,7 @@
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
 //! ```text
-//! L3   render         bake            io
+//! L3   render          bake           io
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
 //! L0   math         error  names

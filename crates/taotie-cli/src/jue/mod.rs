@@ -14,7 +14,6 @@ mod profile;
 mod relief;
 mod split;
 mod strokes;
-mod texels;
 mod vessel;
 
 use bake::Bake;

@@ -3,10 +3,12 @@
 //! After a wanted change of output, `SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli` renews the snapshots.
 
 mod arguments;
+mod diff;
 mod help;
 mod inspect;
 mod json;
 mod models;
+mod normals;
 mod place;
 mod render;
 mod running;

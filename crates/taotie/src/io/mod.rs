@@ -13,7 +13,8 @@ mod write;
 
 pub use bitmap::{decode_bitmap, read_bitmap};
 pub use write::{
-    ExrLayer, PngColor, PngImage, PngSamples, encode_png, write_bytes, write_exr, write_png, write_text,
+    ExrLayer, PngColor, PngImage, PngSamples, encode_png, write_bytes, write_exr, write_png,
+    write_png_bitmap, write_text,
 };
 
 use crate::error::{Error, Result, Warnings};

@@ -2,7 +2,7 @@
 
 use super::write_with;
 use crate::error::{Error, Result};
-use crate::image::Encoding;
+use crate::image::{Bitmap, Encoding, Texels};
 use std::path::Path;
 
 /// Which channels a picture has.
@@ -39,6 +39,35 @@ pub struct PngImage<'a> {
     /// [`Encoding::Srgb`] marks the file as sRGB colour; [`Encoding::Linear`] leaves it without colour space, which
     /// is right for normals, heights and masks.
     pub encoding: Encoding,
+}
+
+/// Writes the texels of a bitmap of 8 or 16 bits as they are, in as many channels as it says; grey with alpha becomes RGBA.
+///
+/// # Errors
+/// [`Error::Unsupported`] for float texels, [`Error::Io`] where the file cannot be written.
+pub fn write_png_bitmap(path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Result<()> {
+    let (color, channels) = match bitmap.channels() {
+        1 => (PngColor::Grey, 1),
+        3 => (PngColor::Rgb, 3),
+        _ => (PngColor::Rgba, 4),
+    };
+    let write = |samples: PngSamples<'_>| {
+        write_png(
+            path,
+            &PngImage { width: bitmap.width(), height: bitmap.height(), color, samples, encoding },
+        )
+    };
+    match bitmap.texels() {
+        Texels::U8(texels) => write(PngSamples::U8(&samples_of(texels, channels))),
+        Texels::U16(texels) => write(PngSamples::U16(&samples_of(texels, channels))),
+        Texels::F32(_) => {
+            Err(Error::unsupported(format!("{}: float texels in PNG", path.display()), "store 8 or 16 bits"))
+        }
+    }
+}
+
+fn samples_of<T: Copy>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
+    texels.iter().flat_map(|texel| &texel[..channels]).copied().collect()
 }
 
 /// Writes a picture to `path`, whole or not at all. The same picture gives the same bytes.
