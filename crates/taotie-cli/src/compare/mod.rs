@@ -2,6 +2,7 @@
 
 mod args;
 mod comparison;
+mod convert;
 mod files;
 mod look;
 mod matching;
@@ -103,7 +104,7 @@ pub fn write(
     files.write(comparison)?;
     let report = Report::new(comparison, plan, subject, &files)?;
     files.write_text("report.json", &serde_json::to_string_pretty(&report)?)?;
-    let page = page::page(destination.title, &report, comparison, &files)?;
+    let page = page::page(destination.title, &report, comparison, files.heat_top)?;
     files.write_text("report.html", &crate::report::html(&page))?;
     Ok((report, files.written))
 }

@@ -1,7 +1,8 @@
 //! What a comparison prints.
 
-use super::report::{MethodReport, Report, SummaryReport};
+use super::report::{MethodReport, Report, figures};
 use crate::console;
+use crate::spread::Spread;
 use anyhow::Result;
 
 /// Prints the angular errors, and each shading's picture errors.
@@ -16,8 +17,8 @@ pub fn print(report: &Report) -> Result<()> {
     ))?;
     for method in &report.methods {
         let Some(error) = &method.error else { continue };
-        let all = figures(error.all.as_ref());
-        let inner = figures(error.inner.as_ref());
+        let all = texts(error.all.as_ref());
+        let inner = texts(error.inner.as_ref());
         let [mean, median, p95, max] = &all;
         let [inner_mean, _, inner_p95, _] = &inner;
         let line = format!("{mean:>7} {median:>7} {p95:>7} {max:>7}   {inner_mean:>7} {inner_p95:>7}");
@@ -52,13 +53,13 @@ fn print_pictures(report: &Report, i: usize) -> Result<()> {
 fn picture_line(method: &MethodReport, i: usize) -> Option<String> {
     let figures = method.pictures[i].difference.as_ref()?;
     let psnr = figures.psnr.map_or_else(|| "equal".into(), |psnr| format!("{psnr:.2}"));
-    let flip = figures.flip.as_ref().map_or(0.0, |flip| flip.figures()[0]);
+    let flip = figures.flip.as_ref().map_or(0.0, |flip| flip.mean);
     Some(format!("{:>7.4} {psnr:>7} {:>7.4} {flip:>7.4}", figures.rmse, figures.ssim))
 }
 
-fn figures(summary: Option<&SummaryReport>) -> [String; 4] {
+fn texts(summary: Option<&Spread>) -> [String; 4] {
     match summary {
-        Some(summary) => summary.figures().map(|figure| format!("{figure:.2}")),
+        Some(summary) => figures(summary).map(|figure| format!("{figure:.2}")),
         None => std::array::from_fn(|_| "-".into()),
     }
 }
