@@ -10,6 +10,7 @@ mod options;
 mod render;
 pub mod report;
 mod sheet;
+mod studio;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
