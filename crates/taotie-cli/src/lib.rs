@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 fine, 2 error. Results go to stdout, talk to stderr; a closed pipe is no error.
 
+mod compare;
 mod console;
 mod demo;
 mod inspect;
@@ -11,6 +12,7 @@ mod render;
 pub mod report;
 mod sheet;
 mod studio;
+mod table;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
@@ -30,6 +32,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Says what is in a model and what is wrong with it.
     Inspect(inspect::InspectArgs),
+    /// Recomputes the tables of the seed paper.
+    Compare(compare::CompareArgs),
     /// Renders the built-in bronze jue by every surface method and shading model.
     Demo(demo::DemoArgs),
 }
@@ -52,6 +56,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let result = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Inspect(args) => inspect::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Demo(args) => demo::run(&args),
     };
     match result {

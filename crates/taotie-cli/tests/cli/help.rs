@@ -13,6 +13,7 @@ Usage: taotie <COMMAND>
 Commands:
   render   Renders a model to a picture
   inspect  Says what is in a model and what is wrong with it
+  compare  Recomputes the tables of the seed paper
   demo     Renders the built-in bronze jue by every surface method and shading model
 
 Options:
