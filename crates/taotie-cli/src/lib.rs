@@ -17,6 +17,7 @@ pub mod report;
 mod sheet;
 mod spread;
 mod studio;
+mod table;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;

@@ -8,6 +8,7 @@ mod look;
 mod matching;
 mod method;
 mod page;
+mod paper;
 mod points;
 mod reference;
 mod relief;
@@ -42,7 +43,9 @@ pub struct Destination<'a> {
 /// Runs the subcommand.
 pub fn run(args: &CompareArgs) -> Result<()> {
     args.check()?;
-    let (Some(model), Some(output)) = (&args.model, &args.output) else { return Ok(()) };
+    let (Some(model), Some(output)) = (&args.model, &args.output) else {
+        return paper::run(args.running.json, args.output.as_deref());
+    };
     let (report, files) = in_pool(args.running.threads, || compare_files(args, model, output))??;
     if args.running.json {
         return console::result(&serde_json::to_string_pretty(&report)?);
