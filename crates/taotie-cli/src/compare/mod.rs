@@ -13,7 +13,7 @@ mod points;
 mod reference;
 mod relief;
 mod report;
-mod table;
+mod text;
 
 pub use args::CompareArgs;
 pub use comparison::{Comparison, Plan, Subject};
@@ -50,7 +50,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     if args.running.json {
         return console::result(&serde_json::to_string_pretty(&report)?);
     }
-    table::print(&report)?;
+    console::result(&text::of(&report))?;
     for file in &files {
         console::result(&format!("wrote {}", file.display()))?;
     }
