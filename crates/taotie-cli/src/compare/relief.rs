@@ -5,7 +5,7 @@ use super::method::Method;
 use std::collections::HashMap;
 use taotie::Result;
 use taotie::image::{Bitmap, Encoding, Texels, Texture};
-use taotie::math::Vec3;
+use taotie::math::{Vec3, srgb};
 use taotie::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef};
 use taotie::surface::{SurfaceMethod, TangentMethod};
 
@@ -87,7 +87,7 @@ impl Relief {
         let texture = match self.greys.get(&color.texture) {
             Some(texture) => *texture,
             None => {
-                let grey = grey(scene.textures[color.texture].bitmap())?;
+                let grey = grey(&scene.textures[color.texture])?;
                 scene.textures.push(Texture::new(grey, Encoding::Linear));
                 self.greys.insert(color.texture, scene.textures.len() - 1);
                 self.notes
@@ -164,19 +164,20 @@ fn lacking(method: Method) -> &'static str {
     }
 }
 
-/// The luma of what is stored, as paint programs turn colour into grey.
+/// The luma of encoded colour, as paint programs turn it into grey; 16 bits.
 ///
 /// Source: ITU-R BT.601, the weights of Y'.
-fn grey(color: &Bitmap) -> Result<Bitmap> {
-    let texels = (0..color.texels().len())
-        .map(|i| {
-            let [r, g, b, _] = color.stored(i);
-            let luma = (0.299 * r + 0.587 * g + 0.114 * b).clamp(0.0, 1.0);
-            let code = (luma * 255.0 + 0.5) as u8;
-            [code, code, code, 255]
-        })
-        .collect();
-    Bitmap::new(color.width(), color.height(), 1, Texels::U8(texels))
+fn grey(color: &Texture) -> Result<Bitmap> {
+    let encoded = |v: f32| srgb::srgb_from_linear(f64::from(v.clamp(0.0, 1.0)));
+    let (width, height) = (color.width(), color.height());
+    let rows = (0..height as usize).flat_map(|y| (0..width as usize).map(move |x| (x, y)));
+    let texels = rows.map(|(x, y)| {
+        let [r, g, b, _] = color.texel(0, x, y);
+        let luma = 0.299 * encoded(r) + 0.587 * encoded(g) + 0.114 * encoded(b);
+        let code = (luma * 65535.0 + 0.5) as u16;
+        [code, code, code, u16::MAX]
+    });
+    Bitmap::new(width, height, 1, Texels::U16(texels.collect()))
 }
 
 /// The length of a texel's side on the surface, model units: √(area / texels) over all triangles of the material.

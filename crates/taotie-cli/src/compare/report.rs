@@ -297,7 +297,8 @@ fn rules(plan: &Plan) -> Rules {
         },
         pictures: format!(
             "developed sRGB pictures of 8 bits with their background; SSIM with Gaussian windows of 11×11 pixels \
-             (Wang et al. 2004), FLIP at {PIXELS_PER_DEGREE} pixels per degree (Andersson et al. 2020)"
+             (Wang et al. 2004), FLIP at {PIXELS_PER_DEGREE:.0} pixels per degree (Andersson et al. 2020). Pixel by pixel, so they \
+             count where the light mesh lies beside the heavy one as well as what its normals miss"
         ),
     }
 }

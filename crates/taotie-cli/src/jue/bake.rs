@@ -3,14 +3,12 @@
 use super::displaced::{Rounded, Welds};
 use super::{DEPTH, patina};
 use rayon::prelude::*;
-use taotie::bake::{
-    Heights, Storage, SurfacePoint, TexelGrid, TexelSurface, store_normals, tangent_from_object,
-};
-use taotie::image::{Bitmap, Image, Texels as Stored, Wrap};
+use taotie::bake::{Storage, TexelGrid, TexelSurface, store_normals};
+use taotie::image::{Bitmap, Image, Texels as Stored};
 use taotie::math::{Vec2, Vec3};
 use taotie::mesh::Mesh;
 use taotie::scene::{GreenChannel, NormalSpace};
-use taotie::surface::{TangentMethod, with_tangents};
+use taotie::surface::{TangentMethod, tangent_space_normal, with_tangents};
 
 /// Heights sampled at texel middles, and the atlas they belong to.
 #[derive(Debug)]
@@ -44,27 +42,33 @@ impl Bake {
 
     /// The object-space normal map, 16 bits.
     pub fn object_normal_map(&self) -> Bitmap {
-        stored(&self.object_normals(), NormalSpace::Object)
+        stored(&self.normals([0.0; 4], |_, n| n), NormalSpace::Object)
     }
 
     fn tangent_normals(&self) -> Image {
-        tangent_from_object(&self.surface, &self.object_normals()).expect("both are of one size")
+        self.normals([0.0, 0.0, 1.0, 0.0], |frame, n| {
+            tangent_space_normal(frame.normal, frame.tangent, 1.0, n)
+        })
     }
 
-    /// The normals of the rounded mesh displaced along its interpolated normals: Q = B + h n, Q_u × Q_v.
-    fn object_normals(&self) -> Image {
+    /// The normals of the rounded mesh displaced along its interpolated normals, Q = B + h n: Q_u × Q_v, turned by
+    /// `store`. Margins go on as the border of the chart is; away from charts stands `fill`.
+    fn normals(&self, fill: [f32; 4], store: impl Fn(&Frame, Vec3<f64>) -> Vec3<f64> + Sync) -> Image {
         let (mesh, coverage) = (self.surface.mesh(), self.surface.coverage());
         let welds = Welds::new(mesh);
         let rounded = Rounded::new(mesh, &welds);
         let size = coverage.width();
-        let heights = Heights::new([size; 2], self.heights.clone(), [Wrap::Clamp; 2]);
-        let heights = heights.expect("there is a height for each texel");
-        let normals = self.surface.map([0.0; 4], |x, y, point| {
-            let Some(triangle) = coverage.triangle(x, y) else { return [0.0; 4] };
-            let uv = [x, y].map(|i| (f64::from(i) + 0.5) / f64::from(size));
-            let base = rounded.by_uv(triangle as usize, Vec2::new(uv[0], uv[1]));
-            let slopes = heights.slopes(x, y).map(|slope| slope * f64::from(size) * DEPTH);
-            let n = displaced_normal(point, base, heights.at(x, y) * DEPTH, slopes).to_f32();
+        let corners = Corners::new(size);
+        let normals = self.surface.map(fill, |x, y, point| {
+            let Some(triangle) = coverage.triangle(x, y) else { return fill };
+            let triangle = triangle as usize;
+            let [u, v] = [x, y].map(|i| (f64::from(i) + 0.5) / f64::from(size));
+            let weights = rounded.weights(triangle, Vec2::new(u, v));
+            let frame = Frame::new(mesh, triangle, weights);
+            let base = rounded.by_uv(triangle, weights);
+            let height = f64::from(self.heights[(y * size + x) as usize]) * DEPTH;
+            let by_uv = (point.normal_by_uv, corners.slopes(x, y));
+            let n = store(&frame, displaced_normal(frame.normal, base, height, by_uv)).to_f32();
             [n.x, n.y, n.z, 1.0]
         });
         let mut image = Image::new(size, size, [0.0; 4]).expect("the map has a size");
@@ -104,13 +108,66 @@ impl Bake {
     }
 }
 
-/// The unit normal of the surface `base` displaced by the height `h` along the interpolated normal at `point`; `slopes`
-/// are those of the height along u and v.
-fn displaced_normal(point: &SurfacePoint, base: [Vec3<f64>; 2], h: f64, slopes: [f64; 2]) -> Vec3<f64> {
-    let length = point.normal.length();
-    let n = point.normal / length;
+/// Heights at the corners of texels: the slopes between them are those of the texel's own ground, while differences of
+/// neighbouring texels blur lines that are few texels wide.
+struct Corners {
+    size: usize,
+    heights: Vec<f32>,
+}
+
+impl Corners {
+    fn new(size: u32) -> Self {
+        let side = size as usize + 1;
+        let at = |i: usize| i as f32 / size as f32;
+        let heights = (0..side * side).into_par_iter().map(|i| super::height(at(i % side), at(i / side)));
+        Self { size: size as usize, heights: heights.collect() }
+    }
+
+    /// How the height changes with u and with v over a texel, metres.
+    fn slopes(&self, x: u32, y: u32) -> [f64; 2] {
+        let at = |dx: usize, dy: usize| {
+            let corner = (y as usize + dy) * (self.size + 1) + x as usize + dx;
+            f64::from(self.heights[corner])
+        };
+        let [a, b, c, d] = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+        let scale = 0.5 * self.size as f64 * DEPTH;
+        [(b + d - a - c) * scale, (c + d - a - b) * scale]
+    }
+}
+
+/// Normal and tangent between the corners of a triangle, not normalised. No chart of the vessel is mirrored.
+struct Frame {
+    normal: Vec3<f64>,
+    tangent: Vec3<f64>,
+}
+
+impl Frame {
+    fn new(mesh: &Mesh, triangle: usize, weights: [f64; 3]) -> Self {
+        let corners = mesh.triangles()[triangle].map(|i| i as usize);
+        let blend = |of: &dyn Fn(usize) -> Vec3| {
+            let [a, b, c] = corners.map(|i| of(i).to_f64());
+            a * weights[0] + b * weights[1] + c * weights[2]
+        };
+        let tangent = |i: usize| {
+            let [x, y, z, _] = mesh.tangents()[i];
+            Vec3::new(x, y, z)
+        };
+        Self { normal: blend(&|i| mesh.normals()[i]), tangent: blend(&tangent) }
+    }
+}
+
+/// The unit normal of the surface `base` displaced by the height `h` along the interpolated `normal`. Beside `base`
+/// stand how that normal and the height change with u and v.
+fn displaced_normal(
+    normal: Vec3<f64>,
+    base: [Vec3<f64>; 2],
+    h: f64,
+    (normal_by_uv, slopes): ([Vec3<f64>; 2], [f64; 2]),
+) -> Vec3<f64> {
+    let length = normal.length();
+    let n = normal / length;
     let [q_u, q_v] = [0, 1].map(|k| {
-        let turned = (point.normal_by_uv[k] - n * n.dot(point.normal_by_uv[k])) / length;
+        let turned = (normal_by_uv[k] - n * n.dot(normal_by_uv[k])) / length;
         base[k] + turned * h + n * slopes[k]
     });
     let across = q_u.cross(q_v);

@@ -64,21 +64,23 @@ impl<'a> Rounded<'a> {
         Self { mesh, patches: corners.map(|corners| Patch::new(mesh, welds, &curves, *corners)).collect() }
     }
 
-    /// How the position changes with u and v at a uv of a triangle, or at the place of its border that is nearest in
-    /// weights.
-    pub fn by_uv(&self, triangle: usize, uv: Vec2<f64>) -> [Vec3<f64>; 2] {
-        let patch = &self.patches[triangle];
-        let [a, b, c] = patch.corners.map(|i| {
-            let uv = self.mesh.uvs()[0][i as usize];
-            Vec2::new(f64::from(uv.x), f64::from(uv.y))
-        });
-        let (e, f, g) = (b - a, c - a, uv - a);
+    /// The weights of a triangle's corners at a uv, or those nearest to it within the triangle.
+    pub fn weights(&self, triangle: usize, uv: Vec2<f64>) -> [f64; 3] {
+        let [e, f, a] = self.edges(triangle);
+        let g = uv - a;
         let det = e.x * f.y - e.y * f.x;
         let w = [(g.x * f.y - g.y * f.x) / det, (e.x * g.y - e.y * g.x) / det];
         let w = [1.0 - w[0] - w[1], w[0], w[1]].map(|w| w.max(0.0));
         let sum: f64 = w.iter().sum();
-        let w = w.map(|w| w / sum);
+        w.map(|w| w / sum)
+    }
+
+    /// How the position changes with u and v at a place of a triangle.
+    pub fn by_uv(&self, triangle: usize, w: [f64; 3]) -> [Vec3<f64>; 2] {
+        let patch = &self.patches[triangle];
         let middle = patch.middle();
+        let [e, f, _] = self.edges(triangle);
+        let det = e.x * f.y - e.y * f.x;
         // Weights of the second and third corner by u, and by v.
         [[f.y / det, -e.y / det], [-f.x / det, e.x / det]].map(|[by_b, by_c]| {
             let size = by_b.abs().max(by_c.abs());
@@ -88,6 +90,15 @@ impl<'a> Rounded<'a> {
             };
             (moved(STEP) - moved(-STEP)) * (size / (2.0 * STEP))
         })
+    }
+
+    /// The edges of a triangle from its first corner, and that corner, in uvs.
+    fn edges(&self, triangle: usize) -> [Vec2<f64>; 3] {
+        let [a, b, c] = self.patches[triangle].corners.map(|i| {
+            let uv = self.mesh.uvs()[0][i as usize];
+            Vec2::new(f64::from(uv.x), f64::from(uv.y))
+        });
+        [b - a, c - a, a]
     }
 }
 

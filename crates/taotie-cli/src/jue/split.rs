@@ -58,7 +58,7 @@ impl<'a, H: Fn(f32, f32) -> f32> Split<'a, H> {
     }
 
     fn is_long(&self, a: Weights, b: Weights) -> bool {
-        let halves = (0..3).all(|i| (a[i] + b[i]) % 8 == 0);
+        let halves = (0..3).all(|i| (a[i] + b[i]).is_multiple_of(8));
         let length = self.patch.distance(a, b);
         halves && (length > PLAIN || length > self.finest && self.leaves(a, b, length))
     }

@@ -3,6 +3,7 @@
 //! After a wanted change of output, `SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli` renews the snapshots.
 
 mod arguments;
+mod compare;
 mod compare_paper;
 mod diff;
 mod help;

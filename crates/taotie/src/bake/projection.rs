@@ -11,6 +11,9 @@ pub struct Projector {
     corners: Corners,
 }
 
+/// How far behind a point its rays begin, as a part of the reach.
+const BEHIND: f32 = 1e-3;
+
 /// The point of the heavy surface that a point of the light one stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Match {
@@ -32,14 +35,21 @@ impl Projector {
     /// surface there faces as `normal` does; a hit that does not is the far side of something else, and no match.
     pub fn project(&self, point: Vec3, normal: Vec3, reach: f32) -> Option<Match> {
         let outward = self.first(point, normal, reach);
-        let inward = self.first(point, -normal, outward.map_or(reach, |m| m.height));
-        let nearer = inward.map(|m| Match { height: -m.height, ..m }).or(outward)?;
+        let inward = self.first(point, -normal, reach).map(|m| Match { height: -m.height, ..m });
+        let [outward, inward] = [outward, inward].map(|m| m.map(|m| (m.height.abs(), m)));
+        let nearer = match (outward, inward) {
+            (Some((out, m)), Some((into, _))) if out <= into => m,
+            (_, Some((_, m))) | (Some((_, m)), None) => m,
+            (None, None) => return None,
+        };
         (nearer.normal.dot(normal) > 0.0).then_some(nearer)
     }
 
+    /// The first hit from a little behind `point`, so that a surface through the point itself is not missed.
     fn first(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Match> {
-        let hit = self.bvh.nearest(&Ray::new(point, direction), reach)?;
-        Some(Match { height: hit.distance, normal: self.corners.normal_at(&hit) })
+        let back = reach * BEHIND;
+        let hit = self.bvh.nearest(&Ray::new(point - direction * back, direction), reach + back)?;
+        Some(Match { height: hit.distance - back, normal: self.corners.normal_at(&hit) })
     }
 }
 
@@ -73,6 +83,8 @@ mod tests {
         assert!((below.height + 0.2).abs() < 1e-6 && (below.normal - up).length() < 1e-6);
         let above = at(-0.1, 0.5).unwrap();
         assert!((above.height - 0.1).abs() < 1e-6);
+        let on = at(0.0, 0.5).unwrap();
+        assert!(on.height.abs() < 1e-6 && (on.normal - up).length() < 1e-6);
         assert!(at(0.3, 0.2).is_none(), "beyond reach");
         assert!(at(0.9, 0.5).is_none(), "the nearer sheet faces the other way");
     }
