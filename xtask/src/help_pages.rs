@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn every_subcommand_has_a_page_that_the_front_page_links() {
         let pages = pages(taotie_cli::command());
-        for name in ["render", "inspect", "demo"] {
+        for name in ["render", "inspect", "normals", "diff", "demo"] {
             assert!(pages["taotie.md"].contains(&format!("]({name}.md)")));
             let usage = format!("Usage: taotie {name} ");
             assert!(pages[&format!("{name}.md")].contains(&usage), "{pages:#?}");

@@ -4,7 +4,7 @@ mod args;
 mod output;
 
 pub use args::RenderArgs;
-pub use output::{PictureFormat, write_picture};
+pub use output::{PictureFormat, check_place, write_picture};
 
 use crate::console::{self, Progress};
 use crate::studio::{self, Viewpoint, in_pool};

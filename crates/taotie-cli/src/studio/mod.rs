@@ -7,9 +7,10 @@ mod lights;
 mod material;
 mod model;
 
-pub use args::{CameraArgs, FilmArgs, LightArgs, MaterialArgs, RunningArgs};
+pub use args::{CameraArgs, FilmArgs, Green, LightArgs, MaterialArgs, RunningArgs, Space};
 pub use camera::{Framing, Viewpoint};
 pub use lights::lighting;
+pub use material::apply_choice;
 pub use model::load;
 
 use anyhow::{Context, Result};

@@ -4,10 +4,12 @@
 
 mod arguments;
 mod compare_paper;
+mod diff;
 mod help;
 mod inspect;
 mod json;
 mod models;
+mod normals;
 mod place;
 mod render;
 mod running;

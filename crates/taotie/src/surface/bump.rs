@@ -29,6 +29,47 @@ pub fn bump<L: Lane>(n: Vec3<L>, gradient: Vec3<L>) -> Vec3<L> {
     (n - gradient).normalize_or(n)
 }
 
+/// A point of a smooth surface that relief is laid on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReliefBase<L> {
+    /// The interpolated normal, of any length but 0.
+    pub n: Vec3<L>,
+    /// ∂p/∂u and ∂p/∂v of the flat triangle.
+    pub dp: [Vec3<L>; 2],
+    /// ∂n/∂u and ∂n/∂v of the interpolated normal.
+    pub dn: [Vec3<L>; 2],
+}
+
+/// A height at a point and how it changes with u and v, model units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Relief<L> {
+    /// h.
+    pub height: L,
+    /// ∂h/∂u.
+    pub by_u: L,
+    /// ∂h/∂v.
+    pub by_v: L,
+}
+
+/// The unit normal of a surface that is displaced along its interpolated normal.
+///
+/// The surface is Q = P + h n with the unit normal n. Its derivatives are Q_u = P_u + h n_u + h_u n, and so for v.
+/// P_u + h n_u and P_v + h n_v are made perpendicular to n, so that the facets of P do not show; of what they span the
+/// normal is n − ∇h ([`surface_gradient`]). They need be neither equal in length nor perpendicular. Unlike [`bump`],
+/// which leaves h n_u out, it knows that raised relief on a round surface is stretched.
+/// Source: Mikkelsen 2020, "Surface gradient–based bump mapping framework", JCGT 9(3), eq. 4 and 5.
+#[inline(always)]
+pub fn relief_normal<L: Lane>(base: ReliefBase<L>, relief: Relief<L>) -> Vec3<L> {
+    let length = base.n.length();
+    let n = base.n / length;
+    let scale = relief.height / length;
+    let [p_u, p_v] = [0, 1].map(|k| {
+        let p = base.dp[k] + base.dn[k] * scale;
+        p - n * n.dot(p)
+    });
+    bump(n, surface_gradient(n, p_u, p_v, relief.by_u, relief.by_v))
+}
+
 /// The seed paper's bump mapping as its Table 2 prints it: n + s · (g / 255) · (1, 1, 0). *Not* normalised.
 ///
 /// `bump_scale` s is the paper's "bump" (5 and 50); `g` is half the central grey difference of the height map in
