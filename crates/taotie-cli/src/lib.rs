@@ -7,6 +7,7 @@ mod compare;
 mod console;
 mod demo;
 mod diff;
+mod heat_map;
 mod inspect;
 pub mod jue;
 mod normals;

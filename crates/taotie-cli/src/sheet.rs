@@ -1,6 +1,8 @@
 //! Contact sheets: labelled pictures side by side.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use taotie::image::Encoding;
+use taotie::io::{PngColor, PngImage, PngSamples};
 
 /// Room between pictures and at the border, pixels.
 const GAP: usize = 16;
@@ -56,6 +58,17 @@ impl Sheet {
             sheet.write(&cell.note, [x, y + down + 29], RasterHeight::Size16, NOTE, across);
         }
         sheet
+    }
+
+    /// As a picture to be written.
+    pub fn png(&self) -> PngImage<'_> {
+        PngImage {
+            width: self.width as u32,
+            height: self.height as u32,
+            color: PngColor::Rgb,
+            samples: PngSamples::U8(self.pixels.as_flattened()),
+            encoding: Encoding::Srgb,
+        }
     }
 
     /// Lays a row of pixels from `at` to the right.

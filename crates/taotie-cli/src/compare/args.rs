@@ -15,7 +15,7 @@ Examples:
   taotie compare statue.obj --normal-map statue_normals.png -o comparison
   taotie compare low.glb --reference scan.ply --method smooth,tangent-normal -o comparison
   taotie compare model.glb --method bump:5,bump-printed:5 --shading ggx,cook-torrance --points 10 -o comparison
-  taotie compare --paper";
+  taotie compare --paper -o recomputed";
 
 /// Renders a model by several surface methods and measures how they differ.
 #[derive(Args)]
@@ -30,7 +30,7 @@ pub struct CompareArgs {
     /// The truth: a model in the same place with its relief as geometry, such as the scan
     #[arg(long, value_name = "HIGH")]
     pub reference: Option<PathBuf>,
-    /// Recomputes the tables of the paper instead, and says which of its numbers are misprints
+    /// Recomputes Tables 2 and 3 of Guo and Wang 2025 instead, says which numbers are misprints, and what follows
     #[arg(long, conflicts_with_all = ["model", "reference"])]
     pub paper: bool,
     /// Methods parted by commas: facet, smooth, bump, bump-printed, object-normal, tangent-normal. `bump:5` raises

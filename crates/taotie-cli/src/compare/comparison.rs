@@ -115,7 +115,7 @@ impl Comparison {
     /// Where no method can be drawn, and those of rendering.
     pub fn take(subject: &mut Subject, plan: &Plan) -> Result<Self> {
         let mut studio = Studio::new(plan, subject.reference.is_some());
-        let mut relief = Relief::new(&subject.scene);
+        let mut relief = Relief::new(&mut subject.scene, plan.settings.surface.tangents);
         let (mut taken, mut skipped) = (Vec::new(), Vec::new());
         for method in &plan.methods {
             match relief.apply(&mut subject.scene, *method)? {

@@ -1,36 +1,18 @@
 //! The pictures of a comparison as files.
 
 use super::comparison::{Comparison, Taken};
-use crate::sheet::{Cell, Sheet};
+use crate::heat_map::HeatMap;
+use crate::sheet::{Cell, GROUND, Sheet};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
-use taotie::compare::{ColorMap, Field, Picture, heat};
-use taotie::image::{Encoding, Image};
-use taotie::io::{self, PngColor, PngImage, PngSamples};
+use taotie::compare::{ColorMap, Field, Picture};
+use taotie::image::Image;
+use taotie::io;
 use taotie::math::srgb;
 use taotie::names::Named;
 
-/// Where nothing is seen in pictures of normals and errors.
-const NOTHING: [u8; 3] = [24, 25, 27];
-
 /// The longest side of a picture on the contact sheet, pixels.
 const CELL: usize = 320;
-
-/// The colours of angular error.
-pub const HEAT: ColorMap = ColorMap::Viridis;
-
-/// The colours of FLIP, which its authors use.
-pub const FLIP: ColorMap = ColorMap::Magma;
-
-/// An 8-bit sRGB picture.
-pub struct Pixels {
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-    /// Row by row from the top.
-    pub pixels: Vec<[u8; 3]>,
-}
 
 /// The folder that the pictures go to.
 pub struct Files {
@@ -64,17 +46,15 @@ impl Files {
     pub fn write(&mut self, comparison: &Comparison) -> Result<()> {
         for taken in &comparison.taken {
             for (shading, picture) in &taken.pictures {
-                self.write_png(&self.name(taken, shading.name()), &Pixels::of_picture(picture))?;
+                self.write_png(&self.name(taken, shading.name()), &developed(picture))?;
             }
-            self.write_png(&self.name(taken, "normals"), &Pixels::of_normals(&taken.normals))?;
+            self.write_png(&self.name(taken, "normals"), &colored(&taken.normals))?;
             let Some(difference) = &taken.difference else { continue };
-            self.write_png(
-                &self.name(taken, "error"),
-                &self.heat(&difference.angles).with_legend(self.heat_top),
-            )?;
+            let heat = heat_of_angles(&difference.angles, self.heat_top).with_scale();
+            self.write_png(&self.name(taken, "error"), &heat)?;
             for ((shading, _), difference) in taken.pictures.iter().zip(&difference.pictures) {
                 let name = self.name(taken, &format!("{}.flip", shading.name()));
-                self.write_png(&name, &Pixels::of_flip(&difference.flip))?;
+                self.write_png(&name, &heat_of_flip(&difference.flip).with_scale())?;
             }
         }
         self.write_png(Path::new("sheet.png"), &self.sheet(comparison))
@@ -91,119 +71,93 @@ impl Files {
         Ok(())
     }
 
-    fn write_png(&mut self, name: &Path, picture: &Pixels) -> Result<()> {
+    fn write_png(&mut self, name: &Path, picture: &Sheet) -> Result<()> {
         let path = self.folder.join(name);
         io::write_png(&path, &picture.png())?;
         self.written.push(path);
         Ok(())
     }
 
-    /// The heat map of an angular error.
-    pub fn heat(&self, angles: &Field) -> Pixels {
-        Pixels::of_field(angles, self.heat_top, HEAT)
-    }
-
     /// A column for each surface: its pictures, its normals, its error.
-    fn sheet(&self, comparison: &Comparison) -> Pixels {
+    fn sheet(&self, comparison: &Comparison) -> Sheet {
         let taken = &comparison.taken;
         let mut cells = Vec::new();
         for i in 0..taken[0].pictures.len() {
             cells.extend(taken.iter().map(|taken| {
                 let (shading, picture) = &taken.pictures[i];
-                cell(taken.id(), shading.name().into(), &Pixels::of_picture(picture))
+                cell(taken.id(), shading.name().into(), &developed(picture))
             }));
         }
         cells.extend(taken.iter().map(|taken| {
             let what = taken.method.map_or_else(|| "the geometry itself".into(), |method| method.describe());
-            cell("normals".into(), what, &Pixels::of_normals(&taken.normals))
+            cell("normals".into(), what, &colored(&taken.normals))
         }));
         cells.extend(taken.iter().map(|taken| self.error_cell(taken, comparison)));
-        let small = Pixels::of_picture(&taken[0].pictures[0].1).shrunk();
-        let sheet = Sheet::new(&cells, [small.width as usize, small.height as usize], taken.len());
-        Pixels { width: sheet.width as u32, height: sheet.height as u32, pixels: sheet.pixels }
-            .with_legend(self.heat_top)
+        let small = shrunk(&developed(&taken[0].pictures[0].1));
+        let sheet = Sheet::new(&cells, [small.width, small.height], taken.len());
+        match taken.iter().find_map(|taken| taken.difference.as_ref()) {
+            Some(difference) => heat_of_angles(&difference.angles, self.heat_top).above_scale(&sheet),
+            None => sheet,
+        }
     }
 
     fn error_cell(&self, taken: &Taken, comparison: &Comparison) -> Cell {
         let Some(difference) = &taken.difference else {
-            let normals = &taken.normals;
-            let nothing = vec![NOTHING; normals.pixels().len()];
-            let blank = Pixels { width: normals.width(), height: normals.height(), pixels: nothing };
+            let blank = Sheet::blank(taken.normals.width() as usize, taken.normals.height() as usize);
             return cell("error".into(), "what the others are measured against".into(), &blank);
         };
         let note = match difference.angles.within(&comparison.inner).ok().and_then(|field| field.summary()) {
             Some(summary) => format!("mean {:.2}°, 95 % below {:.1}°", summary.mean, summary.p95),
             None => "no pixel away from silhouettes".into(),
         };
-        cell("error".into(), note, &self.heat(&difference.angles))
+        cell("error".into(), note, &heat_of_angles(&difference.angles, self.heat_top).plain())
     }
 }
 
-fn cell(title: String, note: String, picture: &Pixels) -> Cell {
-    Cell { title, note, pixels: picture.shrunk().pixels }
+fn cell(title: String, note: String, picture: &Sheet) -> Cell {
+    Cell { title, note, pixels: shrunk(picture).pixels }
 }
 
-impl Pixels {
-    /// A developed picture.
-    pub fn of_picture(picture: &Picture) -> Self {
-        let code = |v: f32| (v * 255.0 + 0.5) as u8;
-        let pixels = picture.pixels().iter().map(|rgb| rgb.map(code)).collect();
-        Self { width: picture.width(), height: picture.height(), pixels }
-    }
+/// A developed picture.
+pub fn developed(picture: &Picture) -> Sheet {
+    let code = |v: f32| (v * 255.0 + 0.5) as u8;
+    let pixels = picture.pixels().iter().map(|rgb| rgb.map(code)).collect();
+    Sheet { width: picture.width() as usize, height: picture.height() as usize, pixels }
+}
 
-    /// Normals n in world space as the colours (n + 1) / 2.
-    pub fn of_normals(normals: &Image) -> Self {
-        let color = |[x, y, z, covered]: &[f32; 4]| match *covered == 1.0 {
-            true => [x, y, z].map(|v| ((v * 0.5 + 0.5) * 255.0 + 0.5) as u8),
-            false => NOTHING,
-        };
-        let pixels = normals.pixels().iter().map(color).collect();
-        Self { width: normals.width(), height: normals.height(), pixels }
-    }
+/// Normals n in world space as the colours (n + 1) / 2.
+pub fn colored(normals: &Image) -> Sheet {
+    let color = |[x, y, z, covered]: &[f32; 4]| match *covered == 1.0 {
+        true => [x, y, z].map(|v| ((v * 0.5 + 0.5) * 255.0 + 0.5) as u8),
+        false => GROUND,
+    };
+    let pixels = normals.pixels().iter().map(color).collect();
+    Sheet { width: normals.width() as usize, height: normals.height() as usize, pixels }
+}
 
-    /// FLIP errors in their authors' colours.
-    pub fn of_flip(flip: &Field) -> Self {
-        Self::of_field(flip, 1.0, FLIP)
-    }
+/// Angular error, degrees, in colours up to `top`.
+pub fn heat_of_angles(field: &Field, top: f32) -> HeatMap<'_> {
+    HeatMap { field, title: "angular error", unit: "°", map: ColorMap::Viridis, top }
+}
 
-    fn of_field(field: &Field, top: f32, map: ColorMap) -> Self {
-        let pixels = heat(field, top, map, NOTHING);
-        Self { width: field.width(), height: field.height(), pixels }
-    }
+/// FLIP in its authors' colours.
+pub fn heat_of_flip(field: &Field) -> HeatMap<'_> {
+    HeatMap { field, title: "FLIP", unit: "", map: ColorMap::Magma, top: 1.0 }
+}
 
-    /// The picture with a scale of degrees below it.
-    fn with_legend(self, _top: f32) -> Self {
-        self
-    }
-
-    /// Averaged in linear light over whole blocks until no side is longer than [`CELL`].
-    fn shrunk(&self) -> Self {
-        let (w, h) = (self.width as usize, self.height as usize);
-        let factor = w.max(h).div_ceil(CELL);
-        let (across, down) = ((w / factor).max(1), (h / factor).max(1));
-        let linear: Vec<f64> =
-            (0..=255).map(|code| srgb::linear_from_srgb(f64::from(code) / 255.0)).collect();
-        let block = |x: usize, y: usize, channel: usize| {
-            let rows = (y * factor..((y + 1) * factor).min(h)).map(|row| row * w);
-            let values = rows.flat_map(|row| (x * factor..((x + 1) * factor).min(w)).map(move |x| row + x));
-            let (sum, count) = values
-                .fold((0.0, 0.0), |(sum, n), i| (sum + linear[self.pixels[i][channel] as usize], n + 1.0));
-            (srgb::srgb_from_linear(sum / count) * 255.0 + 0.5) as u8
-        };
-        let pixels = (0..across * down)
-            .map(|i| std::array::from_fn(|channel| block(i % across, i / across, channel)))
-            .collect();
-        Self { width: across as u32, height: down as u32, pixels }
-    }
-
-    /// As a PNG to be written.
-    pub fn png(&self) -> PngImage<'_> {
-        PngImage {
-            width: self.width,
-            height: self.height,
-            color: PngColor::Rgb,
-            samples: PngSamples::U8(self.pixels.as_flattened()),
-            encoding: Encoding::Srgb,
-        }
-    }
+/// Averaged in linear light over whole blocks until no side is longer than [`CELL`].
+fn shrunk(sheet: &Sheet) -> Sheet {
+    let (w, h) = (sheet.width, sheet.height);
+    let factor = w.max(h).div_ceil(CELL);
+    let (width, height) = ((w / factor).max(1), (h / factor).max(1));
+    let linear: Vec<f64> = (0..=255).map(|code| srgb::linear_from_srgb(f64::from(code) / 255.0)).collect();
+    let block = |x: usize, y: usize, channel: usize| {
+        let rows = (y * factor..((y + 1) * factor).min(h)).map(|row| row * w);
+        let values = rows.flat_map(|row| (x * factor..((x + 1) * factor).min(w)).map(move |x| row + x));
+        let (sum, count) =
+            values.fold((0.0, 0.0), |(sum, n), i| (sum + linear[sheet.pixels[i][channel] as usize], n + 1.0));
+        (srgb::srgb_from_linear(sum / count) * 255.0 + 0.5) as u8
+    };
+    let pixel = |i: usize| std::array::from_fn(|channel| block(i % width, i / width, channel));
+    Sheet { width, height, pixels: (0..width * height).map(pixel).collect() }
 }

@@ -2,6 +2,7 @@
 
 mod args;
 mod comparison;
+mod convert;
 mod files;
 mod look;
 mod matching;
@@ -12,7 +13,7 @@ mod points;
 mod reference;
 mod relief;
 mod report;
-mod table;
+mod text;
 
 pub use args::CompareArgs;
 pub use comparison::{Comparison, Plan, Subject};
@@ -41,16 +42,15 @@ pub struct Destination<'a> {
 
 /// Runs the subcommand.
 pub fn run(args: &CompareArgs) -> Result<()> {
-    if args.paper {
-        return paper::run(args.running.json, args.output.as_deref());
-    }
     args.check()?;
-    let (Some(model), Some(output)) = (&args.model, &args.output) else { return Ok(()) };
+    let (Some(model), Some(output)) = (&args.model, &args.output) else {
+        return paper::run(args.running.json, args.output.as_deref());
+    };
     let (report, files) = in_pool(args.running.threads, || compare_files(args, model, output))??;
     if args.running.json {
         return console::result(&serde_json::to_string_pretty(&report)?);
     }
-    table::print(&report)?;
+    console::result(&text::of(&report))?;
     for file in &files {
         console::result(&format!("wrote {}", file.display()))?;
     }
@@ -107,7 +107,7 @@ pub fn write(
     files.write(comparison)?;
     let report = Report::new(comparison, plan, subject, &files)?;
     files.write_text("report.json", &serde_json::to_string_pretty(&report)?)?;
-    let page = page::page(destination.title, &report, comparison, &files)?;
+    let page = page::page(destination.title, &report, comparison, files.heat_top)?;
     files.write_text("report.html", &crate::report::html(&page))?;
     Ok((report, files.written))
 }

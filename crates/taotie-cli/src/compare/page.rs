@@ -1,9 +1,11 @@
 //! `report.html`: the comparison as a page that opens from disk.
 
 use super::comparison::{Comparison, Taken};
-use super::files::{FLIP, Files, HEAT, Pixels};
-use super::report::{MethodReport, Report, SummaryReport};
+use super::files;
+use super::report::{self, MethodReport, Report};
 use crate::report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
+use crate::sheet::Sheet;
+use crate::spread::Spread;
 use anyhow::Result;
 use taotie::compare::ColorMap;
 use taotie::io;
@@ -15,7 +17,7 @@ const STOPS: u32 = 32;
 ///
 /// # Errors
 /// Where a picture cannot be encoded.
-pub fn page(title: &str, report: &Report, comparison: &Comparison, files: &Files) -> Result<Page> {
+pub fn page(title: &str, report: &Report, comparison: &Comparison, top: f32) -> Result<Page> {
     let subtitle = match &report.subject.reference {
         Some(reference) => format!("Surface methods measured against {reference}"),
         None => format!("Surface methods measured against {}: there is no reference", report.against),
@@ -24,7 +26,7 @@ pub fn page(title: &str, report: &Report, comparison: &Comparison, files: &Files
         title: title.into(),
         subtitle,
         facts: facts(report),
-        views: views(report, comparison, files)?,
+        views: views(report, comparison, top)?,
         sections: sections(report),
         footer: format!("Made by taotie {}. All figures stand in report.json.", report.version),
     })
@@ -46,26 +48,31 @@ fn facts(report: &Report) -> Vec<Fact> {
     facts
 }
 
-fn views(report: &Report, comparison: &Comparison, files: &Files) -> Result<Vec<View>> {
+fn views(report: &Report, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
     let mut views = Vec::new();
     for (i, shading) in report.methods[0].pictures.iter().map(|picture| picture.shading).enumerate() {
-        let developed = |taken: &Taken| Some(Pixels::of_picture(&taken.pictures[i].1));
+        let developed = |taken: &Taken| Some(files::developed(&taken.pictures[i].1));
         let note = format!("Each surface under the shading model {shading}, in the same light.");
         views.push(view(shading.into(), note, comparison, &developed)?);
         let flip = |taken: &Taken| {
-            taken.difference.as_ref().map(|difference| Pixels::of_flip(&difference.pictures[i].flip))
+            taken
+                .difference
+                .as_ref()
+                .map(|difference| files::heat_of_flip(&difference.pictures[i].flip).plain())
         };
         let note = format!("What an observer would see of the difference from {}.", report.against);
         let view = view(format!("{shading}: FLIP"), note, comparison, &flip)?;
-        views.push(View { legend: Some(legend("FLIP", "", 1.0, FLIP)), ..view });
+        views.push(View { legend: Some(legend("FLIP", "", 1.0, ColorMap::Magma)), ..view });
     }
-    let normals = |taken: &Taken| Some(Pixels::of_normals(&taken.normals));
+    let normals = |taken: &Taken| Some(files::colored(&taken.normals));
     let note = "Shading normals in world space as colours, (n + 1) / 2.";
     views.push(view("normals".into(), note.into(), comparison, &normals)?);
-    let errors = |taken: &Taken| taken.difference.as_ref().map(|difference| files.heat(&difference.angles));
+    let errors = |taken: &Taken| {
+        taken.difference.as_ref().map(|difference| files::heat_of_angles(&difference.angles, top).plain())
+    };
     let note = format!("Angle between the shading normal and that of {}.", report.against);
     let view = view("angular error".into(), note, comparison, &errors)?;
-    let legend = legend("Angular error", "°", f64::from(files.heat_top), HEAT);
+    let legend = legend("Angular error", "°", f64::from(top), ColorMap::Viridis);
     views.push(View { legend: Some(legend), ..view });
     Ok(views)
 }
@@ -74,7 +81,7 @@ fn view(
     name: String,
     note: String,
     comparison: &Comparison,
-    pixels: &dyn Fn(&Taken) -> Option<Pixels>,
+    pixels: &dyn Fn(&Taken) -> Option<Sheet>,
 ) -> Result<View> {
     let mut pictures = Vec::new();
     for taken in &comparison.taken {
@@ -129,8 +136,8 @@ fn error_table(report: &Report) -> Section {
     }
 }
 
-fn figure_cells(summary: Option<&SummaryReport>) -> [Cell; 4] {
-    match summary.map(SummaryReport::figures) {
+fn figure_cells(summary: Option<&Spread>) -> [Cell; 4] {
+    match summary.map(report::figures) {
         Some(figures) => figures.map(|figure| Cell::number(figure, 2)),
         None => std::array::from_fn(|_| Cell::Number { value: None, digits: 2 }),
     }
@@ -170,7 +177,7 @@ fn picture_table(report: &Report, i: usize) -> Section {
             Cell::Number { value: figures.psnr, digits: 2 },
             Cell::number(figures.ssim, 4),
         ];
-        cells.extend(match figures.flip.as_ref().map(SummaryReport::figures) {
+        cells.extend(match figures.flip.as_ref().map(report::figures) {
             Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
             None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
         });

@@ -1,12 +1,13 @@
 //! A model's relief in the form that each method reads: heights, and normals in either space.
 
+use super::convert;
 use super::method::Method;
 use std::collections::HashMap;
 use taotie::Result;
 use taotie::image::{Bitmap, Encoding, Texels, Texture};
 use taotie::math::Vec3;
-use taotie::scene::{HeightMap, Material, NormalSpace, Scene, TextureRef};
-use taotie::surface::SurfaceMethod;
+use taotie::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef};
+use taotie::surface::{SurfaceMethod, TangentMethod};
 
 /// Gives the scene's materials what each method needs, deriving what the file has in another form.
 pub struct Relief {
@@ -14,6 +15,10 @@ pub struct Relief {
     materials: Vec<Material>,
     /// The texture with the grey of each colour texture.
     greys: HashMap<usize, usize>,
+    /// The texture with the normals of each material in the other space.
+    converted: HashMap<usize, usize>,
+    /// How tangents are made, if not as the renderer chooses.
+    tangents: Option<TangentMethod>,
     /// What was derived, for the report.
     notes: Vec<String>,
 }
@@ -22,9 +27,16 @@ pub struct Relief {
 pub type Reason = String;
 
 impl Relief {
-    /// Remembers the scene's materials.
-    pub fn new(scene: &Scene) -> Self {
-        Self { materials: scene.materials.clone(), greys: HashMap::new(), notes: Vec::new() }
+    /// Remembers the scene's materials, one for each mesh that uses it: converted maps belong to one mesh.
+    pub fn new(scene: &mut Scene, tangents: Option<TangentMethod>) -> Self {
+        part_materials(scene);
+        Self {
+            materials: scene.materials.clone(),
+            greys: HashMap::new(),
+            converted: HashMap::new(),
+            tangents,
+            notes: Vec::new(),
+        }
     }
 
     /// What was derived so far.
@@ -90,10 +102,53 @@ impl Relief {
     fn give_normals(&mut self, scene: &mut Scene, index: usize, space: NormalSpace) -> Result<bool> {
         let Some(map) = self.materials[index].normal else { return Ok(false) };
         if map.space != space {
-            return Ok(false);
+            let Some(texture) = self.convert(scene, index, &map)? else { return Ok(false) };
+            let texture = TextureRef { texture, ..map.texture };
+            // The conversion has applied both.
+            let (scale, green) = (1.0, GreenChannel::Up);
+            scene.materials[index].normal = Some(NormalMap { texture, scale, space, green });
         }
-        scene.materials[index].normal = Some(map);
         Ok(true)
+    }
+
+    /// The texture with a material's normals in the other space; `None` where no mesh with uvs uses the material.
+    fn convert(&mut self, scene: &mut Scene, index: usize, map: &NormalMap) -> Result<Option<usize>> {
+        if let Some(texture) = self.converted.get(&index) {
+            return Ok(Some(*texture));
+        }
+        let user = scene.instances.iter().find(|instance| instance.material == index);
+        let Some(mesh) = user.map(|user| &scene.meshes[user.mesh]) else { return Ok(None) };
+        if mesh.uvs().len() <= map.texture.uv_set {
+            return Ok(None);
+        }
+        let source = scene.textures[map.texture.texture].bitmap();
+        let converted = convert::other_space(mesh, source, map, self.tangents)?;
+        if converted.shared > 0 {
+            self.notes.push(format!(
+                "normals: {} texels lie under several triangles; the converted map holds the normal of the first",
+                converted.shared
+            ));
+        }
+        self.notes.push(format!("normals: one map was converted to {} on its mesh", converted.space));
+        scene.textures.push(Texture::new(converted.bitmap, Encoding::Linear));
+        self.converted.insert(index, scene.textures.len() - 1);
+        Ok(Some(scene.textures.len() - 1))
+    }
+}
+
+/// Gives each mesh materials of its own.
+fn part_materials(scene: &mut Scene) {
+    let mut users: HashMap<usize, usize> = HashMap::new();
+    let mut parted: HashMap<(usize, usize), usize> = HashMap::new();
+    for instance in &mut scene.instances {
+        let (material, mesh) = (instance.material, instance.mesh);
+        if *users.entry(material).or_insert(mesh) == mesh {
+            continue;
+        }
+        instance.material = *parted.entry((material, mesh)).or_insert_with(|| {
+            scene.materials.push(scene.materials[material].clone());
+            scene.materials.len() - 1
+        });
     }
 }
 
@@ -105,7 +160,7 @@ fn lacking(method: Method) -> &'static str {
         (SurfaceMethod::Bump | SurfaceMethod::BumpPrinted, _) => {
             "no material has a height map or a base colour texture; name one with --height-map"
         }
-        _ => "no material has a normal map; name one with --normal-map",
+        _ => "no material of a mesh with uvs has a normal map; name one with --normal-map",
     }
 }
 

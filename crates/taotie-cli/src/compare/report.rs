@@ -4,10 +4,11 @@ use super::comparison::{Comparison, Plan, Taken};
 use super::files::Files;
 use super::{look, points};
 use crate::console;
+use crate::spread::Spread;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use taotie::compare::{self, Field, PIXELS_PER_DEGREE, Summary};
+use taotie::compare::{self, Field, PIXELS_PER_DEGREE};
 use taotie::image::Image;
 use taotie::math::{Mat4, Vec3};
 use taotie::names::Named;
@@ -96,9 +97,9 @@ pub struct ErrorReport {
     /// The heat map.
     pub heat: PathBuf,
     /// Over all matched pixels.
-    pub all: Option<SummaryReport>,
+    pub all: Option<Spread>,
     /// Over those away from silhouettes.
-    pub inner: Option<SummaryReport>,
+    pub inner: Option<Spread>,
     /// Pixels per degree, all that are matched; the last bin is open.
     pub histogram: Vec<u64>,
 }
@@ -124,20 +125,9 @@ pub struct PictureFigures {
     /// At most 1.
     pub ssim: f64,
     /// In [0, 1].
-    pub flip: Option<SummaryReport>,
+    pub flip: Option<Spread>,
     /// Its map.
     pub flip_map: PathBuf,
-}
-
-/// The distribution of a quantity over pixels.
-#[derive(Serialize)]
-pub struct SummaryReport {
-    pixels: usize,
-    mean: f64,
-    median: f64,
-    quartiles: [f64; 2],
-    p95: f64,
-    max: f64,
 }
 
 /// A method that could not be drawn.
@@ -169,13 +159,6 @@ pub struct PointNormal {
     pub angle_to_first: Option<f64>,
     /// To what the others are compared with, degrees.
     pub error: Option<f64>,
-}
-
-impl From<Summary> for SummaryReport {
-    fn from(summary: Summary) -> Self {
-        let Summary { count, mean, median, quartiles, p95, max } = summary;
-        Self { pixels: count, mean, median, quartiles, p95, max }
-    }
 }
 
 impl Report {
@@ -236,15 +219,13 @@ impl MethodReport {
     }
 }
 
-impl SummaryReport {
-    /// Mean, median, 95th percentile and maximum.
-    pub fn figures(&self) -> [f64; 4] {
-        [self.mean, self.median, self.p95, self.max]
-    }
+/// Mean, median, 95th percentile and maximum.
+pub fn figures(spread: &Spread) -> [f64; 4] {
+    [spread.mean, spread.median, spread.p95, spread.max]
 }
 
-fn summary(field: &Field) -> Option<SummaryReport> {
-    field.summary().map(SummaryReport::from)
+fn summary(field: &Field) -> Option<Spread> {
+    field.summary().map(Spread::from)
 }
 
 fn method_report(taken: &Taken, comparison: &Comparison, files: &Files) -> taotie::Result<MethodReport> {

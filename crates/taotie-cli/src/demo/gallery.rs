@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 use taotie::film;
 use taotie::image::{Encoding, Image, Texture};
-use taotie::io::{self, PngColor, PngImage, PngSamples};
+use taotie::io;
 use taotie::names::Named;
 use taotie::render::{RenderSettings, SurfaceSettings};
 use taotie::scene::{NormalSpace, Scene};
@@ -79,14 +79,7 @@ pub fn write_sheet(args: &DemoArgs, scene: &Scene, progress: &dyn Fn(f64)) -> Re
     }
     let path = args.out.join("sheet.png");
     let sheet = Sheet::new(&cells, [args.size as usize; 2], COLUMNS);
-    let picture = PngImage {
-        width: sheet.width as u32,
-        height: sheet.height as u32,
-        color: PngColor::Rgb,
-        samples: PngSamples::U8(sheet.pixels.as_flattened()),
-        encoding: Encoding::Srgb,
-    };
-    io::write_png(&path, &picture)?;
+    io::write_png(&path, &sheet.png())?;
     Ok((path, made))
 }
 

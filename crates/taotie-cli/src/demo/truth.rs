@@ -22,7 +22,7 @@ const HEAT_TOP_DEG: f64 = 30.0;
 /// Those of rendering and writing.
 pub fn write(args: &DemoArgs, scene: &Scene) -> Result<(Report, Vec<PathBuf>)> {
     let reference = displaced(scene);
-    let Stage { camera, lighting } = Stage::whole(scene);
+    let Stage { camera, lighting } = Stage::cup(scene);
     let plan = Plan {
         methods: Method::defaults(),
         shadings: vec![Shading::Ggx],
@@ -31,7 +31,7 @@ pub fn write(args: &DemoArgs, scene: &Scene) -> Result<(Report, Vec<PathBuf>)> {
         matching: Matching::Uv,
         camera,
         lighting,
-        settings: Stage::settings(SIDE, 16),
+        settings: Stage::settings(SIDE, 4),
         development: stage::development(),
     };
     let subject = SubjectReport {
@@ -71,13 +71,13 @@ pub fn lines(report: &Report) -> Vec<String> {
 
 /// In the order of their errors.
 const REASONS: [(&str, &str); 3] = [
-    ("smooth", "the relief is missing, so the error is the relief's own slope"),
+    ("smooth", "knows nothing of the relief: its error is the relief's own slope"),
     (
         "bump",
-        "the slope is there, but taken from pixel differences of a filtered height and blind to how the mesh bends",
+        "has the relief's slope from its heights, but not how the bronze differs from the mesh's smooth normals",
     ),
     (
         "tangent-normal",
-        "the slope was measured where it is looked up; what is left is filtering, and facets for curves",
+        "has the bronze's normals themselves: what is left is the size of texels and their filtering",
     ),
 ];

@@ -1,11 +1,13 @@
 //! The maps of the low mesh: height, tangent-space normals, colour and the rest.
 
+use super::displaced::{Rounded, Welds};
 use super::{DEPTH, patina};
 use rayon::prelude::*;
 use taotie::bake::{
-    Heights, Storage, TexelGrid, TexelSurface, object_from_tangent, store_normals, tangent_from_height_on,
+    Heights, Storage, SurfacePoint, TexelGrid, TexelSurface, store_normals, tangent_from_object,
 };
 use taotie::image::{Bitmap, Image, Texels as Stored, Wrap};
+use taotie::math::{Vec2, Vec3};
 use taotie::mesh::Mesh;
 use taotie::scene::{GreenChannel, NormalSpace};
 use taotie::surface::{TangentMethod, with_tangents};
@@ -42,15 +44,32 @@ impl Bake {
 
     /// The object-space normal map, 16 bits.
     pub fn object_normal_map(&self) -> Bitmap {
-        let normals = object_from_tangent(&self.surface, &self.tangent_normals());
-        stored(&normals.expect("both are of one size"), NormalSpace::Object)
+        stored(&self.object_normals(), NormalSpace::Object)
     }
 
     fn tangent_normals(&self) -> Image {
-        let size = self.surface.coverage().width();
+        tangent_from_object(&self.surface, &self.object_normals()).expect("both are of one size")
+    }
+
+    /// The normals of the rounded mesh displaced along its interpolated normals: Q = B + h n, Q_u × Q_v.
+    fn object_normals(&self) -> Image {
+        let (mesh, coverage) = (self.surface.mesh(), self.surface.coverage());
+        let welds = Welds::new(mesh);
+        let rounded = Rounded::new(mesh, &welds);
+        let size = coverage.width();
         let heights = Heights::new([size; 2], self.heights.clone(), [Wrap::Clamp; 2]);
         let heights = heights.expect("there is a height for each texel");
-        tangent_from_height_on(&self.surface, &heights, DEPTH).expect("both are of one size")
+        let normals = self.surface.map([0.0; 4], |x, y, point| {
+            let Some(triangle) = coverage.triangle(x, y) else { return [0.0; 4] };
+            let uv = [x, y].map(|i| (f64::from(i) + 0.5) / f64::from(size));
+            let base = rounded.by_uv(triangle as usize, Vec2::new(uv[0], uv[1]));
+            let slopes = heights.slopes(x, y).map(|slope| slope * f64::from(size) * DEPTH);
+            let n = displaced_normal(point, base, heights.at(x, y) * DEPTH, slopes).to_f32();
+            [n.x, n.y, n.z, 1.0]
+        });
+        let mut image = Image::new(size, size, [0.0; 4]).expect("the map has a size");
+        image.pixels_mut().copy_from_slice(&normals);
+        image
     }
 
     /// Colour (to be decoded as sRGB), and occlusion, roughness and metallic in red, green and blue; 8 bits.
@@ -83,6 +102,21 @@ impl Bake {
         let size = self.surface.coverage().width();
         Bitmap::new(size, size, channels, texels).expect("the texels were made for this size")
     }
+}
+
+/// The unit normal of the surface `base` displaced by the height `h` along the interpolated normal at `point`; `slopes`
+/// are those of the height along u and v.
+fn displaced_normal(point: &SurfacePoint, base: [Vec3<f64>; 2], h: f64, slopes: [f64; 2]) -> Vec3<f64> {
+    let length = point.normal.length();
+    let n = point.normal / length;
+    let [q_u, q_v] = [0, 1].map(|k| {
+        let turned = (point.normal_by_uv[k] - n * n.dot(point.normal_by_uv[k])) / length;
+        base[k] + turned * h + n * slopes[k]
+    });
+    let across = q_u.cross(q_v);
+    // v points down the map, so the cross product may point inward.
+    let outward = if base[0].cross(base[1]).dot(n) < 0.0 { -across } else { across };
+    outward.normalize_or(n)
 }
 
 /// The mesh with its tangents on a map of `size` × `size`, charts grown by 1/128 of a side.

@@ -12,7 +12,7 @@ use taotie::math::{Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
 
 /// How the vertices of the low mesh coincide.
-struct Welds {
+pub(super) struct Welds {
     /// For each vertex, the first at the same place.
     place: Vec<u32>,
     /// For each vertex, the first at the same place with the same normal.
@@ -48,13 +48,54 @@ pub(super) struct Patch<'a> {
 /// Half the length over which slopes are measured, metres: small against the finest lines, large against rounding.
 const DELTA: f64 = 8e-6;
 
+/// The low mesh rounded, without relief.
+pub(super) struct Rounded<'a> {
+    mesh: &'a Mesh,
+    patches: Vec<Patch<'a>>,
+}
+
+/// Half the step, in weights, over which the rounded mesh is differentiated.
+const STEP: f64 = 1e-4;
+
+impl<'a> Rounded<'a> {
+    pub fn new(mesh: &'a Mesh, welds: &'a Welds) -> Self {
+        let curves = curves(mesh, welds);
+        let corners = mesh.triangles().iter();
+        Self { mesh, patches: corners.map(|corners| Patch::new(mesh, welds, &curves, *corners)).collect() }
+    }
+
+    /// How the position changes with u and v at a uv of a triangle, or at the place of its border that is nearest in
+    /// weights.
+    pub fn by_uv(&self, triangle: usize, uv: Vec2<f64>) -> [Vec3<f64>; 2] {
+        let patch = &self.patches[triangle];
+        let [a, b, c] = patch.corners.map(|i| {
+            let uv = self.mesh.uvs()[0][i as usize];
+            Vec2::new(f64::from(uv.x), f64::from(uv.y))
+        });
+        let (e, f, g) = (b - a, c - a, uv - a);
+        let det = e.x * f.y - e.y * f.x;
+        let w = [(g.x * f.y - g.y * f.x) / det, (e.x * g.y - e.y * g.x) / det];
+        let w = [1.0 - w[0] - w[1], w[0], w[1]].map(|w| w.max(0.0));
+        let sum: f64 = w.iter().sum();
+        let w = w.map(|w| w / sum);
+        let middle = patch.middle();
+        // Weights of the second and third corner by u, and by v.
+        [[f.y / det, -e.y / det], [-f.x / det, e.x / det]].map(|[by_b, by_c]| {
+            let size = by_b.abs().max(by_c.abs());
+            let moved = |k: f64| {
+                let (db, dc) = (by_b / size * k, by_c / size * k);
+                patch.inside([w[0] - db - dc, w[1] + db, w[2] + dc], middle).0
+            };
+            (moved(STEP) - moved(-STEP)) * (size / (2.0 * STEP))
+        })
+    }
+}
+
 /// Every triangle of the low mesh split and displaced by `height`, with the normals of the displaced surface; see
 /// [`Split`].
 pub(super) fn mesh(low: &Mesh, finest: f64, height: impl Fn(f32, f32) -> f32 + Sync) -> Mesh {
     let welds = Welds::new(low);
-    let curves = curves(low, &welds);
-    let patches: Vec<Patch<'_>> =
-        low.triangles().iter().map(|corners| Patch::new(low, &welds, &curves, *corners)).collect();
+    let Rounded { patches, .. } = Rounded::new(low, &welds);
     let split = |patch: &Patch<'_>| Split::new(patch, finest, &height).run();
     let pieces: Vec<Piece> = patches.par_iter().map(split).collect();
     let normals = shared(pieces.iter().flat_map(|piece| &piece.points), &slots(&patches, &pieces));
@@ -81,7 +122,7 @@ fn joined(pieces: &[Piece]) -> Vec<[u32; 3]> {
 }
 
 impl Welds {
-    fn new(mesh: &Mesh) -> Self {
+    pub fn new(mesh: &Mesh) -> Self {
         let bits = |v: &Vec3| v.to_array().map(|c| (c + 0.0).to_bits());
         let (mut places, mut normals) = (HashMap::new(), HashMap::new());
         let pairs = mesh.positions().iter().zip(mesh.normals()).enumerate();

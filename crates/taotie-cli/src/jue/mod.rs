@@ -122,7 +122,7 @@ fn material() -> Material {
 }
 
 /// The shortest edges of a [`displaced_mesh`] that resolves the finest lines, metres: more than a million triangles.
-pub const FINEST: f64 = 0.0001;
+pub const FINEST: f64 = 0.0002;
 
 /// The vessel with its relief as geometry: each triangle of [`low_mesh`] rounded by its normals, displaced by
 /// [`height`], and split until its edges follow the relief or are no longer than `finest`, metres.
