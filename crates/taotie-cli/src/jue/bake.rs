@@ -8,7 +8,9 @@ use taotie::image::{Bitmap, Image, Texels as Stored};
 use taotie::math::{Vec2, Vec3};
 use taotie::mesh::Mesh;
 use taotie::scene::{GreenChannel, NormalSpace};
-use taotie::surface::{TangentMethod, tangent_space_normal, with_tangents};
+use taotie::surface::{
+    Relief, ReliefBase, TangentMethod, relief_normal, tangent_space_normal, with_tangents,
+};
 
 /// Heights sampled at texel middles, and the atlas they belong to.
 #[derive(Debug)]
@@ -45,9 +47,12 @@ impl Bake {
         stored(&self.normals([0.0; 4], |_, n| n), NormalSpace::Object)
     }
 
+    /// Where the frame between a tip's corners is so skewed that a normal lies behind it, the map stays flat.
     fn tangent_normals(&self) -> Image {
+        const FLAT: Vec3<f64> = Vec3::new(0.0, 0.0, 1.0);
         self.normals([0.0, 0.0, 1.0, 0.0], |frame, n| {
-            tangent_space_normal(frame.normal, frame.tangent, 1.0, n)
+            let stored = tangent_space_normal(frame.normal, frame.tangent, 1.0, n);
+            if stored.z > 0.0 { stored } else { FLAT }
         })
     }
 
@@ -65,10 +70,11 @@ impl Bake {
             let [u, v] = [x, y].map(|i| (f64::from(i) + 0.5) / f64::from(size));
             let weights = rounded.weights(triangle, Vec2::new(u, v));
             let frame = Frame::new(mesh, triangle, weights);
-            let base = rounded.by_uv(triangle, weights);
+            let dp = rounded.by_uv(triangle, weights);
+            let base = ReliefBase { n: frame.normal, dp, dn: point.normal_by_uv };
             let height = f64::from(self.heights[(y * size + x) as usize]) * DEPTH;
-            let by_uv = (point.normal_by_uv, corners.slopes(x, y));
-            let n = store(&frame, displaced_normal(frame.normal, base, height, by_uv)).to_f32();
+            let [by_u, by_v] = corners.slopes(x, y);
+            let n = store(&frame, displaced_normal(base, Relief { height, by_u, by_v })).to_f32();
             [n.x, n.y, n.z, 1.0]
         });
         let mut image = Image::new(size, size, [0.0; 4]).expect("the map has a size");
@@ -156,24 +162,24 @@ impl Frame {
     }
 }
 
-/// The unit normal of the surface `base` displaced by the height `h` along the interpolated `normal`. Beside `base`
-/// stand how that normal and the height change with u and v.
-fn displaced_normal(
-    normal: Vec3<f64>,
-    base: [Vec3<f64>; 2],
-    h: f64,
-    (normal_by_uv, slopes): ([Vec3<f64>; 2], [f64; 2]),
-) -> Vec3<f64> {
-    let length = normal.length();
-    let n = normal / length;
-    let [q_u, q_v] = [0, 1].map(|k| {
-        let turned = (normal_by_uv[k] - n * n.dot(normal_by_uv[k])) / length;
-        base[k] + turned * h + n * slopes[k]
+/// The least cosine between the rounded mesh's normal and the interpolated one: at tips the rounding folds over.
+const FOLDED: f64 = 0.1;
+
+/// The unit normal of the surface `base.dp` displaced by `relief` along the interpolated normal. Where that surface
+/// folds over, its facets are left out, as in [`relief_normal`].
+fn displaced_normal(base: ReliefBase<f64>, relief: Relief<f64>) -> Vec3<f64> {
+    let length = base.n.length();
+    let n = base.n / length;
+    let [q_u, q_v] = [(0, relief.by_u), (1, relief.by_v)].map(|(k, slope)| {
+        let turned = (base.dn[k] - n * n.dot(base.dn[k])) / length;
+        base.dp[k] + turned * relief.height + n * slope
     });
-    let across = q_u.cross(q_v);
-    // v points down the map, so the cross product may point inward.
-    let outward = if base[0].cross(base[1]).dot(n) < 0.0 { -across } else { across };
-    outward.normalize_or(n)
+    // v points down the map, so this points outward.
+    let q = q_v.cross(q_u).normalize_or(n);
+    if base.dp[1].cross(base.dp[0]).normalize_or(n).dot(n) < FOLDED || q.dot(n) < FOLDED {
+        return relief_normal(base, relief);
+    }
+    q
 }
 
 /// The mesh with its tangents on a map of `size` × `size`, charts grown by 1/128 of a side.
