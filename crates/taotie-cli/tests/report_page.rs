@@ -438,3 +438,50 @@ fn every_width_has_room_for_the_page() {
     assert_ne!(tab.value(ground), light);
     tab.assert_quiet();
 }
+
+/// A square that faces the camera, whose normal map tilts all of it.
+const SQUARE: &str = "mtllib square.mtl\nusemtl square\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n\
+    vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1 4/4/1\n";
+
+#[test]
+fn a_comparison_opens_from_disk_and_its_wipe_works() {
+    let folder = tempfile::tempdir().expect("temporary folders can be made");
+    let write = |name: &str, content: &[u8]| {
+        std::fs::write(folder.path().join(name), content).expect("the folder is writable");
+    };
+    write("square.obj", SQUARE.as_bytes());
+    write("square.mtl", b"newmtl square\nKd 0.8 0.8 0.8\nnorm tilted.png\n");
+    // x = 0.8 and z = 0.6, away from the light.
+    write("tilted.png", &quarters([[230, 128, 204]; 4]));
+    let compare = std::process::Command::new(env!("CARGO_BIN_EXE_taotie"))
+        .args([
+            "compare",
+            "square.obj",
+            "--method",
+            "smooth,tangent-normal",
+            "--orbit",
+            "0,0",
+            "--size",
+            "96x96",
+        ])
+        .args(["--light", "directional from=0,0", "--ambient", "0", "-o", "out"])
+        .current_dir(folder.path())
+        .output()
+        .expect("the command runs");
+    assert!(compare.status.success(), "{}", String::from_utf8_lossy(&compare.stderr));
+    let Some(mut tab) = browser::open(&folder.path().join("out/report.html"), [1200, 900]) else { return };
+    let [x, y, width, height] = tab.place(WIPE);
+    let at = |share: f64| [x + share * width, y + height / 2.0];
+    let seen = |tab: &mut Tab| tab.screenshot().at([x + 0.4 * width, y + 0.3 * height]);
+    let smooth = seen(&mut tab);
+    tab.drag(at(0.5), at(0.2));
+    let tilted = seen(&mut tab);
+    assert!(
+        smooth[0] > tilted[0] + 20,
+        "smooth {smooth:?} left of the handle, tilted {tilted:?} right of it"
+    );
+    tab.drag(at(0.2), at(0.8));
+    assert!(same(seen(&mut tab), smooth));
+    assert_eq!(tab.value("document.querySelectorAll('table').length"), json!(4));
+    tab.assert_quiet();
+}

@@ -7,7 +7,7 @@ use super::displaced::{Patch, Point, WHOLE, Weights};
 use std::collections::HashMap;
 
 /// Longest edge where the surface only bends as the low mesh does, metres.
-const PLAIN: f64 = 0.0016;
+const PLAIN: f64 = 0.0008;
 
 /// An edge follows the relief where the relief leaves it by less than this fraction of its length: kinks stay below
 /// about 3°.
