@@ -147,7 +147,7 @@ impl Counts {
             textures: scene.textures.len(),
             lights: scene.lights.len(),
             cameras: scene.cameras.len(),
-            animations: loaded.animations,
+            animations: loaded.rig.as_ref().map_or(0, |rig| rig.animations().len()),
         }
     }
 }

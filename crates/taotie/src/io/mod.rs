@@ -16,6 +16,7 @@ pub use write::{ExrLayer, PngColor, PngImage, PngSamples, write_bytes, write_exr
 
 use crate::error::{Error, Result, Warnings};
 use crate::scene::Scene;
+use crate::scene::animation::Rig;
 use std::path::Path;
 
 /// What a model file held: the scene, what was put right, and what a report about the file wants to know.
@@ -41,8 +42,8 @@ pub struct Loaded {
     pub texture_names: Vec<String>,
     /// Files that the model names and that are not there.
     pub missing_files: Vec<String>,
-    /// How many animations the file holds; only the rest pose is drawn.
-    pub animations: usize,
+    /// What moves the scene, where the file has animations; the scene itself is at rest.
+    pub rig: Option<Rig>,
 }
 
 impl Loaded {

@@ -1,11 +1,13 @@
-//! What is looked at: meshes, materials, textures, instances, lights and cameras. Data, no behaviour.
+//! What is looked at: meshes, materials, textures, instances, lights, cameras, and how they move. Data, and the poses
+//! that follow from it.
 
+pub mod animation;
 mod camera;
 mod light;
 mod material;
 mod presets;
 
-pub use camera::{Camera, Orbit, Projection, fitting_distance};
+pub use camera::{Camera, Orbit, Projection, fitting_distance, rigid};
 pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
 pub use material::{
     AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
