@@ -8,7 +8,9 @@ mod inspect;
 pub mod jue;
 mod options;
 mod render;
+pub mod report;
 mod sheet;
+mod studio;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;

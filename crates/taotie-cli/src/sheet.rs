@@ -17,7 +17,7 @@ pub struct Cell {
     pub title: String,
     /// Second line, smaller.
     pub note: String,
-    /// `side` × `side` sRGB pixels.
+    /// sRGB pixels, row by row from the top.
     pub pixels: Vec<[u8; 3]>,
 }
 
@@ -32,24 +32,24 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// Lays out square pictures of `side` pixels in rows of `columns`.
-    pub fn new(cells: &[Cell], side: usize, columns: usize) -> Self {
+    /// Lays out pictures of one width and height in rows of `columns`.
+    pub fn new(cells: &[Cell], [across, down]: [usize; 2], columns: usize) -> Self {
         let rows = cells.len().div_ceil(columns);
-        let width = GAP + columns * (side + GAP);
-        let height = GAP + rows * (side + LABEL + GAP);
+        let width = GAP + columns * (across + GAP);
+        let height = GAP + rows * (down + LABEL + GAP);
         let mut sheet = Self { width, height, pixels: vec![GROUND; width * height] };
         for (i, cell) in cells.iter().enumerate() {
-            let x = GAP + (i % columns) * (side + GAP);
-            let y = GAP + (i / columns) * (side + LABEL + GAP);
-            sheet.paste(cell, side, [x, y]);
-            sheet.write(&cell.title, [x, y + side + 6], RasterHeight::Size20, TITLE, side);
-            sheet.write(&cell.note, [x, y + side + 29], RasterHeight::Size16, NOTE, side);
+            let x = GAP + (i % columns) * (across + GAP);
+            let y = GAP + (i / columns) * (down + LABEL + GAP);
+            sheet.paste(cell, across, [x, y]);
+            sheet.write(&cell.title, [x, y + down + 6], RasterHeight::Size20, TITLE, across);
+            sheet.write(&cell.note, [x, y + down + 29], RasterHeight::Size16, NOTE, across);
         }
         sheet
     }
 
-    fn paste(&mut self, cell: &Cell, side: usize, [x, y]: [usize; 2]) {
-        for (row, pixels) in cell.pixels.chunks(side).enumerate() {
+    fn paste(&mut self, cell: &Cell, across: usize, [x, y]: [usize; 2]) {
+        for (row, pixels) in cell.pixels.chunks(across).enumerate() {
             let start = (y + row) * self.width + x;
             self.pixels[start..start + pixels.len()].copy_from_slice(pixels);
         }
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn cells_lie_in_rows_with_their_labels() {
         let cell = |grey| Cell { title: "ab".into(), note: String::new(), pixels: vec![[grey; 3]; 64] };
-        let sheet = Sheet::new(&[cell(10), cell(20), cell(30)], 8, 2);
+        let sheet = Sheet::new(&[cell(10), cell(20), cell(30)], [8, 8], 2);
         let at = |x: usize, y: usize| sheet.pixels[y * sheet.width + x];
         assert_eq!((sheet.width, sheet.height), (3 * GAP + 16, 3 * GAP + 2 * (8 + LABEL)));
         assert_eq!([at(GAP, GAP), at(2 * GAP + 8, GAP)], [[10; 3], [20; 3]]);
@@ -94,7 +94,7 @@ mod tests {
     fn labels_leave_ink_and_stay_within_their_cell() {
         let cell =
             Cell { title: "tangent-normal".repeat(9), note: "x".into(), pixels: vec![[0; 3]; 64 * 64] };
-        let sheet = Sheet::new(&[cell], 64, 1);
+        let sheet = Sheet::new(&[cell], [64, 64], 1);
         let inked: Vec<usize> = sheet.pixels[(GAP + 64) * sheet.width..]
             .iter()
             .enumerate()

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! L3   render                         io
-//! L2   surface  shade  scene  raster  trace  film
+//! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
 //! L0   math         error  names
 //! ```
@@ -30,6 +30,7 @@
 //! # }
 //! ```
 
+pub mod compare;
 pub mod error;
 pub mod film;
 pub mod image;

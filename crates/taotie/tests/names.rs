@@ -1,5 +1,6 @@
 //! Every set of named values leads from name to value and back.
 
+use taotie::compare::ColorMap;
 use taotie::film::ToneCurve;
 use taotie::math::SimdLevel;
 use taotie::names::Named;
@@ -23,4 +24,5 @@ fn every_name_leads_back_and_an_unknown_one_is_told_the_list() {
     names_lead_back::<TangentMethod>();
     names_lead_back::<ToneCurve>();
     names_lead_back::<SimdLevel>();
+    names_lead_back::<ColorMap>();
 }

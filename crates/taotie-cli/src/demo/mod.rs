@@ -4,8 +4,9 @@ mod export;
 
 use crate::console::{self, Progress};
 use crate::jue;
-use crate::render::{PictureFormat, in_pool, write_picture};
+use crate::render::{PictureFormat, write_picture};
 use crate::sheet::{Cell, Sheet};
+use crate::studio::in_pool;
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
@@ -254,7 +255,7 @@ fn cell(picture: &Picture, image: &Image) -> Result<Cell> {
 }
 
 fn write_sheet(args: &DemoArgs, cells: &[Cell]) -> Result<PathBuf> {
-    let sheet = Sheet::new(cells, args.size as usize, COLUMNS);
+    let sheet = Sheet::new(cells, [args.size as usize; 2], COLUMNS);
     let path = args.out.join("sheet.png");
     let picture = PngImage {
         width: sheet.width as u32,

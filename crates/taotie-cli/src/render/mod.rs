@@ -1,24 +1,21 @@
 //! `taotie render`: a model in, a picture out.
 
 mod args;
-mod camera;
-mod lights;
-mod material;
 mod output;
 
 pub use args::RenderArgs;
 pub use output::{PictureFormat, write_picture};
 
 use crate::console::{self, Progress};
-use anyhow::{Context, Result, bail};
-use camera::Viewpoint;
+use crate::studio::{self, Viewpoint, in_pool};
+use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use taotie::Warnings;
 use taotie::names::Named;
-use taotie::render::{Lighting, Pass, Prepared};
+use taotie::render::{Pass, Prepared};
 use taotie::scene::Scene;
-use taotie::{Warnings, io};
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
@@ -35,8 +32,8 @@ struct Report {
 /// Runs the subcommand.
 pub fn run(args: &RenderArgs) -> Result<()> {
     args.check()?;
-    let report = in_pool(args.threads, || render(args))??;
-    if args.json {
+    let report = in_pool(args.running.threads, || render(args))??;
+    if args.running.json {
         return console::result(&serde_json::to_string_pretty(&report.json(args))?);
     }
     console::say_warnings(&report.warnings);
@@ -46,27 +43,16 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     Ok(())
 }
 
-/// Runs `work` on `threads` threads, or on all of the machine's.
-pub fn in_pool<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0))
-        .build()
-        .context("the threads could not be started; ask for fewer with --threads")?;
-    Ok(pool.install(work))
-}
-
 fn render(args: &RenderArgs) -> Result<Report> {
     let mut watch = Watch::new();
-    let mut loaded = io::load_model(&args.model)?;
+    let mut loaded = studio::load(&args.model, &args.material, args.bump_scale)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
-    check_extent(args, &loaded.scene)?;
-    material::apply(args, &mut loaded.scene)?;
     watch.lap("load");
     let prepared = Prepared::new(&loaded.scene, &args.settings().surface)
         .with_context(|| args.model.display().to_string())?;
     warnings.absorb(prepared.warnings().clone());
     watch.lap("prepare");
-    let viewpoint = Viewpoint::choose(args, &loaded.scene)?;
+    let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
     let studio = Studio { args, scene: &loaded.scene, prepared: &prepared, viewpoint };
     let mut files = Vec::new();
     for index in 0..studio.frames() {
@@ -92,10 +78,7 @@ impl Studio<'_> {
     fn take(&self, index: u32, watch: &mut Watch) -> Result<Vec<PathBuf>> {
         let (args, frames) = (self.args, self.frames());
         let turn = std::f64::consts::TAU * f64::from(index) / f64::from(frames);
-        let lighting = Lighting {
-            lights: lights::choose(args, self.scene, &self.viewpoint, turn)?,
-            ambient: args.ambient(self.scene),
-        };
+        let lighting = studio::lighting(&args.light, self.scene, &self.viewpoint, turn)?;
         let title = if frames > 1 { format!("frame {} of {frames}", index + 1) } else { "render".into() };
         let progress = Progress::new(title);
         let pass = Pass::new(self.prepared, &self.viewpoint.camera(turn), &lighting, &args.settings())?;
@@ -106,14 +89,6 @@ impl Studio<'_> {
         watch.lap("write");
         Ok(files)
     }
-}
-
-/// Refuses a model that has nothing to be seen from anywhere.
-fn check_extent(args: &RenderArgs, scene: &Scene) -> Result<()> {
-    if scene.bounds().is_some_and(|bounds| bounds.diagonal() == 0.0) {
-        bail!("{}: all its triangles lie in one point; there is nothing to see", args.model.display());
-    }
-    Ok(())
 }
 
 /// `turn.png` becomes `turn.007.png`.
@@ -134,10 +109,10 @@ impl Report {
             "files": self.files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
             "triangles": self.triangles,
             "size": args.size,
-            "samples": args.samples,
+            "samples": args.film.samples,
             "shading": args.shading.name(),
             "surface": args.surface.map(|s| s.name()),
-            "tone": args.tone.name(),
+            "tone": args.film.tone.name(),
             "seconds": seconds,
             "warnings": console::json_warnings(&self.warnings),
         })

@@ -47,7 +47,7 @@ pub fn check_place(path: &Path) -> Result<()> {
 /// Writes a frame and the output variables asked for; returns the files.
 pub fn write(args: &RenderArgs, path: &Path, frame: &Frame) -> Result<Vec<PathBuf>> {
     let format = PictureFormat::of(path, &args.bits)?;
-    write_picture(path, &frame.color, &args.development()?, format)?;
+    write_picture(path, &frame.color, &args.film.development(args.running.simd)?, format)?;
     let mut files = vec![path.to_path_buf()];
     let named = frame.aovs.iter().flat_map(|aovs| aovs.named());
     for (name, image) in named.filter(|(name, _)| args.aovs.iter().any(|asked| asked == name)) {

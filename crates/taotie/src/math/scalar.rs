@@ -3,4 +3,4 @@
 //! The standard library calls the platform's mathematics library, whose last bits differ between systems; these
 //! are pure Rust. Formulas that run per pixel use [`super::poly`] instead.
 
-pub use libm::{acos, asin, atan2, cos, exp, exp2, log as ln, log2, log10, pow, sin, tan};
+pub use libm::{acos, asin, atan2, cbrt, cos, exp, exp2, log as ln, log2, log10, pow, sin, tan};

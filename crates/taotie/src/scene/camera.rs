@@ -40,6 +40,35 @@ pub enum Projection {
     },
 }
 
+impl Camera {
+    /// How large a pixel is at the distance `depth` along the axis of sight, model units. `width` and `height` are
+    /// the picture's, pixels.
+    pub fn pixel_size(&self, depth: f64, width: u32, height: u32) -> f64 {
+        let half = self.projection.half_height(f64::from(width) / f64::from(height));
+        let at_depth = match self.projection {
+            Projection::Perspective { .. } => half * depth,
+            Projection::Orthographic { .. } => half,
+        };
+        2.0 * at_depth / f64::from(height)
+    }
+}
+
+impl Projection {
+    /// Half the height that a picture of this width over height shows: at distance 1 in perspective, anywhere else.
+    ///
+    /// A camera narrower or wider than the picture keeps all it sees: the other direction shows more.
+    pub fn half_height(&self, picture_aspect: f64) -> f64 {
+        match *self {
+            Self::Perspective { fov_y, aspect, .. } => {
+                scalar::tan(fov_y / 2.0) * aspect.map_or(1.0, |a| (a / picture_aspect).max(1.0))
+            }
+            Self::Orthographic { half_width, half_height, .. } => {
+                half_height.abs().max(half_width.abs() / picture_aspect)
+            }
+        }
+    }
+}
+
 /// A place on a sphere around a target, and the angle of view from there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Orbit {
@@ -122,6 +151,17 @@ mod tests {
         });
         let most = reach.into_iter().fold(0.0, f64::max);
         assert!((most - 1.0).abs() < 1e-9, "{most}");
+    }
+
+    #[test]
+    fn pixels_fill_the_angle_of_view() {
+        let orbit =
+            Orbit { azimuth: 0.0, elevation: 0.0, distance: 3.0, target: Vec3::default(), fov_y: 1.0 };
+        let size = orbit.camera(1.0).pixel_size(3.0, 200, 100);
+        assert!((size - 2.0 * 3.0 * scalar::tan(0.5) / 100.0).abs() < 1e-12);
+        let projection = Projection::Orthographic { half_width: 4.0, half_height: 1.0, near: 0.0, far: 9.0 };
+        let camera = Camera { projection, ..orbit.camera(1.0) };
+        assert_eq!([1.0, 7.0].map(|depth| camera.pixel_size(depth, 200, 100)), [0.04; 2]);
     }
 
     #[test]

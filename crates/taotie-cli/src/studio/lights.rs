@@ -1,17 +1,30 @@
 //! The lights asked for.
 
-use super::RenderArgs;
+use super::LightArgs;
 use super::camera::Viewpoint;
 use crate::options;
 use anyhow::{Result, anyhow, bail};
 use std::collections::BTreeMap;
 use taotie::math::Vec3;
+use taotie::render::Lighting;
 use taotie::scene::{Camera, Falloff, Light, LightKind, Scene, from_view, three_point_rig};
+
+/// Ambient radiance where no light is named: a dim room.
+const ROOM: f32 = 0.12;
+
+/// The light on a scene after it has turned by `turn` radians on a turntable.
+///
+/// Ambient light is as asked for, else none where lights were named, else a dim room.
+pub fn lighting(args: &LightArgs, scene: &Scene, viewpoint: &Viewpoint, turn: f64) -> Result<Lighting> {
+    let room = if args.lights.is_empty() && scene.lights.is_empty() { ROOM } else { 0.0 };
+    let ambient = args.ambient.unwrap_or(Vec3::splat(room));
+    Ok(Lighting { lights: choose(args, scene, viewpoint, turn)?, ambient })
+}
 
 /// The lights of a picture: those asked for, else the file's, else key, fill and rim.
 ///
 /// Lights that were asked for stand still with the camera while a turntable turns; the file's turn with the object.
-pub fn choose(args: &RenderArgs, scene: &Scene, viewpoint: &Viewpoint, turn: f64) -> Result<Vec<Light>> {
+fn choose(args: &LightArgs, scene: &Scene, viewpoint: &Viewpoint, turn: f64) -> Result<Vec<Light>> {
     if args.lights.is_empty() {
         let rig = || three_point_rig(&viewpoint.camera(turn));
         return Ok(if scene.lights.is_empty() { rig() } else { scene.lights.clone() });

@@ -1,6 +1,7 @@
 //! Materials from the command line: presets, TOML files and maps.
 
-use super::RenderArgs;
+use super::MaterialArgs;
+use super::args::Green;
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -14,8 +15,9 @@ use taotie::{Error, io};
 /// Height of white where nothing says otherwise, as a fraction of the model's size.
 const DEFAULT_HEIGHT: f64 = 0.01;
 
-/// Puts what `--material` and the map options ask for into every material of the scene.
-pub fn apply(args: &RenderArgs, scene: &mut Scene) -> Result<()> {
+/// Puts what `--material` and the map options ask for into every material of the scene. `height_scale` is the height
+/// of white in model units, where it was asked for.
+pub fn apply(args: &MaterialArgs, height_scale: Option<f64>, scene: &mut Scene) -> Result<()> {
     if let Some(choice) = &args.material {
         let file = read_choice(choice)?;
         let change = file.resolve(scene)?;
@@ -28,12 +30,12 @@ pub fn apply(args: &RenderArgs, scene: &mut Scene) -> Result<()> {
         occlusion: args.occlusion_map.clone(),
         normal_space: args.normal_space.into(),
         green: args.green.into(),
-        height_scale: args.bump_scale.map(|scale| scale as f32),
+        height_scale: height_scale.map(|scale| scale as f32),
         ..MapOptions::default()
     };
     let change = maps.load(scene)?;
     scene.materials.iter_mut().for_each(|material| change.apply(material));
-    if args.green == super::args::Green::Down {
+    if args.green == Green::Down {
         for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
             map.green = GreenChannel::Down;
         }

@@ -1,6 +1,6 @@
 //! Where the picture is taken from.
 
-use super::RenderArgs;
+use super::CameraArgs;
 use anyhow::{Result, bail};
 use std::f64::consts::TAU;
 use taotie::math::{Mat4, Vec3};
@@ -23,7 +23,7 @@ pub struct Viewpoint {
 
 impl Viewpoint {
     /// The camera asked for: one of the file by name, an orbit, else the object framed.
-    pub fn choose(args: &RenderArgs, scene: &Scene) -> Result<Self> {
+    pub fn choose(args: &CameraArgs, framing: Framing, scene: &Scene) -> Result<Self> {
         let Some(bounds) = scene.bounds() else { bail!("the model has no triangle to look at") };
         let pivot = args.target.unwrap_or(bounds.center());
         if let Some(name) = &args.camera {
@@ -40,9 +40,8 @@ impl Viewpoint {
             ),
         };
         let [azimuth, elevation, fov_y] = [azimuth, elevation, args.fov_deg].map(f64::to_radians);
-        let aspect = f64::from(args.size[0]) / f64::from(args.size[1]);
         let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target: pivot, fov_y };
-        orbit.distance = distance.unwrap_or_else(|| framed(args, scene, &orbit, aspect));
+        orbit.distance = distance.unwrap_or_else(|| framing.distance(scene, &orbit));
         let reach = bounds.diagonal() / 2.0 + (pivot - bounds.center()).length();
         Ok(Self { camera: orbit.camera(reach), pivot })
     }
@@ -61,18 +60,26 @@ impl Viewpoint {
     }
 }
 
-/// The distance that frames the object: for a turntable, wherever it has turned to, so that the picture does not
-/// jump.
-fn framed(args: &RenderArgs, scene: &Scene, orbit: &Orbit, aspect: f64) -> f64 {
-    if args.turntable.is_none() {
-        return fitting_distance(orbit, aspect, FILL, scene.corners());
+/// What of the object has to fit into the picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Framing {
+    /// Width and height of the picture, pixels.
+    pub size: [u32; 2],
+    /// Whether the object must fit wherever a turntable has turned it to, so that the picture does not jump.
+    pub all_around: bool,
+}
+
+impl Framing {
+    fn distance(self, scene: &Scene, orbit: &Orbit) -> f64 {
+        let aspect = f64::from(self.size[0]) / f64::from(self.size[1]);
+        let turns = if self.all_around { TURNS } else { 1 };
+        let around = (0..turns).map(|i| TAU * f64::from(i) / f64::from(turns));
+        let distances = around.map(|turn| {
+            let turned = Orbit { azimuth: orbit.azimuth + turn, ..*orbit };
+            fitting_distance(&turned, aspect, FILL, scene.corners())
+        });
+        distances.fold(0.0, f64::max)
     }
-    let around = (0..TURNS).map(|i| TAU * f64::from(i) / f64::from(TURNS));
-    let distances = around.map(|turn| {
-        let turned = Orbit { azimuth: orbit.azimuth + turn, ..*orbit };
-        fitting_distance(&turned, aspect, FILL, scene.corners())
-    });
-    distances.fold(0.0, f64::max)
 }
 
 fn named(scene: &Scene, name: &str) -> Result<Camera> {

@@ -1,0 +1,62 @@
+// @ts-check
+// Elements. Text from the data only ever becomes text: nothing here parses markup.
+
+/**
+ * An element with attributes and children.
+ * @param {string} tag
+ * @param {Record<string, string>} [attributes]
+ * @param {...(Node | string)} children
+ * @returns {HTMLElement}
+ */
+function el(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...children);
+  return element;
+}
+
+/**
+ * An element of a drawing.
+ * @param {string} tag
+ * @param {Record<string, string | number>} [attributes]
+ * @param {...(Node | string)} children
+ * @returns {SVGElement}
+ */
+function svg(tag, attributes = {}, ...children) {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+  element.append(...children);
+  return element;
+}
+
+/**
+ * A button that does something.
+ * @param {string} text
+ * @param {string} hint What it does, for those to whom the text does not say it.
+ * @param {() => void} action
+ * @returns {HTMLElement}
+ */
+function button(text, hint, action) {
+  const element = el("button", { type: "button", title: hint, "aria-label": hint }, text);
+  element.addEventListener("click", action);
+  return element;
+}
+
+/**
+ * A paragraph, or nothing where there is nothing to say.
+ * @param {string} kind Its class.
+ * @param {string} text
+ * @returns {HTMLElement[]}
+ */
+function note(kind, text) {
+  return text ? [el("p", { class: kind }, text)] : [];
+}
+
+/**
+ * @param {number} value
+ * @param {number} low
+ * @param {number} high
+ */
+function clamp(value, low, high) {
+  return Math.min(Math.max(value, low), high);
+}

@@ -1,0 +1,59 @@
+// @ts-check
+// The page from its data.
+
+/**
+ * The data, as `mod.rs` documents them. Missing numbers are null.
+ * @typedef {{ label: string, note: string, png: string, width: number, height: number }} Picture
+ * @typedef {{ title: string, unit: string, top: number, stops: [number, number, number][] }} Legend
+ * @typedef {{ name: string, note: string, pictures: Picture[], legend: Legend | null }} View
+ * @typedef {{ name: string, unit: string, numeric: boolean }} Column
+ * @typedef {{ text: string, tone: "good" | "bad" | "changed", why: string }} Mark
+ * @typedef {{ text: string } | { number: { value: number | null, digits: number } } | { mark: Mark }} Cell
+ * @typedef {{ title: string, note: string, columns: Column[], rows: Cell[][] }} Table
+ * @typedef {{ label: string, counts: number[] }} Series
+ * @typedef {{
+ *   title: string, note: string, unit: string, bin_width: number, last_is_open: boolean, series: Series[]
+ * }} Histogram
+ * @typedef {{ title: string, paragraphs: string[] }} Prose
+ * @typedef {{ text: Prose } | { table: Table } | { histogram: Histogram }} Section
+ * @typedef {{
+ *   title: string, subtitle: string, facts: { name: string, value: string }[], views: View[], sections: Section[],
+ *   footer: string
+ * }} Page
+ */
+
+/**
+ * @param {Page} page
+ * @returns {HTMLElement[]}
+ */
+function contentOf({ title, subtitle, facts, views, sections, footer }) {
+  const list = facts.flatMap(({ name, value }) => el("div", {}, el("dt", {}, name), el("dd", {}, value)));
+  const head = el("header", { class: "head" }, el("h1", {}, title), ...note("subtitle", subtitle));
+  if (list.length) head.append(el("dl", {}, ...list));
+  return [
+    head,
+    ...(views.length ? [viewerOf(views)] : []),
+    ...sections.map(sectionOf),
+    ...(footer ? [el("footer", {}, footer)] : []),
+  ];
+}
+
+/**
+ * @param {Section} section
+ * @returns {HTMLElement}
+ */
+function sectionOf(section) {
+  if ("table" in section) return tableOf(section.table);
+  if ("histogram" in section) return histogramOf(section.histogram);
+  const { title, paragraphs } = section.text;
+  return el("section", { class: "text" }, el("h2", {}, title), ...paragraphs.map((text) => el("p", {}, text)));
+}
+
+function main() {
+  const data = document.getElementById("data")?.textContent ?? "";
+  document.getElementById("report")?.replaceChildren(...contentOf(JSON.parse(data)));
+  // Frames have a size only now.
+  dispatchEvent(new Event("resize"));
+}
+
+main();

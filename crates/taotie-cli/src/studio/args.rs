@@ -1,0 +1,187 @@
+//! Options that say how a model is seen, shared by the subcommands that take pictures of one.
+
+use crate::options;
+use anyhow::{Result, anyhow, bail};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use taotie::film::{Development, ToneCurve};
+use taotie::math::{SimdLevel, Vec3};
+use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::surface::TangentMethod;
+
+/// What the surface is made of.
+#[derive(Args)]
+#[command(next_help_heading = "Surface")]
+pub struct MaterialArgs {
+    /// How tangents are made: face, averaged, mikktspace; if not given the file's own, else mikktspace
+    #[arg(long, value_parser = options::named::<TangentMethod>)]
+    pub tangents: Option<TangentMethod>,
+    /// A preset's name or a TOML file; maps of the model stay
+    #[arg(long, value_name = "NAME|FILE")]
+    pub material: Option<String>,
+    /// A base colour texture for every material
+    #[arg(long, value_name = "FILE")]
+    pub base_color_map: Option<PathBuf>,
+    /// A normal map for every material
+    #[arg(long, value_name = "FILE")]
+    pub normal_map: Option<PathBuf>,
+    /// Space of the normal map
+    #[arg(long, value_enum, default_value_t = Space::Tangent)]
+    pub normal_space: Space,
+    /// Which way green points in normal maps: up (OpenGL, glTF) or down (DirectX)
+    #[arg(long, value_enum, default_value_t = Green::Up)]
+    pub green: Green,
+    /// A height map for every material, white is high
+    #[arg(long, value_name = "FILE")]
+    pub height_map: Option<PathBuf>,
+    /// An occlusion map for every material
+    #[arg(long, value_name = "FILE")]
+    pub occlusion_map: Option<PathBuf>,
+}
+
+/// What shines on it.
+#[derive(Args)]
+#[command(next_help_heading = "Light")]
+pub struct LightArgs {
+    /// A light: `point at=X,Y,Z`, `spot at=X,Y,Z toward=X,Y,Z angle=DEG`, or `directional from=AZIMUTH,ELEVATION`
+    /// (degrees, relative to the view), each with strength=, color=, falloff=none|inverse-square; may be repeated.
+    /// Without any: the file's lights, else key, fill and rim
+    #[arg(long = "light", value_name = "SPEC")]
+    pub lights: Vec<String>,
+    /// Radiance from all around, a colour or a linear grey
+    #[arg(long, value_name = "COLOR", value_parser = options::color)]
+    pub ambient: Option<Vec3>,
+    /// Lights cast shadows
+    #[arg(long)]
+    pub shadows: bool,
+}
+
+/// Where it is seen from.
+#[derive(Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraArgs {
+    /// A camera of the file by name
+    #[arg(long, value_name = "NAME", conflicts_with = "orbit")]
+    pub camera: Option<String>,
+    /// Look from AZIMUTH,ELEVATION in degrees at a distance in model units, or as far as frames the object
+    #[arg(long, value_name = "AZ,EL[,DIST]", value_parser = options::numbers, allow_hyphen_values = true)]
+    pub orbit: Option<std::vec::Vec<f64>>,
+    /// What to look at; the object's middle if not given
+    #[arg(long, value_name = "X,Y,Z", value_parser = options::vector, allow_hyphen_values = true)]
+    pub target: Option<Vec3<f64>>,
+    /// Vertical angle of view in degrees
+    #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30")]
+    pub fov_deg: f64,
+}
+
+/// How light becomes a picture.
+#[derive(Args)]
+#[command(next_help_heading = "Picture")]
+pub struct FilmArgs {
+    /// Samples a pixel: 1, 4 or 16
+    #[arg(long, default_value_t = 4)]
+    pub samples: u32,
+    /// Tone curve: neutral, linear, reinhard, aces, agx
+    #[arg(long, value_parser = options::named::<ToneCurve>, default_value = "neutral")]
+    pub tone: ToneCurve,
+    /// Exposure in stops
+    #[arg(long, value_name = "STOPS", value_parser = options::number, default_value = "0", allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// A colour, or `transparent`
+    #[arg(long, value_name = "COLOR|transparent", default_value = "#2a2b2e")]
+    pub background: String,
+}
+
+/// How the work is done.
+#[derive(Args)]
+#[command(next_help_heading = "Running")]
+pub struct RunningArgs {
+    /// Threads; all of the machine's if not given. Pixels do not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// SIMD level: auto, scalar, sse2, avx2, neon. Pixels do not depend on it
+    #[arg(long, value_parser = options::named::<SimdLevel>, default_value = "auto")]
+    pub simd: SimdLevel,
+    /// Print a report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Space of a normal map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Space {
+    /// Relative to tangent, bitangent and normal
+    Tangent,
+    /// Object space
+    Object,
+}
+
+/// Direction of a normal map's green channel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Green {
+    /// OpenGL, glTF
+    Up,
+    /// DirectX
+    Down,
+}
+
+impl From<Space> for NormalSpace {
+    fn from(space: Space) -> Self {
+        match space {
+            Space::Tangent => Self::Tangent,
+            Space::Object => Self::Object,
+        }
+    }
+}
+
+impl From<Green> for GreenChannel {
+    fn from(green: Green) -> Self {
+        match green {
+            Green::Up => Self::Up,
+            Green::Down => Self::Down,
+        }
+    }
+}
+
+impl CameraArgs {
+    /// What can be refused before any work is done.
+    pub fn check(&self) -> Result<()> {
+        if !(self.fov_deg > 0.0 && self.fov_deg < 180.0) {
+            bail!("--fov-deg {}: the angle must lie between 0 and 180 degrees", self.fov_deg);
+        }
+        Ok(())
+    }
+}
+
+impl FilmArgs {
+    /// What can be refused before any work is done.
+    pub fn check(&self) -> Result<()> {
+        taotie::raster::SamplePattern::new(self.samples)?;
+        self.background()?;
+        Ok(())
+    }
+
+    /// How the picture is developed.
+    pub fn development(&self, simd: SimdLevel) -> Result<Development> {
+        let background = self.background()?;
+        Ok(Development { exposure_stops: self.exposure as f32, tone: self.tone, background, simd })
+    }
+
+    fn background(&self) -> Result<Option<Vec3>> {
+        if self.background == "transparent" {
+            return Ok(None);
+        }
+        options::color(&self.background).map(Some).map_err(|why| anyhow!("--background: {why}"))
+    }
+}
+
+impl RunningArgs {
+    /// What can be refused before any work is done.
+    pub fn check(&self) -> Result<()> {
+        if self.threads == Some(0) {
+            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
+        }
+        self.simd.dispatch()?;
+        Ok(())
+    }
+}

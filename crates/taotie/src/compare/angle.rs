@@ -1,0 +1,93 @@
+//! The angle between directions, and between the normals of two pictures.
+
+use super::{Field, same_size};
+use crate::error::Result;
+use crate::image::Image;
+use crate::math::{Vec3, scalar};
+use rayon::prelude::*;
+
+/// The angle between two directions in degrees, [0, 180]; their lengths do not matter. NaN where one is zero or NaN.
+///
+/// atan2(|a × b|, a · b), which is exact to a few ulp for the smallest and the largest angles, where the arc cosine
+/// of a · b is not: Kahan, "How futile are mindless assessments of roundoff in floating-point computation?" (2006), §12.
+pub fn angle_deg(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
+    let (Some(a), Some(b)) = (scaled(a), scaled(b)) else { return f64::NAN };
+    scalar::atan2(a.cross(b).length(), a.dot(b)).to_degrees()
+}
+
+/// The vector by its largest component, so that no square overflows or vanishes; `None` where it has no direction.
+fn scaled(v: Vec3<f64>) -> Option<Vec3<f64>> {
+    let largest = v.to_array().into_iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+    let finite = v.to_array().into_iter().all(f64::is_finite);
+    (finite && largest > 0.0).then(|| v / largest)
+}
+
+/// The angle in degrees between two pictures of normals, such as [`Aovs::normals`](crate::render::Aovs::normals):
+/// x, y and z in [-1, 1], and a fourth channel above 0 where there is something. NaN where one of them has nothing.
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) where the sizes differ.
+pub fn angular_error(a: &Image, b: &Image) -> Result<Field> {
+    same_size((a.width(), a.height()), (b.width(), b.height()))?;
+    let normal = |[x, y, z, _]: [f32; 4]| Vec3::new(x, y, z).to_f64();
+    let angle = |a: [f32; 4], b: [f32; 4]| match a[3] > 0.0 && b[3] > 0.0 {
+        true => angle_deg(normal(a), normal(b)) as f32,
+        false => f32::NAN,
+    };
+    let values = a.pixels().par_iter().zip(b.pixels()).map(|(a, b)| angle(*a, *b)).collect();
+    Field::new(a.width(), a.height(), values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(angle: f64, expected: f64) {
+        assert!((angle - expected).abs() < 1e-12, "{angle} is not {expected}");
+    }
+
+    #[test]
+    fn known_angles_of_any_length() {
+        let x = Vec3::new(1.0, 0.0, 0.0);
+        close(angle_deg(x, Vec3::new(0.0, 5.0, 0.0)), 90.0);
+        close(angle_deg(x * 1e200, Vec3::new(1e-200, 1e-200, 0.0)), 45.0);
+        close(angle_deg(x, -x), 180.0);
+        close(angle_deg(x, x * 3.0), 0.0);
+        close(angle_deg(Vec3::splat(1.0), Vec3::new(0.0, 0.0, 1.0)), 54.735_610_317_245_346);
+    }
+
+    #[test]
+    fn the_smallest_angles_are_kept() {
+        let tilt = 1e-9;
+        let angle = angle_deg(Vec3::new(0.0, 0.0, 1.0), Vec3::new(tilt, 0.0, 1.0));
+        assert!((angle / tilt.to_degrees() - 1.0).abs() < 1e-14, "{angle:e}");
+    }
+
+    #[test]
+    fn it_is_symmetric_and_has_no_value_without_a_direction() {
+        let (a, b) = (Vec3::new(0.1, -0.7, 0.3), Vec3::new(-0.2, 0.5, 0.9));
+        assert_eq!(angle_deg(a, b), angle_deg(b, a));
+        assert!(angle_deg(a, Vec3::splat(0.0)).is_nan());
+        assert!(angle_deg(Vec3::new(f64::NAN, 0.0, 1.0), b).is_nan());
+        assert!(angle_deg(Vec3::new(f64::INFINITY, 0.0, 1.0), b).is_nan());
+    }
+
+    #[test]
+    fn pictures_are_compared_where_both_have_something() {
+        let mut a = Image::new(2, 2, [0.0, 0.0, 1.0, 1.0]).unwrap();
+        let mut b = a.clone();
+        a.pixels_mut()[1] = [0.0, 1.0, 0.0, 1.0];
+        a.pixels_mut()[2] = [0.0; 4];
+        b.pixels_mut()[3] = [0.0; 4];
+        let error = angular_error(&a, &b).unwrap();
+        assert_eq!(error.values()[..2], [0.0, 90.0]);
+        assert!(error.values()[2..].iter().all(|v| v.is_nan()));
+    }
+
+    #[test]
+    fn other_sizes_are_named() {
+        let (a, b) = (Image::new(2, 3, [0.0; 4]).unwrap(), Image::new(4, 5, [0.0; 4]).unwrap());
+        let why = angular_error(&a, &b).unwrap_err().to_string();
+        assert!(why.contains("2x3") && why.contains("4x5"), "{why}");
+    }
+}

@@ -1,0 +1,60 @@
+//! The root mean square error and the peak signal-to-noise ratio.
+
+use super::Picture;
+use crate::error::Result;
+use crate::math::scalar;
+
+/// The root of the mean squared difference over all channels of all pixels, [0, 1].
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) where the sizes differ.
+pub fn rmse(a: &Picture, b: &Picture) -> Result<f64> {
+    Ok(mean_squared(a, b)?.sqrt())
+}
+
+/// The peak signal-to-noise ratio in decibels, −10 log₁₀ of the mean squared difference, the peak being 1; infinite
+/// for equal pictures.
+///
+/// # Errors
+/// As [`rmse`].
+pub fn psnr(a: &Picture, b: &Picture) -> Result<f64> {
+    let squared = mean_squared(a, b)?;
+    Ok(if squared == 0.0 { f64::INFINITY } else { -10.0 * scalar::log10(squared) })
+}
+
+fn mean_squared(a: &Picture, b: &Picture) -> Result<f64> {
+    a.check_same_size(b)?;
+    let channels = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
+    let squared = |(a, b): (&f32, &f32)| (f64::from(*a) - f64::from(*b)) * (f64::from(*a) - f64::from(*b));
+    let sum = channels.map(squared).fold(0.0, |sum, v| sum + v);
+    Ok(sum / (a.pixels().len() * 3) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flat(value: f32) -> Picture {
+        Picture::new(4, 3, vec![[value; 3]; 12]).unwrap()
+    }
+
+    #[test]
+    fn a_tenth_everywhere_is_twenty_decibels() {
+        assert!((rmse(&flat(0.5), &flat(0.6)).unwrap() - 0.1).abs() < 1e-7);
+        assert!((psnr(&flat(0.5), &flat(0.6)).unwrap() - 20.0).abs() < 1e-5);
+        assert_eq!(rmse(&flat(0.0), &flat(1.0)).unwrap(), 1.0);
+        assert_eq!(psnr(&flat(1.0), &flat(0.0)).unwrap(), 0.0);
+    }
+
+    #[test]
+    fn equal_pictures_differ_in_nothing() {
+        assert_eq!(rmse(&flat(0.3), &flat(0.3)).unwrap(), 0.0);
+        assert_eq!(psnr(&flat(0.3), &flat(0.3)).unwrap(), f64::INFINITY);
+    }
+
+    #[test]
+    fn other_sizes_are_named() {
+        let why = rmse(&flat(0.0), &Picture::new(1, 1, vec![[0.0; 3]]).unwrap()).unwrap_err().to_string();
+        assert!(why.contains("4x3") && why.contains("1x1"), "{why}");
+    }
+}

@@ -1,0 +1,100 @@
+//! FLIP's colours: the opponent space that the eye's blur acts in, and the distance of two colours.
+
+use crate::math::srgb::linear_from_srgb;
+use crate::math::{Vec3, scalar};
+
+/// CIE XYZ from linear sRGB, white being (1, 1, 1): each row of the matrix divided by its sum.
+const XYZ_FROM_RGB: [[f64; 3]; 3] = [
+    [10_135_552.0 / 23_359_437.0, 8_788_810.0 / 23_359_437.0, 4_435_075.0 / 23_359_437.0],
+    [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
+    [1_425_312.0 / 80_288_307.0, 8_788_810.0 / 80_288_307.0, 70_074_185.0 / 80_288_307.0],
+];
+
+/// The exponent q_c and the bend (p_c, p_t) of the scale of differences, §4.1.3.
+const EXPONENT: f64 = 0.7;
+const BEND: (f64, f64) = (0.4, 0.95);
+
+/// The colour in YCxCz, which is CIELAB without its cube root, from an sRGB-encoded one: §4.1.1.
+pub fn opponent_from_srgb(encoded: Vec3<f64>) -> Vec3<f64> {
+    opponent(product(&XYZ_FROM_RGB, encoded.map(linear_from_srgb)))
+}
+
+/// L*, and a* and b* as Hunt's effect leaves them, of a colour in YCxCz that is first brought into what a screen
+/// can show: §4.1.2.
+pub fn hunt_lab_from_opponent(color: Vec3<f64>) -> Vec3<f64> {
+    let y = (color.x + 16.0) / 116.0;
+    let xyz = Vec3::new(y + color.y / 500.0, y, y - color.z / 200.0);
+    hunt_lab_from_rgb(rgb_from_xyz(xyz).map(|v| v.clamp(0.0, 1.0)))
+}
+
+/// The distance of two colours: city block in lightness, Euclidean in chroma (HyAB), to the power q_c.
+pub fn difference(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
+    let d = a - b;
+    scalar::pow(d.x.abs() + (d.y * d.y + d.z * d.z).sqrt(), EXPONENT)
+}
+
+/// The largest distance that a screen can show: that of its green and its blue.
+pub fn largest_difference() -> f64 {
+    let [green, blue] = [Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)].map(hunt_lab_from_rgb);
+    difference(green, blue)
+}
+
+/// A distance on FLIP's scale, [0, 1]: the small 40 % of `largest` take 95 % of it.
+pub fn redistributed(difference: f64, largest: f64) -> f64 {
+    let (low, bend) = (BEND.0 * largest, BEND.1);
+    match difference < low {
+        true => bend / low * difference,
+        // Colours are rounded: two that are equal to the most may be farther apart than the most.
+        false => (bend + (difference - low) / (largest - low) * (1.0 - bend)).min(1.0),
+    }
+}
+
+fn opponent(v: Vec3<f64>) -> Vec3<f64> {
+    Vec3::new(116.0 * v.y - 16.0, 500.0 * (v.x - v.y), 200.0 * (v.y - v.z))
+}
+
+fn hunt_lab_from_rgb(linear: Vec3<f64>) -> Vec3<f64> {
+    let lab = opponent(product(&XYZ_FROM_RGB, linear).map(lab_curve));
+    Vec3::new(lab.x, 0.01 * lab.x * lab.y, 0.01 * lab.x * lab.z)
+}
+
+/// The cube root of CIELAB with its linear start: ISO 11664-4.
+fn lab_curve(v: f64) -> f64 {
+    const DELTA: f64 = 6.0 / 29.0;
+    if v > DELTA * DELTA * DELTA { scalar::cbrt(v) } else { v / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
+}
+
+fn product(matrix: &[[f64; 3]; 3], v: Vec3<f64>) -> Vec3<f64> {
+    Vec3::from_array(matrix.map(|[a, b, c]| a * v.x + b * v.y + c * v.z))
+}
+
+/// Linear sRGB from XYZ by Cramer's rule.
+fn rgb_from_xyz(v: Vec3<f64>) -> Vec3<f64> {
+    let [r, g, b] = [0, 1, 2].map(|c| Vec3::from_array(XYZ_FROM_RGB.map(|row| row[c])));
+    let (gb, br, rg) = (g.cross(b), b.cross(r), r.cross(g));
+    Vec3::new(v.dot(gb), v.dot(br), v.dot(rg)) / r.dot(gb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_is_a_hundred_and_has_no_hue() {
+        let lab = hunt_lab_from_opponent(opponent_from_srgb(Vec3::splat(1.0)));
+        assert!((lab - Vec3::new(100.0, 0.0, 0.0)).length() < 1e-9, "{lab:?}");
+    }
+
+    #[test]
+    fn the_way_to_the_opponent_space_has_a_way_back() {
+        let rgb = Vec3::new(0.9, 0.2, 0.4);
+        assert!((rgb_from_xyz(product(&XYZ_FROM_RGB, rgb)) - rgb).length() < 1e-12);
+    }
+
+    #[test]
+    fn the_scale_has_its_bend_and_its_ends() {
+        assert_eq!(redistributed(0.0, 50.0), 0.0);
+        assert!((redistributed(20.0, 50.0) - 0.95).abs() < 1e-12);
+        assert!((redistributed(50.0, 50.0) - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,133 @@
+//! FLIP: how different two pictures look when one is flipped to the other in place.
+//!
+//! Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A Difference Evaluator for
+//! Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020. Section and
+//! equation numbers below are the paper's; where it leaves a choice, the authors' published code decides (half
+//! widths of three standard deviations, pictures that go on beyond their border).
+
+mod color;
+mod features;
+mod spatial;
+
+use super::plane::Plane;
+use super::{Field, Picture};
+use crate::error::{Error, Result};
+use crate::math::{Vec3, scalar};
+use rayon::prelude::*;
+
+/// What FLIP assumes where nobody says otherwise: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
+pub const PIXELS_PER_DEGREE: f32 = 67.020_64;
+
+/// FLIP's error map, [0, 1]: 0 where the pictures look alike. `reference` and `test` may change places; the map is
+/// the same.
+///
+/// `pixels_per_degree` says how fine pixels are in the eye of the viewer; the published code's default is
+/// [`PIXELS_PER_DEGREE`].
+///
+/// # Errors
+/// [`Error::Invalid`] where the sizes differ or `pixels_per_degree` is outside [1, 1000].
+pub fn flip(reference: &Picture, test: &Picture, pixels_per_degree: f32) -> Result<Field> {
+    reference.check_same_size(test)?;
+    if !(1.0..=1000.0).contains(&pixels_per_degree) {
+        return Err(Error::invalid(
+            format!("{pixels_per_degree} pixels per degree"),
+            "choose from 1 to 1000; a screen at arm's length has about 67",
+        ));
+    }
+    let [reference, test] = [reference, test].map(|picture| seen(picture, pixels_per_degree.into()));
+    let most = color::largest_difference();
+    let error = |(a, b): (&SeenPixel, &SeenPixel)| {
+        let difference = color::redistributed(color::difference(a.lab, b.lab), most);
+        scalar::pow(difference, 1.0 - features::difference(a.features, b.features)) as f32
+    };
+    let values = reference.pixels.par_iter().zip(&test.pixels).map(error).collect();
+    Field::new(reference.width, reference.height, values)
+}
+
+/// What the eye gets of a picture.
+struct Seen {
+    width: u32,
+    height: u32,
+    pixels: Vec<SeenPixel>,
+}
+
+struct SeenPixel {
+    /// The colour after the eye's blur: L*, and a* and b* after Hunt's effect.
+    lab: Vec3<f64>,
+    /// How strong edges and points are here, [0, √2] each.
+    features: [f64; 2],
+}
+
+fn seen(picture: &Picture, pixels_per_degree: f64) -> Seen {
+    let opponent: Vec<Vec3<f64>> =
+        picture.pixels.par_iter().map(|p| color::opponent_from_srgb(Vec3::from_array(*p).to_f64())).collect();
+    let plane = |component: fn(&Vec3<f64>) -> f64| Plane::new(picture.width, &opponent, component);
+    let [achromatic, red_green, blue_yellow] = [plane(|c| c.x), plane(|c| c.y), plane(|c| c.z)];
+    let features = features::strengths(&plane(|c| (c.x + 16.0) / 116.0), pixels_per_degree);
+    let blurred = spatial::blurred([achromatic, red_green, blue_yellow], pixels_per_degree);
+    let pixel = |(color, features)| SeenPixel { lab: color::hunt_lab_from_opponent(color), features };
+    let pixels = blurred.into_par_iter().zip(features).map(pixel).collect();
+    Seen { width: picture.width, height: picture.height, pixels }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flat(color: [f32; 3]) -> Picture {
+        Picture::new(24, 20, vec![color; 480]).unwrap()
+    }
+
+    fn mean(a: &Picture, b: &Picture) -> f64 {
+        flip(a, b, PIXELS_PER_DEGREE).unwrap().summary().unwrap().mean
+    }
+
+    /// Noise in colour, always the same.
+    fn noise(seed: u32) -> Picture {
+        let value = |i: u32, c: u32| ((i * 3 + c + seed).wrapping_mul(2_654_435_761) >> 24) as u8;
+        let pixels: Vec<_> = (0..480).map(|i| [value(i, 0), value(i, 1), value(i, 2)]).collect();
+        Picture::from_8bit(24, 20, &pixels).unwrap()
+    }
+
+    /// The largest difference of colour is that of green and blue (§4.1.3); black and white come close.
+    #[test]
+    fn flat_pictures_differ_by_their_colors_alone() {
+        assert!((mean(&flat([0.0, 1.0, 0.0]), &flat([0.0, 0.0, 1.0])) - 1.0).abs() < 1e-6);
+        let [black, white] = [flat([0.0; 3]), flat([1.0; 3])];
+        let most = color::largest_difference();
+        let expected = color::redistributed(scalar::pow(100.0, 0.7), most);
+        assert!((mean(&black, &white) - expected).abs() < 1e-6 && expected > 0.9);
+    }
+
+    #[test]
+    fn equal_pictures_look_alike() {
+        let error = flip(&noise(1), &noise(1), PIXELS_PER_DEGREE).unwrap();
+        assert!(error.values().iter().all(|v| *v == 0.0));
+    }
+
+    #[test]
+    fn pictures_may_change_places() {
+        let (there, back) =
+            (flip(&noise(1), &noise(7), 40.0).unwrap(), flip(&noise(7), &noise(1), 40.0).unwrap());
+        assert_eq!(there.values(), back.values());
+        assert!(there.values().iter().all(|v| (0.0..=1.0).contains(v) && *v > 0.0));
+    }
+
+    /// Small pixels melt in the eye.
+    #[test]
+    fn the_farther_the_smaller() {
+        let near = flip(&noise(1), &noise(7), 20.0).unwrap().summary().unwrap().mean;
+        let far = flip(&noise(1), &noise(7), 200.0).unwrap().summary().unwrap().mean;
+        assert!(far < near / 2.0, "{far} against {near}");
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_refused() {
+        let small = Picture::new(1, 1, vec![[0.0; 3]]).unwrap();
+        assert!(flip(&small, &flat([0.0; 3]), 67.0).unwrap_err().to_string().contains("24x20"));
+        for wrong in [0.0, -1.0, f32::NAN, 1e6] {
+            assert!(flip(&small, &small, wrong).is_err());
+        }
+        assert_eq!(flip(&small, &small, 67.0).unwrap().values(), [0.0]);
+    }
+}

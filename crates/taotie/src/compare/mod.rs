@@ -1,0 +1,51 @@
+//! Comparison: the angle between normals, the error and the likeness of pictures, and pictures of both.
+//!
+//! Nothing here depends on the number of threads: pixels are independent of one another, and sums run in the order
+//! of pixels.
+
+mod angle;
+mod error;
+mod field;
+mod flip;
+mod heat;
+mod picture;
+mod plane;
+mod ssim;
+
+pub use angle::{angle_deg, angular_error};
+pub use error::{psnr, rmse};
+pub use field::{Field, Summary};
+pub use flip::{PIXELS_PER_DEGREE, flip};
+pub use heat::{ColorMap, heat};
+pub use picture::Picture;
+pub use ssim::{SSIM_WINDOW, ssim, ssim_map};
+
+use crate::error::{Error, Result};
+
+/// That two sizes are one.
+///
+/// # Errors
+/// [`Error::Invalid`] that names both.
+fn same_size(a: (u32, u32), b: (u32, u32)) -> Result<()> {
+    if a == b {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        format!("sizes {}x{} and {}x{}", a.0, a.1, b.0, b.1),
+        "only pictures of one size can be compared; render or resample one of them to the size of the other",
+    ))
+}
+
+/// That there is one element for each pixel of a picture that is not empty.
+///
+/// # Errors
+/// [`Error::Invalid`] where it is not so.
+fn one_per_pixel(what: &str, width: u32, height: u32, count: usize) -> Result<()> {
+    if width == 0 || height == 0 || count as u64 != u64::from(width) * u64::from(height) {
+        return Err(Error::invalid(
+            format!("{what} of {width}x{height}"),
+            format!("it has {count} elements; it must have one for each pixel, and at least one pixel"),
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,124 @@
+//! The structural similarity of pictures.
+
+use super::plane::Plane;
+use super::{Field, Picture};
+use crate::error::{Error, Result};
+use crate::math::scalar;
+
+/// The side of the window that structural similarity looks through, in pixels: pictures must not be smaller.
+pub const SSIM_WINDOW: u32 = 11;
+
+/// The standard deviation of the window's Gaussian weights, in pixels.
+const SIGMA: f64 = 1.5;
+/// (K₁ L)² and (K₂ L)², the range L being 1.
+const C1: f64 = 0.01 * 0.01;
+const C2: f64 = 0.03 * 0.03;
+
+/// The mean structural similarity, (−1, 1]; 1 for equal pictures.
+///
+/// The mean of [`ssim_map`]: over every window that lies within the pictures and over the channels red, green, blue.
+///
+/// Source: Wang, Bovik, Sheikh and Simoncelli 2004, equations 13 to 17: 11×11 Gaussian weights of standard deviation
+/// 1.5, K₁ = 0.01, K₂ = 0.03.
+///
+/// # Errors
+/// [`Error::Invalid`] where the sizes differ or a side is below [`SSIM_WINDOW`].
+pub fn ssim(a: &Picture, b: &Picture) -> Result<f64> {
+    let inside: Vec<f64> = similarity(a, b)?.into_iter().filter(|v| !v.is_nan()).collect();
+    Ok(inside.iter().sum::<f64>() / inside.len() as f64)
+}
+
+/// The structural similarity about each pixel, the mean of its channels; NaN where the window leaves the picture.
+///
+/// # Errors
+/// As [`ssim`].
+pub fn ssim_map(a: &Picture, b: &Picture) -> Result<Field> {
+    Field::new(a.width(), a.height(), similarity(a, b)?.into_iter().map(|v| v as f32).collect())
+}
+
+fn similarity(a: &Picture, b: &Picture) -> Result<Vec<f64>> {
+    a.check_same_size(b)?;
+    let (width, height) = (a.width(), a.height());
+    if width.min(height) < SSIM_WINDOW {
+        return Err(Error::invalid(
+            format!("pictures of {width}x{height}"),
+            format!(
+                "structural similarity looks through windows of {SSIM_WINDOW}x{SSIM_WINDOW} pixels; both sides must be as large"
+            ),
+        ));
+    }
+    let [red, green, blue] = [0, 1, 2].map(|c| channel_similarity(a, b, c));
+    let inside = |i: usize| {
+        let (x, y, radius) = (i as u32 % width, i as u32 / width, SSIM_WINDOW / 2);
+        (radius..width - radius).contains(&x) && (radius..height - radius).contains(&y)
+    };
+    let mean = |i: usize| if inside(i) { (red[i] + green[i] + blue[i]) / 3.0 } else { f64::NAN };
+    Ok((0..red.len()).map(mean).collect())
+}
+
+fn channel_similarity(a: &Picture, b: &Picture, channel: usize) -> Vec<f64> {
+    let kernel = window();
+    let pairs: Vec<[f64; 2]> =
+        a.pixels().iter().zip(b.pixels()).map(|(a, b)| [a, b].map(|p| f64::from(p[channel]))).collect();
+    let weighted = |product: fn(&[f64; 2]) -> f64| {
+        Plane::new(a.width(), &pairs, product).filtered(&kernel, &kernel).values
+    };
+    let (mean_a, mean_b) = (weighted(|[a, _]| *a), weighted(|[_, b]| *b));
+    let (aa, bb, ab) = (weighted(|[a, _]| a * a), weighted(|[_, b]| b * b), weighted(|[a, b]| a * b));
+    (0..pairs.len()).map(|i| ssim_of_moments(mean_a[i], mean_b[i], [aa[i], bb[i], ab[i]])).collect()
+}
+
+/// Equation 13 of Wang et al. 2004 from the weighted means of a, b, a², b² and a·b.
+fn ssim_of_moments(a: f64, b: f64, [aa, bb, ab]: [f64; 3]) -> f64 {
+    let (variance_a, variance_b, covariance) = (aa - a * a, bb - b * b, ab - a * b);
+    let numerator = (2.0 * a * b + C1) * (2.0 * covariance + C2);
+    numerator / ((a * a + b * b + C1) * (variance_a + variance_b + C2))
+}
+
+/// The window's weights along one axis; they sum to 1.
+fn window() -> [f64; SSIM_WINDOW as usize] {
+    let weights = std::array::from_fn(|i| {
+        let x = i as f64 - f64::from(SSIM_WINDOW / 2);
+        scalar::exp(-x * x / (2.0 * SIGMA * SIGMA))
+    });
+    let sum: f64 = weights.iter().sum();
+    weights.map(|w| w / sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(side: u32, value: impl Fn(u32, u32) -> f32) -> Picture {
+        let pixels = (0..side * side).map(|i| [value(i % side, i / side); 3]).collect();
+        Picture::new(side, side, pixels).unwrap()
+    }
+
+    #[test]
+    fn equal_pictures_are_one_and_opposite_ones_below_zero() {
+        let checks = picture(16, |x, y| ((x + y) % 2) as f32);
+        let opposite = picture(16, |x, y| ((x + y + 1) % 2) as f32);
+        assert!((ssim(&checks, &checks).unwrap() - 1.0).abs() < 1e-12);
+        assert!(ssim(&checks, &opposite).unwrap() < -0.9);
+    }
+
+    #[test]
+    fn flat_pictures_differ_in_luminance_alone() {
+        let value = ssim(&picture(11, |_, _| 0.25), &picture(11, |_, _| 0.75)).unwrap();
+        let expected = (2.0 * 0.25 * 0.75 + C1) / (0.25 * 0.25 + 0.75 * 0.75 + C1);
+        assert!((value - expected).abs() < 1e-9, "{value} is not {expected}");
+    }
+
+    #[test]
+    fn the_map_has_numbers_where_the_window_fits() {
+        let map =
+            ssim_map(&picture(12, |x, _| x as f32 / 12.0), &picture(12, |_, y| y as f32 / 12.0)).unwrap();
+        assert_eq!(map.summary().unwrap().count, 4);
+        assert!(
+            ssim(&picture(10, |_, _| 0.0), &picture(10, |_, _| 0.0))
+                .unwrap_err()
+                .to_string()
+                .contains("10x10")
+        );
+    }
+}
