@@ -6,11 +6,13 @@ mod camera;
 mod lights;
 mod material;
 mod model;
+mod motion;
 
 pub use args::{CameraArgs, FilmArgs, LightArgs, MaterialArgs, RunningArgs};
 pub use camera::{Framing, Viewpoint};
 pub use lights::lighting;
 pub use model::load;
+pub use motion::Motion;
 
 use anyhow::{Context, Result};
 

@@ -7,6 +7,7 @@ mod help;
 mod inspect;
 mod json;
 mod models;
+mod motion;
 mod place;
 mod render;
 mod running;
