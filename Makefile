@@ -19,8 +19,9 @@ test-slow: ## The tests that take minutes each
 bench: ## Milliseconds per stage of the renderer
 	cargo bench -p taotie --bench stages
 
-docs: ## Writes docs/help anew from the command line's definition
-	cargo run -p xtask -- help-pages
+docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, anew
+	cargo run --release -p xtask -- help-pages
+	cargo run --release -p xtask -- as-printed
 
 bless: ## Takes the pictures and outputs of today for right; look at the difference before you commit it
 	TAOTIE_BLESS=1 cargo test -p taotie --test golden

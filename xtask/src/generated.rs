@@ -1,17 +1,40 @@
-//! A folder whose files are all made from others.
+//! Files that are all made from others.
 
 use anyhow::{Context, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use taotie::image::{Encoding, Texels};
+use taotie::io::{PngColor, PngImage, PngSamples, read_bitmap, write_png};
 
-/// What a folder should hold: these files and no others.
+/// What should lie on disk.
+#[derive(Default)]
 pub struct Generated {
-    /// The folder, which need not be there yet.
-    pub folder: PathBuf,
-    /// The text of each file by its name.
-    pub files: BTreeMap<String, String>,
+    /// What each file holds by its path.
+    pub files: BTreeMap<PathBuf, Content>,
+    /// A folder that should hold nothing else; it need not be there yet.
+    pub folder: Option<PathBuf>,
+}
+
+/// What a file holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Content {
+    /// Text.
+    Text(String),
+    /// A PNG picture. Another file with the same pixels is as good.
+    Picture(Picture),
+}
+
+/// 8-bit sRGB pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Picture {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Row by row from the top.
+    pub pixels: Vec<[u8; 3]>,
 }
 
 impl Generated {
@@ -21,13 +44,12 @@ impl Generated {
     /// Where the folder or a file is there but cannot be read.
     pub fn stale(&self) -> Result<BTreeSet<PathBuf>> {
         let mut stale = BTreeSet::new();
-        for (name, text) in &self.files {
-            let path = self.folder.join(name);
-            if read(&path)?.as_deref() != Some(text.as_bytes()) {
-                stale.insert(path);
+        for (path, content) in &self.files {
+            if !content.lies_at(path)? {
+                stale.insert(path.clone());
             }
         }
-        let left_over = self.present()?.into_iter().filter(|path| self.wanted(path).is_none());
+        let left_over = self.present()?.into_iter().filter(|path| !self.files.contains_key(path));
         stale.extend(left_over);
         Ok(stale)
     }
@@ -37,32 +59,68 @@ impl Generated {
     /// # Errors
     /// Where a file cannot be written or removed.
     pub fn write(&self, stale: &BTreeSet<PathBuf>) -> Result<()> {
-        let folder = &self.folder;
-        fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
         for path in stale {
-            match self.wanted(path) {
-                Some(text) => fs::write(path, text),
-                None => fs::remove_file(path),
+            match self.files.get(path) {
+                Some(content) => content.write(path),
+                None => fs::remove_file(path).map_err(Into::into),
             }
             .with_context(|| format!("{}: cannot be renewed", path.display()))?;
         }
         Ok(())
     }
 
-    fn wanted(&self, path: &Path) -> Option<&String> {
-        self.files.get(path.file_name()?.to_str()?)
-    }
-
     /// The paths in the folder; none where there is no folder.
     fn present(&self) -> Result<Vec<PathBuf>> {
-        let what = || format!("{}: cannot be listed", self.folder.display());
-        match fs::read_dir(&self.folder) {
+        let Some(folder) = &self.folder else { return Ok(Vec::new()) };
+        let what = || format!("{}: cannot be listed", folder.display());
+        match fs::read_dir(folder) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
             Err(error) => Err(error).with_context(what),
             Ok(entries) => {
                 entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>().with_context(what)
             }
         }
+    }
+}
+
+impl Content {
+    fn lies_at(&self, path: &Path) -> Result<bool> {
+        match self {
+            Self::Text(text) => Ok(read(path)?.as_deref() == Some(text.as_bytes())),
+            // Whatever cannot be read as a picture has to be renewed.
+            Self::Picture(picture) => Ok(Picture::read(path).as_ref() == Some(picture)),
+        }
+    }
+
+    fn write(&self, path: &Path) -> Result<()> {
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+        }
+        match self {
+            Self::Text(text) => Ok(fs::write(path, text)?),
+            Self::Picture(picture) => picture.write(path),
+        }
+    }
+}
+
+impl Picture {
+    /// The picture in a file of 8 bits a channel.
+    fn read(path: &Path) -> Option<Self> {
+        let bitmap = read_bitmap(path).ok()?;
+        let Texels::U8(texels) = bitmap.texels() else { return None };
+        let pixels = texels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
+        Some(Self { width: bitmap.width(), height: bitmap.height(), pixels })
+    }
+
+    fn write(&self, path: &Path) -> Result<()> {
+        let image = PngImage {
+            width: self.width,
+            height: self.height,
+            color: PngColor::Rgb,
+            samples: PngSamples::U8(self.pixels.as_flattened()),
+            encoding: Encoding::Srgb,
+        };
+        Ok(write_png(path, &image)?)
     }
 }
 
@@ -86,8 +144,9 @@ mod tests {
     fn changed_missing_and_left_over_files_are_stale_until_written() -> Result<()> {
         let place = tempfile::tempdir()?;
         let folder = place.path().join("made");
-        let files = ["same", "changed", "missing"].map(|name| (name.to_string(), format!("{name}\n")));
-        let generated = Generated { folder: folder.clone(), files: BTreeMap::from(files) };
+        let text = |name: &str| (folder.join(name), Content::Text(format!("{name}\n")));
+        let files = BTreeMap::from(["same", "changed", "missing"].map(text));
+        let generated = Generated { files, folder: Some(folder.clone()) };
         assert_eq!(generated.stale()?.len(), 3);
 
         fs::create_dir(&folder)?;
@@ -101,6 +160,26 @@ mod tests {
         assert!(generated.stale()?.is_empty());
         assert!(!folder.join("left over").exists());
         assert_eq!(fs::read_to_string(folder.join("missing"))?, "missing\n");
+        Ok(())
+    }
+
+    #[test]
+    fn pictures_are_the_same_by_their_pixels() -> Result<()> {
+        let place = tempfile::tempdir()?;
+        let path = place.path().join("p.png");
+        let picture = |grey: u8| Picture { width: 2, height: 1, pixels: vec![[grey; 3], [7, 8, 9]] };
+        let of = |grey| Generated {
+            files: BTreeMap::from([(path.clone(), Content::Picture(picture(grey)))]),
+            ..Generated::default()
+        };
+        assert_eq!(of(1).stale()?.len(), 1, "missing");
+        of(1).write(&of(1).stale()?)?;
+        assert!(of(1).stale()?.is_empty());
+        assert_eq!(of(2).stale()?.len(), 1, "one pixel differs");
+        fs::write(place.path().join("other"), "")?;
+        assert!(of(1).stale()?.is_empty(), "files beside it are nobody's business");
+        fs::write(&path, "no picture")?;
+        assert_eq!(of(1).stale()?.len(), 1);
         Ok(())
     }
 }

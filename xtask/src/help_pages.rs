@@ -1,6 +1,6 @@
 //! The help pages in `docs/help`: what `taotie --help` and `taotie <subcommand> --help` print.
 
-use crate::generated::Generated;
+use crate::generated::{Content, Generated};
 use clap::Command;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,7 +10,10 @@ const WIDTH: usize = 100;
 
 /// All pages, to be kept below the repository's `root`.
 pub fn generated(root: &Path) -> Generated {
-    Generated { folder: root.join("docs/help"), files: pages(taotie_cli::command()) }
+    let folder = root.join("docs/help");
+    let pages = pages(taotie_cli::command()).into_iter();
+    let files = pages.map(|(name, text)| (folder.join(name), Content::Text(text))).collect();
+    Generated { files, folder: Some(folder) }
 }
 
 /// The text of each page by its file's name: the front page and one for each subcommand.
@@ -56,7 +59,7 @@ mod tests {
     #[test]
     fn every_subcommand_has_a_page_that_the_front_page_links() {
         let pages = pages(taotie_cli::command());
-        for name in ["render", "inspect", "demo"] {
+        for name in ["render", "inspect", "normals", "diff", "demo"] {
             assert!(pages["taotie.md"].contains(&format!("]({name}.md)")));
             let usage = format!("Usage: taotie {name} ");
             assert!(pages[&format!("{name}.md")].contains(&usage), "{pages:#?}");

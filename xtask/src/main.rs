@@ -3,6 +3,7 @@
 //!
 //! Exit codes: 0 fine, 1 a checked file is stale, 2 error.
 
+mod as_printed;
 mod generated;
 mod help_pages;
 
@@ -29,6 +30,12 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// The computed tables of docs/as-printed.md, and its pictures.
+    AsPrinted {
+        /// Write nothing; name the stale files and exit with 1.
+        #[arg(long)]
+        check: bool,
+    },
 }
 
 fn main() -> ExitCode {
@@ -45,6 +52,7 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> Result<ExitCode> {
     match cli.task {
         Task::HelpPages { check } => finish(&help_pages::generated(&root()), check, "make docs"),
+        Task::AsPrinted { check } => finish(&as_printed::generated(&root())?, check, "make docs"),
     }
 }
 

@@ -1,16 +1,23 @@
 //! The `taotie` command as a library: [`run`] is all that a `main`, in Rust or elsewhere, has to call.
 //!
-//! Exit codes: 0 fine, 2 error. Results go to stdout, talk to stderr; a closed pipe is no error.
+//! Exit codes: 0 fine, 1 difference above the threshold asked for, 2 error. Results go to stdout, talk to stderr; a
+//! closed pipe is no error.
 
+mod compare;
 mod console;
 mod demo;
+mod diff;
+mod heat_map;
 mod inspect;
 pub mod jue;
+mod normals;
 mod options;
 mod render;
 pub mod report;
 mod sheet;
+mod spread;
 mod studio;
+mod table;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
@@ -28,10 +35,24 @@ struct Cli {
 enum Command {
     /// Renders a model to a picture.
     Render(Box<render::RenderArgs>),
+    /// Renders a model by several surface methods and measures how they differ.
+    Compare(Box<compare::CompareArgs>),
     /// Says what is in a model and what is wrong with it.
     Inspect(inspect::InspectArgs),
+    /// Makes normal maps from heights, and converts them.
+    Normals(Box<normals::NormalsArgs>),
+    /// Says how two pictures or normal maps differ.
+    Diff(diff::DiffArgs),
     /// Renders the built-in bronze jue by every surface method and shading model.
     Demo(demo::DemoArgs),
+}
+
+/// How a run without an error ended.
+enum Outcome {
+    /// As wanted.
+    Fine,
+    /// A difference was above the threshold asked for.
+    Different,
 }
 
 /// The definition of the command line, from which help pages are made.
@@ -50,12 +71,16 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     let result = match cli.command {
-        Command::Render(args) => render::run(&args),
-        Command::Inspect(args) => inspect::run(&args),
-        Command::Demo(args) => demo::run(&args),
+        Command::Render(args) => render::run(&args).map(|()| Outcome::Fine),
+        Command::Compare(args) => compare::run(&args).map(|()| Outcome::Fine),
+        Command::Inspect(args) => inspect::run(&args).map(|()| Outcome::Fine),
+        Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),
+        Command::Diff(args) => diff::run(&args),
+        Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(Outcome::Fine) => ExitCode::SUCCESS,
+        Ok(Outcome::Different) => ExitCode::from(1),
         Err(error) if console::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             console::say(&format!("taotie: error: {}", console::causes(&error)));

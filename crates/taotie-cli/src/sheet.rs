@@ -1,15 +1,20 @@
 //! Contact sheets: labelled pictures side by side.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use taotie::image::Encoding;
+use taotie::io::{PngColor, PngImage, PngSamples};
 
 /// Room between pictures and at the border, pixels.
 const GAP: usize = 16;
 /// Room for a label of two lines under a picture.
 const LABEL: usize = 52;
 
-const GROUND: [u8; 3] = [24, 25, 27];
-const TITLE: [u8; 3] = [236, 230, 216];
-const NOTE: [u8; 3] = [150, 152, 156];
+/// Behind everything.
+pub const GROUND: [u8; 3] = [24, 25, 27];
+/// The colour of first lines.
+pub const TITLE: [u8; 3] = [236, 230, 216];
+/// The colour of second lines.
+pub const NOTE: [u8; 3] = [150, 152, 156];
 
 /// A picture with what is said of it.
 pub struct Cell {
@@ -32,31 +37,60 @@ pub struct Sheet {
 }
 
 impl Sheet {
+    /// An empty sheet.
+    pub fn blank(width: usize, height: usize) -> Self {
+        Self { width, height, pixels: vec![GROUND; width * height] }
+    }
+
     /// Lays out pictures of one width and height in rows of `columns`.
     pub fn new(cells: &[Cell], [across, down]: [usize; 2], columns: usize) -> Self {
         let rows = cells.len().div_ceil(columns);
         let width = GAP + columns * (across + GAP);
         let height = GAP + rows * (down + LABEL + GAP);
-        let mut sheet = Self { width, height, pixels: vec![GROUND; width * height] };
+        let mut sheet = Self::blank(width, height);
         for (i, cell) in cells.iter().enumerate() {
             let x = GAP + (i % columns) * (across + GAP);
             let y = GAP + (i / columns) * (down + LABEL + GAP);
-            sheet.paste(cell, across, [x, y]);
+            for (row, pixels) in cell.pixels.chunks(across).enumerate() {
+                sheet.paste(pixels, [x, y + row]);
+            }
             sheet.write(&cell.title, [x, y + down + 6], RasterHeight::Size20, TITLE, across);
             sheet.write(&cell.note, [x, y + down + 29], RasterHeight::Size16, NOTE, across);
         }
         sheet
     }
 
-    fn paste(&mut self, cell: &Cell, across: usize, [x, y]: [usize; 2]) {
-        for (row, pixels) in cell.pixels.chunks(across).enumerate() {
-            let start = (y + row) * self.width + x;
-            self.pixels[start..start + pixels.len()].copy_from_slice(pixels);
+    /// As a picture to be written.
+    pub fn png(&self) -> PngImage<'_> {
+        PngImage {
+            width: self.width as u32,
+            height: self.height as u32,
+            color: PngColor::Rgb,
+            samples: PngSamples::U8(self.pixels.as_flattened()),
+            encoding: Encoding::Srgb,
         }
     }
 
+    /// Lays a row of pixels from `at` to the right.
+    pub fn paste(&mut self, row: &[[u8; 3]], [x, y]: [usize; 2]) {
+        let start = y * self.width + x;
+        self.pixels[start..start + row.len()].copy_from_slice(row);
+    }
+
+    /// How many pixels `text` takes across.
+    pub fn text_width(text: &str, height: RasterHeight) -> usize {
+        text.chars().count() * get_raster_width(FontWeight::Regular, height)
+    }
+
     /// Writes `text` from the top left corner `at`, cut off after `room` pixels.
-    fn write(&mut self, text: &str, [x, y]: [usize; 2], height: RasterHeight, color: [u8; 3], room: usize) {
+    pub fn write(
+        &mut self,
+        text: &str,
+        [x, y]: [usize; 2],
+        height: RasterHeight,
+        color: [u8; 3],
+        room: usize,
+    ) {
         let advance = get_raster_width(FontWeight::Regular, height);
         for (i, letter) in text.chars().take(room / advance).enumerate() {
             let Some(glyph) = get_raster(letter, FontWeight::Regular, height) else { continue };

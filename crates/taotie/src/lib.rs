@@ -3,7 +3,7 @@
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
 //! ```text
-//! L3   render                         io
+//! L3   render          bake           io
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
 //! L0   math         error  names
@@ -30,6 +30,7 @@
 //! # }
 //! ```
 
+pub mod bake;
 pub mod compare;
 pub mod error;
 pub mod film;

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
 /// never see each other, so nobody at all sees `io` or `render`.
-const LAYERS: [(&str, u32); 14] = [
+const LAYERS: [(&str, u32); 15] = [
     // Everybody's ground: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
@@ -26,6 +26,7 @@ const LAYERS: [(&str, u32); 14] = [
     ("film", 4),
     ("compare", 4),
     ("render", 5),
+    ("bake", 5),
     ("io", 5),
 ];
 

@@ -51,6 +51,64 @@ fn a_tilted_map_is_a_tilted_frame() {
 }
 
 #[test]
+fn tangent_space_has_a_true_inverse() {
+    let mut random = Random(5);
+    for _ in 0..2000 {
+        // As interpolated between vertices: neither unit nor perpendicular.
+        let n = random.unit() * (0.4 + random.next());
+        let t = random.unit() * (0.4 + random.next());
+        let w = if random.next() < 0.5 { -1.0 } else { 1.0 };
+        let sine = n.normalize().cross(t.normalize()).length();
+        if sine < 0.05 {
+            continue;
+        }
+        let v = random.unit();
+        let there = tangent_space_normal(n, t, w, v);
+        assert!((there.length() - 1.0).abs() < 1e-12);
+        assert!(angle(tangent_normal(n, t, w, there), v) < 1e-10, "{n:?} {t:?} {v:?}");
+        let back = tangent_space_normal(n, t, w, tangent_normal(n, t, w, v));
+        assert!(angle(back, v) < 1e-10);
+    }
+    let n = random.unit();
+    assert_eq!(tangent_space_normal(n, n, 1.0, random.unit()), Vec3::new(0.0, 0.0, 1.0));
+}
+
+#[test]
+fn relief_has_the_normal_of_the_displaced_surface() {
+    // The ball (cos a cos b, sin b, −sin a cos b) raised by h(a, b); b points up, so a × b is outward.
+    let ball = |a: f64, b: f64| {
+        let (ca, sa) = (scalar::cos(a), scalar::sin(a));
+        let (cb, sb) = (scalar::cos(b), scalar::sin(b));
+        [
+            Vec3::new(ca * cb, sb, -sa * cb),
+            Vec3::new(-sa * cb, 0.0, -ca * cb),
+            Vec3::new(-ca * sb, cb, sa * sb),
+        ]
+    };
+    let mut random = Random(9);
+    for _ in 0..1000 {
+        let [p, by_a, by_b] = ball(random.next() * 6.0, random.next() * 2.4 - 1.2);
+        let (radius, length) = (0.5 + random.next(), 0.3 + random.next());
+        let relief =
+            Relief { height: random.next() - 0.3, by_u: random.next() - 0.5, by_v: random.next() - 0.5 };
+        // A point of the ball with its unit normal scaled, as interpolation does.
+        let base = ReliefBase {
+            n: p * length,
+            dp: [by_a * radius, by_b * radius],
+            dn: [by_a * length, by_b * length],
+        };
+        let across = by_a * (radius + relief.height) + p * relief.by_u;
+        let up = by_b * (radius + relief.height) + p * relief.by_v;
+        let expected = across.cross(up).normalize();
+        assert!((relief_normal(base, relief) - expected).length() < 1e-12);
+        // Mirrored parameters and reversed ones mean the same surface.
+        let turned = ReliefBase { n: base.n, dp: [base.dp[1], base.dp[0]], dn: [base.dn[1], base.dn[0]] };
+        let relief = Relief { height: relief.height, by_u: relief.by_v, by_v: relief.by_u };
+        assert!((relief_normal(turned, relief) - expected).length() < 1e-12);
+    }
+}
+
+#[test]
 fn scale_and_green_work_on_x_and_y_alone() {
     let rgb = Vec3::new(0.75f32, 0.625, 0.875);
     let plain = decode_normal(rgb, 1.0, 1.0);

@@ -2,9 +2,11 @@
 #![allow(clippy::print_stderr)]
 
 use std::f64::consts::{LN_2, PI};
+use taotie::math::quadrature::integrate;
 use taotie::math::{Vec3, scalar};
 use taotie::names::Named;
 use taotie::shade::fresnel::{f_conductor, f_dielectric, f_f82, f_schlick, f_schlick_f90, f82_drop};
+use taotie::shade::furnace::{Furnace, over_hemisphere, polar_ends};
 use taotie::shade::lights::{inverse_square, range_window, spot_cone};
 use taotie::shade::masking::{
     g_v_cavity, g1_schlick_ggx, k_for_environment, k_for_lights, v_schlick_ggx, v_smith_ggx,
@@ -37,80 +39,13 @@ fn white() -> Substance<f64> {
     }
 }
 
-/// Nodes and weights of Gauss-Legendre quadrature on [-1, 1], by Newton's method on the polynomial.
-fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
-    let n = count as f64;
-    (0..count)
-        .map(|i| {
-            let mut x = scalar::cos(PI * (i as f64 + 0.75) / (n + 0.5));
-            let mut slope = 1.0;
-            for _ in 0..50 {
-                let (mut below, mut p) = (1.0, x);
-                for k in 2..=count {
-                    let k = k as f64;
-                    (below, p) = (p, ((2.0 * k - 1.0) * x * p - (k - 1.0) * below) / k);
-                }
-                slope = n * (x * p - below) / (x * x - 1.0);
-                x -= p / slope;
-            }
-            (x, 2.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
-}
-
-/// ∫ f over each interval between consecutive `ends`, twelve points each.
-fn integrate(ends: &[f64], mut f: impl FnMut(f64) -> f64) -> f64 {
-    let rule = gauss_legendre(12);
-    let mut total = 0.0;
-    for pair in ends.windows(2) {
-        let (middle, half) = ((pair[0] + pair[1]) / 2.0, (pair[1] - pair[0]) / 2.0);
-        total += rule.iter().map(|(x, w)| w * half * f(middle + half * x)).sum::<f64>();
-    }
-    total
-}
-
-/// Ends of intervals of the angle from 0 to π/2, ever finer towards 0 where lobes stand, with π/4 among them.
-fn polar_ends() -> Vec<f64> {
-    let mut ends = vec![0.0];
-    ends.extend((0..14).map(|i| PI / 4.0 / f64::from(1u32 << (14 - i))));
-    ends.extend((0..=4).map(|i| PI / 4.0 * (1.0 + f64::from(i) / 4.0)));
-    ends
-}
-
-/// ∫ f(h) dh over the hemisphere of directions about n, with `around` steps of azimuth.
-fn over_hemisphere(around: usize, mut f: impl FnMut(V) -> f64) -> f64 {
-    integrate(&polar_ends(), |theta| {
-        let (sin, cos) = (scalar::sin(theta), scalar::cos(theta));
-        let step = 2.0 * PI / around as f64;
-        let ring = (0..around).map(|i| step * (i as f64 + 0.5));
-        ring.map(|phi| f(Vec3::new(sin * scalar::cos(phi), sin * scalar::sin(phi), cos))).sum::<f64>()
-            * sin
-            * step
-    })
-}
-
 fn viewer(n_dot_v: f64) -> V {
     Vec3::new((1.0 - n_dot_v * n_dot_v).sqrt(), 0.0, n_dot_v)
 }
 
-/// The share of light that reaches the viewer at n·v from a sky of radiance one; by reciprocity, the share of a beam
-/// from there that is reflected. Lights are taken at the mirror directions of half vectors, dl = 4 v·h dh.
-/// Red channel.
+/// The directional albedo, red channel.
 fn albedo(shading: Shading, s: &Substance<f64>, n_dot_v: f64) -> f64 {
-    let v = viewer(n_dot_v);
-    over_hemisphere(192, |h| {
-        let v_dot_h = v.dot(h);
-        let l = h * (2.0 * v_dot_h) - v;
-        if v_dot_h <= 0.0 || l.z <= 0.0 {
-            return 0.0;
-        }
-        reflect(shading, s, &Angles::new(N, v, l)).x * 4.0 * v_dot_h
-    })
-}
-
-/// The share of a uniform sky's light that is reflected anywhere, 2 ∫ albedo n·v d(n·v).
-fn total_albedo(shading: Shading, s: &Substance<f64>) -> f64 {
-    integrate(&[0.0, 1.0], |n_dot_v| 2.0 * n_dot_v * albedo(shading, s, n_dot_v))
+    Furnace::default().directional_albedo(shading, s, n_dot_v).x
 }
 
 /// Numbers in [0, 1) that look random and never change.
@@ -239,7 +174,7 @@ fn f82_follows_exact_conductors_closer_than_schlick() {
 #[test]
 fn ndf_is_normalised() {
     let area = |d: &dyn Fn(f64, f64) -> f64| {
-        integrate(&polar_ends(), |theta| {
+        integrate(12, &polar_ends(), |theta| {
             let (sin, cos) = (scalar::sin(theta), scalar::cos(theta));
             2.0 * PI * sin * cos * d(cos, sin * sin)
         })
@@ -295,10 +230,11 @@ fn visible_normals_are_normalised() {
         for alpha in [0.05, 0.2, 0.5, 1.0] {
             let v = viewer(n_dot_v);
             let g1 = 4.0 * n_dot_v * v_smith_ggx(1.0, n_dot_v, alpha);
-            let seen = over_hemisphere(512, |h| {
+            let seen = over_hemisphere(32, |h| {
                 let sin2_h = h.x * h.x + h.y * h.y;
-                g1 * d_ggx(h.z, sin2_h, alpha) * v.dot(h).max(0.0)
-            });
+                WHITE * (g1 * d_ggx(h.z, sin2_h, alpha) * v.dot(h).max(0.0))
+            })
+            .x;
             assert!((seen / n_dot_v - 1.0).abs() < 2e-5, "n·v {n_dot_v}, α {alpha}: {}", seen / n_dot_v);
         }
     }
@@ -317,7 +253,7 @@ fn white_furnace_of_ggx() {
         // 1 − u in geometric steps: the lobe of a small α stands at u = 1.
         let ends: Vec<f64> =
             (0..=24).map(|i| if i == 0 { 0.0 } else { 0.5 / f64::from(1u32 << (24 - i)) }).collect();
-        let exact = integrate(&ends, |rest| {
+        let exact = integrate(12, &ends, |rest| {
             let u = 1.0 - rest;
             let x = 2.0 * u - 1.0;
             let t = u * a2 + rest;
@@ -333,12 +269,83 @@ fn white_furnace_of_ggx() {
     assert!((0.9995..=1.0).contains(&smoothest), "tends to 1 with α → 0: {smoothest}");
 }
 
+/// A dielectric, a metal as rough, and what stands between, as each model knows it.
+fn of_width(width: f64) -> Substance<f64> {
+    Substance {
+        diffuse: WHITE * 0.5,
+        roughness: width.sqrt(),
+        slope: width,
+        shininess: shininess_from_alpha(width),
+        metallic: 0.0,
+        f0: Vec3::new(0.04, 0.3, 1.0),
+        ..white()
+    }
+}
+
+/// The largest relative difference that twice as many nodes make, and to what.
+fn refinement(albedo: impl Fn(Furnace, Shading) -> V) -> (f64, &'static str) {
+    let mut worst = (0.0, "");
+    for (name, shading) in Shading::NAMES.iter().copied() {
+        let (usual, fine) = (albedo(Furnace::default(), shading), albedo(Furnace { fineness: 18 }, shading));
+        for (a, b) in usual.to_array().into_iter().zip(fine.to_array()) {
+            let off = (a - b).abs() / b.max(1.0);
+            worst = if off > worst.0 { (off, name) } else { worst };
+        }
+    }
+    worst
+}
+
+#[test]
+fn albedos_are_as_exact_as_stated() {
+    for width in [0.01, 0.1, 1.0] {
+        let s = of_width(width);
+        for n_dot_v in [0.1, 0.4, 1.0] {
+            let worst = refinement(|furnace, shading| furnace.directional_albedo(shading, &s, n_dot_v));
+            assert!(worst.0 < 5e-5, "width {width}, n·v {n_dot_v}: {worst:?}");
+        }
+    }
+    let worst = refinement(|furnace, shading| furnace.hemispherical_albedo(shading, &of_width(0.1)));
+    assert!(worst.0 < 1e-4, "all directions: {worst:?}");
+}
+
+/// Blinn's lobe along the normal: n·h = cos(θ/2), so with u = cos²(θ/2) the albedo is
+/// (m + 8)/2 · ∫ from 1/2 to 1 of u^(s/2) (2u − 1) du; s = m where the formula is meant and 5 where it is printed.
+/// Over all directions the printed one gives (m + 8)/18.
+#[test]
+fn white_furnace_of_blinn_phong() {
+    for m in [0.0, 5.0, 10.0, 100.0] {
+        let power = |u: f64, e: f64| scalar::pow(u, e) / e;
+        let at = |u: f64, s: f64| 2.0 * power(u, s / 2.0 + 2.0) - power(u, s / 2.0 + 1.0);
+        for (shading, s) in [(Shading::BlinnPhong, m), (Shading::BlinnPhongPrinted, 5.0)] {
+            let exact = (m + 8.0) / 2.0 * (at(1.0, s) - at(0.5, s));
+            let e = albedo(shading, &Substance { shininess: m, ..white() }, 1.0);
+            assert!((e / exact - 1.0).abs() < 1e-6, "{}, m {m}: {e}, exactly {exact}", shading.name());
+        }
+    }
+    let ten = Substance { shininess: 10.0, ..white() };
+    let all = Furnace::default().hemispherical_albedo(Shading::BlinnPhongPrinted, &ten).x;
+    assert!((all - 1.0).abs() < 1e-5, "{all}");
+}
+
+/// Without 1/π the diffuse part of the printed Cook-Torrance gives back π times what arrives; a white metal of the
+/// article's GGX has no highlight at all, and twice the light, for want of n·l.
+#[test]
+fn white_furnace_of_what_is_printed() {
+    let chalk = Substance { diffuse: WHITE, specular: BLACK, ..white() };
+    for n_dot_v in [0.3, 1.0] {
+        assert!((albedo(Shading::CookTorrance, &chalk, n_dot_v) - 1.0).abs() < 1e-9);
+        assert!((albedo(Shading::CookTorrancePrinted, &chalk, n_dot_v) - PI).abs() < 1e-9);
+        let metal = albedo(Shading::GgxPrinted, &white(), n_dot_v);
+        assert!((metal - 2.0).abs() < 1e-9, "{metal}");
+    }
+}
+
 #[test]
 fn lambert_reflects_its_colour() {
     for n_dot_v in [0.3, 1.0] {
         let v = viewer(n_dot_v);
         let s = Substance { base_color: Vec3::new(0.37, 0.0, 0.0), ..white() };
-        let total = over_hemisphere(16, |l| reflect(Shading::Lambert, &s, &Angles::new(N, v, l)).x);
+        let total = over_hemisphere(12, |l| reflect(Shading::Lambert, &s, &Angles::new(N, v, l))).x;
         assert!((total - 0.37).abs() < 1e-13, "{total}");
     }
 }
@@ -402,7 +409,7 @@ fn a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only() {
         let grazing = albedo(Shading::Ggx, &dielectric(roughness), 0.02);
         assert!((1.0..1.75).contains(&grazing), "roughness {roughness}: {grazing}");
     }
-    let total = total_albedo(Shading::Ggx, &dielectric(0.35));
+    let total = Furnace::default().hemispherical_albedo(Shading::Ggx, &dielectric(0.35)).x;
     eprintln!("white dielectric of roughness 0.35 under a uniform sky: {total}");
     assert!((1.0..1.04).contains(&total), "{total}");
 }

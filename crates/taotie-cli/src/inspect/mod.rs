@@ -7,7 +7,6 @@ mod material;
 mod mesh;
 mod normal_map;
 mod report;
-mod table;
 mod tangents;
 mod text;
 mod uvs;

@@ -4,8 +4,8 @@ use super::material::{MaterialReport, TextureReport};
 use super::mesh::{MeshReport, Normals};
 use super::normal_map::NormalMapReport;
 use super::report::{AnimationReport, Counts, Extent, Named, Report};
-use super::table::Table;
 use super::tangents::TangentHealth;
+use crate::table::Table;
 
 /// The longest name that is shown whole, in characters.
 const NAME: usize = 40;

@@ -1,27 +1,29 @@
 //! The maps of the low mesh: height, tangent-space normals, colour and the rest.
 
-use super::texels::{Point, Texels};
+use super::displaced::{Rounded, Welds};
 use super::{DEPTH, patina};
 use rayon::prelude::*;
-use taotie::image::{Bitmap, Texels as Stored};
-use taotie::math::Vec3;
+use taotie::bake::{Storage, TexelGrid, TexelSurface, store_normals};
+use taotie::image::{Bitmap, Image, Texels as Stored};
+use taotie::math::{Vec2, Vec3};
 use taotie::mesh::Mesh;
-use taotie::surface::{TangentMethod, with_tangents};
+use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::surface::{TangentMethod, tangent_space_normal, with_tangents};
 
 /// Heights sampled at texel middles, and the atlas they belong to.
 #[derive(Debug)]
 pub(super) struct Bake {
-    texels: Texels,
+    surface: TexelSurface,
     heights: Vec<f32>,
 }
 
 impl Bake {
     /// Samples the relief for maps of `size` × `size`.
     pub fn new(mesh: &Mesh, size: u32) -> Self {
-        let texels = Texels::new(&with_frames(mesh), size as usize);
-        let middle = |i: usize| (i as f32 + 0.5) / size as f32;
-        let heights = texels.map(0.0, |x, y, _| super::height(middle(x), middle(y)));
-        Self { texels, heights }
+        let surface = laid_out(mesh, size);
+        let middle = |i: u32| (i as f32 + 0.5) / size as f32;
+        let heights = surface.map(0.0, |x, y, _| super::height(middle(x), middle(y)));
+        Self { surface, heights }
     }
 
     /// The height map, 16 bits; 1 is [`DEPTH`].
@@ -35,29 +37,48 @@ impl Bake {
 
     /// The tangent-space normal map, green up, 16 bits.
     pub fn normal_map(&self) -> Bitmap {
-        let flat = [32768, 32768, 65535, u16::MAX];
-        let texels = self.texels.map(flat, |x, y, point| {
-            let n = tangent_normal(point, self.relief(x, y));
-            let [r, g, b] = n.to_array().map(|c| ((c * 0.5 + 0.5) * 65535.0 + 0.5) as u16);
-            [r, g, b, u16::MAX]
-        });
-        self.bitmap(3, Stored::U16(texels))
+        stored(&self.tangent_normals(), NormalSpace::Tangent)
     }
 
     /// The object-space normal map, 16 bits.
     pub fn object_normal_map(&self) -> Bitmap {
-        let up = [32768, 65535, 32768, u16::MAX];
-        let texels = self.texels.map(up, |x, y, point| {
-            let n = relief_normal(point, self.relief(x, y)).normalize();
-            let [r, g, b] = n.to_array().map(|c| ((c * 0.5 + 0.5) * 65535.0 + 0.5) as u16);
-            [r, g, b, u16::MAX]
+        stored(&self.normals([0.0; 4], |_, n| n), NormalSpace::Object)
+    }
+
+    fn tangent_normals(&self) -> Image {
+        self.normals([0.0, 0.0, 1.0, 0.0], |frame, n| {
+            tangent_space_normal(frame.normal, frame.tangent, 1.0, n)
+        })
+    }
+
+    /// The normals of the rounded mesh displaced along its interpolated normals, Q = B + h n: Q_u × Q_v, turned by
+    /// `store`. Margins go on as the border of the chart is; away from charts stands `fill`.
+    fn normals(&self, fill: [f32; 4], store: impl Fn(&Frame, Vec3<f64>) -> Vec3<f64> + Sync) -> Image {
+        let (mesh, coverage) = (self.surface.mesh(), self.surface.coverage());
+        let welds = Welds::new(mesh);
+        let rounded = Rounded::new(mesh, &welds);
+        let size = coverage.width();
+        let corners = Corners::new(size);
+        let normals = self.surface.map(fill, |x, y, point| {
+            let Some(triangle) = coverage.triangle(x, y) else { return fill };
+            let triangle = triangle as usize;
+            let [u, v] = [x, y].map(|i| (f64::from(i) + 0.5) / f64::from(size));
+            let weights = rounded.weights(triangle, Vec2::new(u, v));
+            let frame = Frame::new(mesh, triangle, weights);
+            let base = rounded.by_uv(triangle, weights);
+            let height = f64::from(self.heights[(y * size + x) as usize]) * DEPTH;
+            let by_uv = (point.normal_by_uv, corners.slopes(x, y));
+            let n = store(&frame, displaced_normal(frame.normal, base, height, by_uv)).to_f32();
+            [n.x, n.y, n.z, 1.0]
         });
-        self.bitmap(3, Stored::U16(texels))
+        let mut image = Image::new(size, size, [0.0; 4]).expect("the map has a size");
+        image.pixels_mut().copy_from_slice(&normals);
+        image
     }
 
     /// Colour (to be decoded as sRGB), and occlusion, roughness and metallic in red, green and blue; 8 bits.
     pub fn material_maps(&self) -> [Bitmap; 2] {
-        let size = self.texels.size();
+        let size = self.surface.coverage().width() as usize;
         // The radii follow from what a texel measures on the belly, so that every size shows the same vessel.
         let radius = |millimetres: f64| {
             ((millimetres * 1e-3 * super::atlas::STRIP_SCALE * size as f64 + 0.5) as usize).max(1)
@@ -65,11 +86,12 @@ impl Bake {
         let near = blurred(&self.heights, size, radius(0.55));
         let wide = blurred(&self.heights, size, radius(2.2));
         let fill = patina::Surface::default();
-        let surfaces = self.texels.map(fill, |x, y, point| {
-            let i = y * size + x;
+        let surfaces = self.surface.map(fill, |x, y, point| {
+            let i = y as usize * size + x as usize;
             let h = self.heights[i];
             patina::surface(&patina::Place {
-                point: *point,
+                position: point.position.to_f32(),
+                normal: point.normal.to_f32(),
                 height: h,
                 cavity: near[i] - h,
                 wide_cavity: wide[i] - h,
@@ -81,66 +103,93 @@ impl Bake {
     }
 
     fn bitmap(&self, channels: u8, texels: Stored) -> Bitmap {
-        let size = self.texels.size() as u32;
+        let size = self.surface.coverage().width();
         Bitmap::new(size, size, channels, texels).expect("the texels were made for this size")
     }
+}
 
-    /// The relief at a texel; its changes by differences of texels over ±1 and ±2, exact for cubics.
-    fn relief(&self, x: usize, y: usize) -> Relief {
-        let size = self.texels.size() as isize;
-        let at = |dx: isize, dy: isize| {
-            let (x, y) = (x as isize + dx, y as isize + dy);
-            self.heights[(y.clamp(0, size - 1) * size + x.clamp(0, size - 1)) as usize]
+/// Heights at the corners of texels: the slopes between them are those of the texel's own ground, while differences of
+/// neighbouring texels blur lines that are few texels wide.
+struct Corners {
+    size: usize,
+    heights: Vec<f32>,
+}
+
+impl Corners {
+    fn new(size: u32) -> Self {
+        let side = size as usize + 1;
+        let at = |i: usize| i as f32 / size as f32;
+        let heights = (0..side * side).into_par_iter().map(|i| super::height(at(i % side), at(i / side)));
+        Self { size: size as usize, heights: heights.collect() }
+    }
+
+    /// How the height changes with u and with v over a texel, metres.
+    fn slopes(&self, x: u32, y: u32) -> [f64; 2] {
+        let at = |dx: usize, dy: usize| {
+            let corner = (y as usize + dy) * (self.size + 1) + x as usize + dx;
+            f64::from(self.heights[corner])
         };
-        let depth = DEPTH as f32;
-        let scale = depth * size as f32 / 12.0;
-        let by_u = 8.0 * (at(1, 0) - at(-1, 0)) - (at(2, 0) - at(-2, 0));
-        let by_v = 8.0 * (at(0, 1) - at(0, -1)) - (at(0, 2) - at(0, -2));
-        Relief { height: at(0, 0) * depth, by_u: by_u * scale, by_v: by_v * scale }
+        let [a, b, c, d] = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+        let scale = 0.5 * self.size as f64 * DEPTH;
+        [(b + d - a - c) * scale, (c + d - a - b) * scale]
     }
 }
 
-/// The height at a texel and how it changes with u and v, metres.
-#[derive(Debug, Clone, Copy)]
-struct Relief {
-    height: f32,
-    by_u: f32,
-    by_v: f32,
+/// Normal and tangent between the corners of a triangle, not normalised. No chart of the vessel is mirrored.
+struct Frame {
+    normal: Vec3<f64>,
+    tangent: Vec3<f64>,
 }
 
-/// A vector along the normal of the relief, object space.
-///
-/// The surface is Q = P + h n, with h in metres and n the unit interpolated normal. Its tangents are
-/// Q_u = P_u + h n_u + h_u n, and so for v; the parts along the tangent plane are p_u = P_u + h n_u made perpendicular
-/// to n, so that the facets of P do not show. Its normal is n − ∇h, where ∇h · p_u = h_u and ∇h · p_v = h_v
-/// (Mikkelsen 2020, "Surface gradient–based bump mapping framework"); p_u and p_v need be neither equal in length
-/// nor perpendicular.
-fn relief_normal(point: &Point, relief: Relief) -> Vec3 {
-    let (n, scale) = (point.normal.normalize(), relief.height / point.normal.length());
-    let [p_u, p_v] = [0, 1].map(|k| {
-        let p = point.by_uv[k] + point.normal_by_uv[k] * scale;
-        p - n * n.dot(p)
+impl Frame {
+    fn new(mesh: &Mesh, triangle: usize, weights: [f64; 3]) -> Self {
+        let corners = mesh.triangles()[triangle].map(|i| i as usize);
+        let blend = |of: &dyn Fn(usize) -> Vec3| {
+            let [a, b, c] = corners.map(|i| of(i).to_f64());
+            a * weights[0] + b * weights[1] + c * weights[2]
+        };
+        let tangent = |i: usize| {
+            let [x, y, z, _] = mesh.tangents()[i];
+            Vec3::new(x, y, z)
+        };
+        Self { normal: blend(&|i| mesh.normals()[i]), tangent: blend(&tangent) }
+    }
+}
+
+/// The unit normal of the surface `base` displaced by the height `h` along the interpolated `normal`. Beside `base`
+/// stand how that normal and the height change with u and v.
+fn displaced_normal(
+    normal: Vec3<f64>,
+    base: [Vec3<f64>; 2],
+    h: f64,
+    (normal_by_uv, slopes): ([Vec3<f64>; 2], [f64; 2]),
+) -> Vec3<f64> {
+    let length = normal.length();
+    let n = normal / length;
+    let [q_u, q_v] = [0, 1].map(|k| {
+        let turned = (normal_by_uv[k] - n * n.dot(normal_by_uv[k])) / length;
+        base[k] + turned * h + n * slopes[k]
     });
-    let area = n.dot(p_u.cross(p_v));
-    n - (p_v.cross(n) * relief.by_u + n.cross(p_u) * relief.by_v) * (1.0 / area)
+    let across = q_u.cross(q_v);
+    // v points down the map, so the cross product may point inward.
+    let outward = if base[0].cross(base[1]).dot(n) < 0.0 { -across } else { across };
+    outward.normalize_or(n)
 }
 
-/// The unit normal of the relief in the frame (T, B, N) in which a renderer reads it: interpolated and not
-/// normalised, so that decoding gives the relief's normal back.
-fn tangent_normal(point: &Point, relief: Relief) -> Vec3 {
-    let (t, b) = (point.tangent, point.normal.cross(point.tangent));
-    resolve(relief_normal(point, relief), [t, b, point.normal]).normalize()
+/// The mesh with its tangents on a map of `size` × `size`, charts grown by 1/128 of a side.
+pub(super) fn laid_out(mesh: &Mesh, size: u32) -> TexelSurface {
+    let grid = TexelGrid { width: size, height: size, uv_set: 0, margin: (size / 128).max(2) };
+    TexelSurface::new(with_frames(mesh), &grid).expect("the vessel has uvs, and its maps can be made")
+}
+
+fn stored(normals: &Image, space: NormalSpace) -> Bitmap {
+    let storage = Storage { bits: 16, dither: false };
+    store_normals(normals, space, GreenChannel::Up, storage).expect("16 bits can be stored").bitmap
 }
 
 /// The mesh with the tangents that renderers of glTF take where a file has none.
 pub(super) fn with_frames(mesh: &Mesh) -> Mesh {
     with_tangents(mesh, 0, TangentMethod::MikkTSpace).expect("the vessel has normals and uvs").mesh
-}
-
-/// The coordinates of `v` in a frame that need not be orthonormal (Cramer's rule).
-fn resolve(v: Vec3, [t, b, n]: [Vec3; 3]) -> Vec3 {
-    let det = t.dot(b.cross(n));
-    Vec3::new(v.dot(b.cross(n)), v.dot(n.cross(t)), v.dot(t.cross(b))) * (1.0 / det)
 }
 
 /// The mean over a square of side 2 · `radius` + 1, borders continued.

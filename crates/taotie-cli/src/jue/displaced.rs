@@ -5,13 +5,14 @@
 //! without cracks: an edge's curve depends on what both its triangles know, and relief is 0 on chart borders.
 
 use super::DEPTH;
+use super::split::{Piece, Split};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use taotie::math::{Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
 
 /// How the vertices of the low mesh coincide.
-struct Welds {
+pub(super) struct Welds {
     /// For each vertex, the first at the same place.
     place: Vec<u32>,
     /// For each vertex, the first at the same place with the same normal.
@@ -21,8 +22,22 @@ struct Welds {
 /// The control points of an edge's curve, from the smaller place to the larger.
 type Curve = [Vec3<f64>; 4];
 
+/// The weights of a patch's corners in parts of [`WHOLE`], which they sum to: halving stays exact.
+pub(super) type Weights = [u32; 3];
+
+/// One, in parts.
+pub(super) const WHOLE: u32 = 1 << 16;
+
+/// A point of the displaced surface.
+pub(super) struct Point {
+    weights: Weights,
+    position: Vec3<f64>,
+    uv: Vec2,
+    normal: Vec3<f64>,
+}
+
 /// What the corners of a patch know.
-struct Patch<'a> {
+pub(super) struct Patch<'a> {
     mesh: &'a Mesh,
     welds: &'a Welds,
     corners: [u32; 3],
@@ -30,28 +45,95 @@ struct Patch<'a> {
     curves: [Curve; 3],
 }
 
-/// Every triangle of the low mesh split into `subdivisions`², displaced by `height`, normals computed anew.
-pub(super) fn mesh(low: &Mesh, subdivisions: u32, height: impl Fn(f32, f32) -> f32 + Sync) -> Mesh {
-    let n = subdivisions.max(1) as usize;
+/// Half the length over which slopes are measured, metres: small against the finest lines, large against rounding.
+const DELTA: f64 = 8e-6;
+
+/// The low mesh rounded, without relief.
+pub(super) struct Rounded<'a> {
+    mesh: &'a Mesh,
+    patches: Vec<Patch<'a>>,
+}
+
+/// Half the step, in weights, over which the rounded mesh is differentiated.
+const STEP: f64 = 1e-4;
+
+impl<'a> Rounded<'a> {
+    pub fn new(mesh: &'a Mesh, welds: &'a Welds) -> Self {
+        let curves = curves(mesh, welds);
+        let corners = mesh.triangles().iter();
+        Self { mesh, patches: corners.map(|corners| Patch::new(mesh, welds, &curves, *corners)).collect() }
+    }
+
+    /// The weights of a triangle's corners at a uv, or those nearest to it within the triangle.
+    pub fn weights(&self, triangle: usize, uv: Vec2<f64>) -> [f64; 3] {
+        let [e, f, a] = self.edges(triangle);
+        let g = uv - a;
+        let det = e.x * f.y - e.y * f.x;
+        let w = [(g.x * f.y - g.y * f.x) / det, (e.x * g.y - e.y * g.x) / det];
+        let w = [1.0 - w[0] - w[1], w[0], w[1]].map(|w| w.max(0.0));
+        let sum: f64 = w.iter().sum();
+        w.map(|w| w / sum)
+    }
+
+    /// How the position changes with u and v at a place of a triangle.
+    pub fn by_uv(&self, triangle: usize, w: [f64; 3]) -> [Vec3<f64>; 2] {
+        let patch = &self.patches[triangle];
+        let middle = patch.middle();
+        let [e, f, _] = self.edges(triangle);
+        let det = e.x * f.y - e.y * f.x;
+        // Weights of the second and third corner by u, and by v.
+        [[f.y / det, -e.y / det], [-f.x / det, e.x / det]].map(|[by_b, by_c]| {
+            let size = by_b.abs().max(by_c.abs());
+            let moved = |k: f64| {
+                let (db, dc) = (by_b / size * k, by_c / size * k);
+                patch.inside([w[0] - db - dc, w[1] + db, w[2] + dc], middle).0
+            };
+            (moved(STEP) - moved(-STEP)) * (size / (2.0 * STEP))
+        })
+    }
+
+    /// The edges of a triangle from its first corner, and that corner, in uvs.
+    fn edges(&self, triangle: usize) -> [Vec2<f64>; 3] {
+        let [a, b, c] = self.patches[triangle].corners.map(|i| {
+            let uv = self.mesh.uvs()[0][i as usize];
+            Vec2::new(f64::from(uv.x), f64::from(uv.y))
+        });
+        [b - a, c - a, a]
+    }
+}
+
+/// Every triangle of the low mesh split and displaced by `height`, with the normals of the displaced surface; see
+/// [`Split`].
+pub(super) fn mesh(low: &Mesh, finest: f64, height: impl Fn(f32, f32) -> f32 + Sync) -> Mesh {
     let welds = Welds::new(low);
-    let curves = curves(low, &welds);
-    let points: Vec<Vec<(Vec3<f64>, Vec2)>> = low
-        .triangles()
-        .par_iter()
-        .map(|corners| Patch::new(low, &welds, &curves, *corners).points(n, &height))
-        .collect();
-    let positions: Vec<Vec3> = points.iter().flatten().map(|(p, _)| p.to_f32()).collect();
-    let count = points_of(n);
-    let triangles: Vec<[u32; 3]> =
-        (0..points.len()).flat_map(|k| grid(n).map(move |t| t.map(|i| (k * count + i) as u32))).collect();
-    let normals = normals(&positions, &triangles, &slots(low, &welds, n));
-    let uvs = vec![points.iter().flatten().map(|(_, uv)| *uv).collect()];
-    let data = MeshData { positions, normals, uvs, triangles, ..MeshData::default() };
+    let Rounded { patches, .. } = Rounded::new(low, &welds);
+    let split = |patch: &Patch<'_>| Split::new(patch, finest, &height).run();
+    let pieces: Vec<Piece> = patches.par_iter().map(split).collect();
+    let normals = shared(pieces.iter().flat_map(|piece| &piece.points), &slots(&patches, &pieces));
+    let points = || pieces.iter().flat_map(|piece| &piece.points);
+    let data = MeshData {
+        positions: points().map(|point| point.position.to_f32()).collect(),
+        normals,
+        uvs: vec![points().map(|point| point.uv).collect()],
+        triangles: joined(&pieces),
+        ..MeshData::default()
+    };
     Mesh::new(data).expect("indices count the points and every point is finite")
 }
 
+/// The triangles of all pieces, whose points follow one another.
+fn joined(pieces: &[Piece]) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::new();
+    let mut first = 0;
+    for piece in pieces {
+        triangles.extend(piece.triangles.iter().map(|t| t.map(|i| i + first)));
+        first += piece.points.len() as u32;
+    }
+    triangles
+}
+
 impl Welds {
-    fn new(mesh: &Mesh) -> Self {
+    pub fn new(mesh: &Mesh) -> Self {
         let bits = |v: &Vec3| v.to_array().map(|c| (c + 0.0).to_bits());
         let (mut places, mut normals) = (HashMap::new(), HashMap::new());
         let pairs = mesh.positions().iter().zip(mesh.normals()).enumerate();
@@ -62,6 +144,12 @@ impl Welds {
             })
             .unzip();
         Self { place, smooth }
+    }
+
+    /// What an edge is called from both sides: the places of its ends, the smaller first.
+    fn edge(&self, a: u32, b: u32) -> (u32, u32) {
+        let (a, b) = self.ordered(a, b);
+        (self.place[a as usize], self.place[b as usize])
     }
 
     /// The corners of an edge, the smaller place first.
@@ -124,36 +212,82 @@ fn bezier([a, b, c, d]: &Curve, t: f64) -> Vec3<f64> {
 
 impl<'a> Patch<'a> {
     fn new(mesh: &'a Mesh, welds: &'a Welds, all: &HashMap<(u32, u32), Curve>, corners: [u32; 3]) -> Self {
-        let curves = std::array::from_fn(|i| {
-            let (p, q) = welds.ordered(corners[i], corners[(i + 1) % 3]);
-            all[&(welds.place[p as usize], welds.place[q as usize])]
-        });
+        let curves = std::array::from_fn(|i| all[&welds.edge(corners[i], corners[(i + 1) % 3])]);
         Self { mesh, welds, corners, curves }
     }
 
-    /// The displaced points in the order of [`lattice`].
-    fn points(&self, n: usize, height: &(impl Fn(f32, f32) -> f32 + Sync)) -> Vec<(Vec3<f64>, Vec2)> {
+    /// The point with these weights, raised by the relief.
+    pub(super) fn point(&self, weights: Weights, height: &impl Fn(f32, f32) -> f32) -> Point {
         let middle = self.middle();
-        lattice(n)
-            .map(|weights| {
-                let (base, normal, uv) = match edge_of(weights, n) {
-                    Some((i, k)) => self.on_edge(i, k, n),
-                    None => self.inside(weights.map(|w| w as f64 / n as f64), middle),
-                };
-                let h = f64::from(height(uv.x, uv.y)) * DEPTH;
-                (base + normal.normalize_or(Vec3::splat(0.0)) * h, uv)
-            })
-            .collect()
+        let surface = |w: [f64; 3]| raised(self.inside(w, middle), height);
+        let w = weights.map(|w| f64::from(w) / f64::from(WHOLE));
+        let (position, uv) = match edge_of(weights) {
+            Some((i, k)) => raised(self.on_edge(i, k), height),
+            None => surface(w),
+        };
+        Point { weights, position, uv, normal: self.normal(w, |w| surface(w).0) }
     }
 
-    /// The point `k` of `n` steps along the edge from corner `i`; the same bits from both sides.
-    fn on_edge(&self, i: usize, k: usize, n: usize) -> (Vec3<f64>, Vec3<f64>, Vec2) {
+    /// The uv with these weights; the same bits from both sides of an edge.
+    pub(super) fn uv(&self, weights: Weights) -> Vec2 {
+        let w = weights.map(|w| f64::from(w) / f64::from(WHOLE));
+        match edge_of(weights) {
+            Some((i, k)) => self.on_edge(i, k).2,
+            None => {
+                self.blend(&[(self.corners[0], w[0]), (self.corners[1], w[1]), (self.corners[2], w[2])]).1
+            }
+        }
+    }
+
+    /// How far apart two points of the flat triangle are, metres; the same bits from both sides of an edge.
+    pub(super) fn distance(&self, a: Weights, b: Weights) -> f64 {
+        if let Some(opposite) = (0..3).find(|corner| a[*corner] == 0 && b[*corner] == 0) {
+            let edge = (opposite + 1) % 3;
+            let (from, to) = self.welds.ordered(self.corners[edge], self.corners[(edge + 1) % 3]);
+            let position = |v: u32| self.mesh.positions()[v as usize].to_f64();
+            let part = f64::from(a[edge].abs_diff(b[edge])) / f64::from(WHOLE);
+            return (position(to) - position(from)).length() * part;
+        }
+        let difference = (0..3).fold(Vec3::splat(0.0), |sum: Vec3<f64>, i| {
+            sum + self.position(i) * ((f64::from(a[i]) - f64::from(b[i])) / f64::from(WHOLE))
+        });
+        difference.length()
+    }
+
+    /// The unit normal of `surface` by differences over [`DELTA`].
+    fn normal(&self, w: [f64; 3], surface: impl Fn([f64; 3]) -> Vec3<f64>) -> Vec3<f64> {
+        let along = |i: usize| {
+            let step = DELTA / (self.position(i) - self.position(0)).length();
+            let moved = |step: f64| {
+                let mut moved = w;
+                moved[0] -= step;
+                moved[i] += step;
+                surface(moved)
+            };
+            moved(step) - moved(-step)
+        };
+        along(1).cross(along(2)).normalize_or(Vec3::splat(0.0))
+    }
+
+    /// The point `k` steps of [`WHOLE`] along the edge from corner `i`; the same bits from both sides.
+    fn on_edge(&self, i: usize, k: u32) -> (Vec3<f64>, Vec3<f64>, Vec2) {
         let (from, to) = (self.corners[i], self.corners[(i + 1) % 3]);
         let (a, b) = self.welds.ordered(from, to);
-        let k = if a == from { k } else { n - k };
-        let (s, t) = ((n - k) as f64 / n as f64, k as f64 / n as f64);
+        let k = if a == from { k } else { WHOLE - k };
+        let [s, t] = [WHOLE - k, k].map(|k| f64::from(k) / f64::from(WHOLE));
         let (normal, uv) = self.blend(&[(a, s), (b, t)]);
         (bezier(&self.curves[i], t), normal, uv)
+    }
+
+    /// What names the point `k` steps along the edge from corner `i` from both sides, and a corner from all.
+    fn edge_key(&self, i: usize, k: u32) -> (u32, u32, u32) {
+        let [a, b] = [self.corners[i], self.corners[(i + 1) % 3]].map(|v| self.welds.smooth[v as usize]);
+        match k {
+            0 => (a, a, 0),
+            WHOLE => (b, b, 0),
+            _ if a < b => (a, b, k),
+            _ => (b, a, WHOLE - k),
+        }
     }
 
     fn inside(&self, w: [f64; 3], middle: Vec3<f64>) -> (Vec3<f64>, Vec3<f64>, Vec2) {
@@ -206,60 +340,38 @@ impl<'a> Patch<'a> {
     }
 }
 
-/// How many points a patch has.
-fn points_of(n: usize) -> usize {
-    (n + 1) * (n + 2) / 2
+/// A point of a patch raised by the relief, and its uv.
+fn raised(
+    (base, normal, uv): (Vec3<f64>, Vec3<f64>, Vec2),
+    height: &impl Fn(f32, f32) -> f32,
+) -> (Vec3<f64>, Vec2) {
+    let h = f64::from(height(uv.x, uv.y)) * DEPTH;
+    (base + normal.normalize_or(Vec3::splat(0.0)) * h, uv)
 }
 
-/// The whole weights (they sum to `n`) of a patch's points, row by row from corner 0.
-fn lattice(n: usize) -> impl Iterator<Item = [usize; 3]> {
-    (0..=n).flat_map(move |row| (0..=row).map(move |k| [n - row, row - k, k]))
-}
-
-/// The place of a point in [`lattice`]'s order.
-fn index([_, b, c]: [usize; 3]) -> usize {
-    let row = b + c;
-    row * (row + 1) / 2 + c
-}
-
-/// The small triangles of a patch, oriented as it is.
-fn grid(n: usize) -> impl Iterator<Item = [usize; 3]> {
-    (0..n).flat_map(move |row| {
-        (0..=row).flat_map(move |k| {
-            let (a, b, c) = (n - row, row - k, k);
-            let up = [index([a, b, c]), index([a - 1, b + 1, c]), index([a - 1, b, c + 1])];
-            let down =
-                (b > 0).then(|| [index([a, b, c]), index([a - 1, b, c + 1]), index([a, b - 1, c + 1])]);
-            std::iter::once(up).chain(down)
-        })
-    })
-}
-
-/// The edge a lattice point lies on, as its first corner and the steps from there.
-fn edge_of([a, b, c]: [usize; 3], n: usize) -> Option<(usize, usize)> {
+/// The edge that a point lies on, as its first corner and the steps of [`WHOLE`] from there.
+fn edge_of([a, b, c]: Weights) -> Option<(usize, u32)> {
     if c == 0 {
         Some((0, b))
     } else if a == 0 {
         Some((1, c))
     } else if b == 0 {
-        Some((2, n - c))
+        Some((2, a))
     } else {
         None
     }
 }
 
 /// For every point, which points it shares its normal with: all have the same number.
-fn slots(low: &Mesh, welds: &Welds, n: usize) -> Vec<u32> {
-    let mut shared: HashMap<(u32, u32, usize), u32> = HashMap::new();
+fn slots(patches: &[Patch<'_>], pieces: &[Piece]) -> Vec<u32> {
+    let mut shared: HashMap<(u32, u32, u32), u32> = HashMap::new();
     let mut next = 0;
-    let mut slots = Vec::with_capacity(low.triangles().len() * points_of(n));
-    for corners in low.triangles() {
-        for weights in lattice(n) {
-            let key =
-                edge_of(weights, n).map(|(i, k)| edge_key(welds, corners[i], corners[(i + 1) % 3], k, n));
+    let mut slots = Vec::new();
+    for (patch, piece) in patches.iter().zip(pieces) {
+        for point in &piece.points {
             let fresh = next;
-            let slot = match key {
-                Some(key) => *shared.entry(key).or_insert(fresh),
+            let slot = match edge_of(point.weights) {
+                Some((i, k)) => *shared.entry(patch.edge_key(i, k)).or_insert(fresh),
                 None => fresh,
             };
             next += u32::from(slot == fresh);
@@ -269,40 +381,11 @@ fn slots(low: &Mesh, welds: &Welds, n: usize) -> Vec<u32> {
     slots
 }
 
-/// What names a point of an edge from both sides, and a corner from all.
-fn edge_key(welds: &Welds, from: u32, to: u32, k: usize, n: usize) -> (u32, u32, usize) {
-    let (a, b) = (welds.smooth[from as usize], welds.smooth[to as usize]);
-    match k {
-        0 => (a, a, 0),
-        _ if k == n => (b, b, 0),
-        _ if a < b => (a, b, k),
-        _ => (b, a, n - k),
-    }
-}
-
-/// Vertex normals weighted by area, shared as `slots` says.
-fn normals(positions: &[Vec3], triangles: &[[u32; 3]], slots: &[u32]) -> Vec<Vec3> {
-    let mut sums = vec![Vec3::splat(0.0); positions.len()];
-    for triangle in triangles {
-        let [p, q, r] = triangle.map(|i| positions[i as usize].to_f64());
-        let n = (q - p).cross(r - p);
-        for i in triangle {
-            sums[slots[*i as usize] as usize] += n;
-        }
+/// The mean normal of all points that `slots` lets share one.
+fn shared<'a>(points: impl Iterator<Item = &'a Point>, slots: &[u32]) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::splat(0.0); slots.len()];
+    for (point, slot) in points.zip(slots) {
+        sums[*slot as usize] += point.normal;
     }
     slots.iter().map(|slot| sums[*slot as usize].normalize_or(Vec3::new(0.0, 1.0, 0.0)).to_f32()).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lattice_and_index_agree() {
-        for n in [1, 2, 5] {
-            assert!(lattice(n).enumerate().all(|(i, w)| index(w) == i && w.iter().sum::<usize>() == n));
-            assert_eq!(lattice(n).count(), points_of(n));
-            assert_eq!(grid(n).count(), n * n);
-        }
-    }
 }

@@ -12,8 +12,8 @@ mod normals;
 mod patina;
 mod profile;
 mod relief;
+mod split;
 mod strokes;
-mod texels;
 mod vessel;
 
 use bake::Bake;
@@ -121,12 +121,16 @@ fn material() -> Material {
     }
 }
 
-/// The vessel with its relief as geometry: each triangle of [`low_mesh`] rounded by its normals, split into
-/// `subdivisions`² and displaced by [`height`]; 54 gives more than a million triangles.
+/// The shortest edges of a [`displaced_mesh`] that resolves the finest lines, metres: more than a million triangles.
+pub const FINEST: f64 = 0.0002;
+
+/// The vessel with its relief as geometry: each triangle of [`low_mesh`] rounded by its normals, displaced by
+/// [`height`], and split until its edges follow the relief or are no longer than `finest`, metres.
 ///
-/// Its uvs are the low mesh's, so the two can be compared point by point.
-pub fn displaced_mesh(subdivisions: u32) -> Mesh {
-    displaced::mesh(&low_mesh(), subdivisions, height)
+/// Its uvs are the low mesh's, so the two can be compared place by place; its normals are those of the displaced
+/// surface.
+pub fn displaced_mesh(finest: f64) -> Mesh {
+    displaced::mesh(&low_mesh(), finest, height)
 }
 
 #[cfg(test)]

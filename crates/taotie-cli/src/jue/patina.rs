@@ -3,7 +3,6 @@
 
 use super::noise::fractal;
 use super::profile::smooth;
-use super::texels::Point;
 use std::sync::LazyLock;
 use taotie::math::{Vec3, srgb};
 
@@ -15,8 +14,10 @@ static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
 /// What decides the look of a texel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    /// Where on the vessel.
-    pub point: Point,
+    /// Where on the vessel, metres.
+    pub position: Vec3,
+    /// The interpolated vertex normal, not normalised.
+    pub normal: Vec3,
     /// Relief, [0, 1].
     pub height: f32,
     /// How much lower it lies than what is within half a millimetre; negative on ridges.
@@ -64,11 +65,11 @@ fn mix(a: Vec3, b: Vec3, t: f32) -> Vec3 {
 
 /// The look of a place.
 pub(super) fn surface(place: &Place) -> Surface {
-    let p = place.point.position * 1000.0;
+    let p = place.position * 1000.0;
     let broad = fractal(p * (1.0 / 24.0), 3);
     let patch = fractal(p * (1.0 / 7.0) + Vec3::splat(91.0), 3);
     let grain = fractal(p * (1.0 / 1.1) + Vec3::splat(37.0), 2);
-    let n = place.point.normal.normalize();
+    let n = place.normal.normalize();
     let recess = 0.5 * smooth(place.cavity * 4.0 + 0.10) + 0.7 * smooth(place.wide_cavity * 2.2);
     let raised = smooth((place.height - 0.42) / 0.20);
     let ridge = smooth(-place.cavity * 5.0 - 0.05) * smooth((place.height - 0.28) / 0.2);
@@ -107,9 +108,9 @@ pub(super) fn surface(place: &Place) -> Surface {
 
 /// How much of the sky a place sees: less in furrows, far less deep in the cup.
 fn occlusion(place: &Place) -> f32 {
-    let p = place.point.position;
+    let p = place.position;
     let furrow = 0.55 * smooth(place.cavity * 3.0) + 0.30 * smooth(place.wide_cavity * 1.6);
-    let n = place.point.normal;
+    let n = place.normal;
     // Inside the cup normals point to the axis.
     let inward = smooth(-(n.x * p.x + n.z * p.z) / 0.008) + smooth(n.y * 2.0 - 1.0);
     let within = smooth((0.034 * 0.034 - p.x * p.x - p.z * p.z) * 4000.0) * inward.min(1.0);

@@ -19,9 +19,7 @@ const DEFAULT_HEIGHT: f64 = 0.01;
 /// of white in model units, where it was asked for.
 pub fn apply(args: &MaterialArgs, height_scale: Option<f64>, scene: &mut Scene) -> Result<()> {
     if let Some(choice) = &args.material {
-        let file = read_choice(choice)?;
-        let change = file.resolve(scene)?;
-        scene.materials.iter_mut().for_each(|material| change.apply(material));
+        apply_choice(choice, scene)?;
     }
     let maps = MapOptions {
         base_color: args.base_color_map.clone(),
@@ -40,6 +38,13 @@ pub fn apply(args: &MaterialArgs, height_scale: Option<f64>, scene: &mut Scene) 
             map.green = GreenChannel::Down;
         }
     }
+    Ok(())
+}
+
+/// Puts a preset or what a TOML file asks for into every material of the scene.
+pub fn apply_choice(choice: &str, scene: &mut Scene) -> Result<()> {
+    let change = read_choice(choice)?.resolve(scene)?;
+    scene.materials.iter_mut().for_each(|material| change.apply(material));
     Ok(())
 }
 

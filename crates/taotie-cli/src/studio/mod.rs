@@ -8,9 +8,10 @@ mod material;
 mod model;
 mod motion;
 
-pub use args::{CameraArgs, FilmArgs, LightArgs, MaterialArgs, RunningArgs};
+pub use args::{CameraArgs, FilmArgs, Green, LightArgs, MaterialArgs, RunningArgs, Space};
 pub use camera::{Framing, Viewpoint};
 pub use lights::lighting;
+pub use material::apply_choice;
 pub use model::load;
 pub use motion::Motion;
 

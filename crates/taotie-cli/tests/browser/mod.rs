@@ -6,7 +6,7 @@
 //! assert_eq!(tab.screenshot().at(450, 300), [0, 0, 255]);
 //! tab.assert_quiet();
 //! ```
-#![allow(dead_code)]
+#![allow(dead_code, clippy::print_stdout, reason = "each test uses some of it; one that is skipped says why")]
 
 mod process;
 mod protocol;

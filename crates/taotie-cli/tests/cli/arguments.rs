@@ -381,3 +381,116 @@ taotie: error: a.png: it is a folder; give a file name
 "#]],
     );
 }
+
+#[test]
+fn diff_of_other_sizes() {
+    let place = Place::new();
+    super::models::write_ball(&place.path("ball.png"));
+    place.write("one.tga", [0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 32, 1, 2, 3]);
+    refused(
+        &place,
+        "diff ball.png one.tga",
+        str![[r#"
+taotie: error: ball.png is 192x192, one.tga is 1x1: only pictures of one size can be compared; resample one of them
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff one.tga one.tga --metric angle",
+        str![[r#"
+taotie: error: one.tga: it does not look like a normal map; if it is one, say how it stores normals: --encoding unit or signed
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff one.tga one.tga --metric ssim",
+        str![[r#"
+taotie: error: pictures of 1x1: structural similarity looks through windows of 11x11 pixels; both sides must be as large
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff one.tga one.tga --encoding unit",
+        str![[r#"
+taotie: error: no texel holds a normal in both files; there is nothing to compare
+
+"#]],
+    );
+}
+
+#[test]
+fn diff_with_options_that_contradict() {
+    let place = Place::new();
+    refused(
+        &place,
+        "diff a.png b.png --metric angle --encoding color",
+        str![[r#"
+taotie: error: --metric angle measures normals, but --encoding color says that the files hold colors
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff a.png b.png --metric flip --encoding unit",
+        str![[r#"
+taotie: error: --metric flip looks at colors, but --encoding says that the files hold normals
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff a.png b.png --threshold 1",
+        str![[r#"
+error: the following required arguments were not provided:
+  --metric <METRIC>
+
+Usage: taotie diff --metric <METRIC> --threshold <X> <A> <B>
+
+For more information, try '--help'.
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff a.png b.png --heat heat.jpg",
+        str![[r#"
+taotie: error: heat.jpg: heat maps are written as .png
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff a.png b.png --heat none/heat.png",
+        str![[r#"
+taotie: error: none: there is no such folder; make it first
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff a.png b.png --heat heat.png --heat-top 0",
+        str![[r#"
+taotie: error: --heat-top: the top of the scale must be above 0
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff a.png b.png --threads 0",
+        str![[r#"
+taotie: error: --threads 0: at least one thread is needed; leave it out for all of the machine's
+
+"#]],
+    );
+    refused(
+        &place,
+        "diff a.png b.png",
+        str![[r#"
+taotie: error: a.png: No such file or directory (os error 2)
+
+"#]],
+    );
+}

@@ -12,7 +12,10 @@ Usage: taotie <COMMAND>
 
 Commands:
   render   Renders a model to a picture
+  compare  Renders a model by several surface methods and measures how they differ
   inspect  Says what is in a model and what is wrong with it
+  normals  Makes normal maps from heights, and converts them
+  diff     Says how two pictures or normal maps differ
   demo     Renders the built-in bronze jue by every surface method and shading model
 
 Options:

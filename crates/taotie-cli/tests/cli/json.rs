@@ -228,3 +228,111 @@ fn of_inspect() {
     assert_eq!((map.kind_by_pixels.as_str(), map.green_by_pixels.as_deref()), ("tangent", Some("up")));
     assert_eq!((map.invalid_texels, map.texels), (Some(0), 192 * 192));
 }
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DiffReport {
+    schema: u32,
+    version: String,
+    a: DiffFile,
+    b: DiffFile,
+    size: [u32; 2],
+    compared_as: String,
+    equal: bool,
+    left_out: usize,
+    metrics: Metrics,
+    pixels_per_degree: f64,
+    threshold: Option<Threshold>,
+    heat: Option<String>,
+    warnings: Vec<Counted>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DiffFile {
+    path: String,
+    bits: u8,
+    channels: u8,
+    normals: Option<String>,
+    transparent: Option<usize>,
+    not_unit: Option<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Metrics {
+    angle: Option<Spread>,
+    flip: Option<Spread>,
+    ssim: Option<f64>,
+    psnr: Option<f64>,
+    rmse: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Spread {
+    count: usize,
+    mean: f64,
+    median: f64,
+    quartiles: [f64; 2],
+    p95: f64,
+    max: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Threshold {
+    metric: String,
+    limit: f64,
+    exceeded: bool,
+}
+
+#[test]
+fn of_diff() {
+    let normals: DiffReport = parse("diff normals.png normals.png --metric angle --threshold 1 --json");
+    assert_eq!((normals.schema, normals.version.as_str()), (1, env!("CARGO_PKG_VERSION")));
+    assert_eq!((normals.compared_as.as_str(), normals.equal, normals.size), ("normals", true, [192, 192]));
+    assert_eq!((normals.a.normals.as_deref(), normals.a.not_unit), (Some("unit"), Some(0)));
+    let angle = normals.metrics.angle.expect("it was asked for");
+    assert_eq!((angle.count, angle.mean, angle.max), (192 * 192, 0.0, 0.0));
+    assert!(!normals.threshold.expect("there is one").exceeded && normals.metrics.flip.is_none());
+    let pictures: DiffReport = parse("diff normals.png normals.png --encoding color --json");
+    assert_eq!(
+        (pictures.metrics.ssim, pictures.metrics.psnr, pictures.metrics.rmse),
+        (Some(1.0), None, Some(0.0))
+    );
+    assert_eq!((pictures.pixels_per_degree, pictures.b.normals), (67.0, None));
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NormalsReport {
+    schema: u32,
+    version: String,
+    input: String,
+    output: String,
+    size: [u32; 2],
+    from: String,
+    to: String,
+    green_in: String,
+    green: String,
+    bits: u8,
+    dither: bool,
+    stored: Option<Spread>,
+    round_trip: Option<Spread>,
+    warnings: Vec<Counted>,
+}
+
+#[test]
+fn of_normals() {
+    let report: NormalsReport = parse("normals normals.png --to object --mesh a.gltf -o b.png --json");
+    assert_eq!((report.schema, report.version.as_str()), (1, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.input.as_str(), report.output.as_str()), ("normals.png", "b.png"));
+    assert_eq!((report.from.as_str(), report.to.as_str(), report.bits), ("tangent", "object", 16));
+    assert_eq!((report.green_in.as_str(), report.green.as_str(), report.dither), ("up", "up", false));
+    let (stored, back) =
+        (report.stored.expect("there are normals"), report.round_trip.expect("the space changed"));
+    assert_eq!((report.size, stored.count, back.count), ([192, 192], 192 * 192, 192 * 192));
+    assert!(stored.max < 0.01 && back.max < 0.01);
+    assert!(report.warnings.iter().any(|w| w.what.contains("missing.png")));
+}

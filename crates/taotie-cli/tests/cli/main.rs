@@ -3,11 +3,15 @@
 //! After a wanted change of output, `SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli` renews the snapshots.
 
 mod arguments;
+mod compare;
+mod compare_paper;
+mod diff;
 mod help;
 mod inspect;
 mod json;
 mod models;
 mod motion;
+mod normals;
 mod place;
 mod render;
 mod running;

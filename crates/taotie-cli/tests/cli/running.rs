@@ -30,6 +30,17 @@ fn a_closed_pipe_is_no_error() {
 }
 
 #[test]
+fn a_closed_pipe_does_not_hide_a_difference() {
+    let place = Place::with("a.obj", TRIANGLE);
+    place.taotie("render a.obj -o a.png --size 8x8").assert().success();
+    place.taotie("render a.obj -o b.png --size 8x8 --background white").assert().success();
+    for (limit, code) in [("2", 0), ("0.01", 1)] {
+        let line = ["diff", "a.png", "b.png", "--metric", "rmse", "--threshold", limit];
+        assert_eq!(unread(place.process(&line)), (Some(code), String::new()), "{limit}");
+    }
+}
+
+#[test]
 fn runs_side_by_side_leave_whole_files_only() {
     let place = Place::with("a.obj", TRIANGLE);
     let line = ["render", "a.obj", "-o", "b.png", "--size", "64x64"];

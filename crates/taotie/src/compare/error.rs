@@ -1,6 +1,6 @@
-//! The root mean square error and the peak signal-to-noise ratio.
+//! The root mean square error, the peak signal-to-noise ratio, and the difference of each pixel.
 
-use super::Picture;
+use super::{Field, Picture};
 use crate::error::Result;
 use crate::math::scalar;
 
@@ -20,6 +20,16 @@ pub fn rmse(a: &Picture, b: &Picture) -> Result<f64> {
 pub fn psnr(a: &Picture, b: &Picture) -> Result<f64> {
     let squared = mean_squared(a, b)?;
     Ok(if squared == 0.0 { f64::INFINITY } else { -10.0 * scalar::log10(squared) })
+}
+
+/// The mean of the absolute differences of the three channels, each pixel's own, [0, 1].
+///
+/// # Errors
+/// As [`rmse`].
+pub fn difference(a: &Picture, b: &Picture) -> Result<Field> {
+    a.check_same_size(b)?;
+    let mean = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|c| (a[c] - b[c]).abs()).sum::<f32>() / 3.0;
+    Field::new(a.width(), a.height(), a.pixels().iter().zip(b.pixels()).map(mean).collect())
 }
 
 fn mean_squared(a: &Picture, b: &Picture) -> Result<f64> {
@@ -50,6 +60,13 @@ mod tests {
     fn equal_pictures_differ_in_nothing() {
         assert_eq!(rmse(&flat(0.3), &flat(0.3)).unwrap(), 0.0);
         assert_eq!(psnr(&flat(0.3), &flat(0.3)).unwrap(), f64::INFINITY);
+    }
+
+    #[test]
+    fn pixels_differ_by_the_mean_of_their_channels() {
+        let red = Picture::new(2, 1, vec![[0.75, 0.0, 0.0], [0.0; 3]]).unwrap();
+        let black = Picture::new(2, 1, vec![[0.0; 3]; 2]).unwrap();
+        assert_eq!(difference(&black, &red).unwrap().values(), [0.25, 0.0]);
     }
 
     #[test]

@@ -12,8 +12,10 @@ mod text;
 mod write;
 
 pub use bitmap::{decode_bitmap, read_bitmap};
-pub use write::{ExrLayer, MovingFormat, MovingPicture, MovingSpec, PngColor, PngImage, PngSamples};
-pub use write::{write_bytes, write_exr, write_png, write_text};
+pub use write::{
+    ExrLayer, MovingFormat, MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_png,
+    write_bytes, write_exr, write_png, write_png_bitmap, write_text,
+};
 
 use crate::error::{Error, Result, Warnings};
 use crate::scene::Scene;

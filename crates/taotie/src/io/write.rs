@@ -6,7 +6,7 @@ mod png;
 
 pub use exr::{ExrLayer, write_exr};
 pub use moving::{MovingFormat, MovingPicture, MovingSpec};
-pub use png::{PngColor, PngImage, PngSamples, write_png};
+pub use png::{PngColor, PngImage, PngSamples, encode_png, write_png, write_png_bitmap};
 
 use crate::error::{Error, Result};
 use std::io::{self, BufWriter, Seek, Write};

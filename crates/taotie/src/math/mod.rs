@@ -7,6 +7,7 @@ mod simd;
 mod vec;
 
 pub mod poly;
+pub mod quadrature;
 pub mod scalar;
 pub mod srgb;
 

@@ -178,7 +178,7 @@ impl<'a> Preparation<'a, '_> {
         if let Some(mesh) = self.meshes.get(&(index, tangent_set)) {
             return Ok(mesh.clone());
         }
-        let mut mesh = with_normals(&self.scene.meshes[index])?;
+        let mut mesh = surface::with_normals(&self.scene.meshes[index])?;
         if let Some(uv_set) = tangent_set
             && (mesh.tangents().is_empty() || self.settings.tangents.is_some())
         {
@@ -191,16 +191,6 @@ impl<'a> Preparation<'a, '_> {
         self.meshes.insert((index, tangent_set), mesh.clone());
         Ok(mesh)
     }
-}
-
-fn with_normals(mesh: &Mesh) -> Result<Cow<'_, Mesh>> {
-    if !mesh.normals().is_empty() {
-        return Ok(Cow::Borrowed(mesh));
-    }
-    let mut data = mesh.clone().into_data();
-    data.normals = surface::vertex_normals(mesh);
-    data.tangents = Vec::new();
-    Ok(Cow::Owned(Mesh::new(data)?))
 }
 
 impl<'a> Draw<'a> {

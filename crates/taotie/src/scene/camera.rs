@@ -51,6 +51,15 @@ impl Camera {
         };
         2.0 * at_depth / f64::from(height)
     }
+
+    /// The point in world space that the middle of pixel `(x, y)` shows at the distance `depth` along the axis of
+    /// sight. `width` and `height` are the picture's, pixels.
+    pub fn point_at(&self, [x, y]: [u32; 2], depth: f64, [width, height]: [u32; 2]) -> Vec3<f64> {
+        let size = self.pixel_size(depth, width, height);
+        let from_middle = |i: u32, n: u32| f64::from(i) + 0.5 - f64::from(n) / 2.0;
+        let view = Vec3::new(from_middle(x, width) * size, -from_middle(y, height) * size, -depth);
+        self.world_from_view.transform_point(view)
+    }
 }
 
 impl Projection {

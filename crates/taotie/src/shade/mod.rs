@@ -2,7 +2,7 @@
 //! [`Lane`](crate::math::Lane).
 //!
 //! [`fresnel`], [`ndf`] and [`masking`] are the parts, free to combine; [`reflect`] evaluates the named models of
-//! [`Shading`]. Nothing here knows of a scene: the caller samples textures into a [`Substance`], makes [`Angles`]
+//! [`Shading`], and [`furnace`] adds up what they give back. Nothing here knows of a scene: the caller samples textures into a [`Substance`], makes [`Angles`]
 //! from its directions and multiplies the result by the irradiance that [`lights`] helps to find.
 
 mod angles;
@@ -11,6 +11,7 @@ mod shading;
 mod substance;
 
 pub mod fresnel;
+pub mod furnace;
 pub mod lights;
 pub mod masking;
 pub mod ndf;

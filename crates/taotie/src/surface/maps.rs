@@ -49,6 +49,23 @@ pub fn tangent_normal<L: Lane>(n: Vec3<L>, t: Vec3<L>, handedness: L, map: Vec3<
     (t * map.x + b * map.y + n * map.z).normalize_or(n)
 }
 
+/// The unit tangent-space vector that [`tangent_normal`] turns into the direction `v`: its coordinates in the frame
+/// (t, b, n) with b = handedness · cross(n, t), normalised.
+///
+/// The frame is taken as it is interpolated, neither unit nor orthogonal, and inverted exactly (Cramer's rule); its
+/// transpose would be off by as much as the frame is from orthonormal. (0, 0, 1) where the frame spans no volume.
+///
+/// Law: `tangent_normal` gives the direction of `v` back (`laws_maps::tangent_space_has_a_true_inverse`).
+#[inline(always)]
+pub fn tangent_space_normal<L: Lane>(n: Vec3<L>, t: Vec3<L>, handedness: L, v: Vec3<L>) -> Vec3<L> {
+    let b = n.cross(t) * handedness;
+    let det = t.dot(b.cross(n));
+    let (zero, one) = (det.lit(0.0), det.lit(1.0));
+    let up = Vec3::new(zero, zero, one);
+    let coordinates = Vec3::new(v.dot(b.cross(n)), v.dot(n.cross(t)), v.dot(t.cross(b))) * (one / det);
+    Vec3::select(zero.lt(det.abs()), coordinates, up).normalize_or(up)
+}
+
 /// The unit world normal that the object-space vector `map` means, turned by the columns of the normal matrix.
 ///
 /// The map's own vector where the matrix makes it zero.

@@ -13,13 +13,14 @@ mod normals;
 mod tangents;
 mod weld;
 
-pub use bump::{bump, bump_printed, surface_gradient};
+pub use bump::{Relief, ReliefBase, bump, bump_printed, relief_normal, surface_gradient};
 pub use frame::{UvDerivatives, uv_derivatives};
 pub use inspect::{GreenGuess, GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};
 pub use maps::{
     decode_normal, decode_object_normal, encode_normal, object_normal, rebuild_z, tangent_normal,
+    tangent_space_normal,
 };
 pub use method::{SurfaceMethod, TangentMethod};
-pub use normals::{facet_normal, vertex_normals};
+pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use tangents::NO_UV_AREA;
 pub use tangents::{Tangented, with_tangents};

@@ -1,9 +1,11 @@
 //! Normals from geometry alone: of a triangle, and of the vertices it shares.
 
 use super::weld;
+use crate::error::Result;
 use crate::math::{Vec3, scalar};
 use crate::mesh::Mesh;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// The normal of a vertex that no triangle with an area touches.
 pub(super) const FALLBACK: Vec3 = Vec3::new(0.0, 0.0, 1.0);
@@ -32,6 +34,20 @@ pub fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
         None => firsts[i].unwrap_or(FALLBACK),
     };
     places.of.iter().enumerate().map(normal_of).collect()
+}
+
+/// The mesh with [`vertex_normals`] where it has none. Tangents without normals mean nothing and are left out.
+///
+/// # Errors
+/// None can happen to a mesh that was checked.
+pub fn with_normals(mesh: &Mesh) -> Result<Cow<'_, Mesh>> {
+    if !mesh.normals().is_empty() {
+        return Ok(Cow::Borrowed(mesh));
+    }
+    let mut data = mesh.clone().into_data();
+    data.normals = vertex_normals(mesh);
+    data.tangents = Vec::new();
+    Ok(Cow::Owned(Mesh::new(data)?))
 }
 
 /// Sums in triangle order, whatever the number of threads.

@@ -49,16 +49,12 @@ impl Bvh {
     pub fn nearest(&self, ray: &Ray, limit: f32) -> Option<Hit> {
         let tree = self.tree.as_ref()?;
         let mut best: Option<Hit> = None;
-        let traversal = obvhs::ray::Ray::new(to_glam(ray.origin()), to_glam(ray.direction()), 0.0, limit);
-        tree.ray_traverse(traversal, &mut RayHit::none(), |bound, slot| {
-            match self.hit(ray, slot) {
-                // Equal distances go to the smaller index, whatever the order of the walk.
-                Some(hit) if hit.distance < bound.tmax || best.is_some_and(|b| ties(&hit, &b)) => {
-                    best = Some(hit);
-                    hit.distance
-                }
-                _ => f32::INFINITY,
+        tree.ray_traverse(walk(ray, limit), &mut RayHit::none(), |_, slot| match self.hit(ray, slot) {
+            Some(hit) if hit.distance < limit && best.is_none_or(|best| comes_before(&hit, &best)) => {
+                best = Some(hit);
+                hit.distance + AHEAD
             }
+            _ => f32::INFINITY,
         });
         best
     }
@@ -66,9 +62,8 @@ impl Bvh {
     /// Whether anything that `blocks` is hit at a distance below `limit`.
     pub fn occluded(&self, ray: &Ray, limit: f32, blocks: impl Fn(&Hit) -> bool) -> bool {
         let Some(tree) = self.tree.as_ref() else { return false };
-        let traversal = obvhs::ray::Ray::new(to_glam(ray.origin()), to_glam(ray.direction()), 0.0, limit);
-        !tree.ray_traverse_miss(traversal, |_, slot| match self.hit(ray, slot) {
-            Some(hit) if hit.distance < limit && blocks(&hit) => hit.distance,
+        !tree.ray_traverse_miss(walk(ray, limit), |_, slot| match self.hit(ray, slot) {
+            Some(hit) if hit.distance < limit && blocks(&hit) => hit.distance + AHEAD,
             _ => f32::INFINITY,
         })
     }
@@ -79,8 +74,20 @@ impl Bvh {
     }
 }
 
-fn ties(hit: &Hit, best: &Hit) -> bool {
-    hit.distance == best.distance && hit.triangle < best.triangle
+/// The walk passes over boxes that end within 1e-4 lengths of the direction, so it begins this much before the ray.
+const AHEAD: f32 = 2e-4;
+
+/// The ray that walks the tree for `ray`. A −0 in its direction would count as negative in one place of the walk and
+/// as positive in another.
+fn walk(ray: &Ray, limit: f32) -> obvhs::ray::Ray {
+    let direction = ray.direction().map(|component| component + 0.0);
+    let origin = ray.origin() - direction * AHEAD;
+    obvhs::ray::Ray::new(to_glam(origin), to_glam(direction), 0.0, limit + AHEAD)
+}
+
+/// Nearer; of equal distances the smaller index, whatever the order of the walk.
+fn comes_before(hit: &Hit, best: &Hit) -> bool {
+    hit.distance < best.distance || hit.distance == best.distance && hit.triangle < best.triangle
 }
 
 fn to_glam(v: Vec3) -> glam::Vec3A {
@@ -125,6 +132,30 @@ mod tests {
             hits += usize::from(brute.is_finite());
         }
         assert!(hits > 200, "the test must see hits, saw {hits}");
+    }
+
+    #[test]
+    fn directions_with_negative_zeros_hit() {
+        let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let bvh = Bvh::build(&[[corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)]]);
+        for zero in [0.0, -0.0] {
+            let ray = Ray::new(Vec3::new(0.3, 0.3, 1.0), Vec3::new(zero, zero, -1.0));
+            assert_eq!(bvh.nearest(&ray, 2.0).map(|hit| hit.distance), Some(1.0));
+            assert!(bvh.occluded(&ray, 2.0, |_| true));
+        }
+    }
+
+    #[test]
+    fn the_nearest_is_hit_however_near() {
+        let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let bvh = Bvh::build(&[[corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)]]);
+        for height in [0.0, 1e-7, 1e-5, 1e-4, 1e-3] {
+            let ray = Ray::new(Vec3::new(0.3, 0.3, height), Vec3::new(0.0, 0.0, -1.0));
+            let hit = bvh.nearest(&ray, 1.0).unwrap_or_else(|| panic!("missed at {height}"));
+            assert!((hit.distance - height).abs() <= 1e-6 * height, "{} at {height}", hit.distance);
+            assert!(bvh.occluded(&ray, 1.0, |_| true));
+            assert!(bvh.nearest(&ray, height * 0.99).is_none(), "beyond its limit");
+        }
     }
 
     #[test]

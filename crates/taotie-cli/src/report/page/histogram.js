@@ -80,7 +80,7 @@ function outline(counts, { x, y }) {
 function countMarks({ most, y }, logarithmic) {
   const powers = Array.from({ length: Math.floor(Math.log10(most)) + 1 }, (_, i) => 10 ** i);
   const every = Math.ceil(powers.length / 5);
-  const values = logarithmic ? [0, ...powers.filter((_, i) => i % every === 0)] : ticks(most, 3);
+  const values = logarithmic ? [0, ...powers.filter((_, i) => i % every === 0)] : ticks(most, 4);
   return values.flatMap((value) => [
     svg("line", { x1: PANEL.left, x2: PANEL.width - PANEL.right, y1: y(value), y2: y(value) }),
     svg("text", { x: PANEL.left - 6, y: y(value) + 3.5, "text-anchor": "end" }, short(value)),

@@ -16,7 +16,7 @@ function frameOf(...children) {
  */
 function imageOf({ label, png, width, height }) {
   const size = { width: String(width), height: String(height) };
-  return el("img", { src: png, alt: label, draggable: "false", decoding: "async", ...size });
+  return el("img", { src: png, alt: label, draggable: "false", decoding: "sync", ...size });
 }
 
 /**

@@ -2,7 +2,7 @@
 
 use super::write_with;
 use crate::error::{Error, Result};
-use crate::image::Encoding;
+use crate::image::{Bitmap, Encoding, Texels};
 use std::path::Path;
 
 /// Which channels a picture has.
@@ -41,11 +41,56 @@ pub struct PngImage<'a> {
     pub encoding: Encoding,
 }
 
+/// Writes the texels of a bitmap of 8 or 16 bits as they are, in as many channels as it says; grey with alpha becomes RGBA.
+///
+/// # Errors
+/// [`Error::Unsupported`] for float texels, [`Error::Io`] where the file cannot be written.
+pub fn write_png_bitmap(path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Result<()> {
+    let (color, channels) = match bitmap.channels() {
+        1 => (PngColor::Grey, 1),
+        3 => (PngColor::Rgb, 3),
+        _ => (PngColor::Rgba, 4),
+    };
+    let write = |samples: PngSamples<'_>| {
+        write_png(
+            path,
+            &PngImage { width: bitmap.width(), height: bitmap.height(), color, samples, encoding },
+        )
+    };
+    match bitmap.texels() {
+        Texels::U8(texels) => write(PngSamples::U8(&samples_of(texels, channels))),
+        Texels::U16(texels) => write(PngSamples::U16(&samples_of(texels, channels))),
+        Texels::F32(_) => {
+            Err(Error::unsupported(format!("{}: float texels in PNG", path.display()), "store 8 or 16 bits"))
+        }
+    }
+}
+
+fn samples_of<T: Copy>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
+    texels.iter().flat_map(|texel| &texel[..channels]).copied().collect()
+}
+
 /// Writes a picture to `path`, whole or not at all. The same picture gives the same bytes.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the sample count does not fit the size, [`Error::Io`] where the file cannot be written.
 pub fn write_png(path: &Path, image: &PngImage) -> Result<()> {
+    check(image)?;
+    write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
+}
+
+/// The bytes that [`write_png`] would write.
+///
+/// # Errors
+/// [`Error::Invalid`] where the sample count does not fit the size.
+pub fn encode_png(image: &PngImage) -> Result<Vec<u8>> {
+    check(image)?;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    encode(image, &mut bytes).map_err(|e| Error::invalid("PNG image", e.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+fn check(image: &PngImage) -> Result<()> {
     let channels = match image.color {
         PngColor::Grey => 1,
         PngColor::Rgb => 3,
@@ -62,7 +107,7 @@ pub fn write_png(path: &Path, image: &PngImage) -> Result<()> {
         let why = format!("{count} samples for {}×{}×{channels}", image.width, image.height);
         return Err(Error::invalid("PNG image", why));
     }
-    write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
+    Ok(())
 }
 
 fn encode(image: &PngImage, out: &mut dyn super::Sink) -> std::result::Result<(), png::EncodingError> {

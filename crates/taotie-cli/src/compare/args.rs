@@ -1,0 +1,113 @@
+//! The options of `taotie compare`.
+
+use super::matching::Matching;
+use super::method::{self, Method};
+use super::points::{self, PointChoice};
+use crate::options;
+use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, RunningArgs};
+use anyhow::{Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+use taotie::shade::Shading;
+
+const EXAMPLES: &str = "\
+Examples:
+  taotie compare statue.obj --normal-map statue_normals.png -o comparison
+  taotie compare low.glb --reference scan.ply --method smooth,tangent-normal -o comparison
+  taotie compare model.glb --method bump:5,bump-printed:5 --shading ggx,cook-torrance --points 10 -o comparison
+  taotie compare --paper -o recomputed";
+
+/// Renders a model by several surface methods and measures how they differ.
+#[derive(Args)]
+#[command(before_help = EXAMPLES)]
+pub struct CompareArgs {
+    /// The model: .gltf, .glb, .obj, .ply or .stl
+    #[arg(required_unless_present = "paper")]
+    pub model: Option<PathBuf>,
+    /// The folder to write to; made if it is not there
+    #[arg(short, long, value_name = "DIR", required_unless_present = "paper")]
+    pub output: Option<PathBuf>,
+    /// The truth: a model in the same place with its relief as geometry, such as the scan
+    #[arg(long, value_name = "HIGH")]
+    pub reference: Option<PathBuf>,
+    /// Recomputes Tables 2 and 3 of Guo and Wang 2025 instead, says which numbers are misprints, and what follows
+    #[arg(long, conflicts_with_all = ["model", "reference"])]
+    pub paper: bool,
+    /// Methods parted by commas: facet, smooth, bump, bump-printed, object-normal, tangent-normal. `bump:5` raises
+    /// white by 5 texels, `bump-printed:5` is the paper's factor, `bump` takes the material's height. If not given:
+    /// smooth, bump, bump:5, bump:50, bump-printed:5, bump-printed:50, object-normal, tangent-normal
+    #[arg(long = "method", value_name = "LIST", value_delimiter = ',', value_parser = method::parse)]
+    pub methods: Vec<Method>,
+    /// Places whose normals are told: how many, or pixels as X,Y;X,Y
+    #[arg(long, value_name = "N|PIXELS", value_parser = points::parse, default_value = "10")]
+    pub points: PointChoice,
+    /// Which place of the reference a place of the model is compared with: the one along its vertex normal, as bakers
+    /// look it up (normal), the one of the same uv, for meshes that share them (uv), or the one at the same pixel (pixel)
+    #[arg(long = "match", value_name = "HOW", value_parser = options::named::<Matching>, default_value = "normal")]
+    pub matching: Matching,
+    /// The angle at the top of the heat maps' scale, degrees
+    #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30")]
+    pub heat_top_deg: f64,
+
+    /// Reflectance models parted by commas: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
+    /// cook-torrance-printed, blinn-phong-printed, ggx-printed
+    #[arg(long = "shading", value_name = "LIST", value_delimiter = ',', value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
+    pub shadings: Vec<Shading>,
+    /// Height of white in model units for `bump`; the material's if not given
+    #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
+    pub bump_scale: Option<f64>,
+    #[command(flatten)]
+    pub material: MaterialArgs,
+    #[command(flatten)]
+    pub light: LightArgs,
+    #[command(flatten)]
+    pub camera: CameraArgs,
+    /// Pixels across and down
+    #[arg(long, value_name = "WxH", value_parser = options::size, default_value = "640x640", help_heading = "Picture")]
+    pub size: [u32; 2],
+    #[command(flatten)]
+    pub film: FilmArgs,
+    #[command(flatten)]
+    pub running: RunningArgs,
+}
+
+impl CompareArgs {
+    /// What can be refused before any work is done.
+    pub fn check(&self) -> Result<()> {
+        self.camera.check()?;
+        self.film.check()?;
+        self.running.check()?;
+        if self.film.background == "transparent" {
+            bail!("--background transparent: pictures are compared before a background; give a colour");
+        }
+        if !(self.heat_top_deg > 0.0 && self.heat_top_deg <= 180.0) {
+            bail!("--heat-top-deg {}: the angle must lie above 0 and at most 180", self.heat_top_deg);
+        }
+        self.points.check(self.size)
+    }
+
+    /// The methods to compare, each once.
+    pub fn methods(&self) -> Vec<Method> {
+        if self.methods.is_empty() { Method::defaults() } else { each_once(&self.methods) }
+    }
+
+    /// The reflectance models to compare under, each once.
+    pub fn shadings(&self) -> Vec<Shading> {
+        each_once(&self.shadings)
+    }
+
+    /// What has to fit into the picture.
+    pub fn framing(&self) -> Framing {
+        Framing { size: self.size, all_around: false }
+    }
+}
+
+fn each_once<T: Copy + PartialEq>(given: &[T]) -> Vec<T> {
+    let mut once = Vec::new();
+    for value in given {
+        if !once.contains(value) {
+            once.push(*value);
+        }
+    }
+    once
+}

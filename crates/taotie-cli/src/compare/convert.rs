@@ -1,0 +1,77 @@
+//! A material's normal map in the other space.
+
+use taotie::Result;
+use taotie::bake::{
+    Storage, TexelGrid, TexelSurface, decoded_normals, object_from_tangent, store_normals,
+    tangent_from_object,
+};
+use taotie::image::{Bitmap, Image};
+use taotie::mesh::Mesh;
+use taotie::scene::{GreenChannel, NormalMap, NormalSpace};
+use taotie::surface::{TangentMethod, with_normals, with_tangents};
+
+/// Texels around charts that are filled too, as a part of the map's side: enough for the mip levels that are seen.
+const MARGIN: u32 = 128;
+
+/// A converted map.
+pub struct Converted {
+    /// 16 bits, green up.
+    pub bitmap: Bitmap,
+    /// Its space, in words.
+    pub space: &'static str,
+    /// Texels under more than one triangle, which cannot be right for all of them in object space.
+    pub shared: usize,
+}
+
+/// `source`, used as `map` says, in the space that it is not in, for `mesh`.
+pub fn other_space(
+    mesh: &Mesh,
+    source: &Bitmap,
+    map: &NormalMap,
+    tangents: Option<TangentMethod>,
+) -> Result<Converted> {
+    let surface = laid_out(mesh, [source.width(), source.height()], map, tangents)?;
+    let mut normals = decoded_normals(source, map.space, map.green)?;
+    scale(&mut normals, map);
+    let (other, space, made) = match map.space {
+        NormalSpace::Tangent => {
+            (NormalSpace::Object, "object space", object_from_tangent(&surface, &normals)?)
+        }
+        NormalSpace::Object => {
+            (NormalSpace::Tangent, "tangent space", tangent_from_object(&surface, &normals)?)
+        }
+    };
+    let storage = Storage { bits: 16, dither: false };
+    let bitmap = store_normals(&made, other, GreenChannel::Up, storage)?.bitmap;
+    Ok(Converted { bitmap, space, shared: surface.coverage().shared() })
+}
+
+/// The mesh on the map, by the uvs that the map is looked up with and with the frames that the renderer gives it.
+fn laid_out(
+    mesh: &Mesh,
+    [width, height]: [u32; 2],
+    map: &NormalMap,
+    tangents: Option<TangentMethod>,
+) -> Result<TexelSurface> {
+    let uv_set = map.texture.uv_set;
+    let mesh = with_normals(mesh)?;
+    let mesh = match (mesh.tangents().is_empty(), tangents) {
+        (false, None) => mesh.into_owned(),
+        (_, method) => with_tangents(&mesh, uv_set, method.unwrap_or(TangentMethod::MikkTSpace))?.mesh,
+    };
+    let mut data = mesh.into_data();
+    for uv in &mut data.uvs[uv_set] {
+        *uv = map.texture.transform.apply(*uv);
+    }
+    let margin = (width.max(height) / MARGIN).max(2);
+    TexelSurface::new(Mesh::new(data)?, &TexelGrid { width, height, uv_set, margin })
+}
+
+/// glTF's `scale` on x and y of tangent-space normals.
+fn scale(normals: &mut Image, map: &NormalMap) {
+    if map.space == NormalSpace::Tangent && map.scale != 1.0 {
+        for [x, y, ..] in normals.pixels_mut() {
+            (*x, *y) = (*x * map.scale, *y * map.scale);
+        }
+    }
+}

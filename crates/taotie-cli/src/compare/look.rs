@@ -1,0 +1,90 @@
+//! What a camera sees of a surface before any light.
+
+use rayon::prelude::*;
+use taotie::Result;
+use taotie::image::Image;
+use taotie::math::Vec3;
+use taotie::render::{Lighting, Pass, Prepared, RenderSettings};
+use taotie::scene::Camera;
+
+/// Neighbouring samples whose depths differ by more than this many of their sizes see a silhouette, or a surface slanted
+/// by more than 76°.
+const STEEPEST: f64 = 4.0;
+
+/// The rule of [`Look::inner`] in words, for reports.
+pub const INNER_RULE: &str = "a pixel is away from silhouettes where each of its samples and their eight neighbours are \
+    covered and matched, and no neighbour's depth differs by more than 4 sample sizes, so that the model slants by less \
+    than about 76°";
+
+/// Normals, depths and uvs at the middles of samples, which lie in squares of `per_side` × `per_side` in each pixel.
+pub struct Look {
+    /// As [`taotie::render::Aovs::normals`].
+    pub normals: Image,
+    /// As [`taotie::render::Aovs::depth`].
+    pub depth: Image,
+    /// As [`taotie::render::Aovs::uv`].
+    pub uv: Image,
+    per_side: u32,
+}
+
+/// Looks with as many samples a pixel as `settings` ask for, one where the picture would become too large.
+pub fn look(prepared: &Prepared<'_>, camera: &Camera, settings: &RenderSettings) -> Result<Look> {
+    let wanted = settings.samples.isqrt();
+    let fits = Image::check_size(settings.width * wanted, settings.height * wanted).is_ok();
+    let per_side = if fits { wanted } else { 1 };
+    let (width, height) = (settings.width * per_side, settings.height * per_side);
+    let settings =
+        RenderSettings { width, height, samples: 1, aovs: true, shadows: false, ..settings.clone() };
+    let frame = Pass::new(prepared, camera, &Lighting::default(), &settings)?.render(&|_| {})?;
+    let aovs = frame.aovs.expect("output variables were asked for");
+    Ok(Look { normals: aovs.normals, depth: aovs.depth, uv: aovs.uv, per_side })
+}
+
+impl Look {
+    /// The mean normal of each pixel, unit, of this look's samples or of others at the same places. The fourth channel
+    /// is 1 where all of them saw something.
+    pub fn mean_normals(&self, normals: &Image) -> Result<Image> {
+        let n = self.per_side;
+        let mut means = Image::new(normals.width() / n, normals.height() / n, [0.0; 4])?;
+        let width = means.width();
+        means.pixels_mut().par_iter_mut().enumerate().for_each(|(i, mean)| {
+            let samples =
+                samples_of([i as u32 % width, i as u32 / width], n).map(|[x, y]| normals.pixel(x, y));
+            let sum = samples.fold([0.0; 4], |sum: [f32; 4], sample| {
+                std::array::from_fn(|channel| sum[channel] + sample[channel])
+            });
+            let direction = Vec3::new(sum[0], sum[1], sum[2]).normalize_or(Vec3::splat(0.0));
+            if sum[3] == (n * n) as f32 && direction.length() > 0.0 {
+                *mean = [direction.x, direction.y, direction.z, 1.0];
+            }
+        });
+        Ok(means)
+    }
+
+    /// Which pixels are away from silhouettes, row by row: see [`INNER_RULE`]. `matched` has these samples' matches in
+    /// its fourth channel.
+    pub fn inner(&self, matched: &Image, camera: &Camera) -> Vec<bool> {
+        let n = self.per_side;
+        let (width, height) = (matched.width() / n, matched.height() / n);
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+        pixels.map(|at| samples_of(at, n).all(|sample| self.is_inner(matched, sample, camera))).collect()
+    }
+
+    fn is_inner(&self, matched: &Image, [x, y]: [u32; 2], camera: &Camera) -> bool {
+        let (width, height) = (self.depth.width(), self.depth.height());
+        if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
+            return false;
+        }
+        let [middle, ..] = self.depth.pixel(x, y);
+        let most = STEEPEST * camera.pixel_size(middle.into(), width, height);
+        let near = |x: u32, y: u32| f64::from(self.depth.pixel(x, y)[0] - middle).abs() <= most;
+        let sound = |x: u32, y: u32| matched.pixel(x, y)[3] == 1.0 && near(x, y);
+        (y - 1..=y + 1).all(|y| (x - 1..=x + 1).all(|x| sound(x, y)))
+    }
+}
+
+/// The samples of a pixel.
+fn samples_of([x, y]: [u32; 2], per_side: u32) -> impl Iterator<Item = [u32; 2]> {
+    let side = 0..per_side;
+    side.clone().flat_map(move |j| side.clone().map(move |i| [x * per_side + i, y * per_side + j]))
+}

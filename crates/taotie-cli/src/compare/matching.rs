@@ -1,0 +1,94 @@
+//! Which place of the reference a place of the model is compared with.
+//!
+//! A light mesh lies beside the heavy one, so at the same pixel the two show different places of the relief.
+
+use super::look::Look;
+use rayon::prelude::*;
+use taotie::Result;
+use taotie::bake::{Projector, UvLookup};
+use taotie::image::Image;
+use taotie::math::{Vec2, Vec3};
+use taotie::names::Named;
+use taotie::scene::{Camera, Scene};
+
+/// How places are matched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Matching {
+    /// Along the model's vertex normal.
+    Normal,
+    /// By uv.
+    Uv,
+    /// By pixel.
+    Pixel,
+}
+
+impl Named for Matching {
+    const WHAT: &'static str = "way to match places";
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("normal", Self::Normal), ("uv", Self::Uv), ("pixel", Self::Pixel)];
+}
+
+/// How far the reference may lie from the model, as a fraction of the model's diagonal.
+const REACH: f64 = 0.02;
+
+impl Matching {
+    /// The rule in words, for reports.
+    pub fn rule(self) -> &'static str {
+        match self {
+            Self::Normal => {
+                "each covered sample shows a point of the model; along the interpolated vertex normal there, both ways \
+                 and at most 2 % of the model's diagonal, lies the point of the reference that it stands for, if that \
+                 faces the same way"
+            }
+            Self::Uv => {
+                "each covered sample shows a point of the model; it stands for the reference's point of the same uv"
+            }
+            Self::Pixel => "pixel by pixel, although the two meshes may show different places there",
+        }
+    }
+
+    /// The reference's normals where each sample's place lies on it; the fourth channel is 1 where there is a match.
+    ///
+    /// `smooth` is the model without relief, seen by `camera`; `diagonal` is the model's. By pixel nothing is matched:
+    /// what the reference shows there is for the caller to see.
+    ///
+    /// # Errors
+    /// None but where the pictures are too large, which they are not.
+    pub fn normals(self, smooth: &Look, reference: &Scene, camera: &Camera, diagonal: f64) -> Result<Image> {
+        match self {
+            Self::Pixel => matched(smooth, |_| None),
+            Self::Uv => {
+                let lookup = UvLookup::new(reference);
+                matched(smooth, |at| {
+                    let [u, v, ..] = smooth.uv.pixel(at[0], at[1]);
+                    lookup.at(Vec2::new(u, v)).map(|(_, normal)| normal)
+                })
+            }
+            Self::Normal => {
+                let projector = Projector::new(reference);
+                let size = [smooth.depth.width(), smooth.depth.height()];
+                matched(smooth, |at| {
+                    let [depth, ..] = smooth.depth.pixel(at[0], at[1]);
+                    let [x, y, z, _] = smooth.normals.pixel(at[0], at[1]);
+                    let point = camera.point_at(at, depth.into(), size).to_f32();
+                    let found = projector.project(point, Vec3::new(x, y, z), (REACH * diagonal) as f32);
+                    found.map(|found| found.normal)
+                })
+            }
+        }
+    }
+}
+
+/// The normal that `find` gives for each covered sample.
+fn matched(smooth: &Look, find: impl Fn([u32; 2]) -> Option<Vec3> + Sync) -> Result<Image> {
+    let (width, height) = (smooth.depth.width(), smooth.depth.height());
+    let mut matched = Image::new(width, height, [0.0; 4])?;
+    matched.pixels_mut().par_iter_mut().enumerate().for_each(|(i, pixel)| {
+        let at = [i as u32 % width, i as u32 / width];
+        let covered = smooth.depth.pixel(at[0], at[1])[3] == 1.0;
+        if let Some(n) = covered.then(|| find(at)).flatten() {
+            *pixel = [n.x, n.y, n.z, 1.0];
+        }
+    });
+    Ok(matched)
+}

@@ -1,0 +1,251 @@
+//! `report.html`: the comparison as a page that opens from disk.
+
+use super::comparison::{Comparison, Taken};
+use super::files;
+use super::report::{self, MethodReport, Report};
+use crate::report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
+use crate::sheet::Sheet;
+use crate::spread::Spread;
+use anyhow::Result;
+use taotie::compare::ColorMap;
+use taotie::io;
+
+/// Colours of a legend.
+const STOPS: u32 = 32;
+
+/// The page of a comparison.
+///
+/// # Errors
+/// Where a picture cannot be encoded.
+pub fn page(title: &str, report: &Report, comparison: &Comparison, top: f32) -> Result<Page> {
+    let subtitle = match &report.subject.reference {
+        Some(reference) => format!("Surface methods measured against {reference}"),
+        None => format!("Surface methods measured against {}: there is no reference", report.against),
+    };
+    Ok(Page {
+        title: title.into(),
+        subtitle,
+        facts: facts(report),
+        views: views(report, comparison, top)?,
+        sections: sections(report),
+        footer: format!("Made by taotie {}. All figures stand in report.json.", report.version),
+    })
+}
+
+fn facts(report: &Report) -> Vec<Fact> {
+    let subject = &report.subject;
+    let mut facts = vec![
+        Fact::new("Model", subject.model.clone()),
+        Fact::new("Triangles", subject.triangles.to_string()),
+    ];
+    if let (Some(reference), Some(triangles)) = (&subject.reference, subject.reference_triangles) {
+        facts.push(Fact::new("Reference", reference.clone()));
+        facts.push(Fact::new("Its triangles", triangles.to_string()));
+    }
+    let size = &report.parameters["size"];
+    facts.push(Fact::new("Pictures", format!("{} × {}", size[0], size[1])));
+    facts.push(Fact::new("Samples a pixel", report.parameters["samples"].to_string()));
+    facts
+}
+
+fn views(report: &Report, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
+    let mut views = Vec::new();
+    for (i, shading) in report.methods[0].pictures.iter().map(|picture| picture.shading).enumerate() {
+        let developed = |taken: &Taken| Some(files::developed(&taken.pictures[i].1));
+        let note = format!("Each surface under the shading model {shading}, in the same light.");
+        views.push(view(shading.into(), note, comparison, &developed)?);
+        let flip = |taken: &Taken| {
+            taken
+                .difference
+                .as_ref()
+                .map(|difference| files::heat_of_flip(&difference.pictures[i].flip).plain())
+        };
+        let note = format!("What an observer would see of the difference from {}.", report.against);
+        let view = view(format!("{shading}: FLIP"), note, comparison, &flip)?;
+        views.push(View { legend: Some(legend("FLIP", "", 1.0, ColorMap::Magma)), ..view });
+    }
+    let normals = |taken: &Taken| Some(files::colored(&taken.normals));
+    let note = "Shading normals in world space as colours, (n + 1) / 2.";
+    views.push(view("normals".into(), note.into(), comparison, &normals)?);
+    let errors = |taken: &Taken| {
+        taken.difference.as_ref().map(|difference| files::heat_of_angles(&difference.angles, top).plain())
+    };
+    let note = format!("Angle between the shading normal and that of {}.", report.against);
+    let view = view("angular error".into(), note, comparison, &errors)?;
+    let legend = legend("Angular error", "°", f64::from(top), ColorMap::Viridis);
+    views.push(View { legend: Some(legend), ..view });
+    Ok(views)
+}
+
+fn view(
+    name: String,
+    note: String,
+    comparison: &Comparison,
+    pixels: &dyn Fn(&Taken) -> Option<Sheet>,
+) -> Result<View> {
+    let mut pictures = Vec::new();
+    for taken in &comparison.taken {
+        let Some(pixels) = pixels(taken) else { continue };
+        let note = taken.method.map_or_else(|| "the geometry itself".into(), |method| method.describe());
+        pictures.push(Picture { label: taken.id(), note, png: io::encode_png(&pixels.png())? });
+    }
+    Ok(View { name, note, pictures, legend: None })
+}
+
+fn legend(title: &str, unit: &str, top: f64, map: ColorMap) -> Legend {
+    let stops = (0..STOPS).map(|i| map.color(f64::from(i) / f64::from(STOPS - 1))).collect();
+    Legend { title: title.into(), unit: unit.into(), top, stops }
+}
+
+fn sections(report: &Report) -> Vec<Section> {
+    let mut sections = vec![error_table(report), histogram(report)];
+    for i in 0..report.methods[0].pictures.len() {
+        sections.push(picture_table(report, i));
+    }
+    if !report.points.is_empty() {
+        sections.push(normals_table(report));
+        sections.push(angles_table(report));
+    }
+    sections.push(remarks(report));
+    sections
+}
+
+fn error_table(report: &Report) -> Section {
+    let figures = ["mean", "median", "95 %", "max"];
+    let mut columns = vec![Column::words("method")];
+    columns.extend(figures.map(|figure| Column::numbers(figure, "°")));
+    columns.extend(figures.map(|figure| Column::numbers(format!("{figure}, inner"), "°")));
+    let row = |method: &MethodReport| {
+        let error = method.error.as_ref()?;
+        let mut cells = vec![Cell::text(method.method.clone())];
+        for summary in [&error.all, &error.inner] {
+            cells.extend(figure_cells(summary.as_ref()));
+        }
+        Some(cells)
+    };
+    Section::Table {
+        title: "Angular error".into(),
+        note: format!(
+            "Against {}, over all pixels whose place is found there ({:.2} % of the samples are not), and inner: over \
+             those away from silhouettes.",
+            report.against,
+            report.unmatched * 100.0
+        ),
+        columns,
+        rows: report.methods.iter().filter_map(row).collect(),
+    }
+}
+
+fn figure_cells(summary: Option<&Spread>) -> [Cell; 4] {
+    match summary.map(report::figures) {
+        Some(figures) => figures.map(|figure| Cell::number(figure, 2)),
+        None => std::array::from_fn(|_| Cell::Number { value: None, digits: 2 }),
+    }
+}
+
+fn histogram(report: &Report) -> Section {
+    let series = report.methods.iter().filter_map(|method| {
+        let counts = method.error.as_ref()?.histogram.clone();
+        Some(Series { label: method.method.clone(), counts })
+    });
+    Section::Histogram {
+        title: "Histograms of angular error".into(),
+        note: format!("Pixels by their angle to {}; one bin a degree.", report.against),
+        unit: "°".into(),
+        bin_width: 1.0,
+        last_is_open: true,
+        series: series.collect(),
+    }
+}
+
+fn picture_table(report: &Report, i: usize) -> Section {
+    let columns = vec![
+        Column::words("method"),
+        Column::numbers("RMSE", ""),
+        Column::numbers("PSNR", "dB"),
+        Column::numbers("SSIM", ""),
+        Column::numbers("FLIP mean", ""),
+        Column::numbers("FLIP median", ""),
+        Column::numbers("FLIP 95 %", ""),
+        Column::numbers("FLIP max", ""),
+    ];
+    let row = |method: &MethodReport| {
+        let figures = method.pictures[i].difference.as_ref()?;
+        let mut cells = vec![
+            Cell::text(method.method.clone()),
+            Cell::number(figures.rmse, 4),
+            Cell::Number { value: figures.psnr, digits: 2 },
+            Cell::number(figures.ssim, 4),
+        ];
+        cells.extend(match figures.flip.as_ref().map(report::figures) {
+            Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
+            None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
+        });
+        Some(cells)
+    };
+    Section::Table {
+        title: format!("Shaded pictures, {}", report.methods[0].pictures[i].shading),
+        note: format!("Against {}, over the whole picture.", report.against),
+        columns,
+        rows: report.methods.iter().filter_map(row).collect(),
+    }
+}
+
+/// The paper's Table 2 on this model.
+fn normals_table(report: &Report) -> Section {
+    let mut columns = place_columns();
+    for method in &report.methods {
+        columns.extend(["x", "y", "z"].map(|axis| Column::numbers(format!("{} {axis}", method.method), "")));
+    }
+    let rows = report.points.iter().enumerate().map(|(i, point)| {
+        let mut cells = place_cells(i, point.pixel);
+        for normal in &point.normals {
+            let component = |axis: usize| normal.normal.map(|n| f64::from(n[axis]));
+            cells.extend([0, 1, 2].map(|axis| Cell::Number { value: component(axis), digits: 4 }));
+        }
+        cells
+    });
+    Section::Table {
+        title: "Normals at places".into(),
+        note: "Unit normals in world space, as the paper's Table 2 tells them.".into(),
+        columns,
+        rows: rows.collect(),
+    }
+}
+
+/// The paper's Table 3 on this model.
+fn angles_table(report: &Report) -> Section {
+    let first = &report.methods[0].method;
+    let mut columns = place_columns();
+    let others = || report.methods.iter().skip(1).enumerate();
+    columns.extend(others().map(|(i, m)| Column::numbers(format!("θ{} {}", i + 1, m.method), "°")));
+    let rows = report.points.iter().enumerate().map(|(i, point)| {
+        let mut cells = place_cells(i, point.pixel);
+        let angles = point.normals.iter().skip(1);
+        cells.extend(angles.map(|normal| Cell::Number { value: normal.angle_to_first, digits: 2 }));
+        cells
+    });
+    Section::Table {
+        title: format!("Angles to {first} at places"),
+        note: format!("Between each normal and that of {first}, as the paper's Table 3 tells them."),
+        columns,
+        rows: rows.collect(),
+    }
+}
+
+fn place_columns() -> Vec<Column> {
+    vec![Column::numbers("place", ""), Column::numbers("x", "px"), Column::numbers("y", "px")]
+}
+
+fn place_cells(index: usize, [x, y]: [u32; 2]) -> Vec<Cell> {
+    [index as f64 + 1.0, x.into(), y.into()].map(|value| Cell::number(value, 0)).into()
+}
+
+fn remarks(report: &Report) -> Section {
+    let mut paragraphs = report.rules.in_words();
+    paragraphs.extend(report.notes.iter().cloned());
+    let skipped = report.skipped.iter();
+    paragraphs
+        .extend(skipped.map(|skipped| format!("{} was not drawn: {}.", skipped.method, skipped.reason)));
+    Section::Text { title: "How it was measured".into(), paragraphs }
+}

@@ -1,0 +1,203 @@
+//! A model's relief in the form that each method reads: heights, and normals in either space.
+
+use super::convert;
+use super::method::Method;
+use std::collections::HashMap;
+use taotie::Result;
+use taotie::image::{Bitmap, Encoding, Texels, Texture};
+use taotie::math::{Vec3, srgb};
+use taotie::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef};
+use taotie::surface::{SurfaceMethod, TangentMethod};
+
+/// Gives the scene's materials what each method needs, deriving what the file has in another form.
+pub struct Relief {
+    /// As the file and the options have them.
+    materials: Vec<Material>,
+    /// The texture with the grey of each colour texture.
+    greys: HashMap<usize, usize>,
+    /// The texture with the normals of each material in the other space.
+    converted: HashMap<usize, usize>,
+    /// How tangents are made, if not as the renderer chooses.
+    tangents: Option<TangentMethod>,
+    /// What was derived, for the report.
+    notes: Vec<String>,
+}
+
+/// Why a method cannot be drawn.
+pub type Reason = String;
+
+impl Relief {
+    /// Remembers the scene's materials, one for each mesh that uses it: converted maps belong to one mesh.
+    pub fn new(scene: &mut Scene, tangents: Option<TangentMethod>) -> Self {
+        part_materials(scene);
+        Self {
+            materials: scene.materials.clone(),
+            greys: HashMap::new(),
+            converted: HashMap::new(),
+            tangents,
+            notes: Vec::new(),
+        }
+    }
+
+    /// What was derived so far.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Sets the scene's materials up for `method`; the reason why not where none of them has the relief for it.
+    ///
+    /// # Errors
+    /// Where a derived texture cannot be made.
+    pub fn apply(&mut self, scene: &mut Scene, method: Method) -> Result<Option<Reason>> {
+        scene.materials = self.materials.clone();
+        let mut any = false;
+        for index in 0..self.materials.len() {
+            any |= match method.surface {
+                SurfaceMethod::Facet | SurfaceMethod::Smooth => true,
+                SurfaceMethod::Bump | SurfaceMethod::BumpPrinted => self.give_height(scene, index, method)?,
+                SurfaceMethod::ObjectNormal => self.give_normals(scene, index, NormalSpace::Object)?,
+                SurfaceMethod::TangentNormal => self.give_normals(scene, index, NormalSpace::Tangent)?,
+            };
+        }
+        Ok((!any).then(|| lacking(method).into()))
+    }
+
+    /// Gives a material its height map, whose white stands `method.factor` texels above black where one is given.
+    fn give_height(&mut self, scene: &mut Scene, index: usize, method: Method) -> Result<bool> {
+        let height = match self.materials[index].height {
+            Some(height) => height,
+            // Nothing says how high the white of a colour texture stands.
+            None if method == (Method { surface: SurfaceMethod::Bump, factor: None }) => return Ok(false),
+            None => match self.grey_of_color(scene, index)? {
+                Some(texture) => HeightMap { texture, scale: 1.0 },
+                None => return Ok(false),
+            },
+        };
+        let scale = match method.factor {
+            Some(factor) => factor * texel_size(scene, index, &height.texture) as f32,
+            None => height.scale,
+        };
+        scene.materials[index].height = Some(HeightMap { scale, ..height });
+        Ok(true)
+    }
+
+    /// The base colour's grey as heights, which is what the paper's bump mapping reads.
+    fn grey_of_color(&mut self, scene: &mut Scene, index: usize) -> Result<Option<TextureRef>> {
+        let Some(color) = self.materials[index].base_color_texture else { return Ok(None) };
+        let texture = match self.greys.get(&color.texture) {
+            Some(texture) => *texture,
+            None => {
+                let grey = grey(&scene.textures[color.texture])?;
+                scene.textures.push(Texture::new(grey, Encoding::Linear));
+                self.greys.insert(color.texture, scene.textures.len() - 1);
+                self.notes
+                    .push("heights: no height map, so the grey of the base colour, as in the paper".into());
+                scene.textures.len() - 1
+            }
+        };
+        Ok(Some(TextureRef { texture, ..color }))
+    }
+
+    /// Gives a material its normal map in `space`, converted where the file has the other.
+    fn give_normals(&mut self, scene: &mut Scene, index: usize, space: NormalSpace) -> Result<bool> {
+        let Some(map) = self.materials[index].normal else { return Ok(false) };
+        if map.space != space {
+            let Some(texture) = self.convert(scene, index, &map)? else { return Ok(false) };
+            let texture = TextureRef { texture, ..map.texture };
+            // The conversion has applied both.
+            let (scale, green) = (1.0, GreenChannel::Up);
+            scene.materials[index].normal = Some(NormalMap { texture, scale, space, green });
+        }
+        Ok(true)
+    }
+
+    /// The texture with a material's normals in the other space; `None` where no mesh with uvs uses the material.
+    fn convert(&mut self, scene: &mut Scene, index: usize, map: &NormalMap) -> Result<Option<usize>> {
+        if let Some(texture) = self.converted.get(&index) {
+            return Ok(Some(*texture));
+        }
+        let user = scene.instances.iter().find(|instance| instance.material == index);
+        let Some(mesh) = user.map(|user| &scene.meshes[user.mesh]) else { return Ok(None) };
+        if mesh.uvs().len() <= map.texture.uv_set {
+            return Ok(None);
+        }
+        let source = scene.textures[map.texture.texture].bitmap();
+        let converted = convert::other_space(mesh, source, map, self.tangents)?;
+        if converted.shared > 0 {
+            self.notes.push(format!(
+                "normals: {} texels lie under several triangles; the converted map holds the normal of the first",
+                converted.shared
+            ));
+        }
+        self.notes.push(format!("normals: one map was converted to {} on its mesh", converted.space));
+        scene.textures.push(Texture::new(converted.bitmap, Encoding::Linear));
+        self.converted.insert(index, scene.textures.len() - 1);
+        Ok(Some(scene.textures.len() - 1))
+    }
+}
+
+/// Gives each mesh materials of its own.
+fn part_materials(scene: &mut Scene) {
+    let mut users: HashMap<usize, usize> = HashMap::new();
+    let mut parted: HashMap<(usize, usize), usize> = HashMap::new();
+    for instance in &mut scene.instances {
+        let (material, mesh) = (instance.material, instance.mesh);
+        if *users.entry(material).or_insert(mesh) == mesh {
+            continue;
+        }
+        instance.material = *parted.entry((material, mesh)).or_insert_with(|| {
+            scene.materials.push(scene.materials[material].clone());
+            scene.materials.len() - 1
+        });
+    }
+}
+
+fn lacking(method: Method) -> &'static str {
+    match (method.surface, method.factor) {
+        (SurfaceMethod::Bump, None) => {
+            "no material has a height map of known height; name one with --height-map, or write a factor: bump:5"
+        }
+        (SurfaceMethod::Bump | SurfaceMethod::BumpPrinted, _) => {
+            "no material has a height map or a base colour texture; name one with --height-map"
+        }
+        _ => "no material of a mesh with uvs has a normal map; name one with --normal-map",
+    }
+}
+
+/// The luma of encoded colour, as paint programs turn it into grey; 16 bits.
+///
+/// Source: ITU-R BT.601, the weights of Y'.
+fn grey(color: &Texture) -> Result<Bitmap> {
+    let encoded = |v: f32| srgb::srgb_from_linear(f64::from(v.clamp(0.0, 1.0)));
+    let (width, height) = (color.width(), color.height());
+    let rows = (0..height as usize).flat_map(|y| (0..width as usize).map(move |x| (x, y)));
+    let texels = rows.map(|(x, y)| {
+        let [r, g, b, _] = color.texel(0, x, y);
+        let luma = 0.299 * encoded(r) + 0.587 * encoded(g) + 0.114 * encoded(b);
+        let code = (luma * 65535.0 + 0.5) as u16;
+        [code, code, code, u16::MAX]
+    });
+    Bitmap::new(width, height, 1, Texels::U16(texels.collect()))
+}
+
+/// The length of a texel's side on the surface, model units: √(area / texels) over all triangles of the material.
+/// Zero where they have no area in the texture.
+fn texel_size(scene: &Scene, material: usize, texture: &TextureRef) -> f64 {
+    let map = &scene.textures[texture.texture];
+    let texels = f64::from(map.width()) * f64::from(map.height());
+    let (mut area, mut in_map) = (0.0, 0.0);
+    for instance in scene.instances.iter().filter(|instance| instance.material == material) {
+        let mesh = &scene.meshes[instance.mesh];
+        let Some(uvs) = mesh.uvs().get(texture.uv_set) else { continue };
+        for triangle in mesh.triangles() {
+            let corner =
+                |i: u32| instance.world_from_object.transform_point(mesh.positions()[i as usize].to_f64());
+            let uv = |i: u32| texture.transform.apply(uvs[i as usize]);
+            let [a, b, c] = triangle.map(corner);
+            area += (b - a).cross(c - a).length();
+            let [a, b, c] = triangle.map(uv).map(|uv| Vec3::new(f64::from(uv.x), f64::from(uv.y), 0.0));
+            in_map += (b - a).cross(c - a).length() * texels;
+        }
+    }
+    if in_map > 0.0 { (area / in_map).sqrt() } else { 0.0 }
+}

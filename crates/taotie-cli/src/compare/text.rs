@@ -1,0 +1,59 @@
+//! What a comparison prints.
+
+use super::report::{MethodReport, Report, figures};
+use crate::spread::Spread;
+use crate::table::Table;
+
+/// The angular errors, each shading's picture errors, and what was not drawn.
+pub fn of(report: &Report) -> String {
+    let mut text = format!("Angular error against {}, degrees\n", report.against);
+    text += &angles(report).lines(0);
+    text += "* away from silhouettes\n";
+    for (i, picture) in report.methods[0].pictures.iter().enumerate() {
+        text += &format!("\nPictures under {} against {}\n", picture.shading, report.against);
+        text += &pictures(report, i).lines(0);
+    }
+    if !report.skipped.is_empty() || !report.notes.is_empty() {
+        text += "\n";
+    }
+    for skipped in &report.skipped {
+        text += &format!("{} was not drawn: {}\n", skipped.method, skipped.reason);
+    }
+    for note in &report.notes {
+        text += &format!("{note}\n");
+    }
+    text
+}
+
+fn angles(report: &Report) -> Table {
+    let titles = ["method", ">mean", ">median", ">95 %", ">max", ">mean*", ">median*", ">95 %*", ">max*"];
+    let mut table = Table::new(&titles);
+    for method in &report.methods {
+        let Some(error) = &method.error else { continue };
+        let [a, b, c, d] = texts(error.all.as_ref());
+        let [e, f, g, h] = texts(error.inner.as_ref());
+        table.row([method.method.clone(), a, b, c, d, e, f, g, h]);
+    }
+    table
+}
+
+fn texts(spread: Option<&Spread>) -> [String; 4] {
+    match spread {
+        Some(spread) => figures(spread).map(|figure| format!("{figure:.2}")),
+        None => std::array::from_fn(|_| "-".into()),
+    }
+}
+
+fn pictures(report: &Report, i: usize) -> Table {
+    let mut table = Table::new(&["method", ">RMSE", ">PSNR dB", ">SSIM", ">FLIP"]);
+    report.methods.iter().filter_map(|method| picture_row(method, i)).for_each(|row| table.row(row));
+    table
+}
+
+fn picture_row(method: &MethodReport, i: usize) -> Option<[String; 5]> {
+    let figures = method.pictures[i].difference.as_ref()?;
+    let psnr = figures.psnr.map_or_else(|| "equal".into(), |psnr| format!("{psnr:.2}"));
+    let flip = figures.flip.as_ref().map_or_else(|| "-".into(), |flip| format!("{:.4}", flip.mean));
+    let [rmse, ssim] = [figures.rmse, figures.ssim].map(|figure| format!("{figure:.4}"));
+    Some([method.method.clone(), rmse, psnr, ssim, flip])
+}

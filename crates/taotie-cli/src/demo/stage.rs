@@ -1,0 +1,89 @@
+//! Camera, lights and film of the demo's pictures.
+
+use anyhow::Result;
+use taotie::film::Development;
+use taotie::image::Image;
+use taotie::math::Vec3;
+use taotie::render::{Lighting, RenderSettings, render};
+use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, fitting_distance, from_view};
+
+/// Behind the vessel.
+const GROUND: f32 = 0.055;
+
+/// Camera and lights of all pictures.
+pub struct Stage {
+    /// From where.
+    pub camera: Camera,
+    /// In what light.
+    pub lighting: Lighting,
+}
+
+impl Stage {
+    /// The whole vessel.
+    pub fn whole(scene: &Scene) -> Self {
+        let bounds = scene.bounds().expect("the jue has triangles");
+        let mut orbit = orbit([24.0, 15.0], bounds.center());
+        orbit.distance = fitting_distance(&orbit, 1.0, 0.92, scene.corners());
+        Self::new(orbit, bounds.diagonal())
+    }
+
+    /// The mask on the cup, near enough to tell one method from another.
+    pub fn cup(scene: &Scene) -> Self {
+        let bounds = scene.bounds().expect("the jue has triangles");
+        let low = bounds.min + (bounds.max - bounds.min) * 0.36;
+        let high = bounds.min + (bounds.max - bounds.min) * 0.72;
+        let middle = Vec3::new(0.0, (low.y + high.y) / 2.0, 0.0);
+        let mut orbit = orbit([14.0, 12.0], middle);
+        let within = move |p: &Vec3<f64>| (low.y..high.y).contains(&p.y) && p.x.abs() < 0.05;
+        orbit.distance = fitting_distance(&orbit, 1.0, 0.96, scene.corners().filter(within));
+        Self::new(orbit, bounds.diagonal())
+    }
+
+    fn new(orbit: Orbit, size: f64) -> Self {
+        let camera = orbit.camera(size / 2.0);
+        let lighting = Lighting { lights: lights(&camera), ambient: Vec3::new(0.20, 0.205, 0.22) };
+        Self { camera, lighting }
+    }
+
+    /// A picture of the scene from here.
+    pub fn take(&self, scene: &Scene, settings: &RenderSettings) -> Result<Image> {
+        Ok(render(scene, &self.camera, &self.lighting, settings)?.color)
+    }
+
+    /// What all square pictures have in common.
+    pub fn settings(side: u32, samples: u32) -> RenderSettings {
+        RenderSettings { width: side, height: side, samples, shadows: true, ..RenderSettings::default() }
+    }
+}
+
+/// Looks at `target` from azimuth and elevation in degrees.
+fn orbit([azimuth, elevation]: [f64; 2], target: Vec3<f64>) -> Orbit {
+    let [azimuth, elevation, fov_y] = [azimuth, elevation, 26.0].map(f64::to_radians);
+    Orbit { azimuth, elevation, distance: 0.0, target, fov_y }
+}
+
+/// A raking key, a row of soft boxes for the metal to mirror, and a rim.
+fn lights(camera: &Camera) -> Vec<Light> {
+    let lamps: [([f64; 2], [f32; 3]); 6] = [
+        ([-56.0, 36.0], [6.4, 6.0, 5.4]),
+        ([-16.0, 64.0], [1.8, 1.8, 1.8]),
+        ([30.0, 25.0], [1.1, 1.15, 1.25]),
+        ([70.0, 8.0], [1.5, 1.6, 1.8]),
+        ([150.0, 38.0], [4.2, 4.2, 4.4]),
+        ([-140.0, 20.0], [2.2, 2.1, 1.9]),
+    ];
+    let light = |([azimuth, elevation], color): ([f64; 2], [f32; 3])| Light {
+        name: String::new(),
+        kind: LightKind::Directional {
+            direction: -from_view(camera, azimuth.to_radians(), elevation.to_radians()),
+        },
+        color: Vec3::from_array(color),
+        falloff: Falloff::None,
+    };
+    lamps.map(light).into()
+}
+
+/// How all pictures are developed.
+pub fn development() -> Development {
+    Development { background: Some(Vec3::splat(GROUND)), ..Development::default() }
+}

@@ -1,0 +1,150 @@
+//! The options of `taotie diff`.
+
+use crate::{options, render};
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use taotie::compare::PIXELS_PER_DEGREE;
+use taotie::math::Vec3;
+
+const EXAMPLES: &str = "\
+Examples:
+  taotie diff before.png after.png
+  taotie diff before.png after.png --metric flip --threshold 0.02 --heat flip.png
+  taotie diff scan_normals.png baked_normals.png --metric angle --heat angle.png --heat-top 5
+  taotie diff high.normals.exr low.normals.exr --json
+
+Pictures are compared as a screen shows them: sRGB, laid over --background; float files are linear \
+and encoded first. Normals are compared by the angle between them, without texels that have alpha 0 \
+or hold no unit vector (padding).
+
+Exit code: 0 fine, 1 worse than --threshold, 2 error";
+
+/// Says how two pictures or normal maps differ (PNG, JPEG, TGA, HDR, EXR).
+#[derive(Args)]
+#[command(before_help = EXAMPLES)]
+pub struct DiffArgs {
+    /// The first picture, the reference
+    pub a: PathBuf,
+    /// The second picture, of the same size
+    pub b: PathBuf,
+
+    /// Only this metric; all that apply if not given
+    #[arg(long, value_enum)]
+    pub metric: Option<Metric>,
+    /// Exit with 1 where the metric is worse: a mean angle (degrees), mean FLIP error or RMSE above X, an SSIM or
+    /// PSNR (dB) below X
+    #[arg(long, value_name = "X", value_parser = options::number, requires = "metric", allow_negative_numbers = true)]
+    pub threshold: Option<f64>,
+    /// What the numbers in the files mean
+    #[arg(long, value_enum, default_value_t = Encoding::Auto)]
+    pub encoding: Encoding,
+    /// What transparent pictures are laid over
+    #[arg(long, value_name = "COLOR", value_parser = options::color, default_value = "black")]
+    pub background: Vec3,
+    /// How fine pixels are in the viewer's eye, for FLIP: on a screen of 0.7 m and 3840 pixels across, seen from 0.7 m
+    #[arg(long, value_name = "N", value_parser = options::number, default_value_t = default_pixels_per_degree())]
+    pub pixels_per_degree: f64,
+
+    /// Write a picture of where they differ (PNG), by --metric, else by FLIP or the angle
+    #[arg(long, value_name = "OUT", help_heading = "Heat map")]
+    pub heat: Option<PathBuf>,
+    /// The difference that gets the last color; if not given 1 for FLIP and SSIM, else the 95 %
+    /// quantile
+    #[arg(long, value_name = "X", value_parser = options::number, requires = "heat", help_heading = "Heat map")]
+    pub heat_top: Option<f64>,
+
+    /// Threads; all of the machine's if not given. Results do not depend on it
+    #[arg(long, value_name = "N", help_heading = "Running")]
+    pub threads: Option<usize>,
+    /// Print a report as JSON
+    #[arg(long, help_heading = "Running")]
+    pub json: bool,
+}
+
+/// How a difference is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Metric {
+    /// Angle between normals, degrees
+    Angle,
+    /// FLIP, what the eye sees when one picture is flipped to the other: 0 alike, 1 most different
+    Flip,
+    /// Structural similarity: 1 alike
+    Ssim,
+    /// Peak signal-to-noise ratio, decibels: infinite where equal
+    Psnr,
+    /// Root mean square error of the encoded channels, [0, 1]
+    Rmse,
+}
+
+/// What the numbers in the files mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Encoding {
+    /// Normals where both files look like normal maps, else colors
+    Auto,
+    /// Colors
+    Color,
+    /// Unit vectors n as (n + 1) / 2: normal maps
+    Unit,
+    /// Unit vectors as they are, in [-1, 1]: float files, such as those of `render --aov normals`
+    Signed,
+}
+
+impl Metric {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Angle => "angle",
+            Self::Flip => "flip",
+            Self::Ssim => "ssim",
+            Self::Psnr => "psnr",
+            Self::Rmse => "rmse",
+        }
+    }
+
+    /// Whether `value` is worse than `limit`.
+    pub fn is_worse(self, value: f64, limit: f64) -> bool {
+        match self {
+            Self::Angle | Self::Flip | Self::Rmse => value > limit,
+            Self::Ssim | Self::Psnr => value < limit,
+        }
+    }
+}
+
+/// 67, without the fraction that nobody writes.
+fn default_pixels_per_degree() -> f64 {
+    f64::from(PIXELS_PER_DEGREE.round())
+}
+
+impl DiffArgs {
+    /// What can be refused before any work is done.
+    pub fn check(&self) -> Result<()> {
+        if self.threads == Some(0) {
+            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
+        }
+        if self.heat_top.is_some_and(|top| top <= 0.0) {
+            bail!("--heat-top: the top of the scale must be above 0");
+        }
+        self.check_meaning()?;
+        let Some(heat) = &self.heat else { return Ok(()) };
+        if heat.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
+            bail!("{}: heat maps are written as .png", heat.display());
+        }
+        render::check_place(heat)
+    }
+
+    fn check_meaning(&self) -> Result<()> {
+        match (self.metric, self.encoding) {
+            (Some(Metric::Angle), Encoding::Color) => {
+                bail!("--metric angle measures normals, but --encoding color says that the files hold colors")
+            }
+            (Some(metric), Encoding::Unit | Encoding::Signed) if metric != Metric::Angle => {
+                bail!(
+                    "--metric {} looks at colors, but --encoding says that the files hold normals",
+                    metric.name()
+                )
+            }
+            _ => Ok(()),
+        }
+    }
+}

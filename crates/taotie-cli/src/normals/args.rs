@@ -1,0 +1,127 @@
+//! The options of `taotie normals`.
+
+use crate::studio::{Green, Space};
+use crate::{options, render};
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+use taotie::image::Wrap;
+use taotie::surface::TangentMethod;
+
+const EXAMPLES: &str = "\
+Examples:
+  taotie normals height.png --height-scale 8 -o normals.png
+  taotie normals directx.png --green-in down -o opengl.png
+  taotie normals object.png --to tangent --mesh statue.glb -o tangent.png
+  taotie normals normals16.png --bits 8 --dither -o normals8.png
+
+Says by how many degrees the conversion changed normals: by storing them in so many bits, and on the \
+way back to where they came from. What --from and --green-in leave open is guessed from the pixels.";
+
+/// Makes normal maps from heights, converts them between tangent and object space, green up and down, 8 and 16 bits.
+#[derive(Args)]
+#[command(before_help = EXAMPLES)]
+pub struct NormalsArgs {
+    /// The height map or normal map (PNG, JPEG, TGA, HDR, EXR)
+    pub input: PathBuf,
+    /// The normal map to write (PNG)
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+
+    /// What the input is
+    #[arg(long, value_enum, default_value_t = From::Auto)]
+    pub from: From,
+    /// Space of the output; if not given that of the input, tangent space for heights
+    #[arg(long, value_enum)]
+    pub to: Option<Space>,
+    /// Which way green points in the input: up (OpenGL, glTF) or down (DirectX); guessed if not given
+    #[arg(long, value_enum)]
+    pub green_in: Option<Green>,
+    /// Which way green points in the output
+    #[arg(long, value_enum, default_value_t = Green::Up)]
+    pub green: Green,
+    /// Bits a channel of the output; if not given those of the input where its space stays, else 16
+    #[arg(long, value_parser = ["8", "16"])]
+    pub bits: Option<String>,
+    /// Add a pattern of less than a code before rounding: no steps in gentle curves, more error in each texel
+    #[arg(long)]
+    pub dither: bool,
+
+    /// Height of white: in texels, or in model units where there is a --mesh
+    #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Heights")]
+    pub height_scale: Option<f64>,
+    /// How heights go on beyond the border of the map
+    #[arg(long, value_enum, default_value_t = Border::Repeat, help_heading = "Heights")]
+    pub border: Border,
+
+    /// The model that the map is for: needed between tangent and object space (.gltf, .glb, .obj, .ply, .stl)
+    #[arg(long, value_name = "MODEL", help_heading = "Mesh")]
+    pub mesh: Option<PathBuf>,
+    /// Which mesh of the model, by name or number as `inspect` lists them; needed where there are several
+    #[arg(long, value_name = "NAME|N", requires = "mesh", help_heading = "Mesh")]
+    pub part: Option<String>,
+    /// Uv set of the mesh
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Mesh")]
+    pub uv_set: usize,
+    /// How tangents are made: face, averaged, mikktspace; if not given the file's own, else mikktspace
+    #[arg(long, value_parser = options::named::<TangentMethod>, help_heading = "Mesh")]
+    pub tangents: Option<TangentMethod>,
+    /// How many texels charts are grown beyond their borders
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Mesh")]
+    pub margin: u32,
+
+    /// Threads; all of the machine's if not given. Results do not depend on it
+    #[arg(long, value_name = "N", help_heading = "Running")]
+    pub threads: Option<usize>,
+    /// Print a report as JSON
+    #[arg(long, help_heading = "Running")]
+    pub json: bool,
+}
+
+/// What the input is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum From {
+    /// What its pixels look like
+    Auto,
+    /// Heights, white is high; the first channel
+    Height,
+    /// Normals relative to tangent, bitangent and normal
+    Tangent,
+    /// Normals in object space
+    Object,
+}
+
+/// How heights go on beyond the border.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Border {
+    /// The map repeats
+    Repeat,
+    /// Every second copy is mirrored
+    Mirror,
+    /// The border goes on
+    Clamp,
+}
+
+impl Border {
+    /// The same for a texture.
+    pub fn wrap(self) -> Wrap {
+        match self {
+            Self::Repeat => Wrap::Repeat,
+            Self::Mirror => Wrap::Mirror,
+            Self::Clamp => Wrap::Clamp,
+        }
+    }
+}
+
+impl NormalsArgs {
+    /// What can be refused before any work is done.
+    pub fn check(&self) -> Result<()> {
+        if self.threads == Some(0) {
+            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
+        }
+        if self.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
+            bail!("{}: normal maps are written as .png", self.output.display());
+        }
+        render::check_place(&self.output)
+    }
+}

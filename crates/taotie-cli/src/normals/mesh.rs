@@ -1,0 +1,67 @@
+//! The mesh that a map is for, laid out on it.
+
+use super::args::NormalsArgs;
+use anyhow::{Context, Result, bail};
+use std::path::Path;
+use taotie::bake::{TexelGrid, TexelSurface};
+use taotie::io::{self, Loaded};
+use taotie::surface::{TangentMethod, with_normals, with_tangents};
+use taotie::{Warnings, mesh::Mesh};
+
+/// The mesh of the model asked for on a map of `size`, with the frames that the renderer gives it; `None` where no model
+/// was asked for.
+pub fn laid_out(
+    args: &NormalsArgs,
+    [width, height]: [u32; 2],
+    warnings: &mut Warnings,
+) -> Result<Option<TexelSurface>> {
+    let Some(path) = &args.mesh else { return Ok(None) };
+    let mut loaded = io::load_model(path)?;
+    warnings.absorb(std::mem::take(&mut loaded.warnings));
+    let mesh = &loaded.scene.meshes[part(args, path, &loaded)?];
+    let mesh = framed(args, mesh, warnings).with_context(|| path.display().to_string())?;
+    let grid = TexelGrid { width, height, uv_set: args.uv_set, margin: args.margin };
+    let surface = TexelSurface::new(mesh, &grid).with_context(|| path.display().to_string())?;
+    let coverage = surface.coverage();
+    if coverage.covered() == 0 {
+        bail!("{}: its uvs cover no texel of the map", path.display());
+    }
+    warnings.note(
+        "texels under several triangles: the map holds the normal of the first alone",
+        coverage.shared(),
+    );
+    Ok(Some(surface))
+}
+
+fn framed(args: &NormalsArgs, mesh: &Mesh, warnings: &mut Warnings) -> taotie::Result<Mesh> {
+    let mesh = with_normals(mesh)?;
+    if !mesh.tangents().is_empty() && args.tangents.is_none() {
+        return Ok(mesh.into_owned());
+    }
+    let made = with_tangents(&mesh, args.uv_set, args.tangents.unwrap_or(TangentMethod::MikkTSpace))?;
+    warnings.note("triangles without uv area", made.degenerate_uvs);
+    Ok(made.mesh)
+}
+
+/// The number of the mesh asked for, or of the only one.
+fn part(args: &NormalsArgs, path: &Path, loaded: &Loaded) -> Result<usize> {
+    let count = loaded.scene.meshes.len();
+    let name = |i: usize| loaded.mesh_names.get(i).map_or("", String::as_str);
+    let list = || {
+        (0..count).map(|i| format!("{i} {}", name(i)).trim_end().to_owned()).collect::<Vec<_>>().join(", ")
+    };
+    let Some(asked) = &args.part else {
+        return match count {
+            1 => Ok(0),
+            _ => bail!("{}: it has {count} meshes; choose one with --part: {}", path.display(), list()),
+        };
+    };
+    let named: Vec<usize> = (0..count).filter(|i| name(*i) == asked).collect();
+    let number = asked.parse().ok().filter(|i| *i < count);
+    match (named.as_slice(), number) {
+        ([i], _) => Ok(*i),
+        ([], Some(i)) => Ok(i),
+        ([], None) => bail!("{}: there is no mesh `{asked}`; choose from: {}", path.display(), list()),
+        _ => bail!("{}: several meshes are named `{asked}`; give the number: {}", path.display(), list()),
+    }
+}

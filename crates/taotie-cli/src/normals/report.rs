@@ -1,0 +1,86 @@
+//! What came of a conversion, for people and for machines.
+
+use super::args::NormalsArgs;
+use super::convert::Converted;
+use super::input::{Input, space_name};
+use crate::console;
+use crate::spread::Spread;
+use serde::Serialize;
+use std::fmt::Write;
+use taotie::Warnings;
+use taotie::scene::GreenChannel;
+
+/// Version of the JSON that `--json` prints.
+const SCHEMA: u32 = 1;
+
+/// What came of a conversion.
+#[derive(Serialize)]
+pub struct Report {
+    schema: u32,
+    version: &'static str,
+    input: String,
+    output: String,
+    size: [u32; 2],
+    /// `height`, `tangent` or `object`.
+    from: &'static str,
+    /// `tangent` or `object`.
+    to: &'static str,
+    /// `up` or `down`.
+    green_in: &'static str,
+    green: &'static str,
+    bits: u8,
+    dither: bool,
+    /// Degrees between the exact normals and the stored ones; `None` where the map holds no normal.
+    stored: Option<Spread>,
+    /// Degrees between the input's normals and those that come back from the output.
+    round_trip: Option<Spread>,
+    warnings: serde_json::Value,
+}
+
+impl Report {
+    /// The report on a conversion.
+    pub fn new(args: &NormalsArgs, input: &Input, made: &Converted, warnings: &Warnings) -> Self {
+        let spread = |field: &taotie::compare::Field| field.summary().map(Spread::from);
+        Self {
+            schema: SCHEMA,
+            version: env!("CARGO_PKG_VERSION"),
+            input: args.input.display().to_string(),
+            output: args.output.display().to_string(),
+            size: [made.bitmap.width(), made.bitmap.height()],
+            from: input.kind.name(),
+            to: space_name(made.space),
+            green_in: green_name(input.green),
+            green: green_name(args.green.into()),
+            bits: made.bitmap.bits(),
+            dither: args.dither,
+            stored: spread(&made.stored),
+            round_trip: made.round_trip.as_ref().and_then(spread),
+            warnings: console::json_warnings(warnings),
+        }
+    }
+
+    /// The report for people.
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "wrote {}: {}x{}, {} bits, {} space",
+            self.output, self.size[0], self.size[1], self.bits, self.to
+        );
+        if self.to == "tangent" {
+            let _ = write!(text, ", green {}", self.green);
+        }
+        let what = if self.from == self.to { "changed" } else { "stored" };
+        for (name, spread) in [(what, &self.stored), ("there and back", &self.round_trip)] {
+            if let Some(spread) = spread {
+                let _ = write!(text, "\n{:<15} {}", name, spread.text(4, "°"));
+            }
+        }
+        text
+    }
+}
+
+fn green_name(green: GreenChannel) -> &'static str {
+    match green {
+        GreenChannel::Up => "up",
+        GreenChannel::Down => "down",
+    }
+}

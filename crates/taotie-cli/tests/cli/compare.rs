@@ -1,0 +1,226 @@
+//! What `taotie compare` measures, writes and refuses.
+
+use super::place::Place;
+use serde_json::Value;
+use taotie::image::Encoding;
+use taotie::io::{PngColor, PngImage, PngSamples, write_png};
+use taotie::math::scalar;
+
+/// A square of side 2 that faces +z, its uvs upright, with the maps of `square.mtl`.
+const SQUARE: &str = "mtllib square.mtl\nusemtl square\n\
+    v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n\
+    f 1/1/1 2/2/1 3/3/1 4/4/1\n";
+
+/// The camera of all tests: head on.
+const FRONT: &str = "--orbit 0,0 --size 64x64";
+
+/// Writes a picture of 16-bit texels.
+fn write_map(place: &Place, name: &str, side: u32, texel: impl Fn(u32, u32) -> [f64; 3]) {
+    let code = |v: f64| (v * 65535.0 + 0.5) as u16;
+    let samples: Vec<u16> = (0..side * side).flat_map(|i| texel(i % side, i / side).map(code)).collect();
+    let image = PngImage {
+        width: side,
+        height: side,
+        color: PngColor::Rgb,
+        samples: PngSamples::U16(&samples),
+        encoding: Encoding::Linear,
+    };
+    write_png(&place.path(name), &image).expect("the folder can be written to");
+}
+
+/// A square whose normal map tilts all of it by `degrees` towards +x, and a flat one as the truth.
+fn tilted(degrees: f64) -> Place {
+    let place = Place::with("square.obj", SQUARE);
+    let [sin, cos] = [scalar::sin(degrees.to_radians()), scalar::cos(degrees.to_radians())];
+    write_map(&place, "tilted.png", 16, |_, _| [sin * 0.5 + 0.5, 0.5, cos * 0.5 + 0.5]);
+    place.write("square.mtl", "newmtl square\nKd 0.6 0.6 0.6\nnorm tilted.png\n");
+    place.write("flat.obj", SQUARE.replace("mtllib square.mtl\nusemtl square\n", ""));
+    place
+}
+
+fn compared(place: &Place, line: &str) -> Value {
+    place.json(&format!("compare {line} {FRONT} -o out --json"))
+}
+
+/// The figures of a method.
+fn method<'a>(report: &'a Value, name: &str) -> &'a Value {
+    let methods = report["methods"].as_array().expect("a list of methods");
+    methods.iter().find(|method| method["method"] == name).unwrap_or_else(|| panic!("{name} in {report}"))
+}
+
+fn error(report: &Value, name: &str, part: &str, figure: &str) -> f64 {
+    method(report, name)["error"][part][figure].as_f64().expect("a number")
+}
+
+#[test]
+fn the_angle_of_a_tilted_map_is_its_tilt_in_both_spaces() {
+    for how in ["normal", "uv", "pixel"] {
+        let place = tilted(20.0);
+        let line = "square.obj --reference flat.obj --method smooth,object-normal,tangent-normal --match";
+        let report = compared(&place, &format!("{line} {how}"));
+        for part in ["all", "inner"] {
+            for figure in ["mean", "median", "p95", "max"] {
+                assert!(error(&report, "smooth", part, figure) < 0.01, "{how}");
+                for name in ["object-normal", "tangent-normal"] {
+                    let angle = error(&report, name, part, figure);
+                    assert!((angle - 20.0).abs() < 0.01, "{name} by {how}, {part} {figure}: {angle}");
+                }
+            }
+        }
+        assert_eq!(report["unmatched"], 0.0);
+        let histogram = method(&report, "tangent-normal")["error"]["histogram"].as_array().unwrap();
+        let total: u64 = histogram.iter().map(|count| count.as_u64().unwrap()).sum();
+        let near = histogram[19].as_u64().unwrap() + histogram[20].as_u64().unwrap();
+        assert_eq!((Some(total), near), (method(&report, "smooth")["error"]["all"]["count"].as_u64(), total));
+    }
+}
+
+#[test]
+fn without_a_reference_angles_are_measured_from_the_first_method() {
+    let place = tilted(30.0);
+    let report = compared(&place, "square.obj --method tangent-normal,smooth");
+    assert_eq!(report["against"], "tangent-normal");
+    assert!(method(&report, "tangent-normal")["error"].is_null());
+    assert!((error(&report, "smooth", "all", "mean") - 30.0).abs() < 0.01);
+    let points = report["points"].as_array().unwrap();
+    assert_eq!(points.len(), 10);
+    for point in points {
+        let [first, second] = point["normals"].as_array().unwrap().as_slice() else { panic!("two methods") };
+        assert!(first["angle_to_first"].is_null() && first["error"].is_null());
+        let [a, b] = [&second["angle_to_first"], &second["error"]].map(|angle| angle.as_f64().unwrap());
+        assert!((a - 30.0).abs() < 0.01 && a == b, "{a} {b}");
+        let normal: Vec<f64> = first["normal"].as_array().unwrap().iter().filter_map(Value::as_f64).collect();
+        assert!((normal[0] - 0.5).abs() < 1e-3 && normal[1].abs() < 1e-3, "{normal:?}");
+    }
+}
+
+#[test]
+fn bump_by_a_factor_raises_white_by_so_many_texels() {
+    // A ramp from black to white over 33 texels has a slope of 1/32 of white a texel: 16 texels of white give 1/2.
+    let place = Place::with("square.obj", SQUARE);
+    write_map(&place, "ramp.png", 33, |x, _| [f64::from(x) / 32.0; 3]);
+    place.write("square.mtl", "newmtl square\nmap_Kd ramp.png\n");
+    let report = compared(&place, "square.obj --height-map ramp.png --method smooth,bump:16,bump:-16");
+    let slope = scalar::atan2(0.5, 1.0).to_degrees();
+    for name in ["bump:16", "bump:-16"] {
+        let angle = error(&report, name, "inner", "median");
+        assert!((angle - slope).abs() < 0.1, "{name}: {angle} against {slope}");
+    }
+    // Higher to the right leans to the left.
+    let x = |name: &str| {
+        let point = &report["points"][0]["normals"];
+        let of = point.as_array().unwrap().iter().find(|normal| normal["method"] == name).unwrap();
+        of["normal"][0].as_f64().unwrap()
+    };
+    assert!(x("bump:16") < -0.4 && x("bump:-16") > 0.4);
+    // Without a height map the colour's grey stands in, and is said to.
+    let report = compared(&place, "square.obj --method smooth,bump:16,bump");
+    assert!((error(&report, "bump:16", "inner", "median") - slope).abs() < 0.5);
+    assert!(report["notes"][0].as_str().unwrap().contains("grey of the base colour"));
+    assert_eq!(report["skipped"][0]["method"], "bump");
+}
+
+#[test]
+fn every_file_is_there_and_named_in_the_report() {
+    let place = tilted(20.0);
+    let line =
+        "square.obj --reference flat.obj --method smooth,tangent-normal --shading ggx,cook-torrance-printed";
+    let report = compared(&place, line);
+    let mut named = vec!["sheet.png".to_string(), "report.json".into(), "report.html".into()];
+    let name = |value: &Value| value.as_str().expect("a name").to_string();
+    for method in report["methods"].as_array().unwrap() {
+        named.push(name(&method["normals"]));
+        if !method["error"].is_null() {
+            named.push(name(&method["error"]["heat"]));
+        }
+        for picture in method["pictures"].as_array().unwrap() {
+            named.push(name(&picture["file"]));
+            if !picture["difference"].is_null() {
+                named.push(name(&picture["difference"]["flip_map"]));
+            }
+        }
+    }
+    named.sort();
+    let mut found: Vec<String> = std::fs::read_dir(place.path("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    found.sort();
+    assert_eq!(found, named);
+    let written: Value = serde_json::from_slice(&place.read("out/report.json")).unwrap();
+    assert_eq!(written, report);
+    let page = String::from_utf8(place.read("out/report.html")).unwrap();
+    assert!(page.contains("square.obj") && page.contains("data:image/png;base64,"));
+}
+
+#[test]
+fn pictures_of_equal_surfaces_are_equal() {
+    let place = tilted(0.0);
+    let report =
+        compared(&place, "square.obj --reference flat.obj --material clay --method smooth,tangent-normal");
+    for name in ["smooth", "tangent-normal"] {
+        let figures = &method(&report, name)["pictures"][0]["difference"];
+        assert!(
+            figures["rmse"].as_f64().unwrap() < 1e-3 && figures["ssim"].as_f64().unwrap() > 0.999,
+            "{figures}"
+        );
+        assert!(figures["flip"]["mean"].as_f64().unwrap() < 1e-3, "{figures}");
+    }
+    assert!(method(&report, "smooth")["pictures"][0]["difference"]["psnr"].is_null(), "equal, so infinite");
+}
+
+#[test]
+fn says_in_a_table_what_was_measured() {
+    let place = tilted(20.0);
+    let line =
+        format!("compare square.obj --reference flat.obj --method smooth,tangent-normal {FRONT} -o out");
+    let assert = place.taotie(&line).assert().success().stderr_eq("");
+    let text = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
+    let row = |name: &str| text.lines().find(|line| line.starts_with(name)).unwrap().to_string();
+    assert!(text.starts_with("Angular error against reference, degrees\n"), "{text}");
+    assert!(row("tangent-normal").contains("20.00"), "{text}");
+    assert!(row("smooth").contains(" 0.00"), "{text}");
+    assert!(text.contains("wrote out/report.html"), "{text}");
+}
+
+#[test]
+fn models_far_apart_are_warned_about() {
+    let place = tilted(0.0);
+    place.write("far.obj", SQUARE.replace("mtllib square.mtl\nusemtl square\n", "").replace(" 0\n", " 9\n"));
+    let assert = place
+        .taotie(&format!("compare square.obj --reference far.obj --method smooth {FRONT} -o out"))
+        .assert()
+        .success();
+    let talk = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+    assert!(talk.contains("far.obj: place or size differs from the model's"), "{talk}");
+}
+
+#[test]
+fn refuses_in_one_line() {
+    let place = tilted(0.0);
+    let refused = |line: &str| {
+        let assert = place.taotie(line).assert().code(2).stdout_eq("");
+        String::from_utf8(assert.get_output().stderr.clone()).unwrap()
+    };
+    let wrong = [
+        (
+            "compare square.obj -o out --points 64,0 --size 64x64",
+            "pixel 64,0 lies outside the picture of 64×64",
+        ),
+        ("compare square.obj -o out --background transparent", "give a colour"),
+        ("compare square.obj -o out --heat-top-deg 0", "above 0 and at most 180"),
+        ("compare square.obj -o out --method smooth:5", "only bump and bump-printed"),
+        ("compare square.obj -o out --method bmup", "tangent-normal"),
+        ("compare square.obj -o out --match touch", "normal, uv, pixel"),
+        ("compare square.obj -o out --method bump", "none of the methods can be drawn: bump: no material"),
+        ("compare square.obj -o out --reference gone.ply", "gone.ply"),
+        ("compare square.obj", "--output"),
+        ("compare -o out", "<MODEL>"),
+        ("compare --paper square.obj", "cannot be used with"),
+        ("compare square.obj -o square.obj --method smooth", "square.obj"),
+    ];
+    for (line, words) in wrong {
+        let talk = refused(line);
+        assert!(talk.contains(words), "{line}: {talk}");
+    }
+}

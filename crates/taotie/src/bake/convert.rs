@@ -1,0 +1,142 @@
+//! Normal maps from heights and from one another.
+//!
+//! All work on pictures of vectors: x, y and z, and a fourth channel that is 1 where there is a normal. Where there is
+//! none the vector is what padding should hold.
+
+use super::{Heights, SurfacePoint, TexelSurface};
+use crate::error::{Error, Result};
+use crate::image::{Bitmap, Image};
+use crate::math::Vec3;
+use crate::scene::{GreenChannel, NormalSpace};
+use crate::surface::{
+    Relief, ReliefBase, decode_normal, decode_object_normal, relief_normal, tangent_normal,
+    tangent_space_normal,
+};
+use rayon::prelude::*;
+
+/// What padding of a tangent-space map holds: no relief.
+const FLAT: [f32; 4] = [0.0, 0.0, 1.0, 0.0];
+/// What padding of an object-space map holds: grey, which no normal is.
+const NOTHING: [f32; 4] = [0.0; 4];
+
+/// The vectors that a normal map stores, not normalised, green turned up.
+///
+/// Texels with alpha 0 or a vector shorter than 0.25 have no normal: grey padding is that. In tangent space z is raised
+/// above 0 ([`decode_normal`]).
+///
+/// # Errors
+/// [`Error::Limit`] where a side is above [`Image::MAX_SIDE`].
+pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel) -> Result<Image> {
+    const SHORTEST: f32 = 0.25;
+    let sign = if green == GreenChannel::Up { 1.0 } else { -1.0 };
+    let padding = if space == NormalSpace::Tangent { FLAT } else { NOTHING };
+    let normal = |i: usize| {
+        let [r, g, b, alpha] = bitmap.stored(i);
+        let stored = decode_object_normal(Vec3::new(r, g, b));
+        let v = match space {
+            NormalSpace::Object => stored,
+            NormalSpace::Tangent => decode_normal(Vec3::new(r, g, b), 1.0, sign),
+        };
+        if alpha > 0.0 && stored.length() >= SHORTEST { [v.x, v.y, v.z, 1.0] } else { padding }
+    };
+    picture(
+        [bitmap.width(), bitmap.height()],
+        (0..bitmap.texels().len()).into_par_iter().map(normal).collect(),
+    )
+}
+
+/// The tangent-space normals of a height map by itself, green up. `scale` is the height of 1 in texels, so a slope of
+/// 1 a texel is 45° where it is 1.
+///
+/// n = (−s ∂h/∂x, −s ∂h/∂y, 1), normalised, with y up the picture; differences as [`Heights::slopes`] has them.
+///
+/// # Errors
+/// [`Error::Limit`] where a side is above [`Image::MAX_SIDE`].
+pub fn tangent_from_height(heights: &Heights, scale: f64) -> Result<Image> {
+    let [width, height] = heights.size();
+    let normal = |i: u64| {
+        let [across, down] = heights.slopes((i % u64::from(width)) as u32, (i / u64::from(width)) as u32);
+        with_mask(Vec3::new(-scale * across, scale * down, 1.0).normalize())
+    };
+    let count = u64::from(width) * u64::from(height);
+    picture([width, height], (0..count).into_par_iter().map(normal).collect())
+}
+
+/// The tangent-space normals, green up, of a height map on a mesh: what makes the mesh look as if it were displaced by
+/// it. `scale` is the height of 1 in model units.
+///
+/// # Errors
+/// [`Error::Invalid`] where the mesh was laid out on a map of another size.
+pub fn tangent_from_height_on(surface: &TexelSurface, heights: &Heights, scale: f64) -> Result<Image> {
+    check_size(surface, heights.size())?;
+    let [width, height] = heights.size().map(f64::from);
+    let normals = surface.map(FLAT, |x, y, point| {
+        let [across, down] = heights.slopes(x, y);
+        let relief = Relief {
+            height: heights.at(x, y) * scale,
+            by_u: across * width * scale,
+            by_v: down * height * scale,
+        };
+        let base = ReliefBase { n: point.normal, dp: point.position_by_uv, dn: point.normal_by_uv };
+        with_mask(to_tangent(point, relief_normal(base, relief)))
+    });
+    picture(heights.size(), normals)
+}
+
+/// Object-space normals from tangent-space ones, as the renderer turns them: [`tangent_normal`].
+///
+/// # Errors
+/// As [`tangent_from_height_on`].
+pub fn object_from_tangent(surface: &TexelSurface, tangent: &Image) -> Result<Image> {
+    converted(surface, tangent, NOTHING, |point, v| {
+        tangent_normal(point.normal, point.tangent, point.handedness, v)
+    })
+}
+
+/// Tangent-space normals, green up, from object-space ones: the inverse of [`object_from_tangent`].
+///
+/// # Errors
+/// As [`tangent_from_height_on`].
+pub fn tangent_from_object(surface: &TexelSurface, object: &Image) -> Result<Image> {
+    converted(surface, object, FLAT, to_tangent)
+}
+
+fn to_tangent(point: &SurfacePoint, v: Vec3<f64>) -> Vec3<f64> {
+    tangent_space_normal(point.normal, point.tangent, point.handedness, v)
+}
+
+fn converted(
+    surface: &TexelSurface,
+    normals: &Image,
+    padding: [f32; 4],
+    turn: impl Fn(&SurfacePoint, Vec3<f64>) -> Vec3<f64> + Sync,
+) -> Result<Image> {
+    check_size(surface, [normals.width(), normals.height()])?;
+    let texels = surface.map(padding, |x, y, point| match normals.pixel(x, y) {
+        [x, y, z, mask] if mask > 0.0 => with_mask(turn(point, Vec3::new(x, y, z).to_f64())),
+        _ => padding,
+    });
+    picture([normals.width(), normals.height()], texels)
+}
+
+fn check_size(surface: &TexelSurface, [width, height]: [u32; 2]) -> Result<()> {
+    let (w, h) = (surface.coverage().width(), surface.coverage().height());
+    if (w, h) == (width, height) {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        format!("a map of {width}x{height} on a mesh laid out for {w}x{h}"),
+        "lay the mesh out for the size of the map",
+    ))
+}
+
+fn with_mask(v: Vec3<f64>) -> [f32; 4] {
+    let v = v.to_f32();
+    [v.x, v.y, v.z, 1.0]
+}
+
+fn picture([width, height]: [u32; 2], texels: Vec<[f32; 4]>) -> Result<Image> {
+    let mut image = Image::new(width, height, [0.0; 4])?;
+    image.pixels_mut().copy_from_slice(&texels);
+    Ok(image)
+}

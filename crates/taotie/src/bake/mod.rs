@@ -1,0 +1,27 @@
+//! Baking: which point of a heavy surface a point of a light one stands for, which point of a mesh each texel of a map
+//! shows, and normal maps made from heights and from one another.
+//!
+//! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in
+//! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
+//! threads.
+
+mod convert;
+mod corners;
+mod coverage;
+mod grow;
+mod heights;
+mod projection;
+mod raster;
+mod store;
+mod texel_surface;
+mod uv_lookup;
+
+pub use convert::{
+    decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on, tangent_from_object,
+};
+pub use coverage::{Coverage, TexelGrid};
+pub use heights::Heights;
+pub use projection::{Match, Projector};
+pub use store::{Storage, Stored, green_turned, requantised, store_normals};
+pub use texel_surface::{SurfacePoint, TexelSurface};
+pub use uv_lookup::UvLookup;

@@ -1,0 +1,122 @@
+//! Storing normals in few bits, and what that costs.
+
+use crate::compare::{Field, angular_error};
+use crate::error::{Error, Result};
+use crate::image::{Bitmap, Image, Texels};
+use crate::math::Vec3;
+use crate::scene::{GreenChannel, NormalSpace};
+use crate::surface::{decode_object_normal, encode_normal};
+use rayon::prelude::*;
+
+/// How numbers are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Storage {
+    /// Bits a channel, 8 or 16.
+    pub bits: u8,
+    /// Whether a pattern of less than one code is added before rounding.
+    ///
+    /// Rounding alone turns gentle curves into steps, which highlights show; with dithering the mean over neighbours
+    /// is right, at the price of a larger error of each texel. The pattern is the additive recurrence R2 (Roberts
+    /// 2018, "The unreasonable effectiveness of quasirandom sequences"): fract(x · 0.7549 + y · 0.5698), moved by the
+    /// golden ratio from channel to channel, in integers. Neighbours get numbers far apart, so the error is high in
+    /// frequency, as with blue noise, and the same on every machine. Values that are codes already do not change.
+    pub dither: bool,
+}
+
+/// A normal map and what storing it cost.
+#[derive(Debug, Clone)]
+pub struct Stored {
+    /// Red, green and blue in the bits asked for.
+    pub bitmap: Bitmap,
+    /// The angle between what was to be stored and what is read back, degrees, where there is a normal.
+    pub error: Field,
+}
+
+/// Stores vectors, green up in memory, with green as asked for. The fourth channel is the mask of `error` alone:
+/// vectors are stored where it is 0 too.
+///
+/// # Errors
+/// [`Error::Invalid`] where the bits are neither 8 nor 16.
+pub fn store_normals(
+    normals: &Image,
+    space: NormalSpace,
+    green: GreenChannel,
+    storage: Storage,
+) -> Result<Stored> {
+    let sign = if space == NormalSpace::Tangent && green == GreenChannel::Down { -1.0 } else { 1.0 };
+    let number = |i: usize| {
+        let [x, y, z, _] = normals.pixels()[i];
+        let [r, g, b] = encode_normal(Vec3::new(x, y * sign, z)).to_array();
+        [r, g, b, 1.0]
+    };
+    let bitmap = stored([normals.width(), normals.height()], 3, storage, number)?;
+    let mut read = normals.clone();
+    read.pixels_mut().par_iter_mut().enumerate().for_each(|(i, pixel)| {
+        let [r, g, b, _] = bitmap.stored(i);
+        let v = decode_object_normal(Vec3::new(r, g, b));
+        *pixel = [v.x, v.y * sign, v.z, pixel[3]];
+    });
+    Ok(Stored { error: angular_error(normals, &read)?, bitmap })
+}
+
+/// The numbers of a bitmap in other bits; alpha is kept. More bits change nothing, and back again neither.
+///
+/// # Errors
+/// As [`store_normals`].
+pub fn requantised(bitmap: &Bitmap, storage: Storage) -> Result<Bitmap> {
+    stored([bitmap.width(), bitmap.height()], bitmap.channels(), storage, |i| bitmap.stored(i))
+}
+
+/// The bitmap with each green number g made 1 − g: what turns green up into green down and back, to the bit.
+pub fn green_turned(bitmap: &Bitmap) -> Bitmap {
+    let texels = match bitmap.texels() {
+        Texels::U8(texels) => {
+            Texels::U8(texels.par_iter().map(|[r, g, b, a]| [*r, 255 - g, *b, *a]).collect())
+        }
+        Texels::U16(texels) => {
+            Texels::U16(texels.par_iter().map(|[r, g, b, a]| [*r, 65535 - g, *b, *a]).collect())
+        }
+        Texels::F32(texels) => {
+            Texels::F32(texels.par_iter().map(|[r, g, b, a]| [*r, 1.0 - g, *b, *a]).collect())
+        }
+    };
+    // One channel would have been three equal ones.
+    let channels = bitmap.channels().max(3);
+    Bitmap::new(bitmap.width(), bitmap.height(), channels, texels).expect("the size is that of a bitmap")
+}
+
+fn stored(
+    [width, height]: [u32; 2],
+    channels: u8,
+    storage: Storage,
+    number: impl Fn(usize) -> [f32; 4] + Sync,
+) -> Result<Bitmap> {
+    let count = width as usize * height as usize;
+    let codes = |i: usize, top: f64| {
+        let at = [i as u32 % width, i as u32 / width];
+        let offset = |channel: u32| if storage.dither { dither(at, channel) } else { 0.0 };
+        let code = |channel: usize, v: f32| {
+            ((f64::from(v) * top + 0.5 + offset(channel as u32)).floor()).clamp(0.0, top)
+        };
+        let [r, g, b, a] = number(i);
+        // Alpha is not dithered: what is opaque stays so.
+        [code(0, r), code(1, g), code(2, b), (f64::from(a) * top + 0.5).floor().clamp(0.0, top)]
+    };
+    let texels = match storage.bits {
+        8 => Texels::U8((0..count).into_par_iter().map(|i| codes(i, 255.0).map(|c| c as u8)).collect()),
+        16 => Texels::U16((0..count).into_par_iter().map(|i| codes(i, 65535.0).map(|c| c as u16)).collect()),
+        bits => {
+            return Err(Error::invalid(format!("{bits} bits a channel"), "normals are stored in 8 or 16"));
+        }
+    };
+    Bitmap::new(width, height, channels, texels)
+}
+
+/// The pattern at a texel, within ±0.49: what is a code up to single precision stays that code.
+fn dither([x, y]: [u32; 2], channel: u32) -> f64 {
+    // 2³² over the plastic number and over its square, and 2³² over the golden ratio.
+    const STEPS: [u32; 3] = [0xC13F_A9A9, 0x91E1_0DA5, 0x9E37_79B9];
+    let phase =
+        [x, y, channel].iter().zip(STEPS).fold(0u32, |sum, (v, step)| sum.wrapping_add(v.wrapping_mul(step)));
+    (f64::from(phase) / 4_294_967_296.0 - 0.5) * 0.98
+}

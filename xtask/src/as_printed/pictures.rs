@@ -1,0 +1,64 @@
+//! The demo's jue by each printed model and the one that is meant, in the same light.
+
+use crate::generated::Picture;
+use anyhow::Result;
+use taotie::film::{Development, develop8};
+use taotie::math::Vec3;
+use taotie::render::{Lighting, RenderSettings, render};
+use taotie::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
+use taotie::shade::Shading;
+
+/// The pictures by name.
+pub const PICTURES: [(&str, Shading); 6] = [
+    ("cook-torrance-printed", Shading::CookTorrancePrinted),
+    ("cook-torrance", Shading::CookTorrance),
+    ("blinn-phong-printed", Shading::BlinnPhongPrinted),
+    ("blinn-phong", Shading::BlinnPhong),
+    ("ggx-printed", Shading::GgxPrinted),
+    ("ggx", Shading::Ggx),
+];
+
+/// Pixels along a side.
+const SIDE: u32 = 400;
+/// Texels along a side of the jue's maps.
+const MAPS: u32 = 1024;
+/// Behind the vessel.
+const GROUND: f32 = 0.055;
+
+/// All pictures by name.
+///
+/// # Errors
+/// None that is known: the scene is made by code.
+pub fn all() -> Result<Vec<(&'static str, Picture)>> {
+    let scene = taotie_cli::jue::scene(MAPS);
+    let camera = camera(&scene);
+    let lighting = Lighting { lights: three_point_rig(&camera), ..Lighting::default() };
+    let take = |(name, shading)| Ok((name, picture(&scene, &camera, &lighting, shading)?));
+    PICTURES.into_iter().map(take).collect()
+}
+
+/// Looks at the cup, above the legs.
+fn camera(scene: &Scene) -> Camera {
+    let bounds = scene.bounds().expect("the jue has triangles");
+    let (low, high) = (bounds.min.y + 0.38 * (bounds.max.y - bounds.min.y), bounds.max.y);
+    let [azimuth, elevation, fov_y] = [24.0, 15.0, 26.0].map(f64::to_radians);
+    let target = Vec3::new(bounds.center().x, (low + high) / 2.0, bounds.center().z);
+    let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target, fov_y };
+    orbit.distance = fitting_distance(&orbit, 1.0, 0.96, scene.corners().filter(|p| p.y > low));
+    orbit.camera(bounds.diagonal() / 2.0)
+}
+
+fn picture(scene: &Scene, camera: &Camera, lighting: &Lighting, shading: Shading) -> Result<Picture> {
+    let settings = RenderSettings {
+        width: SIDE,
+        height: SIDE,
+        samples: 4,
+        shading,
+        shadows: true,
+        ..RenderSettings::default()
+    };
+    let image = render(scene, camera, lighting, &settings)?.color;
+    let development = Development { background: Some(Vec3::splat(GROUND)), ..Development::default() };
+    let pixels = develop8(&image, &development)?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
+    Ok(Picture { width: SIDE, height: SIDE, pixels })
+}
