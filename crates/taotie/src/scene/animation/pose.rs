@@ -19,11 +19,23 @@ impl Rig {
     /// [`Error::Invalid`] where there is no such animation, the scene is not the rig's, or a moved mesh leaves the
     /// numbers; the scene is then unchanged.
     pub fn pose(&self, scene: &mut Scene, animation: usize, seconds: f64) -> Result<()> {
+        self.place(scene, &self.posed(animation, seconds)?)
+    }
+
+    /// What takes each node's space to the world at a moment, as [`Rig::pose`] understands it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where there is no such animation.
+    pub fn world_matrices(&self, animation: usize, seconds: f64) -> Result<Vec<Mat4>> {
+        world_matrices(&self.posed(animation, seconds)?)
+    }
+
+    fn posed(&self, animation: usize, seconds: f64) -> Result<Vec<Node>> {
         let animations = &self.data().animations;
         let animation = animations.get(animation).ok_or_else(|| {
             Error::invalid(format!("animation {animation}"), format!("there are {}", animations.len()))
         })?;
-        self.place(scene, &posed(&self.data().nodes, animation, seconds))
+        Ok(posed(&self.data().nodes, animation, seconds))
     }
 
     /// Brings `scene` back to rest, to the last bit.

@@ -73,6 +73,11 @@ impl Sampler {
         &self.times
     }
 
+    /// The numbers of all keyframes, as [`Sampler::new`] took them.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
     /// The value at a time, number by number; before the first keyframe the first value, after the last the last.
     ///
     /// Source: glTF 2.0, appendix C.2, C.3 and C.5.
