@@ -1,12 +1,14 @@
 //! glTF: files by others load or say in one line why not, and small files made here give the right numbers.
 
 mod common;
+#[path = "common/gltf.rs"]
+mod gltf;
 
 use common::{data_folder, files_below};
+use gltf::{Maker, load, triangle, v, warned};
 use std::path::{Path, PathBuf};
-use taotie::image::{Encoding, MipFilter, TexelFilter, Wrap};
-use taotie::io::{Loaded, load_model};
-use taotie::math::{Vec2, Vec3};
+use taotie::image::{MipFilter, TexelFilter, Wrap};
+use taotie::math::Vec2;
 use taotie::scene::{AlphaMode, Falloff, LightKind, Projection};
 
 // ---------------------------------------------------------------------------------------------- files by others
@@ -16,45 +18,6 @@ fn models(sub: &str) -> Vec<PathBuf> {
     let models = files_below(&folder, &["gltf", "glb"]);
     assert!(!models.is_empty(), "{} holds no model", folder.display());
     models
-}
-
-/// Loads within a minute, or fails in one line that names the file.
-fn load(path: &Path) -> Result<Loaded, String> {
-    let start = std::time::Instant::now();
-    let result = load_model(path);
-    assert!(start.elapsed().as_secs() < 60, "{}", path.display());
-    let loaded = result.map_err(|error| {
-        let text = error.to_string();
-        assert!(!text.contains('\n'), "{text}");
-        assert!(text.contains(&*path.file_name().unwrap().to_string_lossy()), "{text}");
-        text
-    })?;
-    check_scene(&loaded, path);
-    Ok(loaded)
-}
-
-/// What every reader promises about a scene.
-fn check_scene(loaded: &Loaded, path: &Path) {
-    let scene = &loaded.scene;
-    assert!(scene.triangle_count() > 0, "{}", path.display());
-    assert!(scene.bounds().is_some_and(|b| b.diagonal().is_finite()), "{}", path.display());
-    assert_eq!(loaded.texture_names.len(), scene.textures.len());
-    assert_eq!(loaded.mesh_names.len(), scene.meshes.len());
-    for instance in &scene.instances {
-        let (mesh, material) = (&scene.meshes[instance.mesh], &scene.materials[instance.material]);
-        assert_eq!(mesh.normals().len(), mesh.positions().len());
-        assert!(mesh.normals().iter().all(|n| (n.length() - 1.0).abs() < 1e-5), "{}", path.display());
-        let normal = material.normal.map(|n| n.texture);
-        let slots = [material.base_color_texture, material.emissive_texture];
-        let linear = [material.metallic_roughness_texture, material.occlusion_texture, normal];
-        for (slots, encoding) in [(&slots[..], Encoding::Srgb), (&linear[..], Encoding::Linear)] {
-            for slot in slots.iter().flatten() {
-                assert_eq!(scene.textures[slot.texture].encoding(), encoding, "{}", path.display());
-                assert!(slot.uv_set < mesh.uvs().len(), "{}", path.display());
-            }
-        }
-    }
-    assert!(loaded.warnings.iter().all(|(what, _)| !what.contains('\n')));
 }
 
 fn json_of(path: &Path) -> serde_json::Value {
@@ -129,83 +92,9 @@ fn models_that_the_validator_accepts_load() {
 
 // ------------------------------------------------------------------------------------------------ made here
 
-/// A glTF file in the making: JSON of which the buffer is filled piece by piece.
-#[derive(Default)]
-struct Maker {
-    bytes: Vec<u8>,
-    views: Vec<String>,
-    accessors: Vec<String>,
-}
-
-impl Maker {
-    /// Adds a view and returns its number.
-    fn view(&mut self, bytes: &[u8], more: &str) -> usize {
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let (offset, length) = (self.bytes.len(), bytes.len());
-        self.views.push(format!(r#"{{"buffer":0,"byteOffset":{offset},"byteLength":{length}{more}}}"#));
-        self.bytes.extend_from_slice(bytes);
-        self.views.len() - 1
-    }
-
-    /// Adds an accessor with a view of its own and returns its number.
-    fn accessor(&mut self, bytes: &[u8], (count, component, kind): (usize, u32, &str), more: &str) -> usize {
-        let view = self.view(bytes, "");
-        self.accessors.push(format!(
-            r#"{{"bufferView":{view},"count":{count},"componentType":{component},"type":"{kind}"{more}}}"#
-        ));
-        self.accessors.len() - 1
-    }
-
-    fn floats(&mut self, values: &[f32], kind: &str) -> usize {
-        let width = ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|k| *k == kind).map_or(16, |w| w + 1);
-        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-        self.accessor(&bytes, (values.len() / width, 5126, kind), "")
-    }
-
-    fn text(&self, rest: &str) -> String {
-        use base64::Engine;
-        let data = base64::engine::general_purpose::STANDARD.encode(&self.bytes);
-        format!(
-            r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{},"uri":"data:;base64,{data}"}}],
-            "bufferViews":[{}],"accessors":[{}],{rest}}}"#,
-            self.bytes.len(),
-            self.views.join(","),
-            self.accessors.join(",")
-        )
-    }
-
-    fn load(&self, rest: &str) -> Loaded {
-        self.try_load(rest).unwrap_or_else(|e| panic!("{e}"))
-    }
-
-    fn try_load(&self, rest: &str) -> Result<Loaded, String> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("made.gltf");
-        std::fs::write(&path, self.text(rest)).unwrap();
-        load(&path)
-    }
-}
-
-const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-
-/// A file with one triangle, whose POSITION is accessor 0.
-fn triangle() -> Maker {
-    let mut maker = Maker::default();
-    maker.floats(&TRIANGLE, "VEC3");
-    maker
-}
-
 /// Scene, node and mesh of one primitive with the attributes and members given.
 fn one_primitive(attributes: &str, more: &str) -> String {
     format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{{attributes}}}{more}}}]}}]"#)
-}
-
-fn v(x: f32, y: f32, z: f32) -> Vec3 {
-    Vec3::new(x, y, z)
-}
-
-fn warned(loaded: &Loaded, part: &str) -> usize {
-    loaded.warnings.iter().filter(|(what, _)| what.contains(part)).map(|(_, count)| count).sum()
 }
 
 #[test]
@@ -548,10 +437,16 @@ fn damaged_variants_never_panic() {
     let mut maker = triangle();
     maker.accessor(&[0, 1, 0, 0].repeat(3), (3, 5121, "VEC4"), "");
     maker.floats(&[1.0, 0.0, 0.0, 0.0].repeat(3), "VEC4");
+    maker.floats(&[0.0, 1.0], "SCALAR");
+    maker.floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0], "VEC4");
     let attributes = r#""POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2"#;
+    let animation = r#"{"channels":[{"sampler":0,"target":{"node":0,"path":"weights"}},
+        {"sampler":1,"target":{"node":1,"path":"rotation"}}],
+        "samplers":[{"input":3,"output":3},{"input":3,"output":4,"interpolation":"LINEAR"}]}"#;
     let text = maker.text(&format!(
         r#""nodes":[{{"mesh":0,"skin":0,"children":[1]}},{{"translation":[1,2,3]}}],"skins":[{{"joints":[0,1]}}],
-        "meshes":[{{"primitives":[{{"attributes":{{{attributes}}},"targets":[{{"POSITION":0}}]}}],"weights":[1]}}]"#
+        "meshes":[{{"primitives":[{{"attributes":{{{attributes}}},"targets":[{{"POSITION":0}}]}}],"weights":[1]}}],
+        "animations":[{animation}]"#
     ));
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("damaged.gltf");

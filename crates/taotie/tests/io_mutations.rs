@@ -3,7 +3,7 @@
 
 use std::io::Cursor;
 use std::path::Path;
-use taotie::io::{decode_bitmap, load_model};
+use taotie::io::{Loaded, decode_bitmap, load_model};
 
 /// How often each seed is damaged.
 const ROUNDS: usize = 200;
@@ -50,7 +50,8 @@ fn torment(model: &str, text: &[u8], damaged: &str, seed: &[u8]) {
     let path = folder.path().join(model);
     std::fs::write(&path, text).expect("a file");
     std::fs::write(folder.path().join(damaged), seed).expect("a file");
-    load_model(&path).unwrap_or_else(|e| panic!("the seed itself must be sound: {e}"));
+    let sound = load_model(&path).unwrap_or_else(|e| panic!("the seed itself must be sound: {e}"));
+    assert!(sound.warnings.iter().all(|(what, _)| !what.contains("channels")), "{:?}", sound.warnings);
     let mut dice = Dice(1);
     for round in 0..ROUNDS {
         let bytes = damage(seed, &mut dice);
@@ -61,8 +62,19 @@ fn torment(model: &str, text: &[u8], damaged: &str, seed: &[u8]) {
                 assert!(scene.instances.iter().all(|i| i.mesh < scene.meshes.len()), "round {round}");
                 assert!(scene.instances.iter().all(|i| i.material < scene.materials.len()), "round {round}");
                 scene.bounds();
+                pose(loaded);
             }
             Err(e) => assert!(!e.to_string().contains('\n'), "round {round}: {e}"),
+        }
+    }
+}
+
+/// Poses at several times give a scene or an error.
+fn pose(mut loaded: Loaded) {
+    let Some(rig) = loaded.rig else { return };
+    for animation in 0..rig.animations().len() {
+        for seconds in [-1.0, 0.5, 1e30, f64::NAN] {
+            let _ = rig.pose(&mut loaded.scene, animation, seconds);
         }
     }
 }
@@ -132,14 +144,26 @@ fn damaged_stl() {
     torment_alone("a.stl", &binary);
 }
 
-/// A triangle whose positions are the twelve words of 0, 0, 0; 1, 0, 0; 0, 1, 0 and padded indices 0, 1, 2.
+/// A triangle whose positions are the nine words of 0, 0, 0; 1, 0, 0; 0, 1, 0 and padded indices 0, 1, 2. It has a
+/// skin and a morph target, both animated; the positions serve as times and values too.
 const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
-    "nodes":[{"mesh":0,"translation":[1,2,3],"children":[1]},{"camera":0,"rotation":[0,0,0,1]}],
+    "nodes":[{"mesh":0,"translation":[1,2,3],"children":[1,2]},{"camera":0,"rotation":[0,0,0,1]},
+    {"mesh":1,"skin":0,"weights":[0.25]}],
     "cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}],
     "materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,1,1,1],"metallicFactor":0.5},"alphaMode":"MASK"}],
-    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0,"mode":4}]}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0,"mode":4}]},
+    {"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3},"targets":[{"POSITION":0}]}],"weights":[0.5]}],
+    "skins":[{"joints":[1]}],
+    "animations":[{"name":"a","channels":[{"sampler":0,"target":{"node":2,"path":"weights"}},
+    {"sampler":1,"target":{"node":1,"path":"rotation"}},{"sampler":2,"target":{"node":0,"path":"scale"}}],
+    "samplers":[{"input":4,"output":4,"interpolation":"STEP"},{"input":4,"output":6,"interpolation":"LINEAR"},
+    {"input":4,"output":5,"interpolation":"CUBICSPLINE"}]}],
     "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
-    {"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}],
+    {"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"},
+    {"bufferView":0,"componentType":5121,"count":3,"type":"VEC4"},
+    {"bufferView":0,"byteOffset":12,"componentType":5121,"count":3,"type":"VEC4","normalized":true},
+    {"bufferView":0,"byteOffset":8,"componentType":5126,"count":2,"type":"SCALAR"},
+    {"componentType":5126,"count":6,"type":"VEC3"},{"bufferView":0,"componentType":5126,"count":2,"type":"VEC4"}],
     "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],
     "buffers":[{"byteLength":44BUFFER}]}"#;
 

@@ -143,7 +143,7 @@ fn describe(shading: Shading) -> &'static str {
 }
 
 /// The same scene with the relief as an object-space map.
-fn with_object_map(scene: &Scene) -> Scene {
+pub fn with_object_map(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.textures.push(Texture::new(jue::object_normal_map(scene.textures[0].width()), Encoding::Linear));
     let index = scene.textures.len() - 1;

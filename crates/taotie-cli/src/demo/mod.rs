@@ -2,6 +2,8 @@
 
 mod export;
 mod gallery;
+mod glb;
+mod moving;
 mod stage;
 mod truth;
 
@@ -48,6 +50,7 @@ struct Demo {
     files: Vec<PathBuf>,
     made: Vec<Made>,
     comparison: Report,
+    moving: moving::Report,
 }
 
 /// Runs the subcommand.
@@ -64,6 +67,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
 fn demo(args: &DemoArgs) -> Result<Demo> {
     let scene = jue::scene(MAPS);
     let mut files = export::write(&args.out, &scene)?;
+    files.push(glb::write(&args.out, &scene)?);
     let progress = Progress::new("pictures");
     let (sheet, made) = gallery::write_sheet(args, &scene, &|done| progress.set(done))?;
     files.push(sheet);
@@ -71,7 +75,10 @@ fn demo(args: &DemoArgs) -> Result<Demo> {
     drop(progress);
     let (comparison, written) = truth::write(args, &scene)?;
     files.extend(written);
-    Ok(Demo { files, made, comparison })
+    let progress = Progress::new("moving surface");
+    let (moving, written) = moving::write(args, &scene, &|done| progress.set(done))?;
+    files.extend(written);
+    Ok(Demo { files, made, comparison, moving })
 }
 
 impl Demo {
@@ -81,7 +88,7 @@ impl Demo {
             console::result(&made.line())?;
         }
         console::result("")?;
-        for line in truth::lines(&self.comparison) {
+        for line in truth::lines(&self.comparison).into_iter().chain(moving::lines(&self.moving)) {
             console::result(&line)?;
         }
         console::result("")?;
@@ -98,6 +105,7 @@ impl Demo {
             "files": self.files,
             "pictures": self.made.iter().map(Made::json).collect::<Vec<_>>(),
             "comparison": self.comparison,
+            "moving": self.moving,
         })
     }
 }

@@ -21,9 +21,15 @@ pub struct Stage {
 impl Stage {
     /// The whole vessel.
     pub fn whole(scene: &Scene) -> Self {
-        let bounds = scene.bounds().expect("the jue has triangles");
+        Self::whole_in(&[scene])
+    }
+
+    /// The whole vessel in each of its poses.
+    pub fn whole_in(poses: &[&Scene]) -> Self {
+        let bounds = poses.iter().filter_map(|pose| pose.bounds()).reduce(|a, b| a.united(&b));
+        let bounds = bounds.expect("the jue has triangles");
         let mut orbit = orbit([24.0, 15.0], bounds.center());
-        orbit.distance = fitting_distance(&orbit, 1.0, 0.92, scene.corners());
+        orbit.distance = fitting_distance(&orbit, 1.0, 0.92, poses.iter().flat_map(|pose| pose.corners()));
         Self::new(orbit, bounds.diagonal())
     }
 

@@ -8,10 +8,11 @@ use std::path::Path;
 use taotie::Warnings;
 use taotie::io::Loaded;
 use taotie::render::{Prepared, SurfaceSettings};
+use taotie::scene::animation::Animation;
 use taotie::scene::{Camera, Light, LightKind, Projection, Scene};
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// What is in a model and what is wrong with it.
 #[derive(Debug, Serialize)]
@@ -40,6 +41,8 @@ pub struct Report {
     pub lights: Vec<Named>,
     /// The file's cameras.
     pub cameras: Vec<Named>,
+    /// The file's animations.
+    pub animations: Vec<AnimationReport>,
     /// Files that the model names and that are not there.
     pub missing_files: Vec<String>,
     /// glTF extensions that the file uses.
@@ -73,7 +76,7 @@ pub struct Counts {
     pub lights: usize,
     /// Cameras.
     pub cameras: usize,
-    /// Animations; only the rest pose is drawn.
+    /// Animations.
     pub animations: usize,
 }
 
@@ -95,6 +98,19 @@ pub struct Named {
     pub name: String,
     /// Its form, such as `spot` or `perspective`.
     pub kind: &'static str,
+}
+
+/// An animation.
+#[derive(Debug, Serialize)]
+pub struct AnimationReport {
+    /// As in the file; may be empty.
+    pub name: String,
+    /// The time of its last keyframe.
+    pub seconds: f64,
+    /// What it moves: channels that can be used.
+    pub channels: usize,
+    /// The keyframes of all channels.
+    pub keyframes: usize,
 }
 
 /// A warning.
@@ -123,6 +139,7 @@ impl Report {
             materials: Materials::new(loaded).reports(),
             lights: scene.lights.iter().map(named_light).collect(),
             cameras: scene.cameras.iter().map(named_camera).collect(),
+            animations: animations(loaded).iter().map(AnimationReport::new).collect(),
             missing_files: loaded.missing_files.clone(),
             extensions_used: loaded.extensions_used.clone(),
             extensions_required: loaded.extensions_required.clone(),
@@ -147,7 +164,23 @@ impl Counts {
             textures: scene.textures.len(),
             lights: scene.lights.len(),
             cameras: scene.cameras.len(),
-            animations: loaded.animations,
+            animations: animations(loaded).len(),
+        }
+    }
+}
+
+fn animations(loaded: &Loaded) -> &[Animation] {
+    loaded.rig.as_ref().map_or(&[], |rig| rig.animations())
+}
+
+impl AnimationReport {
+    fn new(animation: &Animation) -> Self {
+        let keyframes = animation.channels.iter().map(|c| animation.samplers[c.sampler].times().len());
+        Self {
+            name: animation.name.clone(),
+            seconds: animation.seconds(),
+            channels: animation.channels.len(),
+            keyframes: keyframes.sum(),
         }
     }
 }

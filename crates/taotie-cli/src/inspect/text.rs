@@ -3,7 +3,7 @@
 use super::material::{MaterialReport, TextureReport};
 use super::mesh::{MeshReport, Normals};
 use super::normal_map::NormalMapReport;
-use super::report::{Counts, Extent, Named, Report};
+use super::report::{AnimationReport, Counts, Extent, Named, Report};
 use super::tangents::TangentHealth;
 use crate::table::Table;
 
@@ -21,6 +21,7 @@ pub fn of(report: &Report) -> String {
         ("Materials", report.materials.iter().enumerate().map(|(i, m)| material(i, m)).collect()),
         ("Lights", named(&report.lights)),
         ("Cameras", named(&report.cameras)),
+        ("Animations", animations(&report.animations)),
         ("Extensions", extensions(report)),
         ("Missing files", report.missing_files.iter().map(|file| format!("  {}\n", clean(file))).collect()),
         ("Warnings", warnings(report)),
@@ -242,6 +243,20 @@ fn named(all: &[Named]) -> String {
         table.row([index.to_string(), one.kind.into(), short(&one.name)]);
     }
     table.lines(2)
+}
+
+fn animations(all: &[AnimationReport]) -> String {
+    let mut table = Table::new(&[">#", "name", ">seconds", ">channels", ">keyframes"]);
+    for (index, animation) in all.iter().enumerate() {
+        table.row([
+            index.to_string(),
+            short(&animation.name),
+            number(animation.seconds),
+            thousands(animation.channels),
+            thousands(animation.keyframes),
+        ]);
+    }
+    table.filled_lines(2)
 }
 
 fn extensions(report: &Report) -> String {

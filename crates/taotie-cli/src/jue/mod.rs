@@ -10,6 +10,7 @@ mod mask;
 mod noise;
 mod normals;
 mod patina;
+pub mod pour;
 mod profile;
 mod relief;
 mod split;

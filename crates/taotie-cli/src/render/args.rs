@@ -1,5 +1,6 @@
 //! The options of `taotie render`.
 
+use super::plan::MotionArgs;
 use crate::options;
 use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, RunningArgs};
 use anyhow::{Result, bail};
@@ -14,15 +15,17 @@ Examples:
   taotie render statue.obj --normal-map statue_normals.png --material bronze --shadows -o statue.png
   taotie render model.glb --orbit 30,20 --size 1920x1080 --samples 16 -o model.png
   taotie render model.glb --light \"directional from=-75,10 strength=4\" --shadows -o raking.png
-  taotie render model.glb --turntable 36 -o turn.png";
+  taotie render model.glb --turntable 36 -o turn.png
+  taotie render model.glb --animation Walk --fps 24 -o walk.gif";
 
-/// Renders a model (glTF, GLB, OBJ, PLY, STL) to a picture (PNG, EXR).
+/// Renders a model (glTF, GLB, OBJ, PLY, STL) to a picture (PNG, EXR) or a moving one (PNG, GIF).
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct RenderArgs {
     /// The model: .gltf, .glb, .obj, .ply or .stl
     pub model: PathBuf,
-    /// The picture to write: .png (sRGB) or .exr (linear)
+    /// The picture to write: .png (sRGB) or .exr (linear). Of several pictures .png or .gif becomes one that moves,
+    /// beside the numbered ones
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 
@@ -43,9 +46,8 @@ pub struct RenderArgs {
     pub light: LightArgs,
     #[command(flatten)]
     pub camera: CameraArgs,
-    /// Writes N pictures around the object, numbered
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=9999), help_heading = "Camera")]
-    pub turntable: Option<u32>,
+    #[command(flatten)]
+    pub motion: MotionArgs,
 
     /// Pixels across and down
     #[arg(long, value_name = "WxH", value_parser = options::size, default_value = "1024x1024", help_heading = "Picture")]
@@ -72,7 +74,8 @@ impl RenderArgs {
         self.camera.check()?;
         self.film.check()?;
         self.running.check()?;
-        super::output::PictureFormat::of(&self.output, &self.bits)?;
+        self.motion.check()?;
+        super::output::Formats::of(self)?;
         super::output::check_place(&self.output)
     }
 
@@ -96,6 +99,6 @@ impl RenderArgs {
 
     /// What has to fit into the picture.
     pub fn framing(&self) -> Framing {
-        Framing { size: self.size, all_around: self.turntable.is_some() }
+        Framing { size: self.size, all_around: self.motion.turntable.is_some() }
     }
 }

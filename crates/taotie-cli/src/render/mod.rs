@@ -1,29 +1,34 @@
-//! `taotie render`: a model in, a picture out.
+//! `taotie render`: a model in, a picture or a moving one out.
 
 mod args;
 mod output;
+mod plan;
+mod sequence;
 
 pub use args::RenderArgs;
 pub use output::{PictureFormat, check_place, write_picture};
 
-use crate::console::{self, Progress};
-use crate::studio::{self, Viewpoint, in_pool};
-use anyhow::{Context, Result};
+use crate::console;
+use crate::studio::{self, Motion, in_pool};
+use anyhow::Result;
+use sequence::Sequence;
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 use taotie::Warnings;
 use taotie::names::Named;
-use taotie::render::{Pass, Prepared};
-use taotie::scene::Scene;
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// What came of a run.
 struct Report {
     files: Vec<PathBuf>,
     triangles: usize,
+    /// The animation shown.
+    animation: Option<String>,
+    /// Its time in each picture, seconds.
+    times: Vec<f64>,
     warnings: Warnings,
     /// Stage and seconds.
     seconds: Vec<(&'static str, f64)>,
@@ -48,54 +53,25 @@ fn render(args: &RenderArgs) -> Result<Report> {
     let mut loaded = studio::load(&args.model, &args.material, args.bump_scale)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     watch.lap("load");
-    let prepared = Prepared::new(&loaded.scene, &args.settings().surface)
-        .with_context(|| args.model.display().to_string())?;
-    warnings.absorb(prepared.warnings().clone());
+    let mut settings = args.settings();
+    let motion = match args.motion.animates() {
+        true => {
+            let choice = args.motion.animation.as_deref();
+            let motion = Motion::choose(loaded.rig.take(), choice, &args.model)?;
+            let (motion, surface) =
+                motion.bind_tangents(&mut loaded.scene, &settings.surface, &mut warnings)?;
+            settings.surface = surface;
+            Some(motion)
+        }
+        false => None,
+    };
     watch.lap("prepare");
-    let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
-    let studio = Studio { args, scene: &loaded.scene, prepared: &prepared, viewpoint };
-    let mut files = Vec::new();
-    for index in 0..studio.frames() {
-        files.extend(studio.take(index, &mut watch)?);
-    }
-    Ok(Report { files, triangles: loaded.scene.triangle_count(), warnings, seconds: watch.laps })
-}
-
-/// Everything that stays as it is from one frame of a turntable to the next.
-struct Studio<'a> {
-    args: &'a RenderArgs,
-    scene: &'a Scene,
-    prepared: &'a Prepared<'a>,
-    viewpoint: Viewpoint,
-}
-
-impl Studio<'_> {
-    fn frames(&self) -> u32 {
-        self.args.turntable.unwrap_or(1)
-    }
-
-    /// Renders and writes one frame; returns the files.
-    fn take(&self, index: u32, watch: &mut Watch) -> Result<Vec<PathBuf>> {
-        let (args, frames) = (self.args, self.frames());
-        let turn = std::f64::consts::TAU * f64::from(index) / f64::from(frames);
-        let lighting = studio::lighting(&args.light, self.scene, &self.viewpoint, turn)?;
-        let title = if frames > 1 { format!("frame {} of {frames}", index + 1) } else { "render".into() };
-        let progress = Progress::new(title);
-        let pass = Pass::new(self.prepared, &self.viewpoint.camera(turn), &lighting, &args.settings())?;
-        let frame = pass.render(&|done| progress.set(done))?;
-        watch.lap("render");
-        let path = if frames > 1 { numbered(&args.output, index, frames) } else { args.output.clone() };
-        let files = output::write(args, &path, &frame)?;
-        watch.lap("write");
-        Ok(files)
-    }
-}
-
-/// `turn.png` becomes `turn.007.png`.
-fn numbered(path: &Path, index: u32, count: u32) -> PathBuf {
-    let digits = (count.saturating_sub(1)).to_string().len().max(3);
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    path.with_extension(format!("{index:0digits$}.{extension}"))
+    let plan = args.motion.plan(motion.as_ref().map_or(0.0, Motion::seconds))?;
+    let mut sequence = Sequence::new(args, settings, &plan, watch)?;
+    let files = sequence.take(&mut loaded.scene, motion.as_ref(), &mut warnings)?;
+    let animation = motion.map(|motion| motion.name());
+    let triangles = loaded.scene.triangle_count();
+    Ok(Report { files, triangles, animation, times: plan.times(), warnings, seconds: sequence.watch.laps })
 }
 
 impl Report {
@@ -108,6 +84,8 @@ impl Report {
             "model": args.model.to_string_lossy(),
             "files": self.files.iter().map(|file| file.to_string_lossy()).collect::<Vec<_>>(),
             "triangles": self.triangles,
+            "animation": self.animation,
+            "times": self.times,
             "size": args.size,
             "samples": args.film.samples,
             "shading": args.shading.name(),

@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use taotie::film::{self, Development, ToneCurve};
 use taotie::image::{Encoding, Image};
-use taotie::io::{self, ExrLayer, PngColor, PngImage, PngSamples};
+use taotie::io::{self, ExrLayer, MovingFormat, PngColor, PngImage, PngSamples};
 use taotie::render::Frame;
 
 /// How a picture is stored.
@@ -19,17 +19,53 @@ pub enum PictureFormat {
     Exr,
 }
 
+/// How the pictures of a run are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Formats {
+    /// Each of them.
+    pub still: PictureFormat,
+    /// All together, where there are several and the format can move.
+    pub moving: Option<MovingFormat>,
+}
+
+impl Formats {
+    /// What the output's extension asks for.
+    pub fn of(args: &RenderArgs) -> Result<Self> {
+        let extension = args.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let png = if args.bits == "16" { PictureFormat::Png16 } else { PictureFormat::Png8 };
+        let (still, moving) = match extension.as_str() {
+            "png" => (png, Some(MovingFormat::Png)),
+            "gif" => (png, Some(MovingFormat::Gif)),
+            "exr" => (PictureFormat::Exr, None),
+            _ => bail!(
+                "{}: pictures are written as .png or .exr, moving ones as .png or .gif",
+                args.output.display()
+            ),
+        };
+        let several = args.motion.takes_several();
+        if !several && moving == Some(MovingFormat::Gif) {
+            let path = args.output.display();
+            bail!(
+                "{path}: a .gif holds moving pictures; add --turntable, --frames or --fps, or write a .png"
+            );
+        }
+        Ok(Self { still, moving: moving.filter(|_| several) })
+    }
+}
+
 impl PictureFormat {
-    /// The format that the path's extension asks for.
-    pub fn of(path: &Path, bits: &str) -> Result<Self> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        match (extension.as_str(), bits) {
-            ("png", "16") => Ok(Self::Png16),
-            ("png", _) => Ok(Self::Png8),
-            ("exr", _) => Ok(Self::Exr),
-            _ => bail!("{}: pictures are written as .png or .exr", path.display()),
+    fn extension(self) -> &'static str {
+        match self {
+            Self::Png8 | Self::Png16 => "png",
+            Self::Exr => "exr",
         }
     }
+}
+
+/// `turn.gif` becomes `turn.007.png`.
+pub fn numbered(path: &Path, format: PictureFormat, index: usize, count: usize) -> PathBuf {
+    let digits = (count.saturating_sub(1)).to_string().len().max(3);
+    path.with_extension(format!("{index:0digits$}.{}", format.extension()))
 }
 
 /// Refuses, before any work is done, a path that is a folder or lies in none.
@@ -45,8 +81,7 @@ pub fn check_place(path: &Path) -> Result<()> {
 }
 
 /// Writes a frame and the output variables asked for; returns the files.
-pub fn write(args: &RenderArgs, path: &Path, frame: &Frame) -> Result<Vec<PathBuf>> {
-    let format = PictureFormat::of(path, &args.bits)?;
+pub fn write(args: &RenderArgs, path: &Path, format: PictureFormat, frame: &Frame) -> Result<Vec<PathBuf>> {
     write_picture(path, &frame.color, &args.film.development(args.running.simd)?, format)?;
     let mut files = vec![path.to_path_buf()];
     let named = frame.aovs.iter().flat_map(|aovs| aovs.named());

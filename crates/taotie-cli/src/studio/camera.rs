@@ -1,10 +1,10 @@
 //! Where the picture is taken from.
 
-use super::CameraArgs;
+use super::{CameraArgs, Motion};
 use anyhow::{Result, bail};
 use std::f64::consts::TAU;
 use taotie::math::{Mat4, Vec3};
-use taotie::scene::{Camera, Orbit, Scene, fitting_distance};
+use taotie::scene::{Bounds, Camera, Orbit, Scene, fitting_distance};
 
 /// Directions from which a turntable's object must fit.
 const TURNS: u32 = 24;
@@ -25,9 +25,39 @@ impl Viewpoint {
     /// The camera asked for: one of the file by name, an orbit, else the object framed.
     pub fn choose(args: &CameraArgs, framing: Framing, scene: &Scene) -> Result<Self> {
         let Some(bounds) = scene.bounds() else { bail!("the model has no triangle to look at") };
+        let named = args.camera.as_ref().map(|name| named(scene, name)).transpose()?;
+        Self::around(args, named, bounds, |orbit| Ok(framing.distance(scene, orbit)))
+    }
+
+    /// As [`Viewpoint::choose`], framing all that the object fills in the course of its motion, so that no picture of it
+    /// is seen from elsewhere than another. Leaves the scene at the end of the motion.
+    pub fn choose_moving(
+        args: &CameraArgs,
+        framing: Framing,
+        scene: &mut Scene,
+        motion: &Motion,
+    ) -> Result<Self> {
+        let mut all: Option<Bounds> = None;
+        motion.tour(scene, |posed| all = united(all, posed.bounds()))?;
+        let Some(bounds) = all else { bail!("the model has no triangle to look at") };
+        let named = args.camera.as_ref().map(|name| named(scene, name)).transpose()?;
+        Self::around(args, named, bounds, |orbit| {
+            let mut distance = 0.0;
+            motion.tour(scene, |posed| distance = framing.distance(posed, orbit).max(distance))?;
+            Ok(distance)
+        })
+    }
+
+    /// The camera `named`, else an orbit about `bounds`, by default at the distance that `fit` finds.
+    fn around(
+        args: &CameraArgs,
+        named: Option<Camera>,
+        bounds: Bounds,
+        fit: impl FnOnce(&Orbit) -> Result<f64>,
+    ) -> Result<Self> {
         let pivot = args.target.unwrap_or(bounds.center());
-        if let Some(name) = &args.camera {
-            return Ok(Self { camera: named(scene, name)?, pivot });
+        if let Some(camera) = named {
+            return Ok(Self { camera, pivot });
         }
         let (azimuth, elevation, distance) = match args.orbit.as_deref() {
             None => (DEFAULT_ORBIT[0], DEFAULT_ORBIT[1], None),
@@ -41,9 +71,17 @@ impl Viewpoint {
         };
         let [azimuth, elevation, fov_y] = [azimuth, elevation, args.fov_deg].map(f64::to_radians);
         let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target: pivot, fov_y };
-        orbit.distance = distance.unwrap_or_else(|| framing.distance(scene, &orbit));
+        orbit.distance = distance.map_or_else(|| fit(&orbit), Ok)?;
         let reach = bounds.diagonal() / 2.0 + (pivot - bounds.center()).length();
         Ok(Self { camera: orbit.camera(reach), pivot })
+    }
+
+    /// Goes with a camera of the file that moves, where such a one was asked for.
+    pub fn follow(&mut self, args: &CameraArgs, scene: &Scene) -> Result<()> {
+        if let Some(name) = &args.camera {
+            self.camera = named(scene, name)?;
+        }
+        Ok(())
     }
 
     /// The camera after the object has turned by `turn` radians, as if it stood on a turntable.
@@ -79,6 +117,13 @@ impl Framing {
             fitting_distance(&turned, aspect, FILL, scene.corners())
         });
         distances.fold(0.0, f64::max)
+    }
+}
+
+fn united(a: Option<Bounds>, b: Option<Bounds>) -> Option<Bounds> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.united(&b)),
+        (one, other) => one.or(other),
     }
 }
 

@@ -6,12 +6,14 @@ mod camera;
 mod lights;
 mod material;
 mod model;
+mod motion;
 
 pub use args::{CameraArgs, FilmArgs, Green, LightArgs, MaterialArgs, RunningArgs, Space};
 pub use camera::{Framing, Viewpoint};
 pub use lights::lighting;
 pub use material::apply_choice;
 pub use model::load;
+pub use motion::Motion;
 
 use anyhow::{Context, Result};
 

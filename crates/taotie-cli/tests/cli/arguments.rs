@@ -156,7 +156,7 @@ fn unknown_picture_format() {
     refused_beside_a_model(
         "render a.obj -o a.bmp",
         str![[r#"
-taotie: error: a.bmp: pictures are written as .png or .exr
+taotie: error: a.bmp: pictures are written as .png or .exr, moving ones as .png or .gif
 
 "#]],
     );

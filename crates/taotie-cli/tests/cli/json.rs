@@ -30,6 +30,8 @@ struct RenderReport {
     model: String,
     files: Vec<String>,
     triangles: usize,
+    animation: Option<String>,
+    times: Vec<f64>,
     size: [u32; 2],
     samples: u32,
     shading: String,
@@ -42,7 +44,7 @@ struct RenderReport {
 #[test]
 fn of_render() {
     let report: RenderReport = parse("render a.gltf -o b.png --size 8x6 --samples 1 --json");
-    assert_eq!((report.schema, report.version.as_str()), (1, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.schema, report.version.as_str()), (2, env!("CARGO_PKG_VERSION")));
     assert_eq!((report.model.as_str(), report.files.as_slice()), ("a.gltf", ["b.png".to_owned()].as_slice()));
     assert_eq!((report.triangles, report.size, report.samples), (2, [8, 6], 1));
     assert_eq!((report.shading.as_str(), report.surface, report.tone.as_str()), ("ggx", None, "neutral"));
@@ -65,6 +67,7 @@ struct InspectReport {
     materials: Vec<Material>,
     lights: Vec<Named>,
     cameras: Vec<Named>,
+    animations: Vec<Animation>,
     missing_files: Vec<String>,
     extensions_used: Vec<String>,
     extensions_required: Vec<String>,
@@ -100,6 +103,15 @@ struct Extent {
 struct Named {
     name: String,
     kind: String,
+}
+
+#[derive(Deserialize, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct Animation {
+    name: String,
+    seconds: f64,
+    channels: usize,
+    keyframes: usize,
 }
 
 #[derive(Deserialize)]
@@ -202,7 +214,7 @@ struct NormalMap {
 #[test]
 fn of_inspect() {
     let report: InspectReport = parse("inspect a.gltf --json");
-    assert_eq!((report.schema, report.format.as_str()), (1, "glTF"));
+    assert_eq!((report.schema, report.format.as_str()), (2, "glTF"));
     assert_eq!((report.generator.as_deref(), report.copyright.as_deref()), (Some("by hand"), Some("nobody")));
     let counts = &report.counts;
     assert_eq!((counts.triangles, counts.triangles_drawn, counts.vertices), (2, 2, 4));

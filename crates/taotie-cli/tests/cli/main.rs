@@ -10,6 +10,7 @@ mod help;
 mod inspect;
 mod json;
 mod models;
+mod motion;
 mod normals;
 mod place;
 mod render;

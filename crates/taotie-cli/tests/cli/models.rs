@@ -109,6 +109,31 @@ pub fn square_json() -> Value {
     serde_json::from_str(&square()).expect("it is JSON")
 }
 
+/// [`square`] with two animations of two seconds: in `rise` it goes two units up, in the other, which has no name, it
+/// turns by 90° about its lower left corner.
+pub fn moving_square() -> String {
+    let mut json = square_json();
+    let floats: [f32; 16] = [0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.6, 0.8];
+    let bytes: Vec<u8> = floats.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let push = |list: &mut Value, value: Value| list.as_array_mut().expect("a list").push(value);
+    let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&bytes));
+    push(&mut json["buffers"], json!({ "byteLength": bytes.len(), "uri": uri }));
+    for (offset, length, kind) in [(0, 8, "SCALAR"), (8, 24, "VEC3"), (32, 32, "VEC4")] {
+        let view = json["bufferViews"].as_array().expect("a list").len();
+        push(&mut json["bufferViews"], json!({ "buffer": 1, "byteOffset": offset, "byteLength": length }));
+        push(
+            &mut json["accessors"],
+            json!({ "bufferView": view, "componentType": 5126, "count": 2, "type": kind }),
+        );
+    }
+    let channels = |path: &str| json!([{ "sampler": 0, "target": { "node": 0, "path": path } }]);
+    json["animations"] = json!([
+        { "name": "rise", "channels": channels("translation"), "samplers": [{ "input": 5, "output": 6 }] },
+        { "channels": channels("rotation"), "samplers": [{ "input": 5, "output": 7 }] },
+    ]);
+    json.to_string()
+}
+
 /// Which way green points in [`write_relief`].
 #[derive(Clone, Copy, PartialEq)]
 pub enum Green {

@@ -67,19 +67,6 @@ b.depth.png
 }
 
 #[test]
-fn turntables_are_numbered() {
-    let place = Place::with("a.obj", TRIANGLE);
-    let line = "render a.obj -o b.png --size 16x16 --turntable 3";
-    place.taotie(line).assert().success().stderr_eq("").stdout_eq(str![[r#"
-b.000.png
-b.001.png
-b.002.png
-
-"#]]);
-    assert_eq!(place.files(), ["a.obj", "b.000.png", "b.001.png", "b.002.png"]);
-}
-
-#[test]
 fn triangles_without_area_are_counted() {
     let place = Place::with("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 2 4 2\n");
     let line = "render a.obj -o b.png --size 16x16";

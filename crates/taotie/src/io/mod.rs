@@ -13,12 +13,13 @@ mod write;
 
 pub use bitmap::{decode_bitmap, read_bitmap};
 pub use write::{
-    ExrLayer, PngColor, PngImage, PngSamples, encode_png, write_bytes, write_exr, write_png,
-    write_png_bitmap, write_text,
+    ExrLayer, MovingFormat, MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_png,
+    write_bytes, write_exr, write_png, write_png_bitmap, write_text,
 };
 
 use crate::error::{Error, Result, Warnings};
 use crate::scene::Scene;
+use crate::scene::animation::Rig;
 use std::path::Path;
 
 /// What a model file held: the scene, what was put right, and what a report about the file wants to know.
@@ -44,8 +45,8 @@ pub struct Loaded {
     pub texture_names: Vec<String>,
     /// Files that the model names and that are not there.
     pub missing_files: Vec<String>,
-    /// How many animations the file holds; only the rest pose is drawn.
-    pub animations: usize,
+    /// What moves the scene, where the file has animations; the scene itself is at rest.
+    pub rig: Option<Rig>,
 }
 
 impl Loaded {

@@ -1,14 +1,17 @@
 //! Pictures and reports to files, each written under a temporary name and renamed, so that no half a file is left.
 
 mod exr;
+mod moving;
 mod png;
 
 pub use exr::{ExrLayer, write_exr};
+pub use moving::{MovingFormat, MovingPicture, MovingSpec};
 pub use png::{PngColor, PngImage, PngSamples, encode_png, write_png, write_png_bitmap};
 
 use crate::error::{Error, Result};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
+use tempfile::NamedTempFile;
 
 /// Writes `bytes` to `path`, whole or not at all.
 ///
@@ -32,6 +35,18 @@ impl<T: Write + Seek> Sink for T {}
 
 /// Lets `fill` write to a temporary file beside `path`, then renames it. The file is removed where anything fails.
 fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> Result<()>) -> Result<()> {
+    let mut out = BufWriter::with_capacity(BUFFER, draft(path)?);
+    fill(&mut out)?;
+    let file = out.into_inner().map_err(|e| Error::io(path, e.into_error()))?;
+    file.persist(path).map_err(|e| Error::io(path, e.error))?;
+    Ok(())
+}
+
+/// How much is written to a file at once, bytes.
+const BUFFER: usize = 1 << 16;
+
+/// A temporary file beside `path`, to be renamed when it is whole; it is removed where that never comes.
+fn draft(path: &Path) -> Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -47,12 +62,7 @@ fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> Result<()>) -> Re
     let mut builder = tempfile::Builder::new();
     builder.prefix(".taotie-").suffix(".part");
     public_permissions(&mut builder);
-    let file = builder.tempfile_in(folder).map_err(|e| Error::io(path, e))?;
-    let mut out = BufWriter::with_capacity(1 << 16, file);
-    fill(&mut out)?;
-    let file = out.into_inner().map_err(|e| Error::io(path, e.into_error()))?;
-    file.persist(path).map_err(|e| Error::io(path, e.error))?;
-    Ok(())
+    builder.tempfile_in(folder).map_err(|e| Error::io(path, e))
 }
 
 /// Temporary files are private by default; a picture is as readable as any other new file.

@@ -1,6 +1,9 @@
 //! Triangle meshes whose arrays are checked once, so that nothing after them can fail.
 
 pub mod deform;
+mod repair;
+
+pub(crate) use repair::repair;
 
 use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};

@@ -5,6 +5,7 @@
 //! visibility, fragments (interpolation and textures), normals, shadows, lighting, and resolve into the tile.
 
 mod batch;
+mod follow;
 mod fragments;
 mod frame;
 mod lighting;
@@ -16,6 +17,7 @@ mod shadows;
 mod view;
 
 pub use batch::{BATCH, Batch};
+pub use follow::bind_tangents;
 pub use fragments::Key;
 pub use frame::{Aovs, Frame};
 pub use pass::Pass;

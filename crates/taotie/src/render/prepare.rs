@@ -184,10 +184,7 @@ impl<'a> Preparation<'a, '_> {
         {
             let method = self.settings.tangents.unwrap_or(TangentMethod::MikkTSpace);
             let made = surface::with_tangents(&mesh, uv_set, method)?;
-            self.warnings.note(
-                "triangles without uv area, given a tangent frame about their normal",
-                made.degenerate_uvs,
-            );
+            self.warnings.note(surface::NO_UV_AREA, made.degenerate_uvs);
             mesh = Cow::Owned(made.mesh);
         }
         let mesh = Arc::new(mesh);

@@ -111,6 +111,18 @@ impl Orbit {
     }
 }
 
+/// A transform without scale, shear and mirroring: what a camera takes of the node it hangs on. It keeps where the
+/// camera looks and which way is up.
+pub fn rigid(world: &Mat4) -> Mat4 {
+    let fallback = Vec3::new(0.0, 0.0, 1.0);
+    let z = world.axis(2).normalize_or(fallback);
+    let up = world.axis(1);
+    let side = up.cross(z);
+    let any = if z.x.abs() < 0.9 { Vec3::new(1.0, 0.0, 0.0) } else { Vec3::new(0.0, 1.0, 0.0) };
+    let x = side.normalize_or((any - z * z.dot(any)).normalize());
+    Mat4::from_axes(x, z.cross(x), z, world.axis(3))
+}
+
 /// The least distance from `orbit.target` at which all `points` (world space) lie within the part `fill` of the
 /// picture's width and height, for width over height `aspect`. `orbit.distance` is not read.
 pub fn fitting_distance(
@@ -170,5 +182,18 @@ mod tests {
             assert!((view.transform_point(target) - Vec3::new(0.0, 0.0, -5.0)).length() < 1e-12);
             assert!((view.determinant3() - 1.0).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn camera_transforms_become_rigid() {
+        let turned = Mat4::rotation_about(Vec3::new(0.0, 0.6, 0.8), 1.1);
+        let world =
+            Mat4::translation(Vec3::new(1.0, 2.0, 3.0)) * turned * Mat4::scale(Vec3::new(-2.0, 3.0, 4.0));
+        let m = rigid(&world);
+        assert!((m.determinant3() - 1.0).abs() < 1e-12);
+        assert!((m.axis(2) - turned.axis(2)).length() < 1e-12);
+        assert!((m.axis(1) - turned.axis(1)).length() < 1e-12);
+        assert!((m.axis(3) - Vec3::new(1.0, 2.0, 3.0)).length() < 1e-12);
+        assert!((rigid(&Mat4::scale(Vec3::splat(0.0))).determinant3() - 1.0).abs() < 1e-12);
     }
 }

@@ -1,7 +1,7 @@
 //! Lights that are points or directions.
 
 use super::Camera;
-use crate::math::{Vec3, scalar};
+use crate::math::{Mat4, Vec3, scalar};
 
 /// A light in world space.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +52,19 @@ pub enum Falloff {
     Windowed(f32),
     /// E = I at any distance, as in the seed paper.
     None,
+}
+
+impl Light {
+    /// Hangs it on a node: it stands at the node's origin and shines along its −z axis, as KHR_lights_punctual says.
+    pub fn place(&mut self, world: &Mat4) {
+        let to = world.axis(3).to_f32();
+        let along = (-world.axis(2)).normalize_or(Vec3::new(0.0, 0.0, -1.0)).to_f32();
+        match &mut self.kind {
+            LightKind::Point { position } => *position = to,
+            LightKind::Directional { direction } => *direction = along,
+            LightKind::Spot { position, direction, .. } => (*position, *direction) = (to, along),
+        }
+    }
 }
 
 /// The unit direction, world space, to what lies `azimuth` radians to the right of the viewer and `elevation` above,

@@ -1,11 +1,13 @@
-//! What is looked at: meshes, materials, textures, instances, lights and cameras. Data, no behaviour.
+//! What is looked at: meshes, materials, textures, instances, lights, cameras, and how they move. Data, and the poses
+//! that follow from it.
 
+pub mod animation;
 mod camera;
 mod light;
 mod material;
 mod presets;
 
-pub use camera::{Camera, Orbit, Projection, fitting_distance};
+pub use camera::{Camera, Orbit, Projection, fitting_distance, rigid};
 pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
 pub use material::{
     AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
@@ -59,6 +61,14 @@ impl Bounds {
         (self.min + self.max) * 0.5
     }
 
+    /// The least box around both.
+    pub fn united(&self, other: &Self) -> Self {
+        let pick = |a: Vec3<f64>, b: Vec3<f64>, of: fn(f64, f64) -> f64| {
+            Vec3::new(of(a.x, b.x), of(a.y, b.y), of(a.z, b.z))
+        };
+        Self { min: pick(self.min, other.min, f64::min), max: pick(self.max, other.max, f64::max) }
+    }
+
     /// The length of the diagonal.
     pub fn diagonal(&self) -> f64 {
         (self.max - self.min).length()
@@ -70,9 +80,8 @@ impl Scene {
     pub fn bounds(&self) -> Option<Bounds> {
         let mut bounds: Option<Bounds> = None;
         for p in self.corners() {
-            let b = bounds.get_or_insert(Bounds { min: p, max: p });
-            b.min = Vec3::new(b.min.x.min(p.x), b.min.y.min(p.y), b.min.z.min(p.z));
-            b.max = Vec3::new(b.max.x.max(p.x), b.max.y.max(p.y), b.max.z.max(p.z));
+            let point = Bounds { min: p, max: p };
+            bounds = Some(bounds.map_or(point, |b| b.united(&point)));
         }
         bounds
     }

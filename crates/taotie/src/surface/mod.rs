@@ -22,4 +22,5 @@ pub use maps::{
 };
 pub use method::{SurfaceMethod, TangentMethod};
 pub use normals::{facet_normal, vertex_normals, with_normals};
+pub(crate) use tangents::NO_UV_AREA;
 pub use tangents::{Tangented, with_tangents};

@@ -18,6 +18,9 @@ pub struct Tangented {
     pub degenerate_uvs: usize,
 }
 
+/// The warning for [`Tangented::degenerate_uvs`].
+pub(crate) const NO_UV_AREA: &str = "triangles without uv area, given a tangent frame about their normal";
+
 /// A tangent (x, y, z, handedness) at each corner of a triangle, where one was found.
 pub(super) type CornerTangents = [Option<[f32; 4]>; 3];
 

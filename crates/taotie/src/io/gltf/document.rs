@@ -20,7 +20,8 @@ const SUPPORTED: [&str; 7] = [
     "KHR_materials_specular",
 ];
 
-/// Extensions that do not change a picture of the rest pose with the default materials.
+/// Extensions that do not change a picture with the default materials; the channels of KHR_animation_pointer are left
+/// out with a warning of their own.
 const WITHOUT_EFFECT: [&str; 4] =
     ["KHR_xmp", "KHR_xmp_json_ld", "KHR_materials_variants", "KHR_animation_pointer"];
 
@@ -32,8 +33,8 @@ pub(super) struct Document {
     pub root: Root,
     /// `GLB` or `glTF`.
     pub format: &'static str,
-    /// How many animations there are. They are not parsed: only the rest pose is drawn.
-    pub animations: usize,
+    /// The animations' JSON, whose types are checked channel by channel.
+    pub animations: Vec<Value>,
     /// The bytes of each buffer; `None` for one that has no source.
     buffers: Vec<Option<Vec<u8>>>,
 }
@@ -170,15 +171,18 @@ fn little_endian(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
 }
 
-/// The typed JSON, and how many animations were left out of it.
-fn parse(path: &Path, text: &[u8]) -> Result<(Root, usize)> {
+/// The typed JSON, and the animations, which are taken out of it so that a wrong one harms nothing else.
+fn parse(path: &Path, text: &[u8]) -> Result<(Root, Vec<Value>)> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let wrong = |e: &json::Error| Error::parse(path, "JSON", e.to_string());
     let mut value: Value = json::deserialize::from_slice(text).map_err(|e| wrong(&e))?;
     check_version(path, &value)?;
-    let animations = value.as_object_mut().and_then(|root| root.remove("animations"));
-    let animations = animations.and_then(|a| a.as_array().map(Vec::len)).unwrap_or(0);
     tidy(&mut value);
+    let animations = value.as_object_mut().and_then(|root| root.remove("animations"));
+    let animations = match animations {
+        Some(Value::Array(animations)) => animations,
+        _ => Vec::new(),
+    };
     let root = json::deserialize::from_value(value).map_err(|e| {
         // Parsing the text again tells the line, which a value does not know.
         match json::deserialize::from_slice::<Root>(text) {

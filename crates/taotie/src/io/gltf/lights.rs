@@ -3,40 +3,29 @@
 use super::document::{Document, no_such};
 use super::nodes::Nodes;
 use crate::error::Warnings;
-use crate::math::{Mat4, Vec3};
-use crate::scene::{Camera, Falloff, Light, LightKind, Projection};
+use crate::math::Vec3;
+use crate::scene::{Camera, Falloff, Light, LightKind, Projection, rigid};
 use gltf::json;
 use gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type as LightType};
 use gltf::json::validation::Checked;
 
-/// The cameras of the shown nodes. One that cannot be used is left out with a warning.
-pub(super) fn cameras(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<Camera> {
+/// The cameras of the shown nodes, with the nodes. One that cannot be used is left out with a warning.
+pub(super) fn cameras(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<(usize, Camera)> {
     let mut cameras = Vec::new();
     for node in &nodes.shown {
         let json = &document.root.nodes[*node];
         let Some(index) = json.camera.map(|c| c.value()) else { continue };
         let camera = document.root.cameras.get(index).ok_or_else(|| no_such("camera", index));
         match camera.and_then(|c| projection(c).map(|p| (c, p))) {
-            Ok((camera, projection)) => cameras.push(Camera {
-                name: camera.name.clone().or(json.name.clone()).unwrap_or_default(),
-                world_from_view: rigid(&nodes.world[*node]),
-                projection,
-            }),
+            Ok((camera, projection)) => {
+                let name = camera.name.clone().or(json.name.clone()).unwrap_or_default();
+                let world_from_view = rigid(&nodes.world[*node]);
+                cameras.push((*node, Camera { name, world_from_view, projection }));
+            }
             Err(why) => warnings.note(format!("camera of node {node} is left out: {why}"), 1),
         }
     }
     cameras
-}
-
-/// The transform without scale, shear and mirroring: it keeps where the camera looks and which way is up.
-fn rigid(world: &Mat4) -> Mat4 {
-    let fallback = Vec3::new(0.0, 0.0, 1.0);
-    let z = world.axis(2).normalize_or(fallback);
-    let up = world.axis(1);
-    let side = up.cross(z);
-    let any = if z.x.abs() < 0.9 { Vec3::new(1.0, 0.0, 0.0) } else { Vec3::new(0.0, 1.0, 0.0) };
-    let x = side.normalize_or((any - z * z.dot(any)).normalize());
-    Mat4::from_axes(x, z.cross(x), z, world.axis(3))
 }
 
 fn projection(camera: &json::Camera) -> Result<Projection, String> {
@@ -60,8 +49,8 @@ fn projection(camera: &json::Camera) -> Result<Projection, String> {
     }
 }
 
-/// The lights of the shown nodes. One that cannot be used is left out with a warning.
-pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<Light> {
+/// The lights of the shown nodes, with the nodes. One that cannot be used is left out with a warning.
+pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<(usize, Light)> {
     let extension = document.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
     let all = extension.map_or(&[][..], |e| &e.lights);
     let mut lights = Vec::new();
@@ -70,10 +59,11 @@ pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings
         let used = json.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
         let Some(index) = used.map(|u| u.light.value()) else { continue };
         let light = all.get(index).ok_or_else(|| no_such("light", index));
-        match light.and_then(|l| place_light(l, &nodes.world[*node])) {
+        match light.and_then(unplaced_light) {
             Ok(mut light) => {
                 light.name = all[index].name.clone().or(json.name.clone()).unwrap_or_default();
-                lights.push(light);
+                light.place(&nodes.world[*node]);
+                lights.push((*node, light));
             }
             Err(why) => warnings.note(format!("light of node {node} is left out: {why}"), 1),
         }
@@ -81,14 +71,13 @@ pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings
     lights
 }
 
-/// Candela for points and spots, lux for directions; it shines along the node's −z axis.
-fn place_light(light: &JsonLight, world: &Mat4) -> Result<Light, String> {
+/// Candela for points and spots, lux for directions; not yet where its node stands.
+fn unplaced_light(light: &JsonLight) -> Result<Light, String> {
     let color = Vec3::from_array(light.color) * light.intensity;
     if !color.is_finite() || color.to_array().iter().any(|v| *v < 0.0) {
         return Err(format!("its colour {:?} times {} is no light", light.color, light.intensity));
     }
-    let position = world.axis(3).to_f32();
-    let direction = (-world.axis(2)).normalize_or(Vec3::new(0.0, 0.0, -1.0)).to_f32();
+    let (position, direction) = (Vec3::splat(0.0), Vec3::new(0.0, 0.0, -1.0));
     let kind = match light.type_ {
         Checked::Valid(LightType::Directional) => LightKind::Directional { direction },
         Checked::Valid(LightType::Point) => LightKind::Point { position },
@@ -122,19 +111,6 @@ fn cone(inner: f32, outer: f32) -> Result<(f32, f32), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn camera_transforms_become_rigid() {
-        let turned = Mat4::rotation_about(Vec3::new(0.0, 0.6, 0.8), 1.1);
-        let world =
-            Mat4::translation(Vec3::new(1.0, 2.0, 3.0)) * turned * Mat4::scale(Vec3::new(-2.0, 3.0, 4.0));
-        let m = rigid(&world);
-        assert!((m.determinant3() - 1.0).abs() < 1e-12);
-        assert!((m.axis(2) - turned.axis(2)).length() < 1e-12);
-        assert!((m.axis(1) - turned.axis(1)).length() < 1e-12);
-        assert!((m.axis(3) - Vec3::new(1.0, 2.0, 3.0)).length() < 1e-12);
-        assert!((rigid(&Mat4::scale(Vec3::splat(0.0))).determinant3() - 1.0).abs() < 1e-12);
-    }
 
     #[test]
     fn cones() {

@@ -1,15 +1,17 @@
-//! glTF 2.0, `.gltf` and `.glb`: the scene in its rest pose.
+//! glTF 2.0, `.gltf` and `.glb`: the scene in its rest pose, and what moves it.
 //!
 //! The `gltf` crate gives the types of the JSON; every index, range and number in it is checked here, so that a
 //! file that is wrong in one place is drawn without that place, or refused in one line.
 
 mod accessor;
+mod animations;
+mod deforming;
 mod document;
 mod lights;
 mod materials;
 mod meshes;
 mod nodes;
-mod repair;
+mod primitives;
 mod textures;
 mod triangles;
 mod uri;
@@ -19,6 +21,7 @@ use super::Loaded;
 use crate::error::{Result, Warnings};
 use crate::math::Vec2;
 use crate::mesh::Mesh;
+use crate::scene::animation::{Deformed, Rig, RigData};
 use crate::scene::{Instance, Material, Scene, TextureRef as TextureUse};
 use document::Document;
 use meshes::Meshes;
@@ -31,28 +34,54 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let document = Document::open(path, &mut warnings)?;
     let nodes = Nodes::resolve(&document, &mut warnings)?;
-    let Meshes { meshes, names, mut instances } = meshes::build(&document, &nodes, &mut warnings)?;
+    let mut shown = meshes::build(&document, &nodes, &mut warnings)?;
+    let (meshes, mut instances) = (std::mem::take(&mut shown.meshes), std::mem::take(&mut shown.instances));
+    let mesh_names = std::mem::take(&mut shown.names);
     let mut textures = Textures::new(&document);
     let mut materials = materials::read(&document, &mut textures, &mut warnings);
     let decoded = textures.decode(&mut materials, &mut warnings);
     drop_unused_default(&mut materials, &mut instances);
     let Decoded { textures, names: texture_names, missing: missing_files } = decoded;
-    let lights = lights::lights(&document, &nodes, &mut warnings);
-    let cameras = lights::cameras(&document, &nodes, &mut warnings);
+    let (light_nodes, lights) = lights::lights(&document, &nodes, &mut warnings).into_iter().unzip();
+    let (camera_nodes, cameras) = lights::cameras(&document, &nodes, &mut warnings).into_iter().unzip();
     let mut scene = Scene { meshes, materials, textures, instances, lights, cameras };
-    add_missing_uvs(&mut scene, &mut warnings)?;
+    add_missing_uvs(&mut scene, &mut shown.deformed, &mut warnings)?;
+    let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
+    let rig = hung.rig(&document, nodes, &mut warnings)?;
     let root = &document.root;
     Ok(Loaded {
         generator: root.asset.generator.clone(),
         copyright: root.asset.copyright.clone(),
         extensions_used: root.extensions_used.clone(),
         extensions_required: root.extensions_required.clone(),
-        mesh_names: names,
+        mesh_names,
         texture_names,
         missing_files,
-        animations: document.animations,
+        rig,
         ..Loaded::new(scene, warnings, document.format)
     })
+}
+
+/// What hangs on nodes.
+struct Hung {
+    shown: Meshes,
+    cameras: Vec<usize>,
+    lights: Vec<usize>,
+}
+
+impl Hung {
+    /// The rig; `None` where nothing moves.
+    fn rig(self, document: &Document, nodes: Nodes, warnings: &mut Warnings) -> Result<Option<Rig>> {
+        if document.animations.is_empty() {
+            return Ok(None);
+        }
+        let Meshes { nodes: instances, deformed, skins, weights, .. } = self.shown;
+        let mut nodes = nodes.nodes;
+        weights.into_iter().for_each(|(node, weights)| nodes[node].weights = weights);
+        let animations = animations::read(document, &nodes, warnings);
+        let (cameras, lights) = (self.cameras, self.lights);
+        Rig::new(RigData { nodes, skins, deformed, instances, cameras, lights, animations }).map(Some)
+    }
 }
 
 /// The default material stands last; it goes where no primitive needs it.
@@ -64,7 +93,7 @@ fn drop_unused_default(materials: &mut Vec<Material>, instances: &mut [Instance]
 }
 
 /// Gives each mesh every uv set that its materials name, since a file may promise more than it holds.
-fn add_missing_uvs(scene: &mut Scene, warnings: &mut Warnings) -> Result<()> {
+fn add_missing_uvs(scene: &mut Scene, deformed: &mut [Deformed], warnings: &mut Warnings) -> Result<()> {
     for instance in &scene.instances {
         let material = &scene.materials[instance.material];
         let needed = uv_sets_of(material);
@@ -77,6 +106,9 @@ fn add_missing_uvs(scene: &mut Scene, warnings: &mut Warnings) -> Result<()> {
         let zeros = vec![Vec2::default(); data.positions.len()];
         data.uvs.resize(needed, zeros);
         *mesh = Mesh::new(data)?;
+        for Deformed { shape, .. } in deformed.iter_mut().filter(|d| d.mesh == instance.mesh) {
+            shape.base.uvs.resize(needed, vec![Vec2::default(); shape.base.positions.len()]);
+        }
     }
     Ok(())
 }

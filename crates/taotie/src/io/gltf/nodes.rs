@@ -1,12 +1,15 @@
 //! The node hierarchy: world matrices, and which nodes the scene shows.
 
 use super::document::{Document, no_such};
-use crate::error::{Result, Warnings};
+use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
+use crate::scene::animation::{Node, Transform, world_matrices};
 use gltf::json;
 
 /// The hierarchy, resolved.
 pub(super) struct Nodes {
+    /// Every node of the file, without morph weights.
+    pub nodes: Vec<Node>,
     /// World matrix of every node of the file.
     pub world: Vec<Mat4>,
     /// The nodes of the shown scene, parents before children.
@@ -20,9 +23,18 @@ impl Nodes {
     /// Where a node is its own ancestor, a node is named that does not exist, or a transform is not finite.
     pub fn resolve(document: &Document, warnings: &mut Warnings) -> Result<Self> {
         let parents = parents(document, warnings)?;
-        let world = world_matrices(document, &parents, warnings)?;
+        let nodes = (0..parents.len())
+            .map(|n| {
+                let local = local_transform(document, n, warnings)?;
+                Ok(Node { parent: parents[n], local, weights: Vec::new() })
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let world = world_matrices(&nodes).map_err(|error| match error {
+            Error::Invalid { what, why } => document.error(what, why),
+            other => other,
+        })?;
         let shown = shown(document, &parents)?;
-        Ok(Self { world, shown })
+        Ok(Self { nodes, world, shown })
     }
 }
 
@@ -52,27 +64,14 @@ fn parents(document: &Document, warnings: &mut Warnings) -> Result<Parents> {
     Ok(parents)
 }
 
-fn world_matrices(document: &Document, parents: &Parents, warnings: &mut Warnings) -> Result<Vec<Mat4>> {
-    let count = parents.len();
-    let mut world: Vec<Option<Mat4>> = vec![None; count];
-    let mut waiting: Vec<usize> = (0..count).filter(|n| parents[*n].is_none()).collect();
-    while let Some(node) = waiting.pop() {
-        let local = local_matrix(document, node, warnings)?;
-        let parent = parents[node].and_then(|p| world[p]).unwrap_or_default();
-        world[node] = Some(parent * local);
-        waiting.extend(children(document, node).filter(|c| parents[*c] == Some(node) && world[*c].is_none()));
-    }
-    let cycle = || "it is its own ancestor; nodes must form trees";
-    world.into_iter().enumerate().map(|(n, m)| m.ok_or_else(|| document.error(at(n), cycle()))).collect()
-}
-
-fn local_matrix(document: &Document, index: usize, warnings: &mut Warnings) -> Result<Mat4> {
+fn local_transform(document: &Document, index: usize, warnings: &mut Warnings) -> Result<Transform> {
     let node = &document.root.nodes[index];
     let local = match &node.matrix {
-        Some(m) => from_columns(m, warnings),
+        Some(m) => Transform::Matrix(from_columns(m, warnings)),
         None => from_parts(node, warnings),
     };
-    if local.is_finite() { Ok(local) } else { Err(document.error(at(index), "its transform is not finite")) }
+    let finite = local.matrix().is_finite();
+    if finite { Ok(local) } else { Err(document.error(at(index), "its transform is not finite")) }
 }
 
 /// A matrix stored by columns; projective parts are dropped.
@@ -89,21 +88,14 @@ pub(super) fn from_columns(m: &[f32; 16], warnings: &mut Warnings) -> Mat4 {
     Mat4 { columns }
 }
 
-fn from_parts(node: &json::Node, warnings: &mut Warnings) -> Mat4 {
+fn from_parts(node: &json::Node, warnings: &mut Warnings) -> Transform {
     let vector = |v: [f32; 3]| Vec3::from_array(v).to_f64();
     let translation = vector(node.translation.unwrap_or_default());
     let scale = vector(node.scale.unwrap_or([1.0; 3]));
     let rotation = node.rotation.unwrap_or_default().0.map(f64::from);
-    Mat4::translation(translation) * Mat4::rotation(unit(rotation, warnings)) * Mat4::scale(scale)
-}
-
-fn unit(q: [f64; 4], warnings: &mut Warnings) -> [f64; 4] {
-    let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
-    if length == 0.0 {
-        warnings.note("rotations of length zero; taken as none", 1);
-        return [0.0, 0.0, 0.0, 1.0];
-    }
-    q.map(|v| v / length)
+    let zero = rotation == [0.0; 4];
+    warnings.note("rotations of length zero; taken as none", usize::from(zero));
+    Transform::parts(translation, rotation, scale)
 }
 
 /// The nodes of the default scene, else of the first, else every tree there is.

@@ -52,6 +52,32 @@ fn turned(i: usize, window: &[u32]) -> [u32; 3] {
     [window[0], window[1 + odd], window[2 - odd]]
 }
 
+/// The vertices that triangles name, in rising order, and the triangles over them.
+pub(super) fn compact(mut triangles: Vec<[u32; 3]>, count: usize) -> (Vec<u32>, Vec<[u32; 3]>) {
+    let corners = triangles.as_flattened();
+    if corners.len() < count / 4 {
+        // A small part of a large shared array: time and space by the part alone.
+        let mut used = corners.to_vec();
+        used.sort_unstable();
+        used.dedup();
+        for index in triangles.as_flattened_mut() {
+            *index = used.partition_point(|u| u < index) as u32;
+        }
+        return (used, triangles);
+    }
+    let mut new_index = vec![u32::MAX; count];
+    corners.iter().for_each(|i| new_index[*i as usize] = 0);
+    let mut used = Vec::with_capacity(count);
+    for (i, new) in new_index.iter_mut().enumerate().filter(|(_, new)| **new == 0) {
+        *new = used.len() as u32;
+        used.push(i as u32);
+    }
+    for index in triangles.as_flattened_mut() {
+        *index = new_index[*index as usize];
+    }
+    (used, triangles)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,5 +98,14 @@ mod tests {
         assert_eq!((list.list, list.surplus), (vec![[0, 1, 2]], 1));
         assert!(triangulate(Mode::Lines, &[0, 1]).is_none());
         assert!(triangulate(Mode::TriangleFan, &[]).unwrap().list.is_empty());
+    }
+
+    #[test]
+    fn compacting_drops_what_no_triangle_names() {
+        let triangles = vec![[7, 2, 4], [4, 2, 9]];
+        let expected = (vec![2, 4, 7, 9], vec![[2, 0, 1], [1, 0, 3]]);
+        assert_eq!(compact(triangles.clone(), 10), expected, "dense");
+        assert_eq!(compact(triangles, 1000), expected, "sparse");
+        assert_eq!(compact(vec![[2, 0, 1]], 3), (vec![0, 1, 2], vec![[2, 0, 1]]), "all used: as stored");
     }
 }

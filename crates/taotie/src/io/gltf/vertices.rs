@@ -1,33 +1,21 @@
-//! The vertex arrays of a primitive: read, deformed to the rest pose, repaired.
+//! The vertex arrays of a primitive, as they are stored.
 
 use super::accessor::Accessor;
-use super::document::{Document, Reason, no_such};
+use super::document::{Document, Reason};
 use crate::error::Warnings;
-use crate::math::{Mat4, Vec2, Vec3};
+use crate::math::{Vec2, Vec3};
 use crate::mesh::MeshData;
-use crate::mesh::deform::{self, Binding};
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 /// The most uv sets of a mesh that are read.
 pub(super) const MAX_UV_SETS: u32 = 8;
 
-/// The most sets of four joints of a vertex that are read.
-const MAX_JOINT_SETS: u32 = 4;
-
-/// How a primitive is moved to its rest pose.
-#[derive(Default)]
-pub(super) struct Pose {
-    /// Weights of the morph targets; missing ones are zero.
-    pub weights: Vec<f32>,
-    /// World from bind-time object space for each joint of the skin.
-    pub joints: Option<Vec<Mat4>>,
-}
-
 /// Reads the attributes of one primitive, for the vertices `used` only.
 pub(super) struct Vertices<'a> {
     document: &'a Document,
-    primitive: &'a Primitive,
+    /// What is read.
+    pub primitive: &'a Primitive,
     /// How many vertices the file has for the primitive.
     pub count: usize,
     positions: Accessor<'a>,
@@ -50,9 +38,9 @@ impl<'a> Vertices<'a> {
         Ok(Some(Self { document, primitive, count: positions.count, positions }))
     }
 
-    /// Reads every attribute of the vertices `used` and applies `pose`. Attributes other than POSITION that cannot
-    /// be read are left out, with a warning that starts with `place`.
-    pub fn read(&self, used: &[u32], pose: &Pose, place: &str, warnings: &mut Warnings) -> Reason<MeshData> {
+    /// Reads every attribute of the vertices `used`. Attributes other than POSITION that cannot be read are left
+    /// out, with a warning that starts with `place`.
+    pub fn read(&self, used: &[u32], place: &str, warnings: &mut Warnings) -> MeshData {
         let mut optional = |semantic: Semantic| {
             let name = semantic.to_string();
             let index = attribute(self.primitive, semantic)?;
@@ -75,17 +63,11 @@ impl<'a> Vertices<'a> {
         if let Some(colors) = optional(Semantic::Colors(0)) {
             data.colors = used.iter().map(|i| color(&colors, *i)).collect();
         }
-        self.morph(&mut data, used, &pose.weights)?;
-        if let Some(joints) = &pose.joints {
-            self.skin(&mut data, used, joints, warnings)?;
-        }
-        if let Some(i) = data.positions.iter().position(|p| !p.is_finite()) {
-            return Err(format!("POSITION: vertex {} is infinite or NaN", used[i]));
-        }
-        Ok(data)
+        data
     }
 
-    fn open_optional(&self, index: usize) -> Reason<Accessor<'a>> {
+    /// Opens an accessor with one element a vertex.
+    pub fn open_optional(&self, index: usize) -> Reason<Accessor<'a>> {
         let accessor = Accessor::open(self.document, index)?;
         if accessor.count == self.count {
             Ok(accessor)
@@ -93,66 +75,10 @@ impl<'a> Vertices<'a> {
             Err(format!("{} elements for {} positions", accessor.count, self.count))
         }
     }
-
-    fn morph(&self, data: &mut MeshData, used: &[u32], weights: &[f32]) -> Reason<()> {
-        let targets = self.primitive.targets.iter().flatten();
-        for (t, (target, weight)) in targets.zip(weights).enumerate().filter(|(_, (_, w))| **w != 0.0) {
-            let deltas = |index: Option<usize>| -> Reason<Vec<Vec3>> {
-                let Some(index) = index else { return Ok(Vec::new()) };
-                let accessor = self.open_optional(index).map_err(|why| format!("morph target {t}: {why}"))?;
-                Ok(used.iter().map(|i| vec3(&accessor, *i)).collect())
-            };
-            let value = |index: &Option<gltf::json::Index<_>>| index.map(|i| i.value());
-            deform::morph(&mut data.positions, &deltas(value(&target.positions))?, *weight);
-            deform::morph(&mut data.normals, &deltas(value(&target.normals))?, *weight);
-            let tangents = deltas(value(&target.tangents))?;
-            for (tangent, delta) in data.tangents.iter_mut().zip(&tangents) {
-                let [x, y, z, handedness] = *tangent;
-                let moved = Vec3::new(x, y, z) + *delta * *weight;
-                *tangent = [moved.x, moved.y, moved.z, handedness];
-            }
-        }
-        Ok(())
-    }
-
-    fn skin(
-        &self,
-        data: &mut MeshData,
-        used: &[u32],
-        joints: &[Mat4],
-        warnings: &mut Warnings,
-    ) -> Reason<()> {
-        let mut binding = self.binding(used)?;
-        let unbound = normalize_weights(&mut binding);
-        warnings.note("vertices without joint weights; they follow their first joint", unbound);
-        deform::skin(data, &binding, joints).map_err(|e| format!("JOINTS_0: {e}"))
-    }
-
-    fn binding(&self, used: &[u32]) -> Reason<Binding> {
-        let mut sets = Vec::new();
-        for set in 0..MAX_JOINT_SETS {
-            let joints = attribute(self.primitive, Semantic::Joints(set));
-            let weights = attribute(self.primitive, Semantic::Weights(set));
-            let (Some(joints), Some(weights)) = (joints, weights) else { break };
-            let open = |i| self.open_optional(i).map_err(|why| format!("joints and weights {set}: {why}"));
-            sets.push((open(joints)?, open(weights)?));
-        }
-        if sets.is_empty() {
-            return Err("its node has a skin, but there are no JOINTS_0 and WEIGHTS_0".into());
-        }
-        let mut binding = Binding { per_vertex: 4 * sets.len(), ..Binding::default() };
-        for i in used.iter().map(|i| *i as usize) {
-            for (joints, weights) in &sets {
-                binding.joints.extend(joints.unsigned::<4>(i));
-                binding.weights.extend(weights.floats::<4>(i));
-            }
-        }
-        Ok(binding)
-    }
 }
 
 /// The accessor index of an attribute.
-fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
+pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
     primitive.attributes.get(&Checked::Valid(semantic)).map(|i| i.value())
 }
 
@@ -160,7 +86,7 @@ fn primitive_is_compressed(primitive: &Primitive) -> bool {
     primitive.extensions.as_ref().is_some_and(|e| e.others.keys().any(|k| k.contains("compression")))
 }
 
-fn vec3(accessor: &Accessor, i: u32) -> Vec3 {
+pub(super) fn vec3(accessor: &Accessor, i: u32) -> Vec3 {
     Vec3::from_array(accessor.floats(i as usize))
 }
 
@@ -181,52 +107,4 @@ fn read_uvs(sets: &[Option<Accessor>], used: &[u32]) -> Vec<Vec<Vec2>> {
         None => vec![Vec2::default(); used.len()],
     };
     sets[..count].iter().map(read).collect()
-}
-
-/// Makes each vertex's weights sum to one and returns how many vertices had none; those follow their first joint.
-/// Joints of weight zero are set to zero, since files leave any number there.
-fn normalize_weights(binding: &mut Binding) -> usize {
-    let mut unbound = 0;
-    let weights = binding.weights.chunks_exact_mut(binding.per_vertex);
-    for (weights, joints) in weights.zip(binding.joints.chunks_exact_mut(binding.per_vertex)) {
-        weights.iter_mut().for_each(|w| *w = if w.is_finite() && *w > 0.0 { *w } else { 0.0 });
-        let sum: f32 = weights.iter().sum();
-        if sum > 0.0 {
-            weights.iter_mut().for_each(|w| *w /= sum);
-            joints.iter_mut().zip(weights).filter(|(_, w)| **w == 0.0).for_each(|(j, _)| *j = 0);
-        } else {
-            unbound += 1;
-            weights[0] = 1.0;
-        }
-    }
-    unbound
-}
-
-/// The inverse bind matrices of skin `index` times the world matrices of its joints.
-pub(super) fn joint_matrices(
-    document: &Document,
-    index: usize,
-    world: &[Mat4],
-    warnings: &mut Warnings,
-) -> Reason<Vec<Mat4>> {
-    let skin = document.root.skins.get(index).ok_or_else(|| no_such("skin", index))?;
-    let within = |why: String| format!("skin {index}: {why}");
-    let binds = match skin.inverse_bind_matrices {
-        Some(accessor) => Some(Accessor::open(document, accessor.value()).map_err(within)?),
-        None => None,
-    };
-    if let Some(binds) = &binds
-        && (binds.width != 16 || binds.count < skin.joints.len())
-    {
-        return Err(within("it needs one inverse bind matrix of 4×4 a joint".into()));
-    }
-    let mut matrices = Vec::with_capacity(skin.joints.len());
-    for (j, joint) in skin.joints.iter().enumerate() {
-        let node = joint.value();
-        let world = world.get(node).ok_or_else(|| within(no_such("node", node)))?;
-        let bind =
-            binds.as_ref().map_or(Mat4::IDENTITY, |b| super::nodes::from_columns(&b.floats(j), warnings));
-        matrices.push(*world * bind);
-    }
-    Ok(matrices)
 }

@@ -1,11 +1,11 @@
-//! Mending what a mesh's arrays hold, each kind of repair counted.
+//! Mending what a mesh's arrays hold, as read or as deformed, each kind of repair counted.
 
+use super::MeshData;
 use crate::error::Warnings;
 use crate::math::{Vec2, Vec3};
-use crate::mesh::MeshData;
 
 /// Makes normals unit and finite, invents flat ones where there are none, and cleans uvs, colours and tangents.
-pub(super) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
+pub(crate) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
     let mut note = |what: &str, count| warnings.note(what, count);
     if data.normals.is_empty() {
         *data = with_flat_normals(data);

@@ -1,5 +1,9 @@
 //! Moving vertices: morph targets and linear blend skinning.
 
+mod deformable;
+
+pub use deformable::{Deformable, MorphTarget};
+
 use super::MeshData;
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
@@ -28,6 +32,10 @@ pub struct Binding {
 /// Moves the vertices of `data` by linear blend skinning: each by M = Σ wⱼ · `joint_matrices[j]`, normals by M's
 /// cofactors, tangents by M's linear part; where M mirrors, the handedness turns. Joint matrices take object space
 /// to where the mesh is wanted, usually `world_from_joint * joint_from_object_at_bind`.
+///
+/// The cofactors are M's inverse transpose but for a positive factor, so normals stay perpendicular under joints that
+/// scale unevenly. That the weights change along the surface is left out, as in every engine: a normal is turned
+/// as if its vertex's M held all around it.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the binding is not as long as the positions or names a joint that does not exist;

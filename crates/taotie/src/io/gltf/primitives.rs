@@ -1,0 +1,160 @@
+//! A primitive of the file as a mesh in its rest pose.
+
+use super::accessor::Accessor;
+use super::deforming::{self, Wanted};
+use super::document::Document;
+use super::triangles::{compact, read_indices, triangulate};
+use super::vertices::Vertices;
+use crate::error::{Error, Warnings};
+use crate::math::Mat4;
+use crate::mesh::deform::Deformable;
+use crate::mesh::{Mesh, repair};
+use gltf::json::mesh::Primitive;
+use gltf::json::validation::Checked;
+
+/// The most vertices and indices of all meshes together, in multiples of the bytes of the buffers. Sharing data
+/// between primitives is common; a small file that asks for gigabytes is not.
+const MAX_ELEMENTS_PER_BYTE: usize = 8;
+
+/// Added to that, so that tiny files are free.
+const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
+
+/// The warning for primitives that are not drawn.
+pub(super) const NOT_TRIANGLES: &str = "primitives of points or lines; only triangles are drawn";
+
+/// How a mesh is moved to its rest pose.
+#[derive(Default)]
+pub(super) struct Pose {
+    /// Weights of the morph targets; missing ones are zero.
+    pub weights: Vec<f32>,
+    /// The skin, as a number into [`super::meshes::Meshes::skins`], and its joint matrices.
+    pub skin: Option<(usize, Vec<Mat4>)>,
+}
+
+/// A primitive as a mesh, with what it is made from where animations deform it.
+pub(super) struct Built {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What deforms it.
+    pub shape: Option<Deformable>,
+}
+
+/// Reads primitives as long as their sizes fit the file's.
+pub(super) struct Primitives<'a> {
+    document: &'a Document,
+    /// What could be drawn without.
+    pub warnings: &'a mut Warnings,
+    /// Whether anything in the file moves, so that what deforms meshes has to be kept.
+    pub moves: bool,
+    budget: usize,
+}
+
+impl<'a> Primitives<'a> {
+    /// Reads from `document`.
+    pub fn new(document: &'a Document, warnings: &'a mut Warnings) -> Self {
+        let budget = MAX_ELEMENTS_OF_SMALL + MAX_ELEMENTS_PER_BYTE * document.total_bytes();
+        Self { document, warnings, moves: !document.animations.is_empty(), budget }
+    }
+
+    /// The mesh of a primitive; `None` where it has nothing to draw.
+    pub fn build(
+        &mut self,
+        primitive: &Primitive,
+        pose: &Pose,
+        place: &str,
+    ) -> std::result::Result<Option<Built>, Stop> {
+        let Checked::Valid(mode) = primitive.mode else {
+            return Err("its mode is unknown".to_owned().into());
+        };
+        let Some(vertices) = Vertices::open(self.document, primitive)? else {
+            self.warnings.note("primitives without POSITION; nothing to draw", 1);
+            return Ok(None);
+        };
+        let indices = self.indices(primitive, vertices.count)?;
+        let Some(triangles) = triangulate(mode, &indices) else {
+            self.warnings.note(NOT_TRIANGLES, 1);
+            return Ok(None);
+        };
+        self.warnings.note("indices that make no whole triangle", triangles.surplus);
+        let (used, triangles) = compact(triangles.list, vertices.count);
+        if triangles.is_empty() {
+            self.warnings.note("primitives without a triangle; nothing to draw", 1);
+            return Ok(None);
+        }
+        let mut shape = self.shape(&vertices, &used, pose, place)?;
+        shape.base.triangles = triangles;
+        let deforms = shape.binding.is_some() || !shape.targets.is_empty();
+        let mut data = match deforms {
+            true => {
+                let joints = pose.skin.as_ref().map_or(&[][..], |(_, joints)| joints);
+                shape.deformed(&pose.weights, joints).map_err(|e| format!("JOINTS_0: {e}"))?
+            }
+            false => std::mem::take(&mut shape.base),
+        };
+        if let Some(i) = data.positions.iter().position(|p| !p.is_finite()) {
+            return Err(format!("POSITION: vertex {} is infinite or NaN", used[i]).into());
+        }
+        repair(&mut data, self.warnings);
+        let mesh = Mesh::new(data).map_err(|e| e.to_string())?;
+        self.warnings.note("triangles without area", mesh.degenerate_triangles());
+        Ok(Some(Built { mesh, shape: (deforms && self.moves).then_some(shape) }))
+    }
+
+    /// The vertices `used` of a primitive with what deforms them, without triangles.
+    fn shape(
+        &mut self,
+        vertices: &Vertices,
+        used: &[u32],
+        pose: &Pose,
+        place: &str,
+    ) -> std::result::Result<Deformable, Stop> {
+        let base = vertices.read(used, place, self.warnings);
+        let wanted = Wanted { weights: &pose.weights, all: self.moves };
+        if wanted.all {
+            self.spend(used.len().saturating_mul(vertices.primitive.targets.as_ref().map_or(0, Vec::len)))?;
+        }
+        let mut note = |why: String| self.warnings.note(format!("{place}: left out: {why}"), 1);
+        let targets = deforming::targets(vertices, used, &wanted, &mut note)?;
+        let binding = match &pose.skin {
+            Some(_) => Some(deforming::binding(vertices, used, self.warnings)?),
+            None => None,
+        };
+        Ok(Deformable { base, targets, binding })
+    }
+
+    fn indices(&mut self, primitive: &Primitive, vertices: usize) -> std::result::Result<Vec<u32>, Stop> {
+        let within = |why: String| format!("indices: {why}");
+        let accessor = match primitive.indices {
+            Some(index) => Some(Accessor::open(self.document, index.value()).map_err(within)?),
+            None => None,
+        };
+        self.spend(accessor.as_ref().map_or(vertices, |a| a.count))?;
+        Ok(read_indices(accessor.as_ref(), vertices).map_err(within)?)
+    }
+
+    fn spend(&mut self, elements: usize) -> std::result::Result<(), Stop> {
+        match self.budget.checked_sub(elements) {
+            Some(rest) => self.budget = rest,
+            None => {
+                let bytes = self.document.total_bytes();
+                return Err(Stop::Everything(Error::limit(
+                    format!("{}: the geometry", self.document.path.display()),
+                    format!("its primitives share {bytes} bytes too many times; split the file"),
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether one primitive or the whole file fails.
+pub(super) enum Stop {
+    Here(String),
+    Everything(Error),
+}
+
+impl From<String> for Stop {
+    fn from(why: String) -> Self {
+        Self::Here(why)
+    }
+}

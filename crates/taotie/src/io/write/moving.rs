@@ -1,0 +1,311 @@
+//! Pictures that move, PNG or GIF, written frame by frame.
+
+use super::{BUFFER, draft};
+use crate::error::{Error, Result};
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+type PngResult<T> = std::result::Result<T, png::EncodingError>;
+type GifResult<T> = std::result::Result<T, gif::EncodingError>;
+
+/// How a moving picture is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MovingFormat {
+    /// Animated PNG: every colour and alpha, 8 bits a channel. What knows no animation shows the first frame.
+    Png,
+    /// GIF: 256 colours a frame, each pixel seen or not.
+    Gif,
+}
+
+/// What all frames of a moving picture have in common.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingSpec {
+    /// How it is stored.
+    pub format: MovingFormat,
+    /// Width in pixels, 1 to 16384.
+    pub width: u32,
+    /// Height in pixels, 1 to 16384.
+    pub height: u32,
+    /// How many frames there will be, from 1.
+    pub frames: u32,
+    /// How long all of them last, seconds; then it begins anew.
+    pub seconds: f64,
+    /// Whether alpha is kept.
+    pub alpha: bool,
+}
+
+/// A moving picture in the making. It appears under its name when it is finished, and not at all if it never is.
+pub struct MovingPicture {
+    path: PathBuf,
+    file: NamedTempFile,
+    spec: MovingSpec,
+    encoder: Encoder,
+    added: u32,
+}
+
+enum Encoder {
+    Png(Box<png::Writer<BufWriter<File>>>),
+    Gif {
+        writer: Box<gif::Encoder<BufWriter<File>>>,
+        /// Frames that wait until there is one for each thread, since choosing colours takes long.
+        waiting: Vec<gif::Frame<'static>>,
+    },
+}
+
+impl MovingPicture {
+    /// Begins a picture at `path`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a size, number of frames or length that cannot be, [`Error::Io`] where the place cannot
+    /// be written to.
+    pub fn create(path: &Path, spec: &MovingSpec) -> Result<Self> {
+        const LARGEST: u32 = 16384;
+        let sized = (1..=LARGEST).contains(&spec.width) && (1..=LARGEST).contains(&spec.height);
+        if !sized || spec.frames == 0 || !(spec.seconds >= 0.0 && spec.seconds.is_finite()) {
+            return Err(Error::invalid("moving picture", format!("{spec:?} cannot be")));
+        }
+        let file = draft(path)?;
+        let second_handle = file.reopen().map_err(|e| Error::io(path, e))?;
+        let out = BufWriter::with_capacity(BUFFER, second_handle);
+        let encoder = match spec.format {
+            MovingFormat::Png => Encoder::Png(Box::new(png(spec, out).map_err(|e| png_error(path, e))?)),
+            MovingFormat::Gif => {
+                let writer = Box::new(gif(spec, out).map_err(|e| gif_error(path, e))?);
+                Encoder::Gif { writer, waiting: Vec::new() }
+            }
+        };
+        Ok(Self { path: path.to_path_buf(), file, spec: *spec, encoder, added: 0 })
+    }
+
+    /// Adds the next frame: sRGB with alpha that is not premultiplied, row by row from the top. Without
+    /// [`MovingSpec::alpha`] alpha is not looked at; a GIF shows what has at least half of it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the number of pixels does not fit, or there are frames enough; [`Error::Io`] where
+    /// the file cannot be written.
+    pub fn add(&mut self, pixels: &[[u8; 4]]) -> Result<()> {
+        let MovingSpec { width, height, frames, alpha, .. } = self.spec;
+        let wanted = width as usize * height as usize;
+        if pixels.len() != wanted || self.added == frames {
+            let why = format!("frame {} of {frames} has {} pixels of {wanted}", self.added + 1, pixels.len());
+            return Err(Error::invalid("moving picture", why));
+        }
+        match &mut self.encoder {
+            Encoder::Png(writer) => {
+                let bytes = channels(pixels, if alpha { 4 } else { 3 });
+                let delay = self.spec.delay(self.added, 1000).min(u64::from(u16::MAX)) as u16;
+                let written =
+                    writer.set_frame_delay(delay, 1000).and_then(|()| writer.write_image_data(&bytes));
+                written.map_err(|e| png_error(&self.path, e))?;
+            }
+            Encoder::Gif { writer, waiting } => {
+                waiting.push(self.spec.gif_frame(self.added, pixels));
+                if waiting.len() >= rayon::current_num_threads() {
+                    write_gif_frames(writer, waiting).map_err(|e| gif_error(&self.path, e))?;
+                }
+            }
+        }
+        self.added += 1;
+        Ok(())
+    }
+
+    /// Ends the picture and gives it its name.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where frames are missing, [`Error::Io`] where the file cannot be written.
+    pub fn finish(self) -> Result<()> {
+        let Self { path, file, spec, encoder, added } = self;
+        if added != spec.frames {
+            return Err(Error::invalid("moving picture", format!("{added} of {} frames", spec.frames)));
+        }
+        match encoder {
+            Encoder::Png(writer) => writer.finish().map_err(|e| png_error(&path, e))?,
+            Encoder::Gif { mut writer, mut waiting } => {
+                write_gif_frames(&mut writer, &mut waiting).map_err(|e| gif_error(&path, e))?;
+                let out = writer.into_inner().map_err(|e| gif_error(&path, e))?;
+                out.into_inner().map_err(|e| Error::io(&path, e.into_error()))?;
+            }
+        }
+        file.persist(&path).map_err(|e| Error::io(&path, e.error))?;
+        Ok(())
+    }
+}
+
+impl MovingSpec {
+    /// How long frame `index` lasts, in parts of a second. Rounded so that the sum over all frames is right.
+    fn delay(&self, index: u32, parts: u32) -> u64 {
+        let end = |frames: u32| {
+            (self.seconds * f64::from(frames) / f64::from(self.frames) * f64::from(parts)).round() as u64
+        };
+        end(index + 1) - end(index)
+    }
+
+    /// A frame whose colours are still to be chosen.
+    fn gif_frame(&self, index: u32, pixels: &[[u8; 4]]) -> gif::Frame<'static> {
+        // Many viewers take less than two hundredths for ten.
+        let delay = self.delay(index, 100).clamp(2, u64::from(u16::MAX)) as u16;
+        let dispose = if self.alpha { gif::DisposalMethod::Background } else { gif::DisposalMethod::Keep };
+        gif::Frame {
+            delay,
+            dispose,
+            width: self.width as u16,
+            height: self.height as u16,
+            buffer: self.gif_pixels(pixels).into(),
+            ..gif::Frame::default()
+        }
+    }
+
+    fn gif_pixels(&self, pixels: &[[u8; 4]]) -> Vec<u8> {
+        let seen = |[r, g, b, a]: [u8; 4]| {
+            if self.alpha && a < 128 { [0; 4] } else { [r, g, b, u8::MAX] }
+        };
+        pixels.iter().flat_map(|pixel| seen(*pixel)).collect()
+    }
+}
+
+fn png(spec: &MovingSpec, out: BufWriter<File>) -> PngResult<png::Writer<BufWriter<File>>> {
+    let mut encoder = png::Encoder::new(out, spec.width, spec.height);
+    encoder.set_color(if spec.alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    encoder.set_animated(spec.frames, 0)?;
+    encoder.write_header()
+}
+
+fn gif(spec: &MovingSpec, out: BufWriter<File>) -> GifResult<gif::Encoder<BufWriter<File>>> {
+    let mut encoder = gif::Encoder::new(out, spec.width as u16, spec.height as u16, &[])?;
+    encoder.set_repeat(gif::Repeat::Infinite)?;
+    Ok(encoder)
+}
+
+/// Chooses the colours of frames that hold RGBA, by a neural net (Dekker 1994), and writes them.
+fn write_gif_frames(
+    writer: &mut gif::Encoder<BufWriter<File>>,
+    frames: &mut Vec<gif::Frame<'static>>,
+) -> GifResult<()> {
+    /// One pixel of this many teaches the net.
+    const SPEED: i32 = 10;
+    let quantised: Vec<gif::Frame> = std::mem::take(frames)
+        .into_par_iter()
+        .map(|frame| {
+            let mut pixels = frame.buffer.into_owned();
+            let chosen = gif::Frame::from_rgba_speed(frame.width, frame.height, &mut pixels, SPEED);
+            let mut packed = gif::Frame { delay: frame.delay, dispose: frame.dispose, ..chosen };
+            packed.make_lzw_pre_encoded();
+            packed
+        })
+        .collect();
+    quantised.iter().try_for_each(|frame| writer.write_lzw_pre_encoded_frame(frame))
+}
+
+fn channels(pixels: &[[u8; 4]], count: usize) -> Vec<u8> {
+    pixels.iter().flat_map(|pixel| &pixel[..count]).copied().collect()
+}
+
+fn png_error(path: &Path, error: png::EncodingError) -> Error {
+    match error {
+        png::EncodingError::IoError(e) => Error::io(path, e),
+        other => Error::invalid("moving picture", other.to_string()),
+    }
+}
+
+fn gif_error(path: &Path, error: gif::EncodingError) -> Error {
+    match error {
+        gif::EncodingError::Io(e) => Error::io(path, e),
+        other => Error::io(path, io::Error::other(other)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spec(format: MovingFormat, alpha: bool) -> MovingSpec {
+        MovingSpec { format, width: 3, height: 2, frames: 3, seconds: 0.1, alpha }
+    }
+
+    /// Every frame of one colour, the first pixel hidden.
+    fn frame(grey: u8) -> Vec<[u8; 4]> {
+        let mut pixels = vec![[grey, grey / 2, 0, 255]; 6];
+        pixels[0][3] = 0;
+        pixels
+    }
+
+    fn written(spec: &MovingSpec) -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("moving");
+        let mut picture = MovingPicture::create(&path, spec).unwrap();
+        [20, 120, 220].iter().for_each(|grey| picture.add(&frame(*grey)).unwrap());
+        assert!(!path.exists(), "it appears when it is whole");
+        picture.finish().unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        (folder, path)
+    }
+
+    #[test]
+    fn png_frames_read_back_as_written() {
+        for alpha in [false, true] {
+            let (_folder, path) = written(&spec(MovingFormat::Png, alpha));
+            let file = io::BufReader::new(File::open(&path).unwrap());
+            let mut reader = png::Decoder::new(file).read_info().unwrap();
+            assert_eq!(reader.info().animation_control().unwrap().num_frames, 3);
+            let channels = if alpha { 4 } else { 3 };
+            let mut milliseconds = 0;
+            for grey in [20, 120, 220] {
+                let mut bytes = vec![0; 6 * channels];
+                reader.next_frame(&mut bytes).unwrap();
+                assert_eq!(bytes, super::channels(&frame(grey), channels));
+                let control = reader.info().frame_control().unwrap();
+                assert_eq!(control.delay_den, 1000);
+                milliseconds += control.delay_num;
+            }
+            assert_eq!(milliseconds, 100, "33, 34 and 33");
+        }
+    }
+
+    #[test]
+    fn gif_frames_keep_colours_and_holes() {
+        for alpha in [false, true] {
+            let (_folder, path) = written(&spec(MovingFormat::Gif, alpha));
+            let mut options = gif::DecodeOptions::new();
+            options.set_color_output(gif::ColorOutput::RGBA);
+            let mut reader = options.read_info(File::open(&path).unwrap()).unwrap();
+            assert_eq!(reader.repeat(), gif::Repeat::Infinite);
+            let mut hundredths = 0;
+            for grey in [20, 120, 220] {
+                let frame = reader.read_next_frame().unwrap().unwrap();
+                assert_eq!(frame.buffer[4..8], [grey, grey / 2, 0, 255]);
+                assert_eq!(frame.buffer[3] == 0, alpha, "the first pixel is hidden only where alpha is kept");
+                hundredths += frame.delay;
+            }
+            assert_eq!(hundredths, 10);
+            assert!(reader.read_next_frame().unwrap().is_none());
+        }
+    }
+
+    #[test]
+    fn unfinished_pictures_leave_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.png");
+        let mut picture = MovingPicture::create(&path, &spec(MovingFormat::Png, false)).unwrap();
+        assert!(picture.add(&[[0; 4]; 5]).is_err(), "a pixel is lacking");
+        picture.add(&frame(1)).unwrap();
+        assert!(picture.finish().unwrap_err().to_string().contains("1 of 3 frames"));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn wrong_sizes_lengths_and_places_are_refused() {
+        let create = |spec: MovingSpec| MovingPicture::create(Path::new("no/such/m.gif"), &spec).is_err();
+        let good = spec(MovingFormat::Gif, true);
+        assert!(create(good));
+        assert!(create(MovingSpec { width: 0, ..good }) && create(MovingSpec { frames: 0, ..good }));
+        assert!(
+            create(MovingSpec { height: 70_000, ..good }) && create(MovingSpec { seconds: f64::NAN, ..good })
+        );
+    }
+}

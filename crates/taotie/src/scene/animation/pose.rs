@@ -1,0 +1,111 @@
+//! A scene at a moment of an animation.
+
+use super::{Animation, Deformed, Node, Path, Rig, Transform, world_matrices};
+use crate::error::{Error, Result, Warnings};
+use crate::math::{Mat4, Vec3};
+use crate::mesh::{self, Mesh};
+use crate::scene::{Scene, rigid};
+use rayon::prelude::*;
+
+impl Rig {
+    /// Brings `scene` to the moment `seconds` of an animation, by number; a time outside its keyframes is that of the
+    /// nearest. What the animation does not move is at rest, whatever the scene was posed to before.
+    ///
+    /// Normals and tangents that a mesh was authored with are deformed with it. Where it has no normals they are those
+    /// of the deformed faces. Tangents that are lacking are made from the deformed mesh when it is drawn, unless
+    /// `render::bind_tangents` gave it those of its authored shape, which are those that normal maps are baked with.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where there is no such animation, the scene is not the rig's, or a moved mesh leaves the
+    /// numbers; the scene is then unchanged.
+    pub fn pose(&self, scene: &mut Scene, animation: usize, seconds: f64) -> Result<()> {
+        self.place(scene, &self.posed(animation, seconds)?)
+    }
+
+    /// What takes each node's space to the world at a moment, as [`Rig::pose`] understands it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where there is no such animation.
+    pub fn world_matrices(&self, animation: usize, seconds: f64) -> Result<Vec<Mat4>> {
+        world_matrices(&self.posed(animation, seconds)?)
+    }
+
+    fn posed(&self, animation: usize, seconds: f64) -> Result<Vec<Node>> {
+        let animations = &self.data().animations;
+        let animation = animations.get(animation).ok_or_else(|| {
+            Error::invalid(format!("animation {animation}"), format!("there are {}", animations.len()))
+        })?;
+        Ok(posed(&self.data().nodes, animation, seconds))
+    }
+
+    /// Brings `scene` back to rest, to the last bit.
+    ///
+    /// # Errors
+    /// As [`Rig::pose`].
+    pub fn rest(&self, scene: &mut Scene) -> Result<()> {
+        self.place(scene, &self.data().nodes)
+    }
+
+    fn place(&self, scene: &mut Scene, nodes: &[Node]) -> Result<()> {
+        let data = self.data();
+        let fits = data.instances.len() == scene.instances.len()
+            && data.cameras.len() == scene.cameras.len()
+            && data.lights.len() == scene.lights.len()
+            && data.deformed.iter().all(|deformed| deformed.mesh < scene.meshes.len());
+        if !fits {
+            return Err(Error::invalid("rig", "it belongs to another scene"));
+        }
+        let world = world_matrices(nodes)?;
+        let meshes: Vec<Mesh> = data
+            .deformed
+            .par_iter()
+            .map(|deformed| self.mesh(deformed, nodes, &world))
+            .collect::<Result<_>>()?;
+        for (deformed, mesh) in data.deformed.iter().zip(meshes) {
+            scene.meshes[deformed.mesh] = mesh;
+        }
+        for (instance, node) in scene.instances.iter_mut().zip(&data.instances) {
+            if let Some(node) = node {
+                instance.world_from_object = world[*node];
+            }
+        }
+        for (camera, node) in scene.cameras.iter_mut().zip(&data.cameras) {
+            camera.world_from_view = rigid(&world[*node]);
+        }
+        for (light, node) in scene.lights.iter_mut().zip(&data.lights) {
+            light.place(&world[*node]);
+        }
+        Ok(())
+    }
+
+    /// What was mended at rest was reported then, and is mended without a word now.
+    fn mesh(&self, deformed: &Deformed, nodes: &[Node], world: &[Mat4]) -> Result<Mesh> {
+        let joints = deformed.skin.map(|skin| self.data().skins[skin].joint_matrices(world));
+        let weights = &nodes[deformed.node].weights;
+        let mut data = deformed.shape.deformed(weights, &joints.unwrap_or_default())?;
+        mesh::repair(&mut data, &mut Warnings::default());
+        Mesh::new(data)
+    }
+}
+
+/// The nodes at a moment.
+fn posed(rest: &[Node], animation: &Animation, seconds: f64) -> Vec<Node> {
+    let mut nodes = rest.to_vec();
+    for channel in &animation.channels {
+        let (node, sampler) = (&mut nodes[channel.node], &animation.samplers[channel.sampler]);
+        if channel.path == Path::Weights {
+            node.weights = sampler.at(seconds).into_iter().map(|weight| weight as f32).collect();
+        } else if let Transform::Parts { translation, rotation, scale } = &mut node.local {
+            let vector = || {
+                let value = sampler.at(seconds);
+                Vec3::new(value[0], value[1], value[2])
+            };
+            match channel.path {
+                Path::Translation => *translation = vector(),
+                Path::Scale => *scale = vector(),
+                _ => *rotation = sampler.rotation_at(seconds),
+            }
+        }
+    }
+    nodes
+}
