@@ -26,7 +26,7 @@ Examples:
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// Renders the built-in bronze jue by every method and model, and measures them against the truth.
+/// Renders the built-in bronze jue by every method and model, and measures them.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct DemoArgs {
