@@ -43,7 +43,7 @@ enum Command {
     Normals(Box<normals::NormalsArgs>),
     /// Says how two pictures or normal maps differ.
     Diff(diff::DiffArgs),
-    /// Renders the built-in bronze jue by every surface method and shading model.
+    /// Renders the built-in bronze jue by every method and model, and measures them.
     Demo(demo::DemoArgs),
 }
 

@@ -79,12 +79,15 @@ pub struct PictureDifference {
     pub flip: Field,
 }
 
+/// Methods that could not be drawn, and why.
+pub type Skipped = Vec<(Method, Reason)>;
+
 /// What came of it.
 pub struct Comparison {
     /// The methods that could be drawn in their order, then the reference.
     pub taken: Vec<Taken>,
     /// Methods that could not be drawn, and why.
-    pub skipped: Vec<(Method, Reason)>,
+    pub skipped: Skipped,
     /// Which of `taken` the others are compared with: the reference, else the first method.
     pub against: usize,
     /// The true normal at the point of the model that each pixel shows, where there is one.
@@ -116,38 +119,34 @@ impl Comparison {
     pub fn take(subject: &mut Subject, plan: &Plan) -> Result<Self> {
         let mut studio = Studio::new(plan, subject.reference.is_some());
         let mut relief = Relief::new(&mut subject.scene, plan.settings.surface.tangents);
-        let (mut taken, mut skipped) = (Vec::new(), Vec::new());
-        for method in &plan.methods {
-            match relief.apply(&mut subject.scene, *method)? {
-                None => taken.push(studio.take(&subject.scene, Some(*method))?),
-                Some(reason) => skipped.push((*method, reason)),
-            }
-        }
-        if taken.is_empty() {
-            let reasons: Vec<String> = skipped.iter().map(|(m, why)| format!("{}: {why}", m.id())).collect();
-            bail!("none of the methods can be drawn: {}", reasons.join("; "));
-        }
+        let (mut taken, skipped) = studio.take_all(&mut subject.scene, &mut relief)?;
         if let Some(reference) = &subject.reference {
             taken.push(studio.take(reference, None)?);
         }
         let against = if subject.reference.is_some() { taken.len() - 1 } else { 0 };
         let smooth = studio.look(&subject.scene, Some(SurfaceMethod::Smooth))?;
-        let matched = match &subject.reference {
-            Some(reference) => studio.matched(&smooth, &subject.scene, reference)?,
-            None => smooth.normals.clone(),
-        };
-        let truth = match subject.reference {
-            Some(_) => smooth.mean_normals(&matched)?,
-            None => taken[0].normals.clone(),
+        let (matched, truth) = match &subject.reference {
+            Some(reference) => {
+                let matched = studio.matched(&smooth, &subject.scene, reference)?;
+                let truth = smooth.mean_normals(&matched)?;
+                (matched, truth)
+            }
+            None => (smooth.normals.clone(), taken[0].normals.clone()),
         };
         studio.measure(&mut taken, against, &truth)?;
         let inner = smooth.inner(&matched, &plan.camera);
-        let unmatched = covered(&smooth.normals) as f64 - covered(&matched) as f64;
-        let unmatched = unmatched / covered(&smooth.normals).max(1) as f64;
-        let points = plan.points.choose(&inner, plan.settings.width as usize);
-        let notes = relief.notes().to_vec();
-        let warnings = studio.warnings;
-        Ok(Self { taken, skipped, against, truth, inner, unmatched, points, warnings, notes })
+        let seen = covered(&smooth.normals);
+        Ok(Self {
+            points: plan.points.choose(&inner, plan.settings.width as usize),
+            unmatched: (seen - covered(&matched)) / seen.max(1.0),
+            taken,
+            skipped,
+            against,
+            truth,
+            inner,
+            warnings: studio.warnings,
+            notes: relief.notes().to_vec(),
+        })
     }
 
     /// The name of what the others are compared with.
@@ -157,8 +156,8 @@ impl Comparison {
 }
 
 /// How many samples saw something.
-fn covered(image: &Image) -> usize {
-    image.pixels().iter().filter(|pixel| pixel[3] == 1.0).count()
+fn covered(image: &Image) -> f64 {
+    image.pixels().iter().filter(|pixel| pixel[3] == 1.0).count() as f64
 }
 
 /// Takes one picture after the other.
@@ -181,6 +180,22 @@ impl<'a> Studio<'a> {
     fn step(&mut self) {
         self.done += 1;
         self.progress.set(self.done as f64 / self.steps as f64);
+    }
+
+    /// Takes all pictures by every method that the model's relief allows; those that it does not, with the reasons.
+    fn take_all(&mut self, scene: &mut Scene, relief: &mut Relief) -> Result<(Vec<Taken>, Skipped)> {
+        let (mut taken, mut skipped) = (Vec::new(), Vec::new());
+        for method in &self.plan.methods {
+            match relief.apply(scene, *method)? {
+                None => taken.push(self.take(scene, Some(*method))?),
+                Some(reason) => skipped.push((*method, reason)),
+            }
+        }
+        if taken.is_empty() {
+            let reasons: Vec<String> = skipped.iter().map(|(m, why)| format!("{}: {why}", m.id())).collect();
+            bail!("none of the methods can be drawn: {}", reasons.join("; "));
+        }
+        Ok((taken, skipped))
     }
 
     /// Takes all pictures of a scene by `method`, or by the best that its materials provide.

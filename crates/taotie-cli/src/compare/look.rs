@@ -27,11 +27,19 @@ pub struct Look {
     per_side: u32,
 }
 
-/// Looks with as many samples a pixel as `settings` ask for, one where the picture would become too large.
-pub fn look(prepared: &Prepared<'_>, camera: &Camera, settings: &RenderSettings) -> Result<Look> {
+/// The most samples of a look: each takes 96 bytes while it is taken.
+const MOST: u64 = 1 << 24;
+
+/// As many as `settings` ask for, fewer where the look would become larger than [`MOST`].
+fn samples_per_side(settings: &RenderSettings) -> u32 {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
     let wanted = settings.samples.isqrt();
-    let fits = Image::check_size(settings.width * wanted, settings.height * wanted).is_ok();
-    let per_side = if fits { wanted } else { 1 };
+    (1..=wanted).rev().find(|n| pixels * u64::from(n * n) <= MOST).unwrap_or(1)
+}
+
+/// Looks with as many samples a pixel as `settings` ask for, fewer where that would be too many.
+pub fn look(prepared: &Prepared<'_>, camera: &Camera, settings: &RenderSettings) -> Result<Look> {
+    let per_side = samples_per_side(settings);
     let (width, height) = (settings.width * per_side, settings.height * per_side);
     let settings =
         RenderSettings { width, height, samples: 1, aovs: true, shadows: false, ..settings.clone() };

@@ -20,12 +20,13 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   taotie demo
-  taotie demo --out pictures --size 512";
+  taotie demo --out pictures --size 512
+  taotie demo --high";
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// Renders the built-in bronze jue by every surface method and shading model.
+/// Renders the built-in bronze jue by every method and model, and measures them.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct DemoArgs {
@@ -35,6 +36,9 @@ pub struct DemoArgs {
     /// Side of each picture of the contact sheet, pixels
     #[arg(long, value_name = "N", default_value_t = 360, value_parser = clap::value_parser!(u32).range(64..=2048))]
     pub size: u32,
+    /// Also writes the bronze with its relief as geometry, more than two million triangles, as jue-high.glb
+    #[arg(long)]
+    pub high: bool,
     /// Threads; all of the machine's if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub threads: Option<u32>,
@@ -45,6 +49,7 @@ pub struct DemoArgs {
 
 /// Texels along a side of the jue's maps.
 const MAPS: u32 = 2048;
+
 /// What was made.
 struct Demo {
     files: Vec<PathBuf>,
@@ -67,16 +72,21 @@ pub fn run(args: &DemoArgs) -> Result<()> {
 fn demo(args: &DemoArgs) -> Result<Demo> {
     let scene = jue::scene(MAPS);
     let mut files = export::write(&args.out, &scene)?;
-    files.push(glb::write(&args.out, &scene)?);
+    files.push(glb::write_pouring(&args.out, &scene)?);
     let progress = Progress::new("pictures");
     let (sheet, made) = gallery::write_sheet(args, &scene, &|done| progress.set(done))?;
     files.push(sheet);
     files.push(gallery::write_large(args, &scene)?);
     drop(progress);
-    let (comparison, written) = truth::write(args, &scene)?;
-    files.extend(written);
+    let high = truth::with_relief(&scene, jue::displaced_mesh(jue::FINEST));
+    if args.high {
+        files.push(glb::write_high(&args.out, &high)?);
+    }
     let progress = Progress::new("moving surface");
-    let (moving, written) = moving::write(args, &scene, &|done| progress.set(done))?;
+    let (moving, written) = moving::write(args, &scene, &high.meshes[0], &|done| progress.set(done))?;
+    files.extend(written);
+    drop(progress);
+    let (comparison, written) = truth::write(args, &scene, high)?;
     files.extend(written);
     Ok(Demo { files, made, comparison, moving })
 }

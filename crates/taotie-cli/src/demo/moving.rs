@@ -2,17 +2,16 @@
 //! measured against its relief as geometry under the same skin.
 
 use super::stage::{self, Stage};
+use super::truth::with_relief;
 use super::{DemoArgs, gallery};
 use crate::jue::pour::{Eye, POURED, Pouring, RULE, TIP_DEG, Truth, angular_errors};
-use crate::jue::{FINEST, displaced_mesh};
 use crate::sheet::{Cell, Sheet};
 use crate::spread::Spread;
 use anyhow::Result;
 use serde::Serialize;
 use std::path::PathBuf;
 use taotie::film;
-use taotie::image::Encoding;
-use taotie::io::{self, PngColor, PngImage, PngSamples};
+use taotie::io;
 use taotie::mesh::Mesh;
 use taotie::scene::Scene;
 
@@ -50,10 +49,13 @@ const METHODS: [(&str, &str); 2] = [
 ///
 /// # Errors
 /// Those of rendering and writing.
-pub fn write(args: &DemoArgs, scene: &Scene, progress: &dyn Fn(f64)) -> Result<(Report, Vec<PathBuf>)> {
-    let displaced = displaced_mesh(FINEST);
-    let truths = [Truth::at(&displaced, 0.0)?, Truth::at(&displaced, POURED)?];
-    drop(displaced);
+pub fn write(
+    args: &DemoArgs,
+    scene: &Scene,
+    displaced: &Mesh,
+    progress: &dyn Fn(f64),
+) -> Result<(Report, Vec<PathBuf>)> {
+    let truths = [Truth::at(displaced, 0.0)?, Truth::at(displaced, POURED)?];
     progress(0.3);
     let scenes = [gallery::with_object_map(scene), scene.clone()];
     let mut vessels = scenes.into_iter().map(Pouring::new).collect::<taotie::Result<Vec<_>>>()?;
@@ -67,7 +69,7 @@ pub fn write(args: &DemoArgs, scene: &Scene, progress: &dyn Fn(f64)) -> Result<(
             cells.push(artist.cell(method.labels(seconds), vessel.at(seconds)?)?);
         }
         let labels = (format!("displaced mesh, {}", pose(seconds)), "the truth".into());
-        cells.push(artist.cell(labels, &with_relief(scene, truth.mesh()))?);
+        cells.push(artist.cell(labels, &with_relief(scene, truth.mesh().clone()))?);
         progress(0.8);
     }
     let report = Report { tip_deg: TIP_DEG, rule: RULE, methods };
@@ -117,25 +119,10 @@ fn shape_of(vessel: &mut Pouring, seconds: f64) -> taotie::Result<Scene> {
 }
 
 /// The same bronze with this mesh, whose relief is geometry.
-fn with_relief(scene: &Scene, mesh: &Mesh) -> Scene {
-    let mut scene = Scene { meshes: vec![mesh.clone()], ..scene.clone() };
-    for material in &mut scene.materials {
-        (material.normal, material.height) = (None, None);
-    }
-    scene
-}
-
 fn write_sheet(args: &DemoArgs, cells: &[Cell]) -> Result<PathBuf> {
     let path = args.out.join("moving.png");
     let sheet = Sheet::new(cells, [args.size as usize; 2], COLUMNS);
-    let picture = PngImage {
-        width: sheet.width as u32,
-        height: sheet.height as u32,
-        color: PngColor::Rgb,
-        samples: PngSamples::U8(sheet.pixels.as_flattened()),
-        encoding: Encoding::Srgb,
-    };
-    io::write_png(&path, &picture)?;
+    io::write_png(&path, &sheet.png())?;
     Ok(path)
 }
 

@@ -5,23 +5,22 @@ use super::stage::{self, Stage};
 use crate::compare::{
     self, Comparison, Destination, Matching, Method, Plan, PointChoice, Report, Subject, SubjectReport,
 };
-use crate::jue;
 use anyhow::Result;
 use std::path::PathBuf;
+use taotie::mesh::Mesh;
 use taotie::scene::Scene;
 use taotie::shade::Shading;
 
 /// Pixels along a side of the comparison's pictures.
-const SIDE: u32 = 640;
+const SIDE: u32 = 560;
 /// The angle at the top of the heat maps' scale, degrees.
 const HEAT_TOP_DEG: f64 = 30.0;
 
-/// Compares the methods on the cup with the displaced mesh; writes the report into a folder of its own.
+/// Compares the methods on the cup with the displaced mesh `reference`; writes the report into a folder of its own.
 ///
 /// # Errors
 /// Those of rendering and writing.
-pub fn write(args: &DemoArgs, scene: &Scene) -> Result<(Report, Vec<PathBuf>)> {
-    let reference = displaced(scene);
+pub fn write(args: &DemoArgs, scene: &Scene, reference: Scene) -> Result<(Report, Vec<PathBuf>)> {
     let Stage { camera, lighting } = Stage::cup(scene);
     let plan = Plan {
         methods: Method::defaults(),
@@ -48,10 +47,9 @@ pub fn write(args: &DemoArgs, scene: &Scene) -> Result<(Report, Vec<PathBuf>)> {
     compare::write(&comparison, &plan, &subject, &destination)
 }
 
-/// The same bronze with its relief as geometry.
-fn displaced(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    scene.meshes = vec![jue::displaced_mesh(jue::FINEST)];
+/// The same bronze with its relief as geometry, which `mesh` has.
+pub fn with_relief(scene: &Scene, mesh: Mesh) -> Scene {
+    let mut scene = Scene { meshes: vec![mesh], ..scene.clone() };
     for material in &mut scene.materials {
         (material.normal, material.height) = (None, None);
     }

@@ -16,7 +16,7 @@ Commands:
   inspect  Says what is in a model and what is wrong with it
   normals  Makes normal maps from heights, and converts them
   diff     Says how two pictures or normal maps differ
-  demo     Renders the built-in bronze jue by every surface method and shading model
+  demo     Renders the built-in bronze jue by every method and model, and measures them
 
 Options:
   -h, --help     Print help
