@@ -31,29 +31,28 @@ pub struct Mesh {
     data: MeshData,
 }
 
-impl Mesh {
-    /// Checks `data`.
+impl MeshData {
+    /// Whether a mesh can be made of it.
     ///
     /// # Errors
-    /// [`Error::Invalid`] naming the first array, element and reason: an array shorter or longer than the
-    /// positions, a position that is infinite or NaN, or an index out of range.
-    pub fn new(data: MeshData) -> Result<Self> {
-        let count = data.positions.len();
+    /// As [`Mesh::new`].
+    pub fn check(&self) -> Result<()> {
+        let count = self.positions.len();
         if count > u32::MAX as usize {
             return Err(Error::limit(format!("a mesh of {count} vertices"), "at most 2^32 - 1; split it"));
         }
-        check_length("normals", data.normals.len(), count)?;
-        check_length("tangents", data.tangents.len(), count)?;
-        check_length("colors", data.colors.len(), count)?;
-        for (set, uvs) in data.uvs.iter().enumerate() {
+        check_length("normals", self.normals.len(), count)?;
+        check_length("tangents", self.tangents.len(), count)?;
+        check_length("colors", self.colors.len(), count)?;
+        for (set, uvs) in self.uvs.iter().enumerate() {
             if uvs.len() != count {
                 return Err(length_error(&format!("uv set {set}"), uvs.len(), count));
             }
         }
-        if let Some(i) = data.positions.iter().position(|p| !p.is_finite()) {
+        if let Some(i) = self.positions.iter().position(|p| !p.is_finite()) {
             return Err(Error::invalid(format!("position {i}"), "it is infinite or NaN; mend the file"));
         }
-        for (i, triangle) in data.triangles.iter().enumerate() {
+        for (i, triangle) in self.triangles.iter().enumerate() {
             if let Some(index) = triangle.iter().find(|index| **index as usize >= count) {
                 return Err(Error::invalid(
                     format!("triangle {i}"),
@@ -61,6 +60,18 @@ impl Mesh {
                 ));
             }
         }
+        Ok(())
+    }
+}
+
+impl Mesh {
+    /// Checks `data`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the first array, element and reason: an array shorter or longer than the
+    /// positions, a position that is infinite or NaN, or an index out of range.
+    pub fn new(data: MeshData) -> Result<Self> {
+        data.check()?;
         Ok(Self { data })
     }
 

@@ -51,8 +51,10 @@ impl Deformable {
     /// The same with these tangents at the corners of its triangles. A vertex whose corners differ is split.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where there is not one triple of tangents a triangle.
+    /// [`Error::Invalid`] where there is not one triple of tangents a triangle, or an array is neither empty nor as
+    /// long as the positions.
     pub fn with_corner_tangents(self, tangents: &[[[f32; 4]; 3]]) -> Result<Self> {
+        self.check()?;
         if tangents.len() != self.base.triangles.len() {
             let (given, wanted) = (tangents.len(), self.base.triangles.len());
             return Err(Error::invalid("corner tangents", format!("{given} for {wanted} triangles")));
@@ -72,6 +74,22 @@ impl Deformable {
         split.base.tangents = corners.into_iter().map(|(_, tangent)| tangent).collect();
         split.base.triangles = triangles;
         Ok(split)
+    }
+
+    /// That arrays are as long as the positions and triangles name vertices that exist.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where that is not so.
+    pub fn check(&self) -> Result<()> {
+        self.base.check()?;
+        let count = self.base.positions.len();
+        let arrays = self.targets.iter().flat_map(|t| [&t.positions, &t.normals, &t.tangents]);
+        let whole = arrays.map(Vec::len).all(|length| length == 0 || length == count);
+        let bound = |b: &Binding| b.joints.len() == count * b.per_vertex && b.weights.len() == b.joints.len();
+        match whole && self.binding.as_ref().is_none_or(bound) {
+            true => Ok(()),
+            false => Err(Error::invalid("what deforms a mesh", format!("it is not for {count} vertices"))),
+        }
     }
 
     /// The vertices `which`, without triangles.
@@ -171,5 +189,10 @@ mod tests {
         assert_eq!(split.targets[1].positions[4].z, 3.0);
         assert!(split.targets[0].positions.is_empty());
         assert!(square().with_corner_tangents(&[[x; 3]]).is_err());
+        let short = Deformable { binding: Some(Binding::default()), ..square() };
+        assert!(short.with_corner_tangents(&[[x; 3]; 2]).is_ok(), "no joints at all");
+        let mut short = square();
+        short.targets[1].positions.pop();
+        assert!(short.with_corner_tangents(&[[x; 3]; 2]).is_err());
     }
 }

@@ -7,6 +7,7 @@ pub use deformable::{Deformable, MorphTarget};
 use super::MeshData;
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
+use rayon::prelude::*;
 
 /// Adds `weight · deltas[i]` to each `values[i]`. Surplus elements of either are left alone.
 ///
@@ -42,24 +43,23 @@ pub struct Binding {
 /// `data` is then unchanged.
 /// Source: glTF 2.0, 3.7.3.3; Magnenat-Thalmann et al. 1988.
 pub fn skin(data: &mut MeshData, binding: &Binding, joint_matrices: &[Mat4]) -> Result<()> {
-    check(binding, data.positions.len(), joint_matrices.len())?;
-    for vertex in 0..data.positions.len() {
-        let m = blended(binding, vertex, joint_matrices);
-        let position = &mut data.positions[vertex];
-        *position = m.transform_point(position.to_f64()).to_f32();
-        if let Some(normal) = data.normals.get_mut(vertex) {
-            *normal =
-                m.normal_matrix().transform_vector(normal.to_f64()).normalize_or(normal.to_f64()).to_f32();
+    let vertices = data.positions.len();
+    check(binding, vertices, joint_matrices.len())?;
+    let matrix = |vertex: usize| blended(binding, vertex, joint_matrices);
+    data.positions.par_iter_mut().enumerate().for_each(|(i, position)| {
+        *position = matrix(i).transform_point(position.to_f64()).to_f32();
+    });
+    data.normals.par_iter_mut().take(vertices).enumerate().for_each(|(i, normal)| {
+        let n = normal.to_f64();
+        *normal = matrix(i).normal_matrix().transform_vector(n).normalize_or(n).to_f32();
+    });
+    data.tangents.par_iter_mut().take(vertices).enumerate().for_each(|(i, [x, y, z, handedness])| {
+        let (m, t) = (matrix(i), Vec3::new(*x, *y, *z).to_f64());
+        [*x, *y, *z] = m.transform_vector(t).normalize_or(t).to_f32().to_array();
+        if m.determinant3() < 0.0 {
+            *handedness = -*handedness;
         }
-        if let Some([x, y, z, handedness]) = data.tangents.get_mut(vertex) {
-            let tangent = Vec3::new(*x, *y, *z).to_f64();
-            let moved = m.transform_vector(tangent).normalize_or(tangent).to_f32();
-            [*x, *y, *z] = moved.to_array();
-            if m.determinant3() < 0.0 {
-                *handedness = -*handedness;
-            }
-        }
-    }
+    });
     Ok(())
 }
 

@@ -113,6 +113,7 @@ impl Deformed {
     fn check(&self, data: &RigData) -> Result<()> {
         let at = format!("deformed mesh {}", self.mesh);
         in_range(&at, "node", self.node, data.nodes.len())?;
+        self.shape.check()?;
         match (self.skin, &self.shape.binding) {
             (Some(skin), Some(_)) => in_range(&at, "skin", skin, data.skins.len()),
             (None, None) => Ok(()),
@@ -125,5 +126,54 @@ fn in_range(at: &str, what: &str, index: usize, count: usize) -> Result<()> {
     match index < count {
         true => Ok(()),
         false => Err(Error::invalid(at, format!("it names {what} {index}, but there are {count}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::mesh::MeshData;
+    use crate::mesh::deform::Binding;
+    use crate::scene::animation::{Channel, Path};
+
+    /// One node, one skin of one joint, and a triangle that it moves.
+    fn sound() -> RigData {
+        let base = MeshData {
+            positions: vec![Vec3::splat(1.0); 3],
+            triangles: vec![[0, 1, 2]],
+            ..MeshData::default()
+        };
+        let binding = Some(Binding { per_vertex: 1, joints: vec![0; 3], weights: vec![1.0; 3] });
+        let shape = Deformable { base, binding, ..Deformable::default() };
+        RigData {
+            nodes: vec![Node::default()],
+            skins: vec![Skin { joints: vec![0], inverse_bind_matrices: vec![Mat4::IDENTITY] }],
+            deformed: vec![Deformed { mesh: 0, node: 0, skin: Some(0), shape }],
+            ..RigData::default()
+        }
+    }
+
+    fn why(change: impl FnOnce(&mut RigData)) -> String {
+        let mut data = sound();
+        change(&mut data);
+        Rig::new(data).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_does_not_exist_or_fit_is_refused() {
+        assert!(Rig::new(sound()).is_ok());
+        assert!(why(|rig| rig.nodes[0].parent = Some(0)).contains("ancestor"));
+        assert!(why(|rig| rig.skins[0].joints[0] = 4).contains("node 4"));
+        assert!(why(|rig| rig.skins[0].inverse_bind_matrices.clear()).contains("inverse bind matrix"));
+        assert!(why(|rig| rig.deformed[0].node = 1).contains("node 1, but there are 1"));
+        assert!(why(|rig| rig.deformed[0].skin = Some(3)).contains("skin 3"));
+        assert!(why(|rig| rig.deformed[0].skin = None).contains("together"));
+        assert!(why(|rig| rig.deformed[0].shape.base.triangles[0][1] = 9).contains("vertex 9"));
+        assert!(why(|rig| rig.instances.push(Some(2))).contains("node 2"));
+        assert!(why(|rig| rig.lights.push(1)).contains("node 1"));
+        let channel = Channel { node: 0, path: Path::Scale, sampler: 0 };
+        let animation = Animation { name: "odd".into(), channels: vec![channel], ..Animation::default() };
+        assert!(why(|rig| rig.animations.push(animation)).contains("animation 'odd'"));
     }
 }
