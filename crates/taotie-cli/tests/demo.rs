@@ -26,6 +26,7 @@ fn inner_mean(comparison: &Value, name: &str) -> f64 {
 #[test]
 fn the_nearer_a_method_is_to_the_truth_the_less_it_errs_and_moving_spoils_object_space() {
     let (folder, report) = demo();
+    assert_eq!(report["schema"], 2);
     let comparison = &report["comparison"];
     assert!(comparison["subject"]["reference_triangles"].as_u64().unwrap() > 1_000_000);
     let [smooth, bump, tangent] =

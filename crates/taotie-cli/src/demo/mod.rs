@@ -24,7 +24,7 @@ Examples:
   taotie demo --high";
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// Renders the built-in bronze jue by every method and model, and measures them.
 #[derive(Args)]
