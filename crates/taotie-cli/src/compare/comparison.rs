@@ -7,6 +7,7 @@ use super::points::PointChoice;
 use super::relief::{Reason, Relief};
 use crate::console::Progress;
 use anyhow::{Result, bail};
+use std::path::PathBuf;
 use std::time::Instant;
 use taotie::Warnings;
 use taotie::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
@@ -43,6 +44,10 @@ pub struct Plan {
     pub settings: RenderSettings,
     /// How all pictures are developed; with a background.
     pub development: Development,
+    /// The angle at the top of the heat maps' scale, degrees.
+    pub heat_top_deg: f64,
+    /// What was asked of the materials, for the report.
+    pub material: serde_json::Value,
 }
 
 /// A surface as seen.
@@ -108,6 +113,17 @@ impl Taken {
     /// The method as it is written, or `reference`.
     pub fn id(&self) -> String {
         self.method.map_or_else(|| "reference".into(), Method::id)
+    }
+
+    /// What the method does, in a few words.
+    pub fn what(&self) -> String {
+        self.method.map_or_else(|| "the geometry itself".into(), Method::describe)
+    }
+
+    /// The name of its picture of this kind: `bump-5.normals.png`.
+    pub fn file_name(&self, kind: &str) -> PathBuf {
+        let stem = self.method.map_or_else(|| "reference".into(), Method::file_stem);
+        format!("{stem}.{kind}.png").into()
     }
 }
 

@@ -8,7 +8,7 @@ use taotie::bake::{
 use taotie::image::{Bitmap, Image};
 use taotie::mesh::Mesh;
 use taotie::scene::{GreenChannel, NormalMap, NormalSpace};
-use taotie::surface::{TangentMethod, with_normals, with_tangents};
+use taotie::surface::{TangentMethod, with_frames};
 
 /// Texels around charts that are filled too, as a part of the map's side: enough for the mip levels that are seen.
 const MARGIN: u32 = 128;
@@ -54,12 +54,8 @@ fn laid_out(
     tangents: Option<TangentMethod>,
 ) -> Result<TexelSurface> {
     let uv_set = map.texture.uv_set;
-    let mesh = with_normals(mesh)?;
-    let mesh = match (mesh.tangents().is_empty(), tangents) {
-        (false, None) => mesh.into_owned(),
-        (_, method) => with_tangents(&mesh, uv_set, method.unwrap_or(TangentMethod::MikkTSpace))?.mesh,
-    };
-    let mut data = mesh.into_data();
+    let (mesh, _) = with_frames(mesh, uv_set, tangents)?;
+    let mut data = mesh.into_owned().into_data();
     for uv in &mut data.uvs[uv_set] {
         *uv = map.texture.transform.apply(*uv);
     }

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use taotie::compare::{ColorMap, Field, Picture};
 use taotie::image::Image;
 use taotie::io;
-use taotie::math::srgb;
+use taotie::math::{Vec3, srgb};
 use taotie::names::Named;
+use taotie::surface::encode_normal;
 
 /// The longest side of a picture on the contact sheet, pixels.
 const CELL: usize = 320;
@@ -33,12 +34,6 @@ impl Files {
         Ok(Self { folder: folder.to_path_buf(), heat_top, written: Vec::new() })
     }
 
-    /// The name of a surface's picture of this kind: `bump-5.normals.png`.
-    pub fn name(&self, taken: &Taken, kind: &str) -> PathBuf {
-        let stem = taken.method.map_or_else(|| "reference".into(), |method| method.file_stem());
-        format!("{stem}.{kind}.png").into()
-    }
-
     /// Writes every picture and the contact sheet.
     ///
     /// # Errors
@@ -46,14 +41,14 @@ impl Files {
     pub fn write(&mut self, comparison: &Comparison) -> Result<()> {
         for taken in &comparison.taken {
             for (shading, picture) in &taken.pictures {
-                self.write_png(&self.name(taken, shading.name()), &developed(picture))?;
+                self.write_png(&taken.file_name(shading.name()), &developed(picture))?;
             }
-            self.write_png(&self.name(taken, "normals"), &colored(&taken.normals))?;
+            self.write_png(&taken.file_name("normals"), &colored(&taken.normals))?;
             let Some(difference) = &taken.difference else { continue };
             let heat = heat_of_angles(&difference.angles, self.heat_top).with_scale();
-            self.write_png(&self.name(taken, "error"), &heat)?;
+            self.write_png(&taken.file_name("error"), &heat)?;
             for ((shading, _), difference) in taken.pictures.iter().zip(&difference.pictures) {
-                let name = self.name(taken, &format!("{}.flip", shading.name()));
+                let name = taken.file_name(&format!("{}.flip", shading.name()));
                 self.write_png(&name, &heat_of_flip(&difference.flip).with_scale())?;
             }
         }
@@ -88,10 +83,8 @@ impl Files {
                 cell(taken.id(), shading.name().into(), &developed(picture))
             }));
         }
-        cells.extend(taken.iter().map(|taken| {
-            let what = taken.method.map_or_else(|| "the geometry itself".into(), |method| method.describe());
-            cell("normals".into(), what, &colored(&taken.normals))
-        }));
+        cells
+            .extend(taken.iter().map(|taken| cell("normals".into(), taken.what(), &colored(&taken.normals))));
         cells.extend(taken.iter().map(|taken| self.error_cell(taken, comparison)));
         let small = shrunk(&developed(&taken[0].pictures[0].1));
         let sheet = Sheet::new(&cells, [small.width, small.height], taken.len());
@@ -128,7 +121,7 @@ pub fn developed(picture: &Picture) -> Sheet {
 /// Normals n in world space as the colours (n + 1) / 2.
 pub fn colored(normals: &Image) -> Sheet {
     let color = |[x, y, z, covered]: &[f32; 4]| match *covered == 1.0 {
-        true => [x, y, z].map(|v| ((v * 0.5 + 0.5) * 255.0 + 0.5) as u8),
+        true => encode_normal(Vec3::new(*x, *y, *z)).to_array().map(|v| (v * 255.0 + 0.5) as u8),
         false => GROUND,
     };
     let pixels = normals.pixels().iter().map(color).collect();

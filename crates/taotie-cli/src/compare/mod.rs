@@ -36,8 +36,6 @@ pub struct Destination<'a> {
     pub folder: &'a Path,
     /// The heading of the page.
     pub title: &'a str,
-    /// The angle at the top of the heat maps' scale, degrees.
-    pub heat_top_deg: f64,
 }
 
 /// Runs the subcommand.
@@ -76,6 +74,8 @@ fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<(Rep
         lighting: studio::lighting(&args.light, &loaded.scene, &viewpoint, 0.0)?,
         settings: settings(args),
         development: args.film.development(args.running.simd)?,
+        heat_top_deg: args.heat_top_deg,
+        material: args.material.json(),
     };
     let subject = SubjectReport {
         model: model.display().to_string(),
@@ -89,7 +89,7 @@ fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<(Rep
     warnings.absorb(std::mem::take(&mut comparison.warnings));
     comparison.warnings = warnings;
     console::say_warnings(&comparison.warnings);
-    let destination = Destination { folder: output, title: &title, heat_top_deg: args.heat_top_deg };
+    let destination = Destination { folder: output, title: &title };
     write(&comparison, &plan, &subject, &destination)
 }
 
@@ -103,9 +103,9 @@ pub fn write(
     subject: &SubjectReport,
     destination: &Destination<'_>,
 ) -> Result<(Report, Vec<PathBuf>)> {
-    let mut files = Files::new(destination.folder, destination.heat_top_deg as f32)?;
+    let mut files = Files::new(destination.folder, plan.heat_top_deg as f32)?;
     files.write(comparison)?;
-    let report = Report::new(comparison, plan, subject, &files)?;
+    let report = Report::new(comparison, plan, subject)?;
     files.write_text("report.json", &serde_json::to_string_pretty(&report)?)?;
     let page = page::page(destination.title, &report, comparison, files.heat_top)?;
     files.write_text("report.html", &crate::report::html(&page))?;

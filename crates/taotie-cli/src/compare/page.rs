@@ -86,8 +86,8 @@ fn view(
     let mut pictures = Vec::new();
     for taken in &comparison.taken {
         let Some(pixels) = pixels(taken) else { continue };
-        let note = taken.method.map_or_else(|| "the geometry itself".into(), |method| method.describe());
-        pictures.push(Picture { label: taken.id(), note, png: io::encode_png(&pixels.png())? });
+        let png = io::encode_png(&pixels.png())?;
+        pictures.push(Picture { label: taken.id(), note: taken.what(), png });
     }
     Ok(View { name, note, pictures, legend: None })
 }

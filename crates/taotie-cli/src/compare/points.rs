@@ -2,6 +2,7 @@
 
 use anyhow::{Result, bail};
 use std::collections::HashSet;
+use std::fmt;
 
 /// Which places.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,6 +37,19 @@ fn pixel(text: &str) -> Result<[u32; 2], String> {
     let (x, y) = text.split_once(',').ok_or_else(wrong)?;
     let number = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
     Ok([number(x)?, number(y)?])
+}
+
+/// As it is written on the command line.
+impl fmt::Display for PointChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Spread(count) => write!(f, "{count}"),
+            Self::Pixels(pixels) => {
+                let pixels: Vec<String> = pixels.iter().map(|[x, y]| format!("{x},{y}")).collect();
+                f.write_str(&pixels.join(";"))
+            }
+        }
+    }
 }
 
 impl PointChoice {
@@ -105,6 +119,9 @@ mod tests {
     fn reads_counts_and_pixels() {
         assert_eq!(parse("10"), Ok(PointChoice::Spread(10)));
         assert_eq!(parse("1,2; 3,4"), Ok(PointChoice::Pixels(vec![[1, 2], [3, 4]])));
+        for written in ["10", "1,2;3,4"] {
+            assert_eq!(parse(written).unwrap().to_string(), written);
+        }
         assert!(parse("1,2;x").is_err() && parse("1001").is_err() && parse("-1").is_err());
         assert!(PointChoice::Pixels(vec![[4, 0]]).check([4, 4]).is_err());
     }

@@ -1,7 +1,6 @@
 //! `report.json`: every parameter and every figure.
 
 use super::comparison::{Comparison, Plan, Taken};
-use super::files::Files;
 use super::{look, points};
 use crate::console;
 use crate::spread::Spread;
@@ -10,7 +9,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use taotie::compare::{self, Field, PIXELS_PER_DEGREE};
 use taotie::image::Image;
-use taotie::math::{Mat4, Vec3};
+use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::scene::{Falloff, Light, LightKind, Projection};
 
@@ -162,17 +161,12 @@ pub struct PointNormal {
 }
 
 impl Report {
-    /// Gathers the figures of a comparison whose pictures were written to `files`.
+    /// Gathers the figures of a comparison.
     ///
     /// # Errors
     /// None but where the masks have another size, which they have not.
-    pub fn new(
-        comparison: &Comparison,
-        plan: &Plan,
-        subject: &SubjectReport,
-        files: &Files,
-    ) -> taotie::Result<Self> {
-        let methods = comparison.taken.iter().map(|taken| method_report(taken, comparison, files));
+    pub fn new(comparison: &Comparison, plan: &Plan, subject: &SubjectReport) -> taotie::Result<Self> {
+        let methods = comparison.taken.iter().map(|taken| method_report(taken, comparison));
         let skipped = comparison.skipped.iter();
         Ok(Self {
             schema: SCHEMA,
@@ -228,10 +222,10 @@ fn summary(field: &Field) -> Option<Spread> {
     field.summary().map(Spread::from)
 }
 
-fn method_report(taken: &Taken, comparison: &Comparison, files: &Files) -> taotie::Result<MethodReport> {
+fn method_report(taken: &Taken, comparison: &Comparison) -> taotie::Result<MethodReport> {
     let error = match &taken.difference {
         Some(difference) => Some(ErrorReport {
-            heat: files.name(taken, "error"),
+            heat: taken.file_name("error"),
             all: summary(&difference.angles),
             inner: summary(&difference.angles.within(&comparison.inner)?),
             histogram: difference.angles.histogram(BINS, BINS as f32),
@@ -242,21 +236,21 @@ fn method_report(taken: &Taken, comparison: &Comparison, files: &Files) -> taoti
         let difference = taken.difference.as_ref().map(|difference| &difference.pictures[i]);
         PictureReport {
             shading: shading.name(),
-            file: files.name(taken, shading.name()),
+            file: taken.file_name(shading.name()),
             difference: difference.map(|difference| PictureFigures {
                 rmse: difference.rmse,
                 psnr: difference.psnr.is_finite().then_some(difference.psnr),
                 ssim: difference.ssim,
                 flip: summary(&difference.flip),
-                flip_map: files.name(taken, &format!("{}.flip", shading.name())),
+                flip_map: taken.file_name(&format!("{}.flip", shading.name())),
             }),
         }
     });
     Ok(MethodReport {
         method: taken.id(),
-        what: taken.method.map_or_else(|| "the geometry itself".into(), |method| method.describe()),
+        what: taken.what(),
         milliseconds: taken.milliseconds,
-        normals: files.name(taken, "normals"),
+        normals: taken.file_name("normals"),
         error,
         pictures: pictures.collect(),
     })
@@ -311,10 +305,13 @@ fn parameters(plan: &Plan) -> Value {
         "shadows": settings.shadows,
         "shadings": plan.shadings.iter().map(|shading| shading.name()).collect::<Vec<_>>(),
         "matching": plan.matching.name(),
+        "points": plan.points.to_string(),
+        "heat_top_deg": plan.heat_top_deg,
+        "material": plan.material,
         "tangents": settings.surface.tangents.map(Named::name),
         "bump_scale": settings.surface.bump_scale,
         "camera": {
-            "world_from_view_columns": columns(&plan.camera.world_from_view),
+            "world_from_view_columns": plan.camera.world_from_view.columns,
             "projection": projection(&plan.camera.projection),
         },
         "lights": plan.lighting.lights.iter().map(light).collect::<Vec<_>>(),
@@ -324,10 +321,6 @@ fn parameters(plan: &Plan) -> Value {
         "background": plan.development.background.map(Vec3::to_array),
         "pixels_per_degree": PIXELS_PER_DEGREE,
     })
-}
-
-fn columns(matrix: &Mat4) -> [[f64; 4]; 4] {
-    matrix.columns
 }
 
 fn projection(projection: &Projection) -> Value {
@@ -342,7 +335,7 @@ fn projection(projection: &Projection) -> Value {
 }
 
 fn light(light: &Light) -> Value {
-    let kind = match &light.kind {
+    let mut value = match &light.kind {
         LightKind::Point { position } => json!({ "kind": "point", "position": position.to_array() }),
         LightKind::Directional { direction } => {
             json!({ "kind": "directional", "direction": direction.to_array() })
@@ -360,7 +353,6 @@ fn light(light: &Light) -> Value {
         Falloff::InverseSquare => json!("inverse-square"),
         Falloff::Windowed(range) => json!({ "inverse-square within": range }),
     };
-    let mut value = kind;
     value["color"] = json!(light.color.to_array());
     value["falloff"] = falloff;
     value

@@ -58,19 +58,22 @@ impl Made {
     }
 }
 
-/// Makes every picture of the contact sheet and writes it.
+/// Makes every picture of the contact sheet and writes it; `object_scene` is `scene` with its object-space map.
 ///
 /// # Errors
 /// Those of rendering and writing.
-pub fn write_sheet(args: &DemoArgs, scene: &Scene, progress: &dyn Fn(f64)) -> Result<(PathBuf, Vec<Made>)> {
+pub fn write_sheet(
+    args: &DemoArgs,
+    [object_scene, scene]: [&Scene; 2],
+    progress: &dyn Fn(f64),
+) -> Result<(PathBuf, Vec<Made>)> {
     let cup = Stage::cup(scene);
-    let object_scene = with_object_map(scene);
     let pictures = pictures();
     let steps = pictures.len() as f64;
     let (mut cells, mut made) = (Vec::new(), Vec::new());
     for (i, picture) in pictures.into_iter().enumerate() {
         progress(i as f64 / steps);
-        let scene = if picture.surface == SurfaceMethod::ObjectNormal { &object_scene } else { scene };
+        let scene = if picture.surface == SurfaceMethod::ObjectNormal { object_scene } else { scene };
         let start = Instant::now();
         let image = cup.take(scene, &settings(&picture, args.size, 4))?;
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;

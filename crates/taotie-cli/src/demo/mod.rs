@@ -71,10 +71,11 @@ pub fn run(args: &DemoArgs) -> Result<()> {
 
 fn demo(args: &DemoArgs) -> Result<Demo> {
     let scene = jue::scene(MAPS);
+    let object_scene = gallery::with_object_map(&scene);
     let mut files = export::write(&args.out, &scene)?;
     files.push(glb::write_pouring(&args.out, &scene)?);
     let progress = Progress::new("pictures");
-    let (sheet, made) = gallery::write_sheet(args, &scene, &|done| progress.set(done))?;
+    let (sheet, made) = gallery::write_sheet(args, [&object_scene, &scene], &|done| progress.set(done))?;
     files.push(sheet);
     files.push(gallery::write_large(args, &scene)?);
     drop(progress);
@@ -83,7 +84,8 @@ fn demo(args: &DemoArgs) -> Result<Demo> {
         files.push(glb::write_high(&args.out, &high)?);
     }
     let progress = Progress::new("moving surface");
-    let (moving, written) = moving::write(args, &scene, &high.meshes[0], &|done| progress.set(done))?;
+    let (moving, written) =
+        moving::write(args, [&object_scene, &scene], &high.meshes[0], &|done| progress.set(done))?;
     files.extend(written);
     drop(progress);
     let (comparison, written) = truth::write(args, &scene, high)?;

@@ -1,9 +1,9 @@
 //! Why relief of a moving surface is stored in tangent space: the vessel pours, drawn with either kind of map and
 //! measured against its relief as geometry under the same skin.
 
+use super::DemoArgs;
 use super::stage::{self, Stage};
 use super::truth::with_relief;
-use super::{DemoArgs, gallery};
 use crate::jue::pour::{Eye, POURED, Pouring, RULE, TIP_DEG, Truth, angular_errors};
 use crate::sheet::{Cell, Sheet};
 use crate::spread::Spread;
@@ -45,19 +45,20 @@ const METHODS: [(&str, &str); 2] = [
     ("tangent-normal", "its normals stand on the moved normal and tangent and go with the surface"),
 ];
 
-/// Draws and measures both kinds of map at rest and poured; writes `moving.png`.
+/// Draws and measures both kinds of map at rest and poured; writes `moving.png`. `object_scene` is `scene` with its
+/// object-space map.
 ///
 /// # Errors
 /// Those of rendering and writing.
 pub fn write(
     args: &DemoArgs,
-    scene: &Scene,
+    [object_scene, scene]: [&Scene; 2],
     displaced: &Mesh,
     progress: &dyn Fn(f64),
 ) -> Result<(Report, Vec<PathBuf>)> {
     let truths = [Truth::at(displaced, 0.0)?, Truth::at(displaced, POURED)?];
     progress(0.3);
-    let scenes = [gallery::with_object_map(scene), scene.clone()];
+    let scenes = [object_scene.clone(), scene.clone()];
     let mut vessels = scenes.into_iter().map(Pouring::new).collect::<taotie::Result<Vec<_>>>()?;
     let methods = measured(&mut vessels, &truths, scene)?;
     progress(0.6);

@@ -32,6 +32,8 @@ pub fn write(args: &DemoArgs, scene: &Scene, reference: Scene) -> Result<(Report
         lighting,
         settings: Stage::settings(SIDE, 4),
         development: stage::development(),
+        heat_top_deg: HEAT_TOP_DEG,
+        material: serde_json::Value::Null,
     };
     let subject = SubjectReport {
         model: "the built-in jue".into(),
@@ -42,8 +44,7 @@ pub fn write(args: &DemoArgs, scene: &Scene, reference: Scene) -> Result<(Report
     let mut pair = Subject { scene: scene.clone(), reference: Some(reference) };
     let comparison = Comparison::take(&mut pair, &plan)?;
     let folder = args.out.join("comparison");
-    let destination =
-        Destination { folder: &folder, title: "A bronze jue of 251 vertices", heat_top_deg: HEAT_TOP_DEG };
+    let destination = Destination { folder: &folder, title: "A bronze jue of 251 vertices" };
     compare::write(&comparison, &plan, &subject, &destination)
 }
 

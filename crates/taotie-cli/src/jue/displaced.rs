@@ -165,8 +165,7 @@ fn curves(mesh: &Mesh, welds: &Welds) -> HashMap<(u32, u32), Curve> {
     for [a, b, c] in mesh.triangles() {
         for (from, to) in [(*a, *b), (*b, *c), (*c, *a)] {
             let (p, q) = welds.ordered(from, to);
-            let key = (welds.place[p as usize], welds.place[q as usize]);
-            sides.entry(key).or_default().push([normal(p), normal(q)]);
+            sides.entry(welds.edge(p, q)).or_default().push([normal(p), normal(q)]);
         }
     }
     let position = |i: u32| mesh.positions()[i as usize].to_f64();
@@ -233,9 +232,7 @@ impl<'a> Patch<'a> {
         let w = weights.map(|w| f64::from(w) / f64::from(WHOLE));
         match edge_of(weights) {
             Some((i, k)) => self.on_edge(i, k).2,
-            None => {
-                self.blend(&[(self.corners[0], w[0]), (self.corners[1], w[1]), (self.corners[2], w[2])]).1
-            }
+            None => self.between(w).1,
         }
     }
 
@@ -298,8 +295,7 @@ impl<'a> Patch<'a> {
             p += self.position(i) * (w[i] * w[i] * w[i]);
             p += (near * w[i] + far * w[next]) * (3.0 * w[i] * w[next]);
         }
-        let (normal, uv) =
-            self.blend(&[(self.corners[0], w[0]), (self.corners[1], w[1]), (self.corners[2], w[2])]);
+        let (normal, uv) = self.between(w);
         (p, normal, uv)
     }
 
@@ -324,6 +320,12 @@ impl<'a> Patch<'a> {
 
     fn position(&self, i: usize) -> Vec3<f64> {
         self.mesh.positions()[self.corners[i] as usize].to_f64()
+    }
+
+    /// Normal and uv between the corners.
+    fn between(&self, w: [f64; 3]) -> (Vec3<f64>, Vec2) {
+        let [a, b, c] = self.corners;
+        self.blend(&[(a, w[0]), (b, w[1]), (c, w[2])])
     }
 
     /// Normal and uv as a renderer interpolates them.

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail};
 use std::path::Path;
 use taotie::bake::{TexelGrid, TexelSurface};
 use taotie::io::{self, Loaded};
-use taotie::surface::{TangentMethod, with_normals, with_tangents};
+use taotie::surface::with_frames;
 use taotie::{Warnings, mesh::Mesh};
 
 /// The mesh of the model asked for on a map of `size`, with the frames that the renderer gives it; `None` where no model
@@ -34,13 +34,9 @@ pub fn laid_out(
 }
 
 fn framed(args: &NormalsArgs, mesh: &Mesh, warnings: &mut Warnings) -> taotie::Result<Mesh> {
-    let mesh = with_normals(mesh)?;
-    if !mesh.tangents().is_empty() && args.tangents.is_none() {
-        return Ok(mesh.into_owned());
-    }
-    let made = with_tangents(&mesh, args.uv_set, args.tangents.unwrap_or(TangentMethod::MikkTSpace))?;
-    warnings.note("triangles without uv area", made.degenerate_uvs);
-    Ok(made.mesh)
+    let (mesh, without_area) = with_frames(mesh, args.uv_set, args.tangents)?;
+    warnings.note("triangles without uv area", without_area);
+    Ok(mesh.into_owned())
 }
 
 /// The number of the mesh asked for, or of the only one.

@@ -3,6 +3,7 @@
 use crate::options;
 use anyhow::{Result, anyhow, bail};
 use clap::{Args, ValueEnum};
+use serde_json::json;
 use std::path::PathBuf;
 use taotie::film::{Development, ToneCurve};
 use taotie::math::{SimdLevel, Vec3};
@@ -140,6 +141,21 @@ impl From<Green> for GreenChannel {
             Green::Up => Self::Up,
             Green::Down => Self::Down,
         }
+    }
+}
+
+impl MaterialArgs {
+    /// What was asked for, for reports; absent where nothing was.
+    pub fn json(&self) -> serde_json::Value {
+        json!({
+            "material": self.material,
+            "base_color_map": self.base_color_map,
+            "normal_map": self.normal_map,
+            "normal_space": self.normal_space.to_possible_value().map(|value| value.get_name().to_owned()),
+            "green": self.green.to_possible_value().map(|value| value.get_name().to_owned()),
+            "height_map": self.height_map,
+            "occlusion_map": self.occlusion_map,
+        })
     }
 }
 

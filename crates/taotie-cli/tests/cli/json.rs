@@ -444,6 +444,9 @@ fn of_compare() {
     assert_eq!((report.subject.model.as_str(), report.subject.triangles), ("a.gltf", 2));
     assert_eq!((report.against.as_str(), report.unmatched), ("smooth", 0.0));
     assert_eq!(report.parameters["size"], serde_json::json!([48, 32]));
+    assert_eq!(report.parameters["points"], "3");
+    assert_eq!(report.parameters["heat_top_deg"], 30.0);
+    assert_eq!(report.parameters["material"]["normal_space"], "tangent");
     assert!(
         ["silhouettes", "points", "pictures", "places"].iter().all(|rule| report.rules[*rule].len() > 20)
     );

@@ -7,7 +7,7 @@ use crate::math::{Mat4, Vec3, scalar};
 use crate::mesh::Mesh;
 use crate::names::Named;
 use crate::scene::{AlphaMode, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene};
-use crate::surface::{self, SurfaceMethod, TangentMethod};
+use crate::surface::{self, SurfaceMethod};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
@@ -178,15 +178,15 @@ impl<'a> Preparation<'a, '_> {
         if let Some(mesh) = self.meshes.get(&(index, tangent_set)) {
             return Ok(mesh.clone());
         }
-        let mut mesh = surface::with_normals(&self.scene.meshes[index])?;
-        if let Some(uv_set) = tangent_set
-            && (mesh.tangents().is_empty() || self.settings.tangents.is_some())
-        {
-            let method = self.settings.tangents.unwrap_or(TangentMethod::MikkTSpace);
-            let made = surface::with_tangents(&mesh, uv_set, method)?;
-            self.warnings.note(surface::NO_UV_AREA, made.degenerate_uvs);
-            mesh = Cow::Owned(made.mesh);
-        }
+        let mesh = &self.scene.meshes[index];
+        let mesh = match tangent_set {
+            None => surface::with_normals(mesh)?,
+            Some(uv_set) => {
+                let (mesh, without_area) = surface::with_frames(mesh, uv_set, self.settings.tangents)?;
+                self.warnings.note(surface::NO_UV_AREA, without_area);
+                mesh
+            }
+        };
         let mesh = Arc::new(mesh);
         self.meshes.insert((index, tangent_set), mesh.clone());
         Ok(mesh)

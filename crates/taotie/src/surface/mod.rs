@@ -23,4 +23,4 @@ pub use maps::{
 pub use method::{SurfaceMethod, TangentMethod};
 pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use tangents::NO_UV_AREA;
-pub use tangents::{Tangented, with_tangents};
+pub use tangents::{Tangented, with_frames, with_tangents};

@@ -2,11 +2,12 @@
 
 use super::frame::{any_tangent, gram_schmidt, uv_derivatives, uv_determinant};
 use super::weld::{Classes, bits};
-use super::{TangentMethod, mikktspace, normals};
+use super::{TangentMethod, mikktspace, normals, with_normals};
 use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// A mesh that has tangents.
 #[derive(Debug, Clone)]
@@ -23,6 +24,25 @@ pub(crate) const NO_UV_AREA: &str = "triangles without uv area, given a tangent 
 
 /// A tangent (x, y, z, handedness) at each corner of a triangle, where one was found.
 pub(super) type CornerTangents = [Option<[f32; 4]>; 3];
+
+/// The mesh with the normals and tangents that a renderer gives it, and how many of its triangles span no area in
+/// `uv_set` if tangents were made. It keeps what it has; normals that are lacking are [`super::vertex_normals`], and
+/// tangents are made by `method` where one is asked for, by MikkTSpace where the mesh has none.
+///
+/// # Errors
+/// As [`with_tangents`].
+pub fn with_frames(
+    mesh: &Mesh,
+    uv_set: usize,
+    method: Option<TangentMethod>,
+) -> Result<(Cow<'_, Mesh>, usize)> {
+    let mesh = with_normals(mesh)?;
+    if method.is_none() && !mesh.tangents().is_empty() {
+        return Ok((mesh, 0));
+    }
+    let made = with_tangents(&mesh, uv_set, method.unwrap_or_default())?;
+    Ok((Cow::Owned(made.mesh), made.degenerate_uvs))
+}
 
 /// Gives `mesh` tangents that follow its uv set `uv_set` (origin top left); those it has are replaced.
 ///
