@@ -70,6 +70,7 @@ fn lighting() -> Lighting {
     Lighting {
         lights: vec![scenes::directional(Vec3::new(0.6, -1.0, -0.7), 1.2)],
         ambient: Vec3::splat(0.08),
+        environment: None,
     }
 }
 

@@ -29,7 +29,7 @@ struct Golden {
 
 impl Golden {
     fn new(name: &str, scene: Scene, camera: Camera, lights: Vec<Light>) -> Self {
-        let lighting = Lighting { lights, ambient: Vec3::splat(0.08) };
+        let lighting = Lighting { lights, ambient: Vec3::splat(0.08), environment: None };
         let settings =
             RenderSettings { width: 160, height: 120, samples: 1, aovs: true, ..RenderSettings::default() };
         Self { name: name.into(), scene, camera, lighting, settings }

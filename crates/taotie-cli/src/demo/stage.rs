@@ -47,7 +47,8 @@ impl Stage {
 
     fn new(orbit: Orbit, size: f64) -> Self {
         let camera = orbit.camera(size / 2.0);
-        let lighting = Lighting { lights: lights(&camera), ambient: Vec3::new(0.20, 0.205, 0.22) };
+        let lighting =
+            Lighting { lights: lights(&camera), ambient: Vec3::new(0.20, 0.205, 0.22), environment: None };
         Self { camera, lighting }
     }
 

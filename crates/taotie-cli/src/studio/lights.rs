@@ -18,7 +18,7 @@ const ROOM: f32 = 0.12;
 pub fn lighting(args: &LightArgs, scene: &Scene, viewpoint: &Viewpoint, turn: f64) -> Result<Lighting> {
     let room = if args.lights.is_empty() && scene.lights.is_empty() { ROOM } else { 0.0 };
     let ambient = args.ambient.unwrap_or(Vec3::splat(room));
-    Ok(Lighting { lights: choose(args, scene, viewpoint, turn)?, ambient })
+    Ok(Lighting { lights: choose(args, scene, viewpoint, turn)?, ambient, environment: None })
 }
 
 /// The lights of a picture: those asked for, else the file's, else key, fill and rim.

@@ -108,22 +108,55 @@ fn lit_pack<P: Pack>(
     batch: &Batch,
     i: usize,
 ) -> Vec3<P> {
-    let (substance, ambient) = substance(token, illumination.shading, material, batch, i);
-    let (n, v) = (load3(token, &batch.n, i), load3(token, &batch.v, i));
+    let surface: SurfacePoint<P> = SurfacePoint::new(token, illumination.shading, material, batch, i);
+    let ambient = surface.ambient;
     let position = load3(token, &batch.position, i);
     let surround = splat3(token, illumination.ambient) * load(token, &batch.occlusion, i);
     let mut radiance = load3(token, &batch.emissive, i) + ambient.mul_elements(surround);
     for (index, source) in illumination.sources.iter().enumerate() {
         let (l, irradiance) = source.incidence(token, position);
-        let angles = Angles::new(n, v, l);
-        let mut reflected =
-            shade::reflect(illumination.shading, &substance, &angles).mul_elements(irradiance);
+        let mut reflected = surface.reflect(l).mul_elements(irradiance);
         if illumination.shadows {
             reflected = reflected * load(token, &batch.visibility[index], i);
         }
         radiance += reflected;
     }
     radiance
+}
+
+/// Points of a surface with everything that their reflection depends on: a pack of fragments, or one.
+pub(super) struct SurfacePoint<L> {
+    shading: Shading,
+    pub substance: Substance<L>,
+    /// k_a, linear RGB.
+    pub ambient: Vec3<L>,
+    /// The shading normal, unit, world space.
+    pub n: Vec3<L>,
+    /// Unit, to the viewer, world space.
+    pub v: Vec3<L>,
+}
+
+impl<P: Pack> SurfacePoint<P> {
+    /// The fragments of `batch` from `i` on.
+    #[inline(always)]
+    pub(super) fn new(
+        token: P::Token,
+        shading: Shading,
+        material: &Material,
+        batch: &Batch,
+        i: usize,
+    ) -> Self {
+        let (substance, ambient) = substance(token, shading, material, batch, i);
+        let (n, v) = (load3(token, &batch.n, i), load3(token, &batch.v, i));
+        Self { shading, substance, ambient, n, v }
+    }
+
+    /// Radiance to the viewer per unit of irradiance on a plane that faces the light in direction `l` (unit, world
+    /// space), linear RGB: f · n·l.
+    #[inline(always)]
+    pub(super) fn reflect(&self, l: Vec3<P>) -> Vec3<P> {
+        shade::reflect(self.shading, &self.substance, &Angles::new(self.n, self.v, l))
+    }
 }
 
 /// Whether the model multiplies k_s by a Fresnel term made from F0, so that k_s itself is 1 where not authored.

@@ -22,7 +22,7 @@ pub use fragments::Key;
 pub use frame::{Aovs, Frame};
 pub use pass::Pass;
 pub use prepare::Prepared;
-pub use settings::{Lighting, RenderSettings, SurfaceSettings};
+pub use settings::{EnvironmentLight, Lighting, RenderSettings, SurfaceSettings};
 
 use crate::error::Result;
 use crate::scene::{Camera, Scene};

@@ -3,7 +3,9 @@
 use crate::math::{SimdLevel, Vec3};
 use crate::scene::Light;
 use crate::shade::Shading;
+use crate::shade::environment::Environment;
 use crate::surface::{SurfaceMethod, TangentMethod};
+use std::sync::Arc;
 
 /// Where shading normals come from.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -54,11 +56,26 @@ impl Default for RenderSettings {
     }
 }
 
+/// Light from all around as it falls on a scene.
+#[derive(Debug, Clone)]
+pub struct EnvironmentLight {
+    /// Where it comes from.
+    pub environment: Arc<Environment>,
+    /// Radians by which it is turned about +y, counter-clockwise as seen from above.
+    pub rotation: f64,
+    /// Multiplies its radiance, at least 0.
+    pub intensity: f32,
+    /// Whether it is seen where nothing stands before it.
+    pub visible: bool,
+}
+
 /// The light on a scene.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Lighting {
     /// Any number of lights.
     pub lights: Vec<Light>,
     /// Radiance I_a from all around, linear RGB; reflected by k_a and darkened by occlusion maps.
     pub ambient: Vec3,
+    /// Light from infinitely far all around.
+    pub environment: Option<EnvironmentLight>,
 }

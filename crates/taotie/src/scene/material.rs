@@ -116,6 +116,64 @@ pub struct Classic {
     pub slope: Option<f32>,
 }
 
+/// The strength of a dielectric's reflection: KHR_materials_specular. Metals do not read it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Specular {
+    /// [0, 1]; multiplies the reflectance at every angle.
+    pub factor: f32,
+    /// Alpha multiplies `factor`; linear.
+    pub factor_texture: Option<TextureRef>,
+    /// Multiplies the reflectance at normal incidence, linear RGB, at least 0; the product is at most 1.
+    pub color: [f32; 3],
+    /// Multiplies `color`; sRGB-encoded colour.
+    pub color_texture: Option<TextureRef>,
+}
+
+impl Default for Specular {
+    fn default() -> Self {
+        Self { factor: 1.0, factor_texture: None, color: [1.0; 3], color_texture: None }
+    }
+}
+
+/// A clear lacquer over the surface: KHR_materials_clearcoat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clearcoat {
+    /// How much of the surface it covers, [0, 1].
+    pub factor: f32,
+    /// Red multiplies `factor`; linear.
+    pub factor_texture: Option<TextureRef>,
+    /// What artists set, [0, 1].
+    pub roughness: f32,
+    /// Green multiplies `roughness`; linear.
+    pub roughness_texture: Option<TextureRef>,
+    /// The lacquer's own normal map; without one it lies on the smooth surface.
+    pub normal: Option<NormalMap>,
+}
+
+/// Highlights stretched along a direction: KHR_materials_anisotropy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Anisotropy {
+    /// [0, 1].
+    pub strength: f32,
+    /// The stretch's direction, radians counter-clockwise from the tangent.
+    pub rotation: f32,
+    /// Red and green turn the direction further, blue multiplies `strength`; linear.
+    pub texture: Option<TextureRef>,
+}
+
+/// Fibres standing on the surface: KHR_materials_sheen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sheen {
+    /// Linear RGB, [0, 1].
+    pub color: [f32; 3],
+    /// Multiplies `color`; sRGB-encoded colour.
+    pub color_texture: Option<TextureRef>,
+    /// What artists set, [0, 1].
+    pub roughness: f32,
+    /// Alpha multiplies `roughness`; linear.
+    pub roughness_texture: Option<TextureRef>,
+}
+
 /// A surface: metallic-roughness as in glTF 2.0, with the parameters of other models beside it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
@@ -135,6 +193,16 @@ pub struct Material {
     pub f0: Option<[f32; 3]>,
     /// Reflectance at 82° (cos θ = 1/7), linear RGB, where authored; else Schlick's.
     pub f82: Option<[f32; 3]>,
+    /// Index of refraction of the dielectric part, at least 1, or 0 for total reflection: KHR_materials_ior.
+    pub ior: f32,
+    /// The strength of the dielectric part's reflection.
+    pub specular: Specular,
+    /// A clear lacquer over the surface.
+    pub clearcoat: Option<Clearcoat>,
+    /// Highlights stretched along a direction.
+    pub anisotropy: Option<Anisotropy>,
+    /// Fibres standing on the surface.
+    pub sheen: Option<Sheen>,
     /// The normal map.
     pub normal: Option<NormalMap>,
     /// The height map, for bump mapping.
@@ -169,6 +237,11 @@ impl Default for Material {
             metallic_roughness_texture: None,
             f0: None,
             f82: None,
+            ior: 1.5,
+            specular: Specular::default(),
+            clearcoat: None,
+            anisotropy: None,
+            sheen: None,
             normal: None,
             height: None,
             occlusion_texture: None,

@@ -10,7 +10,8 @@ mod presets;
 pub use camera::{Camera, Orbit, Projection, fitting_distance, rigid};
 pub use light::{Falloff, Light, LightKind, from_view, three_point_rig};
 pub use material::{
-    AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
+    AlphaMode, Anisotropy, Classic, Clearcoat, GreenChannel, HeightMap, Material, NormalMap, NormalSpace,
+    Sheen, Specular, TextureRef, UvTransform,
 };
 pub use presets::{PRESETS, Preset, preset};
 

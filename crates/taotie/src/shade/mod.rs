@@ -10,6 +10,7 @@ mod models;
 mod shading;
 mod substance;
 
+pub mod environment;
 pub mod fresnel;
 pub mod furnace;
 pub mod lights;
