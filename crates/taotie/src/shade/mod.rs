@@ -16,6 +16,7 @@ pub mod furnace;
 pub mod lights;
 pub mod masking;
 pub mod ndf;
+pub mod sampling;
 
 pub use angles::Angles;
 pub use models::reflect;
