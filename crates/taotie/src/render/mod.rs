@@ -12,6 +12,7 @@ mod lighting;
 mod normals;
 mod pass;
 mod prepare;
+mod reference;
 mod settings;
 mod shadows;
 mod view;
@@ -22,6 +23,7 @@ pub use fragments::Key;
 pub use frame::{Aovs, Frame};
 pub use pass::Pass;
 pub use prepare::Prepared;
+pub use reference::{EnvironmentSampling, ReferenceSettings, reference};
 pub use settings::{EnvironmentLight, Lighting, RenderSettings, SurfaceSettings};
 
 use crate::error::Result;

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 const TILES_AT_ONCE: usize = 256;
 
 /// How far shadow rays start above the surface, as a fraction of the scene's size.
-const SHADOW_LIFT: f64 = 1e-5;
+pub(super) const SHADOW_LIFT: f64 = 1e-5;
 
 /// One picture: a prepared scene, seen from a camera under lights.
 pub struct Pass<'p, 'a> {
