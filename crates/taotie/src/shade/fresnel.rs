@@ -65,7 +65,7 @@ pub fn f_f82<L: Lane>(f0: Vec3<L>, drop: Vec3<L>, v_dot_h: L) -> Vec3<L> {
 
 /// μ(1 − μ)⁶, largest at μ = 1/7.
 #[inline(always)]
-fn lazanyi<L: Lane>(mu: L) -> L {
+pub(super) fn lazanyi<L: Lane>(mu: L) -> L {
     let one_less = mu.lit(1.0) - mu;
     mu * one_less * pow5(one_less)
 }

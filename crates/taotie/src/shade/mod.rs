@@ -10,12 +10,14 @@ mod models;
 mod shading;
 mod substance;
 
+pub mod dfg;
 pub mod environment;
 pub mod fresnel;
 pub mod furnace;
 pub mod lights;
 pub mod masking;
 pub mod ndf;
+pub mod sheen;
 
 pub use angles::Angles;
 pub use models::reflect;
