@@ -207,7 +207,18 @@ fn substance<P: Pack>(
         Some(ambient) => authored(ambient).mul_elements(tint),
         None => diffuse + f0,
     };
-    let substance =
-        Substance { base_color, metallic, roughness, f0, f82_drop, diffuse, specular, shininess, slope };
+    let substance = Substance {
+        base_color,
+        metallic,
+        roughness,
+        f0,
+        f90: one,
+        f82_drop,
+        diffuse,
+        specular,
+        shininess,
+        slope,
+        compensation: None,
+    };
     (substance, ambient)
 }

@@ -6,6 +6,9 @@
 //! from its directions and multiplies the result by the irradiance that [`lights`] helps to find.
 
 mod angles;
+mod anisotropy;
+mod coat;
+mod energy;
 mod models;
 mod shading;
 mod substance;
@@ -20,6 +23,9 @@ pub mod ndf;
 pub mod sheen;
 
 pub use angles::Angles;
-pub use models::reflect;
+pub use anisotropy::Stretch;
+pub use coat::{COAT_F0, coat_fresnel, coat_lobe};
+pub use energy::{Compensation, Energy, Surround, compensation, specular_occlusion, surround};
+pub use models::{reflect, reflect_stretched};
 pub use shading::Shading;
 pub use substance::Substance;
