@@ -27,6 +27,8 @@ pub struct Batch {
     pub(super) handedness: Column,
     /// 1 where the front is seen, −1 where the back is.
     pub(super) facing: Column,
+    /// Whether the normal turns to a viewer behind the surface even where the material is single-sided.
+    pub(super) both_sides: bool,
     /// The normal map's stored vector, each component in [0, 1].
     pub(super) map: Column3,
     pub(super) dp_du: Column3,
@@ -67,6 +69,7 @@ impl Batch {
             tangent: ZERO3,
             handedness: ZERO,
             facing: ZERO,
+            both_sides: false,
             map: ZERO3,
             dp_du: ZERO3,
             dp_dv: ZERO3,

@@ -91,16 +91,23 @@ impl Footprint {
 pub(super) struct Gather<'p, 'a> {
     pass: &'p Pass<'p, 'a>,
     draw_index: usize,
-    draw: &'p Draw<'a>,
+    interpolation: Interpolation<'p, 'a>,
     /// The triangle last set up, and its number.
-    current: Option<(u32, TriangleSetup)>,
+    current: Option<(u32, TriangleSetup, PerspectiveTriangle)>,
+}
+
+/// Makes fragments of points on one draw's triangles.
+pub(super) struct Interpolation<'p, 'a> {
+    pub scene: &'p Scene,
+    pub draw: &'p Draw<'a>,
+    /// How far above the surface rays leave, model units; `None` where none do.
+    pub lift: Option<f32>,
 }
 
 /// What fragments of the same triangle share.
 #[derive(Clone, Copy)]
-struct TriangleSetup {
-    vertices: [u32; 3],
-    perspective: PerspectiveTriangle,
+pub(super) struct TriangleSetup {
+    pub vertices: [u32; 3],
     /// Unit, world space, of the front.
     n_front: Vec3,
     /// Change of position a unit of u and v of the normal or height map.
@@ -110,7 +117,12 @@ struct TriangleSetup {
 
 impl<'p, 'a> Gather<'p, 'a> {
     pub(super) fn new(pass: &'p Pass<'p, 'a>, draw_index: usize) -> Self {
-        Self { pass, draw_index, draw: &pass.prepared.draws[draw_index], current: None }
+        let interpolation = Interpolation {
+            scene: pass.prepared.scene,
+            draw: &pass.prepared.draws[draw_index],
+            lift: pass.settings.shadows.then_some(pass.shadow_lift),
+        };
+        Self { pass, draw_index, interpolation, current: None }
     }
 
     /// Puts `keys` into `batch`; `at` gives each key's position on the screen in pixels. Returns where shadow rays
@@ -136,39 +148,55 @@ impl<'p, 'a> Gather<'p, 'a> {
     }
 
     fn fragment(&mut self, i: usize, key: &Key, [x, y]: [f64; 2], batch: &mut Batch) -> Vec3 {
-        let setup = self.setup(key.triangle);
-        let mut bary = setup.perspective.at(x, y);
+        let (setup, perspective) = self.setup(key.triangle);
+        let mut bary = perspective.at(x, y);
         let spacing = self.pass.viewport.pattern.spacing();
         bary.d_x = bary.d_x.map(|d| d * spacing);
         bary.d_y = bary.d_y.map(|d| d * spacing);
         let footprint = Footprint { vertices: setup.vertices, bary };
-        let origin = self.geometry(i, &setup, &footprint, batch);
-        self.normal_inputs(i, &setup, &footprint, batch);
-        self.material(i, &footprint, batch);
-        origin
+        self.interpolation.fragment(i, &setup, &footprint, self.pass.view.eye, batch)
     }
 
-    fn setup(&mut self, triangle: u32) -> TriangleSetup {
+    fn setup(&mut self, triangle: u32) -> (TriangleSetup, PerspectiveTriangle) {
         match self.current {
-            Some((id, setup)) if id == triangle => setup,
+            Some((id, setup, perspective)) if id == triangle => (setup, perspective),
             _ => {
-                let setup = self.new_setup(triangle);
-                self.current = Some((triangle, setup));
-                setup
+                let setup = self.interpolation.setup(triangle);
+                let clip = &self.pass.clip[self.draw_index];
+                let corners = setup.vertices.map(|v| clip[v as usize]);
+                let perspective = PerspectiveTriangle::new(corners, &self.pass.viewport);
+                self.current = Some((triangle, setup, perspective));
+                (setup, perspective)
             }
         }
     }
+}
 
-    fn new_setup(&self, triangle: u32) -> TriangleSetup {
+impl Interpolation<'_, '_> {
+    /// What fragments of a triangle share; its number counts over all draws.
+    pub(super) fn setup(&self, triangle: u32) -> TriangleSetup {
         let draw = self.draw;
         let vertices = draw.mesh.triangles()[(triangle - draw.first_triangle) as usize];
-        let clip = &self.pass.clip[self.draw_index];
-        let perspective = PerspectiveTriangle::new(vertices.map(|v| clip[v as usize]), &self.pass.viewport);
         let [a, b, c] = vertices.map(|v| draw.positions[v as usize]);
         let sign = if draw.mirrored { -1.0 } else { 1.0 };
         let n_front = (b - a).cross(c - a).normalize_or(Vec3::new(0.0, 0.0, 1.0)) * sign;
         let (dp_du, dp_dv) = self.position_derivatives(vertices);
-        TriangleSetup { vertices, perspective, n_front, dp_du, dp_dv }
+        TriangleSetup { vertices, n_front, dp_du, dp_dv }
+    }
+
+    /// Writes entry `i` of a batch. Returns where rays leave from.
+    pub(super) fn fragment(
+        &self,
+        i: usize,
+        setup: &TriangleSetup,
+        footprint: &Footprint,
+        eye: Eye,
+        batch: &mut Batch,
+    ) -> Vec3 {
+        let origin = self.geometry(i, setup, footprint, eye, batch);
+        self.normal_inputs(i, setup, footprint, batch);
+        self.material(i, footprint, batch);
+        origin
     }
 
     /// ∂P/∂u and ∂P/∂v of the height map's uv; zero where no height map is read or uvs span no area.
@@ -183,11 +211,18 @@ impl<'p, 'a> Gather<'p, 'a> {
         surface::uv_derivatives(corners, uvs).map_or(zero, |d| (d.dp_du, d.dp_dv))
     }
 
-    /// Position, sight, side, normal and tangent. Returns where shadow rays leave from.
-    fn geometry(&self, i: usize, setup: &TriangleSetup, footprint: &Footprint, batch: &mut Batch) -> Vec3 {
+    /// Position, sight, side, normal and tangent. Returns where rays leave from.
+    fn geometry(
+        &self,
+        i: usize,
+        setup: &TriangleSetup,
+        footprint: &Footprint,
+        eye: Eye,
+        batch: &mut Batch,
+    ) -> Vec3 {
         let draw = self.draw;
         let position = footprint.vec3(&draw.positions);
-        let v = match self.pass.view.eye {
+        let v = match eye {
             Eye::Point(eye) => (eye - position).normalize_or(setup.n_front),
             Eye::Direction(direction) => direction,
         };
@@ -208,18 +243,15 @@ impl<'p, 'a> Gather<'p, 'a> {
             set3(&mut batch.tangent, i, Vec3::new(x, y, z));
             batch.handedness[i] = draw.tangents[footprint.vertices[0] as usize][3];
         }
-        if !self.pass.settings.shadows {
-            return position;
-        }
+        let Some(lift) = self.lift else { return position };
         let corners = footprint.vertices.map(|v| draw.positions[v as usize]);
         let corner_normals = footprint.vertices.map(|v| draw.normals[v as usize] * facing);
-        let lift = n_geom * self.pass.shadow_lift;
-        shadow_origin(position, corners, corner_normals, footprint.bary.weights, lift)
+        shadow_origin(position, corners, corner_normals, footprint.bary.weights, n_geom * lift)
     }
 
     /// What the method of the shading normal needs from textures.
     fn normal_inputs(&self, i: usize, setup: &TriangleSetup, footprint: &Footprint, batch: &mut Batch) {
-        let scene = self.pass.prepared.scene;
+        let scene = self.scene;
         match self.draw.normal_source {
             NormalSource::Facet | NormalSource::Smooth => {}
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => {
@@ -244,7 +276,7 @@ impl<'p, 'a> Gather<'p, 'a> {
 
     /// ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
     fn height_derivatives(&self, map: &HeightMap, footprint: &Footprint) -> [f32; 2] {
-        let scene = self.pass.prepared.scene;
+        let scene = self.scene;
         let texture = &scene.textures[map.texture.texture];
         let (uv, lod) = footprint.lookup(scene, &self.draw.mesh, &map.texture);
         let texel = poly::exp2(lod.clamp(0.0, (texture.levels() - 1) as f32));
@@ -258,7 +290,7 @@ impl<'p, 'a> Gather<'p, 'a> {
     }
 
     fn material(&self, i: usize, footprint: &Footprint, batch: &mut Batch) {
-        let scene = self.pass.prepared.scene;
+        let scene = self.scene;
         let (draw, material) = (self.draw, self.draw.material);
         let sample = |texture: &Option<TextureRef>| {
             texture.as_ref().map_or([1.0; 4], |texture| footprint.sample(scene, &draw.mesh, texture))

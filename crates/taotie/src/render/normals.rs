@@ -69,5 +69,6 @@ fn decode<P: Pack>(token: P::Token, map: &NormalMap, stored: Vec3<P>) -> Vec3<P>
 /// Seen from behind, the surface's normal is exactly the opposite one, relief and all.
 #[inline(always)]
 fn face_viewer<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &Batch, i: usize, n: Vec3<P>) -> Vec3<P> {
-    if draw.material.double_sided { n * load(token, &batch.facing, i) } else { n }
+    let turns = draw.material.double_sided || batch.both_sides;
+    if turns { n * load(token, &batch.facing, i) } else { n }
 }

@@ -1,6 +1,6 @@
 //! What a picture is asked to be.
 
-use crate::math::{SimdLevel, Vec3};
+use crate::math::{Lane, SimdLevel, Vec3, scalar};
 use crate::scene::Light;
 use crate::shade::Shading;
 use crate::shade::environment::Environment;
@@ -69,6 +69,44 @@ pub struct EnvironmentLight {
     pub visible: bool,
 }
 
+impl EnvironmentLight {
+    /// The direction in the environment's own space that lies in direction `world`.
+    pub fn to_environment(&self, world: Vec3) -> Vec3 {
+        self.turn().to_environment(world)
+    }
+
+    /// The world-space direction in which the environment's `direction` lies.
+    pub fn to_world(&self, direction: Vec3) -> Vec3 {
+        self.turn().to_world(direction)
+    }
+
+    /// Both of these for many directions.
+    pub(super) fn turn(&self) -> Turn {
+        Turn { sin: scalar::sin(self.rotation), cos: scalar::cos(self.rotation) }
+    }
+}
+
+/// A rotation about +y, ready for use: x' = x cos + z sin, z' = z cos − x sin takes the environment to the world.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turn {
+    sin: f64,
+    cos: f64,
+}
+
+impl Turn {
+    #[inline(always)]
+    pub(super) fn to_environment<L: Lane>(self, world: Vec3<L>) -> Vec3<L> {
+        let (sin, cos) = (world.x.lit(self.sin), world.x.lit(self.cos));
+        Vec3::new(world.x * cos - world.z * sin, world.y, world.z * cos + world.x * sin)
+    }
+
+    #[inline(always)]
+    pub(super) fn to_world<L: Lane>(self, direction: Vec3<L>) -> Vec3<L> {
+        let (sin, cos) = (direction.x.lit(self.sin), direction.x.lit(self.cos));
+        Vec3::new(direction.x * cos + direction.z * sin, direction.y, direction.z * cos - direction.x * sin)
+    }
+}
+
 /// The light on a scene.
 #[derive(Debug, Clone, Default)]
 pub struct Lighting {
@@ -78,4 +116,24 @@ pub struct Lighting {
     pub ambient: Vec3,
     /// Light from infinitely far all around.
     pub environment: Option<EnvironmentLight>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn an_environment_turns_counter_clockwise_seen_from_above() {
+        let picture = Image::new(2, 1, [1.0; 4]).unwrap();
+        let environment = Arc::new(Environment::new(picture).unwrap());
+        let light = EnvironmentLight { environment, rotation: FRAC_PI_2, intensity: 1.0, visible: true };
+        let (x, z) = (Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 0.0, 1.0));
+        // Seen from above with +x to the right, +z points down the page.
+        assert!((light.to_world(z) - x).length() < 1e-6);
+        assert!((light.to_world(x) + z).length() < 1e-6);
+        let any = Vec3::new(0.6, -0.48, 0.64);
+        assert!((light.to_environment(light.to_world(any)) - any).length() < 1e-6);
+    }
 }
