@@ -12,7 +12,7 @@ use taotie::scene::animation::Animation;
 use taotie::scene::{Camera, Light, LightKind, Projection, Scene};
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// What is in a model and what is wrong with it.
 #[derive(Debug, Serialize)]

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub(super) type Reason<T> = std::result::Result<T, String>;
 
 /// Extensions whose meaning is drawn.
-const SUPPORTED: [&str; 7] = [
+const SUPPORTED: [&str; 10] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -18,6 +18,9 @@ const SUPPORTED: [&str; 7] = [
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
+    "KHR_materials_clearcoat",
+    "KHR_materials_anisotropy",
+    "KHR_materials_sheen",
 ];
 
 /// Extensions that do not change a picture with the default materials; the channels of KHR_animation_pointer are left

@@ -7,6 +7,7 @@ mod accessor;
 mod animations;
 mod deforming;
 mod document;
+mod layers;
 mod lights;
 mod materials;
 mod meshes;
@@ -115,12 +116,5 @@ fn add_missing_uvs(scene: &mut Scene, deformed: &mut [Deformed], warnings: &mut 
 
 /// One more than the highest uv set that a material names.
 fn uv_sets_of(material: &Material) -> usize {
-    let slots = [
-        material.base_color_texture,
-        material.metallic_roughness_texture,
-        material.occlusion_texture,
-        material.emissive_texture,
-        material.normal.map(|n| n.texture),
-    ];
-    slots.into_iter().flatten().map(|t| t.uv_set + 1).max().unwrap_or(0)
+    material.textures().into_iter().map(|texture| texture.uv_set + 1).max().unwrap_or(0)
 }

@@ -160,23 +160,13 @@ fn build_textures(requests: &[(usize, Encoding)], mut bitmaps: BTreeMap<usize, B
 
 /// Gives each texture use its final number, or takes it out.
 fn renumber(material: &mut Material, places: &[Option<usize>]) {
-    let place = |texture: &mut TextureRef| match places.get(texture.texture) {
+    material.retain_textures(|texture| match places.get(texture.texture) {
         Some(Some(place)) => {
             texture.texture = *place;
             true
         }
         _ => false,
-    };
-    let slots = [
-        &mut material.base_color_texture,
-        &mut material.metallic_roughness_texture,
-        &mut material.occlusion_texture,
-        &mut material.emissive_texture,
-    ];
-    for slot in slots {
-        slot.take_if(|texture| !place(texture));
-    }
-    material.normal.take_if(|map| !place(&mut map.texture));
+    });
 }
 
 struct Unread {
