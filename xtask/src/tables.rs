@@ -40,8 +40,9 @@ fn source<const N: usize>(lobe: &str, table: &[[f64; N]]) -> String {
     text
 }
 
-/// Seven digits, as many as `f32` keeps.
+/// Six decimals, as short as `f32` needs them.
 fn entry(node: &[f64]) -> String {
-    let numbers: Vec<String> = node.iter().map(|value| format!("{value:.7}")).collect();
+    let numbers: Vec<String> =
+        node.iter().map(|value| format!("{:?}", ((value * 1e6).round() / 1e6) as f32)).collect();
     format!("[{}]", numbers.join(", "))
 }

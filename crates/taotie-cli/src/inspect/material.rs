@@ -154,7 +154,7 @@ impl<'a> Materials<'a> {
             channels: texture.bitmap().channels(),
             encoding: match texture.encoding() {
                 Encoding::Srgb => "srgb",
-                Encoding::Linear => "linear",
+                Encoding::Linear | Encoding::Normal => "linear",
             },
             uv_set: used.uv_set,
         }

@@ -6,9 +6,11 @@ use super::frame::{Frame, TilePicture};
 use super::lighting::{Illumination, Source, light};
 use super::normals::shade_normals;
 use super::prepare::Prepared;
-use super::settings::{Lighting, RenderSettings};
+use super::settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings};
 use super::shadows::trace_shadows;
+use super::substance::takes_compensation;
 use super::view::View;
+use super::{albedos, surround};
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::raster::{
@@ -37,6 +39,7 @@ pub struct Pass<'p, 'a> {
     layered: Bins,
     sources: Vec<Source>,
     ambient: Vec3,
+    environment: Option<EnvironmentLight>,
     pub(super) settings: RenderSettings,
     level: Level,
 }
@@ -91,6 +94,7 @@ impl<'p, 'a> Pass<'p, 'a> {
             shadow_lift: (size * SHADOW_LIFT) as f32,
             sources: lighting.lights.iter().map(Source::new).collect(),
             ambient: lighting.ambient,
+            environment: lighting.environment.clone(),
             settings: settings.clone(),
             level: settings.simd.dispatch()?,
         })
@@ -217,8 +221,17 @@ impl<'p, 'a> Pass<'p, 'a> {
     /// Stages 3 to 5: shading normals, shadows, lighting.
     pub fn light(&self, draw: usize, origins: &[Vec3; BATCH], batch: &mut Batch) {
         let draw = &self.prepared.draws[draw];
-        shade_normals(self.level, draw, batch);
-        if self.settings.shadows {
+        let settings = &self.settings;
+        let grazing =
+            if settings.shading.is_printed() { GrazingNormals::Keep } else { settings.grazing_normals };
+        shade_normals(self.level, draw, grazing, batch);
+        if self.environment.is_some() || takes_compensation(settings.shading) {
+            albedos::look_up(settings.shading, settings.energy, draw, batch);
+        }
+        if let Some(environment) = &self.environment {
+            surround::look_up(environment, settings.shading, draw, batch);
+        }
+        if settings.shadows {
             trace_shadows(self.prepared, &self.sources, origins, batch);
         }
         let illumination = Illumination {
@@ -226,6 +239,7 @@ impl<'p, 'a> Pass<'p, 'a> {
             sources: &self.sources,
             ambient: self.ambient,
             shadows: self.settings.shadows,
+            surrounded: self.environment.is_some(),
         };
         light(self.level, &illumination, draw, batch);
     }

@@ -84,17 +84,18 @@ fn check_meshes(loaded: &Loaded, scene: &Scene, path: &Path) {
         let linear = [
             material.metallic_roughness_texture,
             material.occlusion_texture,
-            normal,
             material.specular.factor_texture,
             coat.and_then(|coat| coat.factor_texture),
             coat.and_then(|coat| coat.roughness_texture),
-            coat.and_then(|coat| coat.normal).map(|n| n.texture),
             material.anisotropy.and_then(|anisotropy| anisotropy.texture),
             material.sheen.and_then(|sheen| sheen.roughness_texture),
         ];
-        let used = slots.iter().chain(&linear).flatten().count();
+        let normals = [normal, coat.and_then(|coat| coat.normal).map(|n| n.texture)];
+        let used = slots.iter().chain(&linear).chain(&normals).flatten().count();
         assert_eq!(material.textures().len(), used, "{}", path.display());
-        for (slots, encoding) in [(&slots[..], Encoding::Srgb), (&linear[..], Encoding::Linear)] {
+        let kinds =
+            [(&slots[..], Encoding::Srgb), (&linear[..], Encoding::Linear), (&normals[..], Encoding::Normal)];
+        for (slots, encoding) in kinds {
             for slot in slots.iter().flatten() {
                 assert_eq!(scene.textures[slot.texture].encoding(), encoding, "{}", path.display());
                 assert!(slot.uv_set < mesh.uvs().len(), "{}", path.display());

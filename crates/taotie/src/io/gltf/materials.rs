@@ -89,7 +89,7 @@ impl Reader<'_, '_> {
     /// A normal map; `None` with a warning where its texture cannot be had.
     pub fn normal_map(&mut self, json: &json::material::NormalTexture) -> Option<NormalMap> {
         let slot = Slot::new(json.index.value(), json.tex_coord, json.extensions.as_ref().map(|e| &e.others));
-        let texture = self.textures.resolve(&slot, Encoding::Linear, (&self.place, self.warnings))?;
+        let texture = self.textures.resolve(&slot, Encoding::Normal, (&self.place, self.warnings))?;
         let scale = if json.scale.is_finite() { json.scale } else { 1.0 };
         Some(NormalMap { texture, scale, space: NormalSpace::Tangent, green: GreenChannel::Up })
     }
