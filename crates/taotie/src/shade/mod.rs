@@ -20,6 +20,7 @@ pub mod furnace;
 pub mod lights;
 pub mod masking;
 pub mod ndf;
+pub mod sampling;
 pub mod sheen;
 
 pub use angles::Angles;
