@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub(super) type Reason<T> = std::result::Result<T, String>;
 
 /// Extensions whose meaning is drawn.
-const SUPPORTED: [&str; 11] = [
+const SUPPORTED: [&str; 12] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -22,6 +22,7 @@ const SUPPORTED: [&str; 11] = [
     "KHR_materials_anisotropy",
     "KHR_materials_sheen",
     "KHR_materials_variants",
+    "EXT_texture_webp",
 ];
 
 /// Extensions that do not change a picture with the default materials; the channels of KHR_animation_pointer are left
