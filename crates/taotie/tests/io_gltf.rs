@@ -394,9 +394,14 @@ fn missing_textures_and_odd_materials_are_drawn_without() {
     assert!(m.base_color_texture.is_none() && m.metallic_roughness_texture.is_none() && m.normal.is_none());
     assert_eq!((m.roughness, loaded.scene.textures.len()), (1.0, 0));
     assert_eq!(loaded.missing_files, ["no%20such.png"]);
-    for part in
-        ["no%20such.png", "image 1 is left out", "texture 2", "texture 5", "uv set 4000000000", "XX_unknown"]
-    {
+    for part in [
+        "no%20such.png",
+        "image 1 is left out",
+        "texture 2 has no image",
+        "texture 5",
+        "uv set 4000000000",
+        "XX_unknown",
+    ] {
         assert_eq!(warned(&loaded, part), 1, "{part}: {:?}", loaded.warnings);
     }
 }

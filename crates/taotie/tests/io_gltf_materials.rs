@@ -8,6 +8,76 @@ use taotie::io::Loaded;
 use taotie::math::Vec2;
 use taotie::scene::{Material, Specular, TextureRef};
 
+const RED: &str = r#"{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1]}}"#;
+const GREEN: &str = r#"{"pbrMetallicRoughness":{"baseColorFactor":[0,1,0,1]}}"#;
+const BLUE: &str = r#"{"pbrMetallicRoughness":{"baseColorFactor":[0,0,1,1]},
+    "emissiveTexture":{"index":0,"texCoord":1}}"#;
+
+/// Two nodes show a mesh whose first primitive is red, green or blue and whose second is always the default; a
+/// third node shows another mesh. `mappings` are those of the first primitive.
+fn with_variants(names: &str, mappings: &str) -> Loaded {
+    let variants = format!(r#""extensions":{{"KHR_materials_variants":{{"mappings":[{mappings}]}}}}"#);
+    triangle().load(&format!(
+        r#""extensionsUsed":["KHR_materials_variants"],"extensionsRequired":["KHR_materials_variants"],
+        "extensions":{{"KHR_materials_variants":{{"variants":[{names}]}}}},
+        "nodes":[{{"mesh":0}},{{"mesh":0}},{{"mesh":1}}],"materials":[{RED},{GREEN},{BLUE}],
+        "images":[{{"uri":"{PIXEL}"}}],"textures":[{{"source":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0,{variants}}},{{"attributes":{{"POSITION":0}}}}]}},
+          {{"primitives":[{{"attributes":{{"POSITION":0}},"material":1}}]}}]"#
+    ))
+}
+
+/// The base colours of all instances.
+fn colors(loaded: &Loaded) -> Vec<[f32; 4]> {
+    let scene = &loaded.scene;
+    scene.instances.iter().map(|instance| scene.materials[instance.material].base_color).collect()
+}
+
+const NAMES: &str = r#"{"name":"forest"},{"name":"sea"},{"name":"as it is"},{}"#;
+const MAPPINGS: &str = r#"{"material":1,"variants":[0]},{"material":2,"variants":[1,3]}"#;
+
+#[test]
+fn variants_change_the_instances_that_they_map() {
+    let mut loaded = with_variants(NAMES, MAPPINGS);
+    assert_eq!(loaded.variants.names(), ["forest", "sea", "as it is", "3"]);
+    let [red, green, blue, white] =
+        [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0], [1.0; 4]];
+    let with = |first| [first, white, first, white, green];
+    assert_eq!(colors(&loaded), with(red));
+    for (name, first) in [("forest", green), ("sea", blue), ("as it is", red), ("3", blue), ("forest", green)]
+    {
+        loaded.variants.apply(name, &mut loaded.scene).unwrap();
+        assert_eq!(colors(&loaded), with(first), "{name}");
+    }
+    // A variant's material names a second uv set, so the mesh has it.
+    let mesh = |i: usize| &loaded.scene.meshes[loaded.scene.instances[i].mesh];
+    assert_eq!((mesh(0).uvs().len(), mesh(1).uvs().len()), (2, 0));
+}
+
+#[test]
+fn an_unknown_variant_is_refused_with_the_names_of_all() {
+    let mut loaded = with_variants(NAMES, MAPPINGS);
+    let error = loaded.variants.apply("desert", &mut loaded.scene).unwrap_err().to_string();
+    assert!(error.contains("'desert'") && error.contains("forest, sea, as it is, 3"), "{error}");
+    let mut loaded = with_extensions("");
+    let error = loaded.variants.apply("desert", &mut loaded.scene).unwrap_err().to_string();
+    assert!(error.contains("no variants"), "{error}");
+}
+
+#[test]
+fn mappings_to_what_is_not_there_are_left_out() {
+    let mappings = r#"{"material":9,"variants":[0]},{"variants":[0]},{"material":2,"variants":[7,"x",1]},
+        {"material":1,"variants":[1]},5"#;
+    let mut loaded = with_variants(NAMES, mappings);
+    for (part, count) in
+        [("material 9", 1), ("names no material", 2), ("variant 7", 1), ("names no variant", 1)]
+    {
+        assert_eq!(warned(&loaded, part), count, "{part}: {:?}", loaded.warnings);
+    }
+    loaded.variants.apply("sea", &mut loaded.scene).unwrap();
+    assert_eq!(colors(&loaded)[0], [0.0, 0.0, 1.0, 1.0], "of two materials the first counts");
+}
+
 /// A triangle with uvs whose only material has these extensions; textures 0 to 9 show one image.
 fn with_extensions(extensions: &str) -> Loaded {
     let mut maker: Maker = triangle();

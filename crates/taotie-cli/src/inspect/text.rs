@@ -22,6 +22,7 @@ pub fn of(report: &Report) -> String {
         ("Lights", named(&report.lights)),
         ("Cameras", named(&report.cameras)),
         ("Animations", animations(&report.animations)),
+        ("Variants", report.variants.iter().map(|name| format!("  {}\n", short(name))).collect()),
         ("Extensions", extensions(report)),
         ("Missing files", report.missing_files.iter().map(|file| format!("  {}\n", clean(file))).collect()),
         ("Warnings", warnings(report)),

@@ -20,6 +20,9 @@ pub struct MaterialArgs {
     /// How tangents are made: face, averaged, mikktspace; if not given the file's own, else mikktspace
     #[arg(long, value_parser = options::named::<TangentMethod>)]
     pub tangents: Option<TangentMethod>,
+    /// A variant of the file: one of the sets of materials that it offers
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
     /// A preset's name or a TOML file; maps of the model stay
     #[arg(long, value_name = "NAME|FILE")]
     pub material: Option<String>,
@@ -188,6 +191,7 @@ impl MaterialArgs {
     /// What was asked for, for reports; absent where nothing was.
     pub fn json(&self) -> serde_json::Value {
         json!({
+            "variant": self.variant,
             "material": self.material,
             "base_color_map": self.base_color_map,
             "normal_map": self.normal_map,

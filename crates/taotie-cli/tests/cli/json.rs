@@ -68,6 +68,7 @@ struct InspectReport {
     lights: Vec<Named>,
     cameras: Vec<Named>,
     animations: Vec<Animation>,
+    variants: Vec<String>,
     missing_files: Vec<String>,
     extensions_used: Vec<String>,
     extensions_required: Vec<String>,
