@@ -6,6 +6,7 @@
 mod as_printed;
 mod generated;
 mod help_pages;
+mod tables;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -36,6 +37,12 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// The tables of directional albedos in crates/taotie/src/shade/dfg.
+    Tables {
+        /// Write nothing; name the stale files and exit with 1.
+        #[arg(long)]
+        check: bool,
+    },
 }
 
 fn main() -> ExitCode {
@@ -53,6 +60,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
     match cli.task {
         Task::HelpPages { check } => finish(&help_pages::generated(&root()), check, "make docs"),
         Task::AsPrinted { check } => finish(&as_printed::generated(&root())?, check, "make docs"),
+        Task::Tables { check } => finish(&tables::generated(&root()), check, "make tables"),
     }
 }
 

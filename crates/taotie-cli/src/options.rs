@@ -18,6 +18,15 @@ pub fn size(value: &str) -> Result<[u32; 2], String> {
     Ok([width, height])
 }
 
+/// `on` or `off`.
+pub fn switch(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("write on or off".into()),
+    }
+}
+
 /// A finite number.
 pub fn number(value: &str) -> Result<f64, String> {
     value

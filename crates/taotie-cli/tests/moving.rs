@@ -16,7 +16,7 @@ const FINEST: f64 = 0.0004;
 fn in_object_space(mut scene: Scene) -> Scene {
     for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
         map.space = NormalSpace::Object;
-        scene.textures[map.texture.texture] = Texture::new(object_normal_map(MAPS), Encoding::Linear);
+        scene.textures[map.texture.texture] = Texture::new(object_normal_map(MAPS), Encoding::Normal);
     }
     scene
 }

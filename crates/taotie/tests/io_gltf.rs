@@ -5,7 +5,7 @@ mod common;
 mod gltf;
 
 use common::{data_folder, files_below};
-use gltf::{Maker, load, triangle, v, warned};
+use gltf::{Maker, PIXEL, load, one_primitive, triangle, v, warned};
 use std::path::{Path, PathBuf};
 use taotie::image::{MipFilter, TexelFilter, Wrap};
 use taotie::math::Vec2;
@@ -91,11 +91,6 @@ fn models_that_the_validator_accepts_load() {
 }
 
 // ------------------------------------------------------------------------------------------------ made here
-
-/// Scene, node and mesh of one primitive with the attributes and members given.
-fn one_primitive(attributes: &str, more: &str) -> String {
-    format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{{attributes}}}{more}}}]}}]"#)
-}
 
 #[test]
 fn without_normals_they_are_flat_and_tangents_go() {
@@ -247,8 +242,6 @@ fn skins_put_the_mesh_where_the_joints_are() {
     assert!(loaded.warnings.is_empty(), "joints of weight zero may be any number");
 }
 
-const PIXEL: &str = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";
-
 #[test]
 fn materials_with_textures_samplers_and_extensions() {
     let mut maker = triangle();
@@ -273,7 +266,7 @@ fn materials_with_textures_samplers_and_extensions() {
     assert_eq!((m.name.as_str(), m.alpha, m.double_sided, m.unlit), ("m", AlphaMode::Mask(0.5), true, true));
     assert_eq!((m.base_color, m.metallic, m.roughness), ([0.1, 0.2, 0.3, 0.4], 0.0, 0.25));
     assert_eq!((m.emissive, m.occlusion_strength), ([4.0, 2.0, 0.0], 0.75));
-    assert!((m.f0.unwrap()[1] - 1.0 / 9.0).abs() < 1e-6);
+    assert_eq!((m.ior, m.f0), (2.0, None));
     let base = m.base_color_texture.unwrap();
     assert_eq!((base.sampler.wrap_u, base.sampler.wrap_v), (Wrap::Clamp, Wrap::Mirror));
     assert_eq!((base.sampler.magnify, base.sampler.minify), (TexelFilter::Nearest, TexelFilter::Linear));
@@ -401,9 +394,14 @@ fn missing_textures_and_odd_materials_are_drawn_without() {
     assert!(m.base_color_texture.is_none() && m.metallic_roughness_texture.is_none() && m.normal.is_none());
     assert_eq!((m.roughness, loaded.scene.textures.len()), (1.0, 0));
     assert_eq!(loaded.missing_files, ["no%20such.png"]);
-    for part in
-        ["no%20such.png", "image 1 is left out", "texture 2", "texture 5", "uv set 4000000000", "XX_unknown"]
-    {
+    for part in [
+        "no%20such.png",
+        "image 1 is left out",
+        "texture 2 has no image",
+        "texture 5",
+        "uv set 4000000000",
+        "XX_unknown",
+    ] {
         assert_eq!(warned(&loaded, part), 1, "{part}: {:?}", loaded.warnings);
     }
 }

@@ -9,7 +9,12 @@ use std::path::{Path, PathBuf};
 use taotie::image::{Bitmap, Texels};
 use taotie::io::{decode_bitmap, read_bitmap};
 
-const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "tga", "hdr", "exr"];
+const EXTENSIONS: [&str; 7] = ["png", "jpg", "jpeg", "webp", "tga", "hdr", "exr"];
+
+/// A picture of this repository.
+fn own(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/pictures").join(name)
+}
 
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap().to_string_lossy().into_owned()
@@ -108,6 +113,46 @@ fn pngsuite_variants_of_a_picture_are_equal() {
         }
     }
     assert!(seen.is_empty() || compared > 0, "{compared}");
+}
+
+#[test]
+fn lossless_webp_is_the_picture_it_was_made_from() {
+    let [webp, png] = ["lossless.webp", "waves.png"].map(|name| read_bitmap(&own(name)).unwrap());
+    assert_eq!(webp, png);
+}
+
+/// Against libwebp's own decoder.
+#[test]
+fn lossy_webp_is_what_libwebp_makes_of_it() {
+    let [webp, png] = ["lossy.webp", "lossy.png"].map(|name| read_bitmap(&own(name)).unwrap());
+    assert_eq!((webp.width(), webp.height(), webp.channels()), (40, 24, 3));
+    assert_eq!(as_u8(&webp), as_u8(&png));
+}
+
+/// A picture of one colour takes few bytes at any size: it is read up to 4096 × 4096 and refused beyond.
+#[test]
+fn plain_webp_is_read_and_a_bomb_is_not() {
+    let plain = |side: u32| {
+        // RIFF, VP8L, its signature, width and height less one in 14 bits each, no transform, no cache, no groups,
+        // and five codes of a single symbol, so that texels take no bits.
+        let size = (side - 1) | (side - 1) << 14;
+        let mut data = vec![0x2f];
+        data.extend(size.to_le_bytes());
+        data.extend([0x88, 0x88, 0x08, 0x00]);
+        data.resize(data.len() + 6, 0);
+        let length = data.len() as u32 + data.len() as u32 % 2;
+        data.resize(length as usize, 0);
+        let mut file = b"RIFF".to_vec();
+        file.extend((length + 12).to_le_bytes());
+        file.extend(b"WEBPVP8L");
+        file.extend(length.to_le_bytes());
+        file.extend(data);
+        decode_bitmap(&file, "plain.webp", Path::new("plain.webp"))
+    };
+    let picture = plain(4096).unwrap();
+    assert_eq!((picture.width(), picture.height()), (4096, 4096));
+    let error = plain(4097).unwrap_err().to_string();
+    assert!(error.contains("cannot hold 4097×4097"), "{error}");
 }
 
 #[test]

@@ -207,14 +207,20 @@ fn damaged_pictures() {
     for (name, picture, format) in seeds {
         let mut seed = Cursor::new(Vec::new());
         picture.write_to(&mut seed, format).expect("an encoder");
-        let seed = seed.into_inner();
-        let sound = decode_bitmap(&seed, name, Path::new(name)).unwrap_or_else(|e| panic!("{e}"));
-        assert_eq!((sound.width(), sound.height()), (9, 7), "{name}");
-        let mut dice = Dice(2);
-        for round in 0..ROUNDS {
-            if let Err(e) = decode_bitmap(&damage(&seed, &mut dice), name, Path::new(name)) {
-                assert!(!e.to_string().contains('\n'), "{name}, round {round}: {e}");
-            }
+        torment_picture(name, &seed.into_inner(), (9, 7));
+    }
+    let lossy = include_bytes!("data/pictures/lossy.webp");
+    torment_picture("lossy.webp", lossy, (40, 24));
+    torment_picture("lossless.webp", include_bytes!("data/pictures/lossless.webp"), (40, 24));
+}
+
+fn torment_picture(name: &str, seed: &[u8], size: (u32, u32)) {
+    let sound = decode_bitmap(seed, name, Path::new(name)).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((sound.width(), sound.height()), size, "{name}");
+    let mut dice = Dice(2);
+    for round in 0..ROUNDS {
+        if let Err(e) = decode_bitmap(&damage(seed, &mut dice), name, Path::new(name)) {
+            assert!(!e.to_string().contains('\n'), "{name}, round {round}: {e}");
         }
     }
 }

@@ -31,11 +31,13 @@ fn shade<L: Lane>(shading: Shading, x: &[L; INPUTS]) -> Vec3<L> {
         metallic: x[24],
         roughness: x[ROUGHNESS],
         f0: vector(x, 4),
+        f90: x[24],
         f82_drop: vector(x, 5),
         diffuse: vector(x, 6),
         specular: vector(x, 7),
         shininess: x[SHININESS],
         slope: x[27],
+        compensation: None,
     };
     reflect(shading, &s, &Angles::new(vector(x, 0), vector(x, 1), vector(x, 2)))
 }

@@ -31,11 +31,13 @@ fn white() -> Substance<f64> {
         metallic: 1.0,
         roughness: 0.5,
         f0: WHITE,
+        f90: 1.0,
         f82_drop: BLACK,
         diffuse: BLACK,
         specular: WHITE,
         shininess: 20.0,
         slope: 0.3,
+        compensation: None,
     }
 }
 
@@ -75,11 +77,13 @@ impl Random {
             metallic: self.next(),
             roughness: 0.1 + 0.9 * self.next(),
             f0,
+            f90: 1.0,
             f82_drop: f82_drop(f0, f82),
             diffuse: self.color(),
             specular: self.color(),
             shininess: 200.0 * self.next(),
             slope: 0.05 + self.next(),
+            compensation: None,
         }
     }
 }
@@ -99,9 +103,9 @@ fn schlick_ends() {
 fn f82_passes_through_both_points() {
     let (f0, f82) = (Vec3::new(0.9626, 0.7133, 0.4640), Vec3::new(0.9511, 0.8406, 0.7258));
     let drop = f82_drop(f0, f82);
-    assert_eq!(f_f82(f0, drop, 1.0), f0);
-    assert!((f_f82(f0, drop, 1.0 / 7.0) - f82).length() < 1e-14);
-    assert!((f_f82(f0, drop, 0.0) - WHITE).length() < 1e-15);
+    assert_eq!(f_f82(f0, 1.0, drop, 1.0), f0);
+    assert!((f_f82(f0, 1.0, drop, 1.0 / 7.0) - f82).length() < 1e-14);
+    assert!((f_f82(f0, 1.0, drop, 0.0) - WHITE).length() < 1e-15);
     assert!(f82_drop(f0, f_schlick(f0, 1.0 / 7.0)).length() < 1e-14, "Schlick's own value drops nothing");
 }
 
@@ -162,7 +166,7 @@ fn f82_follows_exact_conductors_closer_than_schlick() {
         let f0 = WHITE * f_conductor(1.0, eta, k);
         let drop = f82_drop(f0, WHITE * f_conductor(1.0 / 7.0, eta, k));
         schlick = schlick.max(off(eta, k, |cos| f_schlick(f0, cos)));
-        f82 = f82.max(off(eta, k, |cos| f_f82(f0, drop, cos)));
+        f82 = f82.max(off(eta, k, |cos| f_f82(f0, 1.0, drop, cos)));
     }
     eprintln!("twelve conductors: Schlick off by up to {schlick:.4}, F82 by {f82:.4}");
     assert!(schlick < 0.04 && f82 < 0.017, "Schlick {schlick}, F82 {f82}");
@@ -478,11 +482,13 @@ fn every_value_is_a_plain_number() {
                     metallic: bit(0),
                     roughness: bit(1),
                     f0: Vec3::splat(bit(2)),
+                    f90: 1.0,
                     f82_drop: Vec3::splat((bit(3) - 0.5) * 30.0),
                     diffuse: Vec3::splat(1.0),
                     specular: Vec3::splat(1.0),
                     shininess: bit(4) * 1e5,
                     slope: if bit(5) > 0.0 { 10.0 } else { 1e-9 },
+                    compensation: None,
                 };
                 for (name, shading) in Shading::NAMES.iter().copied() {
                     let value = reflect(shading, &s, &a);

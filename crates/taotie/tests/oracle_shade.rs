@@ -102,11 +102,13 @@ fn substance<L: Scalar>(case: &Value) -> Substance<L> {
         metallic: scalar(&case["metallic"]),
         roughness: scalar(&case["roughness"]),
         f0: vector(&case["f0"]),
+        f90: L::of(1.0),
         f82_drop: f82_drop(vector(&case["f0"]), vector(&case["f82"])),
         diffuse: vector(&case["diffuse"]),
         specular: vector(&case["specular"]),
         shininess: scalar(&case["shininess"]),
         slope: scalar(&case["slope"]),
+        compensation: None,
     }
 }
 
@@ -170,7 +172,7 @@ fn fresnel_agrees<L: Scalar>(check: &mut Check, i: usize, s: &Substance<L>, a: &
         f_schlick_f90(s.f0, s.specular, a.v_dot_h),
         &truth["f_schlick_f90"],
     );
-    check.color(&format!("case {i} f_f82"), f_f82(s.f0, s.f82_drop, a.v_dot_h), &truth["f_f82"]);
+    check.color(&format!("case {i} f_f82"), f_f82(s.f0, s.f90, s.f82_drop, a.v_dot_h), &truth["f_f82"]);
 }
 
 fn distributions_agree<L: Scalar>(

@@ -41,11 +41,13 @@ fn white() -> Substance<f64> {
         metallic: 1.0,
         roughness: 0.5,
         f0: white,
+        f90: 1.0,
         f82_drop: black,
         diffuse: black,
         specular: white,
         shininess: 0.0,
         slope: 0.5,
+        compensation: None,
     }
 }
 

@@ -4,7 +4,7 @@ use super::matching::Matching;
 use super::method::{self, Method};
 use super::points::{self, PointChoice};
 use crate::options;
-use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, RunningArgs};
+use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -56,6 +56,8 @@ pub struct CompareArgs {
     /// Height of white in model units for `bump`; the material's if not given
     #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
     pub bump_scale: Option<f64>,
+    #[command(flatten)]
+    pub reflection: ReflectionArgs,
     #[command(flatten)]
     pub material: MaterialArgs,
     #[command(flatten)]

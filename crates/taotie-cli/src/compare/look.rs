@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use taotie::Result;
 use taotie::image::Image;
 use taotie::math::Vec3;
-use taotie::render::{Lighting, Pass, Prepared, RenderSettings};
+use taotie::render::{GrazingNormals, Lighting, Pass, Prepared, RenderSettings};
 use taotie::scene::Camera;
 
 /// Neighbouring samples whose depths differ by more than this many of their sizes see a silhouette, or a surface slanted
@@ -41,8 +41,17 @@ fn samples_per_side(settings: &RenderSettings) -> u32 {
 pub fn look(prepared: &Prepared<'_>, camera: &Camera, settings: &RenderSettings) -> Result<Look> {
     let per_side = samples_per_side(settings);
     let (width, height) = (settings.width * per_side, settings.height * per_side);
-    let settings =
-        RenderSettings { width, height, samples: 1, aovs: true, shadows: false, ..settings.clone() };
+    // The map's own normals are to be judged, not what shading makes of them.
+    let grazing_normals = GrazingNormals::Keep;
+    let settings = RenderSettings {
+        width,
+        height,
+        samples: 1,
+        aovs: true,
+        shadows: false,
+        grazing_normals,
+        ..settings.clone()
+    };
     let frame = Pass::new(prepared, camera, &Lighting::default(), &settings)?.render(&|_| {})?;
     let aovs = frame.aovs.expect("output variables were asked for");
     Ok(Look { normals: aovs.normals, depth: aovs.depth, uv: aovs.uv, per_side })

@@ -113,7 +113,7 @@ pub fn write(
 }
 
 fn settings(args: &CompareArgs) -> RenderSettings {
-    RenderSettings {
+    args.reflection.apply(RenderSettings {
         width: args.size[0],
         height: args.size[1],
         samples: args.film.samples,
@@ -125,5 +125,5 @@ fn settings(args: &CompareArgs) -> RenderSettings {
         shadows: args.light.shadows,
         simd: args.running.simd,
         ..RenderSettings::default()
-    }
+    })
 }

@@ -130,7 +130,7 @@ impl Relief {
             ));
         }
         self.notes.push(format!("normals: one map was converted to {} on its mesh", converted.space));
-        scene.textures.push(Texture::new(converted.bitmap, Encoding::Linear));
+        scene.textures.push(Texture::new(converted.bitmap, Encoding::Normal));
         self.converted.insert(index, scene.textures.len() - 1);
         Ok(Some(scene.textures.len() - 1))
     }

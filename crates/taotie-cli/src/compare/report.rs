@@ -310,6 +310,9 @@ fn parameters(plan: &Plan) -> Value {
         "material": plan.material,
         "tangents": settings.surface.tangents.map(Named::name),
         "bump_scale": settings.surface.bump_scale,
+        "energy": settings.energy.name(),
+        "specular_aa": settings.specular_aa,
+        "grazing_normals": settings.grazing_normals.name(),
         "camera": {
             "world_from_view_columns": plan.camera.world_from_view.columns,
             "projection": projection(&plan.camera.projection),

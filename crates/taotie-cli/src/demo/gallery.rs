@@ -148,7 +148,7 @@ fn describe(shading: Shading) -> &'static str {
 /// The same scene with the relief as an object-space map.
 pub fn with_object_map(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    scene.textures.push(Texture::new(jue::object_normal_map(scene.textures[0].width()), Encoding::Linear));
+    scene.textures.push(Texture::new(jue::object_normal_map(scene.textures[0].width()), Encoding::Normal));
     let index = scene.textures.len() - 1;
     for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
         map.texture.texture = index;

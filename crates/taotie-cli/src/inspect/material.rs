@@ -1,5 +1,6 @@
 //! What a material is made of.
 
+use super::layers::{self, LayersReport};
 use super::normal_map::{NormalMapReport, Pixels};
 use serde::Serialize;
 use std::collections::HashMap;
@@ -20,6 +21,9 @@ pub struct MaterialReport {
     pub roughness: f32,
     /// Reflectance at normal incidence, linear RGB, where the file states it.
     pub f0: Option<[f32; 3]>,
+    /// What extensions of glTF add.
+    #[serde(flatten)]
+    pub layers: LayersReport,
     /// Emitted radiance, linear RGB.
     pub emissive: [f32; 3],
     /// `opaque`, `mask` or `blend`.
@@ -60,7 +64,8 @@ pub struct ClassicReport {
 /// A texture in its role.
 #[derive(Debug, Serialize)]
 pub struct TextureReport {
-    /// `base-color`, `metallic-roughness`, `normal`, `height`, `occlusion` or `emissive`.
+    /// `base-color`, `metallic-roughness`, `normal`, `height`, `occlusion`, `emissive`, `specular`, `specular-color`,
+    /// `clearcoat`, `clearcoat-roughness`, `clearcoat-normal`, `anisotropy`, `sheen-color` or `sheen-roughness`.
     pub role: &'static str,
     /// The file or name.
     pub file: String,
@@ -107,6 +112,7 @@ impl<'a> Materials<'a> {
             metallic: material.metallic,
             roughness: material.roughness,
             f0: material.f0,
+            layers: LayersReport::new(material),
             emissive: material.emissive,
             alpha_mode,
             alpha_cutoff,
@@ -131,7 +137,8 @@ impl<'a> Materials<'a> {
             ("occlusion", material.occlusion_texture),
             ("emissive", material.emissive_texture),
         ];
-        let used = roles.into_iter().filter_map(|(role, texture)| Some((role, texture?)));
+        let roles = roles.into_iter().chain(layers::textures(material));
+        let used = roles.filter_map(|(role, texture)| Some((role, texture?)));
         used.map(|(role, texture)| self.texture(role, &texture)).collect()
     }
 
@@ -147,7 +154,7 @@ impl<'a> Materials<'a> {
             channels: texture.bitmap().channels(),
             encoding: match texture.encoding() {
                 Encoding::Srgb => "srgb",
-                Encoding::Linear => "linear",
+                Encoding::Linear | Encoding::Normal => "linear",
             },
             uv_set: used.uv_set,
         }

@@ -3,6 +3,7 @@
 //! A [`Report`] is made once; the text and the JSON are two ways to print it.
 
 mod hints;
+mod layers;
 mod material;
 mod mesh;
 mod normal_map;

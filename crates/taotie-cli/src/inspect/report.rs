@@ -12,7 +12,7 @@ use taotie::scene::animation::Animation;
 use taotie::scene::{Camera, Light, LightKind, Projection, Scene};
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// What is in a model and what is wrong with it.
 #[derive(Debug, Serialize)]
@@ -43,6 +43,8 @@ pub struct Report {
     pub cameras: Vec<Named>,
     /// The file's animations.
     pub animations: Vec<AnimationReport>,
+    /// Names of the sets of materials that the file offers.
+    pub variants: Vec<String>,
     /// Files that the model names and that are not there.
     pub missing_files: Vec<String>,
     /// glTF extensions that the file uses.
@@ -140,6 +142,7 @@ impl Report {
             lights: scene.lights.iter().map(named_light).collect(),
             cameras: scene.cameras.iter().map(named_camera).collect(),
             animations: animations(loaded).iter().map(AnimationReport::new).collect(),
+            variants: loaded.variants.names().to_vec(),
             missing_files: loaded.missing_files.clone(),
             extensions_used: loaded.extensions_used.clone(),
             extensions_required: loaded.extensions_required.clone(),

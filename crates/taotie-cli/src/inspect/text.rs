@@ -22,6 +22,7 @@ pub fn of(report: &Report) -> String {
         ("Lights", named(&report.lights)),
         ("Cameras", named(&report.cameras)),
         ("Animations", animations(&report.animations)),
+        ("Variants", report.variants.iter().map(|name| format!("  {}\n", short(name))).collect()),
         ("Extensions", extensions(report)),
         ("Missing files", report.missing_files.iter().map(|file| format!("  {}\n", clean(file))).collect()),
         ("Warnings", warnings(report)),
@@ -192,6 +193,7 @@ fn factors(material: &MaterialReport) -> String {
         [("shininess", classic.shininess), ("slope", classic.slope), ("height scale", material.height_scale)];
     let given = scalars.into_iter().filter_map(|(key, value)| Some((key, value?)));
     parts.extend(given.map(|(key, value)| format!("{key} {value}")));
+    parts.extend(material.layers.words());
     if material.unlit {
         parts.push("unlit".into());
     }

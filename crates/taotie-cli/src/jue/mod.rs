@@ -86,7 +86,7 @@ pub fn scene(size: u32) -> Scene {
     let textures = vec![
         Texture::new(color, Encoding::Srgb),
         Texture::new(orm, Encoding::Linear),
-        Texture::new(bake.normal_map(), Encoding::Linear),
+        Texture::new(bake.normal_map(), Encoding::Normal),
         Texture::new(bake.height_map(), Encoding::Linear),
     ];
     let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];

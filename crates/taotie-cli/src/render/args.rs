@@ -2,7 +2,7 @@
 
 use super::plan::MotionArgs;
 use crate::options;
-use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, RunningArgs};
+use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
@@ -40,6 +40,8 @@ pub struct RenderArgs {
     /// Height of white in model units for `bump`, the paper's factor for `bump-printed`
     #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
     pub bump_scale: Option<f64>,
+    #[command(flatten)]
+    pub reflection: ReflectionArgs,
     #[command(flatten)]
     pub material: MaterialArgs,
     #[command(flatten)]
@@ -81,7 +83,7 @@ impl RenderArgs {
 
     /// How the picture is taken.
     pub fn settings(&self) -> RenderSettings {
-        RenderSettings {
+        self.reflection.apply(RenderSettings {
             width: self.size[0],
             height: self.size[1],
             samples: self.film.samples,
@@ -94,7 +96,8 @@ impl RenderArgs {
             shadows: self.light.shadows,
             aovs: !self.aovs.is_empty(),
             simd: self.running.simd,
-        }
+            ..RenderSettings::default()
+        })
     }
 
     /// What has to fit into the picture.

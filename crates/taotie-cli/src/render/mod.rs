@@ -90,6 +90,7 @@ impl Report {
             "samples": args.film.samples,
             "shading": args.shading.name(),
             "surface": args.surface.map(|s| s.name()),
+            "reflection": args.reflection.json(),
             "tone": args.film.tone.name(),
             "seconds": seconds,
             "warnings": console::json_warnings(&self.warnings),

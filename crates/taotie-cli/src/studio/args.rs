@@ -2,12 +2,15 @@
 
 use crate::options;
 use anyhow::{Result, anyhow, bail};
-use clap::{Args, ValueEnum};
+use clap::{ArgAction, Args, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
 use taotie::film::{Development, ToneCurve};
 use taotie::math::{SimdLevel, Vec3};
+use taotie::names::Named;
+use taotie::render::{GrazingNormals, RenderSettings};
 use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::shade::Energy;
 use taotie::surface::TangentMethod;
 
 /// What the surface is made of.
@@ -17,6 +20,9 @@ pub struct MaterialArgs {
     /// How tangents are made: face, averaged, mikktspace; if not given the file's own, else mikktspace
     #[arg(long, value_parser = options::named::<TangentMethod>)]
     pub tangents: Option<TangentMethod>,
+    /// A variant of the file: one of the sets of materials that it offers
+    #[arg(long, value_name = "NAME")]
+    pub variant: Option<String>,
     /// A preset's name or a TOML file; maps of the model stay
     #[arg(long, value_name = "NAME|FILE")]
     pub material: Option<String>,
@@ -38,6 +44,43 @@ pub struct MaterialArgs {
     /// An occlusion map for every material
     #[arg(long, value_name = "FILE")]
     pub occlusion_map: Option<PathBuf>,
+}
+
+/// How exactly its reflection is computed.
+#[derive(Args)]
+#[command(next_help_heading = "Surface")]
+pub struct ReflectionArgs {
+    /// Whether light that meets several facets is given back by ggx and cook-torrance (compensated) or lost (single)
+    #[arg(long, value_parser = options::named::<Energy>, default_value = "compensated")]
+    pub energy: Energy,
+    /// Whether relief too fine for a pixel widens the highlight instead of sparkling: on, off
+    #[arg(long, value_name = "on|off", value_parser = options::switch, default_value = "on", action = ArgAction::Set)]
+    pub specular_aa: bool,
+    /// Mapped normals that turn away from the viewer, and the edge between lit and dark: soften, or keep what the map
+    /// says
+    #[arg(long, value_name = "HOW", value_parser = options::named::<GrazingNormals>, default_value = "soften")]
+    pub grazing_normals: GrazingNormals,
+}
+
+impl ReflectionArgs {
+    /// `settings` with what is asked for.
+    pub fn apply(&self, settings: RenderSettings) -> RenderSettings {
+        RenderSettings {
+            energy: self.energy,
+            specular_aa: self.specular_aa,
+            grazing_normals: self.grazing_normals,
+            ..settings
+        }
+    }
+
+    /// What was asked for, for reports.
+    pub fn json(&self) -> serde_json::Value {
+        json!({
+            "energy": self.energy.name(),
+            "specular_aa": self.specular_aa,
+            "grazing_normals": self.grazing_normals.name(),
+        })
+    }
 }
 
 /// What shines on it.
@@ -148,6 +191,7 @@ impl MaterialArgs {
     /// What was asked for, for reports; absent where nothing was.
     pub fn json(&self) -> serde_json::Value {
         json!({
+            "variant": self.variant,
             "material": self.material,
             "base_color_map": self.base_color_map,
             "normal_map": self.normal_map,

@@ -291,7 +291,7 @@ impl MapOptions {
             reflectance: None,
             base_color: load(&self.base_color, Encoding::Srgb)?,
             metallic_roughness: load(&self.metallic_roughness, Encoding::Linear)?,
-            normal: load(&self.normal, Encoding::Linear)?.map(|texture| NormalMap {
+            normal: load(&self.normal, Encoding::Normal)?.map(|texture| NormalMap {
                 texture,
                 scale: self.normal_scale,
                 space: self.normal_space,

@@ -8,7 +8,7 @@ mod material;
 mod model;
 mod motion;
 
-pub use args::{CameraArgs, FilmArgs, Green, LightArgs, MaterialArgs, RunningArgs, Space};
+pub use args::{CameraArgs, FilmArgs, Green, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs, Space};
 pub use camera::{Framing, Viewpoint};
 pub use lights::lighting;
 pub use material::apply_choice;

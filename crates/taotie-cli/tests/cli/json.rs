@@ -3,7 +3,7 @@
 //! A field more or less is a change of schema: it needs a new number, here and in the command.
 #![allow(dead_code)]
 
-use super::models::{Green, square, write_relief};
+use super::models::{Green, lacquered_square, square, write_relief};
 use super::place::Place;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -68,6 +68,7 @@ struct InspectReport {
     lights: Vec<Named>,
     cameras: Vec<Named>,
     animations: Vec<Animation>,
+    variants: Vec<String>,
     missing_files: Vec<String>,
     extensions_used: Vec<String>,
     extensions_required: Vec<String>,
@@ -163,6 +164,11 @@ struct Material {
     metallic: f32,
     roughness: f32,
     f0: Option<[f32; 3]>,
+    ior: f32,
+    specular: Specular,
+    clearcoat: Option<Clearcoat>,
+    anisotropy: Option<Anisotropy>,
+    sheen: Option<Sheen>,
     emissive: [f32; 3],
     alpha_mode: String,
     alpha_cutoff: Option<f32>,
@@ -173,6 +179,35 @@ struct Material {
     classic: Classic,
     textures: Vec<Texture>,
     normal_map: Option<NormalMap>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Specular {
+    factor: f32,
+    color: [f32; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Clearcoat {
+    factor: f32,
+    roughness: f32,
+    normal_scale: Option<f32>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Anisotropy {
+    strength: f32,
+    rotation_deg: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sheen {
+    color: [f32; 3],
+    roughness: f32,
 }
 
 #[derive(Deserialize)]
@@ -214,7 +249,7 @@ struct NormalMap {
 #[test]
 fn of_inspect() {
     let report: InspectReport = parse("inspect a.gltf --json");
-    assert_eq!((report.schema, report.format.as_str()), (2, "glTF"));
+    assert_eq!((report.schema, report.format.as_str()), (3, "glTF"));
     assert_eq!((report.generator.as_deref(), report.copyright.as_deref()), (Some("by hand"), Some("nobody")));
     let counts = &report.counts;
     assert_eq!((counts.triangles, counts.triangles_drawn, counts.vertices), (2, 2, 4));
@@ -227,6 +262,27 @@ fn of_inspect() {
     let map = report.materials[0].normal_map.as_ref().expect("there is a normal map");
     assert_eq!((map.kind_by_pixels.as_str(), map.green_by_pixels.as_deref()), ("tangent", Some("up")));
     assert_eq!((map.invalid_texels, map.texels), (Some(0), 192 * 192));
+}
+
+#[test]
+fn of_inspect_with_layers() {
+    let place = Place::with("a.gltf", lacquered_square());
+    write_relief(&place.path("normals.png"), Green::Up);
+    let report: InspectReport =
+        serde_json::from_value(place.json("inspect a.gltf --json")).expect("the document has this form");
+    let material = &report.materials[0];
+    assert_eq!(
+        (material.ior, material.specular.factor, material.specular.color),
+        (1.25, 0.5, [1.0, 0.5, 2.0])
+    );
+    let coat = material.clearcoat.as_ref().expect("it has a coat");
+    assert_eq!((coat.factor, coat.roughness, coat.normal_scale), (0.75, 0.125, Some(0.25)));
+    let stretch = material.anisotropy.as_ref().expect("it is stretched");
+    assert!((stretch.rotation_deg - 90.0).abs() < 1e-4 && stretch.strength == 0.5);
+    let sheen = material.sheen.as_ref().expect("it has fibres");
+    assert_eq!((sheen.color, sheen.roughness), ([0.5, 0.25, 0.0], 0.5));
+    let roles: Vec<&str> = material.textures.iter().map(|texture| texture.role.as_str()).collect();
+    assert_eq!(roles, ["normal", "specular-color", "clearcoat-normal"]);
 }
 
 #[derive(Deserialize)]

@@ -15,3 +15,4 @@ mod normals;
 mod place;
 mod render;
 mod running;
+mod variants;

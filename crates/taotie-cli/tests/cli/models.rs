@@ -109,6 +109,26 @@ pub fn square_json() -> Value {
     serde_json::from_str(&square()).expect("it is JSON")
 }
 
+/// [`square`] with every layer that a material can have.
+pub fn lacquered_square() -> String {
+    let mut json = square_json();
+    json["materials"][0]["extensions"] = json!({
+        "KHR_materials_ior": { "ior": 1.25 },
+        "KHR_materials_specular": {
+            "specularFactor": 0.5, "specularColorFactor": [1.0, 0.5, 2.0], "specularColorTexture": { "index": 0 },
+        },
+        "KHR_materials_clearcoat": {
+            "clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.125,
+            "clearcoatNormalTexture": { "index": 0, "scale": 0.25 },
+        },
+        "KHR_materials_anisotropy": {
+            "anisotropyStrength": 0.5, "anisotropyRotation": std::f64::consts::FRAC_PI_2,
+        },
+        "KHR_materials_sheen": { "sheenColorFactor": [0.5, 0.25, 0.0], "sheenRoughnessFactor": 0.5 },
+    });
+    json.to_string()
+}
+
 /// [`square`] with two animations of two seconds: in `rise` it goes two units up, in the other, which has no name, it
 /// turns by 90° about its lower left corner.
 pub fn moving_square() -> String {

@@ -1,14 +1,18 @@
 //! A texture: a bitmap with its mip chain, decoded to linear values at each lookup.
 
 use super::{Bitmap, Texels};
+use crate::math::Vec3;
 
 /// What stored numbers mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Encoding {
     /// Colour encoded by the sRGB transfer function; alpha is linear.
     Srgb,
-    /// The numbers themselves: normals, roughness, heights.
+    /// The numbers themselves: roughness, heights.
     Linear,
+    /// Unit vectors, (n + 1)/2. Coarser levels hold the mean of the unit vectors below, which is shorter the more they
+    /// diverge, and in the fourth channel their variance 1 − |mean|²; the finest level has none.
+    Normal,
 }
 
 /// A bitmap, its mip chain and the meaning of its numbers. Texels stay in stored precision.
@@ -22,6 +26,7 @@ pub struct Texture {
 impl Texture {
     /// Builds the mip chain: each level halves the size, rounding down, by the area-weighted mean in linear space.
     /// 16-bit sRGB texels are kept as float, since half of their precision would be lost otherwise.
+    /// Levels of normals keep 16 bits, since a variance is a small difference of lengths.
     pub fn new(bitmap: Bitmap, encoding: Encoding) -> Self {
         let bitmap = match (encoding, bitmap.texels()) {
             (Encoding::Srgb, Texels::U16(texels)) => linear_from_srgb16(&bitmap, texels),
@@ -70,6 +75,15 @@ impl Texture {
     /// The linear RGBA value of a texel.
     #[inline]
     pub fn texel(&self, level: usize, x: usize, y: usize) -> [f32; 4] {
+        let [r, g, b, a] = self.stored(level, x, y);
+        match (self.encoding, level) {
+            (Encoding::Normal, 0) => [r, g, b, 0.0],
+            _ => [r, g, b, a],
+        }
+    }
+
+    #[inline]
+    fn stored(&self, level: usize, x: usize, y: usize) -> [f32; 4] {
         let bitmap = &self.levels[level];
         let i = y * bitmap.width() as usize + x;
         match bitmap.texels() {
@@ -93,11 +107,13 @@ impl Texture {
                 means.push(self.mean(level, &span(x, half_w, w), &rows));
             }
         }
+        let to_u16 = |means: &[[f32; 4]]| {
+            Texels::U16(means.iter().map(|m| m.map(|v| (v * 65535.0 + 0.5) as u16)).collect())
+        };
         let texels = match self.levels[level].texels() {
+            Texels::U8(_) if self.encoding == Encoding::Normal => to_u16(&means),
             Texels::U8(_) => Texels::U8(means.iter().map(|m| self.encode_u8(*m)).collect()),
-            Texels::U16(_) => {
-                Texels::U16(means.iter().map(|m| m.map(|v| (v * 65535.0 + 0.5) as u16)).collect())
-            }
+            Texels::U16(_) => to_u16(&means),
             Texels::F32(_) => Texels::F32(means),
         };
         let channels = self.levels[level].channels();
@@ -109,23 +125,46 @@ impl Texture {
         for (y, row_weight) in rows {
             for (x, column_weight) in columns {
                 let weight = row_weight * column_weight;
-                let texel = self.texel(level, *x, *y);
+                let texel = self.averaged(level, *x, *y);
                 for c in 0..4 {
                     sum[c] += texel[c] * weight;
                 }
             }
         }
-        sum
+        match self.encoding {
+            Encoding::Normal => with_variance(sum),
+            Encoding::Srgb | Encoding::Linear => sum,
+        }
+    }
+
+    /// What a texel adds to the means of the next level: normals of the finest level count as unit vectors.
+    fn averaged(&self, level: usize, x: usize, y: usize) -> [f32; 4] {
+        let texel = self.texel(level, x, y);
+        match (self.encoding, level) {
+            (Encoding::Normal, 0) => {
+                let [r, g, b, _] = texel;
+                let v = Vec3::new(2.0 * r - 1.0, 2.0 * g - 1.0, 2.0 * b - 1.0);
+                let n = v.normalize_or(Vec3::new(0.0, 0.0, 1.0));
+                [(n.x + 1.0) / 2.0, (n.y + 1.0) / 2.0, (n.z + 1.0) / 2.0, 0.0]
+            }
+            _ => texel,
+        }
     }
 
     fn encode_u8(&self, linear: [f32; 4]) -> [u8; 4] {
         let [r, g, b, a] = linear;
         let encode = |v: f32| match self.encoding {
-            Encoding::Linear => (v * 255.0 + 0.5) as u8,
+            Encoding::Linear | Encoding::Normal => (v * 255.0 + 0.5) as u8,
             Encoding::Srgb => nearest(&self.decode_u8, v),
         };
         [encode(r), encode(g), encode(b), (a * 255.0 + 0.5) as u8]
     }
+}
+
+/// A mean of stored unit vectors with its variance: E|n − mean|² = 1 − |mean|².
+fn with_variance([r, g, b, _]: [f32; 4]) -> [f32; 4] {
+    let mean = Vec3::new(2.0 * r - 1.0, 2.0 * g - 1.0, 2.0 * b - 1.0);
+    [r, g, b, (1.0 - mean.dot(mean)).clamp(0.0, 1.0)]
 }
 
 /// The texels of a row of `size` that the texel `i` of `halved` covers, with weights that sum to one.
@@ -152,7 +191,7 @@ fn nearest(table: &[f32; 256], value: f32) -> u8 {
 fn decode_u8(value: u8, encoding: Encoding) -> f32 {
     let v = f64::from(value) / 255.0;
     match encoding {
-        Encoding::Linear => v as f32,
+        Encoding::Linear | Encoding::Normal => v as f32,
         Encoding::Srgb => crate::math::srgb::linear_from_srgb(v) as f32,
     }
 }
@@ -182,6 +221,31 @@ mod tests {
         assert_eq!(texture.level_size(1), (2, 1));
         let mean = texture.texel(2, 0, 0)[0] * 255.0;
         assert!((mean - 112.0).abs() <= 1.0, "{mean}");
+    }
+
+    #[test]
+    fn levels_of_normals_know_how_far_they_diverge() {
+        // Two unit vectors 2θ apart have the mean length cos θ, and the variance sin² θ.
+        let (sin, cos) = (0.28f32, 0.96f32);
+        let code = |v: f32| ((v + 1.0) * 0.5 * 65535.0).round() as u16;
+        let texels = vec![[code(sin), code(0.0), code(cos), 9], [code(-sin), code(0.0), code(cos), 9]];
+        let bitmap = Bitmap::new(2, 1, 4, Texels::U16(texels)).unwrap();
+        let texture = Texture::new(bitmap, Encoding::Normal);
+        assert_eq!(
+            texture.texel(0, 0, 0)[3],
+            0.0,
+            "a single normal has no variance, whatever its alpha says"
+        );
+        let [_, _, b, variance] = texture.texel(1, 0, 0);
+        assert!((2.0 * b - 1.0 - cos).abs() < 1e-4 && (variance - sin * sin).abs() < 1e-4, "{b} {variance}");
+    }
+
+    #[test]
+    fn eight_bit_normals_have_finer_levels_and_flat_ones_no_variance() {
+        let flat = Bitmap::new(4, 4, 3, Texels::U8(vec![[128, 128, 255, 255]; 16])).unwrap();
+        let texture = Texture::new(flat, Encoding::Normal);
+        assert!((1..texture.levels()).all(|level| texture.texel(level, 0, 0)[3] < 1e-4));
+        assert!(matches!(texture.levels[1].texels(), Texels::U16(_)));
     }
 
     #[test]

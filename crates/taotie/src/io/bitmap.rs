@@ -1,4 +1,4 @@
-//! Textures from PNG, JPEG, TGA, Radiance HDR and OpenEXR, in the precision and encoding of the file.
+//! Textures from PNG, JPEG, WebP, TGA, Radiance HDR and OpenEXR, in the precision and encoding of the file.
 
 mod exr;
 
@@ -12,9 +12,12 @@ use std::path::Path;
 /// The most texels of one image: 16,384 × 16,384.
 const MAX_TEXELS: u64 = 1 << 28;
 
-/// No format read here packs more texels into a byte: deflate reaches 1032 to 1, and a byte holds 8 one-bit texels.
-/// A declared size beyond it is refused before anything is allocated.
+/// No format read here but WebP packs more texels into a byte: deflate reaches 1032 to 1, and a byte holds 8 one-bit
+/// texels. A declared size beyond it is refused before anything is allocated.
 const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
+
+/// WebP holds a picture of one colour in a few bytes, whatever its size; so many texels, 4096 × 4096, are believed.
+const MAX_TEXELS_OF_PLAIN: u64 = 1 << 24;
 
 /// Reads an image file.
 ///
@@ -35,7 +38,7 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     let format = guess_format(bytes, name).ok_or_else(|| {
         Error::unsupported(
             format!("{}: the image format of '{name}'", path.display()),
-            "images are read from PNG, JPEG, TGA, HDR and EXR",
+            "images are read from PNG, JPEG, WebP, TGA, HDR and EXR",
         )
     })?;
     let is_the_file = path.file_name().is_some_and(|file| file.to_string_lossy() == name);
@@ -71,9 +74,9 @@ fn one_line(text: &str) -> String {
 }
 
 fn guess_format(bytes: &[u8], name: &str) -> Option<ImageFormat> {
-    use ImageFormat::{Hdr, Jpeg, OpenExr, Png, Tga};
+    use ImageFormat::{Hdr, Jpeg, OpenExr, Png, Tga, WebP};
     match image::guess_format(bytes) {
-        Ok(format @ (Png | Jpeg | Hdr | OpenExr)) => Some(format),
+        Ok(format @ (Png | Jpeg | WebP | Hdr | OpenExr)) => Some(format),
         Ok(_) => None,
         Err(_) => {
             let name = name.to_ascii_lowercase();
@@ -87,7 +90,11 @@ fn decode(bytes: &[u8], format: ImageFormat) -> std::result::Result<Bitmap, Fail
     reader.no_limits();
     let mut decoder = reader.into_decoder().map_err(failure)?;
     let (width, height) = decoder.dimensions();
-    check_size(u64::from(width), u64::from(height), bytes.len())?;
+    let credible = match format {
+        ImageFormat::WebP => credible(bytes).max(MAX_TEXELS_OF_PLAIN),
+        _ => credible(bytes),
+    };
+    check_size(u64::from(width), u64::from(height), credible)?;
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_TEXELS * 16);
     decoder.set_limits(limits).map_err(failure)?;
@@ -95,17 +102,21 @@ fn decode(bytes: &[u8], format: ImageFormat) -> std::result::Result<Bitmap, Fail
     bitmap_from(picture)
 }
 
-/// Refuses sizes that cannot be drawn or cannot be true.
-fn check_size(width: u64, height: u64, bytes: usize) -> std::result::Result<(), Failure> {
+/// How many texels `bytes` may hold.
+fn credible(bytes: &[u8]) -> u64 {
+    (bytes.len() as u64).saturating_mul(MAX_TEXELS_PER_BYTE)
+}
+
+/// Refuses sizes that cannot be drawn, and those of more than `credible` texels, which cannot be true.
+fn check_size(width: u64, height: u64, credible: u64) -> std::result::Result<(), Failure> {
     let side = u64::from(Bitmap::MAX_SIDE);
     if width > side || height > side || width * height > MAX_TEXELS {
         let why = format!("{width}×{height}; at most {side} a side and 16384×16384 in all: scale it down");
         return Err(Failure::TooLarge(why));
     }
-    if width * height > (bytes as u64).saturating_mul(MAX_TEXELS_PER_BYTE) {
-        return Err(Failure::Damaged(format!(
-            "{bytes} bytes cannot hold {width}×{height} texels; save it again"
-        )));
+    if width * height > credible {
+        let why = format!("so few bytes cannot hold {width}×{height} texels; save it again");
+        return Err(Failure::Damaged(why));
     }
     Ok(())
 }

@@ -9,9 +9,11 @@ mod ply;
 mod polygon;
 mod stl;
 mod text;
+mod variants;
 mod write;
 
 pub use bitmap::{decode_bitmap, read_bitmap};
+pub use variants::Variants;
 pub use write::{
     ExrLayer, MovingFormat, MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_png,
     write_bytes, write_exr, write_png, write_png_bitmap, write_text,
@@ -47,6 +49,8 @@ pub struct Loaded {
     pub missing_files: Vec<String>,
     /// What moves the scene, where the file has animations; the scene itself is at rest.
     pub rig: Option<Rig>,
+    /// The sets of materials that the file offers; the scene itself has none of them applied.
+    pub variants: Variants,
 }
 
 impl Loaded {

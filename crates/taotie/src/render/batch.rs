@@ -43,6 +43,23 @@ pub struct Batch {
     pub(super) roughness: Column,
     pub(super) occlusion: Column,
     pub(super) emissive: Column3,
+    /// Strength of a dielectric's reflection, and the colour that its F0 is multiplied by.
+    pub(super) specular: Column,
+    pub(super) specular_color: Column3,
+    /// What relief narrower than a pixel adds to α², from normal maps and from the bend of the surface.
+    pub(super) variance: Column,
+    pub(super) layers: Layers,
+    /// Unit: the normal before any map, on the side that `n` is on.
+    pub(super) smooth: Column3,
+    /// Squared slope that a map adds, for the softened terminator.
+    pub(super) bump: Column,
+    /// Directional albedos of the lobe: scale, bias, edge, diffuse edge; valid where `tables` says so.
+    pub(super) dfg: [Column; 4],
+    /// Whether `dfg` and the layers' albedos are filled.
+    pub(super) tables: bool,
+    /// Whether light that scatters several times is given back.
+    pub(super) compensated: bool,
+    pub(super) surround: Surroundings,
     /// Unit to viewer, world space.
     pub(super) v: Column3,
     /// The shading normal: unit but for `bump-printed`.
@@ -54,6 +71,37 @@ pub struct Batch {
     pub(super) radiance: Column3,
     /// For each light, 1 where it is seen and 0 where it is not.
     pub(super) visibility: Vec<Column>,
+}
+
+/// What lies over or in the surface; filled where the material has it.
+#[derive(Debug, Clone)]
+pub(super) struct Layers {
+    pub coat: Column,
+    pub coat_roughness: Column,
+    /// The lacquer's normal map's stored vector.
+    pub coat_map: Column3,
+    /// Unit, world space.
+    pub coat_n: Column3,
+    pub coat_albedo: Column,
+    pub sheen_color: Column3,
+    pub sheen_roughness: Column,
+    pub sheen_albedo: Column,
+    pub stretch: Column,
+    /// Cosine and sine of the stretch's angle from the tangent.
+    pub stretch_turn: [Column; 2],
+    /// Unit, world space.
+    pub stretch_tangent: Column3,
+}
+
+/// What the environment sends to a fragment, linear RGB.
+#[derive(Debug, Clone)]
+pub(super) struct Surroundings {
+    /// The radiance that the highlight gathers.
+    pub specular: Column3,
+    /// The irradiance over π.
+    pub mean: Column3,
+    /// The radiance that the lacquer's highlight gathers.
+    pub coat: Column3,
 }
 
 const ZERO: Column = [0.0; BATCH];
@@ -81,6 +129,28 @@ impl Batch {
             roughness: ZERO,
             occlusion: ZERO,
             emissive: ZERO3,
+            specular: ZERO,
+            specular_color: ZERO3,
+            variance: ZERO,
+            layers: Layers {
+                coat: ZERO,
+                coat_roughness: ZERO,
+                coat_map: ZERO3,
+                coat_n: ZERO3,
+                coat_albedo: ZERO,
+                sheen_color: ZERO3,
+                sheen_roughness: ZERO,
+                sheen_albedo: ZERO,
+                stretch: ZERO,
+                stretch_turn: [ZERO; 2],
+                stretch_tangent: ZERO3,
+            },
+            smooth: ZERO3,
+            bump: ZERO,
+            dfg: [ZERO; 4],
+            tables: false,
+            compensated: false,
+            surround: Surroundings { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
             v: ZERO3,
             n: ZERO3,
             albedo: ZERO3,
@@ -98,6 +168,11 @@ impl Batch {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len == 0
+    }
+
+    /// The entries that packs read: the fragments, up to the next multiple of eight.
+    pub(super) fn entries(&self) -> std::ops::Range<usize> {
+        0..self.len.next_multiple_of(8)
     }
 
     /// The first entries of the packs that hold the fragments.

@@ -120,7 +120,7 @@ mod tests {
         let scene = Scene {
             meshes: vec![Mesh::new(base.clone()).unwrap()],
             materials: vec![Material { normal: Some(map), ..Material::default() }],
-            textures: vec![Texture::new(texel, Encoding::Linear)],
+            textures: vec![Texture::new(texel, Encoding::Normal)],
             instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
             ..Scene::default()
         };

@@ -1,14 +1,12 @@
-//! Radiance of each fragment: lights, ambient and emission.
+//! Radiance of each fragment: lights, surroundings and emission.
 
 use super::batch::{Batch, load, load3, splat3, store3};
+use super::point::SurfacePoint;
 use super::prepare::Draw;
 use crate::math::{Pack, Vec3, dispatch_pack, scalar};
 use crate::scene::{Falloff, Light, LightKind, Material};
-use crate::shade::{self, Angles, Shading, Substance, fresnel, lights, ndf};
+use crate::shade::{Shading, lights};
 use fearless_simd::Level;
-
-/// Reflectance at normal incidence of an ordinary dielectric, glTF 2.0 appendix B.
-const DIELECTRIC_F0: f32 = 0.04;
 
 /// A light made ready for shading.
 #[derive(Debug, Clone, Copy)]
@@ -80,6 +78,8 @@ pub(super) struct Illumination<'a> {
     pub sources: &'a [Source],
     pub ambient: Vec3,
     pub shadows: bool,
+    /// Whether `batch.surround` is filled.
+    pub surrounded: bool,
 }
 
 /// Fills `batch.radiance` and `batch.albedo`.
@@ -109,10 +109,12 @@ fn lit_pack<P: Pack>(
     i: usize,
 ) -> Vec3<P> {
     let surface: SurfacePoint<P> = SurfacePoint::new(token, illumination.shading, material, batch, i);
-    let ambient = surface.ambient;
     let position = load3(token, &batch.position, i);
-    let surround = splat3(token, illumination.ambient) * load(token, &batch.occlusion, i);
-    let mut radiance = load3(token, &batch.emissive, i) + ambient.mul_elements(surround);
+    let ambient = splat3(token, illumination.ambient) * load(token, &batch.occlusion, i);
+    let mut radiance = surface.emitted + surface.ambient.mul_elements(ambient);
+    if illumination.surrounded {
+        radiance += surface.surrounded(token, batch, i);
+    }
     for (index, source) in illumination.sources.iter().enumerate() {
         let (l, irradiance) = source.incidence(token, position);
         let mut reflected = surface.reflect(l).mul_elements(irradiance);
@@ -122,92 +124,4 @@ fn lit_pack<P: Pack>(
         radiance += reflected;
     }
     radiance
-}
-
-/// Points of a surface with everything that their reflection depends on: a pack of fragments, or one.
-pub(super) struct SurfacePoint<L> {
-    shading: Shading,
-    pub substance: Substance<L>,
-    /// k_a, linear RGB.
-    pub ambient: Vec3<L>,
-    /// The shading normal, unit, world space.
-    pub n: Vec3<L>,
-    /// Unit, to the viewer, world space.
-    pub v: Vec3<L>,
-}
-
-impl<P: Pack> SurfacePoint<P> {
-    /// The fragments of `batch` from `i` on.
-    #[inline(always)]
-    pub(super) fn new(
-        token: P::Token,
-        shading: Shading,
-        material: &Material,
-        batch: &Batch,
-        i: usize,
-    ) -> Self {
-        let (substance, ambient) = substance(token, shading, material, batch, i);
-        let (n, v) = (load3(token, &batch.n, i), load3(token, &batch.v, i));
-        Self { shading, substance, ambient, n, v }
-    }
-
-    /// Radiance to the viewer per unit of irradiance on a plane that faces the light in direction `l` (unit, world
-    /// space), linear RGB: f · n·l.
-    #[inline(always)]
-    pub(super) fn reflect(&self, l: Vec3<P>) -> Vec3<P> {
-        shade::reflect(self.shading, &self.substance, &Angles::new(self.n, self.v, l))
-    }
-}
-
-/// Whether the model multiplies k_s by a Fresnel term made from F0, so that k_s itself is 1 where not authored.
-fn takes_fresnel(shading: Shading) -> bool {
-    matches!(shading, Shading::CookTorrance | Shading::CookTorrancePrinted)
-}
-
-/// The surface's parameters in every model's terms, and k_a. What the material does not author follows from the
-/// metallic-roughness values.
-#[inline(always)]
-fn substance<P: Pack>(
-    token: P::Token,
-    shading: Shading,
-    material: &Material,
-    batch: &Batch,
-    i: usize,
-) -> (Substance<P>, Vec3<P>) {
-    let tint = load3(token, &batch.tint, i);
-    let (metallic, roughness): (P, P) = (load(token, &batch.metallic, i), load(token, &batch.roughness, i));
-    let one = P::splat(token, 1.0);
-    let authored = |rgb: [f32; 3]| splat3(token, Vec3::from_array(rgb));
-    let [r, g, b, _] = material.base_color;
-    let base_color = tint.mul_elements(authored([r, g, b]));
-    let f0 = match material.f0 {
-        Some(f0) => authored(f0),
-        None => Vec3::splat(P::splat(token, DIELECTRIC_F0)) * (one - metallic) + base_color * metallic,
-    };
-    let f82_drop = match material.f82 {
-        Some(f82) => fresnel::f82_drop(f0, authored(f82)),
-        None => Vec3::splat(P::splat(token, 0.0)),
-    };
-    let diffuse = match material.classic.diffuse {
-        Some(diffuse) => authored(diffuse).mul_elements(tint),
-        None => base_color * (one - metallic),
-    };
-    let specular = match material.classic.specular {
-        Some(specular) => authored(specular),
-        None if takes_fresnel(shading) => Vec3::splat(one),
-        None => f0,
-    };
-    let alpha = (roughness * roughness).max(P::splat(token, 0.02));
-    let shininess = material
-        .classic
-        .shininess
-        .map_or_else(|| ndf::shininess_from_alpha(alpha), |shininess| P::splat(token, shininess));
-    let slope = material.classic.slope.map_or(alpha, |slope| P::splat(token, slope));
-    let ambient = match material.classic.ambient {
-        Some(ambient) => authored(ambient).mul_elements(tint),
-        None => diffuse + f0,
-    };
-    let substance =
-        Substance { base_color, metallic, roughness, f0, f82_drop, diffuse, specular, shininess, slope };
-    (substance, ambient)
 }

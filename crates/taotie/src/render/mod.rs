@@ -4,17 +4,22 @@
 //! [`Pass`] is one picture of it. Tiles are independent; in a tile every sample goes through the same stages:
 //! visibility, fragments (interpolation and textures), normals, shadows, lighting, and resolve into the tile.
 
+mod albedos;
 mod batch;
 mod follow;
 mod fragments;
 mod frame;
+mod layers;
 mod lighting;
 mod normals;
 mod pass;
+mod point;
 mod prepare;
 mod reference;
 mod settings;
 mod shadows;
+mod substance;
+mod surround;
 mod view;
 
 pub use batch::{BATCH, Batch};
@@ -24,7 +29,7 @@ pub use frame::{Aovs, Frame};
 pub use pass::Pass;
 pub use prepare::Prepared;
 pub use reference::{EnvironmentSampling, ReferenceSettings, reference};
-pub use settings::{EnvironmentLight, Lighting, RenderSettings, SurfaceSettings};
+pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, SurfaceSettings};
 
 use crate::error::Result;
 use crate::scene::{Camera, Scene};

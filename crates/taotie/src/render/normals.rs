@@ -1,23 +1,80 @@
 //! The shading normal of each fragment, by the method of its draw.
 
+use super::GrazingNormals;
 use super::batch::{Batch, load, load3, splat3, store3};
+use super::layers::squared_slope;
 use super::prepare::{Draw, NormalSource};
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::scene::{GreenChannel, NormalMap};
 use crate::surface;
 use fearless_simd::Level;
 
-/// Fills `batch.n`.
-pub(super) fn shade_normals(level: Level, draw: &Draw<'_>, batch: &mut Batch) {
-    dispatch_pack!(level, P, token => all_packs::<P>(token, draw, batch));
+/// Fills `batch.n`, `batch.smooth` and `batch.bump`, and the directions of the layers.
+pub(super) fn shade_normals(level: Level, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
+    dispatch_pack!(level, P, token => all_packs::<P>(token, draw, grazing, batch));
 }
 
 #[inline(always)]
-fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch) {
+fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
+    let soften = grazing == GrazingNormals::Soften && is_mapped(&draw.normal_source);
     for i in batch.packs::<P>() {
-        let n: Vec3<P> = pack_normal(token, draw, batch, i);
-        let n = face_viewer(token, draw, batch, i, n);
+        let side: P = side(token, draw, batch, i);
+        let smooth = load3(token, &batch.normal, i).normalize_or(load3(token, &batch.n_geom, i)) * side;
+        let mut n: Vec3<P> = pack_normal(token, draw, batch, i) * side;
+        if soften {
+            n = towards_viewer(n, smooth, load3(token, &batch.v, i));
+            squared_slope(smooth, n).store(&mut batch.bump[i..]);
+        } else {
+            P::splat(token, 0.0).store(&mut batch.bump[i..]);
+        }
         store3(n, &mut batch.n, i);
+        store3(smooth, &mut batch.smooth, i);
+        shade_layers(token, draw, batch, i, n);
+    }
+}
+
+/// Whether a picture turns the normals, and not as printed.
+fn is_mapped(source: &NormalSource<'_>) -> bool {
+    match source {
+        NormalSource::Facet | NormalSource::Smooth | NormalSource::BumpPrinted(..) => false,
+        NormalSource::Bump(..) | NormalSource::ObjectMap(_) | NormalSource::TangentMap(_) => true,
+    }
+}
+
+/// A mapped normal that turns away from a viewer who sees the surface, mirrored at the smooth normal to his side; the
+/// smooth normal where that does not help.
+#[inline(always)]
+fn towards_viewer<P: Pack>(n: Vec3<P>, smooth: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
+    let zero = n.x.lit(0.0);
+    let away = n.dot(v).le(zero);
+    let mirrored = smooth * (n.dot(smooth) * n.x.lit(2.0)) - n;
+    let helped = Vec3::select(zero.lt(mirrored.dot(v)), mirrored, smooth);
+    Vec3::select(away, helped, n)
+}
+
+/// The lacquer's normal, and the direction of stretched highlights.
+#[inline(always)]
+fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i: usize, n: Vec3<P>) {
+    let (tangent, handedness): (Vec3<P>, P) =
+        (load3(token, &batch.tangent, i), load(token, &batch.handedness, i));
+    if let Some(coat) = &draw.material.clearcoat {
+        let smooth: Vec3<P> = load3(token, &batch.smooth, i);
+        let coat_n = match coat.normal.as_ref().filter(|_| !draw.tangents.is_empty()) {
+            Some(map) => {
+                let stored = decode(token, map, load3(token, &batch.layers.coat_map, i));
+                let normal = load3(token, &batch.normal, i);
+                surface::tangent_normal(normal, tangent, handedness, stored) * side(token, draw, batch, i)
+            }
+            None => smooth,
+        };
+        store3(towards_viewer(coat_n, smooth, load3(token, &batch.v, i)), &mut batch.layers.coat_n, i);
+    }
+    if draw.material.anisotropy.is_some() {
+        let [cos, sin] = [0, 1].map(|c| load(token, &batch.layers.stretch_turn[c], i));
+        let across = n.cross(tangent) * handedness;
+        let along = tangent * cos + across * sin;
+        let flat = along - n * n.dot(along);
+        store3(flat.normalize_or(n.any_perpendicular()), &mut batch.layers.stretch_tangent, i);
     }
 }
 
@@ -66,9 +123,9 @@ fn decode<P: Pack>(token: P::Token, map: &NormalMap, stored: Vec3<P>) -> Vec3<P>
     surface::decode_normal(stored, P::splat(token, map.scale), P::splat(token, green))
 }
 
-/// Seen from behind, the surface's normal is exactly the opposite one, relief and all.
+/// Seen from behind, the surface's normal is exactly the opposite one, relief and all: 1, or −1 there.
 #[inline(always)]
-fn face_viewer<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &Batch, i: usize, n: Vec3<P>) -> Vec3<P> {
+fn side<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &Batch, i: usize) -> P {
     let turns = draw.material.double_sided || batch.both_sides;
-    if turns { n * load(token, &batch.facing, i) } else { n }
+    if turns { load(token, &batch.facing, i) } else { P::splat(token, 1.0) }
 }

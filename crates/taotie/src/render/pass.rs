@@ -4,10 +4,11 @@ use super::batch::{BATCH, Batch, get3};
 use super::fragments::{Gather, Key};
 use super::frame::{Frame, TilePicture};
 use super::lighting::{Illumination, Source, light};
-use super::normals::shade_normals;
+use super::point::complete;
 use super::prepare::Prepared;
-use super::settings::{Lighting, RenderSettings};
+use super::settings::{EnvironmentLight, Lighting, RenderSettings};
 use super::shadows::trace_shadows;
+use super::surround;
 use super::view::View;
 use crate::error::Result;
 use crate::math::Vec3;
@@ -37,6 +38,7 @@ pub struct Pass<'p, 'a> {
     layered: Bins,
     sources: Vec<Source>,
     ambient: Vec3,
+    environment: Option<EnvironmentLight>,
     pub(super) settings: RenderSettings,
     level: Level,
 }
@@ -91,6 +93,7 @@ impl<'p, 'a> Pass<'p, 'a> {
             shadow_lift: (size * SHADOW_LIFT) as f32,
             sources: lighting.lights.iter().map(Source::new).collect(),
             ambient: lighting.ambient,
+            environment: lighting.environment.clone(),
             settings: settings.clone(),
             level: settings.simd.dispatch()?,
         })
@@ -217,8 +220,12 @@ impl<'p, 'a> Pass<'p, 'a> {
     /// Stages 3 to 5: shading normals, shadows, lighting.
     pub fn light(&self, draw: usize, origins: &[Vec3; BATCH], batch: &mut Batch) {
         let draw = &self.prepared.draws[draw];
-        shade_normals(self.level, draw, batch);
-        if self.settings.shadows {
+        let settings = &self.settings;
+        complete(self.level, settings, draw, self.environment.is_some(), batch);
+        if let Some(environment) = &self.environment {
+            surround::look_up(environment, settings.shading, draw, batch);
+        }
+        if settings.shadows {
             trace_shadows(self.prepared, &self.sources, origins, batch);
         }
         let illumination = Illumination {
@@ -226,6 +233,7 @@ impl<'p, 'a> Pass<'p, 'a> {
             sources: &self.sources,
             ambient: self.ambient,
             shadows: self.settings.shadows,
+            surrounded: self.environment.is_some(),
         };
         light(self.level, &illumination, draw, batch);
     }

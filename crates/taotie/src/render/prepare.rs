@@ -128,18 +128,15 @@ impl<'a> Preparation<'a, '_> {
         }
         let material = &self.scene.materials[instance.material];
         let mut normal_source = self.normal_source(material);
-        let tangent_set = match normal_source {
-            NormalSource::TangentMap(map) => Some(map.texture.uv_set),
-            _ => None,
-        };
         if self.lacks_uvs(instance.mesh, &normal_source) {
             normal_source = NormalSource::Smooth;
         }
-        let mesh = self.mesh(
-            instance.mesh,
-            tangent_set.filter(|_| matches!(normal_source, NormalSource::TangentMap(_))),
-        )?;
-        Ok(Draw::new(mesh, material, first_triangle, normal_source, m))
+        let tangent_set = match normal_source {
+            NormalSource::TangentMap(map) => Some(map.texture.uv_set),
+            _ => self.layers_set(instance.mesh, material),
+        };
+        let mesh = self.mesh(instance.mesh, tangent_set)?;
+        Ok(Draw::new(mesh, material, first_triangle, normal_source, m, tangent_set.is_some()))
     }
 
     /// The method asked for, as far as the material has what it needs.
@@ -170,6 +167,21 @@ impl<'a> Preparation<'a, '_> {
             self.warnings.note(what, 1);
             NormalSource::Smooth
         })
+    }
+
+    /// The uv set that the layers' tangents follow, where a layer has a direction and the mesh that uv set.
+    fn layers_set(&mut self, mesh: usize, material: &Material) -> Option<usize> {
+        let coat = material.clearcoat.as_ref().and_then(|coat| coat.normal.as_ref());
+        let stretch = material.anisotropy.as_ref();
+        let set = match (coat, stretch) {
+            (Some(map), _) => map.texture.uv_set,
+            (None, Some(stretch)) => stretch.texture.as_ref().map_or(0, |texture| texture.uv_set),
+            (None, None) => return None,
+        };
+        let lacks = set >= self.scene.meshes[mesh].uvs().len();
+        let what = "meshes without the uv set of their lacquer's normals or of their anisotropy: drawn without direction";
+        self.warnings.note(what, usize::from(lacks));
+        (!lacks).then_some(set)
     }
 
     fn lacks_uvs(&mut self, mesh: usize, source: &NormalSource<'_>) -> bool {
@@ -213,15 +225,13 @@ impl<'a> Draw<'a> {
         first_triangle: u32,
         normal_source: NormalSource<'a>,
         m: Mat4,
+        directed: bool,
     ) -> Self {
         let normal_matrix = uniform_normal_matrix(&m);
         let mirrored = m.determinant3() < 0.0;
         let positions = mesh.positions().iter().map(|p| m.transform_point(p.to_f64()).to_f32()).collect();
         let normals: Vec<Vec3> = mesh.normals().iter().map(|n| unit(apply(&normal_matrix, *n))).collect();
-        let tangents = match normal_source {
-            NormalSource::TangentMap(_) => world_tangents(&mesh, &m, mirrored),
-            _ => Vec::new(),
-        };
+        let tangents = if directed { world_tangents(&mesh, &m, mirrored) } else { Vec::new() };
         Self {
             mesh,
             material,

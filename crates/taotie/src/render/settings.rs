@@ -1,9 +1,10 @@
 //! What a picture is asked to be.
 
 use crate::math::{Lane, SimdLevel, Vec3, scalar};
+use crate::names::Named;
 use crate::scene::Light;
-use crate::shade::Shading;
 use crate::shade::environment::Environment;
+use crate::shade::{Energy, Shading};
 use crate::surface::{SurfaceMethod, TangentMethod};
 use std::sync::Arc;
 
@@ -20,6 +21,22 @@ pub struct SurfaceSettings {
     pub bump_scale: Option<f32>,
 }
 
+/// What becomes of mapped normals that turn away from the viewer, and of light where the surface turns away but its
+/// mapped normal does not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum GrazingNormals {
+    /// The normal is mirrored to the viewer's side, and light fades towards the surface's own horizon.
+    #[default]
+    Soften,
+    /// As the map says: black fringes and hard edges where it cannot be.
+    Keep,
+}
+
+impl Named for GrazingNormals {
+    const WHAT: &'static str = "way with normals at grazing angles";
+    const NAMES: &'static [(&'static str, Self)] = &[("soften", Self::Soften), ("keep", Self::Keep)];
+}
+
 /// How a picture is taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderSettings {
@@ -33,6 +50,12 @@ pub struct RenderSettings {
     pub shading: Shading,
     /// Where shading normals come from.
     pub surface: SurfaceSettings,
+    /// How `ggx` and `cook-torrance` keep their energy.
+    pub energy: Energy,
+    /// Whether relief too fine for the pixel widens the highlight instead of sparkling.
+    pub specular_aa: bool,
+    /// What becomes of mapped normals at grazing angles. The models as printed keep them.
+    pub grazing_normals: GrazingNormals,
     /// Whether lights cast shadows.
     pub shadows: bool,
     /// Whether [`super::Frame::aovs`] is filled.
@@ -49,6 +72,9 @@ impl Default for RenderSettings {
             samples: 4,
             shading: Shading::Ggx,
             surface: SurfaceSettings::default(),
+            energy: Energy::Compensated,
+            specular_aa: true,
+            grazing_normals: GrazingNormals::Soften,
             shadows: false,
             aovs: false,
             simd: SimdLevel::Auto,

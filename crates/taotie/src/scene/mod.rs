@@ -5,6 +5,7 @@ pub mod animation;
 mod camera;
 mod light;
 mod material;
+mod material_textures;
 mod presets;
 
 pub use camera::{Camera, Orbit, Projection, fitting_distance, rigid};

@@ -53,19 +53,19 @@ pub fn f82_drop<L: Lane>(f0: Vec3<L>, f82: Vec3<L>) -> Vec3<L> {
 ///
 /// F = F_schlick(v·h) − a · v·h (1 − v·h)⁶, kept in [0, 1]
 ///
-/// `f0` linear RGB in [0, 1]; `drop` is a, from [`f82_drop`]; `v_dot_h` in [0, 1]. The bounds act only where a
+/// `f0` linear RGB in [0, 1]; `f90` in [0, 1], 1 for metals; `drop` is a, from [`f82_drop`]; `v_dot_h` in [0, 1]. The bounds act only where a
 /// strong `drop` would pull the curve out of what a reflectance can be.
 /// Law: `laws_shade::f82_passes_through_both_points`.
 /// Source: Kutz, Hašan and Edmondson 2021 (F82-tint), as in the OpenPBR Surface specification.
 #[inline(always)]
-pub fn f_f82<L: Lane>(f0: Vec3<L>, drop: Vec3<L>, v_dot_h: L) -> Vec3<L> {
-    let f = f_schlick(f0, v_dot_h) - drop * lazanyi(v_dot_h);
+pub fn f_f82<L: Lane>(f0: Vec3<L>, f90: L, drop: Vec3<L>, v_dot_h: L) -> Vec3<L> {
+    let f = f_schlick_f90(f0, Vec3::splat(f90), v_dot_h) - drop * lazanyi(v_dot_h);
     Vec3::new(f.x.clamp(0.0, 1.0), f.y.clamp(0.0, 1.0), f.z.clamp(0.0, 1.0))
 }
 
 /// μ(1 − μ)⁶, largest at μ = 1/7.
 #[inline(always)]
-fn lazanyi<L: Lane>(mu: L) -> L {
+pub(super) fn lazanyi<L: Lane>(mu: L) -> L {
     let one_less = mu.lit(1.0) - mu;
     mu * one_less * pow5(one_less)
 }

@@ -28,7 +28,7 @@ pub fn over_hemisphere(fineness: usize, f: impl FnMut(Vec3<f64>) -> Vec3<f64>) -
 }
 
 /// As [`over_hemisphere`], only to the polar angle `end` of cos φ, so that no step of f lies between nodes.
-fn over_part(
+pub(super) fn over_part(
     fineness: usize,
     end: impl Fn(f64) -> f64,
     mut f: impl FnMut(Vec3<f64>) -> Vec3<f64>,

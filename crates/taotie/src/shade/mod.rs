@@ -6,10 +6,14 @@
 //! from its directions and multiplies the result by the irradiance that [`lights`] helps to find.
 
 mod angles;
+mod anisotropy;
+mod coat;
+mod energy;
 mod models;
 mod shading;
 mod substance;
 
+pub mod dfg;
 pub mod environment;
 pub mod fresnel;
 pub mod furnace;
@@ -17,8 +21,12 @@ pub mod lights;
 pub mod masking;
 pub mod ndf;
 pub mod sampling;
+pub mod sheen;
 
 pub use angles::Angles;
-pub use models::reflect;
+pub use anisotropy::Stretch;
+pub use coat::{COAT_F0, coat_fresnel, coat_lobe};
+pub use energy::{Compensation, Energy, Surround, compensation, specular_occlusion, surround};
+pub use models::{reflect, reflect_stretched};
 pub use shading::Shading;
 pub use substance::Substance;

@@ -27,6 +27,13 @@ pub enum Shading {
     GgxPrinted,
 }
 
+impl Shading {
+    /// Whether it computes what a seed prints, errors included, and nothing may be mended around it.
+    pub fn is_printed(self) -> bool {
+        matches!(self, Self::CookTorrancePrinted | Self::BlinnPhongPrinted | Self::GgxPrinted)
+    }
+}
+
 impl Named for Shading {
     const WHAT: &'static str = "shading model";
     const NAMES: &'static [(&'static str, Self)] = &[

@@ -1,5 +1,6 @@
 //! What a surface is made of at a point.
 
+use super::Compensation;
 use crate::math::Vec3;
 
 /// What a surface is made of at a point. Each model reads the fields it knows and ignores the rest.
@@ -13,6 +14,8 @@ pub struct Substance<L> {
     pub roughness: L,
     /// Reflectance at normal incidence, linear RGB in [0, 1], the mix by `metallic` already done.
     pub f0: Vec3<L>,
+    /// Reflectance at grazing incidence, [0, 1]; 1 but for dielectrics made weaker.
+    pub f90: L,
     /// Lazányi coefficient of the reflectance at 82°, see [`super::fresnel::f82_drop`]; 0 is Schlick's.
     pub f82_drop: Vec3<L>,
     /// k_d or C_diff of the classic models and of Cook-Torrance, linear RGB in [0, 1].
@@ -23,4 +26,6 @@ pub struct Substance<L> {
     pub shininess: L,
     /// Beckmann's rms slope m of Cook-Torrance, above 0.
     pub slope: L,
+    /// Light that has met several facets, for `ggx` and `cook-torrance`; `None` follows light to its first facet only.
+    pub compensation: Option<Compensation<L>>,
 }

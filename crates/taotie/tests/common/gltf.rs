@@ -74,10 +74,28 @@ fn check_meshes(loaded: &Loaded, scene: &Scene, path: &Path) {
         let (mesh, material) = (&scene.meshes[instance.mesh], &scene.materials[instance.material]);
         assert_eq!(mesh.normals().len(), mesh.positions().len());
         assert!(mesh.normals().iter().all(|n| (n.length() - 1.0).abs() < 1e-5), "{}", path.display());
-        let normal = material.normal.map(|n| n.texture);
-        let slots = [material.base_color_texture, material.emissive_texture];
-        let linear = [material.metallic_roughness_texture, material.occlusion_texture, normal];
-        for (slots, encoding) in [(&slots[..], Encoding::Srgb), (&linear[..], Encoding::Linear)] {
+        let (normal, coat) = (material.normal.map(|n| n.texture), material.clearcoat);
+        let slots = [
+            material.base_color_texture,
+            material.emissive_texture,
+            material.specular.color_texture,
+            material.sheen.and_then(|sheen| sheen.color_texture),
+        ];
+        let linear = [
+            material.metallic_roughness_texture,
+            material.occlusion_texture,
+            material.specular.factor_texture,
+            coat.and_then(|coat| coat.factor_texture),
+            coat.and_then(|coat| coat.roughness_texture),
+            material.anisotropy.and_then(|anisotropy| anisotropy.texture),
+            material.sheen.and_then(|sheen| sheen.roughness_texture),
+        ];
+        let normals = [normal, coat.and_then(|coat| coat.normal).map(|n| n.texture)];
+        let used = slots.iter().chain(&linear).chain(&normals).flatten().count();
+        assert_eq!(material.textures().len(), used, "{}", path.display());
+        let kinds =
+            [(&slots[..], Encoding::Srgb), (&linear[..], Encoding::Linear), (&normals[..], Encoding::Normal)];
+        for (slots, encoding) in kinds {
             for slot in slots.iter().flatten() {
                 assert_eq!(scene.textures[slot.texture].encoding(), encoding, "{}", path.display());
                 assert!(slot.uv_set < mesh.uvs().len(), "{}", path.display());
@@ -149,6 +167,14 @@ impl Maker {
 }
 
 pub const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+
+/// Scene, node and mesh of one primitive with the attributes and members given.
+pub fn one_primitive(attributes: &str, more: &str) -> String {
+    format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{{attributes}}}{more}}}]}}]"#)
+}
+
+/// An image of one texel.
+pub const PIXEL: &str = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";
 
 /// A file with one triangle, whose POSITION is accessor 0.
 pub fn triangle() -> Maker {

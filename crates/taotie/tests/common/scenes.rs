@@ -92,7 +92,7 @@ pub fn embossed_sphere_with(space: NormalSpace, relief: u32, color: u32) -> Scen
         let dv = (bosses(u, v + h) - bosses(u, v - h)) / (2.0 * h) * BOSS;
         (du, dv)
     };
-    let normals = texture(relief, Encoding::Linear, |u, v| {
+    let normals = texture(relief, Encoding::Normal, |u, v| {
         let (theta, phi) = (std::f64::consts::PI * v, std::f64::consts::TAU * u);
         let (du, dv) = slope(u, v);
         // Slopes over arc length; green points up, against v.

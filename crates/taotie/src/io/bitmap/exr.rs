@@ -1,6 +1,6 @@
 //! OpenEXR through the `exr` crate, which reads any channels: `image` wants red, green and blue.
 
-use super::{Failure, check_size};
+use super::{Failure, check_size, credible};
 use crate::image::{Bitmap, Texels};
 use exr::block::reader::Reader;
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, Layer, ReadChannels, ReadLayers, read};
@@ -37,7 +37,7 @@ fn check_headers(bytes: &[u8]) -> Result<(), Failure> {
     let reader = Reader::read_from_buffered(Cursor::new(bytes), false).map_err(failure)?;
     for header in reader.headers() {
         let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
-        check_size(width, height, bytes.len())?;
+        check_size(width, height, credible(bytes))?;
         if header.channels.list.len() > MAX_CHANNELS {
             return Err(Failure::TooLarge(format!("at most {MAX_CHANNELS} channels")));
         }

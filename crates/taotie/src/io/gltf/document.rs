@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub(super) type Reason<T> = std::result::Result<T, String>;
 
 /// Extensions whose meaning is drawn.
-const SUPPORTED: [&str; 7] = [
+const SUPPORTED: [&str; 12] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -18,12 +18,16 @@ const SUPPORTED: [&str; 7] = [
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
+    "KHR_materials_clearcoat",
+    "KHR_materials_anisotropy",
+    "KHR_materials_sheen",
+    "KHR_materials_variants",
+    "EXT_texture_webp",
 ];
 
 /// Extensions that do not change a picture with the default materials; the channels of KHR_animation_pointer are left
 /// out with a warning of their own.
-const WITHOUT_EFFECT: [&str; 4] =
-    ["KHR_xmp", "KHR_xmp_json_ld", "KHR_materials_variants", "KHR_animation_pointer"];
+const WITHOUT_EFFECT: [&str; 3] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer"];
 
 /// A parsed file with its buffers.
 pub(super) struct Document {

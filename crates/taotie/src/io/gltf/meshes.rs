@@ -4,7 +4,9 @@ use super::deforming;
 use super::document::{Document, Reason, no_such};
 use super::nodes::Nodes;
 use super::primitives::{Built, NOT_TRIANGLES, Pose, Primitives, Stop};
+use super::variants::Mappings;
 use crate::error::{Result, Warnings};
+use crate::io::Variants;
 use crate::math::Mat4;
 use crate::mesh::Mesh;
 use crate::scene::Instance;
@@ -30,6 +32,8 @@ pub(super) struct Meshes {
     pub skins: Vec<Skin>,
     /// The weights at rest, one a morph target, of nodes that show a mesh with targets.
     pub weights: Vec<(usize, Vec<f32>)>,
+    /// What variants do to the instances.
+    pub variants: Variants,
 }
 
 /// A mesh of the file, and the node that poses it if that poses it in a way of its own.
@@ -46,6 +50,7 @@ pub(super) fn build(document: &Document, nodes: &Nodes, warnings: &mut Warnings)
         reader: Primitives::new(document, warnings),
         built: HashMap::new(),
         skins: HashMap::new(),
+        mappings: Mappings::new(document),
         out: Meshes::default(),
         failures: Vec::new(),
     };
@@ -65,6 +70,7 @@ struct Builder<'a> {
     built: HashMap<Key, Vec<(usize, usize)>>,
     /// From the file's skins to those of `out`.
     skins: HashMap<usize, usize>,
+    mappings: Mappings,
     out: Meshes,
     failures: Vec<(String, String)>,
 }
@@ -135,6 +141,7 @@ impl Builder<'_> {
                 Ok(Some(built)) => {
                     let name = mesh.name.clone().unwrap_or_else(|| format!("mesh {index}"));
                     parts.push((self.add(built, name, &pose, node), self.material_of(primitive, &place)));
+                    self.mappings.add((index, p), primitive, (&place, self.reader.warnings));
                 }
                 Ok(None) => {}
                 Err(Stop::Here(why)) => self.failures.push((place, why)),
@@ -199,7 +206,7 @@ impl Builder<'_> {
         }
     }
 
-    fn finish(self) -> Result<Meshes> {
+    fn finish(mut self) -> Result<Meshes> {
         if self.out.instances.is_empty() {
             return Err(match self.failures.first() {
                 Some((place, why)) => self.document.error(place, why),
@@ -209,6 +216,8 @@ impl Builder<'_> {
         for (place, why) in self.failures {
             self.reader.warnings.note(format!("{place} is left out: {why}"), 1);
         }
+        let authored = self.out.instances.iter().map(|instance| instance.material).collect();
+        self.out.variants = Variants { authored, ..self.mappings.variants };
         Ok(self.out)
     }
 }

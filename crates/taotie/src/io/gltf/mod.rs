@@ -7,17 +7,22 @@ mod accessor;
 mod animations;
 mod deforming;
 mod document;
+mod images;
+mod layers;
 mod lights;
 mod materials;
 mod meshes;
 mod nodes;
 mod primitives;
+mod samplers;
 mod textures;
 mod triangles;
 mod uri;
+mod variants;
 mod vertices;
 
-use super::Loaded;
+use super::variants::Mapping;
+use super::{Loaded, Variants};
 use crate::error::{Result, Warnings};
 use crate::math::Vec2;
 use crate::mesh::Mesh;
@@ -36,7 +41,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let nodes = Nodes::resolve(&document, &mut warnings)?;
     let mut shown = meshes::build(&document, &nodes, &mut warnings)?;
     let (meshes, mut instances) = (std::mem::take(&mut shown.meshes), std::mem::take(&mut shown.instances));
-    let mesh_names = std::mem::take(&mut shown.names);
+    let (mesh_names, variants) = (std::mem::take(&mut shown.names), std::mem::take(&mut shown.variants));
     let mut textures = Textures::new(&document);
     let mut materials = materials::read(&document, &mut textures, &mut warnings);
     let decoded = textures.decode(&mut materials, &mut warnings);
@@ -45,7 +50,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let (light_nodes, lights) = lights::lights(&document, &nodes, &mut warnings).into_iter().unzip();
     let (camera_nodes, cameras) = lights::cameras(&document, &nodes, &mut warnings).into_iter().unzip();
     let mut scene = Scene { meshes, materials, textures, instances, lights, cameras };
-    add_missing_uvs(&mut scene, &mut shown.deformed, &mut warnings)?;
+    add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
     let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
     let rig = hung.rig(&document, nodes, &mut warnings)?;
     let root = &document.root;
@@ -58,6 +63,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
         texture_names,
         missing_files,
         rig,
+        variants,
         ..Loaded::new(scene, warnings, document.format)
     })
 }
@@ -92,12 +98,23 @@ fn drop_unused_default(materials: &mut Vec<Material>, instances: &mut [Instance]
     }
 }
 
-/// Gives each mesh every uv set that its materials name, since a file may promise more than it holds.
-fn add_missing_uvs(scene: &mut Scene, deformed: &mut [Deformed], warnings: &mut Warnings) -> Result<()> {
-    for instance in &scene.instances {
-        let material = &scene.materials[instance.material];
-        let needed = uv_sets_of(material);
-        let mesh = &mut scene.meshes[instance.mesh];
+/// Gives each mesh every uv set that its materials name, in any variant, since a file may promise more than it holds.
+fn add_missing_uvs(
+    scene: &mut Scene,
+    variants: &Variants,
+    deformed: &mut [Deformed],
+    warnings: &mut Warnings,
+) -> Result<()> {
+    let needed: Vec<usize> = scene.materials.iter().map(uv_sets_of).collect();
+    let authored = scene.instances.iter().map(|instance| (instance.mesh, instance.material));
+    // Of all materials that a mesh may get, the one that names most.
+    let neediest = |mapping: &Mapping| mapping.iter().map(|(_, m)| *m).max_by_key(|m| needed[*m]);
+    let neediest: Vec<Option<usize>> = variants.mappings.iter().map(neediest).collect();
+    let offered = variants.mapping_of_mesh.iter().enumerate();
+    let offered = offered.filter_map(|(mesh, mapping)| Some((mesh, neediest[(*mapping)?]?)));
+    for (index, material) in authored.chain(offered) {
+        let (material, needed) = (&scene.materials[material], needed[material]);
+        let mesh = &mut scene.meshes[index];
         if needed <= mesh.uvs().len() {
             continue;
         }
@@ -106,7 +123,7 @@ fn add_missing_uvs(scene: &mut Scene, deformed: &mut [Deformed], warnings: &mut 
         let zeros = vec![Vec2::default(); data.positions.len()];
         data.uvs.resize(needed, zeros);
         *mesh = Mesh::new(data)?;
-        for Deformed { shape, .. } in deformed.iter_mut().filter(|d| d.mesh == instance.mesh) {
+        for Deformed { shape, .. } in deformed.iter_mut().filter(|d| d.mesh == index) {
             shape.base.uvs.resize(needed, vec![Vec2::default(); shape.base.positions.len()]);
         }
     }
@@ -115,12 +132,5 @@ fn add_missing_uvs(scene: &mut Scene, deformed: &mut [Deformed], warnings: &mut 
 
 /// One more than the highest uv set that a material names.
 fn uv_sets_of(material: &Material) -> usize {
-    let slots = [
-        material.base_color_texture,
-        material.metallic_roughness_texture,
-        material.occlusion_texture,
-        material.emissive_texture,
-        material.normal.map(|n| n.texture),
-    ];
-    slots.into_iter().flatten().map(|t| t.uv_set + 1).max().unwrap_or(0)
+    material.textures().into_iter().map(|texture| texture.uv_set + 1).max().unwrap_or(0)
 }

@@ -1,16 +1,15 @@
 //! Texture slots, samplers and images, each image decoded once and kept once an encoding.
 
-use super::document::{Document, Reason, no_such};
-use super::uri;
+use super::document::{Document, Reason};
+use super::images::{image_name, read_image, sources};
+use super::samplers::sampler_from;
 use super::vertices::MAX_UV_SETS;
 use crate::error::Warnings;
-use crate::image::{Bitmap, Encoding, MipFilter, Sampler, TexelFilter, Texture, Wrap};
-use crate::io::{decode_bitmap, file};
+use crate::image::{Bitmap, Encoding, Sampler, Texture};
 use crate::math::scalar;
 use crate::scene::{Material, TextureRef, UvTransform};
 use gltf::json::extensions::texture::TextureTransform;
-use gltf::json::texture::{Info, MagFilter, MinFilter, WrappingMode};
-use gltf::json::validation::Checked;
+use gltf::json::texture::Info;
 use gltf::json::{Value, deserialize};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -53,6 +52,8 @@ pub(super) struct Textures<'a> {
     document: &'a Document,
     /// What each texture of the scene is made from.
     requests: Vec<(usize, Encoding)>,
+    /// The images that may stand for another, which is the key.
+    substitutes: BTreeMap<usize, Vec<usize>>,
 }
 
 /// The textures of a scene.
@@ -69,7 +70,7 @@ pub(super) struct Decoded {
 impl<'a> Textures<'a> {
     /// No requests yet.
     pub fn new(document: &'a Document) -> Self {
-        Self { document, requests: Vec::new() }
+        Self { document, requests: Vec::new(), substitutes: BTreeMap::new() }
     }
 
     /// Registers a use of a texture; `None` with a warning where it has no image that can be read.
@@ -88,20 +89,15 @@ impl<'a> Textures<'a> {
         }
     }
 
-    fn find_image(&self, slot: &Slot) -> Reason<(usize, Sampler)> {
-        let (root, index) = (&self.document.root, slot.index);
+    fn find_image(&mut self, slot: &Slot) -> Reason<(usize, Sampler)> {
         if slot.uv_set() >= MAX_UV_SETS {
             return Err(format!("it names uv set {}; at most {MAX_UV_SETS} are read", slot.uv_set()));
         }
-        let texture = root.textures.get(index).ok_or_else(|| no_such("texture", index))?;
-        let image = texture.source.value();
-        if image == u32::MAX as usize {
-            return Err(format!("texture {index} has no PNG or JPEG, only what an extension would read"));
-        }
-        if image >= root.images.len() {
-            return Err(no_such("image", image));
-        }
-        let sampler = texture.sampler.and_then(|s| root.samplers.get(s.value()));
+        let mut images = sources(self.document, slot.index)?;
+        let image = images.remove(0);
+        self.substitutes.entry(image).or_insert(images);
+        let root = &self.document.root;
+        let sampler = root.textures[slot.index].sampler.and_then(|s| root.samplers.get(s.value()));
         Ok((image, sampler.map_or_else(Sampler::default, sampler_from)))
     }
 
@@ -131,6 +127,25 @@ impl<'a> Textures<'a> {
 
     fn read_images(&self, missing: &mut Vec<String>, warnings: &mut Warnings) -> BTreeMap<usize, Bitmap> {
         let images: BTreeSet<usize> = self.requests.iter().map(|(image, _)| *image).collect();
+        let mut bitmaps = self.read_all(images, missing, warnings);
+        let lacking = self.substitutes.iter().filter(|(image, _)| !bitmaps.contains_key(image));
+        let lacking: Vec<(&usize, &Vec<usize>)> = lacking.collect();
+        let others = lacking.iter().flat_map(|(_, others)| *others).copied();
+        let substitutes = self.read_all(others.collect(), missing, warnings);
+        for (image, others) in lacking {
+            let Some(other) = others.iter().find(|other| substitutes.contains_key(other)) else { continue };
+            warnings.note(format!("image {other} stands for image {image}"), 1);
+            bitmaps.insert(*image, substitutes[other].clone());
+        }
+        bitmaps
+    }
+
+    fn read_all(
+        &self,
+        images: BTreeSet<usize>,
+        missing: &mut Vec<String>,
+        warnings: &mut Warnings,
+    ) -> BTreeMap<usize, Bitmap> {
         let images: Vec<usize> = images.into_iter().collect();
         let read: Vec<_> = images.par_iter().map(|i| read_image(self.document, *i)).collect();
         let mut bitmaps = BTreeMap::new();
@@ -160,64 +175,13 @@ fn build_textures(requests: &[(usize, Encoding)], mut bitmaps: BTreeMap<usize, B
 
 /// Gives each texture use its final number, or takes it out.
 fn renumber(material: &mut Material, places: &[Option<usize>]) {
-    let place = |texture: &mut TextureRef| match places.get(texture.texture) {
+    material.retain_textures(|texture| match places.get(texture.texture) {
         Some(Some(place)) => {
             texture.texture = *place;
             true
         }
         _ => false,
-    };
-    let slots = [
-        &mut material.base_color_texture,
-        &mut material.metallic_roughness_texture,
-        &mut material.occlusion_texture,
-        &mut material.emissive_texture,
-    ];
-    for slot in slots {
-        slot.take_if(|texture| !place(texture));
-    }
-    material.normal.take_if(|map| !place(&mut map.texture));
-}
-
-struct Unread {
-    why: String,
-    missing: Option<String>,
-}
-
-impl From<String> for Unread {
-    fn from(why: String) -> Self {
-        Self { why, missing: None }
-    }
-}
-
-fn read_image(document: &Document, index: usize) -> std::result::Result<Bitmap, Unread> {
-    let image = &document.root.images[index];
-    let name = image_name(document, index);
-    let decode =
-        |bytes: &[u8]| decode_bitmap(bytes, &name, &document.path).map_err(|e| Unread::from(e.to_string()));
-    if let Some(view) = image.buffer_view {
-        return decode(document.view(view.value())?.0);
-    }
-    let Some(address) = &image.uri else { return Err("it has neither uri nor bufferView".to_owned().into()) };
-    match uri::locate(address, document.folder()).map_err(|why| format!("'{name}': {why}"))? {
-        uri::Source::Data { bytes, .. } => decode(&bytes),
-        uri::Source::File(path) if path.exists() => {
-            let bytes = file::read(&path).map_err(|e| e.to_string())?;
-            let file_name = path.file_name().unwrap_or_default().to_string_lossy();
-            decode_bitmap(&bytes, &file_name, &path).map_err(|e| e.to_string().into())
-        }
-        uri::Source::File(_) => {
-            Err(Unread { why: format!("the file '{name}' is missing"), missing: Some(name) })
-        }
-    }
-}
-
-/// What a person would call an image: its file, else its name, else its number.
-fn image_name(document: &Document, index: usize) -> String {
-    let image = &document.root.images[index];
-    let file = image.uri.as_ref().filter(|u| !u.starts_with("data:"));
-    let name = file.or(image.name.as_ref());
-    name.map_or_else(|| format!("image {index}"), |n| uri::shortened(n))
+    });
 }
 
 /// T · R · S, where a positive angle turns uvs counter-clockwise as seen with v pointing down.
@@ -228,34 +192,6 @@ fn matrix(transform: &TextureTransform) -> UvTransform {
     let [x, y] = transform.scale.0.map(f64::from);
     let linear = [[(c * x) as f32, (s * y) as f32], [(-s * x) as f32, (c * y) as f32]];
     UvTransform { linear, offset: transform.offset.0 }
-}
-
-fn sampler_from(json: &gltf::json::texture::Sampler) -> Sampler {
-    let wrap = |mode: &Checked<WrappingMode>| match mode {
-        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,
-        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::Mirror,
-        _ => Wrap::Repeat,
-    };
-    let magnify = match json.mag_filter {
-        Some(Checked::Valid(MagFilter::Nearest)) => TexelFilter::Nearest,
-        _ => TexelFilter::Linear,
-    };
-    let (minify, mip) = match json.min_filter {
-        Some(Checked::Valid(filter)) => minification(filter),
-        _ => (TexelFilter::Linear, MipFilter::Linear),
-    };
-    Sampler { wrap_u: wrap(&json.wrap_s), wrap_v: wrap(&json.wrap_t), magnify, minify, mip }
-}
-
-fn minification(filter: MinFilter) -> (TexelFilter, MipFilter) {
-    match filter {
-        MinFilter::Nearest => (TexelFilter::Nearest, MipFilter::None),
-        MinFilter::Linear => (TexelFilter::Linear, MipFilter::None),
-        MinFilter::NearestMipmapNearest => (TexelFilter::Nearest, MipFilter::Nearest),
-        MinFilter::LinearMipmapNearest => (TexelFilter::Linear, MipFilter::Nearest),
-        MinFilter::NearestMipmapLinear => (TexelFilter::Nearest, MipFilter::Linear),
-        MinFilter::LinearMipmapLinear => (TexelFilter::Linear, MipFilter::Linear),
-    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::document::{Document, Reason};
 use crate::error::Warnings;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::MeshData;
+use gltf::json::Value;
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 
@@ -80,6 +81,11 @@ impl<'a> Vertices<'a> {
 /// The accessor index of an attribute.
 pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
     primitive.attributes.get(&Checked::Valid(semantic)).map(|i| i.value())
+}
+
+/// The JSON of an extension that the parser does not know.
+pub(super) fn extension<'a>(primitive: &'a Primitive, name: &str) -> Option<&'a Value> {
+    primitive.extensions.as_ref()?.others.get(name)
 }
 
 fn primitive_is_compressed(primitive: &Primitive) -> bool {

@@ -193,7 +193,7 @@ fn is_colorful(bitmap: &Bitmap) -> bool {
 /// The normal map and the height map. The pixels decide what `map_Bump` holds, and in which space normals are.
 fn set_relief(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
     if let Some(map) = &mtl.bump_map
-        && let Some(texture) = textures.plain(map, &mtl.folder, Encoding::Linear, warnings)
+        && let Some(texture) = textures.relief(map, &mtl.folder, warnings)
     {
         match is_normal_map(textures.list[texture].bitmap()) {
             NormalMapKind::No => m.height = height_map(texture, map, mtl, textures, warnings),
@@ -201,7 +201,7 @@ fn set_relief(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &m
         }
     }
     if let Some(map) = &mtl.normal_map
-        && let Some(texture) = textures.plain(map, &mtl.folder, Encoding::Linear, warnings)
+        && let Some(texture) = textures.plain(map, &mtl.folder, Encoding::Normal, warnings)
     {
         m.normal = Some(normal_map(texture, map, is_normal_map(textures.list[texture].bitmap())));
     }

@@ -6,6 +6,7 @@ use super::super::text::quote;
 use super::mtl::{Channel, Map};
 use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, Texels, Texture};
+use crate::surface::{NormalMapKind, is_normal_map};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -67,6 +68,16 @@ impl<'a> Textures<'a> {
     ) -> Option<usize> {
         let key = format!("{encoding:?} {}", full_name(map, folder));
         self.keyed(key, &map.file, |s| s.bitmap(map, folder, warnings).map(|b| Texture::new(b, encoding)))
+    }
+
+    /// The picture that `map` names as a normal map where its pixels are one, else as heights.
+    pub(super) fn relief(&mut self, map: &Map, folder: &Path, warnings: &mut Warnings) -> Option<usize> {
+        let key = format!("relief {}", full_name(map, folder));
+        self.keyed(key, &map.file, |s| {
+            let bitmap = s.bitmap(map, folder, warnings)?;
+            let is_heights = is_normal_map(&bitmap) == NormalMapKind::No;
+            Some(Texture::new(bitmap, if is_heights { Encoding::Linear } else { Encoding::Normal }))
+        })
     }
 
     /// The picture that `map` names; `None` with a note where it cannot be read.

@@ -3,15 +3,27 @@
 //! Directions are unit, in the environment's own space, with +y up. The picture's convention is u = atan2(z, x)/(2π) +
 //! 1/2, v = acos(y)/π, both from the top left.
 
+mod distribution;
+mod irradiance;
+mod picture;
+mod texels;
+
 use crate::error::Result;
 use crate::image::Image;
 use crate::math::Vec3;
-use std::f32::consts::PI;
+use distribution::Distribution;
+use irradiance::Irradiance;
+use picture::Picture;
+use std::sync::OnceLock;
 
 /// Light from infinitely far all around.
 #[derive(Debug, Clone)]
 pub struct Environment {
-    picture: Image,
+    picture: Picture,
+    irradiance: Irradiance,
+    /// Made when it is first asked for: only who chooses directions at random needs it.
+    distribution: OnceLock<Distribution>,
+    mended: usize,
 }
 
 /// A direction chosen at random.
@@ -26,44 +38,51 @@ pub struct EnvironmentSample {
 }
 
 impl Environment {
-    /// From an equirectangular picture, linear RGB.
+    /// From an equirectangular picture, linear RGB. Texels that no light can have are mended and counted: what is
+    /// negative or not a number becomes 0, what is infinite 65504 or the largest number of the picture.
     ///
     /// # Errors
     /// None yet.
-    pub fn new(picture: Image) -> Result<Self> {
-        Ok(Self { picture })
+    pub fn new(mut picture: Image) -> Result<Self> {
+        let mended = picture::mended(&mut picture);
+        let picture = Picture::new(&picture);
+        let irradiance = Irradiance::new(&picture);
+        Ok(Self { irradiance, picture, distribution: OnceLock::new(), mended })
+    }
+
+    /// How many texels of the picture were mended.
+    pub fn mended_texels(&self) -> usize {
+        self.mended
     }
 
     /// The radiance from a direction, linear RGB.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
-        let (w, h) = (self.picture.width() as f32, self.picture.height() as f32);
-        let u = libm::atan2f(direction.z, direction.x) / (2.0 * PI) + 0.5;
-        let v = libm::acosf(direction.y.clamp(-1.0, 1.0)) / PI;
-        let [x, y] = [(u * w).clamp(0.0, w - 1.0), (v * h).clamp(0.0, h - 1.0)];
-        let [r, g, b, _] = self.picture.pixel(x as u32, y as u32);
-        Vec3::new(r, g, b)
+        self.picture.radiance(direction)
     }
 
-    /// The radiance that a rough mirror at `direction` gathers, linear RGB.
+    /// The radiance that a rough mirror at `direction` gathers, linear RGB. Every mirror is smooth so far.
     pub fn specular(&self, direction: Vec3, _roughness: f32) -> Vec3 {
         self.radiance(direction)
     }
 
-    /// The irradiance on a plane with the unit normal `n`, linear RGB.
+    /// The irradiance on a plane with the unit normal `n`, linear RGB: its part up to the second degree of spherical
+    /// harmonics, which is all but a few percent of it.
     pub fn irradiance(&self, n: Vec3) -> Vec3 {
-        self.radiance(n) * PI
+        self.irradiance.at(n)
     }
 
     /// Chooses a direction, with more likelihood where more light comes from. `u` in [0, 1)².
     pub fn sample(&self, u: [f32; 2]) -> EnvironmentSample {
-        let y = 1.0 - 2.0 * u[0];
-        let (radius, phi) = ((1.0 - y * y).max(0.0).sqrt(), 2.0 * PI * u[1]);
-        let direction = Vec3::new(radius * libm::cosf(phi), y, radius * libm::sinf(phi));
-        EnvironmentSample { direction, radiance: self.radiance(direction), pdf: self.pdf(direction) }
+        let (direction, pdf) = self.distribution().sample(u);
+        EnvironmentSample { direction, radiance: self.radiance(direction), pdf }
     }
 
-    /// The density with which [`Self::sample`] chooses a direction, sr⁻¹.
-    pub fn pdf(&self, _direction: Vec3) -> f32 {
-        1.0 / (4.0 * PI)
+    /// The density with which [`Self::sample`] chooses a direction, sr⁻¹, above 0.
+    pub fn pdf(&self, direction: Vec3) -> f32 {
+        self.distribution().pdf(direction)
+    }
+
+    fn distribution(&self) -> &Distribution {
+        self.distribution.get_or_init(|| Distribution::new(&self.picture))
     }
 }

@@ -18,7 +18,8 @@ use std::f64::consts::FRAC_1_PI;
 pub(super) fn cook_torrance<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
     let d = d_beckmann(a.n_dot_h, a.sin2_h, s.slope);
     let g = g_v_cavity(a.n_dot_l, a.n_dot_v, a.n_dot_h, a.v_dot_h);
-    let f = f_f82(s.f0, s.f82_drop, a.v_dot_h);
+    let f = f_f82(s.f0, s.f90, s.f82_drop, a.v_dot_h);
+    let f = s.compensation.map_or(f, |c| f.mul_elements(c.gain));
     let lobe = d * g / (a.n_dot_v * a.n_dot_v.lit(4.0));
     s.diffuse * (a.n_dot_l * a.n_dot_l.lit(FRAC_1_PI)) + s.specular.mul_elements(f) * lobe
 }
@@ -27,18 +28,29 @@ pub(super) fn cook_torrance<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L>
 ///
 /// f · n·l = ((1 − F)(1 − metallic) ρ/π + D_ggx V_smith F) n·l
 ///
-/// The diffuse part is weighed by 1 − F(v·h) as glTF has it, not by what the highlight takes: a metal never reflects
-/// more than arrives, but a white dielectric seen at a grazing angle does, up to 1.7 times (1.02 over all angles).
-/// Single scattering only: a rough metal loses light, 1 − ln 2 of it remain at roughness 1 along the normal.
-/// Law: reciprocity, energy ≤ 1 for metals, white furnace (`laws_shade::white_furnace_of_ggx`,
+/// Without compensation the diffuse part is weighed by 1 − F(v·h) as glTF has it, not by what the highlight takes: a
+/// metal never reflects more than arrives, but a white dielectric seen at a grazing angle does, up to 1.7 times (1.02
+/// over all angles); and a rough metal loses light, 1 − ln 2 of it remain at roughness 1 along the normal. With
+/// compensation F in the highlight is multiplied by its gain and 1 − F gives way to what is transmitted: both white
+/// surfaces then return exactly what arrives.
+/// Law: reciprocity, energy ≤ 1 for metals, white furnace (`laws_shade::white_furnace_of_ggx`, `laws_energy`,
 /// `laws_shade::a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only`).
-/// Source: glTF 2.0 specification, appendix B.3; Walter et al. 2007; Heitz 2014.
+/// Source: glTF 2.0 specification, appendix B.3; Walter et al. 2007; Heitz 2014; Turquin 2019.
 #[inline(always)]
 pub(super) fn ggx<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
-    let one = a.n_dot_l.lit(1.0);
     let alpha = alpha_from_roughness(s.roughness);
-    let lobe = d_ggx(a.n_dot_h, a.sin2_h, alpha) * v_smith_ggx(a.n_dot_l, a.n_dot_v, alpha);
-    let f = f_f82(s.f0, s.f82_drop, a.v_dot_h);
+    ggx_with_lobe(s, a, d_ggx(a.n_dot_h, a.sin2_h, alpha) * v_smith_ggx(a.n_dot_l, a.n_dot_v, alpha))
+}
+
+/// As [`ggx`], for another D V.
+#[inline(always)]
+pub(super) fn ggx_with_lobe<L: Lane>(s: &Substance<L>, a: &Angles<L>, lobe: L) -> Vec3<L> {
+    let one = a.n_dot_l.lit(1.0);
+    let f = f_f82(s.f0, s.f90, s.f82_drop, a.v_dot_h);
+    let (f, kept) = match s.compensation {
+        Some(c) => (f.mul_elements(c.gain), Vec3::splat(c.transmitted)),
+        None => (f, Vec3::splat(one) - f),
+    };
     let diffuse = s.base_color * ((one - s.metallic) * one.lit(FRAC_1_PI));
-    ((Vec3::splat(one) - f).mul_elements(diffuse) + f * lobe) * a.n_dot_l
+    (kept.mul_elements(diffuse) + f * lobe) * a.n_dot_l
 }

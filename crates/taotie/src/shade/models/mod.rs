@@ -4,7 +4,7 @@ mod classic;
 mod microfacet;
 mod printed;
 
-use super::{Angles, Shading, Substance};
+use super::{Angles, Shading, Stretch, Substance};
 use crate::math::{Lane, Vec3};
 
 /// Outgoing radiance per unit of irradiance on a plane that faces the light, linear RGB.
@@ -26,6 +26,17 @@ pub fn reflect<L: Lane>(shading: Shading, s: &Substance<L>, a: &Angles<L>) -> Ve
         Shading::BlinnPhongPrinted => lit(a, printed::blinn_phong_printed(s, a)),
         Shading::GgxPrinted => printed::ggx_printed(s, a),
     }
+}
+
+/// As [`reflect`] with [`Shading::Ggx`], for a highlight that is stretched; `v` and `l` are those of `a`.
+#[inline(always)]
+pub fn reflect_stretched<L: Lane>(
+    s: &Substance<L>,
+    stretch: &Stretch<L>,
+    a: &Angles<L>,
+    [v, l]: [Vec3<L>; 2],
+) -> Vec3<L> {
+    lit(a, microfacet::ggx_with_lobe(s, a, stretch.lobe(a, v, l)))
 }
 
 /// `value` where n·l > 0, else zero.

@@ -1,0 +1,76 @@
+//! Images: which of them a texture shows, where their bytes are, and how they are decoded.
+
+use super::document::{Document, Reason, no_such};
+use super::uri;
+use crate::image::Bitmap;
+use crate::io::{decode_bitmap, file};
+use gltf::json::{Texture, Value};
+
+/// Extensions that give a texture another image than its own, the one that is believed most first.
+const EXTENSIONS: [&str; 1] = ["EXT_texture_webp"];
+
+/// The images of a texture, the one to be shown first. The others are there for programs that cannot read it, so
+/// they stand for it where it is damaged or missing.
+pub(super) fn sources(document: &Document, index: usize) -> Reason<Vec<usize>> {
+    let root = &document.root;
+    let texture = root.textures.get(index).ok_or_else(|| no_such("texture", index))?;
+    let own = Some(texture.source.value()).filter(|image| *image != u32::MAX as usize);
+    let named: Vec<usize> = extended(texture).chain(own).collect();
+    let there: Vec<usize> = named.iter().copied().filter(|image| *image < root.images.len()).collect();
+    match (there.is_empty(), named.first()) {
+        (false, _) => Ok(there),
+        (true, Some(image)) => Err(no_such("image", *image)),
+        (true, None) => Err(format!("texture {index} has no image but what an unknown extension would read")),
+    }
+}
+
+fn extended(texture: &Texture) -> impl Iterator<Item = usize> {
+    let extensions = texture.extensions.as_ref();
+    let source = move |name: &str| extensions?.others.get(name)?.get("source").and_then(Value::as_u64);
+    EXTENSIONS.into_iter().filter_map(source).map(|image| usize::try_from(image).unwrap_or(usize::MAX))
+}
+
+/// Why an image cannot be had.
+pub(super) struct Unread {
+    /// In words.
+    pub why: String,
+    /// The file that is not there.
+    pub missing: Option<String>,
+}
+
+impl From<String> for Unread {
+    fn from(why: String) -> Self {
+        Self { why, missing: None }
+    }
+}
+
+/// Reads and decodes image `index`, which exists.
+pub(super) fn read_image(document: &Document, index: usize) -> std::result::Result<Bitmap, Unread> {
+    let image = &document.root.images[index];
+    let name = image_name(document, index);
+    let decode =
+        |bytes: &[u8]| decode_bitmap(bytes, &name, &document.path).map_err(|e| Unread::from(e.to_string()));
+    if let Some(view) = image.buffer_view {
+        return decode(document.view(view.value())?.0);
+    }
+    let Some(address) = &image.uri else { return Err("it has neither uri nor bufferView".to_owned().into()) };
+    match uri::locate(address, document.folder()).map_err(|why| format!("'{name}': {why}"))? {
+        uri::Source::Data { bytes, .. } => decode(&bytes),
+        uri::Source::File(path) if path.exists() => {
+            let bytes = file::read(&path).map_err(|e| e.to_string())?;
+            let file_name = path.file_name().unwrap_or_default().to_string_lossy();
+            decode_bitmap(&bytes, &file_name, &path).map_err(|e| e.to_string().into())
+        }
+        uri::Source::File(_) => {
+            Err(Unread { why: format!("the file '{name}' is missing"), missing: Some(name) })
+        }
+    }
+}
+
+/// What a person would call an image: its file, else its name, else its number.
+pub(super) fn image_name(document: &Document, index: usize) -> String {
+    let image = &document.root.images[index];
+    let file = image.uri.as_ref().filter(|u| !u.starts_with("data:"));
+    let name = file.or(image.name.as_ref());
+    name.map_or_else(|| format!("image {index}"), |n| uri::shortened(n))
+}

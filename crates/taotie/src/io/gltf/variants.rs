@@ -1,0 +1,91 @@
+//! KHR_materials_variants: which primitive has which material in which variant.
+
+use super::document::{Document, no_such};
+use super::vertices::extension;
+use crate::error::Warnings;
+use crate::io::variants::{Mapping, Variants};
+use gltf::json::Value;
+use gltf::json::mesh::Primitive;
+use std::collections::BTreeMap;
+
+const NAME: &str = "KHR_materials_variants";
+
+/// The names of the file's variants. One without a name is called by its number.
+pub(super) fn names(document: &Document) -> Vec<String> {
+    let extensions = document.root.extensions.as_ref();
+    let variants = extensions.and_then(|e| e.others.get(NAME)).and_then(|json| json.get("variants"));
+    let name = |(i, variant): (usize, &Value)| match variant.get("name").and_then(Value::as_str) {
+        Some(name) => name.to_owned(),
+        None => i.to_string(),
+    };
+    variants.and_then(Value::as_array).into_iter().flatten().enumerate().map(name).collect()
+}
+
+/// Collects the mappings of primitives while meshes are built.
+pub(super) struct Mappings {
+    /// What was collected; `authored` is still empty.
+    pub variants: Variants,
+    materials: usize,
+    known: BTreeMap<(usize, usize), usize>,
+}
+
+impl Mappings {
+    /// Nothing yet, for the variants of `document`.
+    pub fn new(document: &Document) -> Self {
+        let variants = Variants { names: names(document), ..Variants::default() };
+        Self { variants, materials: document.root.materials.len(), known: BTreeMap::new() }
+    }
+
+    /// Notes that the next mesh of the scene is the primitive at (mesh, primitive) of the file. Mappings to what does
+    /// not exist are left out with a warning that starts with `place`.
+    pub fn add(
+        &mut self,
+        at: (usize, usize),
+        primitive: &Primitive,
+        (place, warnings): (&str, &mut Warnings),
+    ) {
+        let json = extension(primitive, NAME).filter(|_| !self.variants.names.is_empty());
+        let mapping = json.map(|json| match self.known.get(&at) {
+            Some(known) => *known,
+            None => {
+                let mapping = self.read(json, |why| warnings.note(format!("{place}: a variant: {why}"), 1));
+                self.variants.mappings.push(mapping);
+                self.known.insert(at, self.variants.mappings.len() - 1);
+                self.variants.mappings.len() - 1
+            }
+        });
+        self.variants.mapping_of_mesh.push(mapping);
+    }
+
+    /// Of several materials for one variant the first counts.
+    fn read(&self, json: &Value, mut note: impl FnMut(String)) -> Mapping {
+        let mut materials = BTreeMap::new();
+        let list =
+            |json: &Value, key: &str| json.get(key).and_then(Value::as_array).cloned().unwrap_or_default();
+        for mapping in list(json, "mappings") {
+            let Some(material) = index(mapping.get("material"), self.materials) else {
+                note(no_such_value("material", mapping.get("material")));
+                continue;
+            };
+            for variant in list(&mapping, "variants") {
+                match index(Some(&variant), self.variants.names.len()) {
+                    Some(variant) => drop(materials.entry(variant).or_insert(material)),
+                    None => note(no_such_value("variant", Some(&variant))),
+                }
+            }
+        }
+        materials.into_iter().collect()
+    }
+}
+
+fn index(value: Option<&Value>, count: usize) -> Option<usize> {
+    let index = usize::try_from(value?.as_u64()?).ok()?;
+    (index < count).then_some(index)
+}
+
+fn no_such_value(what: &str, value: Option<&Value>) -> String {
+    match value.and_then(Value::as_u64) {
+        Some(index) => no_such(what, index as usize),
+        None => format!("it names no {what}"),
+    }
+}

@@ -1,0 +1,125 @@
+//! What lies over the base of a surface: lacquer, fibres, and the soft edge of its relief's shadow.
+
+use super::batch::{Batch, load, load3};
+use crate::math::{Lane, Pack, Vec3};
+use crate::shade::sheen::{d_charlie, v_neubelt};
+use crate::shade::{Angles, coat_fresnel, coat_lobe};
+
+/// A clear lacquer: KHR_materials_clearcoat.
+pub(super) struct Coat<L> {
+    /// Unit, world space.
+    pub n: Vec3<L>,
+    /// How much of the surface it covers, [0, 1].
+    pub factor: L,
+    pub roughness: L,
+    /// What it lets through to the viewer, [0, 1].
+    pub kept: L,
+    /// What it reflects of even surroundings.
+    albedo: L,
+}
+
+impl<P: Pack> Coat<P> {
+    #[inline(always)]
+    pub(super) fn new(token: P::Token, batch: &Batch, i: usize, v: Vec3<P>) -> Self {
+        let n: Vec3<P> = load3(token, &batch.layers.coat_n, i);
+        let factor = load(token, &batch.layers.coat, i);
+        let one = P::splat(token, 1.0);
+        let kept = one - factor * coat_fresnel(n.dot(v).clamp(0.0, 1.0));
+        let roughness = load(token, &batch.layers.coat_roughness, i);
+        Self { n, factor, roughness, kept, albedo: load(token, &batch.layers.coat_albedo, i) }
+    }
+}
+
+impl<L: Lane> Coat<L> {
+    /// With the lacquer over what the base reflects of a light.
+    #[inline(always)]
+    pub(super) fn over(&self, base: Vec3<L>, v: Vec3<L>, l: Vec3<L>) -> Vec3<L> {
+        let lobe = coat_lobe(self.roughness, &Angles::new(self.n, v, l));
+        base * self.kept + Vec3::splat(self.factor * lobe)
+    }
+
+    /// With the lacquer over what the base reflects of the environment; `gathered` is what its own highlight sees.
+    #[inline(always)]
+    pub(super) fn over_surround(&self, base: Vec3<L>, gathered: Vec3<L>) -> Vec3<L> {
+        base * self.kept + gathered * (self.factor * self.albedo)
+    }
+}
+
+/// Fibres: KHR_materials_sheen.
+pub(super) struct Fibres<L> {
+    color: Vec3<L>,
+    roughness: L,
+    /// What they let through to the base, [0, 1].
+    kept: L,
+    albedo: L,
+}
+
+impl<P: Pack> Fibres<P> {
+    #[inline(always)]
+    pub(super) fn new(token: P::Token, batch: &Batch, i: usize) -> Self {
+        let color: Vec3<P> = load3(token, &batch.layers.sheen_color, i);
+        let albedo = load(token, &batch.layers.sheen_albedo, i);
+        let most = color.x.max(color.y).max(color.z);
+        let roughness = load(token, &batch.layers.sheen_roughness, i);
+        Self { color, roughness, kept: P::splat(token, 1.0) - most * albedo, albedo }
+    }
+}
+
+impl<L: Lane> Fibres<L> {
+    /// With the fibres over what the base reflects of a light.
+    #[inline(always)]
+    pub(super) fn over(&self, base: Vec3<L>, a: &Angles<L>) -> Vec3<L> {
+        let zero = a.n_dot_l.lit(0.0);
+        let lobe = d_charlie(a.sin2_h, self.roughness) * v_neubelt(a.n_dot_l, a.n_dot_v) * a.n_dot_l;
+        base * self.kept + self.color * L::select(zero.lt(a.n_dot_l), lobe, zero)
+    }
+
+    /// With the fibres over what the base reflects of the environment, whose mean radiance is `mean`.
+    #[inline(always)]
+    pub(super) fn over_mean(&self, base: Vec3<L>, mean: Vec3<L>) -> Vec3<L> {
+        base * self.kept + self.color.mul_elements(mean) * self.albedo
+    }
+}
+
+/// The softened edge between the lit and the dark side of a surface whose normals come from a map.
+///
+/// A map turns normals without moving the surface, so light ends abruptly where the surface turns away but its mapped
+/// normal does not. The slope of the map is taken as a roughness of the surface's own facets, and the light fades by
+/// how much those would hide.
+/// Source: Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem".
+pub(super) struct Terminator<L> {
+    smooth: Vec3<L>,
+    /// 0 where nothing is to be softened.
+    squared_slope: L,
+}
+
+impl<P: Pack> Terminator<P> {
+    #[inline(always)]
+    pub(super) fn new(token: P::Token, batch: &Batch, i: usize) -> Self {
+        Self { smooth: load3(token, &batch.smooth, i), squared_slope: load(token, &batch.bump, i) }
+    }
+}
+
+impl<L: Lane> Terminator<L> {
+    /// The share of light from `l` that arrives: 2 / (1 + √(1 + α² tan²θ)), α² = tan²(n, n')/8, θ between the smooth
+    /// normal and `l`; 0 below the horizon, and 1 where no map turns the normal.
+    #[inline(always)]
+    pub(super) fn share(&self, l: Vec3<L>) -> L {
+        let (zero, one) = (l.x.lit(0.0), l.x.lit(1.0));
+        let cosine = self.smooth.dot(l);
+        let squared = (cosine * cosine).max(one.lit(1e-12));
+        let tan2 = ((one - squared) / squared).max(zero);
+        let share = one.lit(2.0) / (one + (one + self.squared_slope * tan2).sqrt());
+        let softened = L::select(zero.lt(cosine), share, zero);
+        L::select(zero.lt(self.squared_slope), softened, one)
+    }
+}
+
+/// α² of [`Terminator::share`] for a map that turns the unit normal `smooth` into `n`: tan² of the angle between over
+/// eight, at most 1.
+#[inline(always)]
+pub(super) fn squared_slope<L: Lane>(smooth: Vec3<L>, n: Vec3<L>) -> L {
+    let cosine = smooth.dot(n).abs().clamp(1e-3, 1.0);
+    let squared = cosine * cosine;
+    ((squared.lit(1.0) - squared) / squared * squared.lit(0.125)).clamp(0.0, 1.0)
+}

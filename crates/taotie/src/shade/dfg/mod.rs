@@ -1,0 +1,107 @@
+//! Directional albedos of the lobes, as tables: what a highlight sends back in all, at any angle and roughness.
+//!
+//! The part of light that a lobe reflects depends on n·v and the roughness alone, but for the Fresnel factor, which is
+//! linear in the colours at normal and at grazing incidence and in the F82 term. So one table of four numbers per lobe
+//! gives the split sum its second factor, tells how much light single scattering has lost, and how much is left for
+//! what lies below. `cargo run -p xtask -- tables` computes the tables; [`integrate`] is how.
+
+pub mod integrate;
+
+mod cook_torrance;
+mod ggx;
+mod sheen;
+
+use crate::math::{Lane, Vec3};
+
+/// Nodes along √(n·v).
+pub const COLUMNS: usize = 48;
+
+/// Nodes along the roughness.
+pub const ROWS: usize = 32;
+
+/// What a lobe reflects in all, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dfg<L> {
+    /// ∫ D V (1 − (1 − v·h)⁵) n·l dl, [0, 1].
+    pub scale: L,
+    /// ∫ D V (1 − v·h)⁵ n·l dl, [0, 1].
+    pub bias: L,
+    /// ∫ D V v·h (1 − v·h)⁶ n·l dl, [0, 0.06].
+    pub edge: L,
+    /// ∫ (1 − v·h)⁵ n·l / π dl, [0, 1]: Schlick's rise over a diffuse reflection.
+    pub diffuse_edge: L,
+}
+
+impl<L: Lane> Dfg<L> {
+    /// The share of light that the lobe reflects where every facet reflects all, (0, 1].
+    #[inline(always)]
+    pub fn total(&self) -> L {
+        self.scale + self.bias
+    }
+
+    /// The share of light that the lobe reflects, linear RGB, for Schlick's Fresnel factor between `f0` and `f90` with
+    /// Lazányi's `drop`.
+    #[inline(always)]
+    pub fn albedo(&self, f0: Vec3<L>, f90: L, drop: Vec3<L>) -> Vec3<L> {
+        let albedo = f0 * self.scale + Vec3::splat(f90 * self.bias) - drop * self.edge;
+        Vec3::new(albedo.x.clamp(0.0, 1.0), albedo.y.clamp(0.0, 1.0), albedo.z.clamp(0.0, 1.0))
+    }
+}
+
+/// Of the GGX lobe.
+///
+/// `n_dot_v` and `roughness` in [0, 1]; α is the square of the roughness.
+/// Law: within 0.5 % of the quadrature (`laws_energy::tables_are_exact_between_their_nodes`).
+/// Source: Karis 2013, "Real Shading in Unreal Engine 4", the second factor of the split sum; computed by quadrature.
+pub fn of_ggx(n_dot_v: f32, roughness: f32) -> Dfg<f32> {
+    from_array(bilinear(&ggx::TABLE, n_dot_v, roughness))
+}
+
+/// Of the Cook-Torrance lobe: Beckmann's distribution between V-shaped cavities.
+///
+/// `n_dot_v` in [0, 1]; `slope` at least 0, beyond 1 taken as 1.
+/// Law: within 0.5 % of the quadrature (`laws_energy::tables_are_exact_between_their_nodes`).
+pub fn of_cook_torrance(n_dot_v: f32, slope: f32) -> Dfg<f32> {
+    from_array(bilinear(&cook_torrance::TABLE, n_dot_v, slope.max(0.0).sqrt()))
+}
+
+/// The share of light that fibres of the colour white reflect, [0, 1].
+///
+/// `n_dot_v` and `roughness` in [0, 1].
+pub fn of_sheen(n_dot_v: f32, roughness: f32) -> f32 {
+    bilinear(&sheen::TABLE, n_dot_v, roughness)[0]
+}
+
+fn from_array([scale, bias, edge, diffuse_edge]: [f32; 4]) -> Dfg<f32> {
+    Dfg { scale, bias, edge, diffuse_edge }
+}
+
+/// The cosine at column `i` of a table.
+pub fn column_cosine(i: usize) -> f64 {
+    let t = i as f64 / (COLUMNS - 1) as f64;
+    t * t
+}
+
+/// The roughness at row `j` of a table.
+pub fn row_roughness(j: usize) -> f64 {
+    j as f64 / (ROWS - 1) as f64
+}
+
+fn bilinear<const N: usize>(table: &[[f32; N]; COLUMNS * ROWS], n_dot_v: f32, roughness: f32) -> [f32; N] {
+    let (i, across) = place(n_dot_v.max(0.0).sqrt(), COLUMNS);
+    let (j, down) = place(roughness, ROWS);
+    let at = |i: usize, j: usize| &table[j * COLUMNS + i];
+    let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+    std::array::from_fn(|n| {
+        let top = a[n] + (b[n] - a[n]) * across;
+        let bottom = c[n] + (d[n] - c[n]) * across;
+        top + (bottom - top) * down
+    })
+}
+
+/// The node below `x` in [0, 1] of `count` nodes, and how far `x` is on the way to the next.
+fn place(x: f32, count: usize) -> (usize, f32) {
+    let scaled = x.clamp(0.0, 1.0) * (count - 1) as f32;
+    let node = (scaled as usize).min(count - 2);
+    (node, scaled - node as f32)
+}

@@ -1,0 +1,125 @@
+//! Directions chosen at random, with more likelihood where more light comes from.
+
+use super::picture::{Picture, direction_at, uv_of};
+use crate::math::{Vec3, scalar};
+use std::f64::consts::{PI, TAU};
+
+/// The most columns and rows of cells.
+const MOST: [usize; 2] = [1024, 512];
+
+/// The weight of a cell without light, as part of the mean: no direction is left out.
+const FLOOR: f64 = 0.02;
+
+/// A density over the sphere that is constant in each cell of an equirectangular grid, and there as high as the
+/// brightest that filtered lookup within the cell finds.
+///
+/// Law: samples fall as the density says, which integrates to 1; radiance / density is bounded
+/// (`laws_environment`).
+/// Source: Pharr, Jakob and Humphreys 2023, §12.5.2; constant in solid angle instead of in uv.
+#[derive(Debug, Clone)]
+pub(super) struct Distribution {
+    columns: usize,
+    rows: usize,
+    /// For each row the probability of all above it, and at the end 1.
+    above: Vec<f64>,
+    /// For each row and column the probability in the row of all to the left, and at the end 1.
+    left: Vec<f64>,
+    /// The density in each cell, sr⁻¹.
+    density: Vec<f32>,
+}
+
+impl Distribution {
+    /// For the light of a picture.
+    pub(super) fn new(picture: &Picture) -> Self {
+        let columns = picture.width().min(MOST[0]);
+        let rows = picture.height().min(MOST[1]);
+        let mut weights = brightest(picture, columns, rows);
+        let areas: Vec<f64> =
+            (0..rows).map(|row| (edge(row, rows) - edge(row + 1, rows)) * TAU / columns as f64).collect();
+        let total = |weights: &[f64]| -> f64 {
+            let row_sums = weights.chunks_exact(columns).map(|row| row.iter().sum::<f64>());
+            row_sums.zip(&areas).map(|(sum, area)| sum * area).sum()
+        };
+        let mean = total(&weights) / (4.0 * PI);
+        let floor = if mean > 0.0 { mean * FLOOR } else { 1.0 };
+        weights.iter_mut().for_each(|weight| *weight += floor);
+        let total = total(&weights);
+        let mut distribution =
+            Self { columns, rows, above: vec![0.0], left: Vec::new(), density: Vec::new() };
+        let mut all = 0.0;
+        for (row, area) in weights.chunks_exact(columns).zip(&areas) {
+            let sum: f64 = row.iter().sum();
+            all += sum * area / total;
+            distribution.above.push(all);
+            distribution.push_row(row, sum);
+            distribution.density.extend(row.iter().map(|weight| (weight / total) as f32));
+        }
+        distribution.above[rows] = 1.0;
+        distribution
+    }
+
+    fn push_row(&mut self, row: &[f64], sum: f64) {
+        let mut all = 0.0;
+        self.left.push(0.0);
+        for weight in &row[..row.len() - 1] {
+            all += weight;
+            self.left.push(all / sum);
+        }
+        self.left.push(1.0);
+    }
+
+    /// A direction and its density; `u` in [0, 1)².
+    pub(super) fn sample(&self, u: [f32; 2]) -> (Vec3, f32) {
+        let (row, t) = find(&self.above, f64::from(u[0]));
+        let start = row * (self.columns + 1);
+        let (column, s) = find(&self.left[start..=start + self.columns], f64::from(u[1]));
+        let (top, bottom) = (edge(row, self.rows), edge(row + 1, self.rows));
+        let direction = direction_at((column as f64 + s) / self.columns as f64, top + (bottom - top) * t);
+        (direction, self.density[row * self.columns + column])
+    }
+
+    /// The density of a direction, sr⁻¹.
+    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
+        let [u, v] = uv_of(direction);
+        let cell = |at: f32, count: usize| ((at * count as f32) as usize).min(count - 1);
+        self.density[cell(v, self.rows) * self.columns + cell(u, self.columns)]
+    }
+}
+
+/// The height y at which a row begins.
+fn edge(row: usize, rows: usize) -> f64 {
+    scalar::cos(PI * row as f64 / rows as f64)
+}
+
+/// The step of a rising sequence from 0 to 1 in which `u` lies, and how far in it.
+fn find(rising: &[f64], u: f64) -> (usize, f64) {
+    let step = rising.partition_point(|value| *value <= u).clamp(1, rising.len() - 1) - 1;
+    let (from, to) = (rising[step], rising[step + 1]);
+    (step, ((u - from) / (to - from)).clamp(0.0, 1.0))
+}
+
+/// For each cell the mean of the channels where filtered lookup finds most, row by row.
+fn brightest(picture: &Picture, columns: usize, rows: usize) -> Vec<f64> {
+    let (width, height) = (picture.width(), picture.height());
+    let mut across = Vec::with_capacity(height * columns);
+    for y in 0..height {
+        let means: Vec<f64> = (0..width).map(|x| mean(picture.texel(x, y))).collect();
+        let texel = |x: isize| means[x.rem_euclid(width as isize) as usize];
+        across.extend((0..columns).map(|column| most(column, columns, width, texel)));
+    }
+    let inside = |y: isize| y.clamp(0, height as isize - 1) as usize * columns;
+    let cell = |row, column| most(row, rows, height, |y| across[inside(y) + column]);
+    (0..rows * columns).map(|i| cell(i / columns, i % columns)).collect()
+}
+
+/// The most that interpolating between texels finds in the cell `index` of `count` over `size` texels: at a texel, or
+/// at the cell's edges.
+fn most(index: usize, count: usize, size: usize, texel: impl Fn(isize) -> f64) -> f64 {
+    let [first, end] = [(index * size / count) as isize, ((index + 1) * size).div_ceil(count) as isize];
+    let edge = |x: isize| (texel(x - 1) + texel(x)) / 2.0;
+    (first..end).map(&texel).fold(edge(first).max(edge(end)), f64::max)
+}
+
+fn mean(color: Vec3) -> f64 {
+    (f64::from(color.x) + f64::from(color.y) + f64::from(color.z)) / 3.0
+}

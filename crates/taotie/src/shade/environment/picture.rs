@@ -1,0 +1,135 @@
+//! The equirectangular picture itself: where a direction lies in it, and what shines from there.
+
+use super::texels::{HalfTexels, MAX_RADIANCE};
+use crate::image::Image;
+use crate::math::{Vec3, scalar};
+use std::f32::consts::PI;
+
+/// An equirectangular picture.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Picture {
+    width: usize,
+    height: usize,
+    texels: HalfTexels,
+}
+
+/// Where a unit direction lies in the picture: u and v in [0, 1] from the top left, u = ½ at +x and ¾ at +z.
+pub(super) fn uv_of(direction: Vec3) -> [f32; 2] {
+    let Vec3 { x, y, z } = direction;
+    // Near the poles the arc cosine of y would lose half the digits.
+    let polar = libm::atan2f((x * x + z * z).sqrt(), y);
+    [libm::atan2f(z, x) * (0.5 / PI) + 0.5, polar / PI]
+}
+
+/// The direction that has the azimuth of `u` and the height `y`.
+pub(super) fn direction_at(u: f64, y: f64) -> Vec3 {
+    let azimuth = (u - 0.5) * std::f64::consts::TAU;
+    let radius = (1.0 - y * y).max(0.0).sqrt();
+    Vec3::new(radius * scalar::cos(azimuth), y, radius * scalar::sin(azimuth)).to_f32()
+}
+
+impl Picture {
+    /// From a picture whose texels were [`mended`].
+    pub(super) fn new(image: &Image) -> Self {
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        Self { width, height, texels: HalfTexels::encode(image.pixels()) }
+    }
+
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    pub(super) fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The texel in column `x` of row `y`, linear RGB.
+    pub(super) fn texel(&self, x: usize, y: usize) -> Vec3 {
+        self.texels.get(y * self.width + x)
+    }
+
+    /// What shines from a direction, linear RGB: the mean of the four texels around it, by nearness.
+    pub(super) fn radiance(&self, direction: Vec3) -> Vec3 {
+        let [u, v] = uv_of(direction);
+        let x = u * self.width as f32 - 0.5;
+        let y = (v * self.height as f32 - 0.5).clamp(0.0, (self.height - 1) as f32);
+        let (left, top) = (x.floor(), y.floor());
+        let (s, t) = (x - left, y - top);
+        let column = |x: f32| (x as isize).rem_euclid(self.width as isize) as usize;
+        let (x0, x1) = (column(left), column(left + 1.0));
+        let (y0, y1) = (top as usize, (top as usize + 1).min(self.height - 1));
+        let row = |y| self.texel(x0, y) * (1.0 - s) + self.texel(x1, y) * s;
+        row(y0) * (1.0 - t) + row(y1) * t
+    }
+}
+
+/// Makes every number one that light can have, and counts the texels that had another: neither a number nor positive
+/// becomes 0, infinite becomes 65504, the largest half float, or the largest number of the picture where that is more.
+pub(super) fn mended(image: &mut Image) -> usize {
+    let sound = |v: f32| (0.0..=MAX_RADIANCE).contains(&v);
+    let largest = |most: f32, v: f32| if sound(v) && v > most { v } else { most };
+    let brightest = image.pixels().iter().flat_map(|p| &p[..3]).fold(65_504.0, |most, v| largest(most, *v));
+    let mut count = 0;
+    for texel in image.pixels_mut() {
+        if texel[..3].iter().all(|v| sound(*v)) {
+            continue;
+        }
+        count += 1;
+        for v in &mut texel[..3] {
+            *v = match *v {
+                v if v > MAX_RADIANCE && v.is_finite() => MAX_RADIANCE,
+                f32::INFINITY => brightest,
+                v if sound(v) => v,
+                _ => 0.0,
+            };
+        }
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_lie_where_the_convention_says() {
+        let close = |d: Vec3, u: f32, v: f32| {
+            let [fu, fv] = uv_of(d);
+            assert!((fu - u).abs() < 1e-6 && (fv - v).abs() < 1e-6, "{d:?}: {fu} {fv}");
+            let back = direction_at(f64::from(u), f64::from(d.y));
+            assert!((back - d).length() < 1e-6, "{d:?}: {back:?}");
+        };
+        close(Vec3::new(1.0, 0.0, 0.0), 0.5, 0.5);
+        close(Vec3::new(0.0, 0.0, 1.0), 0.75, 0.5);
+        close(Vec3::new(0.0, 0.0, -1.0), 0.25, 0.5);
+        close(Vec3::new(0.6, 0.8, 0.0), 0.5, 0.204_832_76);
+        assert_eq!(uv_of(Vec3::new(0.0, 1.0, 0.0))[1], 0.0);
+        assert_eq!(uv_of(Vec3::new(0.0, -1.0, 0.0))[1], 1.0);
+    }
+
+    #[test]
+    fn texels_meet_across_the_seam_and_stop_at_the_poles() {
+        let mut image = Image::new(4, 2, [0.0; 4]).unwrap();
+        for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
+            *pixel = [i as f32, 0.0, 0.0, 1.0];
+        }
+        let picture = Picture::new(&image);
+        let red = |u: f64, v: f64| picture.radiance(direction_at(u, scalar::cos(v * std::f64::consts::PI))).x;
+        assert!((red(0.125, 0.25) - 0.0).abs() < 1e-5 && (red(0.875, 0.75) - 7.0).abs() < 1e-5);
+        assert!((red(0.0, 0.25) - 1.5).abs() < 1e-5 && (red(1.0, 0.25) - 1.5).abs() < 1e-5);
+        assert!((red(0.125, 0.01) - 0.0).abs() < 1e-5 && (red(0.125, 0.5) - 2.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_no_light_can_be_is_mended_and_counted() {
+        let mut image = Image::new(5, 1, [1.0; 4]).unwrap();
+        image.pixels_mut()[0] = [f32::NAN, 2.0, -1.0, 1.0];
+        image.pixels_mut()[1] = [f32::INFINITY, 3e38, 0.5, 1.0];
+        image.pixels_mut()[2] = [f32::NEG_INFINITY, -0.0, 0.0, 1.0];
+        image.pixels_mut()[3] = [1e5, 0.0, 0.0, f32::NAN];
+        assert_eq!(mended(&mut image), 3);
+        assert_eq!(image.pixels()[0][..3], [0.0, 2.0, 0.0]);
+        assert_eq!(image.pixels()[1][..3], [1e5, MAX_RADIANCE, 0.5]);
+        assert_eq!(image.pixels()[2][..3], [0.0, 0.0, 0.0]);
+    }
+}

@@ -1,0 +1,96 @@
+//! Light in half floats: an environment's picture and its levels are large, and are read far more often than made.
+
+use crate::math::Vec3;
+use half::f16;
+
+/// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no picture holds it whole.
+pub(super) const MAX_RADIANCE: f32 = 1e9;
+
+/// Texels of three half floats, all times one power of two, which lets the brightest come near the end of the range.
+///
+/// A texel is within 2⁻¹¹ of what it stands for, and black where that is below 2⁻²⁹ of the brightest.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct HalfTexels {
+    /// The fourth number is zero: eight bytes are read at once.
+    texels: Vec<[u16; 4]>,
+    decode: f32,
+}
+
+impl HalfTexels {
+    /// From linear RGB in [0, [`MAX_RADIANCE`]]; a fourth channel is not looked at.
+    pub(super) fn encode(colors: &[[f32; 4]]) -> Self {
+        let brightest =
+            colors.iter().flat_map(|c| &c[..3]).fold(0.0f32, |most, v| if *v > most { *v } else { most });
+        let exponent = exponent_of(brightest) - 15;
+        let scale = power_of_two(-exponent);
+        let texels = colors.iter().map(|[r, g, b, _]| [half(*r, scale), half(*g, scale), half(*b, scale), 0]);
+        Self::from_stored(exponent, texels.collect())
+    }
+
+    fn from_stored(exponent: i32, texels: Vec<[u16; 4]>) -> Self {
+        Self { texels, decode: power_of_two(exponent + 112) as f32 }
+    }
+
+    /// Linear RGB.
+    #[inline]
+    pub(super) fn get(&self, index: usize) -> Vec3 {
+        let [r, g, b, _] = self.texels[index];
+        Vec3::new(self.float(r), self.float(g), self.float(b))
+    }
+
+    /// A half float's exponent and mantissa moved to where a float has them are the same number but for 2¹¹².
+    #[inline]
+    fn float(&self, stored: u16) -> f32 {
+        f32::from_bits(u32::from(stored) << 13) * self.decode
+    }
+}
+
+/// The nearest half float; zero where that has less than its full precision.
+fn half(value: f32, scale: f64) -> u16 {
+    let nearest = f16::from_f32((f64::from(value) * scale) as f32);
+    if nearest >= f16::MIN_POSITIVE { nearest.to_bits() } else { 0 }
+}
+
+/// e with 2^(e−1) ≤ `value` < 2^e, for values from 2⁻¹²⁶; −126 below.
+fn exponent_of(value: f32) -> i32 {
+    ((value.to_bits() >> 23) & 0xff) as i32 - 126
+}
+
+/// 2^`n` for n in [−1022, 1023].
+fn power_of_two(n: i32) -> f64 {
+    f64::from_bits(((n + 1023) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_come_back_within_half_a_unit_in_the_last_place() {
+        for brightest in [MAX_RADIANCE, 70_000.0, 65_504.0, 1.0, 3e-7] {
+            let values: Vec<f32> = (0..29).map(|n| brightest / (1u32 << n) as f32 * 0.999).collect();
+            let texels = HalfTexels::encode(&values.iter().map(|v| [*v, 0.0, *v, 1.0]).collect::<Vec<_>>());
+            for (i, value) in values.iter().enumerate() {
+                let found = texels.get(i);
+                assert!((found.x / value - 1.0).abs() <= 1.0 / 2048.0, "{value}: {}", found.x);
+                assert_eq!((found.y, found.z), (0.0, found.x));
+            }
+        }
+    }
+
+    #[test]
+    fn every_half_float_is_decoded_as_its_format_says() {
+        for bits in (1u16 << 10)..(31 << 10) {
+            let texels = HalfTexels::from_stored(3, vec![[bits, 0, 0, 0]]);
+            assert_eq!(texels.get(0).x, f16::from_bits(bits).to_f32() * 8.0);
+        }
+    }
+
+    #[test]
+    fn black_stays_black() {
+        let texels = HalfTexels::encode(&[[0.0, 1e-30, 1.0, 1.0]]);
+        assert_eq!(texels.get(0), Vec3::new(0.0, 0.0, 1.0));
+        let texels = HalfTexels::encode(&[[0.0; 4]]);
+        assert_eq!(texels.get(0), Vec3::splat(0.0));
+    }
+}

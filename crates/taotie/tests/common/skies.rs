@@ -1,0 +1,66 @@
+//! Environments made by code, and integrals over an environment's picture by adding up all of its texels.
+#![allow(dead_code)]
+
+use std::f64::consts::{PI, TAU};
+use taotie::image::Image;
+use taotie::math::{Vec3, scalar};
+
+/// The direction at a place of an equirectangular picture: u = atan2(z, x)/2π + 1/2, v = acos(y)/π.
+pub fn direction(u: f64, v: f64) -> Vec3<f64> {
+    let (azimuth, polar) = ((u - 0.5) * TAU, v * PI);
+    let ring = scalar::sin(polar);
+    Vec3::new(ring * scalar::cos(azimuth), scalar::cos(polar), ring * scalar::sin(azimuth))
+}
+
+/// The place of a direction.
+pub fn uv(d: Vec3<f64>) -> [f64; 2] {
+    [scalar::atan2(d.z, d.x) / TAU + 0.5, scalar::acos(d.y.clamp(-1.0, 1.0)) / PI]
+}
+
+/// The solid angle of a texel in row `y` of a picture `width` wide and half as high.
+pub fn solid_angle(width: usize, y: usize) -> f64 {
+    let edge = |y: usize| scalar::cos(PI * y as f64 / (width / 2) as f64);
+    (edge(y) - edge(y + 1)) * TAU / width as f64
+}
+
+/// A picture `width` wide and half as high from a function of the direction.
+pub fn equirect(width: u32, light: impl Fn(Vec3<f64>) -> Vec3<f64>) -> Image {
+    let mut image = Image::new(width, width / 2, [0.0; 4]).expect("a valid size");
+    for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
+        let (x, y) = (i % width as usize, i / width as usize);
+        let middle = |k: usize, n: u32| (k as f64 + 0.5) / f64::from(n);
+        let color = light(direction(middle(x, width), middle(y, width / 2))).to_f32();
+        *pixel = [color.x, color.y, color.z, 1.0];
+    }
+    image
+}
+
+/// A dim coloured sky with a few texels a thousand times as bright.
+pub fn speckled(width: u32) -> Image {
+    let mut image = equirect(width, |n| Vec3::new(0.6 + 0.4 * n.y, 0.5, 0.5 - 0.3 * n.x));
+    let count = image.pixels().len();
+    for (k, color) in [[900.0, 800.0, 500.0], [0.0, 40.0, 900.0], [300.0, 0.0, 0.0]].into_iter().enumerate() {
+        let [r, g, b] = color;
+        image.pixels_mut()[count * (2 * k + 1) / 7 + 5 * k] = [r, g, b, 1.0];
+    }
+    image
+}
+
+/// Every texel's direction, light and solid angle.
+pub fn texels(image: &Image) -> impl Iterator<Item = (Vec3<f64>, Vec3<f64>, f64)> {
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    image.pixels().iter().enumerate().map(move |(i, [r, g, b, _])| {
+        let (x, y) = (i % width, i / width);
+        let d = direction((x as f64 + 0.5) / width as f64, (y as f64 + 0.5) / height as f64);
+        (d, Vec3::new(*r, *g, *b).to_f64(), solid_angle(width, y))
+    })
+}
+
+/// ∫ L (n·l)⁺ dl over all texels.
+pub fn brute_irradiance(image: &Image, n: Vec3<f64>) -> Vec3<f64> {
+    let mut sum = Vec3::splat(0.0);
+    for (l, light, angle) in texels(image) {
+        sum += light * (n.dot(l).max(0.0) * angle);
+    }
+    sum
+}

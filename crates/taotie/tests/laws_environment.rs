@@ -1,0 +1,159 @@
+//! Laws of light from all around: what is made of an environment's picture against its definition.
+
+#[path = "common/random.rs"]
+mod random;
+#[path = "common/skies.rs"]
+mod skies;
+
+use random::Random;
+use skies::{brute_irradiance, direction, equirect, speckled};
+use std::f64::consts::PI;
+use taotie::image::Image;
+use taotie::math::Vec3;
+use taotie::shade::environment::Environment;
+
+fn environment(image: &Image) -> Environment {
+    Environment::new(image.clone()).expect("it is an environment")
+}
+
+/// Light of the second degree at most, and its irradiance by Ramamoorthi and Hanrahan 2001, eq. 8.
+#[test]
+fn irradiance_of_light_of_the_second_degree_is_exact() {
+    let parts = |n: Vec3<f64>| {
+        let quadratic = n.x * n.y * 0.3 - (n.y * n.y - 1.0 / 3.0) * 0.25 + n.x * n.z * 0.2;
+        [1.0, 0.4 * n.x - 0.2 * n.y + 0.3 * n.z, quadratic]
+    };
+    let image = equirect(256, |n| {
+        let [constant, linear, quadratic] = parts(n);
+        Vec3::new(constant + linear + quadratic, constant - linear, 2.0 * constant + quadratic)
+    });
+    let environment = environment(&image);
+    let mut random = Random(1);
+    for _ in 0..100 {
+        let n = random.unit();
+        let [constant, linear, quadratic] = parts(n);
+        let [e0, e1, e2] = [PI * constant, 2.0 * PI / 3.0 * linear, PI / 4.0 * quadratic];
+        let truth = Vec3::new(e0 + e1 + e2, e0 - e1, 2.0 * e0 + e2);
+        let found = environment.irradiance(n.to_f32()).to_f64();
+        assert!((found - truth).length() < 1e-3, "{n:?}: {found:?} against {truth:?}");
+    }
+}
+
+#[test]
+fn irradiance_is_never_negative() {
+    let sun = equirect(64, |n| Vec3::splat(if n.y > 0.99 { 1e4 } else { 0.0 }));
+    let environment = environment(&sun);
+    let mut random = Random(2);
+    for _ in 0..1000 {
+        let e = environment.irradiance(random.unit().to_f32());
+        assert!(e.x >= 0.0 && e.y >= 0.0 && e.z >= 0.0, "{e:?}");
+    }
+}
+
+/// Pearson's test of samples against the density, in boxes that are no multiple of the cells.
+#[test]
+fn samples_fall_as_the_density_says() {
+    const BOXES: [usize; 2] = [12, 9];
+    const SAMPLES: usize = 200_000;
+    for environment in [environment(&speckled(32)), environment(&equirect(8, |_| Vec3::splat(0.0)))] {
+        let box_of = |d: Vec3<f64>| {
+            let [u, v] = skies::uv(d);
+            let at = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
+            at(v, BOXES[1]) * BOXES[0] + at(u, BOXES[0])
+        };
+        let mut expected = vec![0.0; BOXES[0] * BOXES[1]];
+        const FINE: usize = 1152;
+        for y in 0..FINE / 2 {
+            for x in 0..FINE {
+                let d = direction((x as f64 + 0.5) / FINE as f64, (y as f64 + 0.5) / (FINE / 2) as f64);
+                let angle = skies::solid_angle(FINE, y);
+                expected[box_of(d)] += f64::from(environment.pdf(d.to_f32())) * angle;
+            }
+        }
+        let total: f64 = expected.iter().sum();
+        assert!((total - 1.0).abs() < 1e-3, "the density integrates to {total}");
+        let mut seen = vec![0.0; expected.len()];
+        let mut random = Random(3);
+        for _ in 0..SAMPLES {
+            let sample = environment.sample([random.next() as f32, random.next() as f32]);
+            assert!(sample.pdf > 0.0 && (sample.direction.length() - 1.0).abs() < 1e-5);
+            assert_eq!(sample.radiance, environment.radiance(sample.direction));
+            seen[box_of(sample.direction.to_f64())] += 1.0;
+        }
+        let chi2: f64 = expected
+            .iter()
+            .zip(&seen)
+            .map(|(e, s): (&f64, &f64)| (e * SAMPLES as f64, s))
+            .map(|(e, s)| (e - s) * (e - s) / e)
+            .sum();
+        // 107 degrees of freedom: above 162 once in 2000 times.
+        assert!(chi2 < 162.0, "chi² {chi2}");
+    }
+}
+
+#[test]
+fn the_density_of_a_sample_is_that_of_its_direction() {
+    let environment = environment(&speckled(64));
+    let mut random = Random(4);
+    let mut apart = 0;
+    for _ in 0..10_000 {
+        let sample = environment.sample([random.next() as f32, random.next() as f32]);
+        apart += usize::from(environment.pdf(sample.direction) != sample.pdf);
+    }
+    // A direction at the very edge of a cell may be rounded into the next.
+    assert!(apart < 10, "{apart} of 10000");
+}
+
+/// What a path tracer does, and that no single sample weighs much.
+#[test]
+fn a_mean_over_samples_is_the_integral() {
+    let environment = environment(&speckled(64));
+    let n = Vec3::new(0.3, 0.8, -0.52).normalize();
+    let between = equirect(1024, |d| environment.radiance(d.to_f32()).to_f64());
+    let truth = brute_irradiance(&between, n);
+    const SAMPLES: usize = 1_000_000;
+    let mut random = Random(9);
+    let mut sum = Vec3::splat(0.0);
+    let mut most = 0.0f64;
+    for _ in 0..SAMPLES {
+        let sample = environment.sample([random.next() as f32, random.next() as f32]);
+        let weight = sample.radiance.to_f64() * (1.0 / f64::from(sample.pdf));
+        most = most.max(weight.x.max(weight.y).max(weight.z));
+        sum += weight * n.dot(sample.direction.to_f64()).max(0.0);
+    }
+    let mean = sum * (1.0 / SAMPLES as f64);
+    assert!((mean - truth).length() < 0.003 * truth.length(), "{mean:?} against {truth:?}");
+    // The density is as high as the light can be within a cell, which makes a lone texel's light four times as much;
+    // one channel has thrice the mean.
+    let all: f64 = skies::texels(&between).map(|(_, l, angle)| (l.x + l.y + l.z) / 3.0 * angle).sum();
+    assert!(most < 3.0 * 4.0 * 1.02 * all, "{most} of {all}");
+}
+
+#[test]
+fn a_picture_of_one_texel_shines_alike_from_everywhere() {
+    let environment = environment(&Image::new(1, 1, [0.5, 1.0, 2.0, 1.0]).expect("a size"));
+    let mut random = Random(5);
+    for _ in 0..100 {
+        let d = random.unit().to_f32();
+        let [radiance, irradiance] = [environment.radiance(d), environment.irradiance(d) * (1.0 / PI as f32)];
+        assert!((radiance - Vec3::new(0.5, 1.0, 2.0)).length() < 1e-3);
+        assert!((irradiance - radiance).length() < 1e-3, "{irradiance:?}");
+        let pdf = environment.pdf(d);
+        assert!((f64::from(pdf) * 4.0 * PI - 1.0).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn broken_texels_are_counted_and_harmless() {
+    let mut image = equirect(16, |_| Vec3::splat(1.0));
+    image.pixels_mut()[5] = [f32::NAN, f32::INFINITY, -1.0, 0.0];
+    image.pixels_mut()[77] = [f32::NEG_INFINITY, 0.0, 0.0, 0.0];
+    let environment = environment(&image);
+    assert_eq!(environment.mended_texels(), 2);
+    let mut random = Random(6);
+    for _ in 0..1000 {
+        let d = random.unit().to_f32();
+        assert!(environment.radiance(d).is_finite() && environment.irradiance(d).is_finite());
+        assert!(environment.pdf(d) > 0.0 && environment.pdf(d).is_finite());
+    }
+}
