@@ -3,63 +3,19 @@
 
 #[path = "common/scenes.rs"]
 mod scenes;
+#[path = "common/skies.rs"]
+mod skies;
+#[path = "common/views.rs"]
+mod views;
 
-use std::path::Path;
-use taotie::film::{Development, develop8};
-use taotie::image::{Encoding, Image};
-use taotie::io::{PngColor, PngImage, PngSamples, write_png};
-use taotie::math::Vec3;
+use taotie::image::Image;
+use taotie::math::{SimdLevel, Vec3, scalar};
 use taotie::names::Named;
-use taotie::render::{Frame, Lighting, Prepared, ReferenceSettings, RenderSettings, reference, render};
-use taotie::scene::{AlphaMode, Camera, NormalSpace, Scene};
+use taotie::render::{ReferenceSettings, render};
+use taotie::scene::{AlphaMode, NormalSpace};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
-
-/// What both renderers are asked to show.
-struct View {
-    scene: Scene,
-    camera: Camera,
-    lighting: Lighting,
-    settings: RenderSettings,
-}
-
-impl View {
-    /// A small picture under raking light with shadows.
-    fn of(scene: Scene, camera: Camera) -> Self {
-        let lights = vec![scenes::directional(Vec3::new(0.9, -0.5, -0.6), 3.0)];
-        let lighting = Lighting { lights, ambient: Vec3::splat(0.08), environment: None };
-        let settings = RenderSettings {
-            width: 160,
-            height: 120,
-            samples: 16,
-            shadows: true,
-            specular_aa: false,
-            ..RenderSettings::default()
-        };
-        Self { scene, camera, lighting, settings }
-    }
-
-    fn traced(&self, tracing: &ReferenceSettings) -> Frame {
-        let prepared = Prepared::new(&self.scene, &self.settings.surface).unwrap();
-        reference(&prepared, &self.camera, &self.lighting, &self.settings, tracing, &|_| {}).unwrap()
-    }
-}
-
-fn developed(image: &Image) -> Vec<[u8; 4]> {
-    let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
-    develop8(image, &development).unwrap()
-}
-
-/// Mean absolute difference of developed pictures, in codes of 255.
-fn difference(a: &Image, b: &Image) -> f64 {
-    let (a, b) = (developed(a), developed(b));
-    let sum: u64 = a
-        .iter()
-        .zip(&b)
-        .flat_map(|(a, b)| (0..3).map(|c| u64::from(a[c].abs_diff(b[c]))).collect::<Vec<_>>())
-        .sum();
-    sum as f64 / (3 * a.len()) as f64
-}
+use views::{View, difference, keep_to_look_at};
 
 /// Directly lit, both renderers give the same picture but for how they average over pixels.
 fn direct_light_agrees(name: &str, view: &View, spp: u32) {
@@ -71,15 +27,6 @@ fn direct_light_agrees(name: &str, view: &View, spp: u32) {
     keep_to_look_at(&format!("{name}-raster"), &raster.color);
     keep_to_look_at(&format!("{name}-traced"), &traced.color);
     assert!(difference <= 0.5, "{name}: {difference} of 255");
-}
-
-/// Writes a picture to the folder that `TAOTIE_LOOK` names, if it does.
-fn keep_to_look_at(name: &str, image: &Image) {
-    let Some(folder) = std::env::var_os("TAOTIE_LOOK") else { return };
-    let pixels: Vec<u8> = developed(image).iter().flat_map(|p| p[..3].to_vec()).collect();
-    let (width, height, samples) = (image.width(), image.height(), PngSamples::U8(&pixels));
-    let png = PngImage { width, height, color: PngColor::Rgb, samples, encoding: Encoding::Srgb };
-    write_png(&Path::new(&folder).join(format!("{name}.png")), &png).unwrap();
 }
 
 #[test]
@@ -128,4 +75,80 @@ fn what_is_seen_through_masks_and_panes_is_as_in_the_rasteriser() {
     }
     view.settings.shadows = true;
     direct_light_agrees("masks", &view, 64);
+}
+
+/// A sphere with relief on a floor, under a sky with small bright parts and one light.
+fn rich() -> View {
+    let mut view = View::under(
+        skies::speckled(64),
+        scenes::floor_and_mirrored_spheres(),
+        scenes::camera(-15.0, 25.0, 6.0),
+    );
+    (view.settings.width, view.settings.height) = (48, 36);
+    view.lighting.lights = vec![scenes::directional(Vec3::new(0.9, -0.5, -0.6), 1.0)];
+    view
+}
+
+fn bits(image: &Image) -> Vec<u32> {
+    image.pixels().iter().flatten().map(|v| v.to_bits()).collect()
+}
+
+#[test]
+fn threads_and_simd_change_no_bit_and_seeds_do() {
+    let mut view = rich();
+    view.scene = scenes::panes();
+    view.settings.aovs = true;
+    let tracing = ReferenceSettings { spp: 5, bounces: 6, ..ReferenceSettings::default() };
+    let taken = |view: &View, tracing: &ReferenceSettings, threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let frame = pool.install(|| view.traced(tracing));
+        let aovs = frame.aovs.as_ref().expect("they were asked for");
+        let mut all = vec![bits(&frame.color)];
+        all.extend(aovs.named().map(|(_, image)| bits(image)));
+        all
+    };
+    view.settings.simd = SimdLevel::Scalar;
+    let first = taken(&view, &tracing, 1);
+    for simd in SimdLevel::available() {
+        view.settings.simd = simd;
+        for threads in [1, 3] {
+            assert!(taken(&view, &tracing, threads) == first, "{} and {threads} threads", simd.name());
+        }
+    }
+    let other = taken(&view, &ReferenceSettings { seed: 1, ..tracing }, 1);
+    let differ = first[0].iter().zip(&other[0]).filter(|(a, b)| a != b).count();
+    assert!(2 * differ > first[0].len(), "another seed changes only {differ} numbers");
+}
+
+/// The slope of the line through points, by least squares.
+fn slope(points: &[[f64; 2]]) -> f64 {
+    let n = points.len() as f64;
+    let mean = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / n);
+    let product =
+        |i: usize, j: usize| points.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum::<f64>();
+    product(0, 1) / product(0, 0)
+}
+
+#[test]
+fn noise_falls_with_the_number_of_paths() {
+    let view = rich();
+    let taken = |spp: u32, seed: u32| {
+        view.traced(&ReferenceSettings { spp, seed, bounces: 3, ..ReferenceSettings::default() }).color
+    };
+    let truth = taken(2048, 1);
+    let error = |image: &Image| {
+        let squares = image.pixels().iter().flatten().zip(truth.pixels().iter().flatten());
+        let sum: f64 = squares.map(|(a, b)| f64::from(a - b) * f64::from(a - b)).sum();
+        (sum / (4 * image.pixels().len()) as f64).sqrt()
+    };
+    let points: Vec<[f64; 2]> = [4u32, 8, 16, 32, 64, 128, 256]
+        .map(|spp| {
+            let error = error(&taken(spp, 0));
+            eprintln!("{spp} paths: {error:.5}");
+            [scalar::ln(f64::from(spp)), scalar::ln(error)]
+        })
+        .into();
+    let slope = slope(&points);
+    eprintln!("slope {slope:.3}");
+    assert!(slope <= -0.45, "{slope}");
 }

@@ -45,7 +45,7 @@ pub(super) struct SurfacePoint<L> {
     terminator: Terminator<L>,
     pub stretch: Option<Stretch<L>>,
     pub coat: Option<Coat<L>>,
-    fibres: Option<Fibres<L>>,
+    pub fibres: Option<Fibres<L>>,
 }
 
 impl<P: Pack> SurfacePoint<P> {

@@ -163,7 +163,9 @@ impl<L: Lane> Lobes<L> {
             Shading::Phong => (alpha_from_shininess(s.shininess * one.lit(4.0)), s.specular, s.diffuse, 0.2),
         };
         let (gloss, matt) = (mean(gloss), mean(matt));
-        let share = (gloss / (gloss + matt).max(one.lit(1e-6))).clamp(0.1, 0.9);
+        // A metal's lobe is its visible facets' alone; other models need what the cosine finds.
+        let most = if shading == Shading::Ggx { 0.98 } else { 0.9 };
+        let share = (gloss / (gloss + matt).max(one.lit(1e-6))).clamp(0.1, most);
         let even = one.lit(even);
         Self { alpha: [width.clamp(MIN_ALPHA, 1.0); 2], glossy: share * (one - even), even }
     }

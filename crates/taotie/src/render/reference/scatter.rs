@@ -44,6 +44,9 @@ impl<P: Pack> Scatter<P> {
         if let Some(stretch) = &surface.stretch {
             lobes.alpha = [stretch.along, stretch.across];
         }
+        if surface.fibres.is_some() {
+            lobes.glossy = lobes.glossy * n.x.lit(0.5);
+        }
         let coat = surface.coat.as_ref().map(|coat| CoatLobe::new(coat, surface));
         Self { base, lobes, coat }
     }
