@@ -2,6 +2,7 @@
 #![allow(clippy::print_stderr)]
 
 #[path = "common/scenes.rs"]
+#[allow(dead_code, reason = "each test uses a part")]
 mod scenes;
 #[path = "common/skies.rs"]
 mod skies;

@@ -1,5 +1,4 @@
 //! Small scenes made by code, each showing one part of the renderer.
-#![allow(dead_code, reason = "each test uses a part")]
 
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::math::{Mat4, Vec2, Vec3, scalar};
