@@ -14,10 +14,10 @@ mod sheen;
 use crate::math::{Lane, Vec3};
 
 /// Nodes along √(n·v).
-pub const COLUMNS: usize = 48;
+pub const COLUMNS: usize = 64;
 
 /// Nodes along the roughness.
-pub const ROWS: usize = 32;
+pub const ROWS: usize = 48;
 
 /// What a lobe reflects in all, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.
 #[derive(Debug, Clone, Copy, PartialEq)]
