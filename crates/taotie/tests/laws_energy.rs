@@ -162,7 +162,10 @@ fn stretched_lobes_of_equal_widths_are_round() {
                 let a = Angles::new(N, v, l);
                 let round = shade::reflect(Shading::Ggx, &s, &a);
                 let stretched = shade::reflect_stretched(&s, &stretch, &a, [v, l]);
-                assert!((round - stretched).length() < 1e-9 * (1.0 + round.length()), "{round:?} {stretched:?}");
+                assert!(
+                    (round - stretched).length() < 1e-9 * (1.0 + round.length()),
+                    "{round:?} {stretched:?}"
+                );
             }
         }
     }
@@ -199,7 +202,7 @@ fn fibres_reflect_what_their_table_says_and_no_more_than_arrives() {
                 WHITE * (d_charlie(a.sin2_h, roughness) * v_neubelt(a.n_dot_l, a.n_dot_v) * a.n_dot_l)
             });
             let table = f64::from(dfg::of_sheen(n_dot_v as f32, roughness as f32));
-            assert!((sum.x - table).abs() < 5e-3 && sum.x <= 1.0, "{} for {table}", sum.x);
+            assert!((sum.x - table).abs() < 1e-2 && sum.x <= 1.0, "{} for {table}", sum.x);
         }
     }
 }

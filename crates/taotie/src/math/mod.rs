@@ -9,6 +9,7 @@ mod vec;
 pub mod poly;
 pub mod quadrature;
 pub mod scalar;
+pub mod sequence;
 pub mod srgb;
 
 pub use lane::{Lane, Mask};

@@ -120,6 +120,17 @@ impl<L: Lane> Vec3<L> {
         Self::select(long, self * (squared.lit(1.0) / squared.sqrt()), fallback)
     }
 
+    /// A unit vector perpendicular to this unit vector, without a preferred direction.
+    ///
+    /// Source: Duff et al. 2017, "Building an orthonormal basis, revisited", listing 3.
+    #[inline(always)]
+    pub fn any_perpendicular(self) -> Self {
+        let one = self.x.lit(1.0);
+        let sign = L::select(self.z.lt(self.x.lit(0.0)), -one, one);
+        let a = -one / (sign + self.z);
+        Self::new(one + sign * self.x * self.x * a, sign * self.x * self.y * a, -sign * self.x)
+    }
+
     /// The product of each pair of components.
     #[inline(always)]
     pub fn mul_elements(self, o: Self) -> Self {
@@ -200,5 +211,21 @@ impl<L: Lane> Div<L> for Vec3<L> {
     #[inline(always)]
     fn div(self, s: L) -> Self {
         Self::new(self.x / s, self.y / s, self.z / s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_perpendicular_is_perpendicular_everywhere() {
+        for (x, y, z) in
+            [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (0.6, 0.8, 0.0), (0.0, 0.6, -0.8), (1.0, 0.0, -0.0)]
+        {
+            let n = Vec3::new(x, y, z);
+            let t = n.any_perpendicular();
+            assert!(t.dot(n).abs() < 1e-15 && (t.length() - 1.0).abs() < 1e-15, "{n:?} {t:?}");
+        }
     }
 }

@@ -45,7 +45,7 @@ impl Source {
 
     /// The unit direction to the light and the irradiance on a plane that faces it.
     #[inline(always)]
-    fn incidence<P: Pack>(&self, token: P::Token, position: Vec3<P>) -> (Vec3<P>, Vec3<P>) {
+    pub(super) fn incidence<P: Pack>(&self, token: P::Token, position: Vec3<P>) -> (Vec3<P>, Vec3<P>) {
         let color = splat3(token, self.color);
         let place = splat3(token, self.place);
         if self.at_infinity {

@@ -15,6 +15,7 @@ mod normals;
 mod pass;
 mod point;
 mod prepare;
+mod reference;
 mod settings;
 mod shadows;
 mod substance;
@@ -27,6 +28,7 @@ pub use fragments::Key;
 pub use frame::{Aovs, Frame};
 pub use pass::Pass;
 pub use prepare::Prepared;
+pub use reference::{EnvironmentSampling, ReferenceSettings, reference};
 pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, SurfaceSettings};
 
 use crate::error::Result;

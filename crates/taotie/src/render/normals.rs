@@ -1,16 +1,29 @@
 //! The shading normal of each fragment, by the method of its draw.
 
-use super::GrazingNormals;
+use super::albedos;
 use super::batch::{Batch, load, load3, splat3, store3};
 use super::layers::squared_slope;
 use super::prepare::{Draw, NormalSource};
+use super::substance::takes_albedos;
+use super::{GrazingNormals, RenderSettings};
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::scene::{GreenChannel, NormalMap};
 use crate::surface;
 use fearless_simd::Level;
 
+/// Fills all that reflection depends on beside textures: the normals, the directions of the layers, and the directional
+/// albedos of the lobes.
+pub(super) fn complete(level: Level, draw: &Draw<'_>, settings: &RenderSettings, batch: &mut Batch) {
+    let printed = settings.shading.is_printed();
+    let grazing = if printed { GrazingNormals::Keep } else { settings.grazing_normals };
+    shade_normals(level, draw, grazing, batch);
+    if takes_albedos(settings.shading) {
+        albedos::look_up(settings.shading, settings.energy, draw, batch);
+    }
+}
+
 /// Fills `batch.n`, `batch.smooth` and `batch.bump`, and the directions of the layers.
-pub(super) fn shade_normals(level: Level, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
+fn shade_normals(level: Level, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
     dispatch_pack!(level, P, token => all_packs::<P>(token, draw, grazing, batch));
 }
 

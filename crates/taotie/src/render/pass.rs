@@ -4,13 +4,12 @@ use super::batch::{BATCH, Batch, get3};
 use super::fragments::{Gather, Key};
 use super::frame::{Frame, TilePicture};
 use super::lighting::{Illumination, Source, light};
-use super::normals::shade_normals;
+use super::normals::complete;
 use super::prepare::Prepared;
-use super::settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings};
+use super::settings::{EnvironmentLight, Lighting, RenderSettings};
 use super::shadows::trace_shadows;
-use super::substance::takes_compensation;
+use super::surround;
 use super::view::View;
-use super::{albedos, surround};
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::raster::{
@@ -25,7 +24,7 @@ use rayon::prelude::*;
 const TILES_AT_ONCE: usize = 256;
 
 /// How far shadow rays start above the surface, as a fraction of the scene's size.
-const SHADOW_LIFT: f64 = 1e-5;
+pub(super) const SHADOW_LIFT: f64 = 1e-5;
 
 /// One picture: a prepared scene, seen from a camera under lights.
 pub struct Pass<'p, 'a> {
@@ -222,12 +221,7 @@ impl<'p, 'a> Pass<'p, 'a> {
     pub fn light(&self, draw: usize, origins: &[Vec3; BATCH], batch: &mut Batch) {
         let draw = &self.prepared.draws[draw];
         let settings = &self.settings;
-        let grazing =
-            if settings.shading.is_printed() { GrazingNormals::Keep } else { settings.grazing_normals };
-        shade_normals(self.level, draw, grazing, batch);
-        if self.environment.is_some() || takes_compensation(settings.shading) {
-            albedos::look_up(settings.shading, settings.energy, draw, batch);
-        }
+        complete(self.level, draw, settings, batch);
         if let Some(environment) = &self.environment {
             surround::look_up(environment, settings.shading, draw, batch);
         }

@@ -1,6 +1,7 @@
 //! World-space geometry, tangents and shadows: what does not change with the camera.
 
 use super::SurfaceSettings;
+use super::reference::Surfaces;
 use super::shadows::ShadowCasters;
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3, scalar};
@@ -17,6 +18,7 @@ pub struct Prepared<'a> {
     pub(super) scene: &'a Scene,
     pub(super) draws: Vec<Draw<'a>>,
     casters: OnceLock<ShadowCasters>,
+    surfaces: OnceLock<Surfaces>,
     warnings: Warnings,
 }
 
@@ -79,7 +81,13 @@ impl<'a> Prepared<'a> {
             first_triangle += draw.mesh.triangles().len() as u32;
             draws.push(draw);
         }
-        Ok(Self { scene, draws, casters: OnceLock::new(), warnings: preparation.warnings })
+        Ok(Self {
+            scene,
+            draws,
+            casters: OnceLock::new(),
+            surfaces: OnceLock::new(),
+            warnings: preparation.warnings,
+        })
     }
 
     /// What could not be drawn as asked.
@@ -95,6 +103,11 @@ impl<'a> Prepared<'a> {
     /// All triangles that cast shadows, sorted for rays; made when first asked for. Blended surfaces cast none.
     pub(super) fn casters(&self) -> &ShadowCasters {
         self.casters.get_or_init(|| ShadowCasters::new(&self.draws))
+    }
+
+    /// All triangles, sorted for rays; made when first asked for.
+    pub(super) fn surfaces(&self) -> &Surfaces {
+        self.surfaces.get_or_init(|| Surfaces::new(&self.draws))
     }
 }
 

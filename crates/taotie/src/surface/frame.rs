@@ -51,14 +51,6 @@ pub(super) fn gram_schmidt(n: Vec3<f64>, tangent: Vec3<f64>) -> Option<Vec3<f64>
     (length > 0.0 && rest > 1e-6).then(|| t / rest)
 }
 
-/// A unit vector perpendicular to the unit vector `n`, without a preferred direction.
-/// Source: Duff et al. 2017, "Building an orthonormal basis, revisited", listing 3.
-pub(super) fn any_tangent(n: Vec3<f64>) -> Vec3<f64> {
-    let sign = if n.z < 0.0 { -1.0 } else { 1.0 };
-    let a = -1.0 / (sign + n.z);
-    Vec3::new(1.0 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -82,16 +74,5 @@ mod tests {
         assert!(uv_derivatives(CORNERS, line).is_none());
         assert!(uv_derivatives(CORNERS, [Vec2::new(0.5, 0.5); 3]).is_none());
         assert!(uv_derivatives(CORNERS, [line[0], Vec2::new(f32::NAN, 0.0), Vec2::new(1.0, 1.0)]).is_none());
-    }
-
-    #[test]
-    fn any_tangent_is_perpendicular_everywhere() {
-        for (x, y, z) in
-            [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (0.6, 0.8, 0.0), (0.0, 0.6, -0.8), (1.0, 0.0, -0.0)]
-        {
-            let n = Vec3::new(x, y, z);
-            let t = any_tangent(n);
-            assert!(t.dot(n).abs() < 1e-15 && (t.length() - 1.0).abs() < 1e-15, "{n:?} {t:?}");
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Tangents for a mesh, by three methods that end alike: a tangent per corner, then a weld.
 
-use super::frame::{any_tangent, gram_schmidt, uv_derivatives, uv_determinant};
+use super::frame::{gram_schmidt, uv_derivatives, uv_determinant};
 use super::weld::{Classes, bits};
 use super::{TangentMethod, mikktspace, normals, with_normals};
 use crate::error::{Error, Result};
@@ -211,7 +211,7 @@ fn of_one_hand(found: CornerTangents, normals: [Vec3; 3]) -> CornerTangents {
     std::array::from_fn(|i| {
         Some(match found[i] {
             Some([x, y, z, _]) => [x, y, z, handedness],
-            None => with_handedness(any_tangent(normals[i].to_f64()), handedness),
+            None => with_handedness(normals[i].to_f64().any_perpendicular(), handedness),
         })
     })
 }
@@ -221,7 +221,7 @@ fn as_the_reference(found: CornerTangents, normals: [Vec3; 3]) -> CornerTangents
     const PARALLEL: f32 = 0.999;
     std::array::from_fn(|i| {
         let x_is_normal = normals[i].x.abs() > PARALLEL;
-        let t = if x_is_normal { any_tangent(normals[i].to_f64()) } else { Vec3::new(1.0, 0.0, 0.0) };
+        let t = if x_is_normal { normals[i].to_f64().any_perpendicular() } else { Vec3::new(1.0, 0.0, 0.0) };
         found[i].or(Some(with_handedness(t, -1.0)))
     })
 }

@@ -47,10 +47,19 @@ impl Bvh {
 
     /// The nearest hit with a distance below `limit`.
     pub fn nearest(&self, ray: &Ray, limit: f32) -> Option<Hit> {
+        self.nearest_of(ray, limit, |_| true)
+    }
+
+    /// The nearest hit with a distance below `limit` that `counts`, which may be asked of any hit, in any order.
+    pub fn nearest_of(&self, ray: &Ray, limit: f32, counts: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let tree = self.tree.as_ref()?;
         let mut best: Option<Hit> = None;
         tree.ray_traverse(walk(ray, limit), &mut RayHit::none(), |_, slot| match self.hit(ray, slot) {
-            Some(hit) if hit.distance < limit && best.is_none_or(|best| comes_before(&hit, &best)) => {
+            Some(hit)
+                if hit.distance < limit
+                    && best.is_none_or(|best| comes_before(&hit, &best))
+                    && counts(&hit) =>
+            {
                 best = Some(hit);
                 hit.distance + AHEAD
             }
@@ -155,6 +164,22 @@ mod tests {
             assert!((hit.distance - height).abs() <= 1e-6 * height, "{} at {height}", hit.distance);
             assert!(bvh.occluded(&ray, 1.0, |_| true));
             assert!(bvh.nearest(&ray, height * 0.99).is_none(), "beyond its limit");
+        }
+    }
+
+    #[test]
+    fn what_does_not_count_is_passed_through() {
+        let mut state = 5;
+        let triangles: Vec<[Vec3; 3]> = (0..200).map(|_| [0; 3].map(|_| random_point(&mut state))).collect();
+        let bvh = Bvh::build(&triangles);
+        let odd = |hit: &Hit| hit.triangle % 2 == 1;
+        for _ in 0..500 {
+            let ray = Ray::new(random_point(&mut state), random_point(&mut state) - random_point(&mut state));
+            let hits = triangles.iter().enumerate().skip(1).step_by(2);
+            let brute = hits.filter_map(|(i, t)| Some((ray.intersect(*t)?.0, i as u32)));
+            let nearest = brute.min_by(|a, b| a.0.total_cmp(&b.0));
+            let found = bvh.nearest_of(&ray, f32::INFINITY, odd).map(|hit| (hit.distance, hit.triangle));
+            assert_eq!(found, nearest);
         }
     }
 

@@ -1,0 +1,100 @@
+//! Numbers that look random, fill space evenly, and are the same on every machine.
+
+/// Points of many dimensions in [0, 1), of which every few cover every part of space: Sobol's sequence with Owen's
+/// scrambling. Different seeds give independent sequences.
+///
+/// Law: of the first 4ⁿ points, each of 2ⁿ × 2ⁿ squares holds one (`sequence::tests::squares_hold_one_point_each`).
+/// Source: Burley 2020, "Practical hash-based Owen scrambling"; the crate `sobol_burley`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sequence {
+    seed: u32,
+}
+
+impl Sequence {
+    /// The most points that a sequence has.
+    pub const MOST: u32 = 1 << 16;
+
+    /// The sequence of a seed.
+    pub fn new(seed: u32) -> Self {
+        Self { seed }
+    }
+
+    /// Four coordinates of point `index`, below [`Sequence::MOST`]: those of dimensions 4 · `set` and on.
+    ///
+    /// From set 64 on, further sequences are used, each with a seed of its own.
+    pub fn four(self, index: u32, set: u32) -> [f32; 4] {
+        let sets = sobol_burley::NUM_DIMENSION_SETS_4D;
+        let seed = if set < sets { self.seed } else { hash(self.seed, set / sets) };
+        sobol_burley::sample_4d(index % Self::MOST, set % sets, seed)
+    }
+}
+
+/// Mixes `value` into `state`: each bit of the result depends on all of theirs.
+///
+/// Source: the PCG hash of Jarzynski and Olano 2020, "Hash functions for GPU rendering", §4.
+#[inline]
+pub fn hash(state: u32, value: u32) -> u32 {
+    pcg(pcg(state).wrapping_add(value))
+}
+
+#[inline]
+fn pcg(v: u32) -> u32 {
+    let state = v.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
+
+/// A number in [0, 1) of a hash, a multiple of 2⁻²⁴.
+#[inline]
+pub fn unit(hash: u32) -> f32 {
+    (hash >> 8) as f32 * (1.0 / (1 << 24) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_hold_one_point_each() {
+        for seed in [0, 1, 0xdead_beef] {
+            for n in [4, 16, 64] {
+                let mut held = vec![0; (n * n) as usize];
+                for index in 0..n * n {
+                    let [x, y, ..] = Sequence::new(seed).four(index, 0);
+                    let cell = (x * n as f32) as u32 + (y * n as f32) as u32 * n;
+                    held[cell as usize] += 1;
+                }
+                assert!(held.iter().all(|count| *count == 1), "seed {seed}, {n} a side");
+            }
+        }
+    }
+
+    #[test]
+    fn sets_beyond_the_last_are_others() {
+        let sequence = Sequence::new(3);
+        let sets = [0, 1, 63, 64, 65, 128].map(|set| sequence.four(5, set).map(f32::to_bits));
+        for (i, a) in sets.iter().enumerate() {
+            assert!(sets[i + 1..].iter().all(|b| a != b), "set {i}");
+        }
+    }
+
+    #[test]
+    fn hashes_are_spread_evenly() {
+        // χ² of 256 bins with 255 degrees of freedom: mean 255, standard deviation 22.6.
+        for (name, of) in [
+            ("value", (|i| hash(7, i)) as fn(u32) -> u32),
+            ("state", |i| hash(i, 7)),
+            ("square", |i| hash(hash(0, i % 512), i / 512)),
+        ] {
+            let mut bins = [0.0f64; 256];
+            let count = 1 << 18;
+            for i in 0..count {
+                bins[(unit(of(i)) * 256.0) as usize] += 1.0;
+            }
+            let expected = f64::from(count) / 256.0;
+            let chi: f64 = bins.iter().map(|n| (n - expected) * (n - expected) / expected).sum();
+            assert!((170.0..340.0).contains(&chi), "{name}: {chi}");
+        }
+        assert!(unit(u32::MAX) < 1.0);
+    }
+}

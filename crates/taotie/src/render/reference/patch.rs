@@ -1,0 +1,137 @@
+//! A patch of the picture: its paths begin, and their light is added up.
+
+use super::super::batch::{Batch, get3};
+use super::super::frame::Frame;
+use super::super::settings::RenderSettings;
+use super::Tracer;
+use super::walk::{Path, Workspace};
+use crate::image::Image;
+use crate::math::Vec3;
+use crate::math::sequence::{Sequence, hash};
+
+/// The side of a patch in pixels.
+const SIDE: u32 = 16;
+
+/// How many paths of each pixel are followed together.
+const TOGETHER: u32 = 4;
+
+/// A patch of the picture, pixels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Patch {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+}
+
+/// A patch's pixels, row by row.
+pub(super) struct PatchPicture {
+    color: Vec<[f32; 4]>,
+    /// Normals, depth, albedo, uv, triangle; empty where not asked for.
+    aovs: [Vec<[f32; 4]>; 5],
+}
+
+/// The patches of a picture, row by row.
+pub(super) fn patches(settings: &RenderSettings) -> Vec<Patch> {
+    let (width, height) = (settings.width, settings.height);
+    let rows = (0..height).step_by(SIDE as usize);
+    rows.flat_map(|y| (0..width).step_by(SIDE as usize).map(move |x| (x, y)))
+        .map(|(x, y)| Patch { x, y, width: SIDE.min(width - x), height: SIDE.min(height - y) })
+        .collect()
+}
+
+impl Tracer<'_, '_> {
+    /// Follows all paths of a patch.
+    pub(super) fn patch(&self, patch: &Patch) -> PatchPicture {
+        let pixels = (patch.width * patch.height) as usize;
+        let mut aovs: [Vec<[f32; 4]>; 5] = Default::default();
+        if self.settings.aovs {
+            aovs = std::array::from_fn(|_| vec![[0.0; 4]; pixels]);
+        }
+        let mut sums = vec![[0.0f64; 4]; pixels];
+        let mut work = Workspace::new(self.sources.len());
+        let spp = self.reference.spp;
+        for first in (0..spp).step_by(TOGETHER as usize) {
+            let indices = first..(first + TOGETHER).min(spp);
+            let mut paths: Vec<Path> = indices.flat_map(|index| self.begin(patch, index)).collect();
+            self.walk(&mut paths, &mut work, &mut |path, batch, i, triangle| {
+                if self.settings.aovs && path.index == 0 {
+                    let seen = self.seen(batch, i, triangle);
+                    aovs.iter_mut().zip(seen).for_each(|(plane, value)| plane[path.pixel as usize] = value);
+                }
+            });
+            for path in &paths {
+                let sum = &mut sums[path.pixel as usize];
+                let [r, g, b] = path.light.to_array();
+                for (sum, value) in sum.iter_mut().zip([r, g, b, path.coverage]) {
+                    *sum += f64::from(value);
+                }
+            }
+        }
+        let color = sums.iter().map(|sum| sum.map(|v| (v / f64::from(spp)) as f32)).collect();
+        PatchPicture { color, aovs }
+    }
+
+    /// Path number `index` of each pixel.
+    fn begin(&self, patch: &Patch, index: u32) -> impl Iterator<Item = Path> {
+        let Patch { x, y, width, height } = *patch;
+        (0..width * height).map(move |pixel| {
+            let (x, y) = (x + pixel % width, y + pixel / width);
+            let seed = hash(hash(hash(self.reference.seed, 0), x), y);
+            let sequence = Sequence::new(seed);
+            let [dx, dy, ..] = sequence.four(index, 0);
+            let ray = self.camera.through([f64::from(x) + f64::from(dx), f64::from(y) + f64::from(dy)]);
+            Path {
+                pixel,
+                index,
+                sequence,
+                shadows: hash(seed, index),
+                origin: ray.origin,
+                direction: ray.direction,
+                limit: ray.limit,
+                pdf: 0.0,
+                below: false,
+                throughput: Vec3::splat(1.0),
+                light: Vec3::default(),
+                coverage: 0.0,
+            }
+        })
+    }
+
+    /// The output variables of entry `i`, in the order of [`PatchPicture::aovs`].
+    fn seen(&self, batch: &Batch, i: usize, triangle: u32) -> [[f32; 4]; 5] {
+        let with_one = |v: Vec3| [v.x, v.y, v.z, 1.0];
+        let depth = self.view.depth(get3(&batch.position, i));
+        let draw = &self.prepared.draws[self.prepared.draw_of(triangle)];
+        let [r, g, b, _] = draw.material.base_color;
+        [
+            with_one(get3(&batch.n, i)),
+            with_one(Vec3::splat(depth)),
+            with_one(get3(&batch.tint, i).mul_elements(Vec3::new(r, g, b))),
+            [batch.uv[0][i], batch.uv[1][i], 0.0, 1.0],
+            with_one(Vec3::splat(triangle as f32)),
+        ]
+    }
+}
+
+impl PatchPicture {
+    /// Writes its pixels into the frame.
+    pub(super) fn store(&self, patch: &Patch, frame: &mut Frame) {
+        copy(&mut frame.color, patch, &self.color);
+        if let Some(aovs) = &mut frame.aovs {
+            let images =
+                [&mut aovs.normals, &mut aovs.depth, &mut aovs.albedo, &mut aovs.uv, &mut aovs.triangle];
+            for (image, pixels) in images.into_iter().zip(&self.aovs) {
+                copy(image, patch, pixels);
+            }
+        }
+    }
+}
+
+fn copy(image: &mut Image, patch: &Patch, pixels: &[[f32; 4]]) {
+    let (across, width) = (image.width() as usize, patch.width as usize);
+    for (row, pixels) in pixels.chunks(width).enumerate() {
+        let start = (patch.y as usize + row) * across + patch.x as usize;
+        image.pixels_mut()[start..start + width].copy_from_slice(pixels);
+    }
+}

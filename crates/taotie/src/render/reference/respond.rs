@@ -1,0 +1,169 @@
+//! What surfaces answer to light: emission, reflection of every light, of the environment and of the direction in
+//! which a path goes on, for eight fragments at a time.
+
+use super::super::batch::{Batch, Column, Column3, load, load3, splat3, store3};
+use super::super::lighting::Source;
+use super::super::point::SurfacePoint;
+use crate::math::{Pack, Vec3, dispatch_pack};
+use crate::scene::Material;
+use crate::shade::sampling::{Lobes, raised};
+use crate::shade::{Angles, Shading};
+use fearless_simd::Level;
+
+/// What the answers depend on beside the fragments.
+pub(super) struct Question<'t> {
+    pub shading: Shading,
+    pub material: &'t Material,
+    pub sources: &'t [Source],
+    pub ambient: Vec3,
+    /// Whether light behind the shading normal is shadowed.
+    pub shadows: bool,
+    /// Whether there are directions to the environment.
+    pub sky: bool,
+    /// Whether paths go on.
+    pub onward: bool,
+}
+
+/// Directions of fragments and the answers to them.
+pub(super) struct Exchange {
+    /// Numbers in [0, 1) that choose where the path goes on.
+    pub u: [Column; 3],
+    /// Where the environment's light was chosen to come from; unit, world space.
+    pub to_sky: Column3,
+    /// Where the path goes on; unit, world space.
+    pub onward: Column3,
+    /// Densities of [`Lobes`] for both directions.
+    pub sky_pdf: Column,
+    pub onward_pdf: Column,
+    /// What leaves without any of these: emission and reflected ambient light.
+    pub own: Column3,
+    /// Reflected light of each source, unshadowed.
+    pub lit: Vec<Column3>,
+    /// Radiance per unit of irradiance from both directions, 0 behind the shading normal.
+    pub from_sky: Column3,
+    pub from_onward: Column3,
+}
+
+const ZERO: Column = [0.0; super::super::batch::BATCH];
+const ZERO3: Column3 = [ZERO; 3];
+
+impl Exchange {
+    pub(super) fn new(sources: usize) -> Box<Self> {
+        Box::new(Self {
+            u: ZERO3,
+            to_sky: ZERO3,
+            onward: ZERO3,
+            sky_pdf: ZERO,
+            onward_pdf: ZERO,
+            own: ZERO3,
+            lit: vec![ZERO3; sources],
+            from_sky: ZERO3,
+            from_onward: ZERO3,
+        })
+    }
+}
+
+/// Fills the answers for the fragments of `batch`, whose normals are known.
+pub(super) fn respond(level: Level, question: &Question<'_>, batch: &Batch, exchange: &mut Exchange) {
+    dispatch_pack!(level, P, token => all_packs::<P>(token, question, batch, exchange));
+}
+
+#[inline(always)]
+fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, exchange: &mut Exchange) {
+    for i in batch.packs::<P>() {
+        let surface: SurfacePoint<P> =
+            SurfacePoint::new(token, question.shading, question.material, batch, i);
+        store3(own(token, question, &surface, batch, i), &mut exchange.own, i);
+        let scatter = Scatter::new(question.shading, &surface);
+        let [u, v, w] = &exchange.u;
+        let onward = scatter.direction([load(token, u, i), load(token, v, i), load(token, w, i)]);
+        store3(onward, &mut exchange.onward, i);
+        let position = load3(token, &batch.position, i);
+        let sources = question.sources.len();
+        for request in 0..sources + 2 {
+            if request == sources && !question.sky || request > sources && !question.onward {
+                continue;
+            }
+            let (l, irradiance) = match question.sources.get(request) {
+                Some(source) => source.incidence(token, position),
+                None if request == sources => (load3(token, &exchange.to_sky, i), splat3(token, ONE)),
+                None => (onward, splat3(token, ONE)),
+            };
+            let shadowed = request >= sources || question.shadows;
+            let reflected = reflected(&surface, l, shadowed).mul_elements(irradiance);
+            if let Some(lit) = exchange.lit.get_mut(request) {
+                store3(reflected, lit, i);
+                continue;
+            }
+            let pdf = scatter.pdf(l);
+            if request == sources {
+                store3(reflected, &mut exchange.from_sky, i);
+                pdf.store(&mut exchange.sky_pdf[i..]);
+            } else {
+                store3(reflected, &mut exchange.from_onward, i);
+                pdf.store(&mut exchange.onward_pdf[i..]);
+            }
+        }
+    }
+}
+
+const ONE: Vec3 = Vec3::new(1.0, 1.0, 1.0);
+
+/// Emission and reflected ambient light.
+#[inline(always)]
+fn own<P: Pack>(
+    token: P::Token,
+    question: &Question<'_>,
+    surface: &SurfacePoint<P>,
+    batch: &Batch,
+    i: usize,
+) -> Vec3<P> {
+    let surround = splat3(token, question.ambient) * load(token, &batch.occlusion, i);
+    load3(token, &batch.emissive, i) + surface.ambient.mul_elements(surround)
+}
+
+/// Radiance per unit of irradiance; where light is `shadowed` behind the shading normal, 0 there.
+#[inline(always)]
+fn reflected<P: Pack>(surface: &SurfacePoint<P>, l: Vec3<P>, shadowed: bool) -> Vec3<P> {
+    let reflected = surface.reflect(l);
+    if !shadowed {
+        return reflected;
+    }
+    let zero = l.x.lit(0.0);
+    Vec3::select(zero.lt(surface.n.dot(l)), reflected, Vec3::splat(zero))
+}
+
+/// Where a surface point sends paths.
+struct Scatter<L> {
+    n: Vec3<L>,
+    /// Perpendicular to n and to one another.
+    t: Vec3<L>,
+    b: Vec3<L>,
+    /// To the viewer, above the horizon.
+    v: Vec3<L>,
+    lobes: Lobes<L>,
+}
+
+impl<P: Pack> Scatter<P> {
+    #[inline(always)]
+    fn new(shading: Shading, surface: &SurfacePoint<P>) -> Self {
+        let n = surface.n.normalize_or(surface.v);
+        let v = raised(n, surface.v);
+        let lobes = Lobes::of(shading, &surface.substance, n.dot(v));
+        let t = n.any_perpendicular();
+        Self { n, t, b: n.cross(t), v, lobes }
+    }
+
+    /// Unit, world space.
+    #[inline(always)]
+    fn direction(&self, u: [P; 3]) -> Vec3<P> {
+        let v = Vec3::new(self.t.dot(self.v), self.b.dot(self.v), self.n.dot(self.v));
+        let l = self.lobes.direction(v, u);
+        (self.t * l.x + self.b * l.y + self.n * l.z).normalize()
+    }
+
+    #[inline(always)]
+    fn pdf(&self, l: Vec3<P>) -> P {
+        self.lobes.pdf(&Angles::new(self.n, self.v, l))
+    }
+}

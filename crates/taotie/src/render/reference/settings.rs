@@ -1,0 +1,52 @@
+//! How many paths are followed, and how far.
+
+use crate::error::{Error, Result};
+use crate::math::sequence::Sequence;
+
+/// How many paths are followed, and how far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ReferenceSettings {
+    /// Paths a pixel, 1 to 65536. Noise falls at least with its square root.
+    pub spp: u32,
+    /// How often light may be reflected after its first reflection, up to 1000; 0 is direct light.
+    pub bounces: u32,
+    /// Another number gives other noise.
+    pub seed: u32,
+    /// How light of the environment is found. No choice changes what the noise tends to.
+    pub environment: EnvironmentSampling,
+}
+
+impl Default for ReferenceSettings {
+    fn default() -> Self {
+        Self { spp: 64, bounces: 4, seed: 0, environment: EnvironmentSampling::Combined }
+    }
+}
+
+/// How light of the environment is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EnvironmentSampling {
+    /// In both ways, each where it is the better one: the least noise.
+    #[default]
+    Combined,
+    /// Towards where the environment is bright.
+    ByLight,
+    /// Towards where the surface reflects much.
+    BySurface,
+}
+
+impl ReferenceSettings {
+    /// The most bounces.
+    pub const MOST_BOUNCES: u32 = 1000;
+
+    pub(super) fn check(&self) -> Result<()> {
+        if !(1..=Sequence::MOST).contains(&self.spp) {
+            let what = format!("{} paths a pixel", self.spp);
+            return Err(Error::invalid(what, format!("choose from 1 to {}", Sequence::MOST)));
+        }
+        if self.bounces > Self::MOST_BOUNCES {
+            let what = format!("{} bounces", self.bounces);
+            return Err(Error::invalid(what, format!("choose from 0 to {}", Self::MOST_BOUNCES)));
+        }
+        Ok(())
+    }
+}

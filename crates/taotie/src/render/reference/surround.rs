@@ -1,0 +1,40 @@
+//! The environment as paths see it.
+
+use super::super::settings::{EnvironmentLight, Turn};
+use crate::math::Vec3;
+use crate::shade::environment::EnvironmentSample;
+
+/// The environment in world space.
+#[derive(Clone, Copy)]
+pub(super) struct Surround<'t> {
+    light: &'t EnvironmentLight,
+    turn: Turn,
+    /// Whether it is seen where nothing stands before it.
+    pub visible: bool,
+}
+
+impl<'t> Surround<'t> {
+    pub(super) fn new(light: &'t EnvironmentLight) -> Self {
+        Self { light, turn: light.turn(), visible: light.visible }
+    }
+
+    /// What comes from the unit direction `world`.
+    pub(super) fn radiance(&self, world: Vec3) -> Vec3 {
+        self.light.environment.radiance(self.turn.to_environment(world)) * self.light.intensity
+    }
+
+    /// A direction, world space, where much may come from. `u` in [0, 1)².
+    pub(super) fn sample(&self, u: [f32; 2]) -> EnvironmentSample {
+        let sample = self.light.environment.sample(u);
+        EnvironmentSample {
+            direction: self.turn.to_world(sample.direction),
+            radiance: sample.radiance * self.light.intensity,
+            pdf: sample.pdf,
+        }
+    }
+
+    /// The density of [`Self::sample`].
+    pub(super) fn pdf(&self, world: Vec3) -> f32 {
+        self.light.environment.pdf(self.turn.to_environment(world))
+    }
+}

@@ -1,0 +1,317 @@
+//! Paths from one surface to the next.
+
+use super::super::batch::{BATCH, Batch, get3, set3};
+use super::super::fragments::{Footprint, Interpolation};
+use super::super::normals::complete;
+use super::super::prepare::Draw;
+use super::super::view::Eye;
+use super::Tracer;
+use super::respond::{Exchange, Question, respond};
+use super::settings::EnvironmentSampling;
+use super::surfaces::Meeting;
+use crate::math::Vec3;
+use crate::math::sequence::{Sequence, hash};
+use crate::shade::environment::EnvironmentSample;
+use crate::shade::sampling::power_heuristic;
+use crate::trace::Ray;
+
+/// From this surface on, paths that carry little end by chance.
+const ROULETTE_FROM: u32 = 3;
+
+/// The least chance to go on.
+const LEAST_CHANCE: f32 = 0.05;
+
+/// A path of light, followed against the light from the camera on.
+pub(super) struct Path {
+    /// Its pixel in the patch.
+    pub pixel: u32,
+    /// Its number among the pixel's.
+    pub index: u32,
+    /// The pixel's numbers.
+    pub sequence: Sequence,
+    /// From which its shadow rays have their numbers.
+    pub shadows: u32,
+    pub origin: Vec3,
+    /// Unit.
+    pub direction: Vec3,
+    /// How far the ray goes, model units.
+    pub limit: f32,
+    /// The density with which its surface chose the direction; 0 for rays of sight.
+    pub pdf: f32,
+    /// Whether it left below the facet that it left from.
+    pub below: bool,
+    /// What part of the light that it meets reaches the camera, linear RGB.
+    pub throughput: Vec3,
+    /// The light found so far, linear RGB.
+    pub light: Vec3,
+    /// 1 where the camera saw something.
+    pub coverage: f32,
+}
+
+/// Memory that the paths of a patch use one after another.
+pub(super) struct Workspace {
+    batch: Box<Batch>,
+    exchange: Box<Exchange>,
+    origins: [Vec3; BATCH],
+    sky: Vec<EnvironmentSample>,
+    meetings: Vec<(u32, Meeting)>,
+    /// The paths that go on.
+    alive: Vec<u32>,
+}
+
+impl Workspace {
+    pub(super) fn new(sources: usize) -> Self {
+        Self {
+            batch: Batch::new(0),
+            exchange: Exchange::new(sources),
+            origins: [Vec3::default(); BATCH],
+            sky: Vec::new(),
+            meetings: Vec::new(),
+            alive: Vec::new(),
+        }
+    }
+}
+
+/// Is told what the camera sees: the path, the batch with its normals, the entry, and the triangle's number.
+pub(super) type Witness<'w> = dyn FnMut(&Path, &Batch, usize, u32) + 'w;
+
+impl Tracer<'_, '_> {
+    /// Follows all paths to their ends.
+    pub(super) fn walk(&self, paths: &mut [Path], work: &mut Workspace, witness: &mut Witness<'_>) {
+        work.alive.clear();
+        work.alive.extend(0..paths.len() as u32);
+        let mut depth = 0;
+        while !work.alive.is_empty() {
+            self.cast(depth, paths, work);
+            work.alive.clear();
+            let meetings = std::mem::take(&mut work.meetings);
+            for same_draw in meetings.chunk_by(|(_, a), (_, b)| a.draw == b.draw) {
+                for meetings in same_draw.chunks(BATCH) {
+                    self.meet(depth, meetings, paths, work, witness);
+                }
+            }
+            work.meetings = meetings;
+            depth += 1;
+        }
+    }
+
+    /// Follows the rays of the living paths to the surfaces that they meet, sorted by draw.
+    fn cast(&self, depth: u32, paths: &mut [Path], work: &mut Workspace) {
+        work.meetings.clear();
+        for index in &work.alive {
+            let path = &mut paths[*index as usize];
+            let ray = Ray::new(path.origin, path.direction);
+            match self.sight.nearest(&ray, path.limit, depth == 0, || path.chance(depth)) {
+                // It went through the surface that it left from.
+                Some(meeting) if path.below && !meeting.front => {}
+                Some(meeting) => work.meetings.push((*index, meeting)),
+                None => self.escape(depth, path),
+            }
+        }
+        work.meetings.sort_by_key(|(_, meeting)| meeting.draw);
+    }
+
+    /// Nothing stood in the way.
+    fn escape(&self, depth: u32, path: &mut Path) {
+        let Some(surround) = &self.surround else { return };
+        let weight = match self.reference.environment {
+            _ if depth == 0 => f32::from(u8::from(surround.visible)),
+            EnvironmentSampling::Combined => power_heuristic(path.pdf, surround.pdf(path.direction)),
+            EnvironmentSampling::ByLight => 0.0,
+            EnvironmentSampling::BySurface => 1.0,
+        };
+        if weight > 0.0 {
+            path.light += path.throughput.mul_elements(surround.radiance(path.direction)) * weight;
+        }
+        if depth == 0 {
+            path.coverage = weight;
+        }
+    }
+
+    /// Gathers light where paths meet surfaces of one draw, and sends them on.
+    fn meet(
+        &self,
+        depth: u32,
+        meetings: &[(u32, Meeting)],
+        paths: &mut [Path],
+        work: &mut Workspace,
+        witness: &mut Witness<'_>,
+    ) {
+        let draw = &self.prepared.draws[meetings[0].1.draw as usize];
+        self.gather(depth, draw, meetings, paths, work);
+        if depth == 0 {
+            complete(self.level, draw, &self.settings, &mut work.batch);
+            for (i, (index, meeting)) in meetings.iter().enumerate() {
+                let path = &mut paths[*index as usize];
+                path.coverage = 1.0;
+                witness(path, &work.batch, i, meeting.triangle);
+            }
+        }
+        if draw.material.unlit || depth > self.reference.bounces {
+            self.shine(draw, meetings, paths, work);
+            return;
+        }
+        if depth > 0 {
+            complete(self.level, draw, &self.settings, &mut work.batch);
+        }
+        self.choose(depth, meetings, paths, work);
+        let question = Question {
+            shading: self.settings.shading,
+            material: draw.material,
+            sources: &self.sources,
+            ambient: self.ambient,
+            shadows: self.settings.shadows,
+            sky: !work.sky.is_empty(),
+            onward: self.goes_on(depth),
+        };
+        respond(self.level, &question, &work.batch, &mut work.exchange);
+        for (i, (index, _)) in meetings.iter().enumerate() {
+            let path = &mut paths[*index as usize];
+            self.gain(depth, i, path, work);
+            if question.onward && self.send_on(depth, i, path, work) {
+                work.alive.push(*index);
+            }
+        }
+    }
+
+    /// Whether anything may be found beyond the surface.
+    fn goes_on(&self, depth: u32) -> bool {
+        depth < self.reference.bounces || self.surround.is_some() || self.emitters
+    }
+
+    /// Fills the batch, and where rays leave from.
+    fn gather(
+        &self,
+        depth: u32,
+        draw: &Draw<'_>,
+        meetings: &[(u32, Meeting)],
+        paths: &[Path],
+        work: &mut Workspace,
+    ) {
+        let interpolation =
+            Interpolation { scene: self.prepared.scene, draw, lift: Some(self.lift), specular_aa: false };
+        let batch = &mut work.batch;
+        batch.len = meetings.len();
+        batch.both_sides = depth > 0;
+        let last = meetings.len() - 1;
+        // Packs read up to the next multiple of eight.
+        for i in 0..meetings.len().next_multiple_of(8) {
+            let (index, meeting) = &meetings[i.min(last)];
+            let setup = interpolation.setup(meeting.triangle);
+            let footprint = Footprint::point(setup.vertices, meeting.weights);
+            let eye = match depth {
+                0 => self.view.eye,
+                _ => Eye::Direction(-paths[*index as usize].direction),
+            };
+            work.origins[i] = interpolation.fragment(i, &setup, &footprint, eye, batch);
+        }
+    }
+
+    /// What surfaces send out without reflecting anything.
+    fn shine(&self, draw: &Draw<'_>, meetings: &[(u32, Meeting)], paths: &mut [Path], work: &Workspace) {
+        let [r, g, b, _] = draw.material.base_color;
+        for (i, (index, _)) in meetings.iter().enumerate() {
+            let own = match draw.material.unlit {
+                true => get3(&work.batch.tint, i).mul_elements(Vec3::new(r, g, b)),
+                false => get3(&work.batch.emissive, i),
+            };
+            let path = &mut paths[*index as usize];
+            path.light += path.throughput.mul_elements(own);
+        }
+    }
+
+    /// Chooses numbers and directions to the environment.
+    fn choose(&self, depth: u32, meetings: &[(u32, Meeting)], paths: &[Path], work: &mut Workspace) {
+        work.sky.clear();
+        let surround = self.surround.filter(|_| self.reference.environment != EnvironmentSampling::BySurface);
+        for (i, (index, _)) in meetings.iter().enumerate() {
+            let path = &paths[*index as usize];
+            let [a, b, c, _] = path.sequence.four(path.index, 1 + 2 * depth);
+            set3(&mut work.exchange.u, i, Vec3::new(a, b, c));
+            if let Some(surround) = surround {
+                let [a, b, ..] = path.sequence.four(path.index, 2 + 2 * depth);
+                let sample = surround.sample([a, b]);
+                set3(&mut work.exchange.to_sky, i, sample.direction);
+                work.sky.push(sample);
+            }
+        }
+    }
+
+    /// Adds the light that entry `i` emits and reflects from lights and environment.
+    fn gain(&self, depth: u32, i: usize, path: &mut Path, work: &Workspace) {
+        let origin = work.origins[i];
+        let mut light = get3(&work.exchange.own, i);
+        for (number, (source, lit)) in self.sources.iter().zip(&work.exchange.lit).enumerate() {
+            let reflected = get3(lit, i);
+            if reflected == Vec3::default() {
+                continue;
+            }
+            let ray = Ray::new(origin, source.ray_from(origin));
+            let chance = path.shadow(depth, 1 + number as u32);
+            if !self.settings.shadows || self.sight.is_free(&ray, source.ray_limit(), chance) {
+                light += reflected;
+            }
+        }
+        if let Some(sample) = work.sky.get(i) {
+            light += self.sky_light(depth, i, sample, path, work);
+        }
+        path.light += path.throughput.mul_elements(light);
+    }
+
+    fn sky_light(
+        &self,
+        depth: u32,
+        i: usize,
+        sample: &EnvironmentSample,
+        path: &Path,
+        work: &Workspace,
+    ) -> Vec3 {
+        let reflected = get3(&work.exchange.from_sky, i).mul_elements(sample.radiance);
+        let ray = Ray::new(work.origins[i], sample.direction);
+        if reflected == Vec3::default() || !self.sight.is_free(&ray, f32::INFINITY, path.shadow(depth, 0)) {
+            return Vec3::default();
+        }
+        let weight = match self.reference.environment {
+            EnvironmentSampling::Combined => power_heuristic(sample.pdf, work.exchange.sky_pdf[i]),
+            _ => 1.0,
+        };
+        reflected * (weight / sample.pdf)
+    }
+
+    /// Turns the path of entry `i` into its next direction; whether it goes on.
+    fn send_on(&self, depth: u32, i: usize, path: &mut Path, work: &Workspace) -> bool {
+        let pdf = work.exchange.onward_pdf[i];
+        let reflected = get3(&work.exchange.from_onward, i);
+        if pdf <= 0.0 || reflected == Vec3::default() {
+            return false;
+        }
+        path.throughput = path.throughput.mul_elements(reflected) * (1.0 / pdf);
+        if depth >= ROULETTE_FROM {
+            let most = path.throughput.x.max(path.throughput.y).max(path.throughput.z);
+            let survives = most.clamp(LEAST_CHANCE, 1.0);
+            let [.., u] = path.sequence.four(path.index, 1 + 2 * depth);
+            if u >= survives {
+                return false;
+            }
+            path.throughput = path.throughput * (1.0 / survives);
+        }
+        path.origin = work.origins[i];
+        path.direction = get3(&work.exchange.onward, i);
+        path.limit = f32::INFINITY;
+        path.pdf = pdf;
+        path.below = get3(&work.batch.n_geom, i).dot(path.direction) < 0.0;
+        true
+    }
+}
+
+impl Path {
+    /// Decides which blended surfaces are there for the ray that leads to surface `depth`.
+    fn chance(&self, depth: u32) -> f32 {
+        self.sequence.four(self.index, 2 * depth)[2]
+    }
+
+    /// The number of one of the shadow rays from surface `depth`.
+    fn shadow(&self, depth: u32, ray: u32) -> u32 {
+        hash(hash(self.shadows, depth), ray)
+    }
+}
