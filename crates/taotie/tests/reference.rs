@@ -33,6 +33,7 @@ impl View {
             height: 120,
             samples: 16,
             shadows: true,
+            specular_aa: false,
             ..RenderSettings::default()
         };
         Self { scene, camera, lighting, settings }

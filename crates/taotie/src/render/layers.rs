@@ -8,9 +8,10 @@ use crate::shade::{Angles, coat_fresnel, coat_lobe};
 /// A clear lacquer: KHR_materials_clearcoat.
 pub(super) struct Coat<L> {
     /// Unit, world space.
-    n: Vec3<L>,
-    factor: L,
-    roughness: L,
+    pub n: Vec3<L>,
+    /// How much of the surface it covers, [0, 1].
+    pub factor: L,
+    pub roughness: L,
     /// What it lets through to the viewer, [0, 1].
     pub kept: L,
     /// What it reflects of even surroundings.

@@ -1,29 +1,16 @@
 //! The shading normal of each fragment, by the method of its draw.
 
-use super::albedos;
+use super::GrazingNormals;
 use super::batch::{Batch, load, load3, splat3, store3};
 use super::layers::squared_slope;
 use super::prepare::{Draw, NormalSource};
-use super::substance::takes_albedos;
-use super::{GrazingNormals, RenderSettings};
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::scene::{GreenChannel, NormalMap};
 use crate::surface;
 use fearless_simd::Level;
 
-/// Fills all that reflection depends on beside textures: the normals, the directions of the layers, and the directional
-/// albedos of the lobes.
-pub(super) fn complete(level: Level, draw: &Draw<'_>, settings: &RenderSettings, batch: &mut Batch) {
-    let printed = settings.shading.is_printed();
-    let grazing = if printed { GrazingNormals::Keep } else { settings.grazing_normals };
-    shade_normals(level, draw, grazing, batch);
-    if takes_albedos(settings.shading) {
-        albedos::look_up(settings.shading, settings.energy, draw, batch);
-    }
-}
-
 /// Fills `batch.n`, `batch.smooth` and `batch.bump`, and the directions of the layers.
-fn shade_normals(level: Level, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
+pub(super) fn shade_normals(level: Level, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
     dispatch_pack!(level, P, token => all_packs::<P>(token, draw, grazing, batch));
 }
 
@@ -87,18 +74,8 @@ fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i:
         let across = n.cross(tangent) * handedness;
         let along = tangent * cos + across * sin;
         let flat = along - n * n.dot(along);
-        store3(flat.normalize_or(any_perpendicular(n)), &mut batch.layers.stretch_tangent, i);
+        store3(flat.normalize_or(n.any_perpendicular()), &mut batch.layers.stretch_tangent, i);
     }
-}
-
-/// Some unit vector at a right angle to the unit vector `n`.
-/// Source: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
-#[inline(always)]
-fn any_perpendicular<P: Pack>(n: Vec3<P>) -> Vec3<P> {
-    let (zero, one) = (n.x.lit(0.0), n.x.lit(1.0));
-    let sign = P::select(n.z.lt(zero), -one, one);
-    let a = -one / (sign + n.z);
-    Vec3::new(one + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x)
 }
 
 /// The normal of the front.

@@ -4,7 +4,7 @@ use super::batch::{BATCH, Batch, get3};
 use super::fragments::{Gather, Key};
 use super::frame::{Frame, TilePicture};
 use super::lighting::{Illumination, Source, light};
-use super::normals::complete;
+use super::point::complete;
 use super::prepare::Prepared;
 use super::settings::{EnvironmentLight, Lighting, RenderSettings};
 use super::shadows::trace_shadows;
@@ -221,7 +221,7 @@ impl<'p, 'a> Pass<'p, 'a> {
     pub fn light(&self, draw: usize, origins: &[Vec3; BATCH], batch: &mut Batch) {
         let draw = &self.prepared.draws[draw];
         let settings = &self.settings;
-        complete(self.level, draw, settings, batch);
+        complete(self.level, settings, draw, batch);
         if let Some(environment) = &self.environment {
             surround::look_up(environment, settings.shading, draw, batch);
         }

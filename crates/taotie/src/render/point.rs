@@ -1,16 +1,32 @@
 //! A point of a surface with everything that its reflection depends on.
 
+use super::albedos;
 use super::batch::{Batch, load, load3, splat3};
 use super::layers::{Coat, Fibres, Terminator};
-use super::substance::{substance, takes_layers};
+use super::normals::shade_normals;
+use super::prepare::Draw;
+use super::settings::{GrazingNormals, RenderSettings};
+use super::substance::{substance, takes_albedos, takes_layers};
 use crate::math::{Pack, Vec3};
 use crate::scene::Material;
 use crate::shade::dfg::Dfg;
 use crate::shade::{self, Angles, Shading, Stretch, Substance};
+use fearless_simd::Level;
+
+/// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the directional
+/// albedos of the lobes.
+pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>, batch: &mut Batch) {
+    let shading = settings.shading;
+    let grazing = if shading.is_printed() { GrazingNormals::Keep } else { settings.grazing_normals };
+    shade_normals(level, draw, grazing, batch);
+    if takes_albedos(shading) {
+        albedos::look_up(shading, settings.energy, draw, batch);
+    }
+}
 
 /// Points of a surface: a pack of fragments, or one.
 pub(super) struct SurfacePoint<L> {
-    shading: Shading,
+    pub shading: Shading,
     pub substance: Substance<L>,
     /// k_a, linear RGB.
     pub ambient: Vec3<L>,
@@ -21,8 +37,8 @@ pub(super) struct SurfacePoint<L> {
     /// Unit, to the viewer, world space.
     pub v: Vec3<L>,
     terminator: Terminator<L>,
-    stretch: Option<Stretch<L>>,
-    coat: Option<Coat<L>>,
+    pub stretch: Option<Stretch<L>>,
+    pub coat: Option<Coat<L>>,
     fibres: Option<Fibres<L>>,
 }
 

@@ -3,8 +3,8 @@
 //! Directions are in a local space with the shading normal along +z. A density is per steradian and belongs to the
 //! function of the same name; `u` are numbers in [0, 1), uniformly distributed.
 
-use super::ndf::{MIN_ALPHA, alpha_from_roughness, alpha_from_shininess, d_ggx};
-use super::{Angles, Shading, Substance, fresnel};
+use super::ndf::{MIN_ALPHA, alpha_from_roughness, alpha_from_shininess};
+use super::{Shading, Substance, fresnel};
 use crate::math::{Lane, Mask, Vec3};
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -81,18 +81,21 @@ pub fn ggx_visible_normal<L: Lane>(v: Vec3<L>, alpha: [L; 2], u: [L; 2]) -> Vec3
     Vec3::new(m.x * alpha[0], m.y * alpha[1], m.z.max(v.z.lit(0.0))).normalize_or(up)
 }
 
-/// The density of the directions that [`ggx_visible_normal`] mirrors the viewer to, D_v(h) / (4 v·h) = G₁(v) D(h) /
-/// (4 n·v), where both widths are `alpha`.
+/// The density of the directions `l` that [`ggx_visible_normal`] mirrors the viewer to, D_v(h) / (4 v·h) = G₁(v) D(h) /
+/// (4 n·v); 0 where h points down.
 ///
-/// Light from below, where n·h is 0, has no meaning here.
 /// Law: integrates to 1 over the sphere (`laws_sampling::densities_integrate_to_one`).
-/// Source: Heitz 2018, "Sampling the GGX distribution of visible normals", eq. 3 and 17; G₁ of Heitz 2014, eq. 43 and 72.
+/// Source: Heitz 2018, "Sampling the GGX distribution of visible normals", eq. 3 and 17; D and G₁ of Heitz 2014, eq. 85
+/// and 86.
 #[inline(always)]
-pub fn ggx_visible_pdf<L: Lane>(a: &Angles<L>, alpha: L) -> L {
-    let a2 = alpha * alpha;
-    let c = a.n_dot_v;
-    let root = (c * c * (c.lit(1.0) - a2) + a2).sqrt();
-    d_ggx(a.n_dot_h, a.sin2_h, alpha) * c.lit(0.5) / (c + root)
+pub fn ggx_visible_pdf<L: Lane>(v: Vec3<L>, l: Vec3<L>, alpha: [L; 2]) -> L {
+    let (zero, one) = (v.z.lit(0.0), v.z.lit(1.0));
+    let [ax, ay] = alpha;
+    let h = (v + l).normalize_or(Vec3::new(zero, zero, -one));
+    let sum = (h.x / ax).squared() + (h.y / ay).squared() + h.z.squared();
+    let d = one / (ax * ay * sum.squared() * one.lit(PI));
+    let root = ((v.x * ax).squared() + (v.y * ay).squared() + v.z.squared()).sqrt();
+    L::select(zero.lt(h.z), d * one.lit(0.5) / (v.z + root), zero)
 }
 
 /// `v` mirrored at the unit vector `m`.
@@ -101,7 +104,7 @@ pub fn mirrored<L: Lane>(v: Vec3<L>, m: Vec3<L>) -> Vec3<L> {
     m * (v.dot(m) * v.x.lit(2.0)) - v
 }
 
-/// `v` turned up as far as densities need it: n·v at least 1e-4, the least that [`Angles`] knows.
+/// `v` turned up as far as densities need it: n·v at least 1e-4, the least that [`super::Angles`] knows.
 ///
 /// `n` and `v` unit.
 #[inline(always)]
@@ -126,8 +129,8 @@ pub fn power_heuristic<L: Lane>(own: L, other: L) -> L {
 /// The way in which directions of reflected light are chosen: by visible facets of a GGX surface, evenly, or by cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobes<L> {
-    /// Width of the GGX surface, [[`MIN_ALPHA`], 1].
-    pub alpha: L,
+    /// Widths of the GGX surface along x and y, each in [[`MIN_ALPHA`], 1].
+    pub alpha: [L; 2],
     /// How often a facet is chosen, [0, 1].
     pub glossy: L,
     /// How often all directions are equally likely, [0, 1 − `glossy`]. What remains goes by cosine.
@@ -145,7 +148,7 @@ impl<L: Lane> Lobes<L> {
         let (zero, one) = (n_dot_v.lit(0.0), n_dot_v.lit(1.0));
         let highlight = fresnel::f_f82(s.f0, s.f90, s.f82_drop, n_dot_v);
         let (width, gloss, matt, even) = match shading {
-            Shading::Lambert => return Self { alpha: one, glossy: zero, even: zero },
+            Shading::Lambert => return Self { alpha: [one; 2], glossy: zero, even: zero },
             Shading::Ggx => {
                 let matt = s.base_color * (one - s.metallic);
                 (alpha_from_roughness(s.roughness), highlight, matt, 0.0)
@@ -162,7 +165,7 @@ impl<L: Lane> Lobes<L> {
         let (gloss, matt) = (mean(gloss), mean(matt));
         let share = (gloss / (gloss + matt).max(one.lit(1e-6))).clamp(0.1, 0.9);
         let even = one.lit(even);
-        Self { alpha: width.clamp(MIN_ALPHA, 1.0), glossy: share * (one - even), even }
+        Self { alpha: [width.clamp(MIN_ALPHA, 1.0); 2], glossy: share * (one - even), even }
     }
 
     /// A direction for a viewer `v` (unit, v.z above 0); it may lie below the horizon. `u` chooses the lobe and the
@@ -170,23 +173,21 @@ impl<L: Lane> Lobes<L> {
     #[inline(always)]
     pub fn direction(&self, v: Vec3<L>, u: [L; 3]) -> Vec3<L> {
         let along = [u[1], u[2]];
-        let glossy = mirrored(v, ggx_visible_normal(v, [self.alpha; 2], along));
+        let glossy = mirrored(v, ggx_visible_normal(v, self.alpha, along));
         let even = uniform_direction(along);
         let matt = Vec3::select(u[0].lt(self.glossy + self.even), even, cosine_direction(along));
         Vec3::select(u[0].lt(self.glossy), glossy, matt)
     }
 
-    /// The density of [`Self::direction`].
+    /// The density with which [`Self::direction`] gives `l` (unit) for the same viewer.
     ///
-    /// `a` of the same viewer.
     /// Law: integrates to 1 (`laws_sampling::densities_integrate_to_one`).
     #[inline(always)]
-    pub fn pdf(&self, a: &Angles<L>) -> L {
-        let (zero, one) = (a.n_dot_l.lit(0.0), a.n_dot_l.lit(1.0));
-        let above = L::select(zero.lt(a.n_dot_l), one, zero);
-        let even = self.even * above * above.lit(0.5 * FRAC_1_PI);
-        let matt = (one - self.glossy - self.even) * cosine_pdf(a.n_dot_l);
-        self.glossy * ggx_visible_pdf(a, self.alpha) + even + matt
+    pub fn pdf(&self, v: Vec3<L>, l: Vec3<L>) -> L {
+        let (zero, one) = (l.z.lit(0.0), l.z.lit(1.0));
+        let even = L::select(zero.lt(l.z), self.even * one.lit(0.5 * FRAC_1_PI), zero);
+        let matt = (one - self.glossy - self.even) * cosine_pdf(l.z);
+        self.glossy * ggx_visible_pdf(v, l, self.alpha) + even + matt
     }
 }
 

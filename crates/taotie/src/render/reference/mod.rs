@@ -15,6 +15,7 @@
 mod camera;
 mod patch;
 mod respond;
+mod scatter;
 mod settings;
 mod surfaces;
 mod surround;
@@ -45,7 +46,6 @@ struct Tracer<'t, 'a> {
     view: View,
     camera: CameraRays,
     sources: Vec<Source>,
-    /// Only where there is no environment.
     ambient: Vec3,
     surround: Option<Surround<'t>>,
     settings: &'t RenderSettings,
@@ -59,9 +59,9 @@ struct Tracer<'t, 'a> {
 
 /// Takes a picture by following paths of light. The same settings give the same bits with any number of threads.
 ///
-/// Of `settings`, the number of samples is not read, and without shadows lights shine through everything, as in the
-/// rasteriser; environment and surfaces always throw shadows. [`Lighting::ambient`] is as there too, but only where
-/// there is no environment. Cameras see single-sided surfaces from their front; light meets both sides of all. The
+/// Of `settings`, the number of samples and `specular_aa` are not read, since many paths average what is too fine for a
+/// pixel. Without shadows lights shine through everything, as in the rasteriser; environment and surfaces always throw
+/// shadows. [`Lighting::ambient`] is reflected at every surface. Cameras see single-sided surfaces from their front; light meets both sides of all. The
 /// frame's output variables show the first path of each pixel. `progress` is called from one thread with the fraction
 /// done, now and then.
 ///
@@ -79,20 +79,19 @@ pub fn reference(
     reference.check()?;
     crate::image::Image::check_size(settings.width, settings.height)?;
     let size = prepared.scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
-    let surround = lighting.environment.as_ref().map(Surround::new);
     let tracer = Tracer {
         prepared,
         sight: Sight::new(prepared),
         view: View::new(camera, settings.width, settings.height)?,
         camera: CameraRays::new(camera, [settings.width, settings.height]),
         sources: lighting.lights.iter().map(Source::new).collect(),
-        ambient: if surround.is_some() { Vec3::default() } else { lighting.ambient },
-        surround,
+        ambient: lighting.ambient,
+        surround: lighting.environment.as_ref().map(Surround::new),
         settings,
         reference: *reference,
         level: settings.simd.dispatch()?,
         lift: (size * SHADOW_LIFT) as f32,
-        emitters: prepared.draws.iter().any(|draw| draw.material.unlit || draw.material.emissive != [0.0; 3]),
+        emitters: prepared.draws.iter().any(walk::shines),
     };
     tracer.picture(progress)
 }

@@ -4,10 +4,10 @@
 use super::super::batch::{Batch, Column, Column3, load, load3, splat3, store3};
 use super::super::lighting::Source;
 use super::super::point::SurfacePoint;
+use super::scatter::Scatter;
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::scene::Material;
-use crate::shade::sampling::{Lobes, raised};
-use crate::shade::{Angles, Shading};
+use crate::shade::Shading;
 use fearless_simd::Level;
 
 /// What the answers depend on beside the fragments.
@@ -32,7 +32,7 @@ pub(super) struct Exchange {
     pub to_sky: Column3,
     /// Where the path goes on; unit, world space.
     pub onward: Column3,
-    /// Densities of [`Lobes`] for both directions.
+    /// Densities of [`Scatter`] for both directions.
     pub sky_pdf: Column,
     pub onward_pdf: Column,
     /// What leaves without any of these: emission and reflected ambient light.
@@ -74,7 +74,7 @@ fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, e
         let surface: SurfacePoint<P> =
             SurfacePoint::new(token, question.shading, question.material, batch, i);
         store3(own(token, question, &surface, batch, i), &mut exchange.own, i);
-        let scatter = Scatter::new(question.shading, &surface);
+        let scatter = Scatter::new(&surface);
         let [u, v, w] = &exchange.u;
         let onward = scatter.direction([load(token, u, i), load(token, v, i), load(token, w, i)]);
         store3(onward, &mut exchange.onward, i);
@@ -91,8 +91,8 @@ fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, e
             };
             let shadowed = request >= sources || question.shadows;
             let reflected = reflected(&surface, l, shadowed).mul_elements(irradiance);
-            if let Some(lit) = exchange.lit.get_mut(request) {
-                store3(reflected, lit, i);
+            if request < sources {
+                store3(reflected, &mut exchange.lit[request], i);
                 continue;
             }
             let pdf = scatter.pdf(l);
@@ -118,8 +118,8 @@ fn own<P: Pack>(
     batch: &Batch,
     i: usize,
 ) -> Vec3<P> {
-    let surround = splat3(token, question.ambient) * load(token, &batch.occlusion, i);
-    load3(token, &batch.emissive, i) + surface.ambient.mul_elements(surround)
+    let ambient = splat3(token, question.ambient) * load(token, &batch.occlusion, i);
+    surface.emitted + surface.ambient.mul_elements(ambient)
 }
 
 /// Radiance per unit of irradiance; where light is `shadowed` behind the shading normal, 0 there.
@@ -131,39 +131,4 @@ fn reflected<P: Pack>(surface: &SurfacePoint<P>, l: Vec3<P>, shadowed: bool) -> 
     }
     let zero = l.x.lit(0.0);
     Vec3::select(zero.lt(surface.n.dot(l)), reflected, Vec3::splat(zero))
-}
-
-/// Where a surface point sends paths.
-struct Scatter<L> {
-    n: Vec3<L>,
-    /// Perpendicular to n and to one another.
-    t: Vec3<L>,
-    b: Vec3<L>,
-    /// To the viewer, above the horizon.
-    v: Vec3<L>,
-    lobes: Lobes<L>,
-}
-
-impl<P: Pack> Scatter<P> {
-    #[inline(always)]
-    fn new(shading: Shading, surface: &SurfacePoint<P>) -> Self {
-        let n = surface.n.normalize_or(surface.v);
-        let v = raised(n, surface.v);
-        let lobes = Lobes::of(shading, &surface.substance, n.dot(v));
-        let t = n.any_perpendicular();
-        Self { n, t, b: n.cross(t), v, lobes }
-    }
-
-    /// Unit, world space.
-    #[inline(always)]
-    fn direction(&self, u: [P; 3]) -> Vec3<P> {
-        let v = Vec3::new(self.t.dot(self.v), self.b.dot(self.v), self.n.dot(self.v));
-        let l = self.lobes.direction(v, u);
-        (self.t * l.x + self.b * l.y + self.n * l.z).normalize()
-    }
-
-    #[inline(always)]
-    fn pdf(&self, l: Vec3<P>) -> P {
-        self.lobes.pdf(&Angles::new(self.n, self.v, l))
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::super::batch::{BATCH, Batch, get3, set3};
 use super::super::fragments::{Footprint, Interpolation};
-use super::super::normals::complete;
+use super::super::point::complete;
 use super::super::prepare::Draw;
 use super::super::view::Eye;
 use super::Tracer;
@@ -138,36 +138,39 @@ impl Tracer<'_, '_> {
         witness: &mut Witness<'_>,
     ) {
         let draw = &self.prepared.draws[meetings[0].1.draw as usize];
+        let last = depth > self.reference.bounces;
+        if last && !shines(draw) {
+            return;
+        }
         self.gather(depth, draw, meetings, paths, work);
+        complete(self.level, self.settings, draw, &mut work.batch);
         if depth == 0 {
-            complete(self.level, draw, &self.settings, &mut work.batch);
             for (i, (index, meeting)) in meetings.iter().enumerate() {
                 let path = &mut paths[*index as usize];
                 path.coverage = 1.0;
                 witness(path, &work.batch, i, meeting.triangle);
             }
         }
-        if draw.material.unlit || depth > self.reference.bounces {
-            self.shine(draw, meetings, paths, work);
+        if draw.material.unlit {
+            self.show_color(draw, meetings, paths, work);
             return;
         }
-        if depth > 0 {
-            complete(self.level, draw, &self.settings, &mut work.batch);
+        if !last {
+            self.choose(depth, meetings, paths, work);
         }
-        self.choose(depth, meetings, paths, work);
         let question = Question {
             shading: self.settings.shading,
             material: draw.material,
-            sources: &self.sources,
-            ambient: self.ambient,
+            sources: if last { &[] } else { &self.sources },
+            ambient: if last { Vec3::default() } else { self.ambient },
             shadows: self.settings.shadows,
-            sky: !work.sky.is_empty(),
-            onward: self.goes_on(depth),
+            sky: !last && !work.sky.is_empty(),
+            onward: !last && self.goes_on(depth),
         };
         respond(self.level, &question, &work.batch, &mut work.exchange);
         for (i, (index, _)) in meetings.iter().enumerate() {
             let path = &mut paths[*index as usize];
-            self.gain(depth, i, path, work);
+            self.gain(depth, i, path, (&question, work));
             if question.onward && self.send_on(depth, i, path, work) {
                 work.alive.push(*index);
             }
@@ -207,16 +210,13 @@ impl Tracer<'_, '_> {
         }
     }
 
-    /// What surfaces send out without reflecting anything.
-    fn shine(&self, draw: &Draw<'_>, meetings: &[(u32, Meeting)], paths: &mut [Path], work: &Workspace) {
+    /// What unlit surfaces send out.
+    fn show_color(&self, draw: &Draw<'_>, meetings: &[(u32, Meeting)], paths: &mut [Path], work: &Workspace) {
         let [r, g, b, _] = draw.material.base_color;
         for (i, (index, _)) in meetings.iter().enumerate() {
-            let own = match draw.material.unlit {
-                true => get3(&work.batch.tint, i).mul_elements(Vec3::new(r, g, b)),
-                false => get3(&work.batch.emissive, i),
-            };
             let path = &mut paths[*index as usize];
-            path.light += path.throughput.mul_elements(own);
+            let color = get3(&work.batch.tint, i).mul_elements(Vec3::new(r, g, b));
+            path.light += path.throughput.mul_elements(color);
         }
     }
 
@@ -238,10 +238,10 @@ impl Tracer<'_, '_> {
     }
 
     /// Adds the light that entry `i` emits and reflects from lights and environment.
-    fn gain(&self, depth: u32, i: usize, path: &mut Path, work: &Workspace) {
+    fn gain(&self, depth: u32, i: usize, path: &mut Path, (question, work): (&Question<'_>, &Workspace)) {
         let origin = work.origins[i];
         let mut light = get3(&work.exchange.own, i);
-        for (number, (source, lit)) in self.sources.iter().zip(&work.exchange.lit).enumerate() {
+        for (number, (source, lit)) in question.sources.iter().zip(&work.exchange.lit).enumerate() {
             let reflected = get3(lit, i);
             if reflected == Vec3::default() {
                 continue;
@@ -252,20 +252,14 @@ impl Tracer<'_, '_> {
                 light += reflected;
             }
         }
-        if let Some(sample) = work.sky.get(i) {
-            light += self.sky_light(depth, i, sample, path, work);
+        if question.sky {
+            light += self.sky_light(depth, i, path, work);
         }
         path.light += path.throughput.mul_elements(light);
     }
 
-    fn sky_light(
-        &self,
-        depth: u32,
-        i: usize,
-        sample: &EnvironmentSample,
-        path: &Path,
-        work: &Workspace,
-    ) -> Vec3 {
+    fn sky_light(&self, depth: u32, i: usize, path: &Path, work: &Workspace) -> Vec3 {
+        let sample = &work.sky[i];
         let reflected = get3(&work.exchange.from_sky, i).mul_elements(sample.radiance);
         let ray = Ray::new(work.origins[i], sample.direction);
         if reflected == Vec3::default() || !self.sight.is_free(&ray, f32::INFINITY, path.shadow(depth, 0)) {
@@ -302,6 +296,11 @@ impl Tracer<'_, '_> {
         path.below = get3(&work.batch.n_geom, i).dot(path.direction) < 0.0;
         true
     }
+}
+
+/// Whether a surface sends out light of its own.
+pub(super) fn shines(draw: &Draw<'_>) -> bool {
+    draw.material.unlit || draw.material.emissive != [0.0; 3]
 }
 
 impl Path {

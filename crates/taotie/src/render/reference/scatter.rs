@@ -1,0 +1,104 @@
+//! Where a surface sends paths: as its base reflects, or as its lacquer does.
+
+use super::super::layers::Coat;
+use super::super::point::SurfacePoint;
+use crate::math::{Lane, Pack, Vec3};
+use crate::shade::coat_fresnel;
+use crate::shade::ndf::alpha_from_roughness;
+use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrored, raised};
+
+/// Where a surface point sends paths.
+pub(super) struct Scatter<L> {
+    base: Frame<L>,
+    lobes: Lobes<L>,
+    coat: Option<CoatLobe<L>>,
+}
+
+/// A lacquer's own lobe.
+struct CoatLobe<L> {
+    frame: Frame<L>,
+    alpha: L,
+    /// How often it is chosen, (0, 1).
+    share: L,
+}
+
+/// A normal's own space, and the viewer in it.
+struct Frame<L> {
+    t: Vec3<L>,
+    b: Vec3<L>,
+    n: Vec3<L>,
+    /// To the viewer, raised above the horizon.
+    v: Vec3<L>,
+}
+
+impl<P: Pack> Scatter<P> {
+    #[inline(always)]
+    pub(super) fn new(surface: &SurfacePoint<P>) -> Self {
+        let n = surface.n.normalize_or(surface.v);
+        let t = match &surface.stretch {
+            Some(stretch) => stretch.tangent,
+            None => n.any_perpendicular(),
+        };
+        let base = Frame::new(n, t, surface.v);
+        let mut lobes = Lobes::of(surface.shading, &surface.substance, base.v.z);
+        if let Some(stretch) = &surface.stretch {
+            lobes.alpha = [stretch.along, stretch.across];
+        }
+        let coat = surface.coat.as_ref().map(|coat| CoatLobe::new(coat, surface));
+        Self { base, lobes, coat }
+    }
+
+    /// A direction, unit, world space; it may lie below the horizon. `u` in [0, 1)³.
+    #[inline(always)]
+    pub(super) fn direction(&self, [u, along, around]: [P; 3]) -> Vec3<P> {
+        let Some(coat) = &self.coat else {
+            return self.base.to_world(self.lobes.direction(self.base.v, [u, along, around]));
+        };
+        let by_coat = u.lt(coat.share);
+        let rest = ((u - coat.share) / (u.lit(1.0) - coat.share)).max(u.lit(0.0));
+        let base = self.base.to_world(self.lobes.direction(self.base.v, [rest, along, around]));
+        let m = ggx_visible_normal(coat.frame.v, [coat.alpha; 2], [along, around]);
+        Vec3::select(by_coat, coat.frame.to_world(mirrored(coat.frame.v, m)), base)
+    }
+
+    /// The density of [`Self::direction`].
+    #[inline(always)]
+    pub(super) fn pdf(&self, l: Vec3<P>) -> P {
+        let base = self.lobes.pdf(self.base.v, self.base.to_local(l));
+        let Some(coat) = &self.coat else { return base };
+        let by_coat = ggx_visible_pdf(coat.frame.v, coat.frame.to_local(l), [coat.alpha; 2]);
+        base + (by_coat - base) * coat.share
+    }
+}
+
+impl<P: Pack> CoatLobe<P> {
+    #[inline(always)]
+    fn new(coat: &Coat<P>, surface: &SurfacePoint<P>) -> Self {
+        let frame = Frame::new(coat.n, coat.n.any_perpendicular(), surface.v);
+        let reflected = coat.factor * coat_fresnel(frame.v.z.clamp(0.0, 1.0));
+        let Vec3 { x, y, z } = surface.substance.base_color + surface.substance.f0;
+        let below = (x + y + z) * x.lit(1.0 / 3.0);
+        let share = (reflected / (reflected + below).max(x.lit(1e-6))).clamp(0.1, 0.9);
+        Self { frame, alpha: alpha_from_roughness(coat.roughness), share }
+    }
+}
+
+impl<L: Lane> Frame<L> {
+    /// `n`, `t` and `v` unit, world space; `t` at a right angle to `n`.
+    #[inline(always)]
+    fn new(n: Vec3<L>, t: Vec3<L>, v: Vec3<L>) -> Self {
+        let frame = Self { t, b: n.cross(t), n, v };
+        let v = frame.to_local(raised(n, v));
+        Self { v: Vec3::new(v.x, v.y, v.z.max(v.z.lit(1e-5))), ..frame }
+    }
+
+    #[inline(always)]
+    fn to_local(&self, world: Vec3<L>) -> Vec3<L> {
+        Vec3::new(self.t.dot(world), self.b.dot(world), self.n.dot(world))
+    }
+
+    #[inline(always)]
+    fn to_world(&self, local: Vec3<L>) -> Vec3<L> {
+        (self.t * local.x + self.b * local.y + self.n * local.z).normalize()
+    }
+}
