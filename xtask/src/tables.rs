@@ -32,7 +32,7 @@ fn source<const N: usize>(lobe: &str, table: &[[f64; N]]) -> String {
          #[rustfmt::skip]\n\
          pub(super) static TABLE: [[f32; {N}]; COLUMNS * ROWS] = [\n"
     );
-    for row in table.chunks(4) {
+    for row in table.chunks(COLUMNS) {
         let nodes: Vec<String> = row.iter().map(|node| entry(node)).collect();
         let _ = writeln!(text, "    {},", nodes.join(", "));
     }

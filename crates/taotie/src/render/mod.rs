@@ -5,6 +5,7 @@
 //! visibility, fragments (interpolation and textures), normals, shadows, lighting, and resolve into the tile.
 
 mod albedos;
+mod backdrop;
 mod batch;
 mod follow;
 mod fragments;
@@ -15,6 +16,7 @@ mod normals;
 mod pass;
 mod point;
 mod prepare;
+mod rays;
 mod reference;
 mod settings;
 mod shadows;

@@ -1,11 +1,13 @@
 //! One picture of a prepared scene, tile by tile and stage by stage.
 
+use super::backdrop::Backdrop;
 use super::batch::{BATCH, Batch, get3};
 use super::fragments::{Gather, Key};
 use super::frame::{Frame, TilePicture};
 use super::lighting::{Illumination, Source, light};
 use super::point::complete;
 use super::prepare::Prepared;
+use super::rays::CameraRays;
 use super::settings::{EnvironmentLight, Lighting, RenderSettings};
 use super::shadows::trace_shadows;
 use super::surround;
@@ -39,6 +41,7 @@ pub struct Pass<'p, 'a> {
     sources: Vec<Source>,
     ambient: Vec3,
     environment: Option<EnvironmentLight>,
+    backdrop: Option<Backdrop>,
     pub(super) settings: RenderSettings,
     level: Level,
 }
@@ -94,6 +97,10 @@ impl<'p, 'a> Pass<'p, 'a> {
             sources: lighting.lights.iter().map(Source::new).collect(),
             ambient: lighting.ambient,
             environment: lighting.environment.clone(),
+            backdrop: Backdrop::new(
+                lighting.environment.as_ref(),
+                CameraRays::new(camera, [settings.width, settings.height]),
+            ),
             settings: settings.clone(),
             level: settings.simd.dispatch()?,
         })
@@ -146,6 +153,9 @@ impl<'p, 'a> Pass<'p, 'a> {
             let keys = self.visible(&tile, sample, &mut plane)?;
             let shaded = self.shade(&tile, sample, &keys, &mut batch, &mut resolve);
             resolve.add(shaded);
+        }
+        if let Some(backdrop) = &self.backdrop {
+            backdrop.fill(&tile, &mut resolve.picture.color);
         }
         Ok((tile, resolve.picture))
     }
@@ -221,7 +231,7 @@ impl<'p, 'a> Pass<'p, 'a> {
     pub fn light(&self, draw: usize, origins: &[Vec3; BATCH], batch: &mut Batch) {
         let draw = &self.prepared.draws[draw];
         let settings = &self.settings;
-        complete(self.level, settings, draw, self.environment.is_some(), batch);
+        complete(self.level, settings, draw, batch);
         if let Some(environment) = &self.environment {
             surround::look_up(environment, settings.shading, draw, batch);
         }

@@ -6,26 +6,20 @@ use super::layers::{Coat, Fibres, Terminator};
 use super::normals::shade_normals;
 use super::prepare::Draw;
 use super::settings::{GrazingNormals, RenderSettings};
-use super::substance::{substance, takes_compensation, takes_layers};
+use super::substance::{substance, takes_albedos, takes_layers};
 use crate::math::{Pack, Vec3};
 use crate::scene::Material;
 use crate::shade::dfg::Dfg;
 use crate::shade::{self, Angles, Shading, Stretch, Substance};
 use fearless_simd::Level;
 
-/// Fills what points of a surface need beside interpolated and looked up values: the shading normals and, where `tables`
-/// are wanted or the model needs them, the directional albedos.
-pub(super) fn complete(
-    level: Level,
-    settings: &RenderSettings,
-    draw: &Draw<'_>,
-    tables: bool,
-    batch: &mut Batch,
-) {
+/// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the directional
+/// albedos of the lobes.
+pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>, batch: &mut Batch) {
     let shading = settings.shading;
     let grazing = if shading.is_printed() { GrazingNormals::Keep } else { settings.grazing_normals };
     shade_normals(level, draw, grazing, batch);
-    if tables || takes_compensation(shading) {
+    if takes_albedos(shading) {
         albedos::look_up(shading, settings.energy, draw, batch);
     }
 }

@@ -24,6 +24,11 @@ pub(super) fn takes_compensation(shading: Shading) -> bool {
     matches!(shading, Shading::Ggx | Shading::CookTorrance)
 }
 
+/// Whether the model has a microfacet lobe, whose directional albedos are in tables.
+pub(super) fn takes_albedos(shading: Shading) -> bool {
+    takes_compensation(shading) || matches!(shading, Shading::GgxPrinted | Shading::CookTorrancePrinted)
+}
+
 /// The surface's parameters in every model's terms, and k_a. What the material does not author follows from the
 /// metallic-roughness values.
 #[inline(always)]

@@ -1,6 +1,8 @@
 //! The container and its JSON: what a `.gltf` or `.glb` file holds before any of it is believed.
 
-use super::uri;
+use super::buffers::Buffers;
+use super::container::split;
+use super::extensions::check_extensions;
 use crate::error::{Error, Result, Warnings};
 use crate::io::file;
 use gltf::json::{self, Root, Value};
@@ -8,26 +10,6 @@ use std::path::{Path, PathBuf};
 
 /// Why something cannot be read; the caller knows where in the file that is.
 pub(super) type Reason<T> = std::result::Result<T, String>;
-
-/// Extensions whose meaning is drawn.
-const SUPPORTED: [&str; 12] = [
-    "KHR_lights_punctual",
-    "KHR_texture_transform",
-    "KHR_mesh_quantization",
-    "KHR_materials_unlit",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-    "KHR_materials_clearcoat",
-    "KHR_materials_anisotropy",
-    "KHR_materials_sheen",
-    "KHR_materials_variants",
-    "EXT_texture_webp",
-];
-
-/// Extensions that do not change a picture with the default materials; the channels of KHR_animation_pointer are left
-/// out with a warning of their own.
-const WITHOUT_EFFECT: [&str; 3] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer"];
 
 /// A parsed file with its buffers.
 pub(super) struct Document {
@@ -39,8 +21,7 @@ pub(super) struct Document {
     pub format: &'static str,
     /// The animations' JSON, whose types are checked channel by channel.
     pub animations: Vec<Value>,
-    /// The bytes of each buffer; `None` for one that has no source.
-    buffers: Vec<Option<Vec<u8>>>,
+    buffers: Buffers,
 }
 
 impl Document {
@@ -50,9 +31,8 @@ impl Document {
         let format = if blob.is_some() { "GLB" } else { "glTF" };
         let (root, animations) = parse(path, &text)?;
         check_extensions(path, &root, warnings)?;
-        let mut document = Self { path: path.to_path_buf(), root, format, animations, buffers: Vec::new() };
-        document.load_buffers(blob.filter(|b| !b.is_empty()), warnings)?;
-        Ok(document)
+        let buffers = Buffers::load(path, &root, blob.filter(|b| !b.is_empty()), warnings)?;
+        Ok(Self { path: path.to_path_buf(), root, format, animations, buffers })
     }
 
     /// An error at a place in this file.
@@ -68,111 +48,18 @@ impl Document {
     /// The bytes of a buffer view and its stride, where it has one.
     pub fn view(&self, index: usize) -> Reason<(&[u8], Option<usize>)> {
         let view = self.root.buffer_views.get(index).ok_or_else(|| no_such("buffer view", index))?;
-        let buffer = view.buffer.value();
-        let bytes = self
-            .buffers
-            .get(buffer)
-            .ok_or_else(|| no_such("buffer", buffer))?
-            .as_ref()
-            .ok_or_else(|| format!("buffer {buffer} has no data, only what an extension would fill"))?;
-        let start = view.byte_offset.map_or(0, |o| o.0);
-        let end = start.checked_add(view.byte_length.0).filter(|end| *end <= bytes.len() as u64);
-        let end = end.ok_or_else(|| {
-            format!(
-                "buffer view {index} ends at byte {}, but buffer {buffer} has {}",
-                start.saturating_add(view.byte_length.0),
-                bytes.len()
-            )
-        })?;
-        Ok((&bytes[start as usize..end as usize], view.byte_stride.map(|s| s.0)))
+        Ok((self.buffers.view(index, view)?, view.byte_stride.map(|s| s.0)))
     }
 
-    /// How many bytes all buffers have.
+    /// How many bytes all buffers have, unpacked.
     pub fn total_bytes(&self) -> usize {
-        self.buffers.iter().flatten().map(Vec::len).sum()
-    }
-
-    fn load_buffers(&mut self, mut blob: Option<Vec<u8>>, warnings: &mut Warnings) -> Result<()> {
-        for (i, buffer) in self.root.buffers.iter().enumerate() {
-            let at = || format!("buffer {i}");
-            let bytes = match &buffer.uri {
-                Some(name) => Some(self.load_buffer(name, &at())?),
-                None if i == 0 => blob.take(),
-                None => None,
-            };
-            if let Some(bytes) = &bytes
-                && (bytes.len() as u64) < buffer.byte_length.0
-            {
-                warnings.note(format!("buffer {i} has {} bytes, fewer than declared", bytes.len()), 1);
-            }
-            self.buffers.push(bytes);
-        }
-        Ok(())
-    }
-
-    fn load_buffer(&self, name: &str, at: &str) -> Result<Vec<u8>> {
-        let short = uri::shortened(name);
-        match uri::locate(name, self.folder()) {
-            Ok(uri::Source::Data { bytes, .. }) => Ok(bytes),
-            Ok(uri::Source::File(path)) if path.exists() => file::read(&path),
-            Ok(uri::Source::File(path)) => {
-                let what = format!("the file '{short}' is missing; put it at {}", path.display());
-                Err(self.error(at, what))
-            }
-            Err(why) => Err(self.error(at, format!("'{short}': {why}"))),
-        }
+        self.buffers.total_bytes()
     }
 }
 
 /// The usual words for an index out of range.
 pub(super) fn no_such(what: &str, index: usize) -> String {
     format!("it names {what} {index}, which does not exist")
-}
-
-/// The JSON text and, for GLB, the binary chunk (empty where there is none).
-fn split(path: &Path, mut bytes: Vec<u8>) -> Result<(Vec<u8>, Option<Vec<u8>>)> {
-    if !bytes.starts_with(b"glTF") {
-        return Ok((bytes, None));
-    }
-    let version = little_endian(&bytes, 4).ok_or_else(|| truncated(path, "header"))?;
-    if version != 2 {
-        return Err(Error::unsupported(
-            format!("{}: GLB container version {version}", path.display()),
-            "save the model as glTF 2.0",
-        ));
-    }
-    let mut at = 12;
-    let mut json = None;
-    while at < bytes.len() {
-        let (Some(length), Some(kind)) = (little_endian(&bytes, at), bytes.get(at + 4..at + 8)) else {
-            return Err(truncated(path, &format!("chunk header at byte {at}")));
-        };
-        let (start, end) = (at + 8, at + 8 + length as usize);
-        if end > bytes.len() {
-            return Err(truncated(path, &format!("chunk at byte {at}")));
-        }
-        match (kind, &json) {
-            (b"JSON", None) => json = Some(bytes[start..end].to_vec()),
-            (b"BIN\0", Some(_)) => {
-                bytes.truncate(end);
-                bytes.drain(..start);
-                return Ok((json.unwrap_or_default(), Some(bytes)));
-            }
-            (_, None) => return Err(Error::parse(path, "GLB container", "its first chunk is not JSON")),
-            _ => {}
-        }
-        at = end;
-    }
-    let json = json.ok_or_else(|| truncated(path, "JSON chunk"))?;
-    Ok((json, Some(Vec::new())))
-}
-
-fn truncated(path: &Path, what: &str) -> Error {
-    Error::parse(path, "GLB container", format!("the file ends inside its {what}; fetch it again"))
-}
-
-fn little_endian(bytes: &[u8], at: usize) -> Option<u32> {
-    Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
 }
 
 /// The typed JSON, and the animations, which are taken out of it so that a wrong one harms nothing else.
@@ -236,21 +123,6 @@ fn tidy_value(value: &mut Value) {
         }
         _ => {}
     }
-}
-
-fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings) -> Result<()> {
-    let known =
-        |name: &&String| SUPPORTED.contains(&name.as_str()) || WITHOUT_EFFECT.contains(&name.as_str());
-    if let Some(name) = root.extensions_required.iter().find(|name| !known(name)) {
-        return Err(Error::unsupported(
-            format!("{}: the required extension {name}", path.display()),
-            "save the model without it",
-        ));
-    }
-    for name in root.extensions_used.iter().filter(|name| !known(name)) {
-        warnings.note(format!("the extension {name} is ignored"), 1);
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -5,13 +5,17 @@
 
 mod accessor;
 mod animations;
+mod buffers;
+mod container;
 mod deforming;
 mod document;
+mod extensions;
 mod images;
 mod layers;
 mod lights;
 mod materials;
 mod meshes;
+mod meshopt;
 mod nodes;
 mod primitives;
 mod samplers;

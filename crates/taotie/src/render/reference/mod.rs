@@ -12,7 +12,6 @@
 //! from, and that light behind the shading normal counts as shadowed. What differs: blended surfaces let light through
 //! in proportion to what they lack, where the rasteriser's cast no shadow.
 
-mod camera;
 mod patch;
 mod respond;
 mod scatter;
@@ -28,12 +27,12 @@ use super::frame::Frame;
 use super::lighting::Source;
 use super::pass::SHADOW_LIFT;
 use super::prepare::Prepared;
+use super::rays::CameraRays;
 use super::settings::{Lighting, RenderSettings};
 use super::view::View;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::scene::Camera;
-use camera::CameraRays;
 use fearless_simd::Level;
 use rayon::prelude::*;
 use surfaces::Sight;

@@ -143,7 +143,7 @@ impl Tracer<'_, '_> {
             return;
         }
         self.gather(depth, draw, meetings, paths, work);
-        complete(self.level, self.settings, draw, false, &mut work.batch);
+        complete(self.level, self.settings, draw, &mut work.batch);
         if depth == 0 {
             for (i, (index, meeting)) in meetings.iter().enumerate() {
                 let path = &mut paths[*index as usize];

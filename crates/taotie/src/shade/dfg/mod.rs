@@ -14,10 +14,10 @@ mod sheen;
 use crate::math::{Lane, Vec3};
 
 /// Nodes along √(n·v).
-pub const COLUMNS: usize = 48;
+pub const COLUMNS: usize = 64;
 
 /// Nodes along the roughness.
-pub const ROWS: usize = 32;
+pub const ROWS: usize = 48;
 
 /// What a lobe reflects in all, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +68,7 @@ pub fn of_cook_torrance(n_dot_v: f32, slope: f32) -> Dfg<f32> {
 /// The share of light that fibres of the colour white reflect, [0, 1].
 ///
 /// `n_dot_v` and `roughness` in [0, 1].
+/// Law: within 1 % of the quadrature (`laws_energy::fibres_reflect_what_their_table_says_and_no_more_than_arrives`).
 pub fn of_sheen(n_dot_v: f32, roughness: f32) -> f32 {
     bilinear(&sheen::TABLE, n_dot_v, roughness)[0]
 }

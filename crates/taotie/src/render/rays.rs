@@ -60,7 +60,7 @@ impl CameraRays {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::view::View;
+    use super::super::view::View;
     use super::*;
     use crate::scene::Orbit;
 

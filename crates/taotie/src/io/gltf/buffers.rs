@@ -1,0 +1,113 @@
+//! The bytes of buffers and of their views, unpacked where they are compressed.
+
+use super::document::{Reason, no_such};
+use super::meshopt::{self, Packed};
+use super::uri;
+use crate::error::{Error, Result, Warnings};
+use crate::io::file;
+use gltf::json::Root;
+use gltf::json::buffer::View;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The most bytes that all compressed views unpack to, in multiples of the bytes of the buffers, and that many more.
+/// Several views may name the same packed bytes, so a limit for each alone would not bound their sum.
+const MAX_UNPACKED_PER_BYTE: usize = 64;
+const MAX_UNPACKED_OF_SMALL: usize = 1 << 28;
+
+/// What the file's buffers hold.
+pub(super) struct Buffers {
+    /// The bytes of each buffer; `None` for one that has no source.
+    buffers: Vec<Option<Vec<u8>>>,
+    /// The bytes of compressed views, or why they cannot be had.
+    unpacked: BTreeMap<usize, Reason<Vec<u8>>>,
+}
+
+impl Buffers {
+    /// Reads every buffer that `root` names; `blob` is the binary chunk of the container.
+    ///
+    /// # Errors
+    /// Where a buffer cannot be read. A compressed view that is damaged is told from [`Self::view`].
+    pub fn load(
+        path: &Path,
+        root: &Root,
+        mut blob: Option<Vec<u8>>,
+        warnings: &mut Warnings,
+    ) -> Result<Self> {
+        let mut buffers = Vec::new();
+        for (i, buffer) in root.buffers.iter().enumerate() {
+            let bytes = match &buffer.uri {
+                _ if meshopt::is_fallback(buffer) => None,
+                Some(name) => Some(load_buffer(path, name, i)?),
+                None if i == 0 => blob.take(),
+                None => None,
+            };
+            if let Some(bytes) = &bytes
+                && (bytes.len() as u64) < buffer.byte_length.0
+            {
+                warnings.note(format!("buffer {i} has {} bytes, fewer than declared", bytes.len()), 1);
+            }
+            buffers.push(bytes);
+        }
+        let mut buffers = Self { buffers, unpacked: BTreeMap::new() };
+        buffers.unpack(root);
+        Ok(buffers)
+    }
+
+    /// The bytes of view `index`, which is `view`.
+    pub fn view(&self, index: usize, view: &View) -> Reason<&[u8]> {
+        let start = view.byte_offset.map_or(0, |o| o.0);
+        let bytes = match self.unpacked.get(&index) {
+            Some(unpacked) => unpacked.as_deref().map_err(Clone::clone),
+            None => self.range(view.buffer.value(), start, view.byte_length.0),
+        };
+        bytes.map_err(|why| format!("buffer view {index}: {why}"))
+    }
+
+    /// How many bytes there are, those of compressed views as unpacked.
+    pub fn total_bytes(&self) -> usize {
+        let unpacked = self.unpacked.values().flatten();
+        self.buffers.iter().flatten().chain(unpacked).map(Vec::len).sum()
+    }
+
+    fn range(&self, buffer: usize, start: u64, length: u64) -> Reason<&[u8]> {
+        let bytes = self
+            .buffers
+            .get(buffer)
+            .ok_or_else(|| no_such("buffer", buffer))?
+            .as_ref()
+            .ok_or_else(|| format!("buffer {buffer} has no data, only what an extension would fill"))?;
+        let end = start.saturating_add(length);
+        if end > bytes.len() as u64 {
+            return Err(format!("it ends at byte {end}, but buffer {buffer} has {}", bytes.len()));
+        }
+        Ok(&bytes[start as usize..end as usize])
+    }
+
+    fn unpack(&mut self, root: &Root) {
+        let mut budget = MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * self.total_bytes();
+        for (index, view) in root.buffer_views.iter().enumerate() {
+            let Some(json) = meshopt::of_view(view) else { continue };
+            let unpacked = Packed::read(json).and_then(|packed| {
+                let bytes = self.range(packed.buffer, packed.offset, packed.length)?;
+                let rest = budget.checked_sub(packed.size());
+                budget = rest.ok_or("the compressed views of the file unpack to too many bytes")?;
+                packed.unpack(bytes)
+            });
+            self.unpacked.insert(index, unpacked);
+        }
+    }
+}
+
+fn load_buffer(path: &Path, name: &str, index: usize) -> Result<Vec<u8>> {
+    let wrong = |what: String| Err(Error::parse(path, format!("buffer {index}"), what));
+    let short = uri::shortened(name);
+    match uri::locate(name, path.parent().unwrap_or(Path::new(""))) {
+        Ok(uri::Source::Data { bytes, .. }) => Ok(bytes),
+        Ok(uri::Source::File(path)) if path.exists() => file::read(&path),
+        Ok(uri::Source::File(path)) => {
+            wrong(format!("the file '{short}' is missing; put it at {}", path.display()))
+        }
+        Err(why) => wrong(format!("'{short}': {why}")),
+    }
+}

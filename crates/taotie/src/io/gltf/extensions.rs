@@ -1,0 +1,43 @@
+//! Which extensions of a file are understood.
+
+use crate::error::{Error, Result, Warnings};
+use gltf::json::Root;
+use std::path::Path;
+
+/// Extensions whose meaning is drawn.
+const SUPPORTED: [&str; 14] = [
+    "KHR_lights_punctual",
+    "KHR_texture_transform",
+    "KHR_mesh_quantization",
+    "KHR_materials_unlit",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_clearcoat",
+    "KHR_materials_anisotropy",
+    "KHR_materials_sheen",
+    "KHR_materials_variants",
+    "EXT_texture_webp",
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+];
+
+/// Extensions that do not change a picture with the default materials; the channels of KHR_animation_pointer are left
+/// out with a warning of their own.
+const WITHOUT_EFFECT: [&str; 3] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer"];
+
+/// Refuses a file that requires what is not understood, and notes what it merely uses.
+pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings) -> Result<()> {
+    let known =
+        |name: &&String| SUPPORTED.contains(&name.as_str()) || WITHOUT_EFFECT.contains(&name.as_str());
+    if let Some(name) = root.extensions_required.iter().find(|name| !known(name)) {
+        return Err(Error::unsupported(
+            format!("{}: the required extension {name}", path.display()),
+            "save the model without it",
+        ));
+    }
+    for name in root.extensions_used.iter().filter(|name| !known(name)) {
+        warnings.note(format!("the extension {name} is ignored"), 1);
+    }
+    Ok(())
+}

@@ -1,0 +1,206 @@
+//! Laws of energy: what the tables say, what compensation gives back, and what layers leave over.
+
+use taotie::math::Vec3;
+use taotie::shade::dfg::{self, Dfg, integrate};
+use taotie::shade::furnace::{Furnace, over_hemisphere};
+use taotie::shade::sheen::{d_charlie, v_neubelt};
+use taotie::shade::{self, Angles, Shading, Stretch, Substance, compensation, surround};
+
+type V = Vec3<f64>;
+
+const N: V = Vec3::new(0.0, 0.0, 1.0);
+const WHITE: V = Vec3::new(1.0, 1.0, 1.0);
+const BLACK: V = Vec3::new(0.0, 0.0, 0.0);
+const ROUGHNESS: [f64; 8] = [0.1, 0.17, 0.28, 0.4, 0.55, 0.7, 0.86, 1.0];
+const N_DOT_V: [f64; 7] = [0.05, 0.11, 0.23, 0.4, 0.61, 0.83, 1.0];
+
+fn wide(dfg: Dfg<f32>) -> Dfg<f64> {
+    let Dfg { scale, bias, edge, diffuse_edge } = dfg;
+    let [scale, bias, edge, diffuse_edge] = [scale, bias, edge, diffuse_edge].map(f64::from);
+    Dfg { scale, bias, edge, diffuse_edge }
+}
+
+fn viewer(n_dot_v: f64) -> V {
+    Vec3::new((1.0 - n_dot_v * n_dot_v).sqrt(), 0.0, n_dot_v)
+}
+
+/// A white surface of this roughness, compensated for this view.
+fn white(shading: Shading, metallic: f64, roughness: f64, n_dot_v: f64) -> Substance<f64> {
+    let slope = roughness * roughness;
+    let f0 = if metallic > 0.0 { WHITE } else { WHITE * 0.04 };
+    let dfg = tables(shading, roughness, n_dot_v);
+    Substance {
+        base_color: WHITE,
+        metallic,
+        roughness,
+        f0,
+        f90: 1.0,
+        f82_drop: BLACK,
+        diffuse: BLACK,
+        specular: WHITE,
+        shininess: 20.0,
+        slope,
+        compensation: Some(compensation(&dfg, f0, 1.0, BLACK)),
+    }
+}
+
+fn tables(shading: Shading, roughness: f64, n_dot_v: f64) -> Dfg<f64> {
+    wide(match shading {
+        Shading::CookTorrance => dfg::of_cook_torrance(n_dot_v as f32, (roughness * roughness) as f32),
+        _ => dfg::of_ggx(n_dot_v as f32, roughness as f32),
+    })
+}
+
+#[test]
+fn tables_are_exact_between_their_nodes() {
+    let mut worst = [0.0f64; 3];
+    for roughness in [0.04, 0.12, 0.25, 0.38, 0.52, 0.69, 0.81, 0.97] {
+        for n_dot_v in [0.02, 0.07, 0.19, 0.33, 0.52, 0.74, 0.93, 1.0] {
+            let slope = roughness * roughness;
+            let pairs = [
+                (tables(Shading::Ggx, roughness, n_dot_v), integrate::ggx(n_dot_v, roughness)),
+                (tables(Shading::CookTorrance, roughness, n_dot_v), integrate::cook_torrance(n_dot_v, slope)),
+            ];
+            for (k, (table, exact)) in pairs.into_iter().enumerate() {
+                let got = [table.scale, table.bias, table.edge, table.diffuse_edge];
+                for (got, exact) in got.into_iter().zip(exact) {
+                    worst[k] = worst[k].max((got - exact).abs());
+                }
+            }
+            let sheen = f64::from(dfg::of_sheen(n_dot_v as f32, roughness as f32));
+            worst[2] = worst[2].max((sheen - integrate::sheen(n_dot_v, roughness)).abs());
+        }
+    }
+    assert!(worst.iter().all(|worst| *worst < 5e-3), "{worst:?}");
+}
+
+#[test]
+fn compensated_white_metals_return_all_light() {
+    let mut worst = 0.0f64;
+    for shading in [Shading::Ggx, Shading::CookTorrance] {
+        for roughness in ROUGHNESS {
+            for n_dot_v in N_DOT_V {
+                let s = white(shading, 1.0, roughness, n_dot_v);
+                let albedo = Furnace::default().directional_albedo(shading, &s, n_dot_v).x;
+                worst = worst.max((albedo - 1.0).abs());
+            }
+        }
+    }
+    assert!(worst < 0.01, "{worst}");
+}
+
+#[test]
+fn single_scattering_loses_what_compensation_gives_back() {
+    let lossy = Substance { compensation: None, ..white(Shading::Ggx, 1.0, 1.0, 1.0) };
+    let albedo = Furnace::default().directional_albedo(Shading::Ggx, &lossy, 1.0).x;
+    assert!((albedo - (1.0 - std::f64::consts::LN_2)).abs() < 1e-3, "{albedo}");
+}
+
+#[test]
+fn compensated_white_dielectrics_return_all_light_at_any_angle() {
+    for roughness in ROUGHNESS {
+        for n_dot_v in N_DOT_V {
+            let s = white(Shading::Ggx, 0.0, roughness, n_dot_v);
+            let albedo = Furnace::default().directional_albedo(Shading::Ggx, &s, n_dot_v).x;
+            assert!((albedo - 1.0).abs() < 0.01, "{albedo} at roughness {roughness}, n·v {n_dot_v}");
+        }
+    }
+}
+
+#[test]
+fn white_surroundings_come_back_white() {
+    for metallic in [0.0, 1.0] {
+        for roughness in ROUGHNESS {
+            for n_dot_v in N_DOT_V {
+                let s = white(Shading::Ggx, metallic, roughness, n_dot_v);
+                let weights = surround(Shading::Ggx, &s, &tables(Shading::Ggx, roughness, n_dot_v));
+                let sum = weights.specular + weights.diffuse;
+                assert!((sum - WHITE).length() < 1e-6, "{sum:?} at {metallic} {roughness} {n_dot_v}");
+            }
+        }
+    }
+}
+
+#[test]
+fn surroundings_weigh_what_lights_from_everywhere_send() {
+    // The two ways to light a surface agree where light is the same from everywhere, for any colour and for each form.
+    let f0 = Vec3::new(0.9, 0.5, 0.2);
+    for roughness in [0.2, 0.5, 0.9] {
+        for n_dot_v in [0.2, 0.7] {
+            for compensated in [false, true] {
+                let dfg = tables(Shading::Ggx, roughness, n_dot_v);
+                let drop = Vec3::new(2.0, 1.0, 0.0);
+                let f90 = 0.8;
+                let s = Substance {
+                    base_color: Vec3::new(0.3, 0.6, 0.9),
+                    metallic: 0.3,
+                    f0,
+                    f90,
+                    f82_drop: drop,
+                    compensation: compensated.then(|| compensation(&dfg, f0, f90, drop)),
+                    ..white(Shading::Ggx, 0.0, roughness, n_dot_v)
+                };
+                let weights = surround(Shading::Ggx, &s, &dfg);
+                let got = weights.specular + weights.diffuse;
+                let exact = Furnace::default().directional_albedo(Shading::Ggx, &s, n_dot_v);
+                assert!((got - exact).length() < 0.015, "{got:?} for {exact:?}, {roughness} {n_dot_v}");
+            }
+        }
+    }
+}
+
+#[test]
+fn stretched_lobes_of_equal_widths_are_round() {
+    let (t, b) = (Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0));
+    for roughness in [0.2, 0.6, 1.0] {
+        let stretch = Stretch::new(t, b, roughness, 0.0);
+        let s = Substance { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
+        for v in [viewer(0.3), viewer(0.9)] {
+            for l in [viewer(0.5), Vec3::new(0.48, 0.6, 0.64), Vec3::new(-0.6, 0.0, 0.8)] {
+                let a = Angles::new(N, v, l);
+                let round = shade::reflect(Shading::Ggx, &s, &a);
+                let stretched = shade::reflect_stretched(&s, &stretch, &a, [v, l]);
+                assert!(
+                    (round - stretched).length() < 1e-9 * (1.0 + round.length()),
+                    "{round:?} {stretched:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn stretched_lobes_lose_no_more_than_scattering_does() {
+    let (t, b) = (Vec3::new(0.8, 0.6, 0.0), Vec3::new(-0.6, 0.8, 0.0));
+    for (roughness, strength) in [(0.4, 0.5), (0.5, 1.0), (0.7, 0.8)] {
+        let stretch = Stretch::new(t, b, roughness, strength);
+        let s = Substance { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
+        for n_dot_v in [0.3, 0.8, 1.0] {
+            let v = viewer(n_dot_v);
+            let albedo = over_hemisphere(16, |l| {
+                shade::reflect_stretched(&s, &stretch, &Angles::new(N, v, l), [v, l])
+            });
+            let [narrow, broad] = [stretch.across, stretch.along].map(|alpha| {
+                let dfg = dfg::of_ggx(n_dot_v as f32, alpha.sqrt() as f32);
+                f64::from(dfg.total())
+            });
+            let within = narrow.min(broad) - 0.02..=narrow.max(broad) + 0.02;
+            assert!(within.contains(&albedo.x), "{} not in {within:?}", albedo.x);
+        }
+    }
+}
+
+#[test]
+fn fibres_reflect_what_their_table_says_and_no_more_than_arrives() {
+    for roughness in [0.1, 0.3, 0.6, 1.0] {
+        for n_dot_v in [0.1, 0.4, 0.8, 1.0] {
+            let v = viewer(n_dot_v);
+            let sum = over_hemisphere(16, |l| {
+                let a = Angles::new(N, v, l);
+                WHITE * (d_charlie(a.sin2_h, roughness) * v_neubelt(a.n_dot_l, a.n_dot_v) * a.n_dot_l)
+            });
+            let table = f64::from(dfg::of_sheen(n_dot_v as f32, roughness as f32));
+            assert!((sum.x - table).abs() < 1e-2 && sum.x <= 1.0, "{} for {table}", sum.x);
+        }
+    }
+}
