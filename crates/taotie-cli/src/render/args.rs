@@ -46,6 +46,9 @@ pub struct RenderArgs {
     pub material: MaterialArgs,
     #[command(flatten)]
     pub light: LightArgs,
+    /// The object stands on a ground that shows nothing but its soft shadow
+    #[arg(long, help_heading = "Light")]
+    pub ground: bool,
     #[command(flatten)]
     pub camera: CameraArgs,
     #[command(flatten)]
@@ -94,6 +97,7 @@ impl RenderArgs {
                 bump_scale: self.bump_scale.map(|scale| scale as f32),
             },
             shadows: self.light.shadows,
+            ground: self.ground,
             aovs: !self.aovs.is_empty(),
             simd: self.running.simd,
             ..RenderSettings::default()

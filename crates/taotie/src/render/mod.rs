@@ -10,6 +10,7 @@ mod batch;
 mod follow;
 mod fragments;
 mod frame;
+mod ground;
 mod layers;
 mod lighting;
 mod normals;

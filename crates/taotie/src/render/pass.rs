@@ -4,6 +4,7 @@ use super::backdrop::Backdrop;
 use super::batch::{BATCH, Batch, get3};
 use super::fragments::{Gather, Key};
 use super::frame::{Frame, TilePicture};
+use super::ground::Ground;
 use super::lighting::{Illumination, Source, light};
 use super::point::complete;
 use super::prepare::Prepared;
@@ -41,6 +42,7 @@ pub struct Pass<'p, 'a> {
     sources: Vec<Source>,
     ambient: Vec3,
     environment: Option<EnvironmentLight>,
+    ground: Option<Ground>,
     backdrop: Option<Backdrop>,
     pub(super) settings: RenderSettings,
     level: Level,
@@ -85,6 +87,7 @@ impl<'p, 'a> Pass<'p, 'a> {
         let clip = project(prepared, &view);
         let bins = |layered: bool| raster::bin(&geometry(prepared, &clip, layered), &viewport);
         let (opaque, layered) = (bins(false), bins(true));
+        let rays = CameraRays::new(camera, [settings.width, settings.height]);
         let size = prepared.scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
         Ok(Self {
             prepared,
@@ -97,10 +100,8 @@ impl<'p, 'a> Pass<'p, 'a> {
             sources: lighting.lights.iter().map(Source::new).collect(),
             ambient: lighting.ambient,
             environment: lighting.environment.clone(),
-            backdrop: Backdrop::new(
-                lighting.environment.as_ref(),
-                CameraRays::new(camera, [settings.width, settings.height]),
-            ),
+            ground: settings.ground.then(|| Ground::new(prepared, lighting, rays)).flatten(),
+            backdrop: Backdrop::new(lighting.environment.as_ref(), rays),
             settings: settings.clone(),
             level: settings.simd.dispatch()?,
         })
@@ -153,6 +154,9 @@ impl<'p, 'a> Pass<'p, 'a> {
             let keys = self.visible(&tile, sample, &mut plane)?;
             let shaded = self.shade(&tile, sample, &keys, &mut batch, &mut resolve);
             resolve.add(shaded);
+        }
+        if let Some(ground) = &self.ground {
+            ground.fill(&tile, &mut resolve.picture.color);
         }
         if let Some(backdrop) = &self.backdrop {
             backdrop.fill(&tile, &mut resolve.picture.color);

@@ -58,6 +58,8 @@ pub struct RenderSettings {
     pub grazing_normals: GrazingNormals,
     /// Whether lights cast shadows.
     pub shadows: bool,
+    /// Whether the object stands on a ground that shows nothing but its shadow.
+    pub ground: bool,
     /// Whether [`super::Frame::aovs`] is filled.
     pub aovs: bool,
     /// A choice of speed, never of pixels.
@@ -76,6 +78,7 @@ impl Default for RenderSettings {
             specular_aa: true,
             grazing_normals: GrazingNormals::Soften,
             shadows: false,
+            ground: false,
             aovs: false,
             simd: SimdLevel::Auto,
         }

@@ -32,7 +32,7 @@ impl ShadowCasters {
     }
 
     /// Whether nothing stands on the way from `origin` along `direction` up to `limit` of its lengths.
-    fn sees(&self, prepared: &Prepared<'_>, origin: Vec3, direction: Vec3, limit: f32) -> bool {
+    pub(super) fn sees(&self, prepared: &Prepared<'_>, origin: Vec3, direction: Vec3, limit: f32) -> bool {
         !self.bvh.occluded(&Ray::new(origin, direction), limit, |hit| self.blocks(prepared, hit))
     }
 

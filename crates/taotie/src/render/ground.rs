@@ -1,0 +1,176 @@
+//! A shadow catcher: the ground under an object, of which nothing is seen but how much darker the object makes it.
+
+use super::lighting::Source;
+use super::prepare::Prepared;
+use super::rays::CameraRays;
+use super::settings::{EnvironmentLight, Lighting};
+use crate::math::Vec3;
+use crate::math::sequence::Sequence;
+use crate::raster::{TILE_SIZE, Tile};
+use crate::shade::sampling::{cosine_direction, cosine_pdf};
+use rayon::prelude::*;
+
+/// Texels along a side of the map of shadows.
+const SIDE: usize = 160;
+
+/// Half the side of the ground, in radii of the object's foot.
+const REACH: f64 = 2.5;
+
+/// Directions in which each point of the ground looks for the environment.
+const DIRECTIONS: u32 = 128;
+
+/// Below the object by this part of its size, so that what stands on the ground does not cut it.
+const GAP: f64 = 1e-4;
+
+/// How much of the light is missing on a horizontal square under the object.
+pub(super) struct Ground {
+    height: f64,
+    center: [f64; 2],
+    half: f64,
+    /// Row by row from the least z, each from the least x; [0, 1].
+    shadow: Vec<f32>,
+    rays: CameraRays,
+}
+
+impl Ground {
+    /// The ground under a scene, which is not empty.
+    pub(super) fn new(prepared: &Prepared<'_>, lighting: &Lighting, rays: CameraRays) -> Option<Self> {
+        let bounds = prepared.scene.bounds()?;
+        let size = bounds.diagonal();
+        let (middle, extent) = (bounds.center(), bounds.max - bounds.min);
+        let half = REACH * 0.5 * (extent.x * extent.x + extent.z * extent.z).sqrt().max(0.2 * size);
+        let height = bounds.min.y - GAP * size;
+        let mut ground = Self { height, center: [middle.x, middle.z], half, shadow: Vec::new(), rays };
+        let lights = Lights::new(lighting);
+        let texels = 0..SIDE * SIDE;
+        ground.shadow =
+            texels.into_par_iter().map(|i| lights.missing_at(prepared, ground.texel(i))).collect();
+        Some(ground)
+    }
+
+    /// The middle of a texel, world space.
+    fn texel(&self, i: usize) -> Vec3 {
+        let along = |k: usize| ((k as f64 + 0.5) / SIDE as f64 * 2.0 - 1.0) * self.half;
+        let (x, z) = (self.center[0] + along(i % SIDE), self.center[1] + along(i / SIDE));
+        Vec3::new(x, self.height, z).to_f32()
+    }
+
+    /// Darkens the premultiplied pixels of a tile where the ground is seen behind them.
+    pub(super) fn fill(&self, tile: &Tile, color: &mut [[f32; 4]]) {
+        for y in 0..tile.height {
+            for x in 0..tile.width {
+                let pixel = &mut color[(y * TILE_SIZE + x) as usize];
+                let uncovered = (1.0 - pixel[3]).max(0.0);
+                if uncovered > 0.0 {
+                    let at = [tile.x + x, tile.y + y].map(|i| f64::from(i) + 0.5);
+                    pixel[3] += uncovered * self.seen_at(at);
+                }
+            }
+        }
+    }
+
+    /// The shadow that the middle of a pixel sees; none from below.
+    fn seen_at(&self, at: [f64; 2]) -> f32 {
+        let ray = self.rays.through(at);
+        let (origin, direction) = (ray.origin.to_f64(), ray.direction.to_f64());
+        if direction.y >= 0.0 || origin.y <= self.height {
+            return 0.0;
+        }
+        let hit = origin + direction * ((self.height - origin.y) / direction.y);
+        let [u, v] = [hit.x - self.center[0], hit.z - self.center[1]].map(|d| d / self.half);
+        self.faded(u) * self.faded(v) * self.bilinear(u, v)
+    }
+
+    /// 1 in the middle, 0 at the edge, smooth between; `u` in [−1, 1].
+    fn faded(&self, u: f64) -> f32 {
+        let t = ((1.0 - u.abs()) * 2.0).clamp(0.0, 1.0);
+        (t * t * (3.0 - 2.0 * t)) as f32
+    }
+
+    fn bilinear(&self, u: f64, v: f64) -> f32 {
+        let place = |u: f64| {
+            let x = ((u + 1.0) * 0.5 * SIDE as f64 - 0.5).clamp(0.0, (SIDE - 1) as f64);
+            let i = (x as usize).min(SIDE - 2);
+            (i, (x - i as f64) as f32)
+        };
+        let ((i, fx), (j, fy)) = (place(u), place(v));
+        let row = |j: usize| {
+            let [a, b] = [self.shadow[j * SIDE + i], self.shadow[j * SIDE + i + 1]];
+            a + (b - a) * fx
+        };
+        let (top, bottom) = (row(j), row(j + 1));
+        top + (bottom - top) * fy
+    }
+}
+
+/// What lights the ground.
+struct Lights {
+    sources: Vec<Source>,
+    /// Directions to the environment, with the irradiance that each stands for.
+    sky: Vec<(Vec3, f32)>,
+}
+
+impl Lights {
+    fn new(lighting: &Lighting) -> Self {
+        let sources = lighting.lights.iter().map(Source::new).collect();
+        let mut sky = lighting.environment.as_ref().map_or_else(Vec::new, environment);
+        if lighting.ambient != Vec3::default() {
+            let share = luminance(lighting.ambient) * std::f32::consts::PI / DIRECTIONS as f32;
+            sky.extend(directions().map(|[a, b, ..]| (upward(cosine_direction([a, b])), share)));
+        }
+        Self { sources, sky }
+    }
+
+    /// The share of light that does not arrive at a point of the ground.
+    fn missing_at(&self, prepared: &Prepared<'_>, point: Vec3) -> f32 {
+        let (mut all, mut seen) = (0.0f32, 0.0f32);
+        let mut add = |irradiance: f32, direction: Vec3, limit: f32| {
+            all += irradiance;
+            if irradiance > 0.0 && prepared.casters().sees(prepared, point, direction, limit) {
+                seen += irradiance;
+            }
+        };
+        for source in &self.sources {
+            let (l, irradiance) = source.incidence::<f32>((), point);
+            add(luminance(irradiance) * l.y.max(0.0), source.ray_from(point), source.ray_limit());
+        }
+        for (direction, irradiance) in &self.sky {
+            add(*irradiance, *direction, f32::INFINITY);
+        }
+        if all > 0.0 { 1.0 - seen / all } else { 0.0 }
+    }
+}
+
+/// Half of the directions where the environment is bright, half spread by the cosine, weighed so that both agree: the
+/// balance heuristic (Veach 1997, eq. 9.8).
+fn environment(light: &EnvironmentLight) -> Vec<(Vec3, f32)> {
+    let turn = light.turn();
+    let sources = directions().flat_map(|[a, b, c, d]| {
+        let spread = upward(cosine_direction([a, b]));
+        [spread, turn.to_world(light.environment.sample([c, d]).direction)]
+    });
+    let weigh = |direction: Vec3| {
+        let inside = turn.to_environment(direction);
+        let cosine = direction.y.max(0.0);
+        let pdf = 0.5 * (light.environment.pdf(inside) + cosine_pdf(cosine));
+        let radiance = luminance(light.environment.radiance(inside)) * light.intensity;
+        (direction, radiance * cosine / (pdf * DIRECTIONS as f32))
+    };
+    sources.take(DIRECTIONS as usize).map(weigh).filter(|(_, irradiance)| *irradiance > 0.0).collect()
+}
+
+/// Numbers in [0, 1)⁴ that fill it evenly, the same for every point.
+fn directions() -> impl Iterator<Item = [f32; 4]> {
+    let sequence = Sequence::new(1);
+    (0..DIRECTIONS).map(move |i| sequence.four(i, 0))
+}
+
+/// From z up to y up.
+fn upward(v: Vec3) -> Vec3 {
+    Vec3::new(v.x, v.z, -v.y)
+}
+
+/// Rec. 709 luminance of linear sRGB.
+fn luminance(rgb: Vec3) -> f32 {
+    0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z
+}
