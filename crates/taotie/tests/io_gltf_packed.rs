@@ -1,14 +1,18 @@
 //! glTF: compressed geometry unpacks to the model that it was made from, and damaged geometry to an error.
 
+mod common;
 #[path = "common/damage.rs"]
 mod damage;
 #[path = "common/gltf.rs"]
 mod gltf;
 
+use common::{data_folder, files_below};
 use damage::{Dice, damage};
-use gltf::load;
+use gltf::{load, warned};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use taotie::io::{Loaded, load_model};
+use taotie::math::Vec3;
 use taotie::mesh::Mesh;
 
 fn own(name: &str) -> PathBuf {
@@ -157,6 +161,147 @@ fn views_that_share_packed_bytes_without_end_are_refused() {
     assert!(error.contains("unpack to too many bytes"), "{error}");
 }
 
+// -------------------------------------------------------------------------------------------------------- Draco
+
+/// For each vertex of `mesh` the vertex of `of` that lies where it does.
+fn matched(mesh: &Mesh, of: &Mesh) -> Vec<usize> {
+    let nearest = |p: &Vec3| {
+        let distance = |q: &Vec3| (*p - *q).length();
+        let (i, q) =
+            of.positions().iter().enumerate().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).unwrap();
+        assert!(distance(q) < 1.0 / 8192.0, "14 bits: {p:?} and {q:?}");
+        i
+    };
+    mesh.positions().iter().map(nearest).collect()
+}
+
+/// Streams by Draco's own encoder. Points may change their order but not what belongs to them; indices and colours
+/// are exact, the others within the step of their bits.
+#[test]
+fn draco_s_streams_unpack_to_what_was_packed() {
+    let plain = patch("patch.glb");
+    for name in ["patch-draco-sequential.glb", "patch-draco-edgebreaker.glb"] {
+        let packed = patch(name);
+        assert!(packed.warnings.is_empty(), "{:?}", packed.warnings);
+        assert_eq!(packed.scene.meshes.len(), 2, "{name}");
+        for (a, b) in packed.scene.meshes.iter().zip(&plain.scene.meshes) {
+            let vertex = matched(a, b);
+            assert_eq!(
+                vertex.iter().collect::<BTreeSet<_>>().len(),
+                b.positions().len(),
+                "each is there once"
+            );
+            let at = |mesh: &Mesh, i: usize| {
+                let (n, uv, t) = (mesh.normals()[i], mesh.uvs()[0][i], mesh.tangents()[i]);
+                ([n.x, n.y, n.z, t[0], t[1], t[2], t[3], uv.x, uv.y], mesh.colors()[i])
+            };
+            for (i, v) in vertex.iter().enumerate() {
+                let ((a, a_color), (b, b_color)) = (at(a, i), at(b, *v));
+                assert!(apart(&a[..3], &b[..3]) < 2.0 / 511.0, "normals of 10 bits: {a:?} {b:?}");
+                assert!(apart(&a[3..7], &b[3..7]) < 2.0 / 2048.0, "tangents of 12 bits: {a:?} {b:?}");
+                assert!(apart(&a[7..], &b[7..]) < 1.0 / 4095.0, "uvs of 12 bits");
+                assert_eq!(a_color, b_color, "{name}");
+            }
+            let named = a.triangles().iter().map(|t| t.map(|i| vertex[i as usize] as u32));
+            let sorted = |triangles: Vec<[u32; 3]>| {
+                let turn = |t: &[u32; 3]| (0..3).map(|k| [t[k], t[(k + 1) % 3], t[(k + 2) % 3]]).min();
+                triangles.iter().filter_map(turn).collect::<BTreeSet<_>>()
+            };
+            assert_eq!(sorted(named.collect()), sorted(b.triangles().to_vec()), "{name}");
+            assert_eq!(a.triangles().len(), b.triangles().len(), "{name}");
+        }
+        assert_eq!(keyframes(&packed), keyframes(&plain), "what is not compressed stays");
+    }
+}
+
+/// The traversal for large meshes; the hill follows the formula in `data/make-meshes.mjs`.
+#[test]
+fn draco_s_valence_traversal() {
+    let hill = patch("hill-draco-valence.glb");
+    let mesh = &hill.scene.meshes[0];
+    assert_eq!((mesh.triangles().len(), hill.scene.instances.len()), (2048, 1));
+    // Normals are those of the faces, since the file has none, so corners are not shared.
+    let mut area = 0.0;
+    for triangle in 0..mesh.triangles().len() {
+        let [a, b, c] = mesh.corners(triangle).map(|p| p.to_f64());
+        let normal = (b - a).cross(c - a);
+        assert!(normal.z > 0.0, "all face up");
+        area += normal.z / 2.0;
+        for p in [a, b, c] {
+            let [x, y] = [p.x, p.y].map(|v| (v * 32.0).round() / 32.0);
+            let off = [p.x - x, p.y - y, p.z - x * (1.0 - x) * y * (1.0 - y)];
+            assert!(off.iter().all(|d| d.abs() < 1.0 / 16383.0), "{p:?}");
+        }
+    }
+    assert!((area - 1.0).abs() < 1e-3, "it covers the square once: {area}");
+}
+
+/// Box of the sample assets, whose corners lie on seams, compressed by another program.
+#[test]
+fn draco_files_by_others() {
+    let Some(folder) = data_folder("khronos-gltf-sample-assets") else { return };
+    let mut compared = 0;
+    for packed in files_below(&folder, &["gltf"]) {
+        if !packed.components().any(|part| part.as_os_str() == "glTF-Draco") {
+            continue;
+        }
+        let model = packed.parent().unwrap().parent().unwrap();
+        let plain = model.join("glTF").join(packed.file_name().unwrap());
+        let [packed, plain] = [packed, plain].map(|path| load(&path).unwrap_or_else(|e| panic!("{e}")));
+        for (a, b) in packed.scene.meshes.iter().zip(&plain.scene.meshes) {
+            let corners = |mesh: &Mesh| {
+                let corner = |i: u32| {
+                    let (p, n) = (mesh.positions()[i as usize], mesh.normals()[i as usize]);
+                    [p.x, p.y, p.z, n.x, n.y, n.z].map(|v| (v * 100.0).round() as i32)
+                };
+                let turn = |t: [[i32; 6]; 3]| (0..3).map(|k| [t[k], t[(k + 1) % 3], t[(k + 2) % 3]]).min();
+                mesh.triangles().iter().filter_map(|t| turn(t.map(corner))).collect::<BTreeSet<_>>()
+            };
+            assert_eq!(corners(a), corners(b));
+        }
+        compared += 1;
+    }
+    assert!(compared > 0, "there is no compressed model");
+}
+
+#[test]
+fn damaged_draco_streams_are_named_or_stood_in_for() {
+    let name = "patch-draco-sequential.glb";
+    let packed = r#""KHR_draco_mesh_compression":{"bufferView":1,"#;
+    let other = |view: &str| changed(name, |json| json.replacen(packed, &packed.replace('1', view), 1));
+    let loaded = other("99").unwrap();
+    assert_eq!(
+        warned(&loaded, "mesh 0, primitive 0 is left out: POSITION: accessor 1"),
+        1,
+        "{:?}",
+        loaded.warnings
+    );
+    // Of the animation's view Draco can make nothing; the other primitive stays.
+    let loaded = other("0").unwrap();
+    assert_eq!(warned(&loaded, "compressed by Draco"), 1, "{:?}", loaded.warnings);
+    let loaded =
+        changed(name, |json| json.replacen(r#""NORMAL":1,"TANGENT""#, r#""NORMAL":77,"TANGENT""#, 1))
+            .unwrap();
+    assert_eq!(warned(&loaded, "there is no NORMAL in it"), 1, "{:?}", loaded.warnings);
+}
+
+/// A primitive whose accessors have data of their own is drawn by that where the compressed data is damaged.
+#[test]
+fn uncompressed_data_stands_in_for_damaged_draco() {
+    let mut maker = gltf::triangle();
+    maker.accessor(&[0, 1, 2], (3, 5121, "SCALAR"), "");
+    let draco = |mode: &str| {
+        format!(
+            r#","indices":1{mode},"extensions":{{"KHR_draco_mesh_compression":{{"bufferView":1,"attributes":{{"POSITION":0}}}}}}"#
+        )
+    };
+    let loaded = maker.load(&gltf::one_primitive(r#""POSITION":0"#, &draco("")));
+    assert_eq!(warned(&loaded, "its uncompressed data is drawn"), 1, "{:?}", loaded.warnings);
+    assert_eq!(loaded.scene.meshes[0].triangles().len(), 1);
+    let loaded = maker.load(&gltf::one_primitive(r#""POSITION":0"#, &draco(r#","mode":5"#)));
+    assert_eq!(warned(&loaded, "without strips"), 1, "{:?}", loaded.warnings);
+}
+
 // ---------------------------------------------------------------------------------------------------- damage
 
 /// Damaged copies load or fail in one line; they never panic.
@@ -191,4 +336,11 @@ fn torment(name: &str) {
 fn damaged_meshoptimizer_streams_never_panic() {
     torment("patch-meshopt-ext.glb");
     torment("patch-meshopt-khr.glb");
+}
+
+#[test]
+fn damaged_draco_streams_never_panic() {
+    torment("patch-draco-sequential.glb");
+    torment("patch-draco-edgebreaker.glb");
+    torment("hill-draco-valence.glb");
 }

@@ -3,6 +3,9 @@
 //     node make-meshes.mjs FOLDER
 import { writeFileSync } from 'node:fs';
 import { MeshoptEncoder } from 'meshoptimizer';
+import { Document, NodeIO } from '@gltf-transform/core';
+import { KHRDracoMeshCompression } from '@gltf-transform/extensions';
+import draco3d from 'draco3d';
 
 const [columns, rows] = [9, 7];
 const count = columns * rows;
@@ -149,6 +152,40 @@ function meshopt(extension, version, data) {
   return glb(json, stored);
 }
 
+const dracoIO = new NodeIO().registerExtensions([KHRDracoMeshCompression]).registerDependencies({
+  'draco3d.encoder': await draco3d.createEncoderModule(),
+  'draco3d.decoder': await draco3d.createDecoderModule(),
+});
+
+const BITS = { POSITION: 14, NORMAL: 10, TEX_COORD: 12, COLOR: 8, GENERIC: 12 };
+
+/** Compresses every primitive of a document by Draco. */
+async function draco(document, method, encodeSpeed) {
+  const options = { method, encodeSpeed, decodeSpeed: encodeSpeed, quantizationBits: BITS, quantizationVolume: 'mesh' };
+  document.createExtension(KHRDracoMeshCompression).setRequired(true).setEncoderOptions(options);
+  return dracoIO.writeBinary(document);
+}
+
+/** A hill of 33 x 33 vertices, z = x (1 - x) y (1 - y): positions alone, enough triangles for every method. */
+function hill() {
+  const document = new Document();
+  const buffer = document.createBuffer();
+  const [positions, indices] = [[], []];
+  for (let j = 0; j < 33; j++) {
+    for (let i = 0; i < 33; i++) {
+      const [x, y, v] = [i / 32, j / 32, j * 33 + i];
+      positions.push(x, y, x * (1 - x) * y * (1 - y));
+      if (i > 0 && j > 0) indices.push(v - 34, v - 33, v, v - 34, v, v - 1);
+    }
+  }
+  const position = document.createAccessor().setType('VEC3').setArray(new Float32Array(positions)).setBuffer(buffer);
+  const index = document.createAccessor().setType('SCALAR').setArray(new Uint16Array(indices)).setBuffer(buffer);
+  const primitive = document.createPrimitive().setAttribute('POSITION', position).setIndices(index);
+  const node = document.createNode().setMesh(document.createMesh().addPrimitive(primitive));
+  document.createScene().addChild(node);
+  return document;
+}
+
 await MeshoptEncoder.ready;
 const folder = process.argv[2];
 const save = (name, bytes) => writeFileSync(`${folder}/${name}`, bytes);
@@ -157,3 +194,8 @@ const [json, stored] = model(streams(data));
 save('patch.glb', glb(json, stored));
 save('patch-meshopt-ext.glb', meshopt('EXT_meshopt_compression', 0, data));
 save('patch-meshopt-khr.glb', meshopt('KHR_meshopt_compression', 1, data));
+const plain = () => dracoIO.read(`${folder}/patch.glb`);
+const [sequential, edgebreaker] = [0, 1];
+save('patch-draco-sequential.glb', await draco(await plain(), sequential, 10));
+save('patch-draco-edgebreaker.glb', await draco(await plain(), edgebreaker, 0));
+save('hill-draco-valence.glb', await draco(hill(), edgebreaker, 0));

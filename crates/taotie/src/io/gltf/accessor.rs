@@ -1,6 +1,7 @@
 //! Typed elements out of buffers: any component type, normalised or not, interleaved, sparse.
 
 use super::document::{Document, Reason, no_such};
+use super::draco::Supplied;
 use gltf::json::accessor::{Accessor as Json, ComponentType, Type};
 use gltf::json::validation::Checked;
 
@@ -31,7 +32,25 @@ impl<'a> Accessor<'a> {
     /// Checks the accessor `index`: after this, every element can be read.
     pub fn open(document: &'a Document, index: usize) -> Reason<Self> {
         let json = document.root.accessors.get(index).ok_or_else(|| no_such("accessor", index))?;
-        Self::check(document, json).map_err(|why| format!("accessor {index}: {why}"))
+        let accessor = match document.supplied(index) {
+            Ok(Some(supplied)) => Ok(Self::of_supplied(supplied, json.normalized)),
+            Ok(None) => Self::check(document, json),
+            Err(why) => Err(why),
+        };
+        accessor.map_err(|why| format!("accessor {index}: {why}"))
+    }
+
+    fn of_supplied(supplied: &'a Supplied, normalized: bool) -> Self {
+        let &Supplied { component, width, ref bytes } = supplied;
+        Self {
+            count: supplied.count(),
+            width,
+            dense: Some(Strided { bytes, stride: width * component.size() }),
+            sparse: Vec::new(),
+            sparse_values: &[],
+            component,
+            normalized,
+        }
     }
 
     fn check(document: &'a Document, json: &Json) -> Reason<Self> {

@@ -2,6 +2,7 @@
 
 use super::buffers::Buffers;
 use super::container::split;
+use super::draco::{self, Supplied, Supply};
 use super::extensions::check_extensions;
 use crate::error::{Error, Result, Warnings};
 use crate::io::file;
@@ -22,6 +23,7 @@ pub(super) struct Document {
     /// The animations' JSON, whose types are checked channel by channel.
     pub animations: Vec<Value>,
     buffers: Buffers,
+    supply: Supply,
 }
 
 impl Document {
@@ -32,7 +34,8 @@ impl Document {
         let (root, animations) = parse(path, &text)?;
         check_extensions(path, &root, warnings)?;
         let buffers = Buffers::load(path, &root, blob.filter(|b| !b.is_empty()), warnings)?;
-        Ok(Self { path: path.to_path_buf(), root, format, animations, buffers })
+        let supply = draco::supply(&root, &buffers, warnings);
+        Ok(Self { path: path.to_path_buf(), root, format, animations, buffers, supply })
     }
 
     /// An error at a place in this file.
@@ -51,9 +54,15 @@ impl Document {
         Ok((self.buffers.view(index, view)?, view.byte_stride.map(|s| s.0)))
     }
 
+    /// What accessor `index` holds in place of what its buffer view says, where there is such a thing.
+    pub fn supplied(&self, index: usize) -> Reason<Option<&Supplied>> {
+        self.supply.get(&index).map(|supplied| supplied.as_ref().map_err(Clone::clone)).transpose()
+    }
+
     /// How many bytes all buffers have, unpacked.
     pub fn total_bytes(&self) -> usize {
-        self.buffers.total_bytes()
+        let supplied = self.supply.values().flatten().map(|supplied| supplied.bytes.len());
+        self.buffers.total_bytes() + supplied.sum::<usize>()
     }
 }
 
@@ -154,8 +163,8 @@ mod tests {
         assert!(error(b"{}").contains("asset.version"));
         assert!(error(br#"{"asset":{"version":"1.0"}}"#).contains("version 1.0"));
         assert!(error(br#"{"asset":{"version":"2.0","minVersion":"2.1"}}"#).contains("version 2.1"));
-        let required = br#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"]}"#;
-        assert!(error(required).contains("KHR_draco_mesh_compression"));
+        let required = br#"{"asset":{"version":"2.0"},"extensionsRequired":["KHR_texture_nobody"]}"#;
+        assert!(error(required).contains("KHR_texture_nobody"));
         assert_eq!(
             error(b"\xef\xbb\xbf{\"asset\":{\"version\":\"2.0\",\"extras\":[1.5]},\"scenes\":[{}]}"),
             ""

@@ -5,7 +5,7 @@ use gltf::json::Root;
 use std::path::Path;
 
 /// Extensions whose meaning is drawn.
-const SUPPORTED: [&str; 14] = [
+const SUPPORTED: [&str; 15] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -20,6 +20,7 @@ const SUPPORTED: [&str; 14] = [
     "EXT_texture_webp",
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
+    "KHR_draco_mesh_compression",
 ];
 
 /// Extensions that do not change a picture with the default materials; the channels of KHR_animation_pointer are left

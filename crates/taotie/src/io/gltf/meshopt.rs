@@ -3,6 +3,7 @@
 //! The decoders take their sizes on trust, so everything that the extension demands is checked before.
 
 use super::document::Reason;
+use super::filters::{self, Width};
 use gltf::json::Value;
 use gltf::json::buffer::{Buffer, View};
 
@@ -122,14 +123,13 @@ impl Packed {
     }
 
     fn unfilter(&self, bytes: &mut [u8]) {
-        match (self.filter, self.stride) {
-            (Filter::None, _) => {}
-            (Filter::Octahedral, 4) => meshopt::decode_filter_oct(bytes.as_chunks_mut::<4>().0),
-            (Filter::Octahedral, _) => in_shorts(bytes, meshopt::decode_filter_oct),
-            (Filter::Quaternion, _) => in_shorts(bytes, meshopt::decode_filter_quat),
-            (Filter::Exponential, _) => in_words(bytes, meshopt::decode_filter_exp),
-            (Filter::Color, 4) => meshopt::decode_filter_color(bytes.as_chunks_mut::<4>().0),
-            (Filter::Color, _) => in_shorts(bytes, meshopt::decode_filter_color),
+        let width = if self.stride == 4 { Width::Byte } else { Width::Short };
+        match self.filter {
+            Filter::None => {}
+            Filter::Octahedral => filters::octahedral(bytes, width),
+            Filter::Quaternion => filters::quaternion(bytes),
+            Filter::Exponential => filters::exponential(bytes),
+            Filter::Color => filters::color(bytes, width),
         }
     }
 }
@@ -164,22 +164,6 @@ fn from_u16(values: Vec<u16>) -> Vec<u8> {
 
 fn from_u32(values: Vec<u32>) -> Vec<u8> {
     values.into_iter().flat_map(u32::to_le_bytes).collect()
-}
-
-/// Applies `filter` to vectors of four little-endian 16-bit numbers.
-fn in_shorts(bytes: &mut [u8], filter: impl FnOnce(&mut [[i16; 4]])) {
-    let (shorts, _) = bytes.as_chunks_mut::<2>();
-    let mut values: Vec<i16> = shorts.iter().map(|b| i16::from_le_bytes(*b)).collect();
-    filter(values.as_chunks_mut::<4>().0);
-    shorts.iter_mut().zip(values).for_each(|(b, value)| *b = value.to_le_bytes());
-}
-
-/// Applies `filter` to little-endian 32-bit words, each by itself.
-fn in_words(bytes: &mut [u8], filter: impl FnOnce(&mut [[u32; 1]])) {
-    let (words, _) = bytes.as_chunks_mut::<4>();
-    let mut values: Vec<[u32; 1]> = words.iter().map(|b| [u32::from_le_bytes(*b)]).collect();
-    filter(&mut values);
-    words.iter_mut().zip(values).for_each(|(b, [value])| *b = value.to_le_bytes());
 }
 
 /// A vertex of `N` times four bytes: the decoder takes the size of a vertex from its type.
