@@ -84,7 +84,7 @@ fn assert_mean(what: &str, image: &Image, exact: f64, slack: f64) {
 
 #[test]
 fn a_white_sphere_is_not_seen_in_a_white_furnace() {
-    let scene = scene_of(vec![(scenes::sphere(1.0, 48, 24), matt(1.0))]);
+    let scene = scene_of(vec![(taotie::mesh::Mesh::sphere(1.0, 48, 24), matt(1.0))]);
     let mut view = View::under(white_sky(), scene, scenes::camera(20.0, 15.0, 3.4));
     (view.settings.width, view.settings.height) = (80, 60);
     view.settings.shading = Shading::Lambert;

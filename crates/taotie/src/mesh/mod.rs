@@ -2,6 +2,7 @@
 
 pub mod deform;
 mod repair;
+mod sphere;
 
 pub(crate) use repair::repair;
 

@@ -12,32 +12,41 @@ use super::{Classic, Material};
 pub struct Preset {
     /// The name on the command line.
     pub name: &'static str,
-    /// What it is and where its numbers come from.
+    /// What it is.
     pub what: &'static str,
+    /// Whose measurement its colours are computed from, or how else they were found.
+    pub source: &'static str,
 }
 
 /// Every preset.
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "guo-wang-2025",
-        what: "Table 1 of Guo and Wang 2025, as printed; a ruby lacquer rather than a bronze",
+        what: "a ruby lacquer that its authors call bronze, as printed",
+        source: "Guo and Wang 2025, Table 1",
     },
     Preset {
         name: "bronze",
-        what: "Cu90Zn10, measured by Querry 1985: a stand-in, no tin bronze has published n and k",
+        what: "commercial bronze Cu90Zn10, for want of measured tin bronze",
+        source: "Querry 1985",
     },
     Preset {
         name: "bronze-patina",
-        what: "aged bronze: brown-green minerals half covering the metal; chosen by eye",
+        what: "aged bronze: brown-green minerals half covering the metal",
+        source: "by eye, over Querry 1985",
     },
-    Preset { name: "copper", what: "copper, measured by Johnson and Christy 1972" },
-    Preset { name: "cu85zn15", what: "red brass Cu85Zn15, measured by Querry 1985" },
-    Preset { name: "brass", what: "cartridge brass Cu70Zn30, measured by Querry 1985" },
-    Preset { name: "gold", what: "gold, measured by Johnson and Christy 1972; red clipped from 1.038 to 1" },
-    Preset { name: "silver", what: "silver, measured by Johnson and Christy 1972" },
-    Preset { name: "clay", what: "fired red clay; chosen by eye" },
-    Preset { name: "plaster", what: "white plaster, the colour of casts; chosen by eye" },
-    Preset { name: "marble", what: "polished white marble without veins or translucency; chosen by eye" },
+    Preset { name: "copper", what: "pure copper", source: "Johnson and Christy 1972" },
+    Preset { name: "cu85zn15", what: "red brass Cu85Zn15", source: "Querry 1985" },
+    Preset { name: "brass", what: "cartridge brass Cu70Zn30", source: "Querry 1985" },
+    Preset {
+        name: "gold",
+        what: "pure gold; red clipped from 1.038 to 1",
+        source: "Johnson and Christy 1972",
+    },
+    Preset { name: "silver", what: "pure silver", source: "Johnson and Christy 1972" },
+    Preset { name: "clay", what: "fired red clay", source: "by eye" },
+    Preset { name: "plaster", what: "white plaster, the colour of casts", source: "by eye" },
+    Preset { name: "marble", what: "polished white marble without veins or translucency", source: "by eye" },
 ];
 
 /// The material of this name, or `None`; [`PRESETS`] lists the names.

@@ -8,35 +8,6 @@ use taotie::scene::{
     NormalSpace, Orbit, Scene, TextureRef, UvTransform,
 };
 
-/// A sphere about the origin; the uv origin is top left.
-pub fn sphere(radius: f64, columns: usize, rows: usize) -> Mesh {
-    let mut data = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };
-    for j in 0..=rows {
-        for i in 0..=columns {
-            let (u, v) = (i as f64 / columns as f64, j as f64 / rows as f64);
-            let (theta, phi) = (std::f64::consts::PI * v, std::f64::consts::TAU * u);
-            let ring = scalar::sin(theta);
-            let n = Vec3::new(ring * scalar::sin(phi), scalar::cos(theta), ring * scalar::cos(phi));
-            data.positions.push((n * radius).to_f32());
-            data.normals.push(n.to_f32());
-            data.uvs[0].push(Vec2::new(u as f32, v as f32));
-        }
-    }
-    for j in 0..rows {
-        for i in 0..columns {
-            let at = |di: usize, dj: usize| ((j + dj) * (columns + 1) + i + di) as u32;
-            let [a, b, c, d] = [at(0, 0), at(0, 1), at(1, 1), at(1, 0)];
-            if j > 0 {
-                data.triangles.push([a, b, d]);
-            }
-            if j + 1 < rows {
-                data.triangles.push([d, b, c]);
-            }
-        }
-    }
-    Mesh::new(data).expect("a sphere is a mesh")
-}
-
 /// A rectangle from its corner along two edges, seen from the side of their cross product, uv from 0 to `repeat`.
 pub fn rectangle(corner: Vec3, right: Vec3, up: Vec3, repeat: f32) -> Mesh {
     let n = right.cross(up).normalize();
@@ -129,7 +100,7 @@ pub fn embossed_sphere_with(space: NormalSpace, relief: u32, color: u32) -> Scen
         ..Material::default()
     };
     Scene {
-        meshes: vec![sphere(1.0, 32, 16)],
+        meshes: vec![Mesh::sphere(1.0, 32, 16)],
         materials: vec![material],
         textures: vec![normals, heights, colors, orm],
         instances: vec![instance(0, 0, Mat4::IDENTITY)],
