@@ -37,9 +37,18 @@ struct RenderReport {
     samples: Option<u32>,
     shading: String,
     surface: Option<String>,
+    reflection: Reflection,
     tone: String,
     seconds: BTreeMap<String, f64>,
     warnings: Vec<Counted>,
+}
+
+#[derive(Deserialize, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct Reflection {
+    energy: String,
+    specular_aa: bool,
+    grazing_normals: String,
 }
 
 #[derive(Deserialize, Debug, PartialEq)]
@@ -56,6 +65,9 @@ fn of_render() {
     assert_eq!((report.model.as_str(), report.files.as_slice()), ("a.gltf", ["b.png".to_owned()].as_slice()));
     assert_eq!((report.triangles, report.size, report.samples), (2, [8, 6], Some(1)));
     assert_eq!(report.integrator, Integrator::Raster);
+    let reflection =
+        Reflection { energy: "compensated".into(), specular_aa: true, grazing_normals: "soften".into() };
+    assert_eq!(report.reflection, reflection);
     assert_eq!((report.shading.as_str(), report.surface, report.tone.as_str()), ("ggx", None, "neutral"));
     assert!(["load", "prepare", "render", "write"].iter().all(|stage| report.seconds[*stage] >= 0.0));
     assert!(report.warnings.iter().any(|w| w.what.contains("missing.png") && w.count == 1));
