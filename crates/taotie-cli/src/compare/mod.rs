@@ -116,7 +116,7 @@ fn settings(args: &CompareArgs) -> RenderSettings {
     args.reflection.apply(RenderSettings {
         width: args.size[0],
         height: args.size[1],
-        samples: args.film.samples,
+        samples: args.film.samples(),
         surface: SurfaceSettings {
             method: None,
             tangents: args.material.tangents,

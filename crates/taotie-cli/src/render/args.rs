@@ -1,5 +1,6 @@
 //! The options of `taotie render`.
 
+use super::integrator::IntegratorArgs;
 use super::plan::MotionArgs;
 use crate::options;
 use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs};
@@ -15,6 +16,7 @@ Examples:
   taotie render statue.obj --normal-map statue_normals.png --material bronze --shadows -o statue.png
   taotie render model.glb --orbit 30,20 --size 1920x1080 --samples 16 -o model.png
   taotie render model.glb --light \"directional from=-75,10 strength=4\" --shadows -o raking.png
+  taotie render model.glb --integrator reference --spp 256 -o truth.png
   taotie render model.glb --turntable 36 -o turn.png
   taotie render model.glb --animation Walk --fps 24 -o walk.gif";
 
@@ -67,6 +69,9 @@ pub struct RenderArgs {
     pub aovs: Vec<String>,
 
     #[command(flatten)]
+    pub integrator: IntegratorArgs,
+
+    #[command(flatten)]
     pub running: RunningArgs,
 }
 
@@ -78,6 +83,7 @@ impl RenderArgs {
         }
         self.camera.check()?;
         self.film.check()?;
+        self.integrator.check(self.film.samples)?;
         self.running.check()?;
         self.motion.check()?;
         super::output::Formats::of(self)?;
@@ -89,14 +95,15 @@ impl RenderArgs {
         self.reflection.apply(RenderSettings {
             width: self.size[0],
             height: self.size[1],
-            samples: self.film.samples,
+            samples: self.film.samples(),
             shading: self.shading,
             surface: SurfaceSettings {
                 method: self.surface,
                 tangents: self.material.tangents,
                 bump_scale: self.bump_scale.map(|scale| scale as f32),
             },
-            shadows: self.light.shadows,
+            // Paths of light cannot but be cut off.
+            shadows: self.light.shadows || self.integrator.reference().is_some(),
             ground: self.ground,
             aovs: !self.aovs.is_empty(),
             simd: self.running.simd,

@@ -1,6 +1,7 @@
 //! `taotie render`: a model in, a picture or a moving one out.
 
 mod args;
+mod integrator;
 mod output;
 mod plan;
 mod sequence;
@@ -19,7 +20,7 @@ use taotie::Warnings;
 use taotie::names::Named;
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// What came of a run.
 struct Report {
@@ -87,7 +88,8 @@ impl Report {
             "animation": self.animation,
             "times": self.times,
             "size": args.size,
-            "samples": args.film.samples,
+            "integrator": args.integrator.json(),
+            "samples": args.integrator.reference().is_none().then(|| args.film.samples()),
             "shading": args.shading.name(),
             "surface": args.surface.map(|s| s.name()),
             "reflection": args.reflection.json(),

@@ -11,7 +11,7 @@ use taotie::Warnings;
 use taotie::film::{self, Development};
 use taotie::image::Image;
 use taotie::io::{MovingPicture, MovingSpec};
-use taotie::render::{Frame, Pass, Prepared, RenderSettings};
+use taotie::render::{Frame, Pass, Prepared, RenderSettings, reference};
 use taotie::scene::Scene;
 
 /// What all pictures of a run have in common.
@@ -92,9 +92,13 @@ impl<'a> Sequence<'a> {
 
     fn render(&mut self, stage: &Stage, shot: &Shot) -> Result<Frame> {
         let lighting = studio::lighting(&self.args.light, stage.scene, stage.viewpoint, shot.turn)?;
-        let pass = Pass::new(stage.prepared, &stage.viewpoint.camera(shot.turn), &lighting, &self.settings)?;
+        let (camera, settings) = (stage.viewpoint.camera(shot.turn), &self.settings);
         let (before, count) = (self.done as f64, self.plan.shots.len() as f64);
-        let frame = pass.render(&|part| stage.progress.set((before + part) / count))?;
+        let progress = |part: f64| stage.progress.set((before + part) / count);
+        let frame = match self.args.integrator.reference() {
+            None => Pass::new(stage.prepared, &camera, &lighting, settings)?.render(&progress)?,
+            Some(paths) => reference(stage.prepared, &camera, &lighting, settings, &paths, &progress)?,
+        };
         self.watch.lap("render");
         Ok(frame)
     }

@@ -122,9 +122,9 @@ pub struct CameraArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Picture")]
 pub struct FilmArgs {
-    /// Samples a pixel: 1, 4 or 16
-    #[arg(long, default_value_t = 4)]
-    pub samples: u32,
+    /// Samples a pixel: 1, 4 or 16; 4 if not given
+    #[arg(long, value_name = "N")]
+    pub samples: Option<u32>,
     /// Tone curve: neutral, linear, reinhard, aces, agx
     #[arg(long, value_parser = options::named::<ToneCurve>, default_value = "neutral")]
     pub tone: ToneCurve,
@@ -216,9 +216,14 @@ impl CameraArgs {
 impl FilmArgs {
     /// What can be refused before any work is done.
     pub fn check(&self) -> Result<()> {
-        taotie::raster::SamplePattern::new(self.samples)?;
+        taotie::raster::SamplePattern::new(self.samples())?;
         self.background()?;
         Ok(())
+    }
+
+    /// Samples a pixel.
+    pub fn samples(&self) -> u32 {
+        self.samples.unwrap_or(4)
     }
 
     /// How the picture is developed.

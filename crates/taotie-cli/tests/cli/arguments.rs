@@ -69,6 +69,55 @@ taotie: error: m.toml: line 2: unknown field `shinyness`, expected one of `prese
 }
 
 #[test]
+fn paths_without_the_integrator_that_follows_them() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --spp 16",
+        str![[r#"
+taotie: error: --spp: the rasteriser follows no paths; add --integrator reference or leave it out
+
+"#]],
+    );
+    refused_beside_a_model(
+        "render a.obj -o a.png --integrator raster --bounces 2",
+        str![[r#"
+taotie: error: --bounces: the rasteriser follows no paths; add --integrator reference or leave it out
+
+"#]],
+    );
+    refused_beside_a_model(
+        "render a.obj -o a.png --seed 2",
+        str![[r#"
+taotie: error: --seed: the rasteriser follows no paths; add --integrator reference or leave it out
+
+"#]],
+    );
+}
+
+#[test]
+fn samples_with_the_integrator_that_follows_paths() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --integrator reference --samples 4",
+        str![[r#"
+taotie: error: --samples: with --integrator reference, say how many paths a pixel by --spp N
+
+"#]],
+    );
+}
+
+#[test]
+fn an_absurd_number_of_paths() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --integrator reference --spp 100000",
+        str![[r#"
+error: invalid value '100000' for '--spp <N>': 100000 is not in 1..=65536
+
+For more information, try '--help'.
+
+"#]],
+    );
+}
+
+#[test]
 fn unknown_camera() {
     refused_beside_a_model(
         "render a.obj -o a.png --camera front",

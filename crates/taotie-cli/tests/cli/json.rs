@@ -33,23 +33,52 @@ struct RenderReport {
     animation: Option<String>,
     times: Vec<f64>,
     size: [u32; 2],
-    samples: u32,
+    integrator: Integrator,
+    samples: Option<u32>,
     shading: String,
     surface: Option<String>,
+    reflection: Reflection,
     tone: String,
     seconds: BTreeMap<String, f64>,
     warnings: Vec<Counted>,
 }
 
+#[derive(Deserialize, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct Reflection {
+    energy: String,
+    specular_aa: bool,
+    grazing_normals: String,
+}
+
+#[derive(Deserialize, Debug, PartialEq)]
+#[serde(deny_unknown_fields, tag = "name", rename_all = "lowercase")]
+enum Integrator {
+    Raster,
+    Reference { spp: u32, bounces: u32, seed: u32 },
+}
+
 #[test]
 fn of_render() {
     let report: RenderReport = parse("render a.gltf -o b.png --size 8x6 --samples 1 --json");
-    assert_eq!((report.schema, report.version.as_str()), (2, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.schema, report.version.as_str()), (3, env!("CARGO_PKG_VERSION")));
     assert_eq!((report.model.as_str(), report.files.as_slice()), ("a.gltf", ["b.png".to_owned()].as_slice()));
-    assert_eq!((report.triangles, report.size, report.samples), (2, [8, 6], 1));
+    assert_eq!((report.triangles, report.size, report.samples), (2, [8, 6], Some(1)));
+    assert_eq!(report.integrator, Integrator::Raster);
+    let reflection =
+        Reflection { energy: "compensated".into(), specular_aa: true, grazing_normals: "soften".into() };
+    assert_eq!(report.reflection, reflection);
     assert_eq!((report.shading.as_str(), report.surface, report.tone.as_str()), ("ggx", None, "neutral"));
     assert!(["load", "prepare", "render", "write"].iter().all(|stage| report.seconds[*stage] >= 0.0));
     assert!(report.warnings.iter().any(|w| w.what.contains("missing.png") && w.count == 1));
+}
+
+#[test]
+fn of_render_by_paths() {
+    let line = "render a.gltf -o b.png --size 8x6 --integrator reference --spp 2 --bounces 0 --seed 7 --json";
+    let report: RenderReport = parse(line);
+    assert_eq!(report.integrator, Integrator::Reference { spp: 2, bounces: 0, seed: 7 });
+    assert_eq!(report.samples, None);
 }
 
 #[derive(Deserialize)]

@@ -118,3 +118,17 @@ fn threads_and_simd_levels_change_no_byte() {
         assert!(first == bytes(&format!("--simd {}", level.name())), "{} changes the picture", level.name());
     }
 }
+
+#[test]
+fn the_reference_depends_on_its_seed_and_not_on_threads() {
+    let place = Place::with("a.obj", TRIANGLE);
+    let bytes = |name: &str, more: &str| {
+        let line = format!("render a.obj -o {name} --size 40x30 --integrator reference --spp 3 {more}");
+        place.taotie(&line).assert().success().stderr_eq("");
+        place.read(name)
+    };
+    let first = bytes("a.png", "--threads 1");
+    assert!(first == bytes("b.png", "--threads 3 --simd scalar"));
+    assert!(first == bytes("c.png", "--seed 0 --bounces 4 --shadows"), "what holds if not given");
+    assert!(first != bytes("d.png", "--seed 1"));
+}

@@ -72,7 +72,12 @@ impl Ground {
     /// The shadow that the middle of a pixel sees; none from below.
     fn seen_at(&self, at: [f64; 2]) -> f32 {
         let ray = self.rays.through(at);
-        let (origin, direction) = (ray.origin.to_f64(), ray.direction.to_f64());
+        self.shadow_along(ray.origin, ray.direction)
+    }
+
+    /// The shadow where a ray from above meets the ground.
+    pub(super) fn shadow_along(&self, origin: Vec3, direction: Vec3) -> f32 {
+        let (origin, direction) = (origin.to_f64(), direction.to_f64());
         if direction.y >= 0.0 || origin.y <= self.height {
             return 0.0;
         }

@@ -24,6 +24,7 @@ pub use settings::{EnvironmentSampling, ReferenceSettings};
 pub(super) use surfaces::Surfaces;
 
 use super::frame::Frame;
+use super::ground::Ground;
 use super::lighting::Source;
 use super::pass::SHADOW_LIFT;
 use super::prepare::Prepared;
@@ -46,6 +47,7 @@ struct Tracer<'t, 'a> {
     camera: CameraRays,
     sources: Vec<Source>,
     ambient: Vec3,
+    ground: Option<Ground>,
     surround: Option<Surround<'t>>,
     settings: &'t RenderSettings,
     reference: ReferenceSettings,
@@ -78,13 +80,15 @@ pub fn reference(
     reference.check()?;
     crate::image::Image::check_size(settings.width, settings.height)?;
     let size = prepared.scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
+    let camera_rays = CameraRays::new(camera, [settings.width, settings.height]);
     let tracer = Tracer {
         prepared,
         sight: Sight::new(prepared),
         view: View::new(camera, settings.width, settings.height)?,
-        camera: CameraRays::new(camera, [settings.width, settings.height]),
+        camera: camera_rays,
         sources: lighting.lights.iter().map(Source::new).collect(),
         ambient: lighting.ambient,
+        ground: settings.ground.then(|| Ground::new(prepared, lighting, camera_rays)).flatten(),
         surround: lighting.environment.as_ref().map(Surround::new),
         settings,
         reference: *reference,

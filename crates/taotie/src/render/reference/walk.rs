@@ -113,6 +113,12 @@ impl Tracer<'_, '_> {
 
     /// Nothing stood in the way.
     fn escape(&self, depth: u32, path: &mut Path) {
+        if depth == 0
+            && let Some(ground) = &self.ground
+        {
+            let dark = ground.shadow_along(path.origin, path.direction);
+            (path.throughput, path.coverage) = (path.throughput * (1.0 - dark), dark);
+        }
         let Some(surround) = &self.surround else { return };
         let weight = match self.reference.environment {
             _ if depth == 0 => f32::from(u8::from(surround.visible)),
@@ -123,8 +129,8 @@ impl Tracer<'_, '_> {
         if weight > 0.0 {
             path.light += path.throughput.mul_elements(surround.radiance(path.direction)) * weight;
         }
-        if depth == 0 {
-            path.coverage = weight;
+        if depth == 0 && weight > 0.0 {
+            path.coverage = 1.0;
         }
     }
 

@@ -1,0 +1,82 @@
+//! Which renderer finds the light.
+
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use taotie::render::ReferenceSettings;
+
+/// Which renderer finds the light, and how hard it tries.
+#[derive(Args)]
+#[command(next_help_heading = "Integrator")]
+pub struct IntegratorArgs {
+    /// How light is found
+    #[arg(long, value_enum, default_value_t = Integrator::Raster)]
+    pub integrator: Integrator,
+    /// Paths a pixel of `reference`, 64 if not given; four times as many halve the noise at least
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub spp: Option<u32>,
+    /// How often light of `reference` is reflected after its first reflection, 4 if not given; 0 is direct light
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(ReferenceSettings::MOST_BOUNCES)))]
+    pub bounces: Option<u32>,
+    /// Another number gives `reference` other noise
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u32>,
+}
+
+/// A renderer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Integrator {
+    /// Fast: triangles are filled, light comes from lights and the surroundings
+    Raster,
+    /// The judge: paths of light are followed, with shadows, from surface to surface
+    Reference,
+}
+
+impl IntegratorArgs {
+    /// Refuses what the chosen integrator does not read.
+    pub fn check(&self, samples: Option<u32>) -> Result<()> {
+        match self.integrator {
+            Integrator::Raster => {
+                let given = [
+                    ("--spp", self.spp.is_some()),
+                    ("--bounces", self.bounces.is_some()),
+                    ("--seed", self.seed.is_some()),
+                ];
+                if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
+                    bail!(
+                        "{option}: the rasteriser follows no paths; add --integrator reference or leave it out"
+                    );
+                }
+            }
+            Integrator::Reference if samples.is_some() => {
+                bail!("--samples: with --integrator reference, say how many paths a pixel by --spp N");
+            }
+            Integrator::Reference => {}
+        }
+        Ok(())
+    }
+
+    /// How paths are followed, or `None` for the rasteriser.
+    pub fn reference(&self) -> Option<ReferenceSettings> {
+        let default = ReferenceSettings::default();
+        (self.integrator == Integrator::Reference).then(|| ReferenceSettings {
+            spp: self.spp.unwrap_or(default.spp),
+            bounces: self.bounces.unwrap_or(default.bounces),
+            seed: self.seed.unwrap_or(default.seed),
+            ..default
+        })
+    }
+
+    /// For the report.
+    pub fn json(&self) -> serde_json::Value {
+        match self.reference() {
+            None => json!({ "name": "raster" }),
+            Some(reference) => json!({
+                "name": "reference",
+                "spp": reference.spp,
+                "bounces": reference.bounces,
+                "seed": reference.seed,
+            }),
+        }
+    }
+}
