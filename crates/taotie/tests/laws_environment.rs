@@ -6,7 +6,7 @@ mod random;
 mod skies;
 
 use random::Random;
-use skies::{brute_irradiance, direction, equirect, speckled};
+use skies::{Texels, brute_irradiance, direction, equirect, speckled};
 use std::f64::consts::PI;
 use taotie::image::Image;
 use taotie::math::Vec3;
@@ -155,5 +155,73 @@ fn broken_texels_are_counted_and_harmless() {
         let d = random.unit().to_f32();
         assert!(environment.radiance(d).is_finite() && environment.irradiance(d).is_finite());
         assert!(environment.pdf(d) > 0.0 && environment.pdf(d).is_finite());
+    }
+}
+
+/// Lone bright texels, which show every flaw of a lobe, at the equator, near a pole and in between.
+#[test]
+fn rough_mirrors_gather_the_integral_over_all_texels() {
+    const ROUGHNESSES: [f64; 8] = [0.25, 0.27, 0.32, 0.4, 0.53, 0.7, 0.93, 1.0];
+    let mut image = equirect(512, |n| Vec3::new(0.6 + 0.4 * n.y, 0.5, 0.5 - 0.3 * n.x));
+    for (x, y) in [(130, 128), (17, 2), (340, 60), (511, 200)] {
+        image.pixels_mut()[y * 512 + x] = [4e4, 3e4, 2e4, 1.0];
+    }
+    let environment = environment(&image);
+    let texels = Texels::new(&image);
+    for directions in skies::directions(&environment, 60, &mut Random(8)) {
+        let errors = skies::specular_errors(&environment, &texels, &directions, &ROUGHNESSES);
+        for (roughness, error) in ROUGHNESSES.iter().zip(errors) {
+            assert!(error < 0.01, "roughness {roughness}: {error}");
+        }
+    }
+}
+
+/// Whatever the size: tiny, odd, not twice as wide as high.
+#[test]
+fn even_light_stays_even_at_every_roughness() {
+    for [width, height] in [[1, 1], [3, 7], [514, 257], [600, 900]] {
+        let environment = environment(&Image::new(width, height, [0.5, 3.0, 70_000.0, 1.0]).expect("a size"));
+        let mut random = Random(9);
+        for _ in 0..500 {
+            let (d, roughness) = (random.unit().to_f32(), random.next() as f32);
+            let found = environment.specular(d, roughness);
+            let ratios = [found.x / 0.5, found.y / 3.0, found.z / 70_000.0];
+            let even = ratios.iter().all(|ratio| (ratio - 1.0).abs() < 1.1e-3);
+            assert!(even, "{width}x{height}, roughness {roughness}: {ratios:?}");
+        }
+    }
+}
+
+#[test]
+fn a_smooth_mirror_shows_the_picture_and_roughness_goes_on_from_there() {
+    let environment = environment(&speckled(256));
+    let mut random = Random(10);
+    for _ in 0..60 {
+        let d = random.unit().to_f32();
+        assert_eq!(environment.specular(d, 0.0), environment.radiance(d));
+        let (mut last, mut roughness) = (environment.specular(d, 0.0), 0.0);
+        while roughness < 1.0 {
+            roughness += 1e-4;
+            let next = environment.specular(d, roughness);
+            assert!((next - last).length() < 0.02 * (next.length() + last.length()), "{d:?} {roughness}");
+            last = next;
+        }
+    }
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let image = speckled(256);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| environment(&image))
+    };
+    let [one, three] = [with(1), with(3)];
+    let mut random = Random(11);
+    for _ in 0..5000 {
+        let (d, roughness) = (random.unit().to_f32(), random.next() as f32);
+        assert_eq!(one.specular(d, roughness), three.specular(d, roughness));
+        assert_eq!(one.irradiance(d), three.irradiance(d));
+        assert_eq!(one.pdf(d), three.pdf(d));
     }
 }

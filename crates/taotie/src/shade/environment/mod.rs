@@ -5,7 +5,10 @@
 
 mod distribution;
 mod irradiance;
+mod levels;
+mod octahedron;
 mod picture;
+mod prefilter;
 mod texels;
 
 use crate::error::Result;
@@ -13,13 +16,15 @@ use crate::image::Image;
 use crate::math::Vec3;
 use distribution::Distribution;
 use irradiance::Irradiance;
-use picture::Picture;
+use levels::Levels;
+use picture::{Picture, uv_of};
 use std::sync::OnceLock;
 
 /// Light from infinitely far all around.
 #[derive(Debug, Clone)]
 pub struct Environment {
     picture: Picture,
+    levels: Levels,
     irradiance: Irradiance,
     /// Made when it is first asked for: only who chooses directions at random needs it.
     distribution: OnceLock<Distribution>,
@@ -47,7 +52,8 @@ impl Environment {
         let mended = picture::mended(&mut picture);
         let picture = Picture::new(&picture);
         let irradiance = Irradiance::new(&picture);
-        Ok(Self { irradiance, picture, distribution: OnceLock::new(), mended })
+        let levels = prefilter::levels(&picture);
+        Ok(Self { irradiance, levels, picture, distribution: OnceLock::new(), mended })
     }
 
     /// How many texels of the picture were mended.
@@ -57,12 +63,18 @@ impl Environment {
 
     /// The radiance from a direction, linear RGB.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
-        self.picture.radiance(direction)
+        self.picture.radiance_at(uv_of(direction))
     }
 
-    /// The radiance that a rough mirror at `direction` gathers, linear RGB. Every mirror is smooth so far.
-    pub fn specular(&self, direction: Vec3, _roughness: f32) -> Vec3 {
-        self.radiance(direction)
+    /// The radiance that a rough mirror at `direction` gathers, linear RGB: the mean over the GGX lobe of this
+    /// `roughness`, [0, 1], that is seen from straight above, weighted by n·l. At roughness 0 it is
+    /// [`Self::radiance`].
+    ///
+    /// Law: within 1 % of the integral over all texels from roughness 0.2 on
+    /// (`environments::levels_are_integrals_over_all_texels`).
+    /// Source: Karis 2013, "Pre-Filtered Environment Map".
+    pub fn specular(&self, direction: Vec3, roughness: f32) -> Vec3 {
+        self.levels.at(direction, roughness, || self.radiance(direction))
     }
 
     /// The irradiance on a plane with the unit normal `n`, linear RGB: its part up to the second degree of spherical
