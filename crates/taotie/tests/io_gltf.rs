@@ -382,11 +382,11 @@ fn one_bad_primitive_among_good_ones_is_left_out() {
 fn missing_textures_and_odd_materials_are_drawn_without() {
     let rest = format!(
         r#"{},"images":[{{"uri":"no%20such.png"}},{{"uri":"data:image/png;base64,AAAA"}}],
-        "textures":[{{"source":0}},{{"source":1}},{{"extensions":{{"KHR_texture_basisu":{{"source":0}}}}}}],
+        "textures":[{{"source":0}},{{"source":1}},{{"extensions":{{"XX_texture":{{"source":0}}}}}}],
         "materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}},"metallicRoughnessTexture":{{"index":1}},
           "roughnessFactor":7}},"normalTexture":{{"index":2}},"emissiveTexture":{{"index":5}},
           "occlusionTexture":{{"index":1,"texCoord":4000000000}}}}],
-        "extensionsUsed":["KHR_texture_basisu","XX_unknown"]"#,
+        "extensionsUsed":["XX_texture","XX_unknown"]"#,
         one_primitive(r#""POSITION":0"#, r#","material":0"#)
     );
     let loaded = triangle().load(&rest);
