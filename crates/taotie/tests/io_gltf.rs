@@ -6,6 +6,7 @@ mod gltf;
 
 use common::{data_folder, files_below};
 use gltf::{Maker, PIXEL, load, one_primitive, triangle, v, warned};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use taotie::image::{MipFilter, TexelFilter, Wrap};
 use taotie::math::Vec2;
@@ -427,6 +428,15 @@ fn sharing_data_without_end_is_refused() {
     let rest = format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{primitives}]}}]"#);
     let error = maker.try_load(&rest).unwrap_err();
     assert!(error.contains("too many times"), "{error}");
+}
+
+/// The list for readers of the documentation is the reader's own.
+#[test]
+fn the_documentation_lists_every_extension() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/gltf.md")).unwrap();
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| ")?.split_once(" |"));
+    let listed: BTreeSet<&str> = rows.map(|(name, _)| name).filter(|name| *name != "extension").collect();
+    assert_eq!(listed, BTreeSet::from(taotie::io::GLTF_EXTENSIONS));
 }
 
 /// Small files with bytes changed load or fail; they never panic.

@@ -4,8 +4,8 @@ use crate::error::{Error, Result, Warnings};
 use gltf::json::Root;
 use std::path::Path;
 
-/// Extensions whose meaning is drawn.
-const SUPPORTED: [&str; 16] = [
+/// Extensions of glTF whose meaning is drawn.
+pub const SUPPORTED: [&str; 16] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
