@@ -29,11 +29,12 @@ impl Picture {
     /// Smaller, by the mean of the codes over each pixel's area, as browsers and web tools scale.
     pub fn reduced(&self, [width, height]: [u32; 2]) -> Self {
         let columns = spans(width, self.width);
-        let pixels = spans(height, self.height).iter().flat_map(|rows| {
-            let row = columns.iter().map(|columns| self.mean(columns, rows));
-            row.collect::<Vec<_>>()
-        });
-        Self::new(width, height, pixels.collect())
+        let rows = spans(height, self.height);
+        let pixels = rows
+            .iter()
+            .flat_map(|rows| columns.iter().map(|columns| self.mean(columns, rows)).collect::<Vec<_>>());
+        let pixels = pixels.collect();
+        Self::new(width, height, pixels)
     }
 
     fn mean(&self, columns: &[(u32, f64)], rows: &[(u32, f64)]) -> [u8; 4] {

@@ -3,6 +3,7 @@
 //! Directions are unit, in the environment's own space, with +y up. The picture's convention is u = atan2(z, x)/(2π) +
 //! 1/2, v = acos(y)/π, both from the top left.
 
+mod cosine;
 mod distribution;
 mod irradiance;
 mod levels;
@@ -14,8 +15,9 @@ mod texels;
 use crate::error::Result;
 use crate::image::Image;
 use crate::math::Vec3;
+use cosine::CosineMap;
 use distribution::Distribution;
-use irradiance::Irradiance;
+pub use irradiance::IrradianceHarmonics;
 use levels::Levels;
 use picture::{Picture, uv_of};
 use std::sync::OnceLock;
@@ -25,7 +27,7 @@ use std::sync::OnceLock;
 pub struct Environment {
     picture: Picture,
     levels: Levels,
-    irradiance: Irradiance,
+    cosine: CosineMap,
     /// Made when it is first asked for: only who chooses directions at random needs it.
     distribution: OnceLock<Distribution>,
     mended: usize,
@@ -51,9 +53,9 @@ impl Environment {
     pub fn new(mut picture: Image) -> Result<Self> {
         let mended = picture::mended(&mut picture);
         let picture = Picture::new(&picture);
-        let irradiance = Irradiance::new(&picture);
+        let cosine = CosineMap::new(&picture);
         let levels = prefilter::levels(&picture);
-        Ok(Self { irradiance, levels, picture, distribution: OnceLock::new(), mended })
+        Ok(Self { cosine, levels, picture, distribution: OnceLock::new(), mended })
     }
 
     /// How many texels of the picture were mended.
@@ -77,10 +79,17 @@ impl Environment {
         self.levels.at(direction, roughness, || self.radiance(direction))
     }
 
-    /// The irradiance on a plane with the unit normal `n`, linear RGB: its part up to the second degree of spherical
-    /// harmonics, which is all but a few percent of it.
+    /// The irradiance on a plane with the unit normal `n`, linear RGB.
+    ///
+    /// Law: within 1 % of the integral over all texels (`laws_environment::irradiance_is_the_integral_over_all_texels`).
     pub fn irradiance(&self, n: Vec3) -> Vec3 {
-        self.irradiance.at(n)
+        self.cosine.at(n)
+    }
+
+    /// The irradiance up to the second degree of spherical harmonics, for engines that take light so. On the dark side of
+    /// a room with few lamps it is off by a quarter, where [`Self::irradiance`] is exact.
+    pub fn irradiance_harmonics(&self) -> IrradianceHarmonics {
+        IrradianceHarmonics::new(&self.picture)
     }
 
     /// Chooses a direction, with more likelihood where more light comes from. `u` in [0, 1)².
