@@ -24,6 +24,15 @@ use taotie::shade::environment::Environment;
 /// The renderer whose pictures the others are measured against.
 const JUDGE: &str = "model-viewer";
 
+/// Scenes in which the judge's own picture is wrong: who judges instead, and why.
+const OTHER_JUDGES: &[(&str, &str, &str)] = &[(
+    "khronos-AnimatedMorphCube",
+    "three-gpu-pathtracer",
+    "the cube's right face is white where x points, and model-viewer shows it as 232; the integral of the environment over \
+     the face gives 220, and the path tracers show 215 to 222: model-viewer's blurred irradiance is a tenth too bright \
+     towards the lamps. An exact picture lies 4.9 from it, more than the median of 4.73",
+)];
+
 /// What a scene without its model is: the environment, seen where two renderers that share it agree.
 const WITNESS: &str = "three-gpu-pathtracer";
 
@@ -167,7 +176,12 @@ fn scenes_lie_within_the_consensus_of_other_renderers() {
             facts["verticalFoV"] = defaults["verticalFoV"].clone();
         }
         let scenario = Scenario { name, facts: &facts, folder: &folder };
-        let judge = scenario.golden(JUDGE).unwrap_or_else(|| panic!("{name}: no picture of {JUDGE}"));
+        let other = OTHER_JUDGES.iter().find(|(scene, ..)| scene == name);
+        let judge = other.map_or(JUDGE, |(_, judge, _)| judge);
+        if let Some((_, judge, why)) = other {
+            println!("{name} is judged by {judge}: {why}");
+        }
+        let judge = scenario.golden(judge).unwrap_or_else(|| panic!("{name}: no picture of {judge}"));
         let ours = scenario.ours();
         let (got, allowed) = (scenario.measure(&ours, &judge), scenario.allowed());
         let note = format!("{name}: {got:.2} of {allowed:.2} allowed");
