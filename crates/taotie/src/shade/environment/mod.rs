@@ -9,6 +9,7 @@ mod levels;
 mod octahedron;
 mod picture;
 mod prefilter;
+mod studio;
 mod texels;
 
 use crate::error::Result;
@@ -19,6 +20,8 @@ use irradiance::Irradiance;
 use levels::Levels;
 use picture::{Picture, uv_of};
 use std::sync::OnceLock;
+
+pub use studio::{STUDIO_VERSION, studio};
 
 /// Light from infinitely far all around.
 #[derive(Debug, Clone)]
