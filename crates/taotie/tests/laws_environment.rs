@@ -10,7 +10,7 @@ use skies::{Texels, brute_irradiance, direction, equirect, speckled};
 use std::f64::consts::PI;
 use taotie::image::Image;
 use taotie::math::Vec3;
-use taotie::shade::environment::Environment;
+use taotie::shade::environment::{Environment, STUDIO_VERSION, studio};
 
 fn environment(image: &Image) -> Environment {
     Environment::new(image.clone()).expect("it is an environment")
@@ -240,4 +240,25 @@ fn threads_change_no_bit() {
         assert_eq!(one.irradiance(d), three.irradiance(d));
         assert_eq!(one.pdf(d), three.pdf(d));
     }
+}
+
+/// The key of cached environments names the studio by its version only.
+#[test]
+fn the_studio_has_the_bits_of_its_version() {
+    let pixels = studio().pixels().as_flattened().to_vec();
+    let hash = pixels.iter().fold(0xcbf2_9ce4_8422_2325u64, |hash, v| {
+        (hash ^ u64::from(v.to_bits())).wrapping_mul(0x0100_0000_01b3)
+    });
+    assert_eq!((STUDIO_VERSION, hash), (1, 11007174786164598874), "other bits need another STUDIO_VERSION");
+}
+
+#[test]
+fn the_studio_is_grey_and_as_bright_as_it_says() {
+    let image = studio();
+    assert!(image.pixels().iter().all(|[r, g, b, a]| r == g && g == b && *r > 0.02 && *a == 1.0));
+    let radiance = |n: Vec3<f64>| brute_irradiance(&image, n).x / PI;
+    let [front, left, right] = [[0.0, 0.0, 1.0], [-0.6, 0.5, 0.6], [1.0, 0.0, 0.0]];
+    let [front, left, right] = [front, left, right].map(|n| radiance(Vec3::from_array(n).normalize()));
+    assert!((front - 0.8).abs() < 0.01, "{front}");
+    assert!(left > 1.5 * front && right < 0.6 * front, "{left} {right}");
 }

@@ -10,6 +10,7 @@ mod levels;
 mod octahedron;
 mod picture;
 mod prefilter;
+mod studio;
 mod texels;
 
 use crate::error::Result;
@@ -21,6 +22,8 @@ pub use irradiance::IrradianceHarmonics;
 use levels::Levels;
 use picture::{Picture, uv_of};
 use std::sync::OnceLock;
+
+pub use studio::{STUDIO_VERSION, studio};
 
 /// Light from infinitely far all around.
 #[derive(Debug, Clone)]
