@@ -34,7 +34,7 @@ pub(super) struct Draw<'a> {
     pub positions: Vec<Vec3>,
     /// Unit, world space.
     pub normals: Vec<Vec3>,
-    /// Unit, world space, with handedness; empty unless a tangent-space map is read.
+    /// Unit, world space, with handedness; empty unless a tangent-space map or a direction is read.
     pub tangents: Vec<[f32; 4]>,
     /// Takes object-space normals to world space, keeping the length of uniformly scaled ones.
     pub normal_matrix: [Vec3; 3],
@@ -136,7 +136,11 @@ impl<'a> Preparation<'a, '_> {
             _ => self.layers_set(instance.mesh, material),
         };
         let mesh = self.mesh(instance.mesh, tangent_set)?;
-        Ok(Draw::new(mesh, material, first_triangle, normal_source, m, tangent_set.is_some()))
+        let mut draw = Draw::new(mesh, material, first_triangle, normal_source, m);
+        if tangent_set.is_some() {
+            draw.tangents = world_tangents(&draw.mesh, &m, draw.mirrored);
+        }
+        Ok(draw)
     }
 
     /// The method asked for, as far as the material has what it needs.
@@ -225,13 +229,11 @@ impl<'a> Draw<'a> {
         first_triangle: u32,
         normal_source: NormalSource<'a>,
         m: Mat4,
-        directed: bool,
     ) -> Self {
         let normal_matrix = uniform_normal_matrix(&m);
         let mirrored = m.determinant3() < 0.0;
         let positions = mesh.positions().iter().map(|p| m.transform_point(p.to_f64()).to_f32()).collect();
         let normals: Vec<Vec3> = mesh.normals().iter().map(|n| unit(apply(&normal_matrix, *n))).collect();
-        let tangents = if directed { world_tangents(&mesh, &m, mirrored) } else { Vec::new() };
         Self {
             mesh,
             material,
@@ -239,7 +241,7 @@ impl<'a> Draw<'a> {
             normal_source,
             positions,
             normals,
-            tangents,
+            tangents: Vec::new(),
             normal_matrix,
             mirrored,
         }
