@@ -6,6 +6,7 @@ mod gltf;
 
 use common::{data_folder, files_below};
 use gltf::{Maker, PIXEL, load, one_primitive, triangle, v, warned};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use taotie::image::{MipFilter, TexelFilter, Wrap};
 use taotie::math::Vec2;
@@ -382,11 +383,11 @@ fn one_bad_primitive_among_good_ones_is_left_out() {
 fn missing_textures_and_odd_materials_are_drawn_without() {
     let rest = format!(
         r#"{},"images":[{{"uri":"no%20such.png"}},{{"uri":"data:image/png;base64,AAAA"}}],
-        "textures":[{{"source":0}},{{"source":1}},{{"extensions":{{"KHR_texture_basisu":{{"source":0}}}}}}],
+        "textures":[{{"source":0}},{{"source":1}},{{"extensions":{{"XX_texture":{{"source":0}}}}}}],
         "materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}},"metallicRoughnessTexture":{{"index":1}},
           "roughnessFactor":7}},"normalTexture":{{"index":2}},"emissiveTexture":{{"index":5}},
           "occlusionTexture":{{"index":1,"texCoord":4000000000}}}}],
-        "extensionsUsed":["KHR_texture_basisu","XX_unknown"]"#,
+        "extensionsUsed":["XX_texture","XX_unknown"]"#,
         one_primitive(r#""POSITION":0"#, r#","material":0"#)
     );
     let loaded = triangle().load(&rest);
@@ -427,6 +428,15 @@ fn sharing_data_without_end_is_refused() {
     let rest = format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{primitives}]}}]"#);
     let error = maker.try_load(&rest).unwrap_err();
     assert!(error.contains("too many times"), "{error}");
+}
+
+/// The list for readers of the documentation is the reader's own.
+#[test]
+fn the_documentation_lists_every_extension() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/gltf.md")).unwrap();
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| ")?.split_once(" |"));
+    let listed: BTreeSet<&str> = rows.map(|(name, _)| name).filter(|name| *name != "extension").collect();
+    assert_eq!(listed, BTreeSet::from(taotie::io::GLTF_EXTENSIONS));
 }
 
 /// Small files with bytes changed load or fail; they never panic.

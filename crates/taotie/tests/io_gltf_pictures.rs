@@ -52,6 +52,22 @@ fn webp_goes_before_the_image_for_other_programs() {
 }
 
 #[test]
+fn basis_universal_goes_before_the_image_for_other_programs() {
+    let images: [&[u8]; 2] = [&own("waves.png"), &own("uastc-alpha.ktx2")];
+    let basisu = r#""extensions":{"KHR_texture_basisu":{"source":1}}"#;
+    let both = with_texture(&format!(r#"{{"source":0,{basisu}}}"#), &images, "").unwrap();
+    let required = r#","extensionsUsed":["KHR_texture_basisu"],"extensionsRequired":["KHR_texture_basisu"]"#;
+    let alone = with_texture(&format!("{{{basisu}}}"), &images, required).unwrap();
+    for loaded in [&both, &alone] {
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        assert_eq!(shown(loaded), &bitmap("uastc-alpha.png"));
+    }
+    let damaged: [&[u8]; 2] = [&own("waves.png"), &own("uastc-alpha.ktx2")[..200]];
+    let loaded = with_texture(&format!(r#"{{"source":0,{basisu}}}"#), &damaged, "").unwrap();
+    assert_eq!(shown(&loaded), &bitmap("waves.png"));
+}
+
+#[test]
 fn the_image_for_other_programs_stands_for_a_damaged_one() {
     let png = own("waves.png");
     let damaged = &own("lossless.webp")[..60];

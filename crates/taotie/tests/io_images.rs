@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use taotie::image::{Bitmap, Texels};
 use taotie::io::{decode_bitmap, read_bitmap};
 
-const EXTENSIONS: [&str; 7] = ["png", "jpg", "jpeg", "webp", "tga", "hdr", "exr"];
+const EXTENSIONS: [&str; 8] = ["png", "jpg", "jpeg", "webp", "ktx2", "tga", "hdr", "exr"];
 
 /// A picture of this repository.
 fn own(name: &str) -> PathBuf {
@@ -127,6 +127,44 @@ fn lossy_webp_is_what_libwebp_makes_of_it() {
     let [webp, png] = ["lossy.webp", "lossy.png"].map(|name| read_bitmap(&own(name)).unwrap());
     assert_eq!((webp.width(), webp.height(), webp.channels()), (40, 24, 3));
     assert_eq!(as_u8(&webp), as_u8(&png));
+}
+
+/// Against Basis Universal's own transcoder: ETC1S with and without alpha, UASTC plain and under Zstandard.
+#[test]
+fn ktx2_is_what_basis_universal_makes_of_it() {
+    for (name, channels) in [("etc1s", 3), ("etc1s-alpha", 4), ("uastc-alpha", 4), ("uastc-zstd", 3)] {
+        let [ktx2, png] = ["ktx2", "png"].map(|kind| read_bitmap(&own(&format!("{name}.{kind}"))).unwrap());
+        assert_eq!((ktx2.width(), ktx2.height(), ktx2.channels()), (40, 24, channels), "{name}");
+        assert!(as_u8(&ktx2) == as_u8(&png), "{name}");
+        // And that is the picture that was compressed, but for what the compression costs.
+        let waves = as_u8(&read_bitmap(&own("waves.png")).unwrap());
+        let colors = as_u8(&ktx2).into_iter().zip(waves).enumerate().filter(|(i, _)| i % 4 < channels.into());
+        let squares: Vec<f64> =
+            colors.map(|(_, (a, b))| f64::from(a.abs_diff(b)) * f64::from(a.abs_diff(b))).collect();
+        let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+        assert!(rms < if name.starts_with("uastc") { 5.0 } else { 20.0 }, "{name}: {rms}");
+    }
+}
+
+/// A header may promise anything; none of it is allocated before it can be true.
+#[test]
+fn ktx2_headers_that_cannot_be_true() {
+    let seed = std::fs::read(own("uastc-zstd.ktx2")).unwrap();
+    let error = |at: usize, bytes: &[u8]| {
+        let mut changed = seed.clone();
+        changed[at..at + bytes.len()].copy_from_slice(bytes);
+        decode_bitmap(&changed, "a.ktx2", Path::new("a.ktx2")).unwrap_err().to_string()
+    };
+    assert!(error(96, &u64::MAX.to_le_bytes()).contains("bytes for 60 blocks"));
+    assert!(error(20, &60_000u32.to_le_bytes()).contains("at most"));
+    assert!(error(20, &16_384u32.to_le_bytes().repeat(2)).contains("cannot hold"));
+    assert!(error(12, &37u32.to_le_bytes()).contains("Basis Universal"));
+    assert!(error(36, &6u32.to_le_bytes()).contains("several layers"));
+    assert!(!error(48, &u32::MAX.to_le_bytes()).is_empty());
+    assert!(!error(80, &u64::MAX.to_le_bytes()).is_empty());
+    for length in 0..seed.len() {
+        assert!(decode_bitmap(&seed[..length], "a.ktx2", Path::new("a.ktx2")).is_err(), "{length}");
+    }
 }
 
 /// A picture of one colour takes few bytes at any size: it is read up to 4096 × 4096 and refused beyond.

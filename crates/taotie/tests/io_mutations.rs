@@ -177,6 +177,14 @@ fn damaged_pictures() {
         picture.write_to(&mut seed, format).expect("an encoder");
         torment_picture(name, &seed.into_inner(), (9, 7));
     }
+    for (name, seed) in [
+        ("etc1s.ktx2", &include_bytes!("data/pictures/etc1s.ktx2")[..]),
+        ("etc1s-alpha.ktx2", include_bytes!("data/pictures/etc1s-alpha.ktx2")),
+        ("uastc-alpha.ktx2", include_bytes!("data/pictures/uastc-alpha.ktx2")),
+        ("uastc-zstd.ktx2", include_bytes!("data/pictures/uastc-zstd.ktx2")),
+    ] {
+        torment_picture(name, seed, (40, 24));
+    }
     let lossy = include_bytes!("data/pictures/lossy.webp");
     torment_picture("lossy.webp", lossy, (40, 24));
     torment_picture("lossless.webp", include_bytes!("data/pictures/lossless.webp"), (40, 24));

@@ -44,15 +44,9 @@ fn take_factors(scene: &mut Scene, model: &Scene) {
 }
 
 fn without_textures(material: &Material) -> Material {
-    Material {
-        base_color_texture: None,
-        metallic_roughness_texture: None,
-        normal: None,
-        height: None,
-        occlusion_texture: None,
-        emissive_texture: None,
-        ..material.clone()
-    }
+    let mut material = material.clone();
+    material.retain_textures(|_| false);
+    material
 }
 
 /// Warns where model and reference do not lie in one place.

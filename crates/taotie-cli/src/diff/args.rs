@@ -20,7 +20,7 @@ or hold no unit vector (padding).
 
 Exit code: 0 fine, 1 worse than --threshold, 2 error";
 
-/// Says how two pictures or normal maps differ (PNG, JPEG, WebP, TGA, HDR, EXR).
+/// Says how two pictures or normal maps differ (PNG, JPEG, WebP, KTX2, TGA, HDR, EXR).
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct DiffArgs {

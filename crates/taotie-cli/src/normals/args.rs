@@ -22,7 +22,7 @@ way back to where they came from. What --from and --green-in leave open is guess
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct NormalsArgs {
-    /// The height map or normal map (PNG, JPEG, WebP, TGA, HDR, EXR)
+    /// The height map or normal map (PNG, JPEG, WebP, KTX2, TGA, HDR, EXR)
     pub input: PathBuf,
     /// The normal map to write (PNG)
     #[arg(short, long, value_name = "OUT")]

@@ -34,8 +34,9 @@ pub fn apply(args: &MaterialArgs, height_scale: Option<f64>, scene: &mut Scene) 
     let change = maps.load(scene)?;
     scene.materials.iter_mut().for_each(|material| change.apply(material));
     if args.green == Green::Down {
-        for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
-            map.green = GreenChannel::Down;
+        for material in &mut scene.materials {
+            let coat = material.clearcoat.as_mut().and_then(|coat| coat.normal.as_mut());
+            material.normal.iter_mut().chain(coat).for_each(|map| map.green = GreenChannel::Down);
         }
     }
     Ok(())

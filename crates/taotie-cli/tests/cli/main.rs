@@ -12,6 +12,7 @@ mod json;
 mod models;
 mod motion;
 mod normals;
+mod packed;
 mod place;
 mod render;
 mod running;

@@ -1,6 +1,7 @@
-//! Textures from PNG, JPEG, WebP, TGA, Radiance HDR and OpenEXR, in the precision and encoding of the file.
+//! Textures from PNG, JPEG, WebP, KTX2, TGA, Radiance HDR and OpenEXR, in the precision and encoding of the file.
 
 mod exr;
+mod ktx;
 
 use super::file;
 use crate::error::{Error, Result};
@@ -12,11 +13,12 @@ use std::path::Path;
 /// The most texels of one image: 16,384 × 16,384.
 const MAX_TEXELS: u64 = 1 << 28;
 
-/// No format read here but WebP packs more texels into a byte: deflate reaches 1032 to 1, and a byte holds 8 one-bit
+/// No format read here but WebP and KTX2 packs more texels into a byte: deflate reaches 1032 to 1, and a byte holds 8 one-bit
 /// texels. A declared size beyond it is refused before anything is allocated.
 const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
 
-/// WebP holds a picture of one colour in a few bytes, whatever its size; so many texels, 4096 × 4096, are believed.
+/// WebP and KTX2 hold a picture of one colour in a few bytes, whatever its size; so many texels, 4096 × 4096, are
+/// believed.
 const MAX_TEXELS_OF_PLAIN: u64 = 1 << 24;
 
 /// Reads an image file.
@@ -35,14 +37,17 @@ pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
 /// [`Error::Unsupported`] for a format that is not read, [`Error::Limit`] for a size beyond [`Bitmap::MAX_SIDE`] a
 /// side, 2²⁸ texels, or what so few bytes can hold, [`Error::Parse`] for damaged content.
 pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
+    let is_the_file = path.file_name().is_some_and(|file| file.to_string_lossy() == name);
+    let at = || if is_the_file { "image".to_owned() } else { format!("image '{name}'") };
+    if ktx::is_ktx2(bytes) {
+        return ktx::decode(bytes).map_err(|failure| failure.into_error(path, at()));
+    }
     let format = guess_format(bytes, name).ok_or_else(|| {
         Error::unsupported(
             format!("{}: the image format of '{name}'", path.display()),
-            "images are read from PNG, JPEG, WebP, TGA, HDR and EXR",
+            "images are read from PNG, JPEG, WebP, KTX2, TGA, HDR and EXR",
         )
     })?;
-    let is_the_file = path.file_name().is_some_and(|file| file.to_string_lossy() == name);
-    let at = || if is_the_file { "image".to_owned() } else { format!("image '{name}'") };
     if format == ImageFormat::OpenExr {
         return exr::decode(bytes).map_err(|failure| failure.into_error(path, at()));
     }

@@ -12,6 +12,8 @@ mod text;
 mod variants;
 mod write;
 
+pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
+
 pub use bitmap::{decode_bitmap, read_bitmap};
 pub use variants::Variants;
 pub use write::{

@@ -26,6 +26,33 @@ impl Picture {
         Self::new(bitmap.width(), bitmap.height(), pixels.clone())
     }
 
+    /// Smaller, by the mean of the codes over each pixel's area, as browsers and web tools scale.
+    pub fn reduced(&self, [width, height]: [u32; 2]) -> Self {
+        let columns = spans(width, self.width);
+        let rows = spans(height, self.height);
+        let pixels = rows
+            .iter()
+            .flat_map(|rows| columns.iter().map(|columns| self.mean(columns, rows)).collect::<Vec<_>>());
+        let pixels = pixels.collect();
+        Self::new(width, height, pixels)
+    }
+
+    fn mean(&self, columns: &[(u32, f64)], rows: &[(u32, f64)]) -> [u8; 4] {
+        let mut sum = [0.0; 4];
+        for ((x, across), (y, down)) in
+            rows.iter().flat_map(|row| columns.iter().map(move |column| (column, row)))
+        {
+            let [r, g, b, a] = self.pixels[(y * self.width + x) as usize].map(f64::from);
+            let weight = across * down;
+            for (sum, value) in sum.iter_mut().zip([r * a, g * a, b * a, a]) {
+                *sum += value * weight;
+            }
+        }
+        let [r, g, b, a] = sum;
+        let straight = |v: f64| if a > 0.0 { (v / a).round() as u8 } else { 0 };
+        [straight(r), straight(g), straight(b), a.round() as u8]
+    }
+
     fn write(&self, path: &Path) {
         let image = PngImage {
             width: self.width,
@@ -36,6 +63,17 @@ impl Picture {
         };
         write_png(path, &image).unwrap();
     }
+}
+
+/// For each of `to` pixels of a row those of `from` that it covers, with weights that sum to one.
+fn spans(to: u32, from: u32) -> Vec<Vec<(u32, f64)>> {
+    let size = f64::from(from) / f64::from(to);
+    let span = |i: u32| {
+        let (start, end) = (f64::from(i) * size, f64::from(i + 1) * size);
+        let share = |x: u32| (end.min(f64::from(x) + 1.0) - start.max(f64::from(x))) / size;
+        (start.floor() as u32..(end.ceil() as u32).min(from)).map(|x| (x, share(x))).collect()
+    };
+    (0..to).map(span).collect()
 }
 
 /// Ours and theirs, with what is to be said of them.

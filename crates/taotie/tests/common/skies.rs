@@ -1,9 +1,11 @@
 //! Environments made by code, and integrals over an environment's picture by adding up all of its texels.
 #![allow(dead_code)]
 
+use crate::random::Random;
 use std::f64::consts::{PI, TAU};
 use taotie::image::Image;
 use taotie::math::{Vec3, scalar};
+use taotie::shade::environment::Environment;
 
 /// The direction at a place of an equirectangular picture: u = atan2(z, x)/2π + 1/2, v = acos(y)/π.
 pub fn direction(u: f64, v: f64) -> Vec3<f64> {
@@ -63,4 +65,70 @@ pub fn brute_irradiance(image: &Image, n: Vec3<f64>) -> Vec3<f64> {
         sum += light * (n.dot(l).max(0.0) * angle);
     }
     sum
+}
+
+/// All texels of a picture, to be added up.
+pub struct Texels {
+    /// Direction, light times solid angle, solid angle.
+    texels: Vec<(Vec3<f64>, Vec3<f64>, f64)>,
+}
+
+impl Texels {
+    /// Of a picture.
+    pub fn new(image: &Image) -> Self {
+        Self { texels: texels(image).map(|(l, light, angle)| (l, light * angle, angle)).collect() }
+    }
+
+    /// ∫ L D(h) (n·l)⁺ dl / ∫ D(h) (n·l)⁺ dl with n = v and the D of GGX, for each roughness.
+    pub fn specular(&self, n: Vec3<f64>, roughnesses: &[f64]) -> Vec<Vec3<f64>> {
+        let mut sums = vec![(Vec3::splat(0.0), 0.0); roughnesses.len()];
+        for (l, light, angle) in &self.texels {
+            let n_dot_l = n.dot(*l);
+            if n_dot_l <= 0.0 {
+                continue;
+            }
+            // h lies half as far from n as l does: sin²(γ/2) = |l − n|²/4.
+            let apart = *l - n;
+            let sin2_h = apart.dot(apart) / 4.0;
+            for (roughness, (sum, weights)) in roughnesses.iter().zip(&mut sums) {
+                let alpha = roughness * roughness;
+                let t = alpha * alpha * (1.0 - sin2_h) + sin2_h;
+                let weight = n_dot_l / (t * t);
+                *sum += *light * weight;
+                *weights += weight * angle;
+            }
+        }
+        sums.into_iter().map(|(sum, weights)| sum * (1.0 / weights)).collect()
+    }
+}
+
+/// How far what `environment` says of rough mirrors is from the integral over all texels of its picture: for each
+/// roughness the root of the mean square error over the directions, as part of that of the light.
+pub fn specular_errors(
+    environment: &Environment,
+    texels: &Texels,
+    directions: &[Vec3<f64>],
+    roughnesses: &[f64],
+) -> Vec<f64> {
+    use rayon::prelude::*;
+    let truths: Vec<_> = directions.par_iter().map(|n| texels.specular(*n, roughnesses)).collect();
+    let square = |v: Vec3<f64>| v.dot(v);
+    let error = |(k, roughness): (usize, &f64)| {
+        let found = |n: &Vec3<f64>| environment.specular(n.to_f32(), *roughness as f32).to_f64();
+        let errors: f64 = directions.iter().zip(&truths).map(|(n, truth)| square(found(n) - truth[k])).sum();
+        let light: f64 = truths.iter().map(|truth| square(truth[k])).sum();
+        (errors / light).sqrt()
+    };
+    roughnesses.iter().enumerate().map(error).collect()
+}
+
+/// Directions everywhere, and directions about a lobe's width away from where it is bright.
+pub fn directions(environment: &Environment, count: usize, random: &mut Random) -> [Vec<Vec3<f64>>; 2] {
+    let everywhere = (0..count).map(|_| random.unit()).collect();
+    let mut near_light = || {
+        let bright = environment.sample([random.next() as f32, random.next() as f32]).direction;
+        let far = random.next() * random.next() * 0.5;
+        (bright.to_f64() + random.unit() * far).normalize()
+    };
+    [everywhere, (0..count).map(|_| near_light()).collect()]
 }

@@ -149,7 +149,10 @@ fn decode(bytes: &[u8], budget: u64) -> Reason<Mesh> {
     });
     match attempt {
         Ok(Ok(mesh)) => Ok(mesh),
-        Ok(Err(error)) => Err(error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")),
+        Ok(Err(error)) => {
+            let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+            Err(format!("its stream cannot be read ({what}); save the model again"))
+        }
         Err(_) => Err("its stream contradicts itself; save the model again".into()),
     }
 }

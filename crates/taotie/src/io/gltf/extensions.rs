@@ -4,8 +4,8 @@ use crate::error::{Error, Result, Warnings};
 use gltf::json::Root;
 use std::path::Path;
 
-/// Extensions whose meaning is drawn.
-const SUPPORTED: [&str; 15] = [
+/// Extensions of glTF whose meaning is drawn.
+pub const SUPPORTED: [&str; 16] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -18,6 +18,7 @@ const SUPPORTED: [&str; 15] = [
     "KHR_materials_sheen",
     "KHR_materials_variants",
     "EXT_texture_webp",
+    "KHR_texture_basisu",
     "EXT_meshopt_compression",
     "KHR_meshopt_compression",
     "KHR_draco_mesh_compression",

@@ -7,7 +7,7 @@ use crate::io::{decode_bitmap, file};
 use gltf::json::{Texture, Value};
 
 /// Extensions that give a texture another image than its own, the one that is believed most first.
-const EXTENSIONS: [&str; 1] = ["EXT_texture_webp"];
+const EXTENSIONS: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
 
 /// The images of a texture, the one to be shown first. The others are there for programs that cannot read it, so
 /// they stand for it where it is damaged or missing.

@@ -27,6 +27,8 @@ mod uri;
 mod variants;
 mod vertices;
 
+pub use extensions::SUPPORTED;
+
 use super::variants::Mapping;
 use super::{Loaded, Variants};
 use crate::error::{Result, Warnings};

@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 /// Law: exact for light of the second degree (`laws_environment::irradiance_of_light_of_the_second_degree_is_exact`).
 /// Source: Ramamoorthi and Hanrahan 2001, eq. 7, 8 and 10.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Irradiance(pub(super) [Vec3; 9]);
+pub struct IrradianceHarmonics(pub [Vec3; 9]);
 
 /// Â_l times the square of Y_lm's constant: what the integral of light times a polynomial is multiplied by.
 const FACTORS: [f64; 9] = {
@@ -21,7 +21,7 @@ const FACTORS: [f64; 9] = {
     [constant, linear, linear, linear, product, product, zz, product, difference]
 };
 
-impl Irradiance {
+impl IrradianceHarmonics {
     /// Of a picture whose texels each shine evenly.
     pub(super) fn new(picture: &Picture) -> Self {
         let waves = waves(picture.width());
@@ -45,7 +45,7 @@ impl Irradiance {
 
     /// The irradiance on a plane with the unit normal `n`, never negative.
     #[inline]
-    pub(super) fn at(&self, n: Vec3) -> Vec3 {
+    pub fn at(&self, n: Vec3) -> Vec3 {
         let Vec3 { x, y, z } = n;
         let polynomials = [y, z, x, x * y, y * z, 3.0 * z * z - 1.0, x * z, x * x - y * y];
         let mut sum = self.0[0];

@@ -48,18 +48,19 @@ impl Picture {
         self.texels.get(y * self.width + x)
     }
 
-    /// What shines from a direction, linear RGB: the mean of the four texels around it, by nearness.
-    pub(super) fn radiance(&self, direction: Vec3) -> Vec3 {
-        let [u, v] = uv_of(direction);
-        let x = u * self.width as f32 - 0.5;
+    /// What shines from the direction at u and v in [0, 1], linear RGB: the mean of the four texels around it, by
+    /// nearness.
+    pub(super) fn radiance_at(&self, [u, v]: [f32; 2]) -> Vec3 {
+        // One column on, so that what is cut off is what lies below.
+        let x = u * self.width as f32 + 0.5;
         let y = (v * self.height as f32 - 0.5).clamp(0.0, (self.height - 1) as f32);
-        let (left, top) = (x.floor(), y.floor());
-        let (s, t) = (x - left, y - top);
-        let column = |x: f32| (x as isize).rem_euclid(self.width as isize) as usize;
-        let (x0, x1) = (column(left), column(left + 1.0));
-        let (y0, y1) = (top as usize, (top as usize + 1).min(self.height - 1));
+        let (right, top) = (x as usize, y as usize);
+        let (s, t) = (x - right as f32, y - top as f32);
+        let x0 = if right == 0 { self.width - 1 } else { right - 1 };
+        let x1 = if right >= self.width { 0 } else { right };
+        let y1 = (top + 1).min(self.height - 1);
         let row = |y| self.texel(x0, y) * (1.0 - s) + self.texel(x1, y) * s;
-        row(y0) * (1.0 - t) + row(y1) * t
+        row(top) * (1.0 - t) + row(y1) * t
     }
 }
 
@@ -114,7 +115,7 @@ mod tests {
             *pixel = [i as f32, 0.0, 0.0, 1.0];
         }
         let picture = Picture::new(&image);
-        let red = |u: f64, v: f64| picture.radiance(direction_at(u, scalar::cos(v * std::f64::consts::PI))).x;
+        let red = |u: f32, v: f32| picture.radiance_at([u, v]).x;
         assert!((red(0.125, 0.25) - 0.0).abs() < 1e-5 && (red(0.875, 0.75) - 7.0).abs() < 1e-5);
         assert!((red(0.0, 0.25) - 1.5).abs() < 1e-5 && (red(1.0, 0.25) - 1.5).abs() < 1e-5);
         assert!((red(0.125, 0.01) - 0.0).abs() < 1e-5 && (red(0.125, 0.5) - 2.0).abs() < 1e-5);

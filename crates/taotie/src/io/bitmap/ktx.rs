@@ -1,0 +1,67 @@
+//! KTX2 pictures of Basis Universal, ETC1S or UASTC, through the `basisu` crate: what KHR_texture_basisu allows.
+
+use super::{Failure, MAX_TEXELS_OF_PLAIN, check_size, credible};
+use crate::image::{Bitmap, Texels};
+use basisu::{DecodeFlags, Error, TargetFormat, Transcoder};
+
+const SIGNATURE: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
+
+/// Numbers of the data format descriptor for ETC1S and UASTC.
+const MODELS: [u8; 2] = [163, 166];
+
+/// The number of Zstandard among supercompression schemes.
+const ZSTANDARD: u32 = 2;
+
+/// Whether `bytes` begin as a KTX2 file does.
+pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
+    bytes.starts_with(SIGNATURE)
+}
+
+/// The largest level of a picture. Smaller ones are made anew, as for every other format.
+///
+/// The decoder (`basisu` 0.1) is a port of many thousand lines that index arrays; should damage make it panic, that is
+/// caught here and becomes an error.
+pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap, Failure> {
+    let (width, height) = check_header(bytes)?;
+    let attempt = std::panic::catch_unwind(|| {
+        let transcoder = Transcoder::new(bytes)?;
+        let texels = transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE)?;
+        Ok::<_, Error>((texels, if transcoder.has_alpha() { 4 } else { 3 }))
+    });
+    let Ok(Ok((texels, channels))) = attempt else {
+        return Err(Failure::Damaged("its blocks are damaged; save it again".into()));
+    };
+    let texels = Texels::U8(texels.as_chunks::<4>().0.to_vec());
+    Bitmap::new(width, height, channels, texels).map_err(|e| Failure::Damaged(e.to_string()))
+}
+
+/// Width and height, where the header describes one flat picture of a size that can be true. The decoder takes sizes
+/// on trust. Source: KTX File Format 2.0, 3.
+fn check_header(bytes: &[u8]) -> Result<(u32, u32), Failure> {
+    let truncated = || Failure::Damaged("the file ends inside its header; fetch it again".into());
+    let number = |at: usize| field::<4>(bytes, at).map(u32::from_le_bytes).ok_or_else(truncated);
+    let [format, width, height] = [number(12)?, number(20)?, number(24)?];
+    let [depth, layers, faces, scheme] = [number(28)?, number(32)?, number(36)?, number(44)?];
+    let model = bytes.get(number(48)? as usize + 12).ok_or_else(truncated)?;
+    if format != 0 || !MODELS.contains(model) {
+        return Err(Failure::Unsupported(
+            "KTX2 of other blocks than Basis Universal's ETC1S and UASTC".into(),
+        ));
+    }
+    if depth > 0 || layers > 1 || faces != 1 {
+        return Err(Failure::Unsupported("KTX2 of several layers, faces or slices".into()));
+    }
+    let plain = credible(bytes).max(MAX_TEXELS_OF_PLAIN);
+    check_size(u64::from(width), u64::from(height), plain)?;
+    let unpacked = u64::from_le_bytes(field(bytes, 96).ok_or_else(truncated)?);
+    let blocks = u64::from(width.div_ceil(4)) * u64::from(height.div_ceil(4));
+    if scheme == ZSTANDARD && unpacked > 16 * blocks {
+        return Err(Failure::Damaged(format!("{unpacked} bytes for {blocks} blocks; save it again")));
+    }
+    Ok((width, height))
+}
+
+/// `N` bytes from `at` on.
+fn field<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
+    bytes.get(at..at.checked_add(N)?)?.try_into().ok()
+}

@@ -1,0 +1,121 @@
+//! The sphere unfolded to a square: an octahedron's upper faces in the middle, the lower ones folded out.
+
+use super::texels::HalfTexels;
+use crate::math::Vec3;
+use rayon::prelude::*;
+
+/// A picture of the sphere with a border, so that lookup between texels is seamless.
+///
+/// Source: Engelhardt and Dachsbacher 2008, "Octahedron Environment Maps".
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Octahedron {
+    side: usize,
+    /// `side` + 2 in a row, and as many rows.
+    texels: HalfTexels,
+}
+
+/// The place in the unfolded square, [0, 1]², of a direction of any length.
+#[inline]
+pub(super) fn place_of(direction: Vec3) -> [f32; 2] {
+    let Vec3 { x, y, z } = direction;
+    let scale = 1.0 / (x.abs() + y.abs() + z.abs());
+    let (x, z) = (x * scale, z * scale);
+    let (x, z) = if y < 0.0 { folded(x, z) } else { (x, z) };
+    [x * 0.5 + 0.5, z * 0.5 + 0.5]
+}
+
+/// The unit direction of a place.
+fn direction_of([u, v]: [f32; 2]) -> Vec3 {
+    let (x, z) = (u * 2.0 - 1.0, v * 2.0 - 1.0);
+    let y = 1.0 - x.abs() - z.abs();
+    let (x, z) = if y < 0.0 { folded(x, z) } else { (x, z) };
+    Vec3::new(x, y, z).normalize()
+}
+
+/// The directions of the texels of a map, row by row.
+pub(super) fn directions(side: usize) -> impl IndexedParallelIterator<Item = Vec3> {
+    let middle = move |i: usize| (i as f32 + 0.5) / side as f32;
+    (0..side * side).into_par_iter().map(move |i| direction_of([middle(i % side), middle(i / side)]))
+}
+
+/// Mirrored at the edge of the middle faces; its own inverse.
+fn folded(x: f32, z: f32) -> (f32, f32) {
+    ((1.0 - z.abs()).copysign(x), (1.0 - x.abs()).copysign(z))
+}
+
+impl Octahedron {
+    /// From what is seen in each of [`directions`].
+    pub(super) fn new(side: usize, light: impl Fn(usize) -> [f32; 4] + Sync) -> Self {
+        let mut colors = vec![[0.0; 4]; (side + 2) * (side + 2)];
+        colors.par_chunks_mut(side + 2).skip(1).take(side).enumerate().for_each(|(y, row)| {
+            row[1..=side].iter_mut().enumerate().for_each(|(x, color)| *color = light(y * side + x));
+        });
+        for i in 0..side + 2 {
+            for [x, y] in [[0, i], [side + 1, i], [i, 0], [i, side + 1]] {
+                let [from_x, from_y] = inside([x, y], side);
+                colors[y * (side + 2) + x] = colors[from_y * (side + 2) + from_x];
+            }
+        }
+        Self { side, texels: HalfTexels::encode(&colors) }
+    }
+
+    /// The mean of the four texels around a place, by nearness.
+    #[inline]
+    pub(super) fn at(&self, [u, v]: [f32; 2]) -> Vec3 {
+        let (x, y) = (u * self.side as f32 + 0.5, v * self.side as f32 + 0.5);
+        let (left, top) = (x as usize, y as usize);
+        let (s, t) = (x - left as f32, y - top as f32);
+        let start = top * (self.side + 2) + left;
+        let row = |start: usize| self.texels.get(start) * (1.0 - s) + self.texels.get(start + 1) * s;
+        row(start) * (1.0 - t) + row(start + self.side + 2) * t
+    }
+}
+
+/// Which texel inside shows what a border texel does: each edge of the square is sewn to itself, turned round.
+fn inside([x, y]: [usize; 2], side: usize) -> [usize; 2] {
+    let turned = |i: usize| side + 1 - i;
+    let (x, y) = if x == 0 || x == side + 1 { (x.clamp(1, side), turned(y)) } else { (x, y) };
+    if y == 0 || y == side + 1 { [turned(x), y.clamp(1, side)] } else { [x, y] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_directions_are_inverse() {
+        for i in 0..400 {
+            let place = [(i % 20) as f32 / 20.0 + 0.021, (i / 20) as f32 / 20.0 + 0.017];
+            let [u, v] = place_of(direction_of(place));
+            assert!((u - place[0]).abs() < 1e-6 && (v - place[1]).abs() < 1e-6, "{place:?}: {u} {v}");
+        }
+        assert_eq!(place_of(Vec3::new(0.0, 3.0, 0.0)), [0.5, 0.5]);
+        assert_eq!(place_of(Vec3::new(0.0, -1.0, 0.0)), [1.0, 1.0]);
+    }
+
+    /// A linear function of the direction has no jump anywhere.
+    #[test]
+    fn there_is_no_seam() {
+        let directions: Vec<Vec3> = directions(64).collect();
+        let map = Octahedron::new(64, |i| {
+            [directions[i].x + 2.0, directions[i].y + 2.0, directions[i].z + 2.0, 1.0]
+        });
+        let mut random = 1u32;
+        let mut next = || {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        for i in 0..2000 {
+            let mut d = Vec3::new(next(), next(), next());
+            match i % 4 {
+                0 => d.x *= 1e-4,
+                1 => d.z *= 1e-4,
+                2 => d.y *= 1e-4,
+                _ => {}
+            }
+            let d = d.normalize();
+            let found = map.at(place_of(d)) - Vec3::splat(2.0);
+            assert!((found - d).length() < 0.03, "{d:?}: {found:?}");
+        }
+    }
+}

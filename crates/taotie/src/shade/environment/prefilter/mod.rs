@@ -1,0 +1,171 @@
+//! Filtering an environment's light by the lobes of rough mirrors.
+//!
+//! The lobe of GGX has a sharp peak and a long tail, so a sum over what it covers would be long for every texel. But it
+//! is a sum of Gaussians a factor of √2 apart in width ([`lobe::Ggx::share`]). So the picture is blurred once by each
+//! Gaussian that is narrow, one after the other and on coarser and coarser rings ([`blur`]), and what is left of a lobe
+//! is so smooth that spherical harmonics of a low degree hold it exactly ([`harmonics`]). A level is the weighted sum of
+//! these. The weights are those of the lobe's Legendre coefficients, so all light is kept.
+
+mod blur;
+mod harmonics;
+mod lobe;
+mod resize;
+mod rings;
+
+use super::levels::{Level, Levels, alphas};
+use super::octahedron::{self, Octahedron};
+use super::picture::{Picture, uv_of};
+use blur::blur;
+use harmonics::Harmonics;
+use lobe::{Coefficients, Fisher, Ggx};
+use rayon::prelude::*;
+use rings::{Areas, Rings, accumulate};
+use std::f64::consts::{SQRT_2, TAU};
+
+/// Up to this degree light is kept as spherical harmonics.
+const DEGREE: usize = 64;
+
+/// The widest Gaussian that the picture is blurred by, radians: the next has nothing left above [`DEGREE`].
+const WIDEST: f64 = 0.075;
+
+/// The narrowest Gaussian, in rings.
+const NARROWEST: f64 = 0.5;
+
+/// How wide, in rings, a Gaussian must be to be shown by them, and by the coarsest: rough levels are made of these.
+const SHOWN: [f64; 2] = [1.4, 1.9];
+
+/// From this α on, half as many rings show the smooth rest.
+const WIDE: f64 = 0.15;
+
+/// The least share of a lobe that is not left out.
+const LEAST: f32 = 1e-6;
+
+/// Texels across a level are `TEXELS`/α, at least `FEWEST_TEXELS`, and at most these parts of a ring's pixels for α below
+/// and above `SHARP`.
+const SHARP: f64 = 0.039;
+const TEXELS: f64 = 24.0;
+const MOST_TEXELS: [f64; 2] = [0.625, 1.2];
+const FEWEST_TEXELS: f64 = 64.0;
+
+/// The light of a picture at each roughness.
+pub(super) fn levels(picture: &Picture) -> Levels {
+    let scales = Scales::new(resize::rings(picture));
+    let mut places = Vec::new();
+    let level = |alpha: f64| {
+        let most = scales.base.width as f64 * MOST_TEXELS[usize::from(alpha >= SHARP)];
+        let side = (TEXELS / alpha).min(most).max(FEWEST_TEXELS) as usize;
+        if places.len() != side * side {
+            places = octahedron::directions(side).map(uv_of).collect();
+        }
+        let sum = scales.sum(Ggx::new(alpha));
+        let map = Octahedron::new(side, |texel| sum.at(places[texel], picture));
+        Level { alpha: alpha as f32, map }
+    };
+    Levels(alphas().into_iter().map(level).collect())
+}
+
+/// The picture at all scales.
+struct Scales {
+    base: Rings,
+    /// Pixels a ring of each size of picture, finest first.
+    widths: Vec<usize>,
+    blurred: Vec<Scale>,
+    /// Those of the picture blurred like `reference`.
+    harmonics: Harmonics,
+    reference: usize,
+}
+
+/// The picture blurred.
+struct Scale {
+    lobe: Fisher,
+    rings: Rings,
+    /// Of all blurs that led here.
+    coefficients: Coefficients,
+}
+
+impl Scales {
+    fn new(base: Rings) -> Self {
+        let coarser = |width: &usize| (width.is_multiple_of(2) && width / 2 >= 256).then_some(width / 2);
+        let widths: Vec<usize> = std::iter::successors(Some(base.width), coarser).collect();
+        let coarsest = widths[widths.len() - 1];
+        let shown =
+            |width: usize, sigma: f64| sigma > TAU / width as f64 * SHOWN[usize::from(width == coarsest)];
+        let mut blurred: Vec<Scale> = Vec::new();
+        let mut sigma = NARROWEST * base.step();
+        while sigma < WIDEST {
+            let width = widths.iter().rfind(|width| shown(**width, sigma)).unwrap_or(&base.width);
+            let next = match blurred.last() {
+                Some(last) if sigma > base.step() * 1.1 => {
+                    Scale::after(last, Fisher::of_width(sigma), *width)
+                }
+                _ => Scale::first(&base, Fisher::of_width(sigma)),
+            };
+            blurred.push(next);
+            sigma *= SQRT_2;
+        }
+        let reference = blurred.iter().position(|scale| shown(coarsest, scale.lobe.width()));
+        let reference = reference.unwrap_or(blurred.len() - 1);
+        let harmonics = Harmonics::new(&blurred[reference].rings, DEGREE);
+        Self { base, widths, blurred, harmonics, reference }
+    }
+
+    /// The picture filtered by a lobe.
+    fn sum(&self, lobe: Ggx) -> Sum {
+        let finer = (1..).map(|n| lobe.share(self.blurred[0].lobe.kappa * f64::from(1u32 << n)));
+        let sharp: f64 = finer.take(24).sum();
+        let mut rest = lobe.coefficients(DEGREE);
+        rest.iter_mut().for_each(|rest| *rest -= sharp);
+        let shares: Vec<f64> = self.blurred.iter().map(|scale| lobe.share(scale.lobe.kappa)).collect();
+        for (scale, share) in self.blurred.iter().zip(&shares) {
+            rest.iter_mut().zip(&scale.coefficients).for_each(|(rest, c)| *rest -= share * c);
+        }
+        let reference = &self.blurred[self.reference];
+        rest.iter_mut().zip(&reference.coefficients).for_each(|(rest, c)| *rest /= c);
+        let width = if lobe.alpha() < WIDE { reference.rings.width } else { reference.rings.width / 2 };
+        let mut rings = self.harmonics.rings(&rest, width);
+        for width in self.widths.iter().rev() {
+            let here = self.blurred.iter().zip(&shares).filter(|(scale, _)| scale.rings.width == *width);
+            let here =
+                here.map(|(scale, share)| (*share as f32, &scale.rings)).filter(|(share, _)| *share > LEAST);
+            let here: Vec<_> = here.collect();
+            if !here.is_empty() {
+                while rings.width < *width {
+                    rings = rings.doubled();
+                }
+                rings.add(&here);
+            }
+        }
+        Sum { sharp: sharp as f32, rings }
+    }
+}
+
+impl Scale {
+    fn first(base: &Rings, lobe: Fisher) -> Self {
+        let rings = blur(base, &Areas::Solid, lobe, base.width);
+        Self { lobe, rings, coefficients: lobe.coefficients(DEGREE) }
+    }
+
+    fn after(narrower: &Self, lobe: Fisher, width: usize) -> Self {
+        let step = lobe.after(narrower.lobe);
+        let rings = blur(&narrower.rings, &Areas::Smooth, step, width);
+        let both = narrower.coefficients.iter().zip(step.coefficients(DEGREE));
+        Self { lobe, rings, coefficients: both.map(|(a, b)| a * b).collect() }
+    }
+}
+
+/// A filtered picture: one that is smooth, and a share of the picture itself.
+struct Sum {
+    sharp: f32,
+    rings: Rings,
+}
+
+impl Sum {
+    fn at(&self, uv: [f32; 2], picture: &Picture) -> [f32; 4] {
+        let mut sum = self.rings.cubic(uv);
+        if self.sharp > LEAST {
+            let light = picture.radiance_at(uv);
+            accumulate(&mut sum, self.sharp, &[light.x, light.y, light.z, 0.0]);
+        }
+        sum.map(|v| v.max(0.0))
+    }
+}

@@ -1,0 +1,113 @@
+//! The size at which a picture is filtered.
+
+use super::rings::{Pixel, Rings, accumulate};
+use crate::math::scalar;
+use crate::shade::environment::picture::Picture;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// The narrowest and the widest picture that is filtered.
+const WIDTHS: [usize; 2] = [256, 2048];
+
+/// The picture on rings, half as many as pixels a ring. Their number can be halved until rings of 256 pixels to 511
+/// are left. A picture that already is like this stays as it is.
+pub(super) fn rings(picture: &Picture) -> Rings {
+    let wanted = picture.width().clamp(WIDTHS[0], WIDTHS[1]);
+    let unit = 2 << (wanted / 256).ilog2();
+    let width = wanted / unit * unit;
+    let mut output = Rings::black(width, width / 2);
+    let same = [width, width / 2] == [picture.width(), picture.height()];
+    let shrinks = picture.width() >= width && picture.height() >= width / 2;
+    let height = output.height;
+    output.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        if same {
+            row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = texel(picture, x, y));
+        } else if shrinks {
+            gather(picture, y, height, row);
+        } else {
+            interpolate(picture, (y as f64 + 0.5) / height as f64, row);
+        }
+    });
+    output
+}
+
+fn texel(picture: &Picture, x: usize, y: usize) -> Pixel {
+    let light = picture.texel(x, y);
+    [light.x, light.y, light.z, 0.0]
+}
+
+/// A row between texels.
+fn interpolate(picture: &Picture, v: f64, row: &mut [Pixel]) {
+    let width = row.len() as f32;
+    for (x, pixel) in row.iter_mut().enumerate() {
+        let light = picture.radiance_at([(x as f32 + 0.5) / width, v as f32]);
+        *pixel = [light.x, light.y, light.z, 0.0];
+    }
+}
+
+/// A row to which each texel gives its light by nearness, which leaves the middle of all light where it is.
+fn gather(picture: &Picture, y: usize, height: usize, row: &mut [Pixel]) {
+    let (width, scale) = (row.len(), height as f64 / picture.height() as f64);
+    let mut weights = vec![0.0f32; width];
+    for source in 0..picture.height() {
+        let at = ((source as f64 + 0.5) * scale - 0.5).clamp(0.0, (height - 1) as f64);
+        let near = 1.0 - (at - y as f64).abs();
+        if near <= 0.0 {
+            continue;
+        }
+        let area = scalar::sin((source as f64 + 0.5) * PI / picture.height() as f64) * near;
+        for x in 0..picture.width() {
+            let at = (x as f64 + 0.5) * width as f64 / picture.width() as f64 - 0.5;
+            let right = (at - at.floor()) * area;
+            let column = at.floor().rem_euclid(width as f64) as usize;
+            for (column, weight) in [(column, area - right), ((column + 1) % width, right)] {
+                accumulate(&mut row[column], weight as f32, &texel(picture, x, source));
+                weights[column] += weight as f32;
+            }
+        }
+    }
+    for (pixel, weight) in row.iter_mut().zip(weights) {
+        *pixel = pixel.map(|v| v / weight);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+
+    #[test]
+    fn sizes_can_be_halved_until_few_pixels_are_left() {
+        for (width, expected) in
+            [(1, 256), (600, 600), (1000, 1000), (1023, 1020), (1024, 1024), (9000, 2048)]
+        {
+            let image = Image::new(width, 2, [1.0; 4]).unwrap();
+            let rings = rings(&Picture::new(&image));
+            assert_eq!((rings.width, rings.height), (expected, expected / 2));
+            assert!(rings.pixels.iter().all(|pixel| (pixel[0] - 1.0).abs() < 1e-6));
+        }
+    }
+
+    /// A lone texel's light keeps its amount and its middle, which rounding to the next pixel would move.
+    #[test]
+    fn shrinking_moves_no_light() {
+        let mut image = Image::new(4100, 2050, [0.0, 0.0, 0.0, 1.0]).unwrap();
+        let (x, y) = (1000, 700);
+        image.pixels_mut()[y * 4100 + x][0] = 1000.0;
+        let rings = rings(&Picture::new(&image));
+        let (mut light, mut middle) = (0.0, [0.0, 0.0]);
+        for (i, pixel) in rings.pixels.iter().enumerate() {
+            let area = scalar::sin(rings.polar(i / rings.width)) * f64::from(pixel[0]);
+            light += area;
+            middle[0] += area * ((i % rings.width) as f64 + 0.5) / rings.width as f64;
+            middle[1] += area * ((i / rings.width) as f64 + 0.5) / rings.height as f64;
+        }
+        let truth = scalar::sin((y as f64 + 0.5) * PI / 2050.0) * 1000.0;
+        let scale = (2048.0f64 / 4100.0) * (1024.0 / 2050.0);
+        assert!((light / (truth * scale) - 1.0).abs() < 3e-3, "{light} {}", truth * scale);
+        let at = [(x as f64 + 0.5) / 4100.0, (y as f64 + 0.5) / 2050.0];
+        for (middle, at) in middle.into_iter().zip(at) {
+            assert!((middle / light - at).abs() < 0.02 / 2048.0, "{} {at}", middle / light);
+        }
+    }
+}
