@@ -12,79 +12,32 @@ mod scenes;
 mod skies;
 #[path = "common/views.rs"]
 mod views;
+#[path = "common/walls.rs"]
+mod walls;
 
 use std::f64::consts::PI;
 use taotie::image::Image;
-use taotie::math::{Mat4, Vec3, scalar};
+use taotie::math::{Vec3, scalar};
 use taotie::mesh::Mesh;
 use taotie::names::Named;
-use taotie::render::{EnvironmentSampling, ReferenceSettings};
-use taotie::scene::{AlphaMode, Anisotropy, Camera, Clearcoat, Material, Orbit, Projection, Scene, Sheen};
+use taotie::render::{EnvironmentSampling, NormalMapping, ReferenceSettings};
+use taotie::scene::{AlphaMode, Anisotropy, Clearcoat, Material, Orbit, Sheen};
 use taotie::shade::furnace::Furnace;
 use taotie::shade::{Energy, Shading, Substance};
 use views::View;
+use walls::{
+    assert_mean, assert_ways_agree, by_each_way, close_up, matt, metal, scene_of, statistics, wall,
+    wall_view, white_sky,
+};
 
-/// An environment of radiance one.
-fn white_sky() -> Image {
-    Image::new(8, 4, [1.0; 4]).unwrap()
-}
-
-fn scene_of(parts: Vec<(Mesh, Material)>) -> Scene {
-    let mut scene = Scene::default();
-    for (i, (mesh, material)) in parts.into_iter().enumerate() {
-        scene.meshes.push(mesh);
-        scene.materials.push(material);
-        scene.instances.push(scenes::instance(i, i, Mat4::IDENTITY));
-    }
-    scene
-}
-
-/// A large rectangle in the plane z = 0 that faces +z.
-fn wall() -> Mesh {
-    let corner = Vec3::new(-100.0, -100.0, 0.0);
-    scenes::rectangle(corner, Vec3::new(200.0, 0.0, 0.0), Vec3::new(0.0, 200.0, 0.0), 1.0)
-}
-
-/// A camera that sees a small part about the origin in parallel, `azimuth` radians to the right of +z.
-fn close_up(azimuth: f64) -> Camera {
-    let orbit = Orbit { azimuth, elevation: 0.0, distance: 5.0, target: Vec3::splat(0.0), fov_y: 0.5 };
-    let projection = Projection::Orthographic { half_width: 0.01, half_height: 0.01, near: 0.1, far: 20.0 };
-    Camera { projection, ..orbit.camera(1.0) }
-}
-
-/// A wall under a sky, seen at a cosine; all pixels are alike.
-fn wall_view(material: Material, n_dot_v: f64, sky: Image) -> View {
-    let camera = close_up(scalar::acos(n_dot_v));
-    let mut view = View::under(sky, scene_of(vec![(wall(), material)]), camera);
-    (view.settings.width, view.settings.height) = (32, 32);
-    view
-}
-
-fn metal(roughness: f32) -> Material {
-    Material { base_color: [1.0; 4], metallic: 1.0, roughness, ..Material::default() }
-}
-
-/// A diffuse reflector.
-fn matt(albedo: f32) -> Material {
-    Material { base_color: [albedo, albedo, albedo, 1.0], ..Material::default() }
-}
-
-/// Mean and variance of the first channel over pixels.
-fn statistics(image: &Image) -> [f64; 2] {
-    let values = || image.pixels().iter().map(|p| f64::from(p[0]));
-    let n = values().count() as f64;
-    let mean = values().sum::<f64>() / n;
-    [mean, values().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)]
-}
-
-/// That the mean over pixels is `exact` within four standard errors and a relative `slack`.
-fn assert_mean(what: &str, image: &Image, exact: f64, slack: f64) {
-    let [mean, variance] = statistics(image);
-    let error = (variance / image.pixels().len() as f64).sqrt();
-    eprintln!("{what}: {mean:.5} ± {error:.5}, exactly {exact:.5}");
-    assert!((mean - exact).abs() <= 4.0 * error + slack * exact, "{what}: {mean} ± {error}, exactly {exact}");
-    assert!(error < 0.02 * exact, "{what}: {error} is too uncertain");
-}
+/// Sixteen paths of direct light.
+const DIRECT: ReferenceSettings = ReferenceSettings {
+    spp: 16,
+    bounces: 0,
+    seed: 0,
+    normal_mapping: NormalMapping::Classic,
+    environment: EnvironmentSampling::Combined,
+};
 
 #[test]
 fn a_white_sphere_is_not_seen_in_a_white_furnace() {
@@ -266,15 +219,6 @@ fn mirrors_show_the_environment_where_it_lies() {
     }
 }
 
-/// Mean and variance of one pixel's light by each way to find the environment's.
-fn by_each_way(view: &View) -> [[f64; 2]; 3] {
-    use EnvironmentSampling::{ByLight, BySurface, Combined};
-    [Combined, ByLight, BySurface].map(|environment| {
-        let tracing = ReferenceSettings { spp: 16, bounces: 0, environment, ..ReferenceSettings::default() };
-        statistics(&view.traced(&tracing).color)
-    })
-}
-
 #[test]
 fn all_ways_to_find_the_environment_agree_and_both_together_are_the_best() {
     let sun = |sharpness: f64, peak: f64| {
@@ -288,7 +232,7 @@ fn all_ways_to_find_the_environment_agree_and_both_together_are_the_best() {
         ("a smooth wall under a broad glow", 0.15, sun(20.0, 20.0)),
         ("a half-rough wall under something between", 0.4, sun(60.0, 20.0)),
     ] {
-        let [both, light, surface] = by_each_way(&wall_view(metal(roughness), 0.8, sky));
+        let [both, light, surface] = by_each_way(&wall_view(metal(roughness), 0.8, sky), &DIRECT);
         eprintln!("{what}: {both:?} together, {light:?} by light, {surface:?} by surface");
         for other in [light, surface] {
             let error = ((both[1] + other[1]) / (32.0 * 32.0)).sqrt();
@@ -331,14 +275,7 @@ fn every_kind_of_surface_sends_paths_as_its_density_says() {
             let sky = skies::equirect(64, |d| Vec3::splat(1.0 + 0.8 * d.x + 0.5 * d.y * d.z));
             let mut view = wall_view(material.clone(), n_dot_v, sky);
             view.settings.shading = shading;
-            let [both, light, surface] = by_each_way(&view);
-            eprintln!("{name} at {n_dot_v}: {both:?}, {light:?}, {surface:?}");
-            for other in [light, surface] {
-                let error = ((both[1] + other[1]) / (32.0 * 32.0)).sqrt();
-                assert!((both[0] - other[0]).abs() < 4.0 * error + 1e-3, "{name}: {both:?} {other:?}");
-            }
-            let error = (surface[1] / (32.0 * 32.0)).sqrt();
-            assert!(error < 0.01 * surface[0], "{name}: {surface:?} is too uncertain to tell");
+            assert_ways_agree(&format!("{name} at {n_dot_v}"), &view, &DIRECT);
         }
     }
 }

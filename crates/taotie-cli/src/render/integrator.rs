@@ -1,9 +1,11 @@
 //! Which renderer finds the light.
 
+use crate::options;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use taotie::render::ReferenceSettings;
+use taotie::names::Named;
+use taotie::render::{NormalMapping, ReferenceSettings};
 
 /// Which renderer finds the light, and how hard it tries.
 #[derive(Args)]
@@ -21,6 +23,10 @@ pub struct IntegratorArgs {
     /// Another number gives `reference` other noise
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
+    /// What a mapped normal means to `reference`: classic (if not given), or microfacet, a groove of two facets that
+    /// neither makes light nor turns black
+    #[arg(long, value_name = "HOW", value_parser = options::named::<NormalMapping>)]
+    pub normal_mapping: Option<NormalMapping>,
 }
 
 /// A renderer.
@@ -41,6 +47,7 @@ impl IntegratorArgs {
                     ("--spp", self.spp.is_some()),
                     ("--bounces", self.bounces.is_some()),
                     ("--seed", self.seed.is_some()),
+                    ("--normal-mapping", self.normal_mapping.is_some()),
                 ];
                 if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
                     bail!(
@@ -63,6 +70,7 @@ impl IntegratorArgs {
             spp: self.spp.unwrap_or(default.spp),
             bounces: self.bounces.unwrap_or(default.bounces),
             seed: self.seed.unwrap_or(default.seed),
+            normal_mapping: self.normal_mapping.unwrap_or(default.normal_mapping),
             ..default
         })
     }
@@ -76,6 +84,7 @@ impl IntegratorArgs {
                 "spp": reference.spp,
                 "bounces": reference.bounces,
                 "seed": reference.seed,
+                "normal_mapping": reference.normal_mapping.name(),
             }),
         }
     }

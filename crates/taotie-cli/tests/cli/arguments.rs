@@ -94,6 +94,26 @@ taotie: error: --seed: the rasteriser follows no paths; add --integrator referen
 }
 
 #[test]
+fn a_way_of_normal_mapping_that_the_rasteriser_lacks() {
+    refused_beside_a_model(
+        "render a.obj -o a.png --normal-mapping microfacet",
+        str![[r#"
+taotie: error: --normal-mapping: the rasteriser follows no paths; add --integrator reference or leave it out
+
+"#]],
+    );
+    refused_beside_a_model(
+        "render a.obj -o a.png --integrator reference --normal-mapping deep",
+        str![[r#"
+error: invalid value 'deep' for '--normal-mapping <HOW>': way of normal mapping `deep`: there is none of this name; choose one of: classic, microfacet
+
+For more information, try '--help'.
+
+"#]],
+    );
+}
+
+#[test]
 fn samples_with_the_integrator_that_follows_paths() {
     refused_beside_a_model(
         "render a.obj -o a.png --integrator reference --samples 4",

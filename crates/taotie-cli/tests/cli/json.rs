@@ -55,7 +55,7 @@ struct Reflection {
 #[serde(deny_unknown_fields, tag = "name", rename_all = "lowercase")]
 enum Integrator {
     Raster,
-    Reference { spp: u32, bounces: u32, seed: u32 },
+    Reference { spp: u32, bounces: u32, seed: u32, normal_mapping: String },
 }
 
 #[test]
@@ -77,7 +77,8 @@ fn of_render() {
 fn of_render_by_paths() {
     let line = "render a.gltf -o b.png --size 8x6 --integrator reference --spp 2 --bounces 0 --seed 7 --json";
     let report: RenderReport = parse(line);
-    assert_eq!(report.integrator, Integrator::Reference { spp: 2, bounces: 0, seed: 7 });
+    let normal_mapping = "classic".into();
+    assert_eq!(report.integrator, Integrator::Reference { spp: 2, bounces: 0, seed: 7, normal_mapping });
     assert_eq!(report.samples, None);
 }
 

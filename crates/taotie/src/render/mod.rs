@@ -31,7 +31,7 @@ pub use fragments::Key;
 pub use frame::{Aovs, Frame};
 pub use pass::Pass;
 pub use prepare::Prepared;
-pub use reference::{EnvironmentSampling, ReferenceSettings, reference};
+pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, reference};
 pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, SurfaceSettings};
 
 use crate::error::Result;

@@ -34,7 +34,7 @@ fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, grazing: GrazingNormals,
 }
 
 /// Whether a picture turns the normals, and not as printed.
-fn is_mapped(source: &NormalSource<'_>) -> bool {
+pub(super) fn is_mapped(source: &NormalSource<'_>) -> bool {
     match source {
         NormalSource::Facet | NormalSource::Smooth | NormalSource::BumpPrinted(..) => false,
         NormalSource::Bump(..) | NormalSource::ObjectMap(_) | NormalSource::TangentMap(_) => true,

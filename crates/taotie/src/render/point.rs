@@ -73,6 +73,16 @@ impl<P: Pack> SurfacePoint<P> {
     /// space), linear RGB: f · n·l.
     #[inline(always)]
     pub(super) fn reflect(&self, l: Vec3<P>) -> Vec3<P> {
+        let reflected = self.reflect_bare(l);
+        match &self.coat {
+            Some(coat) => coat.over(reflected, self.v, l),
+            None => reflected,
+        }
+    }
+
+    /// As [`Self::reflect`], without the lacquer.
+    #[inline(always)]
+    pub(super) fn reflect_bare(&self, l: Vec3<P>) -> Vec3<P> {
         let angles = Angles::new(self.n, self.v, l);
         let mut reflected = match &self.stretch {
             Some(stretch) => shade::reflect_stretched(&self.substance, stretch, &angles, [self.v, l]),
@@ -81,11 +91,7 @@ impl<P: Pack> SurfacePoint<P> {
         if let Some(fibres) = &self.fibres {
             reflected = fibres.over(reflected, &angles);
         }
-        reflected = reflected * self.terminator.share(l);
-        match &self.coat {
-            Some(coat) => coat.over(reflected, self.v, l),
-            None => reflected,
-        }
+        reflected * self.terminator.share(l)
     }
 
     /// Radiance to the viewer of what the environment sends, linear RGB; `batch.surround` and its tables must be

@@ -12,6 +12,7 @@
 //! from, and that light behind the shading normal counts as shadowed. What differs: blended surfaces let light through
 //! in proportion to what they lack, where the rasteriser's cast no shadow.
 
+mod groove;
 mod patch;
 mod respond;
 mod scatter;
@@ -20,7 +21,7 @@ mod surfaces;
 mod surround;
 mod walk;
 
-pub use settings::{EnvironmentSampling, ReferenceSettings};
+pub use settings::{EnvironmentSampling, NormalMapping, ReferenceSettings};
 pub(super) use surfaces::Surfaces;
 
 use super::frame::Frame;

@@ -4,6 +4,7 @@
 use super::super::batch::{Batch, Column, Column3, load, load3, splat3, store3};
 use super::super::lighting::Source;
 use super::super::point::SurfacePoint;
+use super::groove::{Groove, Grooves};
 use super::scatter::Scatter;
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::scene::Material;
@@ -22,12 +23,15 @@ pub(super) struct Question<'t> {
     pub sky: bool,
     /// Whether paths go on.
     pub onward: bool,
+    /// Whether mapped normals are grooves.
+    pub grooved: bool,
 }
 
 /// Directions of fragments and the answers to them.
 pub(super) struct Exchange {
     /// Numbers in [0, 1) that choose where the path goes on.
     pub u: [Column; 3],
+    pub grooves: Grooves,
     /// Where the environment's light was chosen to come from; unit, world space.
     pub to_sky: Column3,
     /// Where the path goes on; unit, world space.
@@ -51,6 +55,7 @@ impl Exchange {
     pub(super) fn new(sources: usize) -> Box<Self> {
         Box::new(Self {
             u: ZERO3,
+            grooves: Grooves { u: ZERO, v: ZERO3 },
             to_sky: ZERO3,
             onward: ZERO3,
             sky_pdf: ZERO,
@@ -71,10 +76,13 @@ pub(super) fn respond(level: Level, question: &Question<'_>, batch: &Batch, exch
 #[inline(always)]
 fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, exchange: &mut Exchange) {
     for i in batch.packs::<P>() {
-        let surface: SurfacePoint<P> =
+        let mut surface: SurfacePoint<P> =
             SurfacePoint::new(token, question.shading, question.material, batch, i);
-        store3(own(token, question, &surface, batch, i), &mut exchange.own, i);
-        let scatter = Scatter::new(&surface);
+        let groove = question.grooved.then(|| Groove::new(token, &exchange.grooves, batch, i, &mut surface));
+        let from = if question.grooved { load3(token, &exchange.grooves.v, i) } else { surface.v };
+        let seen = Seen { surface, from, groove };
+        store3(own(token, question, &seen.surface, batch, i), &mut exchange.own, i);
+        let scatter = Scatter::new(&seen.surface, from, seen.groove.as_ref());
         let [u, v, w] = &exchange.u;
         let onward = scatter.direction([load(token, u, i), load(token, v, i), load(token, w, i)]);
         store3(onward, &mut exchange.onward, i);
@@ -90,7 +98,7 @@ fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, e
                 None => (onward, splat3(token, ONE)),
             };
             let shadowed = request >= sources || question.shadows;
-            let reflected = reflected(&surface, l, shadowed).mul_elements(irradiance);
+            let reflected = seen.reflected(l, shadowed).mul_elements(irradiance);
             if request < sources {
                 store3(reflected, &mut exchange.lit[request], i);
                 continue;
@@ -122,13 +130,33 @@ fn own<P: Pack>(
     surface.emitted + surface.ambient.mul_elements(ambient)
 }
 
-/// Radiance per unit of irradiance; where light is `shadowed` behind the shading normal, 0 there.
-#[inline(always)]
-fn reflected<P: Pack>(surface: &SurfacePoint<P>, l: Vec3<P>, shadowed: bool) -> Vec3<P> {
-    let reflected = surface.reflect(l);
-    if !shadowed {
-        return reflected;
+/// Points of a surface as a viewer sees them.
+struct Seen<P> {
+    surface: SurfacePoint<P>,
+    /// Where the viewer truly is.
+    from: Vec3<P>,
+    groove: Option<Groove<P>>,
+}
+
+impl<P: Pack> Seen<P> {
+    /// Radiance per unit of irradiance; where light is `shadowed` behind the shading normal, 0 there.
+    #[inline(always)]
+    fn reflected(&self, l: Vec3<P>, shadowed: bool) -> Vec3<P> {
+        let Some(groove) = &self.groove else { return self.reflected_flat(l, shadowed) };
+        let reflected = groove.reflect(&self.surface, l);
+        match &self.surface.coat {
+            Some(coat) => coat.over(reflected, self.from, l),
+            None => reflected,
+        }
     }
-    let zero = l.x.lit(0.0);
-    Vec3::select(zero.lt(surface.n.dot(l)), reflected, Vec3::splat(zero))
+
+    #[inline(always)]
+    fn reflected_flat(&self, l: Vec3<P>, shadowed: bool) -> Vec3<P> {
+        let reflected = self.surface.reflect(l);
+        if !shadowed {
+            return reflected;
+        }
+        let zero = l.x.lit(0.0);
+        Vec3::select(zero.lt(self.surface.n.dot(l)), reflected, Vec3::splat(zero))
+    }
 }

@@ -2,16 +2,18 @@
 
 use super::super::layers::Coat;
 use super::super::point::SurfacePoint;
+use super::groove::Groove;
 use crate::math::{Lane, Pack, Vec3};
 use crate::shade::coat_fresnel;
 use crate::shade::ndf::alpha_from_roughness;
 use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrored, raised};
 
 /// Where a surface point sends paths.
-pub(super) struct Scatter<L> {
+pub(super) struct Scatter<'s, L> {
     base: Frame<L>,
     lobes: Lobes<L>,
     coat: Option<CoatLobe<L>>,
+    groove: Option<&'s Groove<L>>,
 }
 
 /// A lacquer's own lobe.
@@ -31,9 +33,10 @@ struct Frame<L> {
     v: Vec3<L>,
 }
 
-impl<P: Pack> Scatter<P> {
+impl<'s, P: Pack> Scatter<'s, P> {
+    /// `v` is where the viewer truly is; the surface may be seen in the mirror of its groove.
     #[inline(always)]
-    pub(super) fn new(surface: &SurfacePoint<P>) -> Self {
+    pub(super) fn new(surface: &SurfacePoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
         let n = surface.n.normalize_or(surface.v);
         let t = match &surface.stretch {
             Some(stretch) => stretch.tangent,
@@ -47,37 +50,45 @@ impl<P: Pack> Scatter<P> {
         if surface.fibres.is_some() {
             lobes.glossy = lobes.glossy * n.x.lit(0.5);
         }
-        let coat = surface.coat.as_ref().map(|coat| CoatLobe::new(coat, surface));
-        Self { base, lobes, coat }
+        let coat = surface.coat.as_ref().map(|coat| CoatLobe::new(coat, v, surface));
+        Self { base, lobes, coat, groove }
     }
 
     /// A direction, unit, world space; it may lie below the horizon. `u` in [0, 1)³.
     #[inline(always)]
     pub(super) fn direction(&self, [u, along, around]: [P; 3]) -> Vec3<P> {
-        let Some(coat) = &self.coat else {
-            return self.base.to_world(self.lobes.direction(self.base.v, [u, along, around]));
-        };
-        let by_coat = u.lt(coat.share);
-        let rest = ((u - coat.share) / (u.lit(1.0) - coat.share)).max(u.lit(0.0));
+        let zero = u.lit(0.0);
+        let share = self.coat.as_ref().map_or(zero, |coat| coat.share);
+        let rest = ((u - share) / (u.lit(1.0) - share)).max(zero);
         let base = self.base.to_world(self.lobes.direction(self.base.v, [rest, along, around]));
+        let base = self.groove.map_or(base, |groove| groove.leaving(base));
+        let Some(coat) = &self.coat else { return base };
         let m = ggx_visible_normal(coat.frame.v, [coat.alpha; 2], [along, around]);
-        Vec3::select(by_coat, coat.frame.to_world(mirrored(coat.frame.v, m)), base)
+        Vec3::select(u.lt(share), coat.frame.to_world(mirrored(coat.frame.v, m)), base)
     }
 
     /// The density of [`Self::direction`].
     #[inline(always)]
     pub(super) fn pdf(&self, l: Vec3<P>) -> P {
-        let base = self.lobes.pdf(self.base.v, self.base.to_local(l));
+        let base = match self.groove {
+            Some(groove) => groove.pdf(l, |l| self.base_pdf(l)),
+            None => self.base_pdf(l),
+        };
         let Some(coat) = &self.coat else { return base };
         let by_coat = ggx_visible_pdf(coat.frame.v, coat.frame.to_local(l), [coat.alpha; 2]);
         base + (by_coat - base) * coat.share
+    }
+
+    #[inline(always)]
+    fn base_pdf(&self, l: Vec3<P>) -> P {
+        self.lobes.pdf(self.base.v, self.base.to_local(l))
     }
 }
 
 impl<P: Pack> CoatLobe<P> {
     #[inline(always)]
-    fn new(coat: &Coat<P>, surface: &SurfacePoint<P>) -> Self {
-        let frame = Frame::new(coat.n, coat.n.any_perpendicular(), surface.v);
+    fn new(coat: &Coat<P>, v: Vec3<P>, surface: &SurfacePoint<P>) -> Self {
+        let frame = Frame::new(coat.n, coat.n.any_perpendicular(), v);
         let reflected = coat.factor * coat_fresnel(frame.v.z.clamp(0.0, 1.0));
         let Vec3 { x, y, z } = surface.substance.base_color + surface.substance.f0;
         let below = (x + y + z) * x.lit(1.0 / 3.0);

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::math::sequence::Sequence;
+use crate::names::Named;
 
 /// How many paths are followed, and how far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,14 +13,39 @@ pub struct ReferenceSettings {
     pub bounces: u32,
     /// Another number gives other noise.
     pub seed: u32,
+    /// What a mapped normal means.
+    pub normal_mapping: NormalMapping,
     /// How light of the environment is found. No choice changes what the noise tends to.
     pub environment: EnvironmentSampling,
 }
 
 impl Default for ReferenceSettings {
     fn default() -> Self {
-        Self { spp: 64, bounces: 4, seed: 0, environment: EnvironmentSampling::Combined }
+        Self {
+            spp: 64,
+            bounces: 4,
+            seed: 0,
+            normal_mapping: NormalMapping::Classic,
+            environment: EnvironmentSampling::Combined,
+        }
     }
+}
+
+/// What a mapped normal means to light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NormalMapping {
+    /// The surface reflects as if it lay at a right angle to it, as in the rasteriser.
+    #[default]
+    Classic,
+    /// The surface is grooved: one facet lies so, and an upright mirror makes up for it
+    /// ([`Facets`](crate::shade::Facets)). Printed bumps stay classic.
+    Microfacet,
+}
+
+impl Named for NormalMapping {
+    const WHAT: &'static str = "way of normal mapping";
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("classic", Self::Classic), ("microfacet", Self::Microfacet)];
 }
 
 /// How light of the environment is found.

@@ -6,6 +6,7 @@ use super::super::point::complete;
 use super::super::prepare::Draw;
 use super::super::view::Eye;
 use super::Tracer;
+use super::groove::is_grooved;
 use super::respond::{Exchange, Question, respond};
 use super::settings::EnvironmentSampling;
 use super::surfaces::Meeting;
@@ -149,7 +150,7 @@ impl Tracer<'_, '_> {
             return;
         }
         self.gather(depth, draw, meetings, paths, work);
-        complete(self.level, self.settings, draw, &mut work.batch);
+        self.complete(depth, draw, meetings, paths, work);
         if depth == 0 {
             for (i, (index, meeting)) in meetings.iter().enumerate() {
                 let path = &mut paths[*index as usize];
@@ -172,6 +173,7 @@ impl Tracer<'_, '_> {
             shadows: self.settings.shadows,
             sky: !last && !work.sky.is_empty(),
             onward: !last && self.goes_on(depth),
+            grooved: is_grooved(&self.reference, draw),
         };
         respond(self.level, &question, &work.batch, &mut work.exchange);
         for (i, (index, _)) in meetings.iter().enumerate() {
@@ -214,6 +216,27 @@ impl Tracer<'_, '_> {
             };
             work.origins[i] = interpolation.fragment(i, &setup, &footprint, eye, batch);
         }
+    }
+
+    /// Fills the batch with what does not come by interpolation.
+    fn complete(
+        &self,
+        depth: u32,
+        draw: &Draw<'_>,
+        meetings: &[(u32, Meeting)],
+        paths: &[Path],
+        work: &mut Workspace,
+    ) {
+        if !is_grooved(&self.reference, draw) {
+            complete(self.level, self.settings, draw, &mut work.batch);
+            return;
+        }
+        let last = meetings.len() - 1;
+        for i in work.batch.entries() {
+            let path = &paths[meetings[i.min(last)].0 as usize];
+            work.exchange.grooves.u[i] = path.sequence.four(path.index, 2 + 2 * depth)[3];
+        }
+        work.exchange.grooves.complete(self.level, self.settings, draw, &mut work.batch);
     }
 
     /// What unlit surfaces send out.

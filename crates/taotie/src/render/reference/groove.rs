@@ -1,0 +1,120 @@
+//! Mapped normals as grooves of two facets.
+
+use super::super::GrazingNormals;
+use super::super::albedos;
+use super::super::batch::{Batch, Column, Column3, get3, load, load3, set3};
+use super::super::layers::Coat;
+use super::super::normals::{is_mapped, shade_normals};
+use super::super::point::SurfacePoint;
+use super::super::prepare::Draw;
+use super::super::settings::RenderSettings;
+use super::super::substance::takes_albedos;
+use super::settings::{NormalMapping, ReferenceSettings};
+use crate::math::{Pack, Vec3};
+use crate::shade::Facets;
+use fearless_simd::Level;
+
+/// Whether the draw's normals stand for grooves.
+pub(super) fn is_grooved(reference: &ReferenceSettings, draw: &Draw<'_>) -> bool {
+    reference.normal_mapping == NormalMapping::Microfacet && is_mapped(&draw.normal_source)
+}
+
+/// Which facet each fragment's viewer sees, in columns.
+pub(super) struct Grooves {
+    /// Numbers in [0, 1) that choose the facet; afterwards what remains of them, as evenly distributed as they were.
+    pub u: Column,
+    /// The true direction to the viewer; the batch has the one that the mapped facet is seen from.
+    pub v: Column3,
+}
+
+impl Grooves {
+    /// As [`complete`](super::super::point::complete), and chooses for each fragment whether its viewer sees the mapped
+    /// facet directly or in the upright one.
+    pub(super) fn complete(
+        &mut self,
+        level: Level,
+        settings: &RenderSettings,
+        draw: &Draw<'_>,
+        batch: &mut Batch,
+    ) {
+        shade_normals(level, draw, GrazingNormals::Keep, batch);
+        for i in batch.entries() {
+            let facets = Facets::new(get3(&batch.smooth, i), get3(&batch.n, i));
+            let v = get3(&batch.v, i);
+            set3(&mut self.v, i, v);
+            set3(&mut batch.n, i, facets.p);
+            let share = facets.share_of_mirror(v);
+            let u = self.u[i];
+            self.u[i] = if u < share {
+                set3(&mut batch.v, i, facets.mirrored(v));
+                u / share
+            } else {
+                (u - share) / (1.0 - share)
+            };
+        }
+        if takes_albedos(settings.shading) {
+            albedos::look_up(settings.shading, settings.energy, draw, batch);
+        }
+    }
+}
+
+/// A groove at points of a surface.
+pub(super) struct Groove<P> {
+    pub facets: Facets<P>,
+    /// In [0, 1), for [`Self::leaving`].
+    u: P,
+}
+
+impl<P: Pack> Groove<P> {
+    /// Entries from `i` on. The lacquer of `surface` lies over the groove: the true viewer sees it.
+    #[inline(always)]
+    pub(super) fn new(
+        token: P::Token,
+        grooves: &Grooves,
+        batch: &Batch,
+        i: usize,
+        surface: &mut SurfacePoint<P>,
+    ) -> Self {
+        let facets = Facets::new(load3(token, &batch.smooth, i), surface.n);
+        if surface.coat.is_some() {
+            let coat = Coat::new(token, batch, i, load3(token, &grooves.v, i));
+            surface.emitted = load3(token, &batch.emissive, i) * coat.kept;
+            surface.coat = Some(coat);
+        }
+        Self { facets, u: load(token, &grooves.u, i) }
+    }
+
+    /// Radiance to the viewer per unit of irradiance from `l`, without lacquer.
+    #[inline(always)]
+    pub(super) fn reflect(&self, surface: &SurfacePoint<P>, l: Vec3<P>) -> Vec3<P> {
+        let zero = l.x.lit(0.0);
+        let mut sum = Vec3::splat(zero);
+        for (way, share) in self.facets.ways(l) {
+            let lit = zero.lt(self.facets.p.dot(way));
+            sum += Vec3::select(lit, surface.reflect_bare(way) * share, Vec3::splat(zero));
+        }
+        sum
+    }
+
+    /// Where a path goes that leaves the mapped facet towards `l`: there, or mirrored by the upright facet.
+    #[inline(always)]
+    pub(super) fn leaving(&self, l: Vec3<P>) -> Vec3<P> {
+        let zero = l.x.lit(0.0);
+        let chance = P::select(l.dot(self.facets.t).lt(zero), self.facets.escape(l), l.x.lit(1.0));
+        Vec3::select(self.u.lt(chance), l, self.facets.mirrored(l))
+    }
+
+    /// The density of [`Self::leaving`] for facets that send paths with the density `pdf`.
+    #[inline(always)]
+    pub(super) fn pdf(&self, l: Vec3<P>, pdf: impl Fn(Vec3<P>) -> P) -> P {
+        let (zero, one) = (l.x.lit(0.0), l.x.lit(1.0));
+        let (upright, around) = (l.dot(self.facets.t), self.facets.mirrored(l));
+        let kept = P::select(upright.lt(zero), self.facets.escape(l), one);
+        let turned = P::select(zero.lt(upright), one - self.facets.escape(around), zero);
+        let mut sum = zero;
+        for (direction, share) in [(l, kept), (around, turned)] {
+            sum = sum + pdf(direction) * share;
+        }
+        sum
+    }
+}
