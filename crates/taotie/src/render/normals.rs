@@ -41,15 +41,16 @@ pub(super) fn is_mapped(source: &NormalSource<'_>) -> bool {
     }
 }
 
-/// A mapped normal that turns away from a viewer who sees the surface, mirrored at the smooth normal to his side; the
-/// smooth normal where that does not help.
+/// The least n·v that a mapped normal keeps.
+const LEAST_N_DOT_V: f64 = 0.01;
+
+/// A mapped normal that turns away from a viewer who sees the surface, bent towards him until he just sees it: the least
+/// change there is, and without a step, where mirroring the normal would light the wrong side of every steep slope.
 #[inline(always)]
 fn towards_viewer<P: Pack>(n: Vec3<P>, smooth: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
-    let zero = n.x.lit(0.0);
-    let away = n.dot(v).le(zero);
-    let mirrored = smooth * (n.dot(smooth) * n.x.lit(2.0)) - n;
-    let helped = Vec3::select(zero.lt(mirrored.dot(v)), mirrored, smooth);
-    Vec3::select(away, helped, n)
+    let (zero, least) = (n.x.lit(0.0), n.x.lit(LEAST_N_DOT_V));
+    let lacking = (least - n.dot(v)).max(zero);
+    Vec3::select(zero.lt(lacking), (n + v * lacking).normalize_or(smooth), n)
 }
 
 /// The lacquer's normal, and the direction of stretched highlights.

@@ -25,7 +25,7 @@ pub struct SurfaceSettings {
 /// mapped normal does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum GrazingNormals {
-    /// The normal is mirrored to the viewer's side, and light fades towards the surface's own horizon.
+    /// The normal is bent until the viewer sees it, and light fades towards the surface's own horizon.
     #[default]
     Soften,
     /// As the map says: black fringes and hard edges where it cannot be.

@@ -15,15 +15,14 @@ pub(super) fn look_up(light: &EnvironmentLight, shading: Shading, draw: &Draw<'_
         light.environment.specular(turn.to_environment(direction), roughness) * light.intensity
     };
     for i in batch.entries() {
-        let (n, v, smooth) = (get3(&batch.n, i), get3(&batch.v, i), get3(&batch.smooth, i));
+        let (n, v) = (get3(&batch.n, i), get3(&batch.v, i));
         let irradiance = light.environment.irradiance(turn.to_environment(n));
         set3(&mut batch.surround.mean, i, irradiance * (light.intensity * FRAC_1_PI));
         let roughness = lobe_roughness(shading, draw.material, batch, i);
         let lobe_normal = stretched_normal(draw, batch, i);
         let mirrored = mirror(lobe_normal, v);
         let radiance = gathered(towards_normal(mirrored, n, roughness), roughness);
-        let softened = if batch.bump[i] > 0.0 { above_horizon(mirrored, smooth) } else { 1.0 };
-        set3(&mut batch.surround.specular, i, radiance * softened);
+        set3(&mut batch.surround.specular, i, radiance);
         if draw.material.clearcoat.is_some() {
             let direction = mirror(get3(&batch.layers.coat_n, i), v);
             let radiance = gathered(direction, batch.layers.coat_roughness[i]);
@@ -43,13 +42,6 @@ fn mirror(n: Vec3, v: Vec3) -> Vec3 {
 fn towards_normal(mirrored: Vec3, n: Vec3, roughness: f32) -> Vec3 {
     let share = roughness * roughness * roughness * roughness;
     (mirrored * (1.0 - share) + n * share).normalize_or(n)
-}
-
-/// How much of a reflection leaves the smooth surface: a mapped normal may mirror into it.
-/// Source: Russell 2015, "Horizon occlusion for normal mapped reflections".
-fn above_horizon(direction: Vec3, smooth: Vec3) -> f32 {
-    let rise = (1.0 + direction.dot(smooth)).clamp(0.0, 1.0);
-    rise * rise
 }
 
 /// The normal that a stretched highlight mirrors by: bent towards the viewer, across the stretch.
