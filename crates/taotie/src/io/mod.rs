@@ -1,6 +1,7 @@
 //! Files in and out: models, textures and pictures. The only module that meets paths and sRGB-encoded numbers.
 
 mod bitmap;
+mod environment;
 mod file;
 mod gltf;
 mod locate;
@@ -12,6 +13,8 @@ mod text;
 mod write;
 
 pub use bitmap::{decode_bitmap, read_bitmap};
+pub use environment::decode_environment;
+pub use file::read as read_bytes;
 pub use write::{
     ExrLayer, MovingFormat, MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_png,
     write_bytes, write_exr, write_png, write_png_bitmap, write_text,
