@@ -8,8 +8,11 @@ use std::path::Path;
 /// The largest file read, in bytes.
 const MAX_BYTES: u64 = 1 << 34;
 
-/// The whole file.
-pub(super) fn read(path: &Path) -> Result<Vec<u8>> {
+/// Reads a whole regular file.
+///
+/// # Errors
+/// [`Error::Io`] where it cannot be read or is a device or a pipe, [`Error::Limit`] above 16 GiB.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
     let (file, length) = open(path)?;
     let mut bytes = Vec::with_capacity(length as usize);
     file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;

@@ -1,6 +1,7 @@
 //! Files in and out: models, textures and pictures. The only module that meets paths and sRGB-encoded numbers.
 
 mod bitmap;
+mod environment;
 mod file;
 mod gltf;
 mod locate;
@@ -15,6 +16,8 @@ mod write;
 pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
 
 pub use bitmap::{decode_bitmap, read_bitmap};
+pub use environment::decode_environment;
+pub use file::read as read_bytes;
 pub use variants::Variants;
 pub use write::{
     ExrLayer, MovingFormat, MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_png,

@@ -19,7 +19,7 @@ const PARTS: [usize; 2] = [128, 64];
 
 /// The irradiance in every direction.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct CosineMap(Octahedron);
+pub(super) struct CosineMap(pub(super) Octahedron);
 
 /// A part of the picture: where it is, and what it sends: radiance times solid angle.
 struct Part {

@@ -3,6 +3,7 @@
 //! Directions are unit, in the environment's own space, with +y up. The picture's convention is u = atan2(z, x)/(2π) +
 //! 1/2, v = acos(y)/π, both from the top left.
 
+mod bytes;
 mod cosine;
 mod distribution;
 mod irradiance;
@@ -24,6 +25,10 @@ use picture::{Picture, uv_of};
 use std::sync::OnceLock;
 
 pub use studio::{STUDIO_VERSION, studio};
+
+/// Version of what [`Environment::new`] makes and of the bytes that it is kept in: the same picture gives the same bits
+/// as long as it stays.
+pub const ENVIRONMENT_VERSION: u32 = 1;
 
 /// Light from infinitely far all around.
 #[derive(Debug, Clone)]

@@ -59,6 +59,19 @@ impl Octahedron {
         Self { side, texels: HalfTexels::encode(&colors) }
     }
 
+    /// From stored texels, as many as a map of this side has with its border.
+    pub(super) fn from_texels(side: usize, texels: HalfTexels) -> Self {
+        Self { side, texels }
+    }
+
+    pub(super) fn side(&self) -> usize {
+        self.side
+    }
+
+    pub(super) fn texels(&self) -> &HalfTexels {
+        &self.texels
+    }
+
     /// The mean of the four texels around a place, by nearness.
     #[inline]
     pub(super) fn at(&self, [u, v]: [f32; 2]) -> Vec3 {

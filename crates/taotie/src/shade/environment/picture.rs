@@ -35,6 +35,15 @@ impl Picture {
         Self { width, height, texels: HalfTexels::encode(image.pixels()) }
     }
 
+    /// From stored texels, as many as the size says.
+    pub(super) fn from_texels(width: usize, height: usize, texels: HalfTexels) -> Self {
+        Self { width, height, texels }
+    }
+
+    pub(super) fn texels(&self) -> &HalfTexels {
+        &self.texels
+    }
+
     pub(super) fn width(&self) -> usize {
         self.width
     }

@@ -2,6 +2,7 @@
 
 use crate::math::Vec3;
 use half::f16;
+use rayon::prelude::*;
 
 /// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no picture holds it whole.
 pub(super) const MAX_RADIANCE: f32 = 1e9;
@@ -11,6 +12,7 @@ pub(super) const MAX_RADIANCE: f32 = 1e9;
 /// A texel is within 2⁻¹¹ of what it stands for, and black where that is below 2⁻²⁹ of the brightest.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HalfTexels {
+    exponent: i32,
     /// The fourth number is zero: eight bytes are read at once.
     texels: Vec<[u16; 4]>,
     decode: f32,
@@ -24,11 +26,28 @@ impl HalfTexels {
         let exponent = exponent_of(brightest) - 15;
         let scale = power_of_two(-exponent);
         let texels = colors.iter().map(|[r, g, b, _]| [half(*r, scale), half(*g, scale), half(*b, scale), 0]);
-        Self::from_stored(exponent, texels.collect())
+        Self::new(exponent, texels.collect())
     }
 
-    fn from_stored(exponent: i32, texels: Vec<[u16; 4]>) -> Self {
-        Self { texels, decode: power_of_two(exponent + 112) as f32 }
+    fn new(exponent: i32, texels: Vec<[u16; 4]>) -> Self {
+        Self { exponent, texels, decode: power_of_two(exponent + 112) as f32 }
+    }
+
+    /// From what [`Self::exponent`] and [`Self::texels`] told; nothing where that cannot be.
+    pub(super) fn from_stored(exponent: i32, texels: Vec<[u16; 4]>) -> Option<Self> {
+        let sound = |texel: &[u16; 4]| texel.iter().all(|half| *half < f16::INFINITY.to_bits());
+        let exponents = exponent_of(0.0) - 15..=exponent_of(MAX_RADIANCE) - 15;
+        (exponents.contains(&exponent) && texels.par_iter().all(sound)).then(|| Self::new(exponent, texels))
+    }
+
+    /// The stored numbers are multiplied by two to this power.
+    pub(super) fn exponent(&self) -> i32 {
+        self.exponent
+    }
+
+    /// The half floats as stored.
+    pub(super) fn texels(&self) -> &[[u16; 4]] {
+        &self.texels
     }
 
     /// Linear RGB.
@@ -81,7 +100,7 @@ mod tests {
     #[test]
     fn every_half_float_is_decoded_as_its_format_says() {
         for bits in (1u16 << 10)..(31 << 10) {
-            let texels = HalfTexels::from_stored(3, vec![[bits, 0, 0, 0]]);
+            let texels = HalfTexels::from_stored(3, vec![[bits, 0, 0, 0]]).unwrap();
             assert_eq!(texels.get(0).x, f16::from_bits(bits).to_f32() * 8.0);
         }
     }

@@ -1,0 +1,84 @@
+//! Environments from Radiance HDR and OpenEXR files.
+
+use super::bitmap::decode_bitmap;
+use crate::error::{Error, Result};
+use crate::image::{Image, Texels};
+use std::path::Path;
+
+/// Decodes the equirectangular picture of an environment, of any size that is twice as wide as high. `path` is the file
+/// that it comes from, which errors are about.
+///
+/// # Errors
+/// As [`decode_bitmap`]; [`Error::Unsupported`] for numbers that are not floats, since only they hold the brightness of
+/// lamps; [`Error::Parse`] for another shape; [`Error::Limit`] above [`Image::MAX_SIDE`].
+pub fn decode_environment(bytes: &[u8], path: &Path) -> Result<Image> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let bitmap = decode_bitmap(bytes, &name, path)?;
+    let (width, height) = (bitmap.width(), bitmap.height());
+    let Texels::F32(texels) = bitmap.texels() else {
+        let what = format!("{}: an environment of {} bits a channel", path.display(), bitmap.bits());
+        return Err(Error::unsupported(
+            what,
+            "environments are read from .hdr and .exr, whose numbers are floats",
+        ));
+    };
+    if width != 2 * height {
+        let what = format!(
+            "it is {width}×{height}; an environment is an equirectangular picture, twice as wide as high, such as \
+             2048×1024"
+        );
+        return Err(Error::parse(path, "image", what));
+    }
+    let mut image = Image::new(width, height, [0.0; 4]).map_err(|error| match error {
+        Error::Limit { what, why } => Error::limit(format!("{}: {what}", path.display()), why),
+        other => other,
+    })?;
+    image.pixels_mut().copy_from_slice(texels);
+    Ok(image)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Encoding;
+    use crate::io::{ExrLayer, PngColor, PngImage, PngSamples, encode_png, write_exr};
+
+    fn exr(width: u32, height: u32) -> Result<Image> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sky.exr");
+        let mut image = Image::new(width, height, [0.25, 0.5, 70_000.0, 1.0])?;
+        image.pixels_mut()[0] = [1.0, 2.0, 3.0, 1.0];
+        let samples = image.pixels().as_flattened();
+        let layer = ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples };
+        write_exr(&path, (width, height), &[layer])?;
+        decode_environment(&std::fs::read(&path).unwrap(), &path)
+    }
+
+    #[test]
+    fn any_size_twice_as_wide_as_high_is_read() {
+        for height in [1, 3, 50] {
+            let image = exr(2 * height, height).unwrap();
+            assert_eq!((image.width(), image.height()), (2 * height, height));
+            assert_eq!(image.pixel(0, 0)[..3], [1.0, 2.0, 3.0]);
+            assert_eq!(image.pixel(1, 0)[..3], [0.25, 0.5, 70_000.0]);
+        }
+    }
+
+    #[test]
+    fn other_shapes_are_refused_with_what_is_expected() {
+        let error = exr(4, 4).unwrap_err().to_string();
+        assert!(
+            error.contains("sky.exr: image: it is 4×4") && error.contains("twice as wide as high"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn pictures_for_screens_are_refused() {
+        let samples = PngSamples::U8(&[0; 2 * 3]);
+        let png = PngImage { width: 2, height: 1, color: PngColor::Rgb, samples, encoding: Encoding::Srgb };
+        let error =
+            decode_environment(&encode_png(&png).unwrap(), Path::new("a.hdr")).unwrap_err().to_string();
+        assert!(error.contains("a.hdr: an environment of 8 bits") && error.contains(".exr"), "{error}");
+    }
+}

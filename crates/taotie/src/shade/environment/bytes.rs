@@ -1,0 +1,211 @@
+//! An environment as bytes, so that its levels need not be made anew: little endian, checked by length and sum.
+//!
+//! After the header come the number of mended texels, the picture, the irradiance and the levels. Texels
+//! are six bytes, three half floats, after the exponent of two that they are multiplied by.
+
+use super::cosine::CosineMap;
+use super::levels::{Level, Levels};
+use super::octahedron::Octahedron;
+use super::picture::Picture;
+use super::texels::HalfTexels;
+use super::{ENVIRONMENT_VERSION, Environment};
+use crate::error::{Error, Result};
+use crate::image::Image;
+use rayon::prelude::*;
+use std::sync::OnceLock;
+
+/// How such bytes begin; then come [`ENVIRONMENT_VERSION`] and the CRC-32 of all that follows.
+const SIGNATURE: &[u8; 8] = b"taotie\0E";
+const HEADER: usize = 16;
+
+/// The most levels, and the most texels across one.
+const MOST_LEVELS: usize = 64;
+const MOST_TEXELS: usize = 4096;
+
+impl Environment {
+    /// All of it, to be read by [`Self::from_bytes`] of the same [`ENVIRONMENT_VERSION`].
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = SIGNATURE.to_vec();
+        bytes.extend(ENVIRONMENT_VERSION.to_le_bytes());
+        bytes.extend([0; 4]);
+        put_count(&mut bytes, self.mended);
+        put_count(&mut bytes, self.picture.width());
+        put_count(&mut bytes, self.picture.height());
+        put_texels(&mut bytes, self.picture.texels());
+        put_map(&mut bytes, &self.cosine.0);
+        put_count(&mut bytes, self.levels.0.len());
+        for level in &self.levels.0 {
+            bytes.extend(level.alpha.to_le_bytes());
+            put_map(&mut bytes, &level.map);
+        }
+        let sum = crc32fast::hash(&bytes[HEADER..]);
+        bytes[HEADER - 4..HEADER].copy_from_slice(&sum.to_le_bytes());
+        bytes
+    }
+
+    /// What [`Self::to_bytes`] made, to the same bits.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the bytes are none of an environment, of another version, cut off or damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        let mut rest = Rest { bytes };
+        if rest.take(SIGNATURE.len())? != SIGNATURE {
+            return Err(wrong("they begin otherwise"));
+        }
+        let version = u32::from_le_bytes(rest.array()?);
+        if version != ENVIRONMENT_VERSION {
+            return Err(wrong(&format!("they are of version {version}, not {ENVIRONMENT_VERSION}")));
+        }
+        if u32::from_le_bytes(rest.array()?) != crc32fast::hash(rest.bytes) {
+            return Err(wrong("their sum is wrong; they were damaged or cut off"));
+        }
+        let mended = rest.count(usize::MAX)?;
+        let side = Image::MAX_SIDE as usize;
+        let (width, height) = (rest.size(side)?, rest.size(side)?);
+        let picture = Picture::from_texels(width, height, rest.texels(width * height)?);
+        let cosine = CosineMap(rest.map()?);
+        let levels = (0..rest.count(MOST_LEVELS)?).map(|_| rest.level()).collect::<Result<Vec<_>>>()?;
+        if !rest.bytes.is_empty() || !levels.is_sorted_by(|a, b| a.alpha < b.alpha) {
+            return Err(wrong("they contradict themselves"));
+        }
+        let levels = Levels(levels);
+        Ok(Self { picture, levels, cosine, distribution: OnceLock::new(), mended })
+    }
+}
+
+fn put_count(bytes: &mut Vec<u8>, count: usize) {
+    bytes.extend((count as u64).to_le_bytes());
+}
+
+fn put_map(bytes: &mut Vec<u8>, map: &Octahedron) {
+    put_count(bytes, map.side());
+    put_texels(bytes, map.texels());
+}
+
+fn put_texels(bytes: &mut Vec<u8>, texels: &HalfTexels) {
+    bytes.extend(texels.exponent().to_le_bytes());
+    for texel in texels.texels() {
+        bytes.extend(texel[..3].iter().flat_map(|half| half.to_le_bytes()));
+    }
+}
+
+fn wrong(why: &str) -> Error {
+    Error::invalid("the bytes of an environment", why)
+}
+
+/// What is still to be read.
+struct Rest<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Rest<'a> {
+    fn take(&mut self, count: usize) -> Result<&'a [u8]> {
+        let (taken, rest) = self.bytes.split_at_checked(count).ok_or_else(|| wrong("they end too early"))?;
+        self.bytes = rest;
+        Ok(taken)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N]> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N)?);
+        Ok(array)
+    }
+
+    fn float(&mut self) -> Result<f32> {
+        let value = f32::from_le_bytes(self.array()?);
+        if value.is_finite() { Ok(value) } else { Err(wrong("a number is none")) }
+    }
+
+    fn count(&mut self, most: usize) -> Result<usize> {
+        let count = usize::try_from(u64::from_le_bytes(self.array()?)).ok().filter(|count| *count <= most);
+        count.ok_or_else(|| wrong("a count is too high"))
+    }
+
+    fn size(&mut self, most: usize) -> Result<usize> {
+        let size = self.count(most)?;
+        if size == 0 { Err(wrong("a size is zero")) } else { Ok(size) }
+    }
+
+    fn texels(&mut self, count: usize) -> Result<HalfTexels> {
+        let exponent = i32::from_le_bytes(self.array()?);
+        let stored = self.take(count * 6)?;
+        let half = |low: u8, high: u8| u16::from_le_bytes([low, high]);
+        let texel = |b: &[u8]| [half(b[0], b[1]), half(b[2], b[3]), half(b[4], b[5]), 0];
+        let texels: Vec<[u16; 4]> = stored.par_chunks_exact(6).map(texel).collect();
+        HalfTexels::from_stored(exponent, texels).ok_or_else(|| wrong("a number is none"))
+    }
+
+    fn level(&mut self) -> Result<Level> {
+        let alpha = self.float()?;
+        if !(alpha > 0.0 && alpha <= 1.0) {
+            return Err(wrong("a roughness lies outside [0, 1]"));
+        }
+        Ok(Level { alpha, map: self.map()? })
+    }
+
+    fn map(&mut self) -> Result<Octahedron> {
+        let side = self.size(MOST_TEXELS)?;
+        Ok(Octahedron::from_texels(side, self.texels((side + 2) * (side + 2))?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn small() -> Environment {
+        let mut image = Image::new(8, 4, [0.5, 0.25, 2.0, 1.0]).unwrap();
+        image.pixels_mut()[7] = [900.0, f32::NAN, 0.0, 1.0];
+        Environment::new(image).unwrap()
+    }
+
+    /// With the sum made right again.
+    fn changed(mut bytes: Vec<u8>, at: usize, value: &[u8]) -> Result<Environment> {
+        bytes[at..at + value.len()].copy_from_slice(value);
+        let sum = crc32fast::hash(&bytes[HEADER..]).to_le_bytes();
+        bytes[HEADER - 4..HEADER].copy_from_slice(&sum);
+        Environment::from_bytes(&bytes)
+    }
+
+    #[test]
+    fn bytes_there_and_back_are_the_same() {
+        let environment = small();
+        let bytes = environment.to_bytes();
+        let again = Environment::from_bytes(&bytes).unwrap();
+        assert_eq!(again.picture, environment.picture);
+        assert_eq!(again.levels, environment.levels);
+        assert_eq!(again.cosine, environment.cosine);
+        assert_eq!(again.mended_texels(), 1);
+        assert!(again.to_bytes() == bytes);
+    }
+
+    #[test]
+    fn what_is_cut_off_longer_or_damaged_is_refused() {
+        let bytes = small().to_bytes();
+        let cuts = [0, 7, 8, 12, 15, 16, 30, 200, bytes.len() - 1];
+        for cut in cuts {
+            assert!(Environment::from_bytes(&bytes[..cut]).is_err(), "{cut}");
+        }
+        assert!(Environment::from_bytes(&[&bytes[..], &[0]].concat()).is_err());
+        for at in [0, 8, 12, 16, 24, 40, bytes.len() / 2, bytes.len() - 1] {
+            let mut bytes = bytes.clone();
+            bytes[at] ^= 4;
+            assert!(Environment::from_bytes(&bytes).is_err(), "{at}");
+        }
+    }
+
+    #[test]
+    fn sums_are_no_reason_to_believe() {
+        let bytes = small().to_bytes();
+        let all = [0xff; 8];
+        // Mended texels, width, height, exponent, a texel, a coefficient, the count of levels.
+        let picture = 16 + 3 * 8 + 4;
+        let levels = picture + 8 * 4 * 6 + 27 * 4;
+        for at in [24, 32, 40, picture, levels - 4, levels, levels + 8, levels + 12, levels + 20] {
+            assert!(changed(bytes.clone(), at, &all).is_err(), "{at}");
+        }
+        assert!(changed(bytes.clone(), 24, &0u64.to_le_bytes()).is_err());
+        assert!(changed(bytes.clone(), levels, &1u64.to_le_bytes()).is_err());
+        assert!(changed(bytes, 16, &5u64.to_le_bytes()).is_ok_and(|e| e.mended_texels() == 5));
+    }
+}
