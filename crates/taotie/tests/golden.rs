@@ -4,19 +4,31 @@
 //! A failure leaves the actual picture, the expected one, their difference and a page that shows them in
 //! `target/golden-failures`. `TAOTIE_BLESS=1` writes the pictures anew: look at them before you commit them.
 
+#[path = "common/finishes.rs"]
+mod finishes;
+#[path = "common/random.rs"]
+mod random;
 #[path = "common/scenes.rs"]
 mod scenes;
+#[path = "common/skies.rs"]
+mod skies;
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, LazyLock};
 use taotie::film::{Development, develop8};
 use taotie::image::{Encoding, Image, Texels};
 use taotie::io::{PngColor, PngImage, PngSamples, read_bitmap, write_png, write_text};
 use taotie::math::{SimdLevel, Vec3};
 use taotie::names::Named;
-use taotie::render::{Frame, Lighting, RenderSettings, SurfaceSettings, render};
+use taotie::render::{
+    EnvironmentLight, Frame, GrazingNormals, Lighting, RenderSettings, SurfaceSettings, render,
+};
 use taotie::scene::{Camera, Light, NormalSpace, Scene};
-use taotie::shade::Shading;
+use taotie::shade::environment::Environment;
+use taotie::shade::{Energy, Shading};
 use taotie::surface::{SurfaceMethod, TangentMethod};
+
+static SKY: LazyLock<Arc<Environment>> = LazyLock::new(|| Environment::new(finishes::sky()).unwrap().into());
 
 /// A picture to be kept.
 struct Golden {
@@ -37,6 +49,14 @@ impl Golden {
 
     fn with(mut self, change: impl FnOnce(&mut RenderSettings)) -> Self {
         change(&mut self.settings);
+        self
+    }
+
+    /// Under a sky that is seen, instead of the ambient light.
+    fn under_sky(mut self) -> Self {
+        let light =
+            EnvironmentLight { environment: SKY.clone(), rotation: 0.4, intensity: 0.8, visible: true };
+        self.lighting = Lighting { environment: Some(light), ambient: Vec3::splat(0.0), ..self.lighting };
         self
     }
 
@@ -93,6 +113,68 @@ fn pictures() -> Vec<Golden> {
             settings.shadows = true;
             settings.samples = 4;
         }),
+    ]
+}
+
+fn near() -> Camera {
+    scenes::camera(20.0, 15.0, 3.4)
+}
+
+fn finishes() -> Vec<Golden> {
+    let under_lamp = |name: &str, scene: Scene| Golden::new(name, scene, near(), raking());
+    let white = |energy| {
+        under_lamp(&format!("energy-{}", energy_name(energy)), rough_gold())
+            .with(|settings| settings.energy = energy)
+    };
+    vec![
+        under_lamp("lacquer", finishes::lacquer()),
+        under_lamp("lacquer-under-sky", finishes::lacquer()).under_sky(),
+        under_lamp("velvet", finishes::velvet()),
+        under_lamp("velvet-under-sky", finishes::velvet()).under_sky(),
+        under_lamp("brushed", finishes::brushed()),
+        under_lamp("brushed-under-sky", finishes::brushed()).under_sky(),
+        under_lamp("tinted-glass", finishes::tinted_glass()),
+        white(Energy::Compensated),
+        white(Energy::Single),
+    ]
+}
+
+fn energy_name(energy: Energy) -> &'static str {
+    Energy::NAMES.iter().find(|(_, known)| *known == energy).map_or("", |(name, _)| name)
+}
+
+fn rough_gold() -> Scene {
+    finishes::sphere(finishes::metal([1.0, 0.72, 0.35], 1.0), Vec::new())
+}
+
+fn surroundings() -> Vec<Golden> {
+    let under_sky = |name: &str, scene: Scene| Golden::new(name, scene, near(), Vec::new()).under_sky();
+    vec![
+        under_sky("sky-smooth-metal", finishes::occluded_gold(0.1)),
+        under_sky("sky-rough-metal", finishes::occluded_gold(0.8)),
+        under_sky("sky-cook-torrance", finishes::occluded_gold(0.5))
+            .with(|settings| settings.shading = Shading::CookTorrance),
+        under_sky("sky-blinn-phong", scenes::embossed_sphere(NormalSpace::Tangent))
+            .with(|settings| settings.shading = Shading::BlinnPhong),
+        Golden::new("ground", finishes::occluded_gold(0.4), near(), raking()).under_sky().with(|settings| {
+            settings.ground = true;
+            settings.shadows = true;
+        }),
+    ]
+}
+
+fn relief_at_its_limits() -> Vec<Golden> {
+    let polished = |name: &str, scale| {
+        Golden::new(name, finishes::polished_bosses(scale, 0.2), scenes::camera(20.0, 15.0, 5.5), raking())
+    };
+    let keep = |settings: &mut RenderSettings| settings.grazing_normals = GrazingNormals::Keep;
+    vec![
+        polished("specular-aa-on", 1.0),
+        polished("specular-aa-off", 1.0).with(|settings| settings.specular_aa = false),
+        polished("grazing-soften", 3.0),
+        polished("grazing-keep", 3.0).with(keep),
+        polished("grazing-soften-under-sky", 3.0).under_sky(),
+        polished("grazing-keep-under-sky", 3.0).under_sky().with(keep),
     ]
 }
 
@@ -212,4 +294,19 @@ fn golden_tangent_methods() {
 #[test]
 fn golden_pictures() {
     check_all(&pictures());
+}
+
+#[test]
+fn golden_finishes() {
+    check_all(&finishes());
+}
+
+#[test]
+fn golden_surroundings() {
+    check_all(&surroundings());
+}
+
+#[test]
+fn golden_relief_at_its_limits() {
+    check_all(&relief_at_its_limits());
 }

@@ -3,9 +3,14 @@
 use super::batch::{Batch, load, load3};
 use crate::math::{Lane, Pack, Vec3};
 use crate::shade::sheen::{d_charlie, v_neubelt};
-use crate::shade::{Angles, coat_fresnel, coat_lobe};
+use crate::shade::{Angles, coat_lobe};
 
 /// A clear lacquer: KHR_materials_clearcoat.
+///
+/// What it reflects of even surroundings it keeps from the base, so that a white surface under lacquer returns all light
+/// at any roughness. Where the lacquer is smooth that is the extension's 1 − F(n·v); where it is rough, 1 − F(n·v) alone
+/// would leave a dark rim, since a rough lacquer seen at a grazing angle reflects less than F.
+/// Law: `white_room::lacquer_over_white_returns_what_arrives`.
 pub(super) struct Coat<L> {
     /// Unit, world space.
     pub n: Vec3<L>,
@@ -20,13 +25,12 @@ pub(super) struct Coat<L> {
 
 impl<P: Pack> Coat<P> {
     #[inline(always)]
-    pub(super) fn new(token: P::Token, batch: &Batch, i: usize, v: Vec3<P>) -> Self {
+    pub(super) fn new(token: P::Token, batch: &Batch, i: usize) -> Self {
         let n: Vec3<P> = load3(token, &batch.layers.coat_n, i);
-        let factor = load(token, &batch.layers.coat, i);
-        let one = P::splat(token, 1.0);
-        let kept = one - factor * coat_fresnel(n.dot(v).clamp(0.0, 1.0));
-        let roughness = load(token, &batch.layers.coat_roughness, i);
-        Self { n, factor, roughness, kept, albedo: load(token, &batch.layers.coat_albedo, i) }
+        let factor: P = load(token, &batch.layers.coat, i);
+        let albedo = load(token, &batch.layers.coat_albedo, i);
+        let kept = P::splat(token, 1.0) - factor * albedo;
+        Self { n, factor, roughness: load(token, &batch.layers.coat_roughness, i), kept, albedo }
     }
 }
 

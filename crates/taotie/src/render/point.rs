@@ -61,7 +61,7 @@ impl<P: Pack> SurfacePoint<P> {
             let strength = load(token, &batch.layers.stretch, i);
             Stretch::new(tangent, n.cross(tangent), substance.roughness, strength)
         });
-        let coat = (layered && material.clearcoat.is_some()).then(|| Coat::new(token, batch, i, v));
+        let coat = (layered && material.clearcoat.is_some()).then(|| Coat::new(token, batch, i));
         let fibres = (layered && material.sheen.is_some()).then(|| Fibres::new(token, batch, i));
         let emitted: Vec3<P> = load3(token, &batch.emissive, i);
         let emitted = coat.as_ref().map_or(emitted, |coat| emitted * coat.kept);
