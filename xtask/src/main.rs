@@ -4,6 +4,8 @@
 //! Exit codes: 0 fine, 1 a checked file is stale, 2 error.
 
 mod as_printed;
+mod computed;
+mod errors;
 mod generated;
 mod help_pages;
 mod tables;
@@ -37,6 +39,15 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// The tables of docs/errors.md: each approximation against the reference.
+    Errors {
+        /// Write nothing; name the stale files and exit with 1.
+        #[arg(long)]
+        check: bool,
+        /// Also renew the table of environments, by those in this folder.
+        #[arg(long, value_name = "FOLDER")]
+        environments: Option<PathBuf>,
+    },
     /// The tables of directional albedos in crates/taotie/src/shade/dfg.
     Tables {
         /// Write nothing; name the stale files and exit with 1.
@@ -57,10 +68,13 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<ExitCode> {
-    match cli.task {
-        Task::HelpPages { check } => finish(&help_pages::generated(&root()), check, "make docs"),
-        Task::AsPrinted { check } => finish(&as_printed::generated(&root())?, check, "make docs"),
-        Task::Tables { check } => finish(&tables::generated(&root()), check, "make tables"),
+    match &cli.task {
+        Task::HelpPages { check } => finish(&help_pages::generated(&root()), *check, "make docs"),
+        Task::AsPrinted { check } => finish(&as_printed::generated(&root())?, *check, "make docs"),
+        Task::Errors { check, environments } => {
+            finish(&errors::generated(&root(), environments.as_deref())?, *check, "make errors")
+        }
+        Task::Tables { check } => finish(&tables::generated(&root()), *check, "make tables"),
     }
 }
 

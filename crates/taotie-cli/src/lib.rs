@@ -10,6 +10,7 @@ mod diff;
 mod heat_map;
 mod inspect;
 pub mod jue;
+mod materials;
 mod normals;
 mod options;
 mod render;
@@ -43,6 +44,8 @@ enum Command {
     Normals(Box<normals::NormalsArgs>),
     /// Says how two pictures or normal maps differ.
     Diff(diff::DiffArgs),
+    /// Lists the materials that `--material` knows.
+    Materials(materials::MaterialsArgs),
     /// Renders the built-in bronze jue by every method and model, and measures them.
     Demo(demo::DemoArgs),
 }
@@ -76,6 +79,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Inspect(args) => inspect::run(&args).map(|()| Outcome::Fine),
         Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),
         Command::Diff(args) => diff::run(&args),
+        Command::Materials(args) => materials::run(&args).map(|()| Outcome::Fine),
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
     };
     match result {

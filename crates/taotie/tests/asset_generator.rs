@@ -98,11 +98,12 @@ impl Case {
             let (mut n, mut error, mut sum, mut squares) = (0.0, 0.0, 0.0, 0.0);
             for (terms, value) in self.pixels(theirs, c) {
                 let guess: f64 = terms.iter().zip(factors).map(|(t, f)| t * f).sum();
-                error += (value - guess.clamp(0.0, 255.0)).powi(2);
+                let apart = value - guess.clamp(0.0, 255.0);
+                error += apart * apart;
                 (n, sum, squares) = (n + 1.0, sum + value, squares + value * value);
             }
             left += error / n / 3.0;
-            contrast += (squares / n - (sum / n).powi(2)) / 3.0;
+            contrast += (squares / n - (sum / n) * (sum / n)) / 3.0;
         }
         (left.sqrt(), contrast.sqrt())
     }

@@ -3,6 +3,7 @@
 use super::batch::{Batch, get3};
 use super::prepare::Draw;
 use super::substance::takes_layers;
+use crate::math::Vec3;
 use crate::scene::Material;
 use crate::shade::dfg::{self, Dfg};
 use crate::shade::{COAT_F0, Energy, Shading, ndf};
@@ -29,13 +30,18 @@ pub(super) fn look_up(shading: Shading, energy: Energy, draw: &Draw<'_>, batch: 
     }
 }
 
-fn look_up_layers(material: &Material, batch: &mut Batch, i: usize) {
-    let v = get3(&batch.v, i);
+/// Fills the lacquer's albedo of entry `i` as seen from `v`.
+pub(super) fn look_up_coat(material: &Material, batch: &mut Batch, i: usize, v: Vec3) {
     if material.clearcoat.is_some() {
         let cosine = get3(&batch.layers.coat_n, i).dot(v);
         let albedo = dfg::of_ggx(cosine, batch.layers.coat_roughness[i]);
         batch.layers.coat_albedo[i] = COAT_F0 as f32 * albedo.scale + albedo.bias;
     }
+}
+
+fn look_up_layers(material: &Material, batch: &mut Batch, i: usize) {
+    let v = get3(&batch.v, i);
+    look_up_coat(material, batch, i, v);
     if material.sheen.is_some() {
         let cosine = get3(&batch.n, i).dot(v);
         batch.layers.sheen_albedo[i] = dfg::of_sheen(cosine, batch.layers.sheen_roughness[i]);

@@ -3,7 +3,6 @@
 use super::super::GrazingNormals;
 use super::super::albedos;
 use super::super::batch::{Batch, Column, Column3, get3, load, load3, set3};
-use super::super::layers::Coat;
 use super::super::normals::{is_mapped, shade_normals};
 use super::super::point::SurfacePoint;
 use super::super::prepare::Draw;
@@ -54,6 +53,10 @@ impl Grooves {
         }
         if takes_albedos(settings.shading) {
             albedos::look_up(settings.shading, settings.energy, draw, batch);
+            // The lacquer lies over the groove: the true viewer sees it.
+            for i in batch.entries() {
+                albedos::look_up_coat(draw.material, batch, i, get3(&self.v, i));
+            }
         }
     }
 }
@@ -66,21 +69,16 @@ pub(super) struct Groove<P> {
 }
 
 impl<P: Pack> Groove<P> {
-    /// Entries from `i` on. The lacquer of `surface` lies over the groove: the true viewer sees it.
+    /// Entries from `i` on.
     #[inline(always)]
     pub(super) fn new(
         token: P::Token,
         grooves: &Grooves,
         batch: &Batch,
         i: usize,
-        surface: &mut SurfacePoint<P>,
+        surface: &SurfacePoint<P>,
     ) -> Self {
         let facets = Facets::new(load3(token, &batch.smooth, i), surface.n);
-        if surface.coat.is_some() {
-            let coat = Coat::new(token, batch, i, load3(token, &grooves.v, i));
-            surface.emitted = load3(token, &batch.emissive, i) * coat.kept;
-            surface.coat = Some(coat);
-        }
         Self { facets, u: load(token, &grooves.u, i) }
     }
 

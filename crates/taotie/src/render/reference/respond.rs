@@ -76,9 +76,9 @@ pub(super) fn respond(level: Level, question: &Question<'_>, batch: &Batch, exch
 #[inline(always)]
 fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, exchange: &mut Exchange) {
     for i in batch.packs::<P>() {
-        let mut surface: SurfacePoint<P> =
+        let surface: SurfacePoint<P> =
             SurfacePoint::new(token, question.shading, question.material, batch, i);
-        let groove = question.grooved.then(|| Groove::new(token, &exchange.grooves, batch, i, &mut surface));
+        let groove = question.grooved.then(|| Groove::new(token, &exchange.grooves, batch, i, &surface));
         let from = if question.grooved { load3(token, &exchange.grooves.v, i) } else { surface.v };
         let seen = Seen { surface, from, groove };
         store3(own(token, question, &seen.surface, batch, i), &mut exchange.own, i);

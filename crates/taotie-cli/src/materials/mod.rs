@@ -1,0 +1,117 @@
+//! `taotie materials`: the presets, their measured colours, and what they look like.
+
+mod swatches;
+
+use crate::console;
+use crate::table::Table;
+use anyhow::Result;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+use taotie::math::Vec3;
+use taotie::scene::{Material, PRESETS, Preset, preset};
+use taotie::shade::fresnel::{COS_82, f_schlick};
+
+/// Version of the JSON that `--json` prints.
+const SCHEMA: u32 = 1;
+
+/// Reflectance of an ordinary dielectric at normal incidence.
+const DIELECTRIC_F0: f32 = 0.04;
+
+const EXAMPLES: &str = "\
+Examples:
+  taotie materials
+  taotie materials -o swatches.png
+  taotie render vessel.glb --material brass --env studio -o vessel.png
+
+F0 is the reflectance along the normal, F82 that at 82 degrees, both linear sRGB.";
+
+/// Lists the materials that `--material` knows.
+#[derive(Args)]
+#[command(before_help = EXAMPLES)]
+pub struct MaterialsArgs {
+    /// Also draw a sphere of each, in the built-in studio, to a PNG
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: Option<PathBuf>,
+    /// Pixels across each sphere's picture
+    #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(16..=2048))]
+    pub size: u32,
+    /// Print the list as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A preset as it is told.
+#[derive(Serialize)]
+struct Entry {
+    name: &'static str,
+    what: &'static str,
+    source: &'static str,
+    base_color: [f32; 3],
+    metallic: f32,
+    roughness: f32,
+    f0: [f32; 3],
+    f82: [f32; 3],
+    /// Whether F82 is given; else it is Schlick's.
+    f82_given: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &MaterialsArgs) -> Result<()> {
+    if let Some(path) = &args.output {
+        swatches::write(path, args.size)?;
+    }
+    let entries: Vec<Entry> = PRESETS.iter().filter_map(Entry::new).collect();
+    if args.json {
+        let list = serde_json::json!({ "schema": SCHEMA, "materials": entries, "swatches": args.output });
+        return console::result(&serde_json::to_string_pretty(&list)?);
+    }
+    console::result(text(&entries).trim_end())
+}
+
+impl Entry {
+    fn new(listed: &Preset) -> Option<Self> {
+        let material = preset(listed.name)?;
+        let [r, g, b, _] = material.base_color;
+        let f0 = reflectance(&material);
+        Some(Self {
+            name: listed.name,
+            what: listed.what,
+            source: listed.source,
+            base_color: [r, g, b],
+            metallic: material.metallic,
+            roughness: material.roughness,
+            f0,
+            f82: material.f82.unwrap_or_else(|| f_schlick(Vec3::from_array(f0), COS_82 as f32).to_array()),
+            f82_given: material.f82.is_some(),
+        })
+    }
+}
+
+/// F0 as it is drawn.
+fn reflectance(material: &Material) -> [f32; 3] {
+    let mixed =
+        |c: usize| DIELECTRIC_F0 * (1.0 - material.metallic) + material.base_color[c] * material.metallic;
+    material.f0.unwrap_or_else(|| [0, 1, 2].map(mixed))
+}
+
+fn text(entries: &[Entry]) -> String {
+    let mut table = Table::new(&["name", "F0", "F82", ">metallic", ">roughness", "what", "source"]);
+    for entry in entries {
+        let f82 = format!("{}{}", color(entry.f82), if entry.f82_given { "" } else { " (Schlick)" });
+        table.row([
+            entry.name.into(),
+            color(entry.f0),
+            f82,
+            format!("{:.2}", entry.metallic),
+            format!("{:.2}", entry.roughness),
+            entry.what.into(),
+            entry.source.into(),
+        ]);
+    }
+    table.lines(0)
+}
+
+fn color(rgb: [f32; 3]) -> String {
+    rgb.map(|c| format!("{c:.3}")).join(" ")
+}

@@ -1,0 +1,44 @@
+//! `docs/errors.md`: how far each approximation lies from the reference integrator, or from exact integrals.
+
+mod energy;
+mod relief;
+mod split_sum;
+
+use crate::computed;
+use crate::generated::Generated;
+use anyhow::Result;
+use split_sum::Sky;
+use std::path::Path;
+
+const PAGE: &str = "docs/errors.md";
+
+/// The page with its tables renewed, below the repository's `root`. The table of environments in files is renewed only
+/// where their folder is named, and kept as it is otherwise.
+///
+/// # Errors
+/// Where the page or an environment cannot be read.
+pub fn generated(root: &Path, environments: Option<&Path>) -> Result<Generated> {
+    let kept = std::fs::read_to_string(root.join(PAGE)).unwrap_or_default();
+    let studio = split_sum::table(&[Sky::studio()?])?;
+    let files = match environments {
+        Some(folder) => split_sum::table(&Sky::all_in(folder)?)?,
+        None => computed::part(&kept, "split-sum-files").unwrap_or_default(),
+    };
+    let (energy, relief) = (energy::table(), relief::table()?);
+    computed::page(root, PAGE, |name| match name {
+        "split-sum" => Some(studio.clone()),
+        "split-sum-files" => Some(files.clone()),
+        "energy" => Some(energy.clone()),
+        "relief" => Some(relief.clone()),
+        _ => None,
+    })
+}
+
+fn squared(x: f64) -> f64 {
+    x * x
+}
+
+/// A row of a table.
+fn row(cells: &[String]) -> String {
+    format!("| {} |\n", cells.join(" | "))
+}

@@ -1,0 +1,75 @@
+//! Normal maps against the reference integrator: what is lost where relief is finer than a pixel.
+
+use super::{row, squared};
+use anyhow::Result;
+use taotie::image::Image;
+use taotie::math::Vec3;
+use taotie::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, reference};
+use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, from_view};
+use taotie_cli::jue;
+
+const ROUGHNESS: [f32; 5] = [0.15, 0.25, 0.4, 0.6, 0.9];
+
+/// Pixels of a picture's side: far below what the map's 1024 texels would need.
+const SIDE: u32 = 128;
+const SPP: u32 = 1024;
+
+/// A row a roughness: error with one sample and with four, with and without specular antialiasing.
+pub fn table() -> Result<String> {
+    let titles = ["roughness", "1 sample, off", "1 sample, on", "4 samples, off", "4 samples, on"];
+    let mut text = row(&titles.map(String::from));
+    text += "| --: | --: | --: | --: | --: |\n";
+    let mut scene = jue::scene(1024);
+    for roughness in ROUGHNESS {
+        for material in &mut scene.materials {
+            (material.roughness, material.metallic) = (roughness, 1.0);
+            material.metallic_roughness_texture = None;
+        }
+        let errors = errors(&scene)?;
+        let mut cells = vec![format!("{roughness}")];
+        cells.extend(errors.map(|error| format!("{:.1} %", error * 100.0)));
+        text += &row(&cells);
+    }
+    Ok(text)
+}
+
+fn errors(scene: &Scene) -> Result<[f64; 4]> {
+    let bounds = scene.bounds().expect("the vessel has triangles");
+    let reach = bounds.diagonal() / 2.0;
+    let orbit =
+        Orbit { azimuth: 0.4, elevation: 0.25, distance: reach * 4.0, target: bounds.center(), fov_y: 0.5 };
+    let camera = orbit.camera(reach);
+    let lighting = lamp(&camera);
+    let settings = RenderSettings { width: SIDE, height: SIDE, ..RenderSettings::default() };
+    let prepared = Prepared::new(scene, &settings.surface)?;
+    let paths = ReferenceSettings { spp: SPP, bounces: 0, ..ReferenceSettings::default() };
+    let truth = reference(&prepared, &camera, &lighting, &settings, &paths, &|_| {})?.color;
+    let mut errors = [0.0; 4];
+    for (error, (samples, specular_aa)) in
+        errors.iter_mut().zip([(1, false), (1, true), (4, false), (4, true)])
+    {
+        let settings = RenderSettings { samples, specular_aa, ..settings.clone() };
+        let ours = Pass::new(&prepared, &camera, &lighting, &settings)?.render(&|_| {})?.color;
+        *error = relative_error(&ours, &truth);
+    }
+    Ok(errors)
+}
+
+fn lamp(camera: &Camera) -> Lighting {
+    let direction = -from_view(camera, -0.7, 0.5);
+    let kind = LightKind::Directional { direction };
+    let light = Light { name: String::new(), kind, color: Vec3::splat(3.0), falloff: Falloff::None };
+    Lighting { lights: vec![light], ..Lighting::default() }
+}
+
+/// Root mean square error of the light over whole pixels, relative to its root mean square.
+fn relative_error(ours: &Image, truth: &Image) -> f64 {
+    let (mut error, mut light) = (0.0, 0.0);
+    for (a, b) in ours.pixels().iter().zip(truth.pixels()).filter(|(a, b)| a[3] == 1.0 && b[3] > 0.999) {
+        for c in 0..3 {
+            error += squared(f64::from(a[c] - b[c]));
+            light += squared(f64::from(b[c]));
+        }
+    }
+    (error / light).sqrt()
+}
