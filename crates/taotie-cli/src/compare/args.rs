@@ -76,6 +76,7 @@ pub struct CompareArgs {
 impl CompareArgs {
     /// What can be refused before any work is done.
     pub fn check(&self) -> Result<()> {
+        self.light.check()?;
         self.camera.check()?;
         self.film.check()?;
         self.running.check()?;

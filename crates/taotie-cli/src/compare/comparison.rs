@@ -48,6 +48,8 @@ pub struct Plan {
     pub heat_top_deg: f64,
     /// What was asked of the materials, for the report.
     pub material: serde_json::Value,
+    /// The environment, as the report tells it; null where there is none.
+    pub environment: serde_json::Value,
 }
 
 /// A surface as seen.

@@ -65,17 +65,19 @@ fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<(Rep
         None => None,
     };
     let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
+    let environment = args.light.environment(&mut warnings)?;
     let plan = Plan {
         methods: args.methods(),
         shadings: args.shadings(),
         points: args.points.clone(),
         matching: args.matching,
         camera: viewpoint.camera(0.0),
-        lighting: studio::lighting(&args.light, &loaded.scene, &viewpoint, 0.0)?,
+        lighting: studio::lighting(&args.light, environment.as_ref(), &loaded.scene, &viewpoint, 0.0)?,
         settings: settings(args),
         development: args.film.development(args.running.simd)?,
         heat_top_deg: args.heat_top_deg,
         material: args.material.json(),
+        environment: args.light.environment_json(),
     };
     let subject = SubjectReport {
         model: model.display().to_string(),

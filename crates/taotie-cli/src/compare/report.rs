@@ -319,6 +319,7 @@ fn parameters(plan: &Plan) -> Value {
         },
         "lights": plan.lighting.lights.iter().map(light).collect::<Vec<_>>(),
         "ambient": plan.lighting.ambient.to_array(),
+        "environment": plan.environment,
         "exposure_stops": plan.development.exposure_stops,
         "tone": plan.development.tone.name(),
         "background": plan.development.background.map(Vec3::to_array),

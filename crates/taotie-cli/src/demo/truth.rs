@@ -34,6 +34,7 @@ pub fn write(args: &DemoArgs, scene: &Scene, reference: Scene) -> Result<(Report
         development: stage::development(),
         heat_top_deg: HEAT_TOP_DEG,
         material: serde_json::Value::Null,
+        environment: serde_json::Value::Null,
     };
     let subject = SubjectReport {
         model: "the built-in jue".into(),

@@ -81,6 +81,7 @@ impl RenderArgs {
         if let Some(unknown) = self.aovs.iter().find(|name| !Aovs::NAMES.contains(&name.as_str())) {
             bail!("--aov {unknown}: there is no such output; choose from: {}", Aovs::NAMES.join(", "));
         }
+        self.light.check()?;
         self.camera.check()?;
         self.film.check()?;
         self.integrator.check(self.film.samples)?;

@@ -11,7 +11,7 @@ use taotie::Warnings;
 use taotie::film::{self, Development};
 use taotie::image::Image;
 use taotie::io::{MovingPicture, MovingSpec};
-use taotie::render::{Frame, Pass, Prepared, RenderSettings, reference};
+use taotie::render::{EnvironmentLight, Frame, Pass, Prepared, RenderSettings, reference};
 use taotie::scene::Scene;
 
 /// What all pictures of a run have in common.
@@ -21,6 +21,7 @@ pub struct Sequence<'a> {
     formats: Formats,
     development: Development,
     plan: &'a Plan,
+    environment: Option<EnvironmentLight>,
     /// Where the time went.
     pub watch: Watch,
     /// How many pictures are written.
@@ -33,7 +34,18 @@ impl<'a> Sequence<'a> {
     pub fn new(args: &'a RenderArgs, settings: RenderSettings, plan: &'a Plan, watch: Watch) -> Result<Self> {
         let development = args.film.development(args.running.simd)?;
         let formats = Formats::of(args)?;
-        Ok(Self { args, settings, formats, development, plan, watch, done: 0, files: Vec::new() })
+        let environment = None;
+        Ok(Self {
+            args,
+            settings,
+            formats,
+            development,
+            plan,
+            environment,
+            watch,
+            done: 0,
+            files: Vec::new(),
+        })
     }
 
     /// Renders and writes all of them; returns the files.
@@ -43,6 +55,8 @@ impl<'a> Sequence<'a> {
         motion: Option<&Motion>,
         warnings: &mut Warnings,
     ) -> Result<Vec<PathBuf>> {
+        self.environment = self.args.light.environment(warnings)?;
+        self.watch.lap("environment");
         let framing = self.args.framing();
         let mut viewpoint = match motion {
             Some(motion) => Viewpoint::choose_moving(&self.args.camera, framing, scene, motion)?,
@@ -91,7 +105,9 @@ impl<'a> Sequence<'a> {
     }
 
     fn render(&mut self, stage: &Stage, shot: &Shot) -> Result<Frame> {
-        let lighting = studio::lighting(&self.args.light, stage.scene, stage.viewpoint, shot.turn)?;
+        let environment = self.environment.as_ref();
+        let lighting =
+            studio::lighting(&self.args.light, environment, stage.scene, stage.viewpoint, shot.turn)?;
         let (camera, settings) = (stage.viewpoint.camera(shot.turn), &self.settings);
         let (before, count) = (self.done as f64, self.plan.shots.len() as f64);
         let progress = |part: f64| stage.progress.set((before + part) / count);

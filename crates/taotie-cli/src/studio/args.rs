@@ -98,6 +98,19 @@ pub struct LightArgs {
     /// Lights cast shadows
     #[arg(long)]
     pub shadows: bool,
+    /// Light from all around: `studio`, which is built in, an equirectangular .hdr or .exr, or `none`. With one, only
+    /// the lights of --light and of the file shine beside it
+    #[arg(long, value_name = "FILE|studio|none")]
+    pub env: Option<String>,
+    /// Turns the environment to the left as seen from above, degrees
+    #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "0", allow_negative_numbers = true)]
+    pub env_rotate_deg: f64,
+    /// Multiplies the environment's light
+    #[arg(long, value_name = "X", value_parser = options::number, default_value = "1")]
+    pub env_intensity: f64,
+    /// The environment is seen behind the model
+    #[arg(long)]
+    pub show_env: bool,
 }
 
 /// Where it is seen from.

@@ -6,7 +6,7 @@ use crate::options;
 use anyhow::{Result, anyhow, bail};
 use std::collections::BTreeMap;
 use taotie::math::Vec3;
-use taotie::render::Lighting;
+use taotie::render::{EnvironmentLight, Lighting};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Scene, from_view, three_point_rig};
 
 /// Ambient radiance where no light is named: a dim room.
@@ -14,11 +14,25 @@ const ROOM: f32 = 0.12;
 
 /// The light on a scene after it has turned by `turn` radians on a turntable.
 ///
-/// Ambient light is as asked for, else none where lights were named, else a dim room.
-pub fn lighting(args: &LightArgs, scene: &Scene, viewpoint: &Viewpoint, turn: f64) -> Result<Lighting> {
-    let room = if args.lights.is_empty() && scene.lights.is_empty() { ROOM } else { 0.0 };
-    let ambient = args.ambient.unwrap_or(Vec3::splat(room));
-    Ok(Lighting { lights: choose(args, scene, viewpoint, turn)?, ambient, environment: None })
+/// Ambient light is as asked for, else none where lights or an environment were named, else a dim room. The environment
+/// stands still with the camera while the turntable turns.
+pub fn lighting(
+    args: &LightArgs,
+    environment: Option<&EnvironmentLight>,
+    scene: &Scene,
+    viewpoint: &Viewpoint,
+    turn: f64,
+) -> Result<Lighting> {
+    let lit = environment.is_some() || !args.lights.is_empty() || !scene.lights.is_empty();
+    let ambient = args.ambient.unwrap_or(Vec3::splat(if lit { 0.0 } else { ROOM }));
+    let turned =
+        |light: &EnvironmentLight| EnvironmentLight { rotation: light.rotation - turn, ..light.clone() };
+    let lights = if environment.is_some() && args.lights.is_empty() {
+        scene.lights.clone()
+    } else {
+        choose(args, scene, viewpoint, turn)?
+    };
+    Ok(Lighting { lights, ambient, environment: environment.map(turned) })
 }
 
 /// The lights of a picture: those asked for, else the file's, else key, fill and rim.

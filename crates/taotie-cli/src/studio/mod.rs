@@ -2,7 +2,9 @@
 //! subcommands that take pictures of a user's model have in common.
 
 mod args;
+mod cache;
 mod camera;
+mod environment;
 mod lights;
 mod material;
 mod model;

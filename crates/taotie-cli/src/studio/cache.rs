@@ -1,0 +1,88 @@
+//! What need not be made twice: files in the user's cache folder, bounded in size.
+//!
+//! `TAOTIE_CACHE_DIR` names another folder. Nothing here can fail: what cannot be read or written is made anew.
+
+use directories::ProjectDirs;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// The most bytes that the folder holds; what was used longest ago goes first.
+const MOST_BYTES: u64 = 512 << 20;
+
+/// The file `name`, if it is there. Reading counts as use.
+pub fn read(name: &str) -> Option<Vec<u8>> {
+    let path = folder()?.join(name);
+    let bytes = fs::read(&path).ok()?;
+    if let Ok(file) = fs::File::options().append(true).open(&path) {
+        let _ = file.set_modified(SystemTime::now());
+    }
+    Some(bytes)
+}
+
+/// Leaves the file `name`, whole or not at all.
+pub fn write(name: &str, bytes: &[u8]) {
+    if let Some(folder) = folder() {
+        let _ = write_in(&folder, name, bytes);
+        make_room(&folder, MOST_BYTES);
+    }
+}
+
+fn folder() -> Option<PathBuf> {
+    if let Some(folder) = std::env::var_os("TAOTIE_CACHE_DIR") {
+        return Some(PathBuf::from(folder));
+    }
+    ProjectDirs::from("", "", "taotie").map(|dirs| dirs.cache_dir().to_owned())
+}
+
+fn write_in(folder: &Path, name: &str, bytes: &[u8]) -> std::io::Result<()> {
+    fs::create_dir_all(folder)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    file.write_all(bytes)?;
+    file.persist(folder.join(name))?;
+    Ok(())
+}
+
+/// Removes what was used longest ago until no more than `most` bytes are left.
+fn make_room(folder: &Path, most: u64) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    let ours = entries.flatten().filter(|entry| entry.path().extension().is_some_and(|e| e == "env"));
+    let known = ours.filter_map(|entry| {
+        let metadata = entry.metadata().ok()?;
+        Some((metadata.modified().ok()?, metadata.len(), entry.path()))
+    });
+    let mut files: Vec<(SystemTime, u64, PathBuf)> = known.collect();
+    files.sort();
+    let mut bytes: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
+    for (_, size, path) in files {
+        if bytes <= most {
+            return;
+        }
+        if fs::remove_file(path).is_ok() {
+            bytes -= size;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn what_was_used_longest_ago_makes_room() {
+        let folder = tempfile::tempdir().unwrap();
+        for (age, name) in [(30, "old.env"), (10, "young.env"), (20, "middle.env"), (99, "foreign.txt")] {
+            write_in(folder.path(), name, &[0; 100]).unwrap();
+            let file = fs::File::options().append(true).open(folder.path().join(name)).unwrap();
+            file.set_modified(SystemTime::now() - Duration::from_secs(age)).unwrap();
+        }
+        make_room(folder.path(), 250);
+        let left = |name: &str| folder.path().join(name).exists();
+        assert_eq!(
+            ["old.env", "young.env", "middle.env", "foreign.txt"].map(left),
+            [false, true, true, true]
+        );
+    }
+}
