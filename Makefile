@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. All of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow bench docs bless tools
+.PHONY: help test test-slow bench docs errors tables bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -22,6 +22,12 @@ bench: ## Milliseconds per stage of the renderer
 docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, anew
 	cargo run --release -p xtask -- help-pages
 	cargo run --release -p xtask -- as-printed
+
+errors: ## Measures every approximation anew for docs/errors.md; ENVIRONMENTS=FOLDER also under its .hdr and .exr files
+	cargo run --release -p xtask -- errors $(if $(ENVIRONMENTS),--environments $(ENVIRONMENTS))
+
+tables: ## Computes the tables of directional albedos anew
+	cargo run --release -p xtask -- tables
 
 bless: ## Takes the pictures and outputs of today for right; look at the difference before you commit it
 	TAOTIE_BLESS=1 cargo test -p taotie --test golden

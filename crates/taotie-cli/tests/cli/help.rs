@@ -11,12 +11,13 @@ Puts a scan's relief on a light mesh and shades it by physics
 Usage: taotie <COMMAND>
 
 Commands:
-  render   Renders a model to a picture
-  compare  Renders a model by several surface methods and measures how they differ
-  inspect  Says what is in a model and what is wrong with it
-  normals  Makes normal maps from heights, and converts them
-  diff     Says how two pictures or normal maps differ
-  demo     Renders the built-in bronze jue by every method and model, and measures them
+  render     Renders a model to a picture
+  compare    Renders a model by several surface methods and measures how they differ
+  inspect    Says what is in a model and what is wrong with it
+  normals    Makes normal maps from heights, and converts them
+  diff       Says how two pictures or normal maps differ
+  materials  Lists the materials that `--material` knows
+  demo       Renders the built-in bronze jue by every method and model, and measures them
 
 Options:
   -h, --help     Print help

@@ -6,6 +6,7 @@ mod arguments;
 mod compare;
 mod compare_paper;
 mod diff;
+mod environment;
 mod help;
 mod inspect;
 mod json;
