@@ -44,7 +44,8 @@ fn look_up_layers(material: &Material, batch: &mut Batch, i: usize) {
     look_up_coat(material, batch, i, v);
     if material.sheen.is_some() {
         let cosine = get3(&batch.n, i).dot(v);
-        batch.layers.sheen_albedo[i] = dfg::of_sheen(cosine, batch.layers.sheen_roughness[i]);
+        // Edge-on the lobe sends back more than arrives; nothing negative may be left for what lies below.
+        batch.layers.sheen_albedo[i] = dfg::of_sheen(cosine, batch.layers.sheen_roughness[i]).min(1.0);
     }
 }
 

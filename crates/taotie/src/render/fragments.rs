@@ -5,6 +5,7 @@ use super::pass::Pass;
 use super::prepare::{Draw, NormalSource};
 use super::shadows::shadow_origin;
 use super::view::Eye;
+use super::widening::{Hidden, bend};
 use crate::math::{Vec2, Vec3, poly, scalar};
 use crate::mesh::Mesh;
 use crate::raster::{Barycentric, PerspectiveTriangle};
@@ -197,8 +198,9 @@ impl Interpolation<'_, '_> {
         batch: &mut Batch,
     ) -> Vec3 {
         let origin = self.geometry(i, setup, footprint, eye, batch);
-        self.normal_inputs(i, setup, footprint, batch);
-        self.material(i, footprint, batch);
+        let hidden = self.normal_inputs(i, setup, footprint, batch);
+        batch.variance[i] = hidden.variance();
+        self.material(i, footprint, hidden, batch);
         origin
     }
 
@@ -252,21 +254,26 @@ impl Interpolation<'_, '_> {
         shadow_origin(position, corners, corner_normals, footprint.bary.weights, n_geom * lift)
     }
 
-    /// What the method of the shading normal needs from textures.
-    fn normal_inputs(&self, i: usize, setup: &TriangleSetup, footprint: &Footprint, batch: &mut Batch) {
+    /// What the method of the shading normal needs from textures. Returns what of it is too fine for the pixel.
+    fn normal_inputs(
+        &self,
+        i: usize,
+        setup: &TriangleSetup,
+        footprint: &Footprint,
+        batch: &mut Batch,
+    ) -> Hidden {
         let scene = self.scene;
-        batch.variance[i] = match self.draw.normal_source {
-            NormalSource::Facet => 0.0,
-            _ if self.specular_aa => self.bend(footprint),
-            _ => 0.0,
-        };
+        let mut hidden = Hidden::default();
+        if self.specular_aa && !matches!(self.draw.normal_source, NormalSource::Facet) {
+            hidden.bend = self.bend(footprint);
+        }
         match self.draw.normal_source {
             NormalSource::Facet | NormalSource::Smooth => {}
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => {
                 let [r, g, b, variance] = footprint.sample(scene, &self.draw.mesh, &map.texture);
                 set3(&mut batch.map, i, Vec3::new(r, g, b));
                 if self.specular_aa {
-                    batch.variance[i] += variance * map.scale * map.scale;
+                    hidden.relief = variance * map.scale * map.scale;
                 }
             }
             NormalSource::Bump(map, scale) => {
@@ -283,6 +290,7 @@ impl Interpolation<'_, '_> {
                 batch.dh_du[i] = du * 255.0 / width;
             }
         }
+        hidden
     }
 
     /// ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
@@ -300,14 +308,14 @@ impl Interpolation<'_, '_> {
         ]
     }
 
-    fn material(&self, i: usize, footprint: &Footprint, batch: &mut Batch) {
+    fn material(&self, i: usize, footprint: &Footprint, hidden: Hidden, batch: &mut Batch) {
         let (draw, material) = (self.draw, self.draw.material);
         let sample = |texture: &Option<TextureRef>| self.sample(footprint, texture);
         let [r, g, b, a] = footprint.tint(self.scene, draw);
         set3(&mut batch.tint, i, Vec3::new(r, g, b));
         batch.alpha[i] = material.base_color[3] * a;
         let packed = sample(&material.metallic_roughness_texture);
-        batch.roughness[i] = widened(material.roughness * packed[1], batch.variance[i]);
+        batch.roughness[i] = hidden.widened(material.roughness * packed[1]);
         batch.metallic[i] = material.metallic * packed[2];
         // Files often pack occlusion into the red channel of the same texture.
         let [occlusion, ..] = match material.occlusion_texture == material.metallic_roughness_texture {
@@ -331,12 +339,18 @@ impl Interpolation<'_, '_> {
         let layers = &mut batch.layers;
         if let Some(coat) = &material.clearcoat {
             layers.coat[i] = coat.factor * sample(&coat.factor_texture)[0];
-            let bend = if self.specular_aa { self.bend(footprint) } else { 0.0 };
-            layers.coat_roughness[i] = widened(coat.roughness * sample(&coat.roughness_texture)[1], bend);
-            if let Some(map) = &coat.normal {
-                let [r, g, b, _] = footprint.sample(self.scene, &self.draw.mesh, &map.texture);
-                set3(&mut layers.coat_map, i, Vec3::new(r, g, b));
+            let mut hidden = Hidden::default();
+            if self.specular_aa {
+                hidden.bend = self.bend(footprint);
             }
+            if let Some(map) = &coat.normal {
+                let [r, g, b, variance] = footprint.sample(self.scene, &self.draw.mesh, &map.texture);
+                set3(&mut layers.coat_map, i, Vec3::new(r, g, b));
+                if self.specular_aa {
+                    hidden.relief = variance * map.scale * map.scale;
+                }
+            }
+            layers.coat_roughness[i] = hidden.widened(coat.roughness * sample(&coat.roughness_texture)[1]);
         }
         if let Some(sheen) = &material.sheen {
             set3(&mut layers.sheen_color, i, tinted(sheen.color, sample(&sheen.color_texture)));
@@ -359,28 +373,13 @@ impl Interpolation<'_, '_> {
         texture.as_ref().map_or([1.0; 4], |texture| footprint.sample(self.scene, &self.draw.mesh, texture))
     }
 
-    /// What the bend of the smooth surface within a pixel adds to α²: the squared change of its unit normal from pixel
-    /// to pixel, as the variance of a normal distribution that wide, at most 0.18.
-    ///
-    /// Source: Tokuyoshi and Kaplanyan 2019, "Improved Geometric Specular Antialiasing", eq. 9 and §4 (σ² = 1/4,
-    /// κ = 0.18), in its form without directions.
+    /// What the bend of the smooth surface adds to α².
     fn bend(&self, footprint: &Footprint) -> f32 {
-        const SIGMA_SQUARED: f32 = 0.25;
-        const MOST: f32 = 0.18;
         let normals = footprint.vertices.map(|v| self.draw.normals[v as usize]);
         let [dx, dy] = [footprint.bary.d_x, footprint.bary.d_y]
             .map(|[a, b, c]| normals[0] * a + normals[1] * b + normals[2] * c);
-        (2.0 * SIGMA_SQUARED * (dx.dot(dx) + dy.dot(dy))).min(MOST)
+        bend(dx, dy)
     }
-}
-
-/// The roughness whose α² is that of `roughness` plus `variance`, at most 1.
-fn widened(roughness: f32, variance: f32) -> f32 {
-    if variance <= 0.0 {
-        return roughness;
-    }
-    let squared = roughness * roughness;
-    (squared * squared + variance).min(1.0).sqrt().sqrt()
 }
 
 fn tinted([r, g, b]: [f32; 3], [tr, tg, tb, _]: [f32; 4]) -> Vec3 {

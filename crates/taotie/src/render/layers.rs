@@ -127,3 +127,26 @@ pub(super) fn squared_slope<L: Lane>(smooth: Vec3<L>, n: Vec3<L>) -> L {
     let squared = cosine * cosine;
     ((squared.lit(1.0) - squared) / squared * squared.lit(0.125)).clamp(0.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terminators_agree_with_the_oracle() {
+        let oracle = include_str!("../../../../tests/oracle/light_oracle.json");
+        let oracle: serde_json::Value = serde_json::from_str(oracle).unwrap();
+        let rows = oracle["terminator"].as_array().unwrap();
+        assert!(rows.len() > 30);
+        for row in rows {
+            let vector = |name: &str| {
+                let [x, y, z] = [0, 1, 2].map(|i| row[name][i].as_f64().unwrap());
+                Vec3::new(x, y, z)
+            };
+            let smooth = vector("smooth");
+            let terminator = Terminator { smooth, squared_slope: squared_slope(smooth, vector("n")) };
+            let (share, truth) = (terminator.share(vector("l")), row["share"].as_f64().unwrap());
+            assert!((share - truth).abs() < 1e-9, "{share} for {truth} in {row}");
+        }
+    }
+}

@@ -88,3 +88,50 @@ pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
     let scale = (shininess + shininess.lit(2.0)) * shininess.lit(0.5 * FRAC_1_PI);
     scale * poly::pow(n_dot_h, shininess)
 }
+
+/// How far the facets of a GGX surface diverge: 1 − ∫ D(m) (n·m)² dm, one less the length of their mean normal.
+///
+/// α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, rising.
+///
+/// `alpha` in [[`MIN_ALPHA`], 1].
+/// Law: the integral (`oracle_light::divergence_of_ggx`).
+#[inline(always)]
+pub fn divergence_ggx<L: Lane>(alpha: L) -> L {
+    let a2 = alpha * alpha;
+    a2 * divergence_ratio(a2)[0]
+}
+
+/// The α of the GGX surface whose facets diverge this much; 1 for 1/3 and beyond.
+///
+/// `divergence` at least that of [`MIN_ALPHA`]. A cubic in its root is within 5 %; two of Newton's steps do the rest.
+/// Law: undoes [`divergence_ggx`] within 1e-4 (`oracle_light::divergence_of_ggx`).
+#[inline(always)]
+pub fn alpha_from_divergence_ggx<L: Lane>(divergence: L) -> L {
+    let lit = |value: f64| divergence.lit(value);
+    let wanted = divergence.clamp(0.0, 1.0 / 3.0);
+    let root = (wanted * lit(3.0)).sqrt();
+    let guess = root * (lit(0.279_4) + root * (lit(0.373_8) + root * lit(0.306_2)));
+    let mut a2 = (guess * guess).clamp(MIN_ALPHA * MIN_ALPHA, 1.0);
+    for _ in 0..2 {
+        let [ratio, slope] = divergence_ratio(a2);
+        a2 = (a2 - (a2 * ratio - wanted) / slope).clamp(MIN_ALPHA * MIN_ALPHA, 1.0);
+    }
+    a2.sqrt()
+}
+
+/// The divergence over α², and its derivative by α².
+#[inline(always)]
+fn divergence_ratio<L: Lane>(a2: L) -> [L; 2] {
+    let lit = |value: f64| a2.lit(value);
+    let k = lit(1.0) - a2;
+    // Near α = 1 both are differences of equals: their series.
+    let near = k.lt(lit(0.05));
+    let far = L::select(near, lit(0.5), k);
+    let sine = far.sqrt();
+    let t = poly::ln((lit(1.0) + sine) / (lit(1.0) - far).sqrt()) / sine;
+    let ratio = (t - lit(1.0)) / far;
+    let slope = (t * (lit(1.5) - far * lit(0.5)) - lit(1.5)) / (far * far);
+    let ratio_near = lit(1.0 / 3.0) + k * (lit(0.2) + k * lit(1.0 / 7.0));
+    let slope_near = lit(2.0 / 15.0) + k * (lit(4.0 / 35.0) + k * lit(2.0 / 21.0));
+    [L::select(near, ratio_near, ratio), L::select(near, slope_near, slope)]
+}
