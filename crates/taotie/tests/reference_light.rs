@@ -1,13 +1,11 @@
 //! The tracer's light against closed forms: furnaces, closed boxes, configuration factors.
 #![allow(clippy::print_stderr)]
 
-#[allow(dead_code)]
 #[path = "common/random.rs"]
 mod random;
 #[path = "common/scenes.rs"]
 #[allow(dead_code, reason = "each test uses a part")]
 mod scenes;
-#[allow(dead_code)]
 #[path = "common/skies.rs"]
 mod skies;
 #[path = "common/views.rs"]

@@ -1,6 +1,8 @@
 //! Mapped normals in the tracer: classic and as grooves of two facets.
 #![allow(clippy::print_stderr)]
 
+#[path = "common/random.rs"]
+mod random;
 #[path = "common/scenes.rs"]
 #[allow(dead_code, reason = "each test uses a part")]
 mod scenes;
