@@ -18,7 +18,7 @@ use taotie::render::{ReferenceSettings, render};
 use taotie::scene::{AlphaMode, NormalSpace};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
-use views::{View, difference, keep_to_look_at};
+use views::{View, difference, keep_to_look_at, surrounding};
 
 /// Directly lit, both renderers give the same picture but for how they average over pixels.
 fn direct_light_agrees(name: &str, view: &View, spp: u32) {
@@ -83,7 +83,7 @@ fn what_is_seen_through_masks_and_panes_is_as_in_the_rasteriser() {
 /// A sphere with relief on a floor, under a sky with small bright parts and one light.
 fn rich() -> View {
     let mut view = View::under(
-        skies::speckled(64),
+        surrounding(skies::speckled(64)),
         scenes::floor_and_mirrored_spheres(),
         scenes::camera(-15.0, 25.0, 6.0),
     );
@@ -138,7 +138,7 @@ fn noise_falls_with_the_number_of_paths() {
     let taken = |spp: u32, seed: u32| {
         view.traced(&ReferenceSettings { spp, seed, bounces: 3, ..ReferenceSettings::default() }).color
     };
-    let truth = taken(2048, 1);
+    let truth = taken(1024, 1);
     let error = |image: &Image| {
         let squares = image.pixels().iter().flatten().zip(truth.pixels().iter().flatten());
         let sum: f64 = squares.map(|(a, b)| f64::from(a - b) * f64::from(a - b)).sum();

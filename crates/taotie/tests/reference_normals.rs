@@ -16,10 +16,12 @@ mod walls;
 use taotie::image::Encoding;
 use taotie::math::{Vec3, scalar};
 use taotie::names::Named;
-use taotie::render::{GrazingNormals, NormalMapping, ReferenceSettings};
+use taotie::render::{
+    EnvironmentLight, EnvironmentSampling, GrazingNormals, NormalMapping, ReferenceSettings,
+};
 use taotie::scene::{Clearcoat, GreenChannel, Material, NormalMap, NormalSpace};
 use taotie::shade::Shading;
-use views::View;
+use views::{View, surrounding};
 use walls::{assert_mean, assert_ways_agree, matt, metal, statistics, wall_view, white_sky};
 
 const GROOVED: ReferenceSettings = ReferenceSettings {
@@ -27,11 +29,11 @@ const GROOVED: ReferenceSettings = ReferenceSettings {
     bounces: 0,
     seed: 0,
     normal_mapping: NormalMapping::Microfacet,
-    environment: taotie::render::EnvironmentSampling::Combined,
+    environment: EnvironmentSampling::Combined,
 };
 
 /// A wall whose map leans by `tilt_deg` to the left, where the camera is not. Returns it with the cosine of the map's tilt.
-fn leaning_wall(material: Material, tilt_deg: f64, n_dot_v: f64, sky: taotie::image::Image) -> (View, f64) {
+fn leaning_wall(material: Material, tilt_deg: f64, n_dot_v: f64, sky: EnvironmentLight) -> (View, f64) {
     let tilt = tilt_deg.to_radians();
     let mut view = wall_view(material, n_dot_v, sky);
     let stored = [-scalar::sin(tilt) * 0.5 + 0.5, 0.5, scalar::cos(tilt) * 0.5 + 0.5, 1.0];
@@ -48,9 +50,10 @@ fn leaning_wall(material: Material, tilt_deg: f64, n_dot_v: f64, sky: taotie::im
 
 #[test]
 fn a_white_matt_map_in_a_furnace_reflects_the_cosine_of_its_tilt() {
+    let sky = white_sky();
     for tilt in [0.0, 20.0, 50.0] {
         for n_dot_v in [0.9, 0.2] {
-            let (mut view, cosine) = leaning_wall(matt(1.0), tilt, n_dot_v, white_sky());
+            let (mut view, cosine) = leaning_wall(matt(1.0), tilt, n_dot_v, sky.clone());
             view.settings.shading = Shading::Lambert;
             let what = format!("grooves of {tilt}° seen at {n_dot_v}");
             assert_mean(&what, &view.traced(&GROOVED).color, cosine, 1e-3);
@@ -89,10 +92,10 @@ fn grooves_send_paths_as_their_density_says() {
         .iter()
         .map(|(name, shading)| (*name, Material { metallic: 0.3, roughness: 0.5, ..matt(0.5) }, *shading));
     let coated = [("lacquered metal", Material { clearcoat: Some(coat), ..metal(0.4) }, Shading::Ggx)];
+    let sky = surrounding(skies::equirect(64, |d| Vec3::splat(1.0 + 0.8 * d.x + 0.5 * d.y * d.z)));
     for (name, material, shading) in named.chain(coated) {
         for n_dot_v in [0.9, 0.3] {
-            let sky = skies::equirect(64, |d| Vec3::splat(1.0 + 0.8 * d.x + 0.5 * d.y * d.z));
-            let (mut view, _) = leaning_wall(material.clone(), 30.0, n_dot_v, sky);
+            let (mut view, _) = leaning_wall(material.clone(), 30.0, n_dot_v, sky.clone());
             view.settings.shading = shading;
             assert_ways_agree(&format!("{name} at {n_dot_v}"), &view, &GROOVED);
         }
@@ -101,7 +104,7 @@ fn grooves_send_paths_as_their_density_says() {
 
 #[test]
 fn a_flat_map_is_the_same_in_both_ways() {
-    let (view, _) = leaning_wall(metal(0.5), 0.0, 0.7, skies::speckled(16));
+    let (view, _) = leaning_wall(metal(0.5), 0.0, 0.7, surrounding(skies::speckled(16)));
     let classic = ReferenceSettings { normal_mapping: NormalMapping::Classic, ..GROOVED };
     let [grooved, classic] = [GROOVED, classic].map(|tracing| statistics(&view.traced(&tracing).color));
     let error = ((grooved[1] + classic[1]) / (32.0 * 32.0)).sqrt();

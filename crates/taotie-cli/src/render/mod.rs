@@ -93,6 +93,7 @@ impl Report {
             "shading": args.shading.name(),
             "surface": args.surface.map(|s| s.name()),
             "reflection": args.reflection.json(),
+            "ground": args.ground,
             "environment": args.light.environment_json(),
             "tone": args.film.tone.name(),
             "seconds": seconds,

@@ -38,9 +38,20 @@ struct RenderReport {
     shading: String,
     surface: Option<String>,
     reflection: Reflection,
+    environment: Option<EnvironmentReport>,
+    ground: bool,
     tone: String,
     seconds: BTreeMap<String, f64>,
     warnings: Vec<Counted>,
+}
+
+#[derive(Deserialize, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct EnvironmentReport {
+    name: String,
+    rotate_deg: f64,
+    intensity: f64,
+    seen: bool,
 }
 
 #[derive(Deserialize, Debug, PartialEq)]
@@ -68,6 +79,7 @@ fn of_render() {
     let reflection =
         Reflection { energy: "compensated".into(), specular_aa: true, grazing_normals: "soften".into() };
     assert_eq!(report.reflection, reflection);
+    assert_eq!((report.environment, report.ground), (None, false));
     assert_eq!((report.shading.as_str(), report.surface, report.tone.as_str()), ("ggx", None, "neutral"));
     assert!(["load", "prepare", "render", "write"].iter().all(|stage| report.seconds[*stage] >= 0.0));
     assert!(report.warnings.iter().any(|w| w.what.contains("missing.png") && w.count == 1));

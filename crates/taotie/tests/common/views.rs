@@ -45,15 +45,15 @@ impl View {
 }
 
 impl View {
-    /// A small picture under an environment alone, which is seen behind the scene.
-    pub fn under(sky: Image, scene: Scene, camera: Camera) -> Self {
+    /// A small picture under an environment alone.
+    pub fn under(sky: EnvironmentLight, scene: Scene, camera: Camera) -> Self {
         let mut view = Self::of(scene, camera);
-        view.lighting = Lighting { environment: Some(surrounding(sky)), ..Lighting::default() };
+        view.lighting = Lighting { environment: Some(sky), ..Lighting::default() };
         view
     }
 }
 
-/// A visible environment from its picture.
+/// A visible environment from its picture. It takes a while to make; clones share it.
 pub fn surrounding(sky: Image) -> EnvironmentLight {
     let environment = Arc::new(Environment::new(sky).unwrap());
     EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: true }

@@ -2,16 +2,16 @@
 #![allow(dead_code, clippy::print_stderr)]
 
 use super::scenes;
-use super::views::View;
+use super::views::{View, surrounding};
 use taotie::image::Image;
 use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::Mesh;
-use taotie::render::{EnvironmentSampling, ReferenceSettings};
+use taotie::render::{EnvironmentLight, EnvironmentSampling, ReferenceSettings};
 use taotie::scene::{Camera, Material, Orbit, Projection, Scene};
 
 /// An environment of radiance one.
-pub fn white_sky() -> Image {
-    Image::new(8, 4, [1.0; 4]).unwrap()
+pub fn white_sky() -> EnvironmentLight {
+    surrounding(Image::new(8, 4, [1.0; 4]).unwrap())
 }
 
 pub fn scene_of(parts: Vec<(Mesh, Material)>) -> Scene {
@@ -38,7 +38,7 @@ pub fn close_up(azimuth: f64) -> Camera {
 }
 
 /// A wall under a sky, seen at a cosine; all pixels are alike.
-pub fn wall_view(material: Material, n_dot_v: f64, sky: Image) -> View {
+pub fn wall_view(material: Material, n_dot_v: f64, sky: EnvironmentLight) -> View {
     let camera = close_up(scalar::acos(n_dot_v));
     let mut view = View::under(sky, scene_of(vec![(wall(), material)]), camera);
     (view.settings.width, view.settings.height) = (32, 32);

@@ -76,40 +76,73 @@ pub(super) fn respond(level: Level, question: &Question<'_>, batch: &Batch, exch
 #[inline(always)]
 fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, exchange: &mut Exchange) {
     for i in batch.packs::<P>() {
-        let surface: SurfacePoint<P> =
-            SurfacePoint::new(token, question.shading, question.material, batch, i);
-        let groove = question.grooved.then(|| Groove::new(token, &exchange.grooves, batch, i, &surface));
-        let from = if question.grooved { load3(token, &exchange.grooves.v, i) } else { surface.v };
-        let seen = Seen { surface, from, groove };
+        let seen: Seen<P> = Seen::new(token, question, batch, i, exchange);
         store3(own(token, question, &seen.surface, batch, i), &mut exchange.own, i);
-        let scatter = Scatter::new(&seen.surface, from, seen.groove.as_ref());
+        let scatter = Scatter::new(&seen.surface, seen.from, seen.groove.as_ref());
         let [u, v, w] = &exchange.u;
         let onward = scatter.direction([load(token, u, i), load(token, v, i), load(token, w, i)]);
         store3(onward, &mut exchange.onward, i);
         let position = load3(token, &batch.position, i);
-        let sources = question.sources.len();
-        for request in 0..sources + 2 {
-            if request == sources && !question.sky || request > sources && !question.onward {
-                continue;
-            }
-            let (l, irradiance) = match question.sources.get(request) {
-                Some(source) => source.incidence(token, position),
-                None if request == sources => (load3(token, &exchange.to_sky, i), splat3(token, ONE)),
-                None => (onward, splat3(token, ONE)),
+        // One loop over all directions, so that reflection is compiled once.
+        for request in question.requests() {
+            let (l, irradiance) = match request {
+                Request::Source(number) => question.sources[number].incidence(token, position),
+                Request::Sky => (load3(token, &exchange.to_sky, i), splat3(token, ONE)),
+                Request::Onward => (onward, splat3(token, ONE)),
             };
-            let shadowed = request >= sources || question.shadows;
+            let shadowed = question.shadows || !matches!(request, Request::Source(_));
             let reflected = seen.reflected(l, shadowed).mul_elements(irradiance);
-            if request < sources {
-                store3(reflected, &mut exchange.lit[request], i);
-                continue;
+            let pdf = match request {
+                Request::Source(_) => reflected.x,
+                Request::Sky | Request::Onward => scatter.pdf(l),
+            };
+            exchange.answer(request, i, reflected, pdf);
+        }
+    }
+}
+
+/// A direction in which reflection is asked for.
+#[derive(Clone, Copy)]
+enum Request {
+    /// Towards a light, by its number.
+    Source(usize),
+    /// Towards the environment.
+    Sky,
+    /// Where the path goes on.
+    Onward,
+}
+
+impl Question<'_> {
+    #[inline(always)]
+    fn requests(&self) -> impl Iterator<Item = Request> {
+        let sources = self.sources.len();
+        let all = (0..sources + 2).map(move |number| match number {
+            number if number < sources => Request::Source(number),
+            number if number == sources => Request::Sky,
+            _ => Request::Onward,
+        });
+        let (sky, onward) = (self.sky, self.onward);
+        all.filter(move |request| match request {
+            Request::Source(_) => true,
+            Request::Sky => sky,
+            Request::Onward => onward,
+        })
+    }
+}
+
+impl Exchange {
+    /// Keeps the answers of entries from `i` on; the density only where it is needed.
+    #[inline(always)]
+    fn answer<P: Pack>(&mut self, request: Request, i: usize, reflected: Vec3<P>, pdf: P) {
+        match request {
+            Request::Source(number) => store3(reflected, &mut self.lit[number], i),
+            Request::Sky => {
+                store3(reflected, &mut self.from_sky, i);
+                pdf.store(&mut self.sky_pdf[i..]);
             }
-            let pdf = scatter.pdf(l);
-            if request == sources {
-                store3(reflected, &mut exchange.from_sky, i);
-                pdf.store(&mut exchange.sky_pdf[i..]);
-            } else {
-                store3(reflected, &mut exchange.from_onward, i);
-                pdf.store(&mut exchange.onward_pdf[i..]);
+            Request::Onward => {
+                store3(reflected, &mut self.from_onward, i);
+                pdf.store(&mut self.onward_pdf[i..]);
             }
         }
     }
@@ -139,6 +172,16 @@ struct Seen<P> {
 }
 
 impl<P: Pack> Seen<P> {
+    #[inline(always)]
+    fn new(token: P::Token, question: &Question<'_>, batch: &Batch, i: usize, exchange: &Exchange) -> Self {
+        let surface = SurfacePoint::new(token, question.shading, question.material, batch, i);
+        if !question.grooved {
+            return Self { from: surface.v, surface, groove: None };
+        }
+        let groove = Groove::new(token, &exchange.grooves, batch, i, &surface);
+        Self { surface, from: load3(token, &exchange.grooves.v, i), groove: Some(groove) }
+    }
+
     /// Radiance per unit of irradiance; where light is `shadowed` behind the shading normal, 0 there.
     #[inline(always)]
     fn reflected(&self, l: Vec3<P>, shadowed: bool) -> Vec3<P> {

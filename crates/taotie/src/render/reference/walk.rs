@@ -73,6 +73,23 @@ impl Workspace {
     }
 }
 
+/// Where paths meet surfaces of one draw: a batch of them.
+struct Stop<'s, 'a> {
+    /// How many surfaces the paths have met before.
+    depth: u32,
+    draw: &'s Draw<'a>,
+    /// The path's number, and where it is.
+    meetings: &'s [(u32, Meeting)],
+}
+
+impl Stop<'_, '_> {
+    /// The path's number and its place of entry `i` of a batch. Packs read on to the next multiple of eight: there the
+    /// last is repeated.
+    fn entry(&self, i: usize) -> &(u32, Meeting) {
+        &self.meetings[i.min(self.meetings.len() - 1)]
+    }
+}
+
 /// Is told what the camera sees: the path, the batch with its normals, the entry, and the triangle's number.
 pub(super) type Witness<'w> = dyn FnMut(&Path, &Batch, usize, u32) + 'w;
 
@@ -87,8 +104,9 @@ impl Tracer<'_, '_> {
             work.alive.clear();
             let meetings = std::mem::take(&mut work.meetings);
             for same_draw in meetings.chunk_by(|(_, a), (_, b)| a.draw == b.draw) {
+                let draw = &self.prepared.draws[same_draw[0].1.draw as usize];
                 for meetings in same_draw.chunks(BATCH) {
-                    self.meet(depth, meetings, paths, work, witness);
+                    self.meet(&Stop { depth, draw, meetings }, paths, work, witness);
                 }
             }
             work.meetings = meetings;
@@ -136,50 +154,52 @@ impl Tracer<'_, '_> {
     }
 
     /// Gathers light where paths meet surfaces of one draw, and sends them on.
-    fn meet(
-        &self,
-        depth: u32,
-        meetings: &[(u32, Meeting)],
-        paths: &mut [Path],
-        work: &mut Workspace,
-        witness: &mut Witness<'_>,
-    ) {
-        let draw = &self.prepared.draws[meetings[0].1.draw as usize];
-        let last = depth > self.reference.bounces;
-        if last && !shines(draw) {
+    fn meet(&self, stop: &Stop<'_, '_>, paths: &mut [Path], work: &mut Workspace, witness: &mut Witness<'_>) {
+        if self.is_last(stop) && !shines(stop.draw) {
             return;
         }
-        self.gather(depth, draw, meetings, paths, work);
-        self.complete(depth, draw, meetings, paths, work);
-        if depth == 0 {
-            for (i, (index, meeting)) in meetings.iter().enumerate() {
+        self.gather(stop, paths, work);
+        self.complete(stop, paths, work);
+        if stop.depth == 0 {
+            for (i, (index, meeting)) in stop.meetings.iter().enumerate() {
                 let path = &mut paths[*index as usize];
                 path.coverage = 1.0;
                 witness(path, &work.batch, i, meeting.triangle);
             }
         }
-        if draw.material.unlit {
-            self.show_color(draw, meetings, paths, work);
-            return;
+        if stop.draw.material.unlit {
+            show_color(stop, paths, work);
+        } else {
+            self.light(stop, paths, work);
         }
+    }
+
+    /// Whether only what the surface sends out by itself counts.
+    fn is_last(&self, stop: &Stop<'_, '_>) -> bool {
+        stop.depth > self.reference.bounces
+    }
+
+    /// Adds the light that surfaces emit and reflect, and sends paths on.
+    fn light(&self, stop: &Stop<'_, '_>, paths: &mut [Path], work: &mut Workspace) {
+        let last = self.is_last(stop);
         if !last {
-            self.choose(depth, meetings, paths, work);
+            self.choose(stop, paths, work);
         }
         let question = Question {
             shading: self.settings.shading,
-            material: draw.material,
+            material: stop.draw.material,
             sources: if last { &[] } else { &self.sources },
             ambient: if last { Vec3::default() } else { self.ambient },
             shadows: self.settings.shadows,
             sky: !last && !work.sky.is_empty(),
-            onward: !last && self.goes_on(depth),
-            grooved: is_grooved(&self.reference, draw),
+            onward: !last && self.goes_on(stop.depth),
+            grooved: is_grooved(&self.reference, stop.draw),
         };
         respond(self.level, &question, &work.batch, &mut work.exchange);
-        for (i, (index, _)) in meetings.iter().enumerate() {
+        for (i, (index, _)) in stop.meetings.iter().enumerate() {
             let path = &mut paths[*index as usize];
-            self.gain(depth, i, path, (&question, work));
-            if question.onward && self.send_on(depth, i, path, work) {
+            self.gain(stop.depth, i, path, (&question, work));
+            if question.onward && self.send_on(stop.depth, i, path, work) {
                 work.alive.push(*index);
             }
         }
@@ -191,26 +211,21 @@ impl Tracer<'_, '_> {
     }
 
     /// Fills the batch, and where rays leave from.
-    fn gather(
-        &self,
-        depth: u32,
-        draw: &Draw<'_>,
-        meetings: &[(u32, Meeting)],
-        paths: &[Path],
-        work: &mut Workspace,
-    ) {
-        let interpolation =
-            Interpolation { scene: self.prepared.scene, draw, lift: Some(self.lift), specular_aa: false };
+    fn gather(&self, stop: &Stop<'_, '_>, paths: &[Path], work: &mut Workspace) {
+        let interpolation = Interpolation {
+            scene: self.prepared.scene,
+            draw: stop.draw,
+            lift: Some(self.lift),
+            specular_aa: false,
+        };
         let batch = &mut work.batch;
-        batch.len = meetings.len();
-        batch.both_sides = depth > 0;
-        let last = meetings.len() - 1;
-        // Packs read up to the next multiple of eight.
-        for i in 0..meetings.len().next_multiple_of(8) {
-            let (index, meeting) = &meetings[i.min(last)];
+        batch.len = stop.meetings.len();
+        batch.both_sides = stop.depth > 0;
+        for i in batch.entries() {
+            let (index, meeting) = stop.entry(i);
             let setup = interpolation.setup(meeting.triangle);
             let footprint = Footprint::point(setup.vertices, meeting.weights);
-            let eye = match depth {
+            let eye = match stop.depth {
                 0 => self.view.eye,
                 _ => Eye::Direction(-paths[*index as usize].direction),
             };
@@ -219,46 +234,28 @@ impl Tracer<'_, '_> {
     }
 
     /// Fills the batch with what does not come by interpolation.
-    fn complete(
-        &self,
-        depth: u32,
-        draw: &Draw<'_>,
-        meetings: &[(u32, Meeting)],
-        paths: &[Path],
-        work: &mut Workspace,
-    ) {
-        if !is_grooved(&self.reference, draw) {
-            complete(self.level, self.settings, draw, &mut work.batch);
+    fn complete(&self, stop: &Stop<'_, '_>, paths: &[Path], work: &mut Workspace) {
+        if !is_grooved(&self.reference, stop.draw) {
+            complete(self.level, self.settings, stop.draw, &mut work.batch);
             return;
         }
-        let last = meetings.len() - 1;
         for i in work.batch.entries() {
-            let path = &paths[meetings[i.min(last)].0 as usize];
-            work.exchange.grooves.u[i] = path.sequence.four(path.index, 2 + 2 * depth)[3];
+            let path = &paths[stop.entry(i).0 as usize];
+            work.exchange.grooves.u[i] = path.sequence.four(path.index, 2 + 2 * stop.depth)[3];
         }
-        work.exchange.grooves.complete(self.level, self.settings, draw, &mut work.batch);
-    }
-
-    /// What unlit surfaces send out.
-    fn show_color(&self, draw: &Draw<'_>, meetings: &[(u32, Meeting)], paths: &mut [Path], work: &Workspace) {
-        let [r, g, b, _] = draw.material.base_color;
-        for (i, (index, _)) in meetings.iter().enumerate() {
-            let path = &mut paths[*index as usize];
-            let color = get3(&work.batch.tint, i).mul_elements(Vec3::new(r, g, b));
-            path.light += path.throughput.mul_elements(color);
-        }
+        work.exchange.grooves.complete(self.level, self.settings, stop.draw, &mut work.batch);
     }
 
     /// Chooses numbers and directions to the environment.
-    fn choose(&self, depth: u32, meetings: &[(u32, Meeting)], paths: &[Path], work: &mut Workspace) {
+    fn choose(&self, stop: &Stop<'_, '_>, paths: &[Path], work: &mut Workspace) {
         work.sky.clear();
         let surround = self.surround.filter(|_| self.reference.environment != EnvironmentSampling::BySurface);
-        for (i, (index, _)) in meetings.iter().enumerate() {
+        for (i, (index, _)) in stop.meetings.iter().enumerate() {
             let path = &paths[*index as usize];
-            let [a, b, c, _] = path.sequence.four(path.index, 1 + 2 * depth);
+            let [a, b, c, _] = path.sequence.four(path.index, 1 + 2 * stop.depth);
             set3(&mut work.exchange.u, i, Vec3::new(a, b, c));
             if let Some(surround) = surround {
-                let [a, b, ..] = path.sequence.four(path.index, 2 + 2 * depth);
+                let [a, b, ..] = path.sequence.four(path.index, 2 + 2 * stop.depth);
                 let sample = surround.sample([a, b]);
                 set3(&mut work.exchange.to_sky, i, sample.direction);
                 work.sky.push(sample);
@@ -324,6 +321,16 @@ impl Tracer<'_, '_> {
         path.pdf = pdf;
         path.below = get3(&work.batch.n_geom, i).dot(path.direction) < 0.0;
         true
+    }
+}
+
+/// What unlit surfaces send out.
+fn show_color(stop: &Stop<'_, '_>, paths: &mut [Path], work: &Workspace) {
+    let [r, g, b, _] = stop.draw.material.base_color;
+    for (i, (index, _)) in stop.meetings.iter().enumerate() {
+        let path = &mut paths[*index as usize];
+        let color = get3(&work.batch.tint, i).mul_elements(Vec3::new(r, g, b));
+        path.light += path.throughput.mul_elements(color);
     }
 }
 
