@@ -75,7 +75,7 @@ fn what_cannot_be_is_refused_in_one_line() {
         ("--env none --show-env", "--show-env: there is no environment"),
         ("--env nowhere.hdr", "nowhere.hdr"),
         ("--env tall.hdr", "tall.hdr"),
-        ("--env studio --env-intensity -1", "--env-intensity"),
+        ("--env studio --env-intensity=-1", "--env-intensity"),
         ("--ground --spp 4", "--spp"),
     ] {
         let output = room.taotie(&format!("render a.gltf -o b.png {options}")).output().unwrap();
