@@ -198,10 +198,13 @@ mod tests {
     fn sums_are_no_reason_to_believe() {
         let bytes = small().to_bytes();
         let all = [0xff; 8];
-        // Mended texels, width, height, exponent, a texel, a coefficient, the count of levels.
+        // Mended texels, width, height, exponent, a texel, the irradiance's side and texels, the count of levels.
         let picture = 16 + 3 * 8 + 4;
-        let levels = picture + 8 * 4 * 6 + 27 * 4;
-        for at in [24, 32, 40, picture, levels - 4, levels, levels + 8, levels + 12, levels + 20] {
+        let irradiance = picture + 8 * 4 * 6;
+        let side = small().cosine.0.side() + 2;
+        let levels = irradiance + 8 + 4 + side * side * 6;
+        for at in [24, 32, 40, picture, irradiance, levels - 4, levels, levels + 8, levels + 12, levels + 20]
+        {
             assert!(changed(bytes.clone(), at, &all).is_err(), "{at}");
         }
         assert!(changed(bytes.clone(), 24, &0u64.to_le_bytes()).is_err());
