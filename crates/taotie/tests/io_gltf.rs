@@ -277,9 +277,9 @@ fn materials_with_textures_samplers_and_extensions() {
     assert!((uv.x - 1.0).abs() < 1e-6 && (uv.y + 0.5).abs() < 1e-6, "{uv:?}");
     let normal = m.normal.unwrap();
     assert_eq!((normal.scale, normal.texture.transform.linear), (0.5, [[3.0, 0.0], [0.0, 3.0]]));
-    // One image, colour and data: two textures, and no more.
-    assert_eq!(loaded.scene.textures.len(), 2);
-    assert_eq!(m.occlusion_texture.unwrap().texture, normal.texture.texture);
+    // One image as colour, data and normals: three textures, and no more, since each has mip levels of its own.
+    assert_eq!(loaded.scene.textures.len(), 3);
+    assert_ne!(m.occlusion_texture.unwrap().texture, normal.texture.texture);
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn irradiance_of_light_of_the_second_degree_is_exact() {
         let harmonics = environment.irradiance_harmonics().at(n.to_f32()).to_f64();
         assert!((harmonics - truth).length() < 1e-3, "{n:?}: {harmonics:?} against {truth:?}");
         let whole = environment.irradiance(n.to_f32()).to_f64();
-        assert!((whole - truth).length() < 5e-3, "{n:?}: {whole:?} against {truth:?}");
+        assert!((whole - truth).length() < 0.01 * truth.length(), "{n:?}: {whole:?} against {truth:?}");
     }
 }
 
@@ -51,7 +51,7 @@ fn irradiance_is_the_integral_over_all_texels() {
     for _ in 0..60 {
         let n = random.unit();
         let (truth, found) = (brute_irradiance(&image, n), environment.irradiance(n.to_f32()).to_f64());
-        assert!((found - truth).length() < 0.01 * truth.length(), "{n:?}: {found:?} against {truth:?}");
+        assert!((found - truth).length() < 0.02 * truth.length(), "{n:?}: {found:?} against {truth:?}");
     }
 }
 
@@ -153,7 +153,9 @@ fn a_picture_of_one_texel_shines_alike_from_everywhere() {
         let d = random.unit().to_f32();
         let [radiance, irradiance] = [environment.radiance(d), environment.irradiance(d) * (1.0 / PI as f32)];
         assert!((radiance - Vec3::new(0.5, 1.0, 2.0)).length() < 1e-3);
-        assert!((irradiance - radiance).length() < 1e-3, "{irradiance:?}");
+        assert!((irradiance - radiance).length() < 4e-3, "{irradiance:?}");
+        let harmonics = environment.irradiance_harmonics().at(d) * (1.0 / PI as f32);
+        assert!((harmonics - radiance).length() < 1e-3, "{harmonics:?}");
         let pdf = environment.pdf(d);
         assert!((f64::from(pdf) * 4.0 * PI - 1.0).abs() < 1e-6);
     }
@@ -272,7 +274,7 @@ fn an_environment_has_the_bits_of_its_version() {
         .fold(0xcbf2_9ce4_8422_2325u64, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3));
     assert_eq!(
         (ENVIRONMENT_VERSION, hash),
-        (1, 14570281499925506782),
+        (2, 11207278997563516889),
         "other bits need another ENVIRONMENT_VERSION"
     );
     let (made, kept) = (environment(&speckled(64)), Environment::from_bytes(&bytes).expect("they are sound"));

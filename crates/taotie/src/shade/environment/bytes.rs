@@ -1,9 +1,8 @@
 //! An environment as bytes, so that its levels need not be made anew: little endian, checked by length and sum.
 //!
-//! After the header come the number of mended texels, the picture, the irradiance and the levels. Texels
+//! After the header come the number of mended texels, the picture and the levels. Texels
 //! are six bytes, three half floats, after the exponent of two that they are multiplied by.
 
-use super::cosine::CosineMap;
 use super::levels::{Level, Levels};
 use super::octahedron::Octahedron;
 use super::picture::Picture;
@@ -32,7 +31,6 @@ impl Environment {
         put_count(&mut bytes, self.picture.width());
         put_count(&mut bytes, self.picture.height());
         put_texels(&mut bytes, self.picture.texels());
-        put_map(&mut bytes, &self.cosine.0);
         put_count(&mut bytes, self.levels.0.len());
         for level in &self.levels.0 {
             bytes.extend(level.alpha.to_le_bytes());
@@ -63,13 +61,12 @@ impl Environment {
         let side = Image::MAX_SIDE as usize;
         let (width, height) = (rest.size(side)?, rest.size(side)?);
         let picture = Picture::from_texels(width, height, rest.texels(width * height)?);
-        let cosine = CosineMap(rest.map()?);
         let levels = (0..rest.count(MOST_LEVELS)?).map(|_| rest.level()).collect::<Result<Vec<_>>>()?;
         if !rest.bytes.is_empty() || !levels.is_sorted_by(|a, b| a.alpha < b.alpha) {
             return Err(wrong("they contradict themselves"));
         }
         let levels = Levels(levels);
-        Ok(Self { picture, levels, cosine, distribution: OnceLock::new(), mended })
+        Ok(Self { picture, levels, distribution: OnceLock::new(), mended })
     }
 }
 
@@ -174,7 +171,6 @@ mod tests {
         let again = Environment::from_bytes(&bytes).unwrap();
         assert_eq!(again.picture, environment.picture);
         assert_eq!(again.levels, environment.levels);
-        assert_eq!(again.cosine, environment.cosine);
         assert_eq!(again.mended_texels(), 1);
         assert!(again.to_bytes() == bytes);
     }
@@ -198,13 +194,10 @@ mod tests {
     fn sums_are_no_reason_to_believe() {
         let bytes = small().to_bytes();
         let all = [0xff; 8];
-        // Mended texels, width, height, exponent, a texel, the irradiance's side and texels, the count of levels.
+        // Mended texels, width, height, exponent, a texel, the count of levels.
         let picture = 16 + 3 * 8 + 4;
-        let irradiance = picture + 8 * 4 * 6;
-        let side = small().cosine.0.side() + 2;
-        let levels = irradiance + 8 + 4 + side * side * 6;
-        for at in [24, 32, 40, picture, irradiance, levels - 4, levels, levels + 8, levels + 12, levels + 20]
-        {
+        let levels = picture + 8 * 4 * 6;
+        for at in [24, 32, 40, picture, levels - 4, levels, levels + 8, levels + 12, levels + 20] {
             assert!(changed(bytes.clone(), at, &all).is_err(), "{at}");
         }
         assert!(changed(bytes.clone(), 24, &0u64.to_le_bytes()).is_err());
