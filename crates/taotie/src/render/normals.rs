@@ -41,14 +41,16 @@ pub(super) fn is_mapped(source: &NormalSource<'_>) -> bool {
     }
 }
 
-/// The least n·v that a mapped normal keeps.
-const LEAST_N_DOT_V: f64 = 0.01;
+/// The least n·v that a mapped normal keeps where the smooth normal has as much, and where it has none.
+const LEAST_N_DOT_V: f64 = 0.25;
+const LEAST_AT_RIM: f64 = 0.01;
 
 /// A mapped normal that turns away from a viewer who sees the surface, bent towards him until he just sees it: the least
 /// change there is, and without a step, where mirroring the normal would light the wrong side of every steep slope.
 #[inline(always)]
 fn towards_viewer<P: Pack>(n: Vec3<P>, smooth: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
-    let (zero, least) = (n.x.lit(0.0), n.x.lit(LEAST_N_DOT_V));
+    let zero = n.x.lit(0.0);
+    let least = smooth.dot(v).clamp(LEAST_AT_RIM, LEAST_N_DOT_V);
     let lacking = (least - n.dot(v)).max(zero);
     Vec3::select(zero.lt(lacking), (n + v * lacking).normalize_or(smooth), n)
 }
