@@ -1,5 +1,5 @@
-//! Baking: which point of a heavy surface a point of a light one stands for, which point of a mesh each texel of a map
-//! shows, and normal maps made from heights and from one another.
+//! Baking: heavy surfaces made light, which point of a heavy surface a point of a light one stands for, which point of
+//! a mesh each texel of a map shows, and normal maps made from heights and from one another.
 //!
 //! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in
 //! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
@@ -12,6 +12,7 @@ mod grow;
 mod heights;
 mod projection;
 mod raster;
+mod simplify;
 mod store;
 mod texel_surface;
 mod uv_lookup;
@@ -22,6 +23,7 @@ pub use convert::{
 pub use coverage::{Coverage, TexelGrid};
 pub use heights::Heights;
 pub use projection::{Match, Projector};
+pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
 pub use store::{Storage, Stored, green_turned, requantised, store_normals};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use uv_lookup::UvLookup;
