@@ -1,5 +1,5 @@
-//! Baking: which point of a heavy surface a point of a light one stands for, which point of a mesh each texel of a map
-//! shows, and normal maps made from heights and from one another.
+//! Baking: heavy surfaces made light, which point of a heavy surface a point of a light one stands for, which point of
+//! a mesh each texel of a map shows, and normal maps made from heights and from one another.
 //!
 //! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in
 //! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
@@ -19,6 +19,7 @@ mod planes;
 mod projection;
 mod raster;
 mod scan;
+mod simplify;
 mod sky;
 mod store;
 mod texel_surface;
@@ -35,6 +36,7 @@ pub use maps::{MapKind, Maps};
 pub use planes::{Planes, Texel};
 pub use projection::{Match, Probe};
 pub use scan::Scan;
+pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
 pub use store::{Storage, Stored, green_turned, requantised, store_normals};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeSettings, Baked, bake};
