@@ -20,8 +20,9 @@ pub use environment::decode_environment;
 pub use file::read as read_bytes;
 pub use variants::Variants;
 pub use write::{
-    ExrLayer, MovingFormat, MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_png,
-    write_bytes, write_exr, write_png, write_png_bitmap, write_text,
+    ExrLayer, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, MovingFormat,
+    MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_glb, encode_png, write_bytes,
+    write_exr, write_gltf, write_png, write_png_bitmap, write_text,
 };
 
 use crate::error::{Error, Result, Warnings};
