@@ -5,16 +5,20 @@ use super::images::{self, Encoded};
 use crate::error::{Error, Result};
 use crate::io::write::{write_bytes, write_with};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// glTF's numbers for what a view is for.
-const VERTICES: u32 = 34962;
-const INDICES: u32 = 34963;
+pub(super) const VERTICES: u32 = 34962;
+pub(super) const INDICES: u32 = 34963;
+
+const MESHOPT: &str = "EXT_meshopt_compression";
 
 /// The type of an accessor's numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Component {
     U8,
+    I16,
     U16,
     U32,
     F32,
@@ -25,6 +29,7 @@ impl Component {
     fn code(self) -> u32 {
         match self {
             Self::U8 => 5121,
+            Self::I16 => 5122,
             Self::U16 => 5123,
             Self::U32 => 5125,
             Self::F32 => 5126,
@@ -34,22 +39,41 @@ impl Component {
     fn size(self) -> usize {
         match self {
             Self::U8 => 1,
-            Self::U16 => 2,
+            Self::I16 | Self::U16 => 2,
             Self::U32 | Self::F32 => 4,
         }
     }
 }
 
+/// How a compressed view is packed, and what it is for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Packing {
+    /// How many elements it has.
+    pub count: usize,
+    /// The bytes of each, unpacked.
+    pub stride: usize,
+    /// `ATTRIBUTES` or `TRIANGLES`.
+    pub mode: &'static str,
+    /// The extension's name of a filter.
+    pub filter: Option<&'static str>,
+    /// glTF's number for its use.
+    pub target: u32,
+}
+
 /// A glTF document in the making: JSON, to which anything may be added, and the numbers that it names by accessors.
 ///
-/// Buffers, buffer views and accessors are added to the JSON at the end.
+/// Buffers, buffer views, accessors and the names of extensions are added to the JSON at the end.
 #[derive(Debug, Clone, Default)]
 pub struct GltfDraft {
-    /// The document without buffers, buffer views and accessors.
+    /// The document without buffers, buffer views, accessors and the names of extensions.
     pub json: Value,
     bytes: Vec<u8>,
+    /// How many bytes the compressed views have when unpacked.
+    unpacked: usize,
     views: Vec<Value>,
     accessors: Vec<Value>,
+    used: BTreeSet<&'static str>,
+    required: BTreeSet<&'static str>,
 }
 
 impl GltfDraft {
@@ -78,6 +102,18 @@ impl GltfDraft {
 
     /// Adds elements of `width` numbers as they lie in memory; gives the accessor's number.
     pub(super) fn elements(&mut self, bytes: &[u8], component: Component, width: usize) -> usize {
+        let view = self.view(bytes);
+        let json = self.accessor_json(view, (component, width), bytes.len() / (width * component.size()));
+        self.push_accessor(json)
+    }
+
+    /// An accessor of `count` elements of `width` numbers from the start of a view on.
+    pub(super) fn accessor_json(
+        &self,
+        view: usize,
+        (component, width): (Component, usize),
+        count: usize,
+    ) -> Value {
         let kind = match width {
             1 => "SCALAR",
             2 => "VEC2",
@@ -85,20 +121,59 @@ impl GltfDraft {
             4 => "VEC4",
             _ => "MAT4",
         };
-        let view = self.view(bytes);
-        self.accessors.push(json!({
-            "bufferView": view, "componentType": component.code(),
-            "count": bytes.len() / (width * component.size()), "type": kind,
-        }));
+        json!({ "bufferView": view, "componentType": component.code(), "count": count, "type": kind })
+    }
+
+    pub(super) fn push_accessor(&mut self, json: Value) -> usize {
+        self.accessors.push(json);
         self.accessors.len() - 1
+    }
+
+    /// Adds a view that meshoptimizer packed; gives its number. Unpacked it lies in a second buffer that holds nothing,
+    /// as the extension wants of files that require it.
+    pub(super) fn packed_view(&mut self, bytes: &[u8], packing: &Packing) -> usize {
+        let Packing { count, stride, mode, filter, target } = *packing;
+        let mut packed = json!({
+            "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len(),
+            "byteStride": stride, "count": count, "mode": mode,
+        });
+        if let Some(filter) = filter {
+            packed["filter"] = filter.into();
+        }
+        let mut view = json!({
+            "buffer": 1, "byteOffset": self.unpacked, "byteLength": count * stride, "target": target,
+            "extensions": { MESHOPT: packed },
+        });
+        if target == VERTICES {
+            view["byteStride"] = stride.into();
+        }
+        self.unpacked = (self.unpacked + count * stride).next_multiple_of(4);
+        self.append(bytes);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    /// Says that the file uses an extension that programs may ignore.
+    pub(super) fn uses(&mut self, extension: &'static str) {
+        self.used.insert(extension);
+    }
+
+    /// Says that nobody who does not know an extension can read the file.
+    pub(super) fn require(&mut self, extension: &'static str) {
+        self.used.insert(extension);
+        self.required.insert(extension);
     }
 
     /// Adds bytes and gives the number of their view. Each begins at a multiple of four.
     pub(super) fn view(&mut self, bytes: &[u8]) -> usize {
         self.views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
+        self.append(bytes);
+        self.views.len() - 1
+    }
+
+    fn append(&mut self, bytes: &[u8]) {
         self.bytes.extend_from_slice(bytes);
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.views.len() - 1
     }
 
     /// Says that an accessor holds a vertex attribute.
@@ -125,9 +200,19 @@ impl GltfDraft {
         if let Some(uri) = uri {
             buffer["uri"] = uri.into();
         }
-        json["buffers"] = json!([buffer]);
+        let mut buffers = vec![buffer];
+        if self.unpacked > 0 {
+            let fallback = json!({ MESHOPT: { "fallback": true } });
+            buffers.push(json!({ "byteLength": self.unpacked, "extensions": fallback }));
+        }
+        json["buffers"] = json!(buffers);
         json["bufferViews"] = json!(self.views);
         json["accessors"] = json!(self.accessors);
+        for (name, extensions) in [("extensionsUsed", &self.used), ("extensionsRequired", &self.required)] {
+            if !extensions.is_empty() {
+                json[name] = json!(extensions);
+            }
+        }
         serde_json::to_vec(&json).map_err(|e| Error::invalid("glTF document", e.to_string()))
     }
 

@@ -117,6 +117,6 @@ pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
 }
 
 /// The number that prints as the float does: 0.7 and not 0.699999988.
-fn short(value: f32) -> f64 {
+pub(super) fn short(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }

@@ -6,7 +6,7 @@ use crate::mesh::Mesh;
 use serde_json::{Value, json};
 
 /// The most vertices that 16-bit indices can name; 65535 itself starts a primitive anew.
-const MOST_OF_U16: usize = 65535;
+pub(super) const MOST_OF_U16: usize = 65535;
 
 /// Adds a mesh and gives its primitive, which has material 0.
 pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh) -> Value {
@@ -19,14 +19,19 @@ pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh) -> Value {
     }
     for (set, uvs) in mesh.uvs().iter().enumerate() {
         let uvs: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
-        attributes[format!("TEXCOORD_{set}")] = draft.floats(&uvs).into();
+        attributes[semantic("TEXCOORD", set)] = draft.floats(&uvs).into();
     }
     if !mesh.colors().is_empty() {
-        attributes["COLOR_0"] = draft.floats(mesh.colors()).into();
+        attributes[semantic("COLOR", 0)] = draft.floats(mesh.colors()).into();
     }
     let accessors = attributes.as_object().into_iter().flatten().filter_map(|(_, a)| a.as_u64());
     accessors.for_each(|accessor| draft.mark_vertices(accessor as usize));
     json!({ "attributes": attributes, "indices": indices(draft, mesh), "material": 0 })
+}
+
+/// The name of one of several attributes of a kind.
+pub(super) fn semantic(kind: &str, set: usize) -> String {
+    format!("{kind}_{set}")
 }
 
 fn arrays(vectors: &[Vec3]) -> Vec<[f32; 3]> {
