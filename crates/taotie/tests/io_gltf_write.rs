@@ -87,11 +87,14 @@ fn both_containers_read_back_as_written() {
     let (folder, maps, mesh) = (tempfile::tempdir().unwrap(), Maps::new(), bumpy::sphere(24, 12));
     let levels = [level(&mesh)];
     let extras = serde_json::json!({ "baked": true });
+    let xmp =
+        serde_json::json!({ "@context": { "x": "https://x/" }, "x:a": 1.0, "x:b": { "extras": [2.5] } });
     let asset = GltfAsset {
         name: "ball",
         levels: &levels,
         material: maps.material(),
         copyright: Some("© nobody"),
+        xmp: Some(&xmp),
         extras: Some(&extras),
     };
     for name in ["a ball.glb", "a ball.gltf", "UPPER.GLB"] {
@@ -103,7 +106,10 @@ fn both_containers_read_back_as_written() {
         assert_eq!(loaded.mesh_names, ["ball"]);
         assert_eq!(loaded.copyright.as_deref(), Some("© nobody"));
         assert_eq!(loaded.generator.as_deref(), Some(concat!("taotie ", env!("CARGO_PKG_VERSION"))));
-        assert!(loaded.extensions_used.is_empty());
+        assert_eq!(loaded.extensions_used, ["KHR_xmp_json_ld"]);
+        assert_eq!(loaded.xmp, [xmp.clone()]);
+        // A packet is written as it was read.
+        assert_eq!(loaded.xmp[0].to_string(), xmp.to_string());
     }
     let text = std::fs::read_to_string(folder.path().join("a ball.gltf")).unwrap();
     assert!(text.contains(r#""extras":{"baked":true}"#) && text.contains("a%20ball.bin"), "{text}");

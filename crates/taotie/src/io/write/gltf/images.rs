@@ -5,9 +5,12 @@ use super::material::GltfMaterial;
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Texels};
 use crate::io::{PngColor, PngImage, PngSamples, encode_png};
+use image::ExtendedColorType;
+use image::codecs::webp::WebPEncoder;
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use rayon::prelude::*;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 
 /// glTF's numbers for filters and wrapping.
 const LINEAR: u32 = 9729;
@@ -46,6 +49,33 @@ pub enum GltfImages {
     /// PNG, as precise as the bitmap; every program reads it.
     #[default]
     Png,
+    /// Lossless WebP (EXT_texture_webp), smaller; 16 bits are rounded to 8. Programs that do not know the extension
+    /// cannot read the file.
+    WebP,
+}
+
+impl GltfImages {
+    fn file_extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::WebP => "webp",
+        }
+    }
+
+    fn mime_type(self) -> &'static str {
+        match self {
+            Self::Png => "image/png",
+            Self::WebP => "image/webp",
+        }
+    }
+
+    /// The extension that a texture needs to show such an image.
+    fn extension(self) -> Option<&'static str> {
+        match self {
+            Self::Png => None,
+            Self::WebP => Some("EXT_texture_webp"),
+        }
+    }
 }
 
 /// The slots of a material that have textures.
@@ -71,6 +101,7 @@ impl Slot {
 #[derive(Debug)]
 pub(super) struct Encoded<'a> {
     image: GltfImage<'a>,
+    format: GltfImages,
     slots: Vec<Slot>,
     bytes: Vec<u8>,
 }
@@ -90,7 +121,7 @@ impl Encoded<'_> {
     pub fn file_name(&self, stem: &str) -> String {
         match self.image {
             GltfImage::File(name) => name.to_owned(),
-            GltfImage::Bitmap(_) => format!("{stem}_{}.png", self.role()),
+            GltfImage::Bitmap(_) => format!("{stem}_{}.{}", self.role(), self.format.file_extension()),
         }
     }
 
@@ -104,14 +135,23 @@ impl Encoded<'_> {
         }
     }
 
-    fn mime_type(&self) -> &'static str {
-        "image/png"
+    /// The texture that shows image `source`.
+    fn texture(&self, source: usize) -> Value {
+        match self.extension() {
+            None => json!({ "sampler": 0, "source": source }),
+            Some(name) => json!({ "sampler": 0, "extensions": { name: { "source": source } } }),
+        }
+    }
+
+    /// The extension of its texture; a file that is there already is shown as any program can.
+    fn extension(&self) -> Option<&'static str> {
+        self.bytes().and(self.format.extension())
     }
 }
 
 /// Encodes every image of a material, in the order of its slots. Slots that show the same image in the same encoding
 /// share it.
-pub(super) fn encode<'a>(material: &GltfMaterial<'a>, _format: GltfImages) -> Result<Vec<Encoded<'a>>> {
+pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Result<Vec<Encoded<'a>>> {
     let mut images: Vec<Encoded> = Vec::new();
     for (slot, image) in material.maps() {
         let shared = |known: &&mut Encoded| {
@@ -119,12 +159,16 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, _format: GltfImages) -> Re
         };
         match images.iter_mut().find(shared) {
             Some(known) => known.slots.push(slot),
-            None => images.push(Encoded { image, slots: vec![slot], bytes: Vec::new() }),
+            None => images.push(Encoded { image, format, slots: vec![slot], bytes: Vec::new() }),
         }
     }
     images.par_iter_mut().try_for_each(|encoded| {
         if let GltfImage::Bitmap(bitmap) = encoded.image {
-            encoded.bytes = png(bitmap, encoded.slots[0])?;
+            let slot = encoded.slots[0];
+            encoded.bytes = match format {
+                GltfImages::Png => png(bitmap, slot),
+                GltfImages::WebP => webp(bitmap, slot),
+            }?;
         }
         Ok::<_, Error>(())
     })?;
@@ -139,10 +183,32 @@ fn png(bitmap: &Bitmap, slot: Slot) -> Result<Vec<u8>> {
     match bitmap.texels() {
         Texels::U8(texels) => encode(PngSamples::U8(&interleaved(texels, channels))),
         Texels::U16(texels) => encode(PngSamples::U16(&interleaved(texels, channels))),
-        Texels::F32(_) => {
-            Err(Error::unsupported(format!("a {slot:?} texture of floats in glTF"), "store 8 or 16 bits"))
-        }
+        Texels::F32(_) => Err(no_floats(slot)),
     }
+}
+
+fn webp(bitmap: &Bitmap, slot: Slot) -> Result<Vec<u8>> {
+    let wrong = |e: image::ImageError| Error::invalid(format!("a {slot:?} texture as WebP"), e.to_string());
+    let mut bytes = Vec::new();
+    let samples = interleaved(&eight_bits(bitmap, slot)?, 3);
+    WebPEncoder::new_lossless(&mut bytes)
+        .encode(&samples, bitmap.width(), bitmap.height(), ExtendedColorType::Rgb8)
+        .map_err(wrong)?;
+    Ok(bytes)
+}
+
+/// The texels rounded to 8 bits.
+fn eight_bits(bitmap: &Bitmap, slot: Slot) -> Result<Cow<'_, [[u8; 4]]>> {
+    let rounded = |v: u16| ((u32::from(v) * 255 + 32767) / 65535) as u8;
+    match bitmap.texels() {
+        Texels::U8(texels) => Ok(Cow::Borrowed(texels)),
+        Texels::U16(texels) => Ok(Cow::Owned(texels.iter().map(|texel| texel.map(rounded)).collect())),
+        Texels::F32(_) => Err(no_floats(slot)),
+    }
+}
+
+fn no_floats(slot: Slot) -> Error {
+    Error::unsupported(format!("a {slot:?} texture of floats in glTF"), "store 8 or 16 bits")
 }
 
 fn interleaved<T: Copy>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
@@ -163,7 +229,8 @@ pub(super) fn add(draft: &mut GltfDraft, images: &[Encoded], place: &Place) {
         return;
     }
     let json: Vec<Value> = images.iter().map(|image| entry(draft, image, place)).collect();
-    let textures: Vec<Value> = (0..images.len()).map(|i| json!({ "sampler": 0, "source": i })).collect();
+    images.iter().filter_map(Encoded::extension).for_each(|name| draft.require(name));
+    let textures: Vec<Value> = images.iter().enumerate().map(|(i, image)| image.texture(i)).collect();
     draft.json["images"] = json!(json);
     draft.json["textures"] = json!(textures);
     draft.json["samplers"] = json!([{
@@ -176,7 +243,7 @@ fn entry(draft: &mut GltfDraft, image: &Encoded, place: &Place) -> Value {
     match (image.bytes(), place) {
         (Some(bytes), Place::Inside) => {
             let view = draft.view(bytes);
-            json!({ "name": image.role(), "bufferView": view, "mimeType": image.mime_type() })
+            json!({ "name": image.role(), "bufferView": view, "mimeType": image.format.mime_type() })
         }
         (Some(_), Place::Beside(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
         (None, _) => json!({ "uri": uri(&image.file_name("")) }),

@@ -12,6 +12,7 @@ pub use images::{GltfImage, GltfImages};
 pub use material::GltfMaterial;
 
 use crate::error::{Error, Result};
+use crate::io::xmp;
 use crate::mesh::Mesh;
 use images::{Encoded, Place};
 use packed::Grid;
@@ -32,6 +33,8 @@ pub struct GltfAsset<'a> {
     pub material: GltfMaterial<'a>,
     /// The rights notice.
     pub copyright: Option<&'a str>,
+    /// An XMP packet as JSON-LD, such as [`Provenance::extend`](crate::io::Provenance::extend) makes.
+    pub xmp: Option<&'a Value>,
     /// What else the file should tell programs that know of it; stands in `asset.extras`.
     pub extras: Option<&'a Value>,
 }
@@ -120,6 +123,11 @@ fn draft(asset: &GltfAsset, format: &GltfFormat, (images, place): (&[Encoded], &
         "meshes": meshes,
         "materials": [material::json(&asset.material, images)],
     });
+    if let Some(packet) = asset.xmp {
+        draft.uses(xmp::EXTENSION);
+        draft.json["asset"]["extensions"] = json!({ xmp::EXTENSION: { "packet": 0 } });
+        draft.json["extensions"] = json!({ xmp::EXTENSION: { "packets": [packet] } });
+    }
     if let Some(copyright) = asset.copyright {
         draft.json["asset"]["copyright"] = copyright.into();
     }
@@ -163,6 +171,9 @@ fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
 }
 
 fn check(asset: &GltfAsset) -> Result<()> {
+    if asset.xmp.is_some_and(|packet| !packet.is_object()) {
+        return Err(Error::invalid("the XMP packet", "it must be an object of JSON"));
+    }
     if asset.levels.is_empty() {
         return Err(Error::invalid("the model to write", "it has no mesh; give at least one level"));
     }
