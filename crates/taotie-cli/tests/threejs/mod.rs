@@ -10,8 +10,13 @@ use taotie::film::{Development, ToneCurve, develop8};
 use taotie::image::Texels;
 use taotie::io::{decode_bitmap, load_model, read_bytes};
 use taotie::math::Vec3;
-use taotie::render::{Lighting, RenderSettings, render};
+use taotie::render::{GrazingNormals, Lighting, RenderSettings, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Projection};
+use taotie::shade::Energy;
+
+/// three.js draws so many times finer, and pixels are averaged: as many samples as ours, each with the texels of a
+/// sample's size.
+const FINER: usize = 4;
 
 /// From where a model is looked at, by what light.
 pub struct View {
@@ -36,7 +41,8 @@ pub fn three(glb: &Path, view: &View) -> Option<Picture> {
         json!({ "fov_deg": fov_y.to_degrees(), "near": near, "far": near * 1000.0, "columns": columns });
     let from = (view.direction * -1.0).to_array();
     let light = json!({ "from": from, "color": [view.irradiance, view.irradiance, view.irradiance] });
-    let json = json!({ "size": view.size, "camera": camera, "light": light });
+    let fine = view.size.map(|side| side as usize * FINER);
+    let json = json!({ "size": fine, "camera": camera, "light": light });
     let address = serve(vec![
         ("/three.html", Content::Path(packages.join("three.html"))),
         ("/three", Content::Path(packages.join("node_modules/three"))),
@@ -51,7 +57,29 @@ pub fn three(glb: &Path, view: &View) -> Option<Picture> {
     let png = base64::Engine::decode(&base64::engine::general_purpose::STANDARD, data).unwrap();
     let bitmap = decode_bitmap(&png, "three.js", Path::new("three.js")).unwrap();
     let Texels::U8(texels) = bitmap.texels() else { panic!("a canvas has 8 bits") };
-    Some(picture_of(texels, [bitmap.width(), bitmap.height()]))
+    Some(averaged(texels, view.size))
+}
+
+/// Means of squares of pixels, in linear light.
+fn averaged(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> Picture {
+    let (width, height) = (width as usize, height as usize);
+    let mean = |x: usize, y: usize, channel: usize| {
+        let at = |i: usize| (y * FINER + i / FINER) * width * FINER + x * FINER + i % FINER;
+        let sum: f64 = (0..FINER * FINER).map(|i| linear_from_srgb(texels[at(i)][channel])).sum();
+        srgb_from_linear(sum / (FINER * FINER) as f64) as f32
+    };
+    let pixels = (0..width * height).map(|i| [0, 1, 2].map(|channel| mean(i % width, i / width, channel)));
+    Picture::new(width as u32, height as u32, pixels.collect()).unwrap()
+}
+
+/// Source: IEC 61966-2-1.
+fn linear_from_srgb(code: u8) -> f64 {
+    let v = f64::from(code) / 255.0;
+    if v <= 0.04045 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) }
+}
+
+fn srgb_from_linear(v: f64) -> f64 {
+    if v <= 0.0031308 { v * 12.92 } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }
 }
 
 /// What we make of it.
@@ -62,7 +90,15 @@ pub fn ours(glb: &Path, view: &View) -> Picture {
         Light { name: String::new(), kind, color: Vec3::splat(view.irradiance), falloff: Falloff::None };
     let lighting = Lighting { lights: vec![light], ..Lighting::default() };
     let [width, height] = view.size;
-    let settings = RenderSettings { width, height, samples: 16, ..RenderSettings::default() };
+    let settings = RenderSettings {
+        width,
+        height,
+        samples: (FINER * FINER) as u32,
+        // three.js neither bends normals nor fades light, and follows the light of lamps to its first facet.
+        grazing_normals: GrazingNormals::Keep,
+        energy: Energy::Single,
+        ..RenderSettings::default()
+    };
     let frame = render(&scene, &view.camera, &lighting, &settings).unwrap();
     let development =
         Development { tone: ToneCurve::Linear, background: Some(Vec3::splat(0.0)), ..Development::default() };
