@@ -25,6 +25,7 @@ mod store;
 mod texel_surface;
 mod texels;
 mod uv_lookup;
+mod verify;
 
 pub use cage::Cage;
 pub use convert::{
@@ -35,9 +36,12 @@ pub use heights::Heights;
 pub use maps::{MapKind, Maps};
 pub use planes::{Planes, Texel};
 pub use projection::{Match, Probe};
-pub use scan::Scan;
+pub use scan::{Scan, light_mesh};
 pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
-pub use store::{Storage, Stored, green_turned, requantised, store_normals};
+pub use store::{
+    Storage, Stored, green_turned, requantised, store_codes, store_normals, store_unit_vectors,
+};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeSettings, Baked, bake};
 pub use uv_lookup::UvLookup;
+pub use verify::{Deviation, Fit, Verdict, Verifier};

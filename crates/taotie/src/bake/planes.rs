@@ -61,6 +61,17 @@ impl Planes {
         }
     }
 
+    /// Texels across and down.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// The numbers of a plane where a triangle covers the texel.
+    pub fn covered(&self, plane: &[f32]) -> Vec<f32> {
+        let covered = self.texels.iter().zip(plane).filter(|(texel, _)| **texel != Texel::Free);
+        covered.map(|(_, v)| *v).collect()
+    }
+
     /// Cut into bands of rows, each with at most `rows`.
     pub(super) fn bands(&mut self, rows: u32) -> Vec<BandPlanes<'_>> {
         let count = rows as usize * self.width as usize;

@@ -25,6 +25,7 @@ impl Scan {
     pub fn new(mut scene: Scene) -> Result<Self> {
         let instances = std::mem::take(&mut scene.instances);
         let mesh = merged(&mut scene.meshes, &instances)?;
+        let mesh = Mesh::new(MeshData { tangents: Vec::new(), ..mesh.into_data() })?;
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
         Ok(Self { colors: Colors::new(scene, &instances, mesh.triangles().len()), mesh, bvh })
     }
@@ -66,14 +67,22 @@ pub(super) fn blend([a, b, c]: [Vec3; 3], [u, v, w]: [f32; 3]) -> Vec3 {
     a * u + b * v + c * w
 }
 
-/// One mesh of all instances, world space, with normals. That of a single instance that is not moved is taken as it is.
+/// The light mesh of a scene: all its instances as one mesh in world space, with normals. A single one that is not moved
+/// stays as it is, tangents included.
+///
+/// # Errors
+/// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
+pub fn light_mesh(mut scene: Scene) -> Result<Mesh> {
+    merged(&mut scene.meshes, &scene.instances)
+}
+
+/// One mesh of all instances, world space, with normals. That of a single instance that is not moved is taken as it is;
+/// others lose their tangents.
 pub(super) fn merged(meshes: &mut [Mesh], instances: &[Instance]) -> Result<Mesh> {
     if let [only] = instances
         && only.world_from_object == Mat4::IDENTITY
     {
-        let mut data = std::mem::take(&mut meshes[only.mesh]).into_data();
-        let mesh = Mesh::new(MeshData { tangents: Vec::new(), ..std::mem::take(&mut data) })?;
-        return with_normals(mesh);
+        return with_normals(std::mem::take(&mut meshes[only.mesh]));
     }
     let mut all = MeshData::default();
     let has = |of: fn(&Mesh) -> bool| instances.iter().any(|i| of(&meshes[i.mesh]));

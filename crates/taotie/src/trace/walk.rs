@@ -117,7 +117,7 @@ impl Slabs {
             // Boxes that are empty are entered at infinity; its difference is NaN, which is not below anything.
             let enters = near - near.abs() * near.lit(ROUNDING);
             let leaves = far + far.abs() * far.lit(ROUNDING);
-            hit |= enters.le(leaves).bits() << k;
+            hit |= P::bits(enters.le(leaves)) << k;
             enters.store(&mut entries[k..]);
         }
         (hit, entries)
@@ -145,12 +145,12 @@ pub(super) fn meet_leaf<P: Pack>(
         let mut weights = [[0.0; WIDTH]; 3];
         let met = edges.meet();
         let within = met.hit.and(P::splat(token, span.from).le(met.distance));
-        let mut hit = within.and(met.distance.le(P::splat(token, span.to))).bits();
+        let mut hit = P::bits(within.and(met.distance.le(P::splat(token, span.to))));
         met.distance.store(&mut distances);
         for corner in 0..3 {
             met.weights[corner].store(&mut weights[corner]);
         }
-        let mut unsure = edges.unsure.bits();
+        let mut unsure = P::bits(edges.unsure);
         while unsure != 0 {
             let i = unsure.trailing_zeros() as usize;
             unsure &= unsure - 1;
