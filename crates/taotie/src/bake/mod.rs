@@ -15,6 +15,7 @@ mod raster;
 mod simplify;
 mod store;
 mod texel_surface;
+mod unwrap;
 mod uv_lookup;
 
 pub use convert::{
@@ -26,4 +27,5 @@ pub use projection::{Match, Projector};
 pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
 pub use store::{Storage, Stored, green_turned, requantised, store_normals};
 pub use texel_surface::{SurfacePoint, TexelSurface};
+pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;

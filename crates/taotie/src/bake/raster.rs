@@ -93,14 +93,20 @@ impl<'a> Rasterizer<'a> {
 
     /// Draws a triangle; `false` where its uvs span no area or are not finite.
     pub fn draw(&self, triangle: usize, canvas: &Canvas) -> bool {
+        self.spans(triangle, |y, span| canvas.give(y, span, triangle as u32))
+    }
+
+    /// Calls `give` with each row of texels whose centres a triangle covers, its first and its last column; `false` as
+    /// above.
+    pub fn spans(&self, triangle: usize, give: impl FnMut(i64, [i64; 2])) -> bool {
         let Some(corners) = self.corners(triangle) else { return false };
         let scale = f64::from(1u32 << self.bits);
         let [a, b, c] = corners.map(|p| p.map(|v| (v * scale + 0.5).floor() as i64));
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         match area {
             0 => return false,
-            area if area > 0 => self.fill([a, b, c], triangle as u32, canvas),
-            _ => self.fill([a, c, b], triangle as u32, canvas),
+            area if area > 0 => self.fill([a, b, c], give),
+            _ => self.fill([a, c, b], give),
         }
         true
     }
@@ -120,7 +126,7 @@ impl<'a> Rasterizer<'a> {
     }
 
     /// Gives away the texels whose centres lie in the triangle, whose corners run clockwise in the picture.
-    fn fill(&self, corners: [Fixed; 3], triangle: u32, canvas: &Canvas) {
+    fn fill(&self, corners: [Fixed; 3], mut give: impl FnMut(i64, [i64; 2])) {
         let (unit, half) = (1i64 << self.bits, (1i64 << self.bits) >> 1);
         let [a, b, c] = corners;
         let (top, bottom) = (a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1]));
@@ -129,7 +135,7 @@ impl<'a> Rasterizer<'a> {
             for (p, q) in [(a, b), (b, c), (c, a)] {
                 narrow(&mut span, p, q, [half, y * unit + half, unit]);
             }
-            canvas.give(y, span, triangle);
+            give(y, span);
         }
     }
 }
