@@ -24,6 +24,7 @@ mod sky;
 mod store;
 mod texel_surface;
 mod texels;
+mod unwrap;
 mod uv_lookup;
 mod verify;
 
@@ -43,5 +44,6 @@ pub use store::{
 };
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeSettings, Baked, bake};
+pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
 pub use verify::{Deviation, Fit, Verdict, Verifier};

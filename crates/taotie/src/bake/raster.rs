@@ -64,6 +64,9 @@ pub(super) struct Rasterizer<'a> {
     bits: u32,
 }
 
+/// Rows without a limit.
+pub(super) const ALL_ROWS: Range<i64> = i64::MIN..i64::MAX;
+
 /// A point in fixed point, texels.
 type Fixed = [i64; 2];
 
@@ -94,7 +97,7 @@ impl<'a> Rasterizer<'a> {
 
     /// Draws a triangle; `false` where its uvs span no area or are not finite.
     pub fn draw(&self, triangle: usize, canvas: &Canvas) -> bool {
-        self.spans(triangle, i64::MIN..i64::MAX, |y, span| canvas.give(y, span, triangle as u32))
+        self.spans(triangle, ALL_ROWS, |y, span| canvas.give(y, span, triangle as u32))
     }
 
     /// Calls `give` with the rows of a triangle among `rows` and the first and last of its columns in each; rows and

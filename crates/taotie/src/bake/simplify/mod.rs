@@ -8,7 +8,9 @@ mod whole;
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
 use crate::surface::vertex_normals;
+pub(super) use part::Frame;
 use part::Part;
+pub(super) use weld::{morton, places};
 
 /// How a surface is made light.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -39,7 +39,12 @@ impl Frame {
 
     /// The point in the unit cube.
     pub fn scaled(&self, position: Vec3) -> [f32; 3] {
-        ((position.to_f64() - self.least) / self.extent).to_f32().to_array()
+        self.unit(position).to_f32().to_array()
+    }
+
+    /// The same in double precision.
+    pub fn unit(&self, position: Vec3) -> Vec3<f64> {
+        (position.to_f64() - self.least) / self.extent
     }
 }
 

@@ -24,6 +24,11 @@ pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, Frame) {
     (Part { points, sources, triangles }, frame)
 }
 
+/// The place of each vertex: vertices with equal positions have one.
+pub(in crate::bake) fn places(positions: &[Vec3]) -> Vec<u32> {
+    classes(positions, &sorted(positions, &Frame::of(positions))).0
+}
+
 /// Vertex numbers in the low half, sorted by cell, then position, then number.
 fn sorted(positions: &[Vec3], frame: &Frame) -> Vec<u64> {
     let cell = |position: &Vec3| u64::from(morton(frame.scaled(*position)));
@@ -84,8 +89,8 @@ fn bits(position: Vec3) -> [u32; 3] {
     position.to_array().map(|v| (v + 0.0).to_bits())
 }
 
-/// The number of a point's cell along the Morton curve.
-fn morton(point: [f32; 3]) -> u32 {
+/// The number of a point's cell along the Morton curve; the point lies in the unit cube.
+pub(in crate::bake) fn morton(point: [f32; 3]) -> u32 {
     let cells = 1 << CELL_BITS;
     let [x, y, z] = point.map(|v| spread(((v * cells as f32) as u32).min(cells - 1)));
     x << 2 | y << 1 | z

@@ -1,0 +1,104 @@
+//! Sets of directions, rounded, and the narrowest cone around them.
+
+use crate::math::Vec3;
+
+/// Cells along a side of the octahedral map; directions are rounded by 1.3° on the average.
+const SIDE: u16 = 64;
+
+/// Directions rounded to cells of the octahedral map; sorted, each once.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Directions(Vec<u16>);
+
+impl Directions {
+    pub fn of(directions: impl Iterator<Item = Vec3<f64>>) -> Self {
+        let mut cells: Vec<u16> = directions.filter(|d| d.dot(*d) > 0.5).map(cell).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        Self(cells)
+    }
+
+    /// The directions of both.
+    pub fn union(&self, other: &Self) -> Self {
+        let mut cells = [self.0.as_slice(), &other.0].concat();
+        cells.sort_unstable();
+        cells.dedup();
+        Self(cells)
+    }
+
+    /// The least cosine of the angle between `axis` and any of them; 1 where there are none.
+    pub fn least_cosine(&self, axis: Vec3<f64>) -> f64 {
+        self.0.iter().fold(1.0, |least, cell| direction(*cell).dot(axis).min(least))
+    }
+
+    /// The axis of nearly the narrowest cone around them, sought from `start` (unit).
+    ///
+    /// Source: Bădoiu and Clarkson 2003, "Smaller core-sets for balls", section 3: go to the farthest point by ever
+    /// smaller steps.
+    pub fn axis(&self, start: Vec3<f64>) -> Vec3<f64> {
+        let (mut axis, mut best) = (start, (self.least_cosine(start), start));
+        for round in 1..=12 {
+            let farthest =
+                self.0.iter().map(|cell| direction(*cell)).fold(None, |far: Option<(f64, Vec3<f64>)>, d| {
+                    let cosine = d.dot(axis);
+                    if far.is_none_or(|(least, _)| cosine < least) { Some((cosine, d)) } else { far }
+                });
+            let Some((_, farthest)) = farthest else { return start };
+            axis = (axis + (farthest - axis) / (f64::from(round) + 2.0)).normalize_or(start);
+            let cosine = self.least_cosine(axis);
+            if cosine > best.0 {
+                best = (cosine, axis);
+            }
+        }
+        best.1
+    }
+}
+
+/// The cell of a unit direction.
+/// Source: Cigolle et al. 2014, "A survey of efficient representations for independent unit vectors".
+fn cell(d: Vec3<f64>) -> u16 {
+    let sum = d.x.abs() + d.y.abs() + d.z.abs();
+    let (x, y) = (d.x / sum, d.y / sum);
+    let (x, y) = if d.z < 0.0 { folded(x, y) } else { (x, y) };
+    let place = |v: f64| (((v * 0.5 + 0.5) * f64::from(SIDE)) as u16).min(SIDE - 1);
+    place(y) * SIDE + place(x)
+}
+
+/// The unit direction in the middle of a cell.
+fn direction(cell: u16) -> Vec3<f64> {
+    let place = |i: u16| (f64::from(i) + 0.5) / f64::from(SIDE) * 2.0 - 1.0;
+    let (x, y) = (place(cell % SIDE), place(cell / SIDE));
+    let z = 1.0 - x.abs() - y.abs();
+    let (x, y) = if z < 0.0 { folded(x, y) } else { (x, y) };
+    Vec3::new(x, y, z).normalize()
+}
+
+fn folded(x: f64, y: f64) -> (f64, f64) {
+    let sign = |v: f64| if v < 0.0 { -1.0 } else { 1.0 };
+    ((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_near_their_directions() {
+        for i in 0..4096u16 {
+            assert_eq!(cell(direction(i)), i);
+        }
+        let d = Vec3::new(0.3, -0.5, -0.7).normalize();
+        assert!(direction(cell(d)).dot(d) > 0.9985);
+    }
+
+    #[test]
+    fn the_cone_of_a_cap_is_found() {
+        let rim = (0..40).map(|i| {
+            let angle = f64::from(i) * 0.157;
+            Vec3::new(0.6 * crate::math::scalar::cos(angle), 0.6 * crate::math::scalar::sin(angle), 0.8)
+        });
+        let set = Directions::of(rim);
+        let axis = set.axis(Vec3::new(0.6, 0.0, 0.8));
+        assert!(axis.z > 0.99, "{axis:?}");
+        assert!(set.least_cosine(axis) > 0.75);
+    }
+}

@@ -1,0 +1,191 @@
+//! Charts laid flat: seen from their axis, and cut where they would lie over themselves.
+
+use super::topology::{NONE, Topology};
+use crate::bake::raster::{ALL_ROWS, Rasterizer};
+use crate::math::{Vec2, Vec3, scalar};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::f64::consts::FRAC_PI_2;
+
+/// The most texels that a chart is drawn on when it is searched for places that lie over others.
+const MOST_TEXELS: f64 = (1u64 << 22) as f64;
+/// About as many pieces a chart is cut into at most because it is too long.
+const MOST_PIECES: f64 = 8.0;
+/// Angles between 0 and 90° that are tried for the smallest box.
+const ANGLES: usize = 32;
+
+/// Triangles that are laid out together.
+#[derive(Debug, Clone)]
+pub(super) struct Chart {
+    pub triangles: Vec<u32>,
+    /// A corner's place on the chart is its product with each of these. The area of the whole is that of the surface.
+    right: Vec3<f64>,
+    down: Vec3<f64>,
+}
+
+impl Chart {
+    /// Seen along a unit axis.
+    fn seen(topology: &Topology, triangles: Vec<u32>, axis: Vec3<f64>) -> Self {
+        let (mut own, mut seen) = (0.0, 0.0);
+        for t in &triangles {
+            own += topology.areas[*t as usize];
+            seen += topology.areas[*t as usize] * topology.normals[*t as usize].dot(axis).abs();
+        }
+        // Nothing is drawn out without limit.
+        let scale = (own / seen.max(own * 0.04)).sqrt();
+        let right = axis.any_perpendicular();
+        Self { triangles, right: right * scale, down: -axis.cross(right) * scale }
+    }
+
+    /// Where a corner lies, right and down.
+    pub fn place(&self, corner: Vec3<f64>) -> [f64; 2] {
+        [corner.dot(self.right), corner.dot(self.down)]
+    }
+
+    /// The triangles as they lie.
+    pub fn laid(&self, topology: &Topology) -> Vec<[[f64; 2]; 3]> {
+        self.triangles.iter().map(|t| topology.corners[*t as usize].map(|p| self.place(p))).collect()
+    }
+
+    /// The longer side of its box.
+    fn length(&self, topology: &Topology) -> f64 {
+        let [low, high] = bounds(self.laid(topology).into_iter().flatten());
+        (high[0] - low[0]).max(high[1] - low[1])
+    }
+
+    /// Turned so that its upright box is small.
+    pub fn turned(self, topology: &Topology) -> Self {
+        let laid = self.laid(topology);
+        let (mut best, mut chosen) = (f64::INFINITY, [1.0, 0.0]);
+        for i in 0..ANGLES {
+            let angle = FRAC_PI_2 * i as f64 / ANGLES as f64;
+            let [c, s] = [scalar::cos(angle), scalar::sin(angle)];
+            let turned = |[x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
+            let [low, high] = bounds(laid.iter().flatten().map(|p| turned(*p)));
+            let area = (high[0] - low[0]) * (high[1] - low[1]);
+            if area < best {
+                (best, chosen) = (area, [c, s]);
+            }
+        }
+        let [c, s] = chosen;
+        let (right, down) = (self.right * c - self.down * s, self.right * s + self.down * c);
+        Self { right, down, ..self }
+    }
+}
+
+/// The least and the greatest coordinates.
+pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
+    points.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], p| {
+        [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
+    })
+}
+
+/// What charts are measured by.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Measure {
+    /// Texels a unit that overlaps are searched with.
+    pub density: f64,
+    /// The longest side of a chart's box, units.
+    pub longest: f64,
+}
+
+/// The charts of triangles seen along an axis: one, or several where one would lie over itself or be too long.
+pub(super) fn flatten(
+    topology: &Topology,
+    triangles: Vec<u32>,
+    axis: Vec3<f64>,
+    measure: &Measure,
+) -> Vec<Chart> {
+    let (mut waiting, mut flat) = (vec![triangles], Vec::new());
+    // What is as thin as a thread stays in few pieces, however long it is.
+    let mut longest = measure.longest;
+    while let Some(triangles) = waiting.pop() {
+        let chart = Chart::seen(topology, triangles, axis);
+        if let Some(pair) = overlap(topology, &chart, measure.density) {
+            waiting.extend(split(topology, &chart.triangles, pair));
+            continue;
+        }
+        let chart = chart.turned(topology);
+        longest = longest.max(chart.length(topology) / MOST_PIECES);
+        match far_ends(topology, &chart, longest) {
+            Some(pair) => waiting.extend(split(topology, &chart.triangles, pair)),
+            None => flat.push(chart),
+        }
+    }
+    flat
+}
+
+/// Two triangles that lie over one another.
+fn overlap(topology: &Topology, chart: &Chart, density: f64) -> Option<[u32; 2]> {
+    if chart.triangles.len() < 2 {
+        return None;
+    }
+    let laid = chart.laid(topology);
+    let [low, high] = bounds(laid.iter().flatten().copied());
+    let size = [high[0] - low[0], high[1] - low[1]].map(|v| v.max(1e-9));
+    let density = density.min((MOST_TEXELS / (size[0] * size[1])).sqrt());
+    let texels = size.map(|v| ((v * density).ceil() as u32).clamp(1, 1 << 14));
+    let uv = |p: &[f64; 2]| Vec2::new(((p[0] - low[0]) / size[0]) as f32, ((p[1] - low[1]) / size[1]) as f32);
+    let uvs: Vec<Vec2> = laid.iter().flatten().map(uv).collect();
+    let triangles: Vec<[u32; 3]> = (0..laid.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let rasterizer = Rasterizer::new(&triangles, &uvs, texels).ok()?;
+    let mut owners = vec![NONE; texels[0] as usize * texels[1] as usize];
+    for t in 0..triangles.len() {
+        let mut other = NONE;
+        rasterizer.spans(t, ALL_ROWS, |y, [from, to]| {
+            for x in from..=to {
+                // A corner at the far end may round into what follows.
+                let at = (y as usize).min(texels[1] as usize - 1) * texels[0] as usize
+                    + (x as usize).min(texels[0] as usize - 1);
+                match owners[at] {
+                    NONE => owners[at] = t as u32,
+                    owner => other = owner,
+                }
+            }
+        });
+        if other != NONE {
+            return Some([chart.triangles[other as usize], chart.triangles[t]]);
+        }
+    }
+    None
+}
+
+/// Two triangles at the ends of a chart whose box is longer than `longest`.
+fn far_ends(topology: &Topology, chart: &Chart, longest: f64) -> Option<[u32; 2]> {
+    let laid = chart.laid(topology);
+    let [low, high] = bounds(laid.iter().flatten().copied());
+    let axis = usize::from(high[1] - low[1] > high[0] - low[0]);
+    if high[axis] - low[axis] <= longest {
+        return None;
+    }
+    let middle = |i: &usize| laid[*i].iter().map(|p| p[axis]).sum::<f64>();
+    let first = (0..laid.len()).min_by(|a, b| middle(a).total_cmp(&middle(b)))?;
+    let last = (0..laid.len()).max_by(|a, b| middle(a).total_cmp(&middle(b)))?;
+    (first != last).then_some([first, last].map(|i| chart.triangles[i]))
+}
+
+/// The triangles in two parts, each of what is nearer to one of two of them on the way over the surface.
+fn split(topology: &Topology, triangles: &[u32], seeds: [u32; 2]) -> [Vec<u32>; 2] {
+    let mut sorted = triangles.to_vec();
+    sorted.sort_unstable();
+    let mut sides = vec![NONE; sorted.len()];
+    let mut claims: BinaryHeap<Reverse<(u64, u32, u32)>> =
+        seeds.iter().zip(0..).map(|(seed, side)| Reverse((0, *seed, side))).collect();
+    while let Some(Reverse((cost, triangle, side))) = claims.pop() {
+        let Ok(i) = sorted.binary_search(&triangle) else { continue };
+        if sides[i] != NONE {
+            continue;
+        }
+        sides[i] = side;
+        let t = triangle as usize;
+        for beside in topology.neighbours[t].into_iter().filter(|beside| *beside != NONE) {
+            let way = (topology.centres[t] - topology.centres[beside as usize]).length();
+            claims.push(Reverse(((f64::from_bits(cost) + way).to_bits(), beside, side)));
+        }
+    }
+    let part = |wanted: u32| {
+        let mine = |side: u32| if side == NONE { wanted == 0 } else { side == wanted };
+        sorted.iter().zip(&sides).filter(|(_, side)| mine(**side)).map(|(t, _)| *t).collect()
+    };
+    [part(0), part(1)]
+}

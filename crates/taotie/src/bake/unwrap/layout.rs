@@ -1,0 +1,190 @@
+//! The largest scale at which all charts fit into the map.
+
+use super::UnwrapOptions;
+use super::flatten::bounds;
+use super::mask::{Mask, corner, turned};
+use super::pack::{Field, Placement, pack};
+use crate::error::{Error, Result};
+use rayon::prelude::*;
+use std::cmp::Reverse;
+
+/// Cells along a side of the coarse field, on which the scale is sought in several orders.
+const COARSE: f64 = 192.0;
+/// Cells along a side of the fine field, on which charts are placed in the best of them.
+const FINE: f64 = 512.0;
+/// No fewer cells along a side for one chart, times the root of the number of charts.
+const FOR_ONE: f64 = 6.0;
+/// How often charts are packed once a scale is known at which they fit: on the coarse field and on the fine one.
+const TRIES: [usize; 2] = [9, 4];
+/// How often at all: each time that they do not fit the scale falls.
+const MOST_TRIES: usize = 40;
+/// The search ends where the scale is known within this.
+const EXACT: f64 = 1.004;
+/// The orders that are tried: by half the circumference, the longer side, the cells, the shorter side; largest first.
+const ORDERS: [usize; 4] = [0, 1, 2, 3];
+
+/// Where each chart lies on the map.
+pub(super) struct Layout {
+    /// Texels for one unit.
+    pub scale: f64,
+    /// Of each chart: quarter turns, what lies at its corner, and where that corner is, in texels.
+    charts: Vec<(u8, [f64; 2], [f64; 2])>,
+}
+
+impl Layout {
+    /// The texels, right and down, of a point of a chart.
+    pub fn place(&self, chart: u32, point: [f64; 2]) -> [f64; 2] {
+        let (quarters, low, at) = self.charts[chart as usize];
+        let p = turned(point, quarters);
+        [0, 1].map(|k| at[k] + (p[k] - low[k]) * self.scale)
+    }
+}
+
+/// Charts as they were laid flat.
+type Laid = Vec<[[f64; 2]; 3]>;
+
+/// The cells that charts are packed in.
+struct Cells {
+    /// Texels along a side of one.
+    side: u32,
+    field: Field,
+}
+
+impl Cells {
+    fn new(options: &UnwrapOptions, wanted: f64) -> Self {
+        let side = (f64::from(options.size) / wanted).ceil().max(1.0) as u32;
+        // What is left between the borders is at least one texel, and at least one cell.
+        let width = ((options.size - 2 * options.padding) / side).max(1);
+        Self {
+            side,
+            field: Field { width, gap: options.padding.div_ceil(side), most: width.saturating_mul(3) },
+        }
+    }
+}
+
+/// Charts that fit.
+struct Fit {
+    places: Vec<Placement>,
+    /// Texels a unit.
+    scale: f64,
+    order: usize,
+}
+
+/// Packs charts at rising and falling scales: on a coarse field in several orders, then on a fine one in the best.
+/// `guess` is the first scale, in maps a unit.
+///
+/// `go_on` is called with the part done; `None` where it returns `false`.
+pub(super) fn lay_out(
+    laid: &[Laid],
+    options: &UnwrapOptions,
+    guess: f64,
+    go_on: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<Option<Layout>> {
+    let least = FOR_ONE * (laid.len() as f64).sqrt();
+    let [coarse, fine] = [COARSE, FINE].map(|wanted| Cells::new(options, wanted.max(least)));
+    let search = Search { laid, cells: &coarse, orders: &ORDERS, tries: TRIES[0] };
+    let found = search.run(guess * f64::from(options.size), &|done| go_on(0.5 * done));
+    let Some(rough) = found else { return Ok(None) };
+    let (scale, order) =
+        rough.map_or((guess * f64::from(options.size), 0), |fit| (fit.scale * 1.02, fit.order));
+    let search = Search { laid, cells: &fine, orders: &[order], tries: TRIES[1] };
+    let Some(found) = search.run(scale, &|done| go_on(0.5 + 0.5 * done)) else { return Ok(None) };
+    let fit = found.ok_or_else(|| {
+        Error::limit(
+            format!("a mesh of {} charts on a map of {} texels a side", laid.len(), options.size),
+            format!(
+                "their padding of {} texels fills it; take a larger map or less padding",
+                options.padding
+            ),
+        )
+    })?;
+    Ok(Some(layout(laid, &fit, &fine, options)))
+}
+
+/// A search for the largest scale on one field.
+struct Search<'a> {
+    laid: &'a [Laid],
+    cells: &'a Cells,
+    orders: &'a [usize],
+    tries: usize,
+}
+
+impl Search<'_> {
+    /// The largest scale found, if any; `None` where `go_on` said no. `start` is in texels a unit.
+    fn run(&self, start: f64, go_on: &dyn Fn(f64) -> bool) -> Option<Option<Fit>> {
+        let (width, side) = (f64::from(self.cells.field.width), f64::from(self.cells.side));
+        // A chart that is longer than the field fits in no turn.
+        let mut fails = 0.9999 * width / longest_side(self.laid);
+        let (mut scale, mut best, mut fits) = ((start / side).min(0.999 * fails), None, 0.0);
+        for attempt in 0..MOST_TRIES {
+            if !go_on(attempt.min(self.tries) as f64 / (self.tries + 1) as f64) {
+                return None;
+            }
+            let packed = packed(self.laid, scale, &self.cells.field, self.orders);
+            let rows = packed.as_ref().map_or(3.0 * width, |(_, rows, _)| f64::from(*rows));
+            match packed.filter(|_| rows <= width) {
+                Some((places, _, order)) => {
+                    fits = scale;
+                    best = Some(Fit { places, scale: scale * side, order });
+                }
+                None => fails = scale,
+            }
+            if (best.is_some() && attempt + 1 >= self.tries) || fails < fits * EXACT {
+                break;
+            }
+            scale = next(scale * (width / rows).sqrt(), [fits, fails], attempt);
+        }
+        Some(best)
+    }
+}
+
+/// The next scale to try: what the last attempt suggests, kept between what fits and what does not.
+fn next(suggested: f64, [fits, fails]: [f64; 2], attempt: usize) -> f64 {
+    if fits == 0.0 {
+        // Where padding is what fills the map, scales have to fall fast.
+        return if attempt < 3 { suggested * 0.99 } else { suggested.min(fails * 0.6) };
+    }
+    let (low, high) = (fits + 0.2 * (fails - fits), fits + 0.6 * (fails - fits));
+    suggested.clamp(low, high)
+}
+
+/// The longest side of the boxes around charts.
+fn longest_side(laid: &[Laid]) -> f64 {
+    let side = |laid: &Laid| {
+        let [low, high] = bounds(laid.iter().flatten().copied());
+        (high[0] - low[0]).max(high[1] - low[1])
+    };
+    laid.iter().map(side).fold(1e-9, f64::max)
+}
+
+/// Packs charts in several orders: the places, rows and number of the one that takes the fewest rows.
+fn packed(
+    laid: &[Laid],
+    scale: f64,
+    field: &Field,
+    orders: &[usize],
+) -> Option<(Vec<Placement>, u32, usize)> {
+    let turns = |laid: &Laid| [0, 1, 2, 3].map(|quarters| Mask::new(laid, quarters, scale, 2 * field.gap));
+    let masks: Vec<[Mask; 4]> = laid.par_iter().map(turns).collect();
+    let size = |mask: &Mask, by: usize| match by {
+        0 => (mask.width + mask.height()) as usize,
+        1 => mask.width.max(mask.height()) as usize,
+        2 => mask.cells(),
+        _ => mask.width.min(mask.height()) as usize,
+    };
+    let in_order = |by: &usize| {
+        let mut order: Vec<u32> = (0..masks.len() as u32).collect();
+        order.sort_by_cached_key(|chart| (Reverse(size(&masks[*chart as usize][0], *by)), *chart));
+        pack(&masks, &order, field).map(|(places, rows)| (places, rows, *by))
+    };
+    let all: Vec<_> = orders.par_iter().map(in_order).collect();
+    all.into_iter().flatten().min_by_key(|(_, rows, _)| *rows)
+}
+
+fn layout(laid: &[Laid], fit: &Fit, cells: &Cells, options: &UnwrapOptions) -> Layout {
+    let texels = |v: u32| f64::from(options.padding) + f64::from(v * cells.side);
+    let chart = |(laid, place): (&Laid, &Placement)| {
+        (place.quarters, corner(laid, place.quarters), [texels(place.x), texels(place.y)])
+    };
+    Layout { scale: fit.scale, charts: laid.par_iter().zip(&fit.places).map(chart).collect() }
+}

@@ -1,0 +1,226 @@
+//! Uvs for a mesh: charts that face one way, laid flat and put into one square.
+
+mod borders;
+mod cone;
+mod flatten;
+mod layout;
+mod mask;
+mod merge;
+mod pack;
+mod patches;
+mod topology;
+
+use crate::error::{Error, Result};
+use crate::image::Image;
+use crate::math::{Vec2, Vec3};
+use crate::mesh::{Mesh, MeshData};
+use flatten::{Chart, Measure};
+use layout::Layout;
+use merge::{Limits, Merger};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use topology::{NONE, Topology};
+
+/// How far the triangles of a chart may face from its axis: 62° for the smooth surface, 80° for single ones.
+const WIDE: Limits = Limits { smooth: 0.47, own: 0.17, small: f64::INFINITY };
+/// The same where one side is a crumb.
+const CRUMBS: Limits = Limits { smooth: 0.26, own: 0.12, small: f64::INFINITY };
+/// A crumb is smaller than this part of the surface.
+const CRUMB: f64 = 1.0 / 400.0;
+/// How much of the square charts cover, first guess.
+const COVER: f64 = 0.7;
+/// Texels along a side for one of the map, when charts are searched for places that lie over others.
+const FINER: f64 = 3.0;
+/// No chart is longer than this part of the map: a blade in one piece would leave the rest of it empty.
+const LONGEST: f64 = 0.95;
+
+/// The map that a mesh is unwrapped for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnwrapOptions {
+    /// Texels along a side of the square map, 1 to [`Image::MAX_SIDE`].
+    pub size: u32,
+    /// Texels between charts, and between charts and the map's border.
+    pub padding: u32,
+}
+
+impl Default for UnwrapOptions {
+    fn default() -> Self {
+        Self { size: 2048, padding: 4 }
+    }
+}
+
+/// A mesh with uvs.
+#[derive(Debug, Clone)]
+pub struct Unwrapped {
+    /// The triangles of the input in their order; vertices are split where charts meet. Uv set 0 is the new one, the
+    /// only one, in [0, 1], origin top left; tangents are left out, all else is kept to the bit.
+    pub mesh: Mesh,
+    /// How many charts there are.
+    pub charts: usize,
+    /// The chart of each triangle; `None` for triangles without area, whose uvs are 0.
+    pub chart_of: Vec<Option<u32>>,
+    /// The part of the map that triangles cover, 0 to 1.
+    pub utilisation: f64,
+    /// Texels of the map for one model unit, on the average.
+    pub texels_per_unit: f64,
+}
+
+/// Unwraps a mesh, whatever it is: neither closed, nor connected, nor manifold need it be.
+///
+/// Charts are unions of triangles that face within about 60° of a common axis, and are seen along it, so areas are
+/// kept within a factor of 2 but for single steep triangles. No chart lies over itself or another one on the map of
+/// this size. The result depends neither on the order of vertices nor on the number of threads.
+///
+/// `go_on` is called with the part done, 0 to 1, now and then; where it returns `false` the result is `None`.
+///
+/// # Errors
+/// [`Error::Invalid`] where the map is empty or all padding, or no triangle has an area; [`Error::Limit`] where it is
+/// larger than [`Image::MAX_SIDE`] or the mesh has so many charts that their padding fills it.
+pub fn unwrap(
+    mesh: &Mesh,
+    options: &UnwrapOptions,
+    go_on: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<Option<Unwrapped>> {
+    check(options)?;
+    let topology = Topology::new(mesh);
+    let surface: f64 = topology.areas.iter().sum();
+    if !(0..topology.len()).any(|t| topology.is_flat_enough(t)) {
+        return Err(Error::invalid("the mesh to unwrap", "it has no triangle with an area; check the file"));
+    }
+    if !go_on(0.1) {
+        return Ok(None);
+    }
+    let Some((labels, axes)) = charted(&topology, surface, go_on) else { return Ok(None) };
+    let scale = (COVER / surface).sqrt();
+    let measure = Measure { density: FINER * f64::from(options.size) * scale, longest: LONGEST / scale };
+    let charts = flat_charts(&topology, &labels, &axes, &measure);
+    if !go_on(0.5) {
+        return Ok(None);
+    }
+    let laid: Vec<Vec<[[f64; 2]; 3]>> = charts.par_iter().map(|chart| chart.laid(&topology)).collect();
+    let layout = match layout::lay_out(&laid, options, scale, &|done| go_on(0.5 + 0.5 * done))? {
+        Some(layout) => layout,
+        None => return Ok(None),
+    };
+    let unwrapped = cut(mesh, &topology, &charts, &layout, options)?;
+    Ok(go_on(1.0).then_some(unwrapped))
+}
+
+fn check(options: &UnwrapOptions) -> Result<()> {
+    Image::check_size(options.size, options.size)?;
+    if options.size <= options.padding.saturating_mul(2) {
+        return Err(Error::invalid(
+            format!("a padding of {} texels on a map of {}", options.padding, options.size),
+            "nothing is left between the borders; take a larger map or less padding",
+        ));
+    }
+    Ok(())
+}
+
+/// The chart of each triangle and the axis of each chart.
+fn charted(
+    topology: &Topology,
+    surface: f64,
+    go_on: &(dyn Fn(f64) -> bool + Sync),
+) -> Option<(Vec<u32>, Vec<Vec3<f64>>)> {
+    let (labels, count) = patches::patches(topology);
+    if !go_on(0.3) {
+        return None;
+    }
+    let mut merger = Merger::new(topology, &labels, count);
+    merger.join(&WIDE);
+    merger.join(&Limits { small: CRUMB * surface, ..CRUMBS });
+    let (mut labels, axes) = merger.charts(&labels);
+    borders::shorten(topology, &mut labels, &axes, &WIDE);
+    Some((labels, axes))
+}
+
+fn flat_charts(topology: &Topology, labels: &[u32], axes: &[Vec3<f64>], measure: &Measure) -> Vec<Chart> {
+    let mut members = vec![Vec::new(); axes.len()];
+    for (t, label) in labels.iter().enumerate().filter(|(_, label)| **label != NONE) {
+        members[*label as usize].push(t as u32);
+    }
+    let flat = |(triangles, axis): (Vec<u32>, &Vec3<f64>)| match triangles.is_empty() {
+        true => Vec::new(),
+        false => flatten::flatten(topology, triangles, *axis, measure),
+    };
+    let charts: Vec<Vec<Chart>> = members.into_par_iter().zip(axes).map(flat).collect();
+    charts.into_iter().flatten().collect()
+}
+
+/// The mesh with its vertices split between charts.
+fn cut(
+    mesh: &Mesh,
+    topology: &Topology,
+    charts: &[Chart],
+    layout: &Layout,
+    options: &UnwrapOptions,
+) -> Result<Unwrapped> {
+    let mut chart_of = vec![None; topology.len()];
+    for (chart, number) in charts.iter().zip(0u32..) {
+        chart.triangles.iter().for_each(|t| chart_of[*t as usize] = Some(number));
+    }
+    let mut split = Split::default();
+    let mut covered = 0.0;
+    for (t, chart) in chart_of.iter().enumerate() {
+        let places = match chart {
+            Some(chart) => {
+                topology.corners[t].map(|p| layout.place(*chart, charts[*chart as usize].place(p)))
+            }
+            None => [[0.0; 2]; 3],
+        };
+        covered += area(places);
+        let uvs = places.map(|p| p.map(|v| (v / f64::from(options.size)) as f32));
+        split.add(mesh.triangles()[t], chart.unwrap_or(NONE), uvs);
+    }
+    let extent = crate::bake::simplify::Frame::of(mesh.positions()).extent;
+    Ok(Unwrapped {
+        mesh: split.mesh(mesh)?,
+        charts: charts.len(),
+        chart_of,
+        utilisation: covered / f64::from(options.size).powi(2),
+        texels_per_unit: layout.scale / extent,
+    })
+}
+
+fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
+    ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs() * 0.5
+}
+
+/// Vertices as they are split.
+#[derive(Default)]
+struct Split {
+    numbers: HashMap<(u32, u32), u32>,
+    sources: Vec<u32>,
+    uvs: Vec<Vec2>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Split {
+    fn add(&mut self, triangle: [u32; 3], chart: u32, uvs: [[f32; 2]; 3]) {
+        let mut corner = |k: usize| {
+            *self.numbers.entry((triangle[k], chart)).or_insert_with(|| {
+                self.sources.push(triangle[k]);
+                self.uvs.push(Vec2::new(uvs[k][0], uvs[k][1]));
+                self.sources.len() as u32 - 1
+            })
+        };
+        self.triangles.push([corner(0), corner(1), corner(2)]);
+    }
+
+    fn mesh(self, mesh: &Mesh) -> Result<Mesh> {
+        Mesh::new(MeshData {
+            positions: of_sources(mesh.positions(), &self.sources),
+            normals: of_sources(mesh.normals(), &self.sources),
+            colors: of_sources(mesh.colors(), &self.sources),
+            uvs: vec![self.uvs],
+            triangles: self.triangles,
+            tangents: Vec::new(),
+        })
+    }
+}
+
+/// What the vertices had; empty where they had none.
+fn of_sources<T: Copy>(values: &[T], sources: &[u32]) -> Vec<T> {
+    if values.is_empty() { Vec::new() } else { sources.iter().map(|v| values[*v as usize]).collect() }
+}

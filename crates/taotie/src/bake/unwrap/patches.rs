@@ -1,0 +1,138 @@
+//! Small compact patches that face one way: what charts are put together from.
+
+use super::topology::{NONE, Topology};
+use crate::bake::simplify::morton;
+use crate::math::Vec3;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Rounds of growing from better places.
+const ROUNDS: usize = 4;
+/// The cosine of the widest angle between a patch's axis and its smooth normals: 40°.
+const SMOOTH_COSINE: f64 = 0.766;
+/// The same for the triangles' own normals: 70°.
+const OWN_COSINE: f64 = 0.342;
+/// How much longer a way seems where the surface faces elsewhere.
+const DETOUR: f64 = 8.0;
+
+/// A patch while it grows.
+#[derive(Clone, Copy)]
+struct Patch {
+    seed: u32,
+    axis: Vec3<f64>,
+}
+
+/// The patch of each triangle, [`NONE`] for those without area, and how many patches there are.
+///
+/// Patches grow at once, nearest triangles first, as in Lloyd's method; from what nobody reaches new ones grow.
+/// Source: Cohen-Steiner, Alliez and Desbrun 2004, "Variational shape approximation".
+pub(super) fn patches(topology: &Topology) -> (Vec<u32>, usize) {
+    let mut patches = first_seeds(topology);
+    for _ in 1..ROUNDS {
+        let labels = grow(topology, &mut patches);
+        patches = centred(topology, &labels, patches.len());
+    }
+    let labels = grow(topology, &mut patches);
+    (labels, patches.len())
+}
+
+/// Triangles at equal steps of area along a Morton curve.
+fn first_seeds(topology: &Topology) -> Vec<Patch> {
+    let mut order: Vec<u32> =
+        (0..topology.len() as u32).filter(|t| topology.is_flat_enough(*t as usize)).collect();
+    order.sort_by_key(|t| (morton(topology.centres[*t as usize].to_f32().to_array()), *t));
+    let total: f64 = topology.areas.iter().sum();
+    let step = total / (order.len() as f64 / 20.0).clamp(1.0, 500.0);
+    let (mut seeds, mut passed) = (Vec::new(), step / 2.0);
+    for t in order {
+        passed += topology.areas[t as usize];
+        if passed >= step {
+            passed -= step;
+            // A triangle larger than a step is one seed.
+            passed = passed.min(step);
+            seeds.push(patch_at(topology, t));
+        }
+    }
+    seeds
+}
+
+/// A patch of one triangle, whose axis is one that it may have.
+fn patch_at(topology: &Topology, seed: u32) -> Patch {
+    let t = seed as usize;
+    let smooth = topology.smooth[t];
+    Patch { seed, axis: if faces(topology, t, smooth) { smooth } else { topology.normals[t] } }
+}
+
+/// Costs in a heap: bits of a number from 0 up, which sort as the number does; then triangle and patch.
+type Claim = Reverse<(u64, u32, u32)>;
+
+/// Grows all patches at once; from triangles that none has reached in the end, in order, new ones.
+fn grow(topology: &Topology, patches: &mut Vec<Patch>) -> Vec<u32> {
+    let mut labels = vec![NONE; topology.len()];
+    let mut claims: BinaryHeap<Claim> =
+        patches.iter().enumerate().map(|(i, patch)| Reverse((0, patch.seed, i as u32))).collect();
+    spread(topology, patches, &mut labels, &mut claims);
+    for t in 0..topology.len() {
+        if labels[t] == NONE && topology.is_flat_enough(t) {
+            claims.push(Reverse((0, t as u32, patches.len() as u32)));
+            patches.push(patch_at(topology, t as u32));
+            spread(topology, patches, &mut labels, &mut claims);
+        }
+    }
+    labels
+}
+
+fn spread(topology: &Topology, patches: &[Patch], labels: &mut [u32], claims: &mut BinaryHeap<Claim>) {
+    while let Some(Reverse((cost, triangle, label))) = claims.pop() {
+        let t = triangle as usize;
+        if labels[t] != NONE {
+            continue;
+        }
+        labels[t] = label;
+        let axis = patches[label as usize].axis;
+        for side in topology.neighbours[t].into_iter().filter(|side| *side != NONE) {
+            let s = side as usize;
+            if labels[s] == NONE && faces(topology, s, axis) {
+                let away = 1.0 - topology.smooth[s].dot(axis);
+                let way = (topology.centres[s] - topology.centres[t]).length() * (1.0 + DETOUR * away);
+                claims.push(Reverse(((f64::from_bits(cost) + way).to_bits(), side, label)));
+            }
+        }
+    }
+}
+
+/// Whether a triangle may belong to a patch with this axis.
+fn faces(topology: &Topology, triangle: usize, axis: Vec3<f64>) -> bool {
+    topology.is_flat_enough(triangle)
+        && topology.smooth[triangle].dot(axis) >= SMOOTH_COSINE
+        && topology.normals[triangle].dot(axis) >= OWN_COSINE
+}
+
+/// Patches anew, each from its triangle nearest to its middle. Patches without a triangle are gone.
+fn centred(topology: &Topology, labels: &[u32], count: usize) -> Vec<Patch> {
+    let zero = Vec3::splat(0.0);
+    let mut sums = vec![(0.0, zero, zero); count];
+    for (t, label) in labels.iter().enumerate().filter(|(_, label)| **label != NONE) {
+        let (area, middle, axis) = &mut sums[*label as usize];
+        *area += topology.areas[t];
+        *middle += topology.centres[t] * topology.areas[t];
+        *axis += topology.smooth[t] * topology.areas[t];
+    }
+    let mut best = vec![(f64::INFINITY, NONE); count];
+    for (t, label) in labels.iter().enumerate().filter(|(_, label)| **label != NONE) {
+        let (area, middle, axis) = sums[*label as usize];
+        let axis = axis.normalize_or(topology.smooth[t]);
+        let off = (topology.centres[t] - middle / area).length()
+            + area.sqrt() * (1.0 - topology.smooth[t].dot(axis));
+        // Of axes that a seed could not have, none is taken.
+        if off < best[*label as usize].0 && (faces(topology, t, axis) || best[*label as usize].1 == NONE) {
+            best[*label as usize] = (off, t as u32);
+        }
+    }
+    let patch = |(i, (_, seed)): (usize, &(f64, u32))| {
+        let axis = sums[i].2.normalize_or(topology.smooth[*seed as usize]);
+        let fits = faces(topology, *seed as usize, axis);
+        if fits { Patch { seed: *seed, axis } } else { patch_at(topology, *seed) }
+    };
+    best.iter().enumerate().filter(|(_, (_, seed))| *seed != NONE).map(patch).collect()
+}

@@ -1,0 +1,230 @@
+//! What holds of unwrapped meshes: nothing overlaps, charts keep their distance, areas keep their size, every mesh ends.
+
+#![allow(clippy::print_stdout, reason = "tests say what they found")]
+
+mod common;
+#[path = "common/hostile.rs"]
+mod hostile;
+#[path = "common/random.rs"]
+mod random;
+
+use std::time::{Duration, Instant};
+use taotie::bake::{Coverage, SimplifyOptions, TexelGrid, UnwrapOptions, Unwrapped, simplify, unwrap};
+use taotie::io::load_model;
+use taotie::math::{Vec2, Vec3};
+use taotie::mesh::{Mesh, MeshData};
+
+fn unwrapped(mesh: &Mesh, size: u32, padding: u32) -> Unwrapped {
+    unwrap(mesh, &UnwrapOptions { size, padding }, &|_| true).unwrap().expect("nobody stops it")
+}
+
+fn coverage(mesh: &Mesh, size: u32) -> Coverage {
+    Coverage::new(mesh, &TexelGrid { width: size, height: size, uv_set: 0, margin: 0 }).unwrap()
+}
+
+/// All that holds of every result.
+fn check(name: &str, mesh: &Mesh, result: &Unwrapped, options: UnwrapOptions) {
+    let after = &result.mesh;
+    assert_eq!(after.triangles().len(), mesh.triangles().len(), "{name}");
+    for t in 0..mesh.triangles().len() {
+        assert_eq!(after.corners(t), mesh.corners(t), "{name}: triangle {t} is another");
+    }
+    assert_eq!(after.normals().len(), if mesh.normals().is_empty() { 0 } else { after.positions().len() });
+    assert_eq!(after.uvs().len(), 1);
+    assert!(
+        after.uvs()[0].iter().all(|uv| (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y)),
+        "{name}"
+    );
+    let coverage = coverage(after, options.size);
+    assert_eq!(coverage.shared(), 0, "{name}: triangles overlap");
+    let part = coverage.covered() as f64 / f64::from(options.size).powi(2);
+    assert!(result.utilisation <= 1.0 && (part - result.utilisation).abs() < 0.05, "{name}: {part}");
+    check_distances(name, result, &coverage, options);
+}
+
+/// Texels of two charts, or of one and of the border, are at least the padding apart.
+fn check_distances(name: &str, result: &Unwrapped, coverage: &Coverage, options: UnwrapOptions) {
+    let UnwrapOptions { size, padding } = options;
+    let (size, padding) = (i64::from(size), i64::from(padding));
+    let chart = |x: i64, y: i64| {
+        let inside = (0..size).contains(&x) && (0..size).contains(&y);
+        inside.then(|| coverage.triangle(x as u32, y as u32)).flatten().map(|t| result.chart_of[t as usize])
+    };
+    // Texels that are padding + 1 to the right or below have the padding between them.
+    for y in 0..size {
+        for x in 0..size {
+            let Some(own) = chart(x, y) else { continue };
+            let inside = (padding..size - padding).contains(&x) && (padding..size - padding).contains(&y);
+            assert!(inside, "{name}: ({x}, {y}) is near the border");
+            for step in 1..=padding {
+                for (dx, dy) in [(step, 0), (0, step)] {
+                    if let Some(other) = chart(x + dx, y + dy) {
+                        assert_eq!(own, other, "{name}: charts are near at ({x}, {y})");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// For each triangle with an area: its part of the surface, and how many times as large as on the average it lies on
+/// the map, below 0 where it is mirrored.
+fn stretches(result: &Unwrapped, size: u32) -> Vec<(f64, f64)> {
+    let mesh = &result.mesh;
+    let wide = |uv: Vec2| Vec3::new(f64::from(uv.x), f64::from(uv.y), 0.0) * f64::from(size);
+    let areas = (0..mesh.triangles().len()).map(|t| {
+        let [a, b, c] = mesh.corners(t).map(Vec3::to_f64);
+        let [p, q, r] = mesh.triangles()[t].map(|v| wide(mesh.uvs()[0][v as usize]));
+        // Rows run down, so what is seen from outside runs clockwise in numbers.
+        ((b - a).cross(c - a).length() * 0.5, -(q - p).cross(r - p).z * 0.5)
+    });
+    let areas: Vec<(f64, f64)> = areas.filter(|(area, _)| *area > 0.0).collect();
+    let total: f64 = areas.iter().map(|(area, _)| area).sum();
+    let density = result.texels_per_unit * result.texels_per_unit;
+    areas.into_iter().map(|(area, texels)| (area / total, texels / (area * density))).collect()
+}
+
+fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+}
+
+#[test]
+fn a_ball_is_unwrapped_into_few_charts_of_little_stretch() {
+    let ball = hostile::embossed_ball(10_000);
+    let options = UnwrapOptions { size: 1024, padding: 4 };
+    let result = unwrapped(&ball, options.size, options.padding);
+    check("ball", &ball, &result, options);
+    let stretches = stretches(&result, options.size);
+    let far: f64 = stretches.iter().filter(|(_, s)| !(0.5..2.0).contains(s)).map(|(part, _)| part).sum();
+    println!("{} charts, {:.3} covered, {far:.4} of the area beyond 2", result.charts, result.utilisation);
+    assert!(result.charts <= 16 && result.utilisation > 0.57, "{} {}", result.charts, result.utilisation);
+    assert!(far < 0.02 && stretches.iter().all(|(_, s)| *s > 0.0), "mirrored, or {far} is stretched");
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let ball = hostile::embossed_ball(6_000);
+    let [one, three] = [1, 3].map(|threads| in_threads(threads, || unwrapped(&ball, 512, 2)));
+    assert_eq!(one.mesh.uvs(), three.mesh.uvs());
+    assert_eq!(one.mesh.triangles(), three.mesh.triangles());
+    assert_eq!(one.chart_of, three.chart_of);
+}
+
+#[test]
+fn a_flat_sheet_is_one_chart_that_fills_the_map() {
+    let sheet = hostile::sheet(20, 20, |u, v| Vec3::new(u, 5.0, -v));
+    let options = UnwrapOptions { size: 256, padding: 3 };
+    let result = unwrapped(&sheet, options.size, options.padding);
+    check("sheet", &sheet, &result, options);
+    assert_eq!(result.charts, 1);
+    let whole = f64::from(options.size - 2 * options.padding) / f64::from(options.size);
+    assert!(result.utilisation > 0.95 * whole * whole, "{}", result.utilisation);
+    assert!(stretches(&result, options.size).iter().all(|(_, s)| (s - 1.0).abs() < 1e-3));
+}
+
+#[test]
+fn what_lies_over_itself_is_cut() {
+    // Three turns of a ramp: seen from above every turn lies over the one below.
+    let ramp = hostile::sheet(240, 6, |u, v| {
+        let (angle, out) = (u * 3.0 * std::f64::consts::TAU, 0.5 + 0.5 * v);
+        let [s, c] = [taotie::math::scalar::sin(angle), taotie::math::scalar::cos(angle)];
+        Vec3::new(out * s, u, out * c)
+    });
+    let options = UnwrapOptions { size: 512, padding: 2 };
+    let result = unwrapped(&ramp, options.size, options.padding);
+    check("ramp", &ramp, &result, options);
+    assert!((2..=8).contains(&result.charts), "{}", result.charts);
+}
+
+#[test]
+fn attributes_are_kept_and_split() {
+    let ball = Mesh::sphere(1.0, 24, 12);
+    let colors = (0..ball.positions().len()).map(|i| [i as f32, 0.5, 0.25, 1.0]).collect();
+    let tangents = vec![[1.0, 0.0, 0.0, 1.0]; ball.positions().len()];
+    let ball = Mesh::new(MeshData { colors, tangents, ..ball.into_data() }).unwrap();
+    let result = unwrapped(&ball, 256, 2);
+    check("sphere", &ball, &result, UnwrapOptions { size: 256, padding: 2 });
+    assert!(result.mesh.tangents().is_empty());
+    for (before, after) in ball.triangles().iter().zip(result.mesh.triangles()) {
+        for (v, w) in before.iter().zip(after) {
+            assert_eq!(ball.colors()[*v as usize], result.mesh.colors()[*w as usize]);
+            assert_eq!(ball.normals()[*v as usize], result.mesh.normals()[*w as usize]);
+        }
+    }
+}
+
+#[test]
+fn hostile_meshes_end() {
+    for (name, mesh) in hostile::all() {
+        let start = Instant::now();
+        let options = UnwrapOptions { size: 1024, padding: 2 };
+        match unwrap(&mesh, &options, &|_| true) {
+            Ok(result) => {
+                let result = result.expect("nobody stops it");
+                println!(
+                    "{name}: {} charts, {:.2}, {:?}",
+                    result.charts,
+                    result.utilisation,
+                    start.elapsed()
+                );
+                check(name, &mesh, &result, options);
+            }
+            Err(error) => {
+                println!("{name}: {error}");
+                assert!(["line", "far away"].contains(&name), "{name}: {error}");
+            }
+        }
+        assert!(start.elapsed() < Duration::from_secs(20), "{name}");
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let refused = |mesh: &Mesh, size, padding| {
+        unwrap(mesh, &UnwrapOptions { size, padding }, &|_| true).unwrap_err().to_string()
+    };
+    let ball = hostile::embossed_ball(500);
+    assert!(refused(&ball, 0, 0).contains("0x0"));
+    assert!(refused(&ball, 16, 8).contains("padding of 8"));
+    assert!(refused(&Mesh::default(), 64, 1).contains("no triangle with an area"));
+    let text = refused(&hostile::soup(3000), 64, 4);
+    assert!(text.contains("larger map or less padding"), "{text}");
+}
+
+#[test]
+fn it_can_be_stopped() {
+    let ball = hostile::embossed_ball(2_000);
+    for limit in [0.05, 0.25, 0.45, 0.6, 0.99] {
+        assert!(unwrap(&ball, &UnwrapOptions::default(), &|done| done < limit).unwrap().is_none(), "{limit}");
+    }
+}
+
+#[test]
+fn scans_by_others_are_unwrapped_in_time() {
+    let Some(folder) = common::data_folder("odedstein-meshes") else { return };
+    let files = common::files_below(&folder, &["obj"]);
+    assert!(!files.is_empty(), "{} holds no model", folder.display());
+    for path in files {
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+        let scan = load_model(&path).unwrap().scene.meshes.swap_remove(0);
+        for triangles in [2_000, 10_000] {
+            let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };
+            let light = simplify(&scan, &options, &|_| true).unwrap().expect("nobody stops it").mesh;
+            let options = UnwrapOptions { size: 1024, padding: 3 };
+            let start = Instant::now();
+            let result = unwrapped(&light, options.size, options.padding);
+            let took = start.elapsed();
+            check(&name, &light, &result, options);
+            let stretches = stretches(&result, options.size);
+            let far: f64 =
+                stretches.iter().filter(|(_, s)| !(0.5..2.0).contains(s)).map(|(part, _)| part).sum();
+            println!(
+                "{name} {triangles}: {} charts, {:.3} covered, {far:.4} beyond 2, {took:?}",
+                result.charts, result.utilisation
+            );
+            assert!(result.charts < 200 && result.utilisation > 0.5 && far < 0.03, "{name}");
+            // Three seconds on an idle machine of two cores.
+            assert!(took < Duration::from_secs(12), "{name}: {took:?}");
+        }
+    }
+}
