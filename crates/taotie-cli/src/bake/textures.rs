@@ -1,11 +1,13 @@
 //! Baked maps as textures of an asset, and as files beside it.
 
 use super::args::BakeArgs;
+use crate::sheet::Sheet;
 use crate::studio::Space;
 use anyhow::Result;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::PathBuf;
-use taotie::bake::{MapKind, Planes, Storage, store_codes, store_unit_vectors};
+use taotie::bake::{MapKind, Planes, Storage, Texel, store_codes, store_unit_vectors};
 use taotie::image::{Bitmap, Encoding};
 use taotie::io::{self, GltfImage, GltfMaterial};
 use taotie::math::srgb::srgb_from_linear;
@@ -25,6 +27,8 @@ pub struct Textures {
     pub has: Has,
     /// Maps that glTF has no place for.
     pub beside: Vec<Beside>,
+    /// Where rays missed; `None` where none did.
+    pub missed: Option<Sheet>,
 }
 
 /// What a texture of occlusion, roughness and metallic holds.
@@ -67,7 +71,7 @@ impl Textures {
     /// # Errors
     /// None but where sizes are out of range, which they are not.
     pub fn new(planes: &Planes, args: &BakeArgs, metallic: f32) -> Result<Self> {
-        let mut textures = Self::default();
+        let mut textures = Self { missed: missed(planes), ..Self::default() };
         let storage = Storage { bits: args.bits(), dither: args.bits() == 8 };
         let fine = Storage { bits: 16, dither: false };
         if !planes.normal.is_empty() {
@@ -156,6 +160,26 @@ impl Textures {
         notes
     }
 
+    /// The file of a normal map in object space.
+    pub fn object_map(&self) -> Option<PathBuf> {
+        let map = self.beside.iter().find(|beside| beside.note.map == MapKind::Normal.name())?;
+        map.note.file.clone()
+    }
+
+    /// What the asset says of the files beside it; `None` where there are none.
+    pub fn extras(&self) -> Option<Value> {
+        let file = |beside: &Beside| {
+            let name = beside.note.file.as_ref()?.file_name()?.to_string_lossy().into_owned();
+            let note = &beside.note;
+            Some((
+                note.map.to_owned(),
+                json!({ "file": name, "black": note.black, "white": note.white, "unit": note.unit }),
+            ))
+        };
+        let maps: serde_json::Map<String, Value> = self.beside.iter().filter_map(file).collect();
+        (!maps.is_empty()).then(|| json!({ "maps": maps }))
+    }
+
     /// The asset's material: the factors of `base`, its textures where `kept` holds them and nothing was baked in their
     /// place.
     pub fn material<'a>(&'a self, base: &'a Material, kept: &'a Kept) -> GltfMaterial<'a> {
@@ -236,7 +260,7 @@ fn range(kind: MapKind, planes: &Planes, plane: &[f32]) -> [f32; 2] {
 }
 
 /// A picture of a map for people to look at.
-pub fn preview(bitmap: &Bitmap, side: usize) -> crate::sheet::Sheet {
+pub fn preview(bitmap: &Bitmap, side: usize) -> Sheet {
     let step = (bitmap.width().max(bitmap.height()) as usize).div_ceil(side).max(1);
     let (width, height) = (bitmap.width() as usize / step, bitmap.height() as usize / step);
     let code = |i: usize| {
@@ -244,5 +268,32 @@ pub fn preview(bitmap: &Bitmap, side: usize) -> crate::sheet::Sheet {
         let [r, g, b, _] = bitmap.stored(at);
         [r, g, b].map(|v| (v * 255.0 + 0.5) as u8)
     };
-    crate::sheet::Sheet { width, height, pixels: (0..width * height).map(code).collect() }
+    Sheet { width, height, pixels: (0..width * height).map(code).collect() }
+}
+
+/// Where rays missed, as a picture: amber took the closest point, red found nothing.
+fn missed(planes: &Planes) -> Option<Sheet> {
+    const SIDE: usize = 1024;
+    const GROUND: [u8; 3] = [24, 25, 27];
+    const COVERED: [u8; 3] = [70, 90, 80];
+    const CLOSEST: [u8; 3] = [240, 170, 40];
+    const LOST: [u8; 3] = [230, 50, 40];
+    let [width, height] = planes.size().map(|side| side as usize);
+    planes.texels.iter().find(|texel| matches!(texel, Texel::Closest | Texel::Lost))?;
+    let step = width.max(height).div_ceil(SIDE);
+    let (across, down) = (width / step, height / step);
+    // The worst texel of each block: a single miss is to be seen.
+    let worst = |i: usize| {
+        let (x, y) = (i % across * step, i / across * step);
+        let block = (y..y + step).flat_map(|y| planes.texels[y * width + x..][..step].iter());
+        block.copied().max_by_key(|texel| *texel as u8).unwrap_or_default()
+    };
+    let color = |texel: Texel| match texel {
+        Texel::Free => GROUND,
+        Texel::Met => COVERED,
+        Texel::Closest => CLOSEST,
+        Texel::Lost => LOST,
+    };
+    let pixels = (0..across * down).map(|i| color(worst(i))).collect();
+    Some(Sheet { width: across, height: down, pixels })
 }
