@@ -152,3 +152,22 @@ fn sides_that_the_extension_forbids_are_named() {
     let error = encode_glb(&asset, &format).unwrap_err().to_string();
     assert!(error.contains("18×18") && error.contains("multiples of 4"), "{error}");
 }
+
+#[test]
+fn threads_change_no_byte() {
+    let (mesh, color, normal) = (bumpy::sphere(24, 12), bumpy::colors(64), bumpy::deep_normals(64, 4));
+    let material = GltfMaterial {
+        base_color_map: Some((&color).into()),
+        normal_map: Some((&normal).into()),
+        ..GltfMaterial::default()
+    };
+    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
+    for images in [GltfImages::Png, GltfImages::WebP, GltfImages::Ktx2] {
+        let [one, four] = [1, 4].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| encode_glb(&asset, &GltfFormat { images, meshopt: true }).unwrap())
+        });
+        assert!(one == four, "{images:?}");
+    }
+}
