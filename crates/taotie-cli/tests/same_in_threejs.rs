@@ -10,7 +10,8 @@ use std::path::Path;
 use taotie::compare::{PIXELS_PER_DEGREE, Picture, flip};
 use taotie::image::Encoding;
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, PngColor, PngImage, PngSamples, write_gltf, write_png,
+    GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, PngColor, PngImage, PngSamples, write_gltf,
+    write_png,
 };
 use taotie::math::Vec3;
 use taotie::scene::Orbit;
@@ -60,13 +61,18 @@ fn the_vessel_looks_the_same() {
         occlusion_map: Some(orm.into()),
         ..clay
     };
-    for (name, material, meshopt) in
-        [("clay", clay, false), ("bronze", bronze, false), ("packed", clay, true)]
-    {
+    let plain = GltfFormat::default();
+    let cases = [
+        ("clay", clay, plain),
+        ("bronze", bronze, plain),
+        ("webp", clay, GltfFormat { images: GltfImages::WebP, ..plain }),
+        ("packed", bronze, GltfFormat { images: GltfImages::Ktx2, meshopt: true }),
+    ];
+    for (name, material, format) in cases {
         let path = folder.path().join(format!("{name}.glb"));
         let levels = [GltfLevel { mesh: &mesh, coverage: None }];
         let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
-        write_gltf(&path, &asset, &GltfFormat { meshopt, ..GltfFormat::default() }).unwrap();
+        write_gltf(&path, &asset, &format).unwrap();
         let Some(theirs) = threejs::three(&path, &view) else { return };
         let ours = threejs::ours(&path, &view);
         keep(&format!("{name}-three"), &theirs);

@@ -55,9 +55,12 @@ fn every_kind_of_file_is_valid() {
         (&large, GltfMaterial::default()),
     ];
     for (levels, material) in cases {
-        for (meshopt, images) in
-            [(false, GltfImages::Png), (true, GltfImages::Png), (false, GltfImages::WebP)]
-        {
+        for (meshopt, images) in [
+            (false, GltfImages::Png),
+            (true, GltfImages::Png),
+            (false, GltfImages::WebP),
+            (true, GltfImages::Ktx2),
+        ] {
             let asset = GltfAsset {
                 name: "ball",
                 levels,

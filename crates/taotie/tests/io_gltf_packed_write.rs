@@ -108,6 +108,7 @@ fn levels_share_one_place_and_material() {
             |node: usize| (json["nodes"][node]["scale"].clone(), json["nodes"][node]["translation"].clone());
         assert!(place(0) == place(1) && place(1) == place(2));
         let loaded = load_model(&path).unwrap();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         assert_eq!(loaded.scene.triangle_count(), meshes[0].triangles().len(), "the finest alone is drawn");
         let one = GltfAsset { levels: &levels[..1], ..asset };
         write_gltf(&path, &one, &GltfFormat { meshopt, ..GltfFormat::default() }).unwrap();

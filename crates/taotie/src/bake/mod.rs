@@ -39,9 +39,7 @@ pub use planes::{Planes, Texel};
 pub use projection::{Match, Probe};
 pub use scan::{Scan, light_mesh};
 pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
-pub use store::{
-    Storage, Stored, green_turned, requantised, store_codes, store_normals, store_unit_vectors,
-};
+pub use store::{Storage, Stored, green_turned, requantised, store_codes, store_normals, store_unit_vectors};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeSettings, Baked, bake};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};

@@ -36,8 +36,13 @@ pub fn assert_valid(path: &Path) -> Option<Vec<String>> {
     let messages: Vec<Value> = serde_json::from_slice(&output.stdout).expect("the script prints JSON");
     let text = |message: &Value, key: &str| message[key].as_str().unwrap_or_default().to_owned();
     let line = |m: &Value| format!("{} at {}: {}", text(m, "code"), text(m, "pointer"), text(m, "message"));
-    let (faults, infos): (Vec<_>, Vec<_>) =
-        messages.iter().partition(|m| m["severity"].as_u64().is_none_or(|severity| severity <= WARNING));
+    // The validator knows no KTX2, which it tells once of the extension and then of each image.
+    let basis = messages.iter().any(|m| text(m, "message").contains("'KHR_texture_basisu'"));
+    let of_ktx2 = |m: &Value| {
+        basis && (line(m).contains("image/ktx2") || text(m, "code") == "IMAGE_UNRECOGNIZED_FORMAT")
+    };
+    let is_fault = |m: &&Value| m["severity"].as_u64().is_none_or(|severity| severity <= WARNING);
+    let (faults, infos): (Vec<_>, Vec<_>) = messages.iter().filter(|m| !of_ktx2(m)).partition(is_fault);
     let faults: Vec<String> = faults.into_iter().map(line).collect();
     assert!(faults.is_empty(), "{}:\n{}", path.display(), faults.join("\n"));
     Some(infos.into_iter().map(line).collect())

@@ -1,9 +1,10 @@
 //! The textures of a material: each image encoded once, and where in a document it stands.
 
-use super::GltfDraft;
 use super::material::GltfMaterial;
+use super::{GltfDraft, ktx};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Texels};
+use crate::io::write::png::interleaved;
 use crate::io::{PngColor, PngImage, PngSamples, encode_png};
 use image::ExtendedColorType;
 use image::codecs::webp::WebPEncoder;
@@ -52,6 +53,10 @@ pub enum GltfImages {
     /// Lossless WebP (EXT_texture_webp), smaller; 16 bits are rounded to 8. Programs that do not know the extension
     /// cannot read the file.
     WebP,
+    /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu): a byte a texel in the file and, packed, on graphics
+    /// cards, and lossy; 16 bits are rounded to 8, and sides must be multiples of 4. Programs that do not know the
+    /// extension cannot read the file.
+    Ktx2,
 }
 
 impl GltfImages {
@@ -59,6 +64,7 @@ impl GltfImages {
         match self {
             Self::Png => "png",
             Self::WebP => "webp",
+            Self::Ktx2 => "ktx2",
         }
     }
 
@@ -66,6 +72,7 @@ impl GltfImages {
         match self {
             Self::Png => "image/png",
             Self::WebP => "image/webp",
+            Self::Ktx2 => "image/ktx2",
         }
     }
 
@@ -74,6 +81,7 @@ impl GltfImages {
         match self {
             Self::Png => None,
             Self::WebP => Some("EXT_texture_webp"),
+            Self::Ktx2 => Some("KHR_texture_basisu"),
         }
     }
 }
@@ -168,6 +176,10 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Res
             encoded.bytes = match format {
                 GltfImages::Png => png(bitmap, slot),
                 GltfImages::WebP => webp(bitmap, slot),
+                GltfImages::Ktx2 => {
+                    let size = (bitmap.width(), bitmap.height());
+                    ktx::encode(size, eight_bits(bitmap, slot)?.into_owned(), slot.encoding())
+                }
             }?;
         }
         Ok::<_, Error>(())
@@ -209,10 +221,6 @@ fn eight_bits(bitmap: &Bitmap, slot: Slot) -> Result<Cow<'_, [[u8; 4]]>> {
 
 fn no_floats(slot: Slot) -> Error {
     Error::unsupported(format!("a {slot:?} texture of floats in glTF"), "store 8 or 16 bits")
-}
-
-fn interleaved<T: Copy>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
-    texels.iter().flat_map(|texel| &texel[..channels]).copied().collect()
 }
 
 /// Where images are put.

@@ -3,6 +3,7 @@
 mod container;
 mod draft;
 mod images;
+mod ktx;
 mod material;
 mod mesh;
 mod packed;
