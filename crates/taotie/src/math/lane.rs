@@ -13,6 +13,8 @@ pub trait Mask: Copy {
     fn not(self) -> Self;
     /// Whether any lane is true.
     fn any(self) -> bool;
+    /// Bit i is set where lane i is true.
+    fn bits(self) -> u64;
 }
 
 /// A number or a pack of numbers; all that a formula may use.
@@ -90,6 +92,10 @@ impl Mask for bool {
     fn any(self) -> bool {
         self
     }
+    #[inline(always)]
+    fn bits(self) -> u64 {
+        u64::from(self)
+    }
 }
 
 impl<S: Simd> Mask for mask32x8<S> {
@@ -108,6 +114,10 @@ impl<S: Simd> Mask for mask32x8<S> {
     #[inline(always)]
     fn any(self) -> bool {
         self.any_true()
+    }
+    #[inline(always)]
+    fn bits(self) -> u64 {
+        self.to_bitmask()
     }
 }
 

@@ -22,6 +22,7 @@ pub use maps::{
     tangent_space_normal,
 };
 pub use method::{SurfaceMethod, TangentMethod};
+pub(crate) use normals::shared_by_position;
 pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use tangents::NO_UV_AREA;
 pub use tangents::{Tangented, with_frames, with_tangents};

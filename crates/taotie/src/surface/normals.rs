@@ -108,6 +108,19 @@ pub(super) fn unit(v: Vec3<f64>) -> Option<Vec3<f64>> {
     (length > 1e-300 && length.is_finite()).then(|| v / length)
 }
 
+/// Gives all vertices at one place the largest of their values.
+pub(crate) fn shared_by_position(mesh: &Mesh, values: &mut [f32]) {
+    let places = weld::by_position(mesh.positions());
+    let mut largest = vec![f32::NEG_INFINITY; places.firsts.len()];
+    for (place, value) in places.of.iter().zip(&*values) {
+        let most = &mut largest[*place as usize];
+        *most = most.max(*value);
+    }
+    for (place, value) in places.of.iter().zip(values) {
+        *value = largest[*place as usize];
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,76 @@
+//! Large surfaces made lighter block by block, so that neither memory nor one thread is the limit.
+
+use super::part::{Part, adapter, triples};
+use meshopt::SimplifyOptions as Choices;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Triangles of a block. Its border, which cannot change, is about one vertex in a hundred.
+const BLOCK: usize = 1 << 18;
+/// For one triangle of the result this many are left by the blocks, so that the choice among them is free.
+const FOR_ONE: usize = 8;
+/// No less is left by the blocks.
+const LEAST: usize = 300_000;
+/// Nor less than one triangle of this many: else blocks would consist of their borders.
+const OF_MANY: usize = 16;
+/// No more is left, unless more is wanted: what remains is simplified as a whole.
+const MOST: usize = 3_000_000;
+
+/// The part with fewer triangles, and the error in parts of the unit cube; unchanged where it is small enough.
+/// `None` where `go_on` said no.
+pub(super) fn lighten(
+    part: Part,
+    wanted: usize,
+    go_on: &(dyn Fn(f64) -> bool + Sync),
+) -> Option<(Part, f32)> {
+    let total = part.triangles.len();
+    let left = wanted.saturating_mul(FOR_ONE).max(total / OF_MANY).clamp(LEAST, MOST);
+    let left = left.max(wanted.saturating_add(wanted / 4));
+    if total < left.saturating_mul(2) {
+        return Some((part, 0.0));
+    }
+    let locks = shared_vertices(&part);
+    let (done, blocks) = (AtomicUsize::new(0), total.div_ceil(BLOCK));
+    let lighter = |block: &[[u32; 3]]| {
+        let target = (block.len() as u128 * left as u128 / total as u128) as usize;
+        let result = lighter_block(&part, block, &locks, target);
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        go_on(done as f64 / blocks as f64).then_some(result)
+    };
+    let lighter: Vec<(Vec<[u32; 3]>, f32)> =
+        part.triangles.par_chunks(BLOCK).map(lighter).collect::<Option<_>>()?;
+    let error = lighter.iter().fold(0.0, |most: f32, (_, error)| most.max(*error));
+    let triangles = lighter.into_iter().flat_map(|(triangles, _)| triangles).collect();
+    Some((Part { triangles, ..part }.compacted(), error))
+}
+
+/// Which vertices triangles of more than one block have.
+fn shared_vertices(part: &Part) -> Vec<bool> {
+    const NOBODY: u32 = u32::MAX;
+    let mut owners = vec![NOBODY; part.points.len()];
+    let mut shared = vec![false; part.points.len()];
+    for (block, triangles) in part.triangles.chunks(BLOCK).enumerate() {
+        for vertex in triangles.as_flattened().iter().map(|v| *v as usize) {
+            match owners[vertex] {
+                NOBODY => owners[vertex] = block as u32,
+                owner => shared[vertex] |= owner != block as u32,
+            }
+        }
+    }
+    shared
+}
+
+fn lighter_block(part: &Part, block: &[[u32; 3]], locks: &[bool], target: usize) -> (Vec<[u32; 3]>, f32) {
+    let mut error = 0.0;
+    let choices = Choices::Sparse | Choices::ErrorAbsolute;
+    let corners = meshopt::simplify_with_locks(
+        block.as_flattened(),
+        &adapter(&part.points),
+        locks,
+        3 * target,
+        f32::MAX,
+        choices,
+        Some(&mut error),
+    );
+    (triples(corners), error)
+}

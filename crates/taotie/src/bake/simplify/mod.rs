@@ -1,0 +1,133 @@
+//! A heavy surface made light: few triangles that lie near many.
+
+mod blocks;
+mod part;
+mod weld;
+mod whole;
+
+use crate::error::{Error, Result, Warnings};
+use crate::mesh::{Mesh, MeshData};
+use crate::surface::vertex_normals;
+use part::Part;
+
+/// How a surface is made light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SimplifyOptions {
+    /// How many triangles are wanted, at least 1.
+    pub triangles: usize,
+    /// What the turn of a vertex normal counts beside distances: 0 is nothing, 1 much. With more, creases and fine
+    /// waves keep their triangles and flat parts lose theirs.
+    pub normal_weight: f32,
+}
+
+impl Default for SimplifyOptions {
+    fn default() -> Self {
+        Self { triangles: 10_000, normal_weight: 0.0 }
+    }
+}
+
+/// What had to be done to reach a number of triangles, from mild to rough.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Means {
+    /// The surface had no more triangles than were wanted.
+    Kept,
+    /// Edges were collapsed; what is connected stays so, and holes and handles stay.
+    Collapsed,
+    /// Edges were collapsed across places where more than two triangles meet too, and parts without a connection to
+    /// the rest that are smaller than a twentieth of the whole were left out, the smallest first.
+    Pruned,
+    /// Vertices that lie near one another were made one, whatever they belong to: holes may close, and parts may
+    /// touch. For triangle soup nothing else helps.
+    Clustered,
+}
+
+/// A surface made light.
+#[derive(Debug, Clone)]
+pub struct Simplified {
+    /// Positions (to the bit those of the heavy surface), normals and triangles; neither uvs nor colours.
+    pub mesh: Mesh,
+    /// How far the light surface lies from the heavy one, model units: the estimate of meshoptimizer, of the size of
+    /// the root mean square near the worst place, not a bound.
+    pub error: f64,
+    /// What had to be done.
+    pub means: Means,
+    /// Whether the number of triangles is the wanted one, or less than 2 % off, or the surface had fewer. Where it is
+    /// `false` all means were tried, [`Means::Clustered`] among them, and this is the best.
+    pub reached: bool,
+    /// What was left out, counted.
+    pub notes: Warnings,
+}
+
+/// Makes a surface light.
+///
+/// Positions that are equal to the last bit are made one vertex first, whatever normals, uvs and colours they have;
+/// triangles with two equal corners, and all but one of equal triangles, are left out and counted. The normals are
+/// those of [`vertex_normals`]. Large surfaces are first made lighter block by block, in parallel; the result does
+/// not depend on the number of threads.
+///
+/// `go_on` is called with the part done, 0 to 1, now and then and from any thread; where it returns `false` the
+/// result is `None`.
+///
+/// # Errors
+/// [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh has no triangle with
+/// three corners, or none is left since so few are wanted.
+///
+/// Source: Garland and Heckbert 1997, "Surface simplification using quadric error metrics", as meshoptimizer does it.
+pub fn simplify(
+    mesh: &Mesh,
+    options: &SimplifyOptions,
+    go_on: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<Option<Simplified>> {
+    check(options)?;
+    let mut notes = Warnings::default();
+    let (part, frame) = weld::weld(mesh, &mut notes);
+    if part.triangles.is_empty() {
+        return Err(Error::invalid(
+            "the surface to simplify",
+            "it has no triangle with three different corners; check the file",
+        ));
+    }
+    if !go_on(0.1) {
+        return Ok(None);
+    }
+    let Some((part, in_blocks)) = blocks::lighten(part, options.triangles, &|done| go_on(0.1 + 0.6 * done))
+    else {
+        return Ok(None);
+    };
+    if !go_on(0.7) {
+        return Ok(None);
+    }
+    let reduced = whole::reduce(&part, options);
+    let found = reduced.triangles.len();
+    if found == 0 {
+        return Err(Error::invalid(
+            format!("a surface of {} triangles", options.triangles),
+            "nothing is left of this one with so few, as all its parts are small; ask for more",
+        ));
+    }
+    let error = (f64::from(in_blocks) + f64::from(reduced.error)) * frame.extent;
+    let means = if in_blocks > 0.0 { reduced.means.max(Means::Collapsed) } else { reduced.means };
+    let mesh = finish(mesh, &part, reduced.triangles)?;
+    let reached = whole::is_near(found, options.triangles) || means == Means::Kept;
+    Ok(go_on(1.0).then_some(Simplified { mesh, error, means, reached, notes }))
+}
+
+fn check(options: &SimplifyOptions) -> Result<()> {
+    if options.triangles == 0 {
+        return Err(Error::invalid("a surface of 0 triangles", "ask for at least one"));
+    }
+    let weight = options.normal_weight;
+    if !(weight >= 0.0 && weight.is_finite()) {
+        return Err(Error::invalid(format!("a normal weight of {weight}"), "give a number from 0 up"));
+    }
+    Ok(())
+}
+
+/// The triangles with the positions of the mesh that they came from, and normals.
+fn finish(mesh: &Mesh, part: &Part, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
+    let (triangles, used) = part::compact(triangles, part.points.len());
+    let positions = used.iter().map(|v| mesh.positions()[part.sources[*v as usize] as usize]).collect();
+    let bare = Mesh::new(MeshData { positions, triangles, ..MeshData::default() })?;
+    let normals = vertex_normals(&bare);
+    Mesh::new(MeshData { normals, ..bare.into_data() })
+}

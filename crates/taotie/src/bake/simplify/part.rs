@@ -1,0 +1,81 @@
+//! Triangles on welded points, as they are handed to meshoptimizer.
+
+use crate::math::Vec3;
+use meshopt::VertexDataAdapter;
+
+/// Triangles on points that stand for vertices of a mesh.
+pub(in crate::bake) struct Part {
+    /// Points in the unit cube.
+    pub points: Vec<[f32; 3]>,
+    /// Which vertex of the mesh each point is.
+    pub sources: Vec<u32>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// The cube that points are scaled from.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::bake) struct Frame {
+    least: Vec3<f64>,
+    /// The longest side, model units; above 0.
+    pub extent: f64,
+}
+
+impl Frame {
+    pub fn of(positions: &[Vec3]) -> Self {
+        let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for position in positions {
+            for (k, v) in position.to_array().into_iter().enumerate() {
+                least[k] = least[k].min(v);
+                most[k] = most[k].max(v);
+            }
+        }
+        let side = |k: usize| f64::from(most[k]) - f64::from(least[k]);
+        let extent = side(0).max(side(1)).max(side(2));
+        Self {
+            least: Vec3::from_array(least).to_f64(),
+            extent: if extent > 0.0 && extent.is_finite() { extent } else { 1.0 },
+        }
+    }
+
+    /// The point in the unit cube.
+    pub fn scaled(&self, position: Vec3) -> [f32; 3] {
+        ((position.to_f64() - self.least) / self.extent).to_f32().to_array()
+    }
+}
+
+/// The points as meshoptimizer reads them.
+pub(super) fn adapter(points: &[[f32; 3]]) -> VertexDataAdapter<'_> {
+    VertexDataAdapter::new(meshopt::typed_to_bytes(points), size_of::<[f32; 3]>(), 0)
+        .expect("the stride divides the length, and no offset is given")
+}
+
+/// Triangles from a list of corners.
+pub(super) fn triples(corners: Vec<u32>) -> Vec<[u32; 3]> {
+    corners.as_chunks::<3>().0.to_vec()
+}
+
+/// The triangles on the vertices that they use alone, numbered upwards, and which those were.
+pub(in crate::bake) fn compact(mut triangles: Vec<[u32; 3]>, count: usize) -> (Vec<[u32; 3]>, Vec<u32>) {
+    const UNUSED: u32 = u32::MAX;
+    let mut numbers = vec![UNUSED; count];
+    triangles.iter().flatten().for_each(|v| numbers[*v as usize] = 0);
+    let mut used = Vec::new();
+    for (v, number) in numbers.iter_mut().enumerate().filter(|(_, number)| **number != UNUSED) {
+        *number = used.len() as u32;
+        used.push(v as u32);
+    }
+    triangles.iter_mut().flatten().for_each(|v| *v = numbers[*v as usize]);
+    (triangles, used)
+}
+
+impl Part {
+    /// Without the points that no triangle uses.
+    pub fn compacted(self) -> Self {
+        let (triangles, used) = compact(self.triangles, self.points.len());
+        Self {
+            points: used.iter().map(|v| self.points[*v as usize]).collect(),
+            sources: used.iter().map(|v| self.sources[*v as usize]).collect(),
+            triangles,
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Equal positions made one vertex, in an order in which neighbours in space are neighbours in memory.
+//!
+//! Positions are sorted along a Morton curve, so that equal ones meet in one cell: no hash table, whose size and order
+//! would be felt at twenty million triangles.
+
+use super::part::{Frame, Part};
+use crate::error::Warnings;
+use crate::math::Vec3;
+use crate::mesh::Mesh;
+use rayon::prelude::*;
+
+/// Marks triangles that are left out; they are sorted to the end.
+const DROPPED: [u32; 3] = [u32::MAX; 3];
+/// Cells along a side of the cube: 2 to this power.
+const CELL_BITS: u32 = 10;
+
+/// The mesh on welded points. Each triangle begins with its lowest vertex, and triangles are sorted.
+pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, Frame) {
+    let positions = mesh.positions();
+    let frame = Frame::of(positions);
+    let (places, sources) = classes(positions, &sorted(positions, &frame));
+    let points = sources.par_iter().map(|v| frame.scaled(positions[*v as usize])).collect();
+    let triangles = sound_triangles(mesh.triangles(), &places, notes);
+    (Part { points, sources, triangles }, frame)
+}
+
+/// Vertex numbers in the low half, sorted by cell, then position, then number.
+fn sorted(positions: &[Vec3], frame: &Frame) -> Vec<u64> {
+    let cell = |position: &Vec3| u64::from(morton(frame.scaled(*position)));
+    let mut keys: Vec<u64> =
+        positions.par_iter().enumerate().map(|(v, position)| cell(position) << 32 | v as u64).collect();
+    keys.par_sort_unstable();
+    let by_position = |key: &u64| (bits(positions[*key as u32 as usize]), *key);
+    keys.par_chunk_by_mut(|a, b| a >> 32 == b >> 32).for_each(|cell| {
+        if cell.len() > 1 {
+            cell.sort_unstable_by_key(by_position);
+        }
+    });
+    keys
+}
+
+/// The place of each vertex, and the first vertex of each place.
+fn classes(positions: &[Vec3], sorted: &[u64]) -> (Vec<u32>, Vec<u32>) {
+    let (mut places, mut firsts) = (vec![0; positions.len()], Vec::new());
+    let mut last = None;
+    for key in sorted {
+        let vertex = *key as u32;
+        let here = bits(positions[vertex as usize]);
+        if last != Some(here) {
+            firsts.push(vertex);
+            last = Some(here);
+        }
+        places[vertex as usize] = firsts.len() as u32 - 1;
+    }
+    firsts.shrink_to_fit();
+    (places, firsts)
+}
+
+/// The triangles on places, each once, those with two equal corners left out.
+fn sound_triangles(triangles: &[[u32; 3]], places: &[u32], notes: &mut Warnings) -> Vec<[u32; 3]> {
+    let on_places = |triangle: &[u32; 3]| lowest_first(triangle.map(|v| places[v as usize]));
+    let mut sound: Vec<[u32; 3]> = triangles.par_iter().map(on_places).collect();
+    sound.par_sort_unstable();
+    sound.truncate(sound.partition_point(|triangle| *triangle != DROPPED));
+    notes.note("triangles with two equal corners, left out", triangles.len() - sound.len());
+    let with_twins = sound.len();
+    sound.dedup();
+    notes.note("triangles that were there twice, left out", with_twins - sound.len());
+    sound
+}
+
+/// The triangle turned so that its lowest vertex stands first.
+fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+    match () {
+        () if a == b || b == c || c == a => DROPPED,
+        () if a < b && a < c => [a, b, c],
+        () if b < c => [b, c, a],
+        () => [c, a, b],
+    }
+}
+
+/// The bits of a position, zero having one sign.
+fn bits(position: Vec3) -> [u32; 3] {
+    position.to_array().map(|v| (v + 0.0).to_bits())
+}
+
+/// The number of a point's cell along the Morton curve.
+fn morton(point: [f32; 3]) -> u32 {
+    let cells = 1 << CELL_BITS;
+    let [x, y, z] = point.map(|v| spread(((v * cells as f32) as u32).min(cells - 1)));
+    x << 2 | y << 1 | z
+}
+
+/// Ten bits with two free places before each.
+fn spread(v: u32) -> u32 {
+    let v = (v | v << 16) & 0x0300_00FF;
+    let v = (v | v << 8) & 0x0300_F00F;
+    let v = (v | v << 4) & 0x030C_30C3;
+    (v | v << 2) & 0x0924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshData;
+
+    #[test]
+    fn bits_are_spread_by_three() {
+        assert_eq!(spread(0b11_1111_1111), 0x0924_9249);
+        assert_eq!(morton([0.0, 0.0, 1.0]), 0x0924_9249);
+        assert_eq!(morton([0.5, 0.0, 0.0]), 1 << 29);
+    }
+
+    #[test]
+    fn equal_positions_are_one_and_bad_triangles_are_counted() {
+        let p = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let data = MeshData {
+            positions: vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0), p(-0.0, 0.0), p(1.0, 0.0), p(1.0, 1.0)],
+            triangles: vec![[0, 1, 2], [2, 3, 4], [0, 3, 1], [2, 1, 5], [0, 2, 1], [1, 1, 1]],
+            ..MeshData::default()
+        };
+        let mut notes = Warnings::default();
+        let (part, frame) = weld(&Mesh::new(data).unwrap(), &mut notes);
+        assert_eq!((part.points.len(), frame.extent), (4, 1.0));
+        assert_eq!(part.triangles.len(), 3, "the triangle seen from behind stays: {:?}", part.triangles);
+        let found: Vec<(&str, usize)> = notes.iter().collect();
+        assert_eq!(
+            found,
+            [
+                ("triangles with two equal corners, left out", 2),
+                ("triangles that were there twice, left out", 1)
+            ]
+        );
+        assert!(part.sources.iter().all(|v| [0, 1, 2, 5].contains(v)), "the first of equals stands for them");
+    }
+}
