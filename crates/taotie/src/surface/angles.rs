@@ -7,6 +7,7 @@
 use crate::math::{Vec3, dispatch_pack, scalar};
 use crate::mesh::Mesh;
 use fearless_simd::Level;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// How many triangles are computed together.
 const WIDTH: usize = 8;
@@ -142,12 +143,11 @@ fn tame_atan2(y: f64, x: f64) -> f64 {
     let odd = z * (ATAN[0] + w * (ATAN[2] + w * (ATAN[4] + w * (ATAN[6] + w * (ATAN[8] + w * ATAN[10])))));
     let even = w * (ATAN[1] + w * (ATAN[3] + w * (ATAN[5] + w * (ATAN[7] + w * ATAN[9]))));
     let angle = high - (r * (odd + even) - low - r);
-    if x < 0.0 { std::f64::consts::PI - (angle - PI_LOW) } else { angle }
+    if x < 0.0 { PI - (angle - PI_LOW) } else { angle }
 }
 
 /// The arc tangents of ½, 1, 3/2 and ∞, and what is lacking to them.
-const ANGLE_HIGH: [f64; 4] =
-    [0.463_647_609_000_806_1, 0.785_398_163_397_448_3, 0.982_793_723_247_329_1, 1.570_796_326_794_896_6];
+const ANGLE_HIGH: [f64; 4] = [0.463_647_609_000_806_1, FRAC_PI_4, 0.982_793_723_247_329, FRAC_PI_2];
 const ANGLE_LOW: [f64; 4] = [
     2.269_877_745_296_168_7e-17,
     3.061_616_997_868_383e-17,

@@ -120,3 +120,31 @@ pub(crate) fn shared_by_position(mesh: &Mesh, values: &mut [f32]) {
         *value = largest[*place as usize];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshData;
+
+    /// Blocks, threads and lanes change nothing: the sums are those of one plain loop, to the last bit.
+    #[test]
+    fn sums_are_those_of_a_plain_loop() {
+        let mut data: MeshData = Mesh::sphere(1.0, 300, 200).into_data();
+        data.triangles.iter_mut().step_by(1000).for_each(|t| t[1] = t[0]);
+        data.positions.iter_mut().skip(500).step_by(7000).for_each(|p| *p = *p * 1e-30);
+        let mesh = Mesh::new(data).unwrap();
+        assert!(mesh.triangles().len() > 100_000);
+        let places = weld::by_position(mesh.positions());
+        let mut sums = vec![Vec3::splat(0.0); places.firsts.len()];
+        for (i, triangle) in mesh.triangles().iter().enumerate() {
+            let corners = mesh.corners(i).map(Vec3::to_f64);
+            let Some(normal) = unit(doubled_area(corners)) else { continue };
+            for (vertex, angle) in triangle.iter().zip(angles::corner_angles(corners)) {
+                sums[places.of[*vertex as usize] as usize] += normal * angle;
+            }
+        }
+        let bits =
+            |sums: &[Vec3<f64>]| sums.iter().flat_map(|s| s.to_array().map(f64::to_bits)).collect::<Vec<_>>();
+        assert!(bits(&angle_weighted_sums(&mesh, &places)) == bits(&sums));
+    }
+}

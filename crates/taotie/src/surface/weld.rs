@@ -4,7 +4,7 @@ use crate::math::Vec3;
 use rayon::prelude::*;
 use rustc_hash::FxBuildHasher;
 use std::hash::{BuildHasher, Hash};
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Elements sorted into classes of equal keys, numbered in order of first appearance.
 pub(crate) struct Classes {
@@ -17,18 +17,31 @@ pub(crate) struct Classes {
 impl Classes {
     /// Sorts the elements 0 to `count` − 1, at most 2^32 − 1, by `key`.
     ///
-    /// Elements whose hash is not theirs alone are sorted by it, and by key where hashes are equal, so that neither
-    /// many elements nor keys that were chosen to collide take long. The classes depend on neither the hash nor the
-    /// number of threads.
+    /// Elements are sorted by hash, and where hashes are equal and keys are not, by key, so that neither many elements
+    /// nor keys that were chosen to collide take long. The classes depend on neither the hash nor the number of
+    /// threads.
     pub fn by<K: Hash + Ord>(count: usize, key: impl Fn(usize) -> K + Sync) -> Self {
-        let mut elements = not_alone(count, |i| hash(&key(i)));
+        let hashed = |i: usize| u64::from(hash(&key(i))) << 32 | i as u64;
+        let mut elements: Vec<u64> = (0..count).into_par_iter().map(hashed).collect();
         elements.par_sort_unstable();
         let firsts: Vec<AtomicU32> = (0..count as u32).into_par_iter().map(AtomicU32::new).collect();
-        elements
-            .par_chunk_by_mut(|a, b| a >> 32 == b >> 32)
-            .filter(|alike| alike.len() > 1)
-            .for_each(|alike| find_firsts(alike, &key, &firsts));
-        Self::numbered(firsts.into_iter().map(AtomicU32::into_inner).collect())
+        elements.par_chunk_by(|a, b| a >> 32 == b >> 32).for_each(|alike| {
+            let first = alike[0] as u32;
+            alike.iter().for_each(|i| firsts[*i as u32 as usize].store(first, Ordering::Relaxed));
+        });
+        drop(elements);
+        let mut firsts: Vec<u32> = firsts.into_iter().map(AtomicU32::into_inner).collect();
+        // In the order of elements, since those that are alike are most often near each other.
+        let differs = |i: &u32| {
+            let first = firsts[*i as usize];
+            first != *i && key(first as usize) != key(*i as usize)
+        };
+        let mut collided: Vec<u32> = (0..count as u32).into_par_iter().filter(differs).collect();
+        collided.par_sort_unstable_by_key(|i| (key(*i as usize), *i));
+        for class in collided.chunk_by(|a, b| key(*a as usize) == key(*b as usize)) {
+            class.iter().for_each(|i| firsts[*i as usize] = class[0]);
+        }
+        Self::numbered(firsts)
     }
 
     /// Numbers the classes, given the first element of its class for each element.
@@ -49,47 +62,6 @@ impl Classes {
     /// Splits each class by a further `key`.
     pub fn split_by<K: Hash + Ord>(&self, key: impl Fn(usize) -> K + Sync) -> Self {
         Self::by(self.of.len(), |i| (self.of[i], key(i)))
-    }
-}
-
-/// The elements, behind their hashes in the upper 32 bits, that may have the same hash as another.
-///
-/// Each hash has a bit among eight or more an element. Most vertices of a scan are alone at their place, so this
-/// leaves few to be sorted.
-fn not_alone(count: usize, hash: impl Fn(usize) -> u32 + Sync) -> Vec<u64> {
-    let bits = (8 * count).next_power_of_two().clamp(64, 1 << 30);
-    let words = || (0..bits / 64).into_par_iter().map(|_| AtomicU64::new(0)).collect::<Vec<_>>();
-    let (once, again) = (words(), words());
-    let place = |hash: u32| {
-        let bit = (u64::from(hash) * bits as u64 >> 32) as usize;
-        (bit / 64, 1 << (bit % 64))
-    };
-    (0..count).into_par_iter().for_each(|i| {
-        let (word, mask) = place(hash(i));
-        if once[word].fetch_or(mask, Ordering::Relaxed) & mask != 0 {
-            again[word].fetch_or(mask, Ordering::Relaxed);
-        }
-    });
-    let element = |i: usize| {
-        let hash = hash(i);
-        let (word, mask) = place(hash);
-        let shared = again[word].load(Ordering::Relaxed) & mask != 0;
-        shared.then_some(u64::from(hash) << 32 | i as u64)
-    };
-    (0..count).into_par_iter().filter_map(element).collect()
-}
-
-/// Writes down the first of those elements of equal hash whose keys are equal too.
-fn find_firsts<K: Ord>(alike: &mut [u64], key: &impl Fn(usize) -> K, firsts: &[AtomicU32]) {
-    let index = |element: &u64| *element as u32 as usize;
-    let same = |a: &u64, b: &u64| key(index(a)) == key(index(b));
-    if !alike.windows(2).all(|pair| same(&pair[0], &pair[1])) {
-        alike.sort_unstable_by_key(|element| (key(index(element)), index(element)));
-    }
-    for class in alike.chunk_by(same) {
-        for other in &class[1..] {
-            firsts[index(other)].store(index(&class[0]) as u32, Ordering::Relaxed);
-        }
     }
 }
 

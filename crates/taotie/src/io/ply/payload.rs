@@ -118,7 +118,7 @@ impl<'a> Element<'a> {
             Rows { fields: &self.fields, big_endian: self.big_endian, rest: &self.bytes, left: self.count };
         while rows.left > 0 {
             let i = self.count - rows.left;
-            if i % BLOCK == 0 {
+            if i.is_multiple_of(BLOCK) {
                 self.starts.push(self.bytes.len() - rows.rest.len());
             }
             let (mut corners, mut uvs) = (0, 0);

@@ -12,17 +12,18 @@ pub(super) struct Splitter {
     pub uvs: bool,
     /// Whether corners have colours of their own.
     pub colors: bool,
-    known: HashMap<Corner, u32>,
     corners: Vec<Corner>,
-    /// The vertex last made from each vertex of the file, which is most often the one that is sought.
-    last: Vec<u32>,
+    /// The first corner of each vertex of the file, which most often is the only one.
+    first: Vec<u32>,
+    /// All other corners.
+    known: HashMap<Corner, u32>,
 }
 
 impl Splitter {
     /// For corners that have what is wanted of their own.
     pub fn new(wanted: &Wanted) -> Self {
-        let last = vec![u32::MAX; wanted.positions.len()];
-        Self { uvs: wanted.uvs, colors: wanted.colors, known: HashMap::new(), corners: Vec::new(), last }
+        let first = vec![u32::MAX; wanted.positions.len()];
+        Self { uvs: wanted.uvs, colors: wanted.colors, corners: Vec::new(), first, known: HashMap::new() }
     }
 
     /// The vertex of corner `i` of `block`.
@@ -32,15 +33,20 @@ impl Splitter {
         let [r, g, b, a] = block.colors.get(i).copied().unwrap_or_default();
         let [u, v, r, g, b, a] = [u, v, r, g, b, a].map(f32::to_bits);
         let corner = [vertex, u, v, r, g, b, a];
-        let last = &mut self.last[vertex as usize];
-        if self.corners.get(*last as usize) != Some(&corner) {
-            let next = self.corners.len() as u32;
-            *last = *self.known.entry(corner).or_insert(next);
-            if *last == next {
-                self.corners.push(corner);
+        let next = self.corners.len() as u32;
+        let first = &mut self.first[vertex as usize];
+        let index = match self.corners.get(*first as usize) {
+            Some(known) if *known == corner => *first,
+            Some(_) => *self.known.entry(corner).or_insert(next),
+            None => {
+                *first = next;
+                next
             }
+        };
+        if index == next {
+            self.corners.push(corner);
         }
-        *last
+        index
     }
 
     /// The vertex of the file that each vertex is made from.

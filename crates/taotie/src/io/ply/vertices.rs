@@ -98,7 +98,7 @@ pub(super) fn upright(u: f32, v: f32) -> Vec2 {
 /// Makes stored colours linear.
 pub(super) struct Decoder {
     code: ColorCode,
-    /// The linear values of eighths-of-a-bit steps that most files store: 0 to 255 parts of 255.
+    /// What 0 to 255 parts of 255 are in linear light, since most files store these.
     steps: Vec<f32>,
 }
 
