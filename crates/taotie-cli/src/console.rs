@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::cell::OnceCell;
 use std::io::{self, Write};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use taotie::Warnings;
 
@@ -53,7 +53,7 @@ fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::
 pub struct Progress {
     title: String,
     start: Instant,
-    bar: OnceCell<ProgressBar>,
+    bar: OnceLock<ProgressBar>,
 }
 
 /// The bar's length: progress comes in thousandths.
@@ -62,7 +62,7 @@ const STEPS: u64 = 1000;
 impl Progress {
     /// A bar that is not yet shown.
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), start: Instant::now(), bar: OnceCell::new() }
+        Self { title: title.into(), start: Instant::now(), bar: OnceLock::new() }
     }
 
     /// Shows the fraction done.

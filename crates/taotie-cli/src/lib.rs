@@ -1,8 +1,9 @@
 //! The `taotie` command as a library: [`run`] is all that a `main`, in Rust or elsewhere, has to call.
 //!
-//! Exit codes: 0 fine, 1 difference above the threshold asked for, 2 error. Results go to stdout, talk to stderr; a
+//! Exit codes: 0 fine, 1 difference above the threshold asked for, 2 error, 130 interrupted. Results go to stdout, talk to stderr; a
 //! closed pipe is no error.
 
+mod bake;
 mod compare;
 mod console;
 mod demo;
@@ -38,6 +39,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Renders a model by several surface methods and measures how they differ.
     Compare(Box<compare::CompareArgs>),
+    /// Bakes a scan's relief onto a light mesh and proves that it looks the same.
+    Bake(Box<bake::BakeArgs>),
     /// Says what is in a model and what is wrong with it.
     Inspect(inspect::InspectArgs),
     /// Makes normal maps from heights, and converts them.
@@ -76,6 +79,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let result = match cli.command {
         Command::Render(args) => render::run(&args).map(|()| Outcome::Fine),
         Command::Compare(args) => compare::run(&args).map(|()| Outcome::Fine),
+        Command::Bake(args) => bake::run(&args),
         Command::Inspect(args) => inspect::run(&args).map(|()| Outcome::Fine),
         Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),
         Command::Diff(args) => diff::run(&args),
@@ -86,6 +90,10 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(Outcome::Fine) => ExitCode::SUCCESS,
         Ok(Outcome::Different) => ExitCode::from(1),
         Err(error) if console::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) if error.is::<bake::Interrupted>() => {
+            console::say("taotie: interrupted; nothing was written");
+            ExitCode::from(130)
+        }
         Err(error) => {
             console::say(&format!("taotie: error: {}", console::causes(&error)));
             ExitCode::from(2)

@@ -91,7 +91,13 @@ pub struct BakeArgs {
     pub provenance: Option<PathBuf>,
 
     /// Exit with 1 unless met: mean-angle, p95-angle, max-angle (degrees), missed (%), hausdorff (% of the diagonal), bytes
-    #[arg(long, value_name = "WHAT=MOST,...", value_delimiter = ',', help_heading = "Proof", conflicts_with = "no_verify")]
+    #[arg(
+        long,
+        value_name = "WHAT=MOST,...",
+        value_delimiter = ',',
+        help_heading = "Proof",
+        conflicts_with = "no_verify"
+    )]
     pub require: Vec<Requirement>,
     /// Do not measure and report
     #[arg(long, help_heading = "Proof")]
@@ -156,7 +162,9 @@ impl BakeArgs {
         if !matches!(extension.as_deref(), Some("glb" | "gltf")) {
             bail!("{}: assets are written as .glb or .gltf", self.output.display());
         }
-        let same = |path: &PathBuf| path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok());
+        let same = |path: &PathBuf| {
+            path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok())
+        };
         if same(&self.high) || self.low.as_ref().is_some_and(same) {
             bail!("{}: it would overwrite what is baked from; give another name", self.output.display());
         }

@@ -3,6 +3,7 @@
 use super::work::{Light, Made, Source};
 use taotie::Warnings;
 use taotie::bake::{Faults, Verifier};
+use taotie::mesh::Mesh;
 
 /// Points at which the pair is looked at.
 const POINTS: usize = 20_000;
@@ -28,7 +29,11 @@ pub fn judge(source: &Source, light: &Light, made: &Made, warnings: &mut Warning
             ));
         }
         if fit.turned > PART {
-            let who = if fit.turned > 0.5 { "one of the meshes is inside out" } else { "some triangles are turned" };
+            let who = if fit.turned > 0.5 {
+                "one of the meshes is inside out"
+            } else {
+                "some triangles are turned"
+            };
             note(format!(
                 "{who}: {} of the light mesh faces the other way than the scan beside it; turn its triangles and normals",
                 percent(fit.turned)
@@ -54,9 +59,13 @@ pub fn judge(source: &Source, light: &Light, made: &Made, warnings: &mut Warning
         ));
     }
     warnings.note("triangles of the light mesh without uv area, which have no relief", counts.flat);
-    let Faults { open_edges, crowded_edges, duplicates, flat } = Faults::of(source.scan.mesh());
+}
+
+/// Notes what is wrong with the scan itself.
+pub fn inspect(scan: &Mesh, warnings: &mut Warnings) {
+    let Faults { open_edges, crowded_edges, duplicates, flat } = Faults::of(scan);
     warnings.note("edges of the scan with one triangle: it is open there", open_edges);
     warnings.note("edges of the scan where more than two triangles meet", crowded_edges);
-    warnings.note("triangles of the scan that are there twice", duplicates);
+    warnings.note("triangles of the scan that are there more than once", duplicates);
     warnings.note("triangles of the scan without area", flat);
 }

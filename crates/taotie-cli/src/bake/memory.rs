@@ -149,7 +149,8 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused_with_both_numbers() {
-        let need = Need { scan: [20_000_000, 10_000_000], simplifies: true, texels: 1 << 22, texel_bytes: 20 };
+        let need =
+            Need { scan: [20_000_000, 10_000_000], simplifies: true, texels: 1 << 22, texel_bytes: 20 };
         assert!(need.bytes() < Bytes(4 << 30), "{}", need.bytes());
         let error = need.check(Some(Bytes(1 << 30))).unwrap_err().to_string();
         assert!(error.contains("20000000 triangles") && error.contains("1.0 GiB"), "{error}");

@@ -48,6 +48,12 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     report.high_triangles = source.scan.mesh().triangles().len();
     let (light, made) = lightened(args, &source, &mut report, (&mut stages, &mut warnings))?;
     judgement::judge(&source, &light, &made, &mut warnings);
+    if !args.no_verify {
+        stages.run("inspect the scan", |_| {
+            judgement::inspect(source.scan.mesh(), &mut warnings);
+            Ok(())
+        })?;
+    }
     report.warnings = console::json_warnings(&warnings);
     if !args.json {
         console::say_warnings(&warnings);

@@ -28,7 +28,10 @@ pub fn page(report: &Report, proved: &Proved, textures: &Textures) -> Result<Pag
         facts: facts(report, proof),
         views: views(proof, proved, textures)?,
         sections: sections(report, proof),
-        footer: format!("Made by taotie {}. All figures stand in the .json file beside this page.", report.version),
+        footer: format!(
+            "Made by taotie {}. All figures stand in the .json file beside this page.",
+            report.version
+        ),
     })
 }
 
@@ -43,7 +46,10 @@ fn facts(report: &Report, proof: &Proof) -> Vec<Fact> {
         facts.push(Fact::new("Normals off, mean", format!("{:.2}°", angles.mean)));
     }
     facts.push(Fact::new("Texels that missed", format!("{:.3} %", proof.missed_texels * 100.0)));
-    facts.push(Fact::new("Shape off, at most", format!("{:.3} % of the diagonal", proof.hausdorff_of_diagonal * 100.0)));
+    facts.push(Fact::new(
+        "Shape off, at most",
+        format!("{:.3} % of the diagonal", proof.hausdorff_of_diagonal * 100.0),
+    ));
     facts
 }
 
@@ -85,7 +91,8 @@ fn views(proof: &Proof, proved: &Proved, textures: &Textures) -> Result<Vec<View
     if let Some(missed) = &textures.missed {
         views.push(View {
             name: "misses".into(),
-            note: "Texels whose rays missed the scan: amber took the closest point of it, red found nothing.".into(),
+            note: "Texels whose rays missed the scan: amber took the closest point of it, red found nothing."
+                .into(),
             pictures: vec![picture("misses", "", missed)?],
             legend: None,
         });
@@ -227,7 +234,8 @@ fn views_table(proof: &Proof) -> Section {
     };
     Section::Table {
         title: "Views".into(),
-        note: "Pixel by pixel, so these figures count where the light mesh lies beside the scan as well.".into(),
+        note: "Pixel by pixel, so these figures count where the light mesh lies beside the scan as well."
+            .into(),
         columns: vec![
             Column::numbers("azimuth", "°"),
             Column::numbers("elevation", "°"),
@@ -239,7 +247,8 @@ fn views_table(proof: &Proof) -> Section {
 }
 
 fn stages(report: &Report) -> Section {
-    let row = |stage: &super::stages::Stage| vec![Cell::text(stage.stage), Cell::number(stage.milliseconds, 1)];
+    let row =
+        |stage: &super::stages::Stage| vec![Cell::text(stage.stage), Cell::number(stage.milliseconds, 1)];
     Section::Table {
         title: "Time".into(),
         note: String::new(),

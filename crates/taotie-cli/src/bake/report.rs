@@ -113,7 +113,11 @@ impl Report {
         }
         for met in &self.required {
             let verdict = if met.met { "met" } else { "NOT met" };
-            let _ = write!(text, "\n{:<12} {verdict}: {} is {:.4}, at most {}", "required", met.figure, met.value, met.most);
+            let _ = write!(
+                text,
+                "\n{:<12} {verdict}: {} is {:.4}, at most {}",
+                "required", met.figure, met.value, met.most
+            );
         }
         for file in &self.files {
             let _ = write!(text, "\nwrote {}", file.display());
@@ -176,7 +180,8 @@ impl Proof {
     }
 }
 
-fn parameters(args: &BakeArgs) -> Value {
+/// All that was asked for.
+pub fn parameters(args: &BakeArgs) -> Value {
     let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
     json!({
         "triangles": args.low.is_none().then_some(args.triangles),

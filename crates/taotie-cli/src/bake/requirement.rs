@@ -47,9 +47,9 @@ impl FromStr for Requirement {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (name, most) = text
-            .split_once('=')
-            .ok_or_else(|| format!("`{text}`: write a figure and the most it may be, such as mean-angle=2"))?;
+        let (name, most) = text.split_once('=').ok_or_else(|| {
+            format!("`{text}`: write a figure and the most it may be, such as mean-angle=2")
+        })?;
         let figure = Figure::from_name(name).map_err(|error| error.to_string())?;
         let (number, scale) = match most.strip_suffix('%') {
             Some(number) => (number, 0.01),
@@ -59,7 +59,11 @@ impl FromStr for Requirement {
         if scale != 1.0 && !matches!(figure, Figure::Missed | Figure::Hausdorff) {
             return Err(format!("{name} is not measured in %"));
         }
-        if number < 0.0 { Err(format!("{most} is below 0")) } else { Ok(Self { figure, most: number * scale }) }
+        if number < 0.0 {
+            Err(format!("{most} is below 0"))
+        } else {
+            Ok(Self { figure, most: number * scale })
+        }
     }
 }
 

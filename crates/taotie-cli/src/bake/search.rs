@@ -69,7 +69,9 @@ pub fn smallest(args: &BakeArgs, source: &Source, most: f64, stages: &mut Stages
             best.size,
             best.mean_angle
         ),
-        None => bail!("--error {most}: the scan has {scan} triangles, too few to be made lighter; name --triangles"),
+        None => bail!(
+            "--error {most}: the scan has {scan} triangles, too few to be made lighter; name --triangles"
+        ),
     }
 }
 

@@ -84,7 +84,8 @@ impl Textures {
         if !planes.albedo.is_empty() {
             textures.color = Some(color(planes)?);
         }
-        textures.has = Has { occlusion: !planes.occlusion.is_empty(), roughness: !planes.roughness.is_empty() };
+        textures.has =
+            Has { occlusion: !planes.occlusion.is_empty(), roughness: !planes.roughness.is_empty() };
         if textures.has != Has::default() {
             textures.orm = Some(orm(planes, textures.has, metallic)?);
         }

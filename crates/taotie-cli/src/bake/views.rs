@@ -60,7 +60,12 @@ pub fn take(scan: Mesh, asset: Scene, go_on: &(dyn Fn(f64) -> bool + Sync)) -> R
 }
 
 fn neutral() -> Material {
-    Material { base_color: [0.55, 0.55, 0.55, 1.0], roughness: 0.5, double_sided: true, ..Material::default() }
+    Material {
+        base_color: [0.55, 0.55, 0.55, 1.0],
+        roughness: 0.5,
+        double_sided: true,
+        ..Material::default()
+    }
 }
 
 /// The finest level of the asset with the neutral material, its normal map kept.

@@ -2,11 +2,13 @@
 
 use super::args::{Auto, BakeArgs};
 use super::memory::{self, Need};
+use super::provenance;
 use super::stages::Stages;
 use super::stop::Interrupted;
 use super::textures::{Kept, Textures};
 use anyhow::{Context, Result, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, Receiver};
 use taotie::Warnings;
 use taotie::bake::{
     self, BakeCounts, BakeSettings, Baked, Cage, MapKind, Maps, Scan, SimplifyOptions, UnwrapOptions,
@@ -58,8 +60,9 @@ pub struct Made {
 
 /// The scan as read.
 pub struct Source {
-    /// The SHA-256 of its file, counted while the rest goes on.
-    hash: Mutex<Option<JoinHandle<io::Result<String>>>>,
+    /// The SHA-256 of its file, counted while all else goes on.
+    hash: Receiver<std::io::Result<String>>,
+    path: PathBuf,
     /// What the file says beside its triangles.
     pub loaded: Loaded,
     /// Its triangles, sorted for rays.
@@ -74,6 +77,7 @@ impl Source {
     /// # Errors
     /// The reader's; where the memory does not suffice; where the scan is one point.
     pub fn read(args: &BakeArgs, stages: &mut Stages, warnings: &mut Warnings) -> Result<Self> {
+        let hash = hashed(&args.high);
         let limit = memory::limit(args.memory_limit);
         memory::check_file(&args.high, limit)?;
         let mut loaded = stages.run("read the scan", |_| Ok(read(&args.high, warnings)?))?;
@@ -93,8 +97,28 @@ impl Source {
         let first = scene.instances.first().map(|instance| instance.material);
         let material = first.and_then(|m| scene.materials.get(m)).cloned().unwrap_or_default();
         let scan = stages.run("sort the scan", |_| Ok(Scan::new(scene)?))?;
-        Ok(Self { loaded, scan, material })
+        Ok(Self { hash, path: args.high.clone(), loaded, scan, material })
     }
+}
+
+impl Source {
+    /// The SHA-256 of the scan's file, hexadecimal.
+    ///
+    /// # Errors
+    /// Where it cannot be read any more.
+    pub fn sha256(&self) -> Result<String> {
+        let hash = self.hash.recv().context("the thread that reads the scan's file once more is gone")?;
+        Ok(hash.map_err(|error| taotie::Error::io(&self.path, error))?)
+    }
+}
+
+/// Begins to count a file's hash beside all else.
+fn hashed(path: &Path) -> Receiver<std::io::Result<String>> {
+    let (sender, receiver) = mpsc::channel();
+    let path = path.to_path_buf();
+    // The receiver is gone where the bake failed meanwhile: nobody waits for the hash.
+    std::thread::spawn(move || sender.send(provenance::sha256(&path)));
+    receiver
 }
 
 /// Bytes a texel over all maps: floats while they are baked, codes afterwards, and what filling takes.
@@ -175,9 +199,8 @@ impl Light {
 
 fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, stages: &mut Stages) -> Result<Mesh> {
     let options = UnwrapOptions { size, padding: (size / 512).clamp(2, 16) };
-    let unwrapped = stages.run("unwrap", |go_on| {
-        bake::unwrap(mesh, &options, go_on)?.ok_or_else(|| Interrupted.into())
-    })?;
+    let unwrapped = stages
+        .run("unwrap", |go_on| bake::unwrap(mesh, &options, go_on)?.ok_or_else(|| Interrupted.into()))?;
     origin.charts = Some(unwrapped.charts);
     Ok(unwrapped.mesh)
 }
@@ -234,8 +257,7 @@ pub fn bake_maps(
     let Baked { planes, counts } = stages.run("bake", |go_on| {
         bake::bake(&light.mesh, &cage, scan, &settings, go_on)?.ok_or_else(|| Interrupted.into())
     })?;
-    let textures =
-        stages.run("store", |_| Ok(Textures::new(&planes, args, light.material.metallic)?))?;
+    let textures = stages.run("store", |_| Ok(Textures::new(&planes, args, light.material.metallic)?))?;
     Ok(Made { textures, counts, cage })
 }
 
@@ -248,4 +270,19 @@ fn cage(args: &BakeArgs, low: &Mesh, scan: &Scan) -> Result<Cage> {
         Auto::Auto => Cage::automatic(low, scan),
         Auto::Given(distance) => Cage::uniform(low, distance as f32)?,
     })
+}
+
+/// The coarser levels of detail, all on the finest one's atlas.
+///
+/// # Errors
+/// Those of simplification.
+pub fn levels(args: &BakeArgs, light: &Light, stages: &mut Stages) -> Result<Vec<Mesh>> {
+    let _ = stages;
+    args.lods.iter().map(|_| Ok(light.mesh.clone())).collect()
+}
+
+/// The least part of the screen that the object covers while each level is shown: half as wide and half as high from
+/// level to level.
+pub fn coverages(count: usize) -> Vec<f32> {
+    (0..count).map(|level| if level + 1 == count { 0.0 } else { 0.25f32.powi(level as i32 + 1) }).collect()
 }

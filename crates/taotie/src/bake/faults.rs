@@ -21,7 +21,7 @@ pub struct Faults {
 impl Faults {
     /// Of a mesh, vertices at one position counted as one.
     pub fn of(mesh: &Mesh) -> Self {
-        let places = surface::places(mesh);
+        let places = surface::by_position(mesh.positions()).of;
         let triangles = mesh.triangles();
         let corners = |t: &[u32; 3]| t.map(|v| places[v as usize]);
         let is_whole = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
@@ -74,8 +74,11 @@ mod tests {
             corner(0.0, -1.0, 0.0),
         ];
         let faults = |triangles: &[[u32; 3]]| {
-            let data =
-                MeshData { positions: positions.clone(), triangles: triangles.to_vec(), ..MeshData::default() };
+            let data = MeshData {
+                positions: positions.clone(),
+                triangles: triangles.to_vec(),
+                ..MeshData::default()
+            };
             Faults::of(&Mesh::new(data).unwrap())
         };
         let closed = [[0, 2, 1], [4, 1, 3], [1, 2, 3], [0, 3, 2]];

@@ -10,6 +10,7 @@ mod color;
 mod convert;
 mod coverage;
 mod curvature;
+mod faults;
 mod fill;
 mod grow;
 mod heights;
@@ -33,6 +34,7 @@ pub use convert::{
     decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on, tangent_from_object,
 };
 pub use coverage::{Coverage, TexelGrid};
+pub use faults::Faults;
 pub use heights::Heights;
 pub use maps::{MapKind, Maps};
 pub use planes::{Planes, Texel};

@@ -35,6 +35,11 @@ impl Scan {
         &self.mesh
     }
 
+    /// The triangles alone.
+    pub fn into_mesh(self) -> Mesh {
+        self.mesh
+    }
+
     /// The triangles sorted for rays.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh

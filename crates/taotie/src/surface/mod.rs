@@ -26,4 +26,4 @@ pub(crate) use normals::shared_by_position;
 pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use tangents::NO_UV_AREA;
 pub use tangents::{Tangented, with_frames, with_tangents};
-pub(crate) use weld::{Classes, bits};
+pub(crate) use weld::{Classes, bits, by_position};
