@@ -4,7 +4,6 @@ use anyhow::{Result, bail};
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
-use taotie::mesh::Mesh;
 
 /// A number of bytes, written as 4G, 1.5GB, 800M.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -85,16 +84,6 @@ pub struct Need {
 }
 
 impl Need {
-    /// Of a scan.
-    pub fn of(scan: &Mesh, simplifies: bool, texels: u64, texel_bytes: u64) -> Self {
-        Self {
-            scan: [scan.triangles().len() as u64, scan.positions().len() as u64],
-            simplifies,
-            texels,
-            texel_bytes,
-        }
-    }
-
     /// The whole, scan included.
     pub fn bytes(&self) -> Bytes {
         /// Positions and normals; what else vertices have is small beside the rest.

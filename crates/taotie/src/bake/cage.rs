@@ -1,7 +1,7 @@
 //! Which way and how far the heavy surface is looked for.
 
 use super::projection::Probe;
-use super::scan::Scan;
+use super::scan::{Scan, blend};
 use crate::error::{Error, Result};
 use crate::math::{Vec3, sequence};
 use crate::mesh::Mesh;
@@ -28,8 +28,9 @@ const MARGIN: f32 = 2.0;
 const LEAST: f64 = 2e-4;
 /// The gap is sought no farther than this part of the mesh's diagonal.
 const MOST: f64 = 0.1;
-/// A point seen along the direction is that of the gap if it is no farther away than this times the closest point of
-/// all; else the line ran past the scan and met another part of it.
+/// A point seen along the direction, farther away than this part of the mesh's diagonal, is that of the gap only if it is
+/// no farther away than [`OBLIQUE`] times the closest point of all; else the line ran past the scan and met another part.
+const NEAR: f64 = 5e-3;
 const OBLIQUE: f32 = 4.0;
 
 impl Cage {
@@ -40,7 +41,7 @@ impl Cage {
         let diagonal = diagonal(low);
         let gaps: Vec<f32> = (0..low.triangles().len())
             .into_par_iter()
-            .map(|t| largest_gap(low, &directions, scan, t, (diagonal * MOST) as f32))
+            .map(|t| largest_gap(low, &directions, scan, t, diagonal))
             .collect();
         let mut reach = vec![(diagonal * LEAST) as f32; directions.len()];
         for (triangle, gap) in low.triangles().iter().zip(gaps) {
@@ -127,23 +128,28 @@ pub(super) fn diagonal(mesh: &Mesh) -> f64 {
 }
 
 /// How far the scan lies from a triangle, at most, over a few of its points.
-fn largest_gap(low: &Mesh, directions: &[Vec3], scan: &Scan, t: usize, most: f32) -> f32 {
+fn largest_gap(low: &Mesh, directions: &[Vec3], scan: &Scan, t: usize, diagonal: f64) -> f32 {
     /// Points looked at over the whole mesh, roughly.
-    const POINTS: usize = 200_000;
+    const POINTS: usize = 60_000;
+    let [near, most] = [NEAR, MOST].map(|part| (diagonal * part) as f32);
     let triangle = low.triangles()[t];
     let corners = low.corners(t);
-    let count = (POINTS / low.triangles().len()).clamp(4, 64) as u32;
+    let count = (POINTS / low.triangles().len()).clamp(2, 64) as u32;
     let points = sequence::Sequence::new(t as u32);
     let gap = |i: u32| {
         let [u, v, ..] = points.four(i, 0);
         let weights = triangle_weights(u, v);
-        let point = super::scan::blend(corners, weights);
-        let direction =
-            super::scan::blend(triangle.map(|v| directions[v as usize]), weights).normalize_or(directions[0]);
+        let point = blend(corners, weights);
+        let direction = blend(triangle.map(|v| directions[v as usize]), weights).normalize_or(directions[0]);
+        let height = |reach: f32| {
+            let probe = Probe { point, direction, inward: reach, outward: reach };
+            scan.project(&probe, None).map(|found| found.height.abs())
+        };
+        if let Some(height) = height(near) {
+            return Some(height);
+        }
         let closest = scan.bvh().closest(point, most)?.distance;
-        let reach = (closest * OBLIQUE).max(most * 1e-3);
-        let probe = Probe { point, direction, inward: reach, outward: reach };
-        Some(scan.project(&probe, None).map_or(closest, |found| found.height.abs()))
+        Some(height((closest * OBLIQUE).max(near)).unwrap_or(closest))
     };
     (0..count).filter_map(gap).fold(0.0, f32::max)
 }

@@ -36,14 +36,13 @@ impl Scan {
     pub fn project(&self, probe: &Probe, among: Option<&Shortlist>) -> Option<Match> {
         let ray = Ray::new(probe.point - probe.direction * probe.inward, probe.direction);
         let span = [0.0, probe.inward, probe.inward + probe.outward];
-        let faces = |hit: &Hit| self.normal(hit.triangle, hit.weights).dot(probe.direction) > 0.0;
-        let hit = self.bvh().nearest_to(&ray, span, among, faces)?;
-        Some(Match {
-            height: hit.distance - probe.inward,
-            normal: self.normal(hit.triangle, hit.weights),
-            triangle: hit.triangle,
-            weights: hit.weights,
-        })
+        let facing = |hit: &Hit| {
+            let normal = self.normal(hit.triangle, hit.weights);
+            (normal.dot(probe.direction) > 0.0).then_some(normal)
+        };
+        let (hit, normal) = self.bvh().nearest_to(&ray, span, among, facing)?;
+        let height = hit.distance - probe.inward;
+        Some(Match { height, normal, triangle: hit.triangle, weights: hit.weights })
     }
 
     /// The closest point of the scan within `reach`, if it faces as `direction` does.

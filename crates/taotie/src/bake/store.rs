@@ -122,16 +122,17 @@ fn stored(
     let codes = |i: usize, top: f64| {
         let at = [i as u32 % width, i as u32 / width];
         let offset = |channel: u32| if storage.dither { dither(at, channel) } else { 0.0 };
+        // Cut off, which is rounding down for what is not below 0.
         let code = |channel: usize, v: f32| {
-            ((f64::from(v) * top + 0.5 + offset(channel as u32)).floor()).clamp(0.0, top)
+            (f64::from(v) * top + 0.5 + offset(channel as u32)).clamp(0.0, top) as u16
         };
         let [r, g, b, a] = number(i);
         // Alpha is not dithered: what is opaque stays so.
-        [code(0, r), code(1, g), code(2, b), (f64::from(a) * top + 0.5).floor().clamp(0.0, top)]
+        [code(0, r), code(1, g), code(2, b), (f64::from(a) * top + 0.5).clamp(0.0, top) as u16]
     };
     let texels = match storage.bits {
         8 => Texels::U8((0..count).into_par_iter().map(|i| codes(i, 255.0).map(|c| c as u8)).collect()),
-        16 => Texels::U16((0..count).into_par_iter().map(|i| codes(i, 65535.0).map(|c| c as u16)).collect()),
+        16 => Texels::U16((0..count).into_par_iter().map(|i| codes(i, 65535.0)).collect()),
         bits => {
             return Err(Error::invalid(format!("{bits} bits a channel"), "normals are stored in 8 or 16"));
         }

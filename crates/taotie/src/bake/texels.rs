@@ -301,24 +301,35 @@ impl Job<'_> {
     /// Writes the means.
     fn store(&self, i: usize, cell: &Cell, planes: &mut BandPlanes<'_>) {
         let share = 1.0 / cell.samples as f32;
+        let maps = self.settings.maps;
         planes.texels[i] = match cell {
             cell if cell.lost > 0 => Texel::Lost,
             cell if cell.missed > 0 => Texel::Closest,
             _ => Texel::Met,
         };
-        let set = |plane: &mut [f32], v: f32| plane.get_mut(i).into_iter().for_each(|texel| *texel = v);
-        let set3 = |plane: &mut [[f32; 3]], v: Vec3| {
-            plane.get_mut(i).into_iter().for_each(|texel| *texel = v.to_array());
-        };
-        set3(planes.normal, self.turned(cell, cell.normal));
-        set3(planes.bent, self.turned(cell, cell.bent));
-        set3(planes.albedo, cell.color * share);
-        set(planes.lift, cell.lift * share);
-        set(planes.occlusion, cell.open * share);
-        set(planes.curvature, cell.curvature * share);
-        let mean = cell.normal * share;
-        let relief = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
-        set(planes.roughness, Hidden { bend: 0.0, relief }.widened(self.settings.roughness));
+        if maps.has(MapKind::Normal) {
+            planes.normal[i] = self.turned(cell, cell.normal).to_array();
+        }
+        if maps.has(MapKind::Bent) {
+            planes.bent[i] = self.turned(cell, cell.bent).to_array();
+        }
+        if maps.has(MapKind::Albedo) {
+            planes.albedo[i] = (cell.color * share).to_array();
+        }
+        if maps.has(MapKind::Height) {
+            planes.lift[i] = cell.lift * share;
+        }
+        if maps.has(MapKind::Occlusion) {
+            planes.occlusion[i] = cell.open * share;
+        }
+        if maps.has(MapKind::Curvature) {
+            planes.curvature[i] = cell.curvature * share;
+        }
+        if maps.has(MapKind::Roughness) {
+            let mean = cell.normal * share;
+            let relief = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
+            planes.roughness[i] = Hidden { bend: 0.0, relief }.widened(self.settings.roughness);
+        }
     }
 
     /// A direction in the space asked for, unit.
@@ -328,9 +339,8 @@ impl Job<'_> {
         match self.settings.space {
             NormalSpace::Object => v,
             NormalSpace::Tangent => {
-                let share = 1.0 / f64::from(cell.samples);
-                let [n, t] = [cell.n, cell.t].map(|sum| sum.to_f64() * share);
-                tangent_space_normal(n, t, f64::from(cell.handedness), v.to_f64()).to_f32()
+                let share = 1.0 / cell.samples as f32;
+                tangent_space_normal(cell.n * share, cell.t * share, cell.handedness, v)
             }
         }
     }

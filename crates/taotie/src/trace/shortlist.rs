@@ -39,29 +39,28 @@ impl Bvh {
         true
     }
 
-    /// The hit that `counts` within `span`, lengths of the ray's direction, whose distance is nearest to `center`; of two
-    /// equally near the farther along the ray. With a list, only its leaves are looked at.
-    pub fn nearest_to(
+    /// The hit that counts between `from` and `to`, lengths of the ray's direction, whose distance is nearest to `center`;
+    /// of two equally near the farther along the ray. With a list, only its leaves are looked at. `judge` is asked of any
+    /// hit, in any order; what it says of one that counts comes back with it.
+    pub fn nearest_to<T>(
         &self,
         ray: &Ray,
         [from, center, to]: [f32; 3],
         among: Option<&Shortlist>,
-        counts: impl Fn(&Hit) -> bool,
-    ) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
+        judge: impl Fn(&Hit) -> Option<T>,
+    ) -> Option<(Hit, T)> {
+        let mut best: Option<(Hit, T)> = None;
         let away = |hit: &Hit| (hit.distance - center).abs();
         let meet = |met: Met, span: Span| {
             let hit =
                 Hit { triangle: self.tree.order[met.slot], weights: met.weights, distance: met.distance };
-            let is_nearer = best.is_none_or(|best| {
-                let order = away(&hit).total_cmp(&away(&best));
+            let is_nearer = best.as_ref().is_none_or(|(best, _)| {
+                let order = away(&hit).total_cmp(&away(best));
                 let order = order.then(best.distance.total_cmp(&hit.distance));
                 order.then(hit.triangle.cmp(&best.triangle)).is_lt()
             });
-            if !is_nearer || !counts(&hit) {
-                return span;
-            }
-            best = Some(hit);
+            let Some(said) = is_nearer.then(|| judge(&hit)).flatten() else { return span };
+            best = Some((hit, said));
             Span { from: span.from.max(center - away(&hit)), to: span.to.min(center + away(&hit)) }
         };
         let span = Span { from: from.max(0.0), to };
@@ -154,9 +153,9 @@ mod tests {
             let p = Vec3::new(0.45 + (i % 10) as f32 * 0.011, 0.45 + (i / 10) as f32 * 0.0113, -0.15);
             let ray = Ray::new(p, Vec3::new(0.1, -0.05, 1.0));
             let span = [0.0, 0.15, 0.3];
-            let found = bvh.nearest_to(&ray, span, None, |_| true);
+            let found = bvh.nearest_to(&ray, span, None, |_| Some(()));
             assert!(found.is_some());
-            assert_eq!(found, bvh.nearest_to(&ray, span, Some(&list), |_| true));
+            assert_eq!(found, bvh.nearest_to(&ray, span, Some(&list), |_| Some(())));
         }
     }
 
@@ -172,7 +171,7 @@ mod tests {
         assert_eq!(nearest([0.0, 1.4, 9.0]), Some(0));
         assert_eq!(nearest([1.5, 1.0, 9.0]), Some(1), "not before its beginning");
         assert_eq!(nearest([4.5, 5.0, 9.0]), None);
-        let odd = bvh.nearest_to(&ray, [0.0, 1.0, 9.0], None, |hit| hit.triangle != 0);
-        assert_eq!(odd.map(|hit| hit.triangle), Some(1));
+        let odd = bvh.nearest_to(&ray, [0.0, 1.0, 9.0], None, |hit| (hit.triangle != 0).then_some(7));
+        assert_eq!(odd.map(|(hit, said)| (hit.triangle, said)), Some((1, 7)));
     }
 }
