@@ -1,4 +1,4 @@
-//! Baking: heavy surfaces made light, which point of a heavy surface a point of a light one stands for, which point of
+//! Baking: heavy surfaces made light and unwrapped, which point of a heavy surface a point of a light one stands for, which point of
 //! a mesh each texel of a map shows, and normal maps made from heights and from one another.
 //!
 //! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in
@@ -10,6 +10,7 @@ mod corners;
 mod coverage;
 mod grow;
 mod heights;
+mod levels;
 mod projection;
 mod raster;
 mod simplify;
@@ -23,6 +24,7 @@ pub use convert::{
 };
 pub use coverage::{Coverage, TexelGrid};
 pub use heights::Heights;
+pub use levels::{Level, levels};
 pub use projection::{Match, Projector};
 pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
 pub use store::{Storage, Stored, green_turned, requantised, store_normals};
