@@ -177,6 +177,63 @@ fn ply_errors_name_the_place() {
     assert!(error("a.ply", lie).contains("element face"));
 }
 
+/// A grid of more faces than are decoded at a time: quads, but every fifth is two triangles and every eleventh a point.
+/// Gives the file, and its triangles.
+fn large_ply(first_index_of_last_face: i32) -> (Vec<u8>, Vec<[u32; 3]>) {
+    const SIDE: u32 = 300;
+    let (mut vertices, mut faces, mut triangles, mut count) = (Vec::new(), Vec::new(), Vec::new(), 0);
+    for i in 0..SIDE * SIDE {
+        let place = [(i % SIDE) as f32, (i / SIDE) as f32 * 0.5, 0.25];
+        vertices.extend(place.iter().flat_map(|v| v.to_be_bytes()));
+    }
+    let mut face = |corners: &[u32]| {
+        faces.push(9);
+        faces.push(corners.len() as u8);
+        faces.extend(corners.iter().flat_map(|c| c.to_be_bytes()));
+        count += 1;
+    };
+    for i in (0..SIDE * (SIDE - 1)).filter(|i| i % SIDE < SIDE - 1) {
+        let [a, b, c, d] = [i, i + 1, i + SIDE + 1, i + SIDE];
+        match i {
+            i if i % 5 == 0 => [[a, b, c], [a, c, d]].iter().for_each(|t| face(t)),
+            i if i % 11 == 0 => face(&[a]),
+            _ => face(&[a, b, c, d]),
+        }
+        if i % 5 == 0 || i % 11 != 0 {
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    let [a, b, c] = [first_index_of_last_face, 1, SIDE as i32];
+    faces.extend([9, 3]);
+    faces.extend([a, b, c].iter().flat_map(|c| c.to_be_bytes()));
+    triangles.push([a as u32, b as u32, c as u32]);
+    let header = format!(
+        "ply\nformat binary_big_endian 1.0\nelement face {}\nproperty uchar flags\n\
+         property list uchar uint vertex_indices\nelement vertex {}\nproperty float x\nproperty float y\n\
+         property float z\nend_header\n",
+        count + 1,
+        SIDE * SIDE
+    );
+    ([header.into_bytes(), faces, vertices].concat(), triangles)
+}
+
+#[test]
+fn ply_of_several_blocks_is_read_in_order() {
+    let (file, triangles) = large_ply(0);
+    let loaded = sound("a.ply", &file);
+    let mesh = &loaded.scene.meshes[0];
+    assert_eq!(mesh.positions()[299 * 300 + 7].to_array(), [7.0, 149.5, 0.25]);
+    assert!(mesh.triangles() == triangles);
+    let few = loaded.warnings.iter().next().map(|(what, _)| what);
+    assert_eq!(few, Some("faces of fewer than three corners are left out"));
+
+    let (file, _) = large_ply(-1);
+    let faces =
+        String::from_utf8_lossy(&file[..80]).lines().nth(2).and_then(|l| l[13..].parse::<usize>().ok());
+    let last = faces.expect("a count") - 1;
+    assert!(error("a.ply", &file).contains(&format!("face {last}: a negative vertex index")));
+}
+
 /// Two triangles that share an edge, in which one zero is negative.
 fn stl_triangles() -> [[[f32; 3]; 3]; 2] {
     let [a, b, c, d] = SQUARE;

@@ -5,7 +5,7 @@
 use super::look::Look;
 use rayon::prelude::*;
 use taotie::Result;
-use taotie::bake::{Projector, UvLookup};
+use taotie::bake::{Probe, Scan, UvLookup};
 use taotie::image::Image;
 use taotie::math::{Vec2, Vec3};
 use taotie::names::Named;
@@ -58,21 +58,23 @@ impl Matching {
         match self {
             Self::Pixel => matched(smooth, |_| None),
             Self::Uv => {
-                let lookup = UvLookup::new(reference);
+                let lookup = UvLookup::new(reference)?;
                 matched(smooth, |at| {
                     let [u, v, ..] = smooth.uv.pixel(at[0], at[1]);
                     lookup.at(Vec2::new(u, v)).map(|(_, normal)| normal)
                 })
             }
             Self::Normal => {
-                let projector = Projector::new(reference);
+                let scan = Scan::new(reference.clone())?;
+                let reach = (REACH * diagonal) as f32;
                 let size = [smooth.depth.width(), smooth.depth.height()];
                 matched(smooth, |at| {
                     let [depth, ..] = smooth.depth.pixel(at[0], at[1]);
                     let [x, y, z, _] = smooth.normals.pixel(at[0], at[1]);
                     let point = camera.point_at(at, depth.into(), size).to_f32();
-                    let found = projector.project(point, Vec3::new(x, y, z), (REACH * diagonal) as f32);
-                    found.map(|found| found.normal)
+                    let direction = Vec3::new(x, y, z);
+                    let probe = Probe { point, direction, inward: reach, outward: reach };
+                    scan.project(&probe, None).map(|found| found.normal)
                 })
             }
         }

@@ -92,7 +92,8 @@ fn view(
     Ok(View { name, note, pictures, legend: None })
 }
 
-fn legend(title: &str, unit: &str, top: f64, map: ColorMap) -> Legend {
+/// A scale of colours from 0 to `top`.
+pub fn legend(title: &str, unit: &str, top: f64, map: ColorMap) -> Legend {
     let stops = (0..STOPS).map(|i| map.color(f64::from(i) / f64::from(STOPS - 1))).collect();
     Legend { title: title.into(), unit: unit.into(), top, stops }
 }

@@ -10,6 +10,7 @@
 
 mod process;
 mod protocol;
+pub mod server;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -34,9 +35,17 @@ pub struct Tab {
 /// Opens a page that lies on disk in a window of this size, once it has loaded. Where there is no browser the test
 /// has to be skipped, which is a failure under `CI=true`.
 pub fn open(path: &Path, size: [u32; 2]) -> Option<Tab> {
-    let mut tab = Tab::new(Process::start()?);
+    let mut tab = Tab::new(Process::start(&["--disable-gpu"])?);
     tab.resize(size);
     tab.go(path);
+    Some(tab)
+}
+
+/// Opens a page that a server gives out, in a browser that draws WebGL without a graphics card; else as [`open`].
+pub fn open_webgl(address: &str, size: [u32; 2]) -> Option<Tab> {
+    let mut tab = Tab::new(Process::start(&["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])?);
+    tab.resize(size);
+    tab.call("Page.navigate", json!({ "url": address }));
     Some(tab)
 }
 

@@ -20,8 +20,8 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts Chromium; `None`, with the reason told, where there is none. Under `CI=true` that is a failure.
-    pub fn start() -> Option<Self> {
+    /// Starts Chromium with these flags among others; `None`, with the reason told, where there is none. Under `CI=true` that is a failure.
+    pub fn start(flags: &[&str]) -> Option<Self> {
         let Some(program) = find() else {
             let reason = "no Chromium in PATH or BROWSER; `make tools` installs it where it can";
             let required = std::env::var("CI").is_ok_and(|ci| ci == "true");
@@ -30,7 +30,11 @@ impl Process {
             return None;
         };
         let profile = tempfile::tempdir().expect("temporary folders can be made");
-        let mut child = command(&program, profile.path()).spawn().expect("the browser starts");
+        let mut child = command(&program, profile.path())
+            .args(flags)
+            .arg("about:blank")
+            .spawn()
+            .expect("the browser starts");
         let mut stderr = BufReader::new(child.stderr.take().expect("it is a pipe"));
         let address = announced(&mut stderr);
         // A browser whose talk nobody hears would wait for a listener.
@@ -62,7 +66,7 @@ fn find() -> Option<PathBuf> {
 
 fn command(program: &Path, profile: &Path) -> Command {
     let mut command = Command::new(program);
-    command.args(["--headless=new", "--remote-debugging-port=0", "--no-first-run", "--disable-gpu"]);
+    command.args(["--headless=new", "--remote-debugging-port=0", "--no-first-run"]);
     command.args(["--hide-scrollbars", "--disable-background-networking", "--disable-component-update"]);
     command.args(["--disable-sync", "--disable-extensions", "--force-color-profile=srgb"]);
     command.arg(format!("--user-data-dir={}", profile.display()));
@@ -70,7 +74,7 @@ fn command(program: &Path, profile: &Path) -> Command {
         // The browser's own sandbox refuses to run for the superuser.
         command.arg("--no-sandbox");
     }
-    command.arg("about:blank").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
     command
 }
 

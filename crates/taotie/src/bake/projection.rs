@@ -1,55 +1,67 @@
 //! From a light surface to the heavy one that it stands for.
 
-use super::corners::Corners;
+use super::scan::Scan;
 use crate::math::Vec3;
-use crate::scene::Scene;
-use crate::trace::{Bvh, Ray};
-
-/// The triangles of a heavy scene, ready to be found from points of a light one.
-pub struct Projector {
-    bvh: Bvh,
-    corners: Corners,
-}
-
-/// How far behind a point its rays begin, as a part of the reach.
-const BEHIND: f32 = 1e-3;
+use crate::trace::{Hit, Ray, Shortlist};
 
 /// The point of the heavy surface that a point of the light one stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Match {
-    /// Along the normal that was followed: above 0 outside the light surface, model units.
+    /// Along the direction that was followed: above 0 outside the light surface, model units.
     pub height: f32,
     /// The interpolated normal there: unit, world space.
     pub normal: Vec3,
+    /// Index of the triangle there.
+    pub triangle: u32,
+    /// Weights of its corners.
+    pub weights: [f32; 3],
 }
 
-impl Projector {
-    /// Sorts all triangles of `scene`. Normal maps of its materials are not read: its relief is its geometry.
-    pub fn new(scene: &Scene) -> Self {
-        let mut corners = Corners::default();
-        scene.instances.iter().for_each(|instance| corners.add(scene, instance));
-        Self { bvh: Bvh::build(&corners.positions), corners }
+/// A line through a point of a light surface on which its match is sought.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Probe {
+    /// A point of the light surface, world space.
+    pub point: Vec3,
+    /// Outward, unit.
+    pub direction: Vec3,
+    /// How far the line goes into the light surface, model units.
+    pub inward: f32,
+    /// How far it goes out.
+    pub outward: f32,
+}
+
+impl Scan {
+    /// The nearest point on the probe where the scan faces as the probe does: whatever faces the other way is the far
+    /// side of something else. With a list that holds all of the probe, only its leaves are looked at.
+    pub fn project(&self, probe: &Probe, among: Option<&Shortlist>) -> Option<Match> {
+        let ray = Ray::new(probe.point - probe.direction * probe.inward, probe.direction);
+        let span = [0.0, probe.inward, probe.inward + probe.outward];
+        let faces = |hit: &Hit| self.normal(hit.triangle, hit.weights).dot(probe.direction) > 0.0;
+        let hit = self.bvh().nearest_to(&ray, span, among, faces)?;
+        Some(Match {
+            height: hit.distance - probe.inward,
+            normal: self.normal(hit.triangle, hit.weights),
+            triangle: hit.triangle,
+            weights: hit.weights,
+        })
     }
 
-    /// The nearer of the first hits along `normal` (unit) and against it, at most `reach` away from `point`, if the
-    /// surface there faces as `normal` does; a hit that does not is the far side of something else, and no match.
-    pub fn project(&self, point: Vec3, normal: Vec3, reach: f32) -> Option<Match> {
-        let outward = self.first(point, normal, reach);
-        let inward = self.first(point, -normal, reach).map(|m| Match { height: -m.height, ..m });
-        let [outward, inward] = [outward, inward].map(|m| m.map(|m| (m.height.abs(), m)));
-        let nearer = match (outward, inward) {
-            (Some((out, m)), Some((into, _))) if out <= into => m,
-            (_, Some((_, m))) | (Some((_, m)), None) => m,
-            (None, None) => return None,
+    /// The closest point of the scan within `reach`, if it faces as `direction` does.
+    pub fn closest(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Match> {
+        let closest = self.bvh().closest(point, reach)?;
+        let normal = self.normal(closest.triangle, closest.weights);
+        let side = if (self.point(closest.triangle, closest.weights) - point).dot(direction) < 0.0 {
+            -1.0
+        } else {
+            1.0
         };
-        (nearer.normal.dot(normal) > 0.0).then_some(nearer)
-    }
-
-    /// The first hit from a little behind `point`, so that a surface through the point itself is not missed.
-    fn first(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Match> {
-        let back = reach * BEHIND;
-        let hit = self.bvh.nearest(&Ray::new(point - direction * back, direction), reach + back)?;
-        Some(Match { height: hit.distance - back, normal: self.corners.normal_at(&hit) })
+        let found = Match {
+            height: closest.distance * side,
+            normal,
+            triangle: closest.triangle,
+            weights: closest.weights,
+        };
+        (normal.dot(direction) > 0.0).then_some(found)
     }
 }
 
@@ -58,10 +70,10 @@ mod tests {
     use super::*;
     use crate::math::Mat4;
     use crate::mesh::{Mesh, MeshData};
-    use crate::scene::{Instance, Material};
+    use crate::scene::{Instance, Material, Scene};
 
     /// Two squares above each other, the lower facing up, the upper down.
-    fn sheets() -> Scene {
+    fn sheets() -> Scan {
         let square = |z: f32, order: [u32; 6]| {
             let corner = |x: f32, y: f32| Vec3::new(x, y, z);
             let positions = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
@@ -71,21 +83,44 @@ mod tests {
         let meshes = vec![square(0.0, [0, 1, 2, 0, 2, 3]), square(1.0, [0, 2, 1, 0, 3, 2])];
         let instances =
             (0..2).map(|mesh| Instance { mesh, material: 0, world_from_object: Mat4::IDENTITY }).collect();
-        Scene { meshes, instances, materials: vec![Material::default()], ..Scene::default() }
+        Scan::new(Scene { meshes, instances, materials: vec![Material::default()], ..Scene::default() })
+            .unwrap()
     }
 
     #[test]
-    fn finds_the_nearer_sheet_on_either_side() {
-        let projector = Projector::new(&sheets());
+    fn finds_the_nearest_sheet_that_faces_the_same_way() {
+        let scan = sheets();
         let up = Vec3::new(0.0, 0.0, 1.0);
-        let at = |z: f32, reach: f32| projector.project(Vec3::new(0.3, 0.4, z), up, reach);
+        let probe = |z: f32, direction: Vec3, reach: f32| Probe {
+            point: Vec3::new(0.3, 0.4, z),
+            direction,
+            inward: reach,
+            outward: reach,
+        };
+        let at = |z: f32, reach: f32| scan.project(&probe(z, up, reach), None);
         let below = at(0.2, 0.5).unwrap();
         assert!((below.height + 0.2).abs() < 1e-6 && (below.normal - up).length() < 1e-6);
-        let above = at(-0.1, 0.5).unwrap();
-        assert!((above.height - 0.1).abs() < 1e-6);
+        assert!((at(-0.1, 0.5).unwrap().height - 0.1).abs() < 1e-6);
         let on = at(0.0, 0.5).unwrap();
         assert!(on.height.abs() < 1e-6 && (on.normal - up).length() < 1e-6);
         assert!(at(0.3, 0.2).is_none(), "beyond reach");
-        assert!(at(0.9, 0.5).is_none(), "the nearer sheet faces the other way");
+        assert!(at(0.9, 0.5).is_none(), "the nearer sheet faces the other way, the other is out of reach");
+        assert!(
+            (at(0.9, 1.0).unwrap().height + 0.9).abs() < 1e-6,
+            "what faces the other way is passed through"
+        );
+        let down = scan.project(&probe(0.9, -up, 0.5), None).unwrap();
+        assert!((down.height + 0.1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_closest_point_counts_where_it_faces_the_same_way() {
+        let scan = sheets();
+        let up = Vec3::new(0.0, 0.0, 1.0);
+        let beside = Vec3::new(-0.3, 0.5, 0.1);
+        let found = scan.closest(beside, up, 1.0).unwrap();
+        assert!((found.height + 0.1f32.hypot(0.3)).abs() < 1e-6 && (found.normal - up).length() < 1e-6);
+        assert!(scan.closest(beside, -up, 1.0).is_none());
+        assert!(scan.closest(beside, up, 0.1).is_none());
     }
 }

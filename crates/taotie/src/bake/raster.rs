@@ -4,6 +4,7 @@ use super::coverage::NONE;
 use crate::error::{Error, Result};
 use crate::math::Vec2;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// How many copies of the map a triangle's uvs may span.
@@ -63,6 +64,9 @@ pub(super) struct Rasterizer<'a> {
     bits: u32,
 }
 
+/// Rows without a limit.
+pub(super) const ALL_ROWS: Range<i64> = i64::MIN..i64::MAX;
+
 /// A point in fixed point, texels.
 type Fixed = [i64; 2];
 
@@ -93,26 +97,26 @@ impl<'a> Rasterizer<'a> {
 
     /// Draws a triangle; `false` where its uvs span no area or are not finite.
     pub fn draw(&self, triangle: usize, canvas: &Canvas) -> bool {
-        self.spans(triangle, |y, span| canvas.give(y, span, triangle as u32))
+        self.spans(triangle, ALL_ROWS, |y, span| canvas.give(y, span, triangle as u32))
     }
 
-    /// Calls `give` with each row of texels whose centres a triangle covers, its first and its last column; `false` as
-    /// above.
-    pub fn spans(&self, triangle: usize, give: impl FnMut(i64, [i64; 2])) -> bool {
+    /// Calls `give` with the rows of a triangle among `rows` and the first and last of its columns in each; rows and
+    /// columns go on beyond the map where the triangle does. `false` as for [`Rasterizer::draw`].
+    pub fn spans(&self, triangle: usize, rows: Range<i64>, mut give: impl FnMut(i64, [i64; 2])) -> bool {
         let Some(corners) = self.corners(triangle) else { return false };
         let scale = f64::from(1u32 << self.bits);
         let [a, b, c] = corners.map(|p| p.map(|v| (v * scale + 0.5).floor() as i64));
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         match area {
             0 => return false,
-            area if area > 0 => self.fill([a, b, c], give),
-            _ => self.fill([a, c, b], give),
+            area if area > 0 => self.fill([a, b, c], rows, &mut give),
+            _ => self.fill([a, c, b], rows, &mut give),
         }
         true
     }
 
     /// The corners in texels, moved by whole copies of the map to where the least is in the first copy.
-    fn corners(&self, triangle: usize) -> Option<[[f64; 2]; 3]> {
+    pub fn corners(&self, triangle: usize) -> Option<[[f64; 2]; 3]> {
         let uvs = self.triangles[triangle].map(|v| self.uvs[v as usize]);
         let wide = uvs.map(|uv| [f64::from(uv.x), f64::from(uv.y)]);
         let [a, b, c] = wide;
@@ -125,17 +129,20 @@ impl<'a> Rasterizer<'a> {
         Some(wide.map(|p| [0, 1].map(|k| (p[k] - first[k]) * self.size[k])))
     }
 
-    /// Gives away the texels whose centres lie in the triangle, whose corners run clockwise in the picture.
-    fn fill(&self, corners: [Fixed; 3], mut give: impl FnMut(i64, [i64; 2])) {
+    /// The texels whose centres lie in the triangle, whose corners run clockwise in the picture.
+    fn fill(&self, corners: [Fixed; 3], rows: Range<i64>, give: &mut impl FnMut(i64, [i64; 2])) {
         let (unit, half) = (1i64 << self.bits, (1i64 << self.bits) >> 1);
         let [a, b, c] = corners;
         let (top, bottom) = (a[1].min(b[1]).min(c[1]), a[1].max(b[1]).max(c[1]));
-        for y in ceil_div(top - half, unit)..=(bottom - half).div_euclid(unit) {
+        let first = ceil_div(top - half, unit).max(rows.start);
+        for y in first..((bottom - half).div_euclid(unit) + 1).min(rows.end) {
             let mut span = [i64::MIN, i64::MAX];
             for (p, q) in [(a, b), (b, c), (c, a)] {
                 narrow(&mut span, p, q, [half, y * unit + half, unit]);
             }
-            give(y, span);
+            if span[0] <= span[1] {
+                give(y, span);
+            }
         }
     }
 }

@@ -59,6 +59,33 @@ pub fn store_normals(
     Ok(Stored { error: angular_error(normals, &read)?, bitmap })
 }
 
+/// Stores vectors as normals, (n + 1)/2, each made unit first; row by row from the top.
+///
+/// # Errors
+/// As [`store_codes`].
+pub fn store_unit_vectors(size: [u32; 2], vectors: &[[f32; 3]], storage: Storage) -> Result<Bitmap> {
+    let up = Vec3::new(0.0, 0.0, 1.0);
+    let code = |i: usize| encode_normal(Vec3::from_array(vectors[i]).normalize_or(up)).to_array();
+    store_codes(size, code, 3, storage)
+}
+
+/// Stores a map of one or three `channels`, whose numbers in [0, 1] `code` gives for each texel.
+///
+/// # Errors
+/// [`Error::Invalid`] where the bits are neither 8 nor 16.
+pub fn store_codes(
+    size: [u32; 2],
+    code: impl Fn(usize) -> [f32; 3] + Sync,
+    channels: u8,
+    storage: Storage,
+) -> Result<Bitmap> {
+    let number = |i: usize| {
+        let [r, g, b] = code(i);
+        [r, g, b, 1.0]
+    };
+    stored(size, channels, storage, number)
+}
+
 /// The numbers of a bitmap in other bits; alpha is kept. More bits change nothing, and back again neither.
 ///
 /// # Errors

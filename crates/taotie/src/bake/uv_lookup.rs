@@ -1,7 +1,9 @@
 //! A surface looked up by its uvs, for pairs of meshes that share them.
 
-use super::corners::{self, Corners};
+use super::scan::{blend, merged};
+use crate::error::Result;
 use crate::math::{Vec2, Vec3};
+use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::trace::{Bvh, Ray};
 
@@ -9,21 +11,21 @@ use crate::trace::{Bvh, Ray};
 pub struct UvLookup {
     /// Each triangle at (u, v, 0).
     bvh: Bvh,
-    corners: Corners,
+    mesh: Mesh,
 }
 
 impl UvLookup {
     /// Sorts all triangles of `scene` by their first uvs. Meshes without uvs are left out.
-    pub fn new(scene: &Scene) -> Self {
-        let (mut flat, mut corners) = (Vec::new(), Corners::default());
-        for instance in &scene.instances {
-            let mesh = &scene.meshes[instance.mesh];
-            let Some(uvs) = mesh.uvs().first() else { continue };
-            let place = |i: u32| Vec3::new(uvs[i as usize].x, uvs[i as usize].y, 0.0);
-            flat.extend(mesh.triangles().iter().map(|triangle| triangle.map(place)));
-            corners.add(scene, instance);
-        }
-        Self { bvh: Bvh::build(&flat), corners }
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
+    pub fn new(scene: &Scene) -> Result<Self> {
+        let mut instances = scene.instances.clone();
+        instances.retain(|instance| !scene.meshes[instance.mesh].uvs().is_empty());
+        let mesh = merged(&mut scene.meshes.clone(), &instances)?;
+        let place = |v: u32| Vec3::new(mesh.uvs()[0][v as usize].x, mesh.uvs()[0][v as usize].y, 0.0);
+        let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.triangles()[t].map(place));
+        Ok(Self { bvh, mesh })
     }
 
     /// Position and unit normal (world space) of the place with this uv; where triangles overlap, of the first. `None`
@@ -31,8 +33,9 @@ impl UvLookup {
     pub fn at(&self, uv: Vec2) -> Option<(Vec3, Vec3)> {
         let ray = Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0));
         let hit = self.bvh.nearest(&ray, f32::INFINITY)?;
-        let triangle = hit.triangle as usize;
-        let position = corners::blend(self.corners.positions[triangle], hit.weights);
-        Some((position, self.corners.normal_at(&hit)))
+        let corners = self.mesh.triangles()[hit.triangle as usize].map(|v| v as usize);
+        let normals = corners.map(|v| self.mesh.normals()[v]);
+        let position = blend(corners.map(|v| self.mesh.positions()[v]), hit.weights);
+        Some((position, blend(normals, hit.weights).normalize_or(normals[0])))
     }
 }

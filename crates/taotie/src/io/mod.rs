@@ -12,6 +12,7 @@ mod stl;
 mod text;
 mod variants;
 mod write;
+mod xmp;
 
 pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
 
@@ -20,9 +21,11 @@ pub use environment::decode_environment;
 pub use file::read as read_bytes;
 pub use variants::Variants;
 pub use write::{
-    ExrLayer, MovingFormat, MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_png,
-    write_bytes, write_exr, write_png, write_png_bitmap, write_text,
+    ExrLayer, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, MovingFormat,
+    MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_glb, encode_png, write_bytes,
+    write_exr, write_gltf, write_png, write_png_bitmap, write_text,
 };
+pub use xmp::Provenance;
 
 use crate::error::{Error, Result, Warnings};
 use crate::scene::Scene;
@@ -42,6 +45,8 @@ pub struct Loaded {
     pub generator: Option<String>,
     /// The rights notice in the file.
     pub copyright: Option<String>,
+    /// XMP packets in the file as JSON-LD, that of the whole asset first; see [`Provenance`].
+    pub xmp: Vec<serde_json::Value>,
     /// glTF extensions that the file uses.
     pub extensions_used: Vec<String>,
     /// glTF extensions that the file requires.

@@ -5,9 +5,10 @@ use super::obj::neutral;
 use super::{Loaded, text};
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
-use crate::mesh::{Mesh, MeshData};
+use crate::mesh::{Mesh, MeshData, first};
 use crate::scene::{Instance, Scene};
-use std::collections::HashMap;
+use crate::surface::{Classes, bits};
+use rayon::prelude::*;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -27,16 +28,16 @@ const BINARY_TRIANGLE: usize = 50;
 pub(super) fn read(path: &Path) -> Result<Loaded> {
     let bytes = file::read(path)?;
     let mut warnings = Warnings::default();
-    let mut welder = Welder { path, data: MeshData::default(), welded: HashMap::new() };
-    if is_ascii(&bytes) {
-        welder.ascii(text::decode(bytes))?;
+    let data = if is_ascii(&bytes) {
+        let corners = ascii(path, text::decode(bytes))?;
+        welded(corners.len(), |c| corners[c])
     } else {
-        welder.binary(bytes, &mut warnings)?;
-    }
-    if welder.data.triangles.is_empty() {
+        binary(path, &bytes, &mut warnings)?
+    };
+    if data.triangles.is_empty() {
         return Err(Error::parse(path, "whole file", "no triangles; export the model again"));
     }
-    let mesh = Mesh::new(welder.data)?;
+    let mesh = Mesh::new(data)?;
     warnings.note("triangles without area", mesh.degenerate_triangles());
     let scene = Scene {
         meshes: vec![mesh],
@@ -59,81 +60,84 @@ fn declared(bytes: &[u8]) -> Option<usize> {
     Some(u32::from_le_bytes([count[0], count[1], count[2], count[3]]) as usize)
 }
 
-struct Welder<'a> {
-    path: &'a Path,
-    data: MeshData,
-    welded: HashMap<[u32; 3], u32>,
+/// The mesh of a binary file.
+fn binary(path: &Path, bytes: &[u8], warnings: &mut Warnings) -> Result<MeshData> {
+    let Some(count) = declared(bytes) else {
+        let what = format!("{} bytes are too few for an STL file", bytes.len());
+        return Err(Error::parse(path, "header", what));
+    };
+    let (there, _) = bytes[BINARY_START..].as_chunks::<BINARY_TRIANGLE>();
+    let Some(triangles) = there.get(..count) else {
+        let there = there.len();
+        let what =
+            format!("{count} triangles are declared, but the file ends after {there}; it is cut short");
+        return Err(Error::parse(path, "header", what));
+    };
+    warnings
+        .note("bytes behind the last triangle", bytes.len() - BINARY_START - triangles.as_flattened().len());
+    let is_bad = |t: &[u8; BINARY_TRIANGLE]| (0..3).any(|corner| !stored_corner(t, corner).is_finite());
+    match first(triangles, is_bad) {
+        Some(i) => Err(not_finite(path, format!("triangle {i}"))),
+        None => Ok(welded(3 * count, |c| stored_corner(&triangles[c / 3], c % 3))),
+    }
 }
 
-impl Welder<'_> {
-    fn binary(&mut self, mut bytes: Vec<u8>, warnings: &mut Warnings) -> Result<()> {
-        let Some(count) = declared(&bytes) else {
-            let what = format!("{} bytes are too few for an STL file", bytes.len());
-            return Err(Error::parse(self.path, "header", what));
-        };
-        let there = (bytes.len() - BINARY_START) / BINARY_TRIANGLE;
-        if there < count {
-            let what =
-                format!("{count} triangles are declared, but the file ends after {there}; it is cut short");
-            return Err(Error::parse(self.path, "header", what));
-        }
-        let more = bytes.len() - BINARY_START - count * BINARY_TRIANGLE;
-        warnings.note("bytes behind the last triangle", more);
-        // `stl_io` takes a header that starts with this word for ascii.
-        bytes[..80].fill(0);
-        self.take(Cursor::new(bytes.as_slice()), "triangle")
-    }
+/// A corner of a triangle in a binary file; its normal stands before the first.
+fn stored_corner(triangle: &[u8; BINARY_TRIANGLE], corner: usize) -> Vec3 {
+    let (words, _) = triangle[12 * (corner + 1)..].as_chunks::<4>();
+    Vec3::new(f32::from_le_bytes(words[0]), f32::from_le_bytes(words[1]), f32::from_le_bytes(words[2]))
+}
 
-    /// `stl_io` reads one solid and its key words in small letters.
-    fn ascii(&mut self, text: String) -> Result<()> {
-        let text = text.to_ascii_lowercase();
-        let mut solids = 0;
-        let mut rest = text.trim_start();
-        while rest.starts_with("solid") {
-            let line = rest.find('\n').unwrap_or(rest.len());
-            let end =
-                rest.match_indices("endsolid").map(|(i, _)| i).find(|i| *i > line).unwrap_or(rest.len());
-            let mut solid = String::from("solid \n");
-            solid.push_str(rest[line..end].trim());
-            solid.push_str(if end < rest.len() { "\nendsolid\n" } else { "\n" });
-            solids += 1;
-            self.take(Cursor::new(solid.as_bytes()), &format!("solid {solids}, triangle"))?;
-            let after = &rest[end..];
-            rest = after[after.find('\n').unwrap_or(after.len())..].trim_start();
-        }
-        if rest.is_empty() {
-            return Ok(());
-        }
-        let at = format!("behind solid {solids}");
-        Err(Error::parse(self.path, at, format!("{} is no solid; mend the file", text::quote(rest))))
+/// The corners of all triangles of an ascii file. `stl_io` reads one solid and its key words in small letters.
+fn ascii(path: &Path, text: String) -> Result<Vec<Vec3>> {
+    let text = text.to_ascii_lowercase();
+    let mut corners = Vec::new();
+    let mut solids = 0;
+    let mut rest = text.trim_start();
+    while rest.starts_with("solid") {
+        let line = rest.find('\n').unwrap_or(rest.len());
+        let end = rest.match_indices("endsolid").map(|(i, _)| i).find(|i| *i > line).unwrap_or(rest.len());
+        let mut solid = String::from("solid \n");
+        solid.push_str(rest[line..end].trim());
+        solid.push_str(if end < rest.len() { "\nendsolid\n" } else { "\n" });
+        solids += 1;
+        read_solid(path, &solid, &format!("solid {solids}, triangle"), &mut corners)?;
+        let after = &rest[end..];
+        rest = after[after.find('\n').unwrap_or(after.len())..].trim_start();
     }
-
-    fn take(&mut self, mut source: Cursor<&[u8]>, at: &str) -> Result<()> {
-        let refuse = |path: &Path, i: usize, what: String| Err(Error::parse(path, format!("{at} {i}"), what));
-        let triangles = stl_io::create_stl_reader(&mut source)
-            .map_err(|e| Error::parse(self.path, "header", one_line(&e)))?;
-        for (i, triangle) in triangles.enumerate() {
-            let corners = match triangle {
-                Ok(triangle) => triangle.vertices.map(|v| Vec3::from_array(v.0)),
-                Err(e) => return refuse(self.path, i, one_line(&e)),
-            };
-            if !corners.iter().all(|p| p.is_finite()) {
-                return refuse(self.path, i, "a position is infinite or NaN; mend the file".to_owned());
-            }
-            let indices = corners.map(|p| self.vertex(p));
-            self.data.triangles.push(indices);
-        }
-        Ok(())
+    if rest.is_empty() {
+        return Ok(corners);
     }
+    let at = format!("behind solid {solids}");
+    Err(Error::parse(path, at, format!("{} is no solid; mend the file", text::quote(rest))))
+}
 
-    fn vertex(&mut self, p: Vec3) -> u32 {
-        let next = self.data.positions.len() as u32;
-        // Adding zero makes −0 equal to 0.
-        let index = *self.welded.entry((p + Vec3::splat(0.0)).to_array().map(f32::to_bits)).or_insert(next);
-        if index == next {
-            self.data.positions.push(p);
+fn read_solid(path: &Path, solid: &str, at: &str, corners: &mut Vec<Vec3>) -> Result<()> {
+    let mut source = Cursor::new(solid.as_bytes());
+    let triangles =
+        stl_io::create_stl_reader(&mut source).map_err(|e| Error::parse(path, "header", one_line(&e)))?;
+    for (i, triangle) in triangles.enumerate() {
+        let triangle = triangle.map_err(|e| Error::parse(path, format!("{at} {i}"), one_line(&e)))?;
+        let points = triangle.vertices.map(|v| Vec3::from_array(v.0));
+        if !points.iter().all(|p| p.is_finite()) {
+            return Err(not_finite(path, format!("{at} {i}")));
         }
-        index
+        corners.extend(points);
+    }
+    Ok(())
+}
+
+fn not_finite(path: &Path, at: String) -> Error {
+    Error::parse(path, at, "a position is infinite or NaN; mend the file")
+}
+
+/// Triangles over corners, of which those at one place become one vertex.
+fn welded(corners: usize, corner: impl Fn(usize) -> Vec3 + Sync) -> MeshData {
+    let places = Classes::by(corners, |c| bits(corner(c).to_array()));
+    MeshData {
+        positions: places.firsts.par_iter().map(|c| corner(*c as usize)).collect(),
+        triangles: places.of.as_chunks::<3>().0.to_vec(),
+        ..MeshData::default()
     }
 }
 

@@ -1,10 +1,14 @@
 //! Pictures and reports to files, each written under a temporary name and renamed, so that no half a file is left.
 
 mod exr;
+mod gltf;
 mod moving;
 mod png;
 
 pub use exr::{ExrLayer, write_exr};
+pub use gltf::{
+    GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, encode_glb, write_gltf,
+};
 pub use moving::{MovingFormat, MovingPicture, MovingSpec};
 pub use png::{PngColor, PngImage, PngSamples, encode_png, write_png, write_png_bitmap};
 

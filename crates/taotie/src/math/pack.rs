@@ -17,6 +17,8 @@ pub trait Pack: Lane {
     fn store(self, to: &mut [f32]);
     /// The first [`Self::LANES`] pixels of `from`, channel by channel.
     fn load_pixels(token: Self::Token, from: &[[f32; 4]]) -> [Self; 4];
+    /// Bit i is set where lane i of `mask` is true.
+    fn bits(mask: Self::Mask) -> u64;
     /// Writes the first [`Self::LANES`] pixels of `to`.
     fn store_pixels(channels: [Self; 4], to: &mut [[f32; 4]]);
 }
@@ -39,6 +41,10 @@ impl Pack for f32 {
     #[inline(always)]
     fn load_pixels((): (), from: &[[f32; 4]]) -> [Self; 4] {
         from[0]
+    }
+    #[inline(always)]
+    fn bits(mask: bool) -> u64 {
+        u64::from(mask)
     }
     #[inline(always)]
     fn store_pixels(channels: [Self; 4], to: &mut [[f32; 4]]) {
@@ -67,6 +73,10 @@ impl<S: Simd> Pack for f32x8<S> {
         let [r, g, b, a] = f32x4::load_four_interleaved(token, low);
         let [r2, g2, b2, a2] = f32x4::load_four_interleaved(token, high);
         [r.combine(r2), g.combine(g2), b.combine(b2), a.combine(a2)]
+    }
+    #[inline(always)]
+    fn bits(mask: Self::Mask) -> u64 {
+        mask.to_bitmask()
     }
     #[inline(always)]
     fn store_pixels([r, g, b, a]: [Self; 4], to: &mut [[f32; 4]]) {

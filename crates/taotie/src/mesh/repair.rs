@@ -3,6 +3,7 @@
 use super::MeshData;
 use crate::error::Warnings;
 use crate::math::{Vec2, Vec3};
+use rayon::prelude::*;
 
 /// Makes normals unit and finite, invents flat ones where there are none, and cleans uvs, colours and tangents.
 pub(crate) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
@@ -19,37 +20,38 @@ pub(crate) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
 
 /// Every triangle with its own three vertices and its face's normal. Tangents are dropped, as glTF 2.0, 3.7.2.1 says.
 fn with_flat_normals(data: &MeshData) -> MeshData {
-    let corners = || data.triangles.iter().flatten().map(|i| *i as usize);
-    let normals = data.triangles.iter().flat_map(|triangle| {
-        let normal = face_vector(data, triangle).normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32();
-        [normal; 3]
-    });
+    let corners = || data.triangles.as_flattened().par_iter().map(|i| *i as usize);
+    let normal = |t: &[u32; 3]| face_vector(data, t).normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32();
+    let normals: Vec<[Vec3; 3]> = data.triangles.par_iter().map(|t| [normal(t); 3]).collect();
     MeshData {
         positions: corners().map(|i| data.positions[i]).collect(),
-        normals: normals.collect(),
+        normals: normals.into_flattened(),
         tangents: Vec::new(),
         uvs: data.uvs.iter().map(|uvs| corners().map(|i| uvs[i]).collect()).collect(),
         colors: if data.colors.is_empty() { Vec::new() } else { corners().map(|i| data.colors[i]).collect() },
-        triangles: (0..data.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+        triangles: (0..data.triangles.len() as u32)
+            .into_par_iter()
+            .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
+            .collect(),
     }
 }
 
 /// The face's normal times twice its area.
 fn face_vector(data: &MeshData, triangle: &[u32; 3]) -> Vec3<f64> {
-    let [a, b, c] = triangle.map(|i| data.positions[i as usize].to_f64());
+    let at = |i: u32| data.positions[i as usize].to_f64();
+    let (a, b, c) = (at(triangle[0]), at(triangle[1]), at(triangle[2]));
     (b - a).cross(c - a)
 }
 
 fn mend_normals(data: &mut MeshData) -> usize {
     let usable = |n: &Vec3| n.is_finite() && n.to_f64().length() > 1e-18;
-    let bad: Vec<usize> = (0..data.normals.len()).filter(|i| !usable(&data.normals[*i])).collect();
+    let bad: Vec<usize> =
+        (0..data.normals.len()).into_par_iter().filter(|i| !usable(&data.normals[*i])).collect();
     if !bad.is_empty() {
         let faces = area_weighted_normals(data);
         bad.iter().for_each(|i| data.normals[*i] = faces[*i]);
     }
-    for normal in &mut data.normals {
-        *normal = normal.to_f64().normalize().to_f32();
-    }
+    data.normals.par_iter_mut().for_each(|normal| *normal = normal.to_f64().normalize().to_f32());
     bad.len()
 }
 

@@ -5,11 +5,11 @@ use super::pass::Pass;
 use super::prepare::{Draw, NormalSource};
 use super::shadows::shadow_origin;
 use super::view::Eye;
-use super::widening::{Hidden, bend};
 use crate::math::{Vec2, Vec3, poly, scalar};
 use crate::mesh::Mesh;
 use crate::raster::{Barycentric, PerspectiveTriangle};
 use crate::scene::{HeightMap, Scene, TextureRef};
+use crate::shade::{Hidden, bend};
 use crate::surface;
 
 /// A triangle seen at a sample of a tile.

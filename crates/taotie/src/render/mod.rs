@@ -24,7 +24,6 @@ mod shadows;
 mod substance;
 mod surround;
 mod view;
-mod widening;
 
 pub use batch::{BATCH, Batch};
 pub use follow::bind_tangents;

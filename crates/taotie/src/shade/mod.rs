@@ -13,6 +13,7 @@ mod facets;
 mod models;
 mod shading;
 mod substance;
+mod widening;
 
 pub mod dfg;
 pub mod environment;
@@ -32,3 +33,4 @@ pub use facets::Facets;
 pub use models::{reflect, reflect_stretched};
 pub use shading::Shading;
 pub use substance::Substance;
+pub use widening::{Hidden, bend};

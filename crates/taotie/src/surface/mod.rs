@@ -3,6 +3,7 @@
 //! The formulas that run per pixel ([`tangent_normal`], [`bump`] and their like) are written once over
 //! [`crate::math::Lane`]; what runs once per mesh or per texture works on whole arrays.
 
+mod angles;
 mod bump;
 mod frame;
 mod inspect;
@@ -21,6 +22,8 @@ pub use maps::{
     tangent_space_normal,
 };
 pub use method::{SurfaceMethod, TangentMethod};
+pub(crate) use normals::shared_by_position;
 pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use tangents::NO_UV_AREA;
 pub use tangents::{Tangented, with_frames, with_tangents};
+pub(crate) use weld::{Classes, bits};

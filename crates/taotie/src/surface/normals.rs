@@ -1,11 +1,14 @@
 //! Normals from geometry alone: of a triangle, and of the vertices it shares.
 
-use super::weld;
+use super::angles::{self, Share};
+use super::weld::{self, Classes};
 use crate::error::Result;
-use crate::math::{Vec3, scalar};
+use crate::math::{SimdLevel, Vec3};
 use crate::mesh::Mesh;
+use fearless_simd::Level;
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// The normal of a vertex that no triangle with an area touches.
 pub(super) const FALLBACK: Vec3 = Vec3::new(0.0, 0.0, 1.0);
@@ -26,14 +29,12 @@ pub fn facet_normal(corners: [Vec3; 3]) -> Option<Vec3> {
 pub fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
     let places = weld::by_position(mesh.positions());
     let sums = angle_weighted_sums(mesh, &places);
-    let normals: Vec<Option<Vec3<f64>>> = sums.into_iter().map(unit).collect();
-    let lacking = places.of.iter().any(|place| normals[*place as usize].is_none());
-    let firsts = if lacking { first_facets(mesh) } else { Vec::new() };
-    let normal_of = |(i, place): (usize, &u32)| match normals[*place as usize] {
+    let firsts = if sums.par_iter().any(|s| unit(*s).is_none()) { first_facets(mesh) } else { Vec::new() };
+    let normal_of = |(i, place): (usize, &u32)| match unit(sums[*place as usize]) {
         Some(normal) => normal.to_f32(),
         None => firsts[i].unwrap_or(FALLBACK),
     };
-    places.of.iter().enumerate().map(normal_of).collect()
+    places.of.par_iter().enumerate().map(normal_of).collect()
 }
 
 /// The mesh with [`vertex_normals`] where it has none. Tangents without normals mean nothing and are left out.
@@ -50,42 +51,37 @@ pub fn with_normals(mesh: &Mesh) -> Result<Cow<'_, Mesh>> {
     Ok(Cow::Owned(Mesh::new(data)?))
 }
 
-/// Sums in triangle order, whatever the number of threads.
-fn angle_weighted_sums(mesh: &Mesh, places: &weld::Classes) -> Vec<Vec3<f64>> {
-    const BLOCK: usize = 1 << 16;
+/// Sums in triangle order, whatever the number of threads: while one block is summed, the next is computed.
+fn angle_weighted_sums(mesh: &Mesh, places: &Classes) -> Vec<Vec3<f64>> {
+    const BLOCK: usize = 1 << 15;
     let mut sums = vec![Vec3::splat(0.0); places.firsts.len()];
-    for (block, triangles) in mesh.triangles().chunks(BLOCK).enumerate() {
-        let first = block * BLOCK;
-        let shares: Vec<[Vec3<f64>; 3]> = (first..first + triangles.len())
-            .into_par_iter()
-            .map(|t| corner_shares(mesh.corners(t)))
-            .collect();
-        for (triangle, shares) in triangles.iter().zip(shares) {
-            for (vertex, share) in triangle.iter().zip(shares) {
-                sums[places.of[*vertex as usize] as usize] += share;
+    let add = |block: usize, shares: &[Share], sums: &mut [Vec3<f64>]| {
+        for (triangle, share) in mesh.triangles()[block * BLOCK..].iter().zip(shares) {
+            for (vertex, angle) in triangle.iter().zip(share.angles) {
+                sums[places.of[*vertex as usize] as usize] += share.normal * angle;
             }
         }
+    };
+    let blocks = mesh.triangles().len().div_ceil(BLOCK);
+    let (mut ready, mut next) = (Vec::new(), Vec::new());
+    for block in 0..=blocks {
+        let range = block * BLOCK..mesh.triangles().len().min((block + 1) * BLOCK);
+        rayon::join(
+            || compute_shares(mesh, range, &mut next),
+            || add(block.saturating_sub(1), &ready, &mut sums),
+        );
+        std::mem::swap(&mut ready, &mut next);
     }
     sums
 }
 
-/// The facet normal times the angle at each corner, in radians; zero without an area.
-fn corner_shares(corners: [Vec3; 3]) -> [Vec3<f64>; 3] {
-    let [a, b, c] = corners.map(Vec3::to_f64);
-    match unit(doubled_area([a, b, c])) {
-        Some(normal) => corner_angles([a, b, c]).map(|angle| normal * angle),
-        None => [Vec3::splat(0.0); 3],
-    }
-}
-
-/// The angle at each corner of a triangle, in radians.
-pub(super) fn corner_angles([a, b, c]: [Vec3<f64>; 3]) -> [f64; 3] {
-    [angle_between(b - a, c - a), angle_between(c - b, a - b), angle_between(a - c, b - c)]
-}
-
-/// Kahan's formula in its cross-product form: exact for small angles, where the arc cosine is not.
-fn angle_between(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
-    scalar::atan2(a.cross(b).length(), a.dot(b))
+/// Puts the shares of some triangles into `shares`, in place of what it holds.
+fn compute_shares(mesh: &Mesh, triangles: Range<usize>, shares: &mut Vec<Share>) {
+    const PART: usize = 1 << 10;
+    let level = SimdLevel::Auto.dispatch().unwrap_or(Level::fallback());
+    shares.resize(triangles.len(), Share::NONE);
+    let parts = shares.par_chunks_mut(PART).enumerate();
+    parts.for_each(|(i, part)| angles::shares(level, mesh, triangles.start + i * PART, part));
 }
 
 /// The normal of the first triangle with an area at each vertex.
@@ -107,7 +103,48 @@ fn doubled_area([a, b, c]: [Vec3<f64>; 3]) -> Vec3<f64> {
 }
 
 /// The unit vector; `None` where nothing but rounding is left.
-fn unit(v: Vec3<f64>) -> Option<Vec3<f64>> {
+pub(super) fn unit(v: Vec3<f64>) -> Option<Vec3<f64>> {
     let length = v.length();
     (length > 1e-300 && length.is_finite()).then(|| v / length)
+}
+
+/// Gives all vertices at one place the largest of their values.
+pub(crate) fn shared_by_position(mesh: &Mesh, values: &mut [f32]) {
+    let places = weld::by_position(mesh.positions());
+    let mut largest = vec![f32::NEG_INFINITY; places.firsts.len()];
+    for (place, value) in places.of.iter().zip(&*values) {
+        let most = &mut largest[*place as usize];
+        *most = most.max(*value);
+    }
+    for (place, value) in places.of.iter().zip(values) {
+        *value = largest[*place as usize];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshData;
+
+    /// Blocks, threads and lanes change nothing: the sums are those of one plain loop, to the last bit.
+    #[test]
+    fn sums_are_those_of_a_plain_loop() {
+        let mut data: MeshData = Mesh::sphere(1.0, 300, 200).into_data();
+        data.triangles.iter_mut().step_by(1000).for_each(|t| t[1] = t[0]);
+        data.positions.iter_mut().skip(500).step_by(7000).for_each(|p| *p = *p * 1e-30);
+        let mesh = Mesh::new(data).unwrap();
+        assert!(mesh.triangles().len() > 100_000);
+        let places = weld::by_position(mesh.positions());
+        let mut sums = vec![Vec3::splat(0.0); places.firsts.len()];
+        for (i, triangle) in mesh.triangles().iter().enumerate() {
+            let corners = mesh.corners(i).map(Vec3::to_f64);
+            let Some(normal) = unit(doubled_area(corners)) else { continue };
+            for (vertex, angle) in triangle.iter().zip(angles::corner_angles(corners)) {
+                sums[places.of[*vertex as usize] as usize] += normal * angle;
+            }
+        }
+        let bits =
+            |sums: &[Vec3<f64>]| sums.iter().flat_map(|s| s.to_array().map(f64::to_bits)).collect::<Vec<_>>();
+        assert!(bits(&angle_weighted_sums(&mesh, &places)) == bits(&sums));
+    }
 }

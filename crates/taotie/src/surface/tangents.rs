@@ -192,7 +192,7 @@ fn averaged_tangents(corners: &Corners) -> Vec<CornerTangents> {
 fn tangent_sums(corners: &Corners, shared: &Classes, faces: &[CornerTangents]) -> Vec<[Vec3<f64>; 2]> {
     let mut sums = vec![[Vec3::splat(0.0); 2]; shared.firsts.len()];
     for (t, tangents) in faces.iter().enumerate() {
-        let angles = normals::corner_angles(corners.positions(t).map(Vec3::to_f64));
+        let angles = super::angles::corner_angles(corners.positions(t).map(Vec3::to_f64));
         for i in 0..3 {
             if let Some([x, y, z, w]) = tangents[i] {
                 let side = usize::from(w > 0.0);

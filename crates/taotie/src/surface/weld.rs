@@ -1,12 +1,13 @@
 //! Finding equal elements: the one tool behind every weld.
 
 use crate::math::Vec3;
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
-use std::hash::Hash;
+use rayon::prelude::*;
+use rustc_hash::FxBuildHasher;
+use std::hash::{BuildHasher, Hash};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Elements sorted into classes of equal keys, numbered in order of first appearance.
-pub(super) struct Classes {
+pub(crate) struct Classes {
     /// The class of each element.
     pub of: Vec<u32>,
     /// The first element of each class.
@@ -14,33 +15,100 @@ pub(super) struct Classes {
 }
 
 impl Classes {
-    /// Sorts the elements 0 to `count` − 1 by `key`.
-    pub fn by<K: Hash + Eq>(count: usize, key: impl Fn(usize) -> K) -> Self {
-        let mut known = HashMap::with_capacity(count / 2);
-        let mut firsts = Vec::new();
-        let mut class_of = |i: usize| match known.entry(key(i)) {
-            Entry::Occupied(class) => *class.get(),
-            Entry::Vacant(place) => {
-                firsts.push(i as u32);
-                *place.insert(firsts.len() as u32 - 1)
-            }
+    /// Sorts the elements 0 to `count` − 1, at most 2^32 − 1, by `key`.
+    ///
+    /// Elements are sorted by hash, and where hashes are equal and keys are not, by key, so that neither many elements
+    /// nor keys that were chosen to collide take long. The classes depend on neither the hash nor the number of
+    /// threads.
+    pub fn by<K: Hash + Ord>(count: usize, key: impl Fn(usize) -> K + Sync) -> Self {
+        let hashed = |i: usize| u64::from(hash(&key(i))) << 32 | i as u64;
+        let mut elements: Vec<u64> = (0..count).into_par_iter().map(hashed).collect();
+        elements.par_sort_unstable();
+        let firsts: Vec<AtomicU32> = (0..count as u32).into_par_iter().map(AtomicU32::new).collect();
+        elements.par_chunk_by(|a, b| a >> 32 == b >> 32).for_each(|alike| {
+            let first = alike[0] as u32;
+            alike.iter().for_each(|i| firsts[*i as u32 as usize].store(first, Ordering::Relaxed));
+        });
+        drop(elements);
+        let mut firsts: Vec<u32> = firsts.into_iter().map(AtomicU32::into_inner).collect();
+        // In the order of elements, since those that are alike are most often near each other.
+        let differs = |i: &u32| {
+            let first = firsts[*i as usize];
+            first != *i && key(first as usize) != key(*i as usize)
         };
-        let of = (0..count).map(&mut class_of).collect();
+        let mut collided: Vec<u32> = (0..count as u32).into_par_iter().filter(differs).collect();
+        collided.par_sort_unstable_by_key(|i| (key(*i as usize), *i));
+        for class in collided.chunk_by(|a, b| key(*a as usize) == key(*b as usize)) {
+            class.iter().for_each(|i| firsts[*i as usize] = class[0]);
+        }
+        Self::numbered(firsts)
+    }
+
+    /// Numbers the classes, given the first element of its class for each element.
+    fn numbered(mut of: Vec<u32>) -> Self {
+        let mut firsts = Vec::with_capacity(of.len());
+        for i in 0..of.len() {
+            let first = of[i] as usize;
+            if first == i {
+                of[i] = firsts.len() as u32;
+                firsts.push(i as u32);
+            } else {
+                of[i] = of[first];
+            }
+        }
         Self { of, firsts }
     }
 
     /// Splits each class by a further `key`.
-    pub fn split_by<K: Hash + Eq>(&self, key: impl Fn(usize) -> K) -> Self {
+    pub fn split_by<K: Hash + Ord>(&self, key: impl Fn(usize) -> K + Sync) -> Self {
         Self::by(self.of.len(), |i| (self.of[i], key(i)))
     }
 }
 
+/// The same on every machine and in every run.
+fn hash(key: &impl Hash) -> u32 {
+    FxBuildHasher.hash_one(key) as u32
+}
+
 /// The bits of numbers, zero having one sign, so that equal finite numbers have equal bits.
-pub(super) fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
+pub(crate) fn bits<const N: usize>(values: [f32; N]) -> [u32; N] {
     values.map(|v| (v + 0.0).to_bits())
 }
 
 /// The classes of equal positions.
-pub(super) fn by_position(positions: &[Vec3]) -> Classes {
+pub(crate) fn by_position(positions: &[Vec3]) -> Classes {
     Classes::by(positions.len(), |i| bits(positions[i].to_array()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_are_numbered_by_first_appearance() {
+        let keys = [7, 3, 7, 9, 3, 7, 1];
+        let classes = Classes::by(keys.len(), |i| keys[i]);
+        assert_eq!((classes.of, classes.firsts), (vec![0, 1, 0, 2, 1, 0, 3], vec![0, 1, 3, 6]));
+    }
+
+    /// All keys have one hash, and every class is found.
+    #[test]
+    fn collisions_are_told_apart() {
+        #[derive(PartialEq, Eq, PartialOrd, Ord)]
+        struct Colliding(usize);
+        impl Hash for Colliding {
+            fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+                state.write_u32(1);
+            }
+        }
+        let classes = Classes::by(100_000, |i| Colliding(i * 7 % 50_000));
+        assert_eq!(classes.firsts, (0..50_000).collect::<Vec<u32>>());
+        assert!((0..100_000).all(|i| classes.of[i] == (i % 50_000) as u32));
+    }
+
+    #[test]
+    fn zero_has_one_sign() {
+        let at = |x: f32| Vec3::new(x, 1.0, 2.0);
+        assert_eq!(by_position(&[at(0.0), at(-0.0), at(1.0)]).of, [0, 0, 1]);
+    }
 }

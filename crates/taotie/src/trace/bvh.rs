@@ -1,12 +1,11 @@
-//! A bounding volume hierarchy over triangles, built and walked by `obvhs`.
+//! A bounding volume hierarchy over triangles.
 
 use super::Ray;
-use crate::math::Vec3;
-use obvhs::BvhBuildParams;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
-use obvhs::ray::RayHit;
-use obvhs::triangle::Triangle;
-use std::time::Duration;
+use super::nearby::{Closest, closest};
+use super::tree::Tree;
+use super::walk::{Met, Span, walk};
+use crate::math::{SimdLevel, Vec3, dispatch_pack};
+use fearless_simd::Level;
 
 /// A point where a ray meets a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,30 +18,23 @@ pub struct Hit {
     pub distance: f32,
 }
 
-/// Triangles sorted for rays.
+/// Triangles sorted for rays. Hits have the same bits on every machine.
 pub struct Bvh {
-    tree: Option<CwBvh>,
-    corners: Vec<[Vec3; 3]>,
-    indices: Vec<u32>,
+    pub(super) tree: Tree,
+    pub(super) level: Level,
 }
 
 impl Bvh {
     /// Sorts `triangles`, of finite positions.
     pub fn build(triangles: &[[Vec3; 3]]) -> Self {
-        if triangles.is_empty() {
-            return Self { tree: None, corners: Vec::new(), indices: Vec::new() };
-        }
-        let boxes: Vec<Triangle> = triangles
-            .iter()
-            .map(|corners| {
-                let [v0, v1, v2] = corners.map(to_glam);
-                Triangle { v0, v1, v2 }
-            })
-            .collect();
-        let tree = build_cwbvh(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
-        let indices = tree.primitive_indices.clone();
-        let corners = indices.iter().map(|i| triangles[*i as usize]).collect();
-        Self { tree: Some(tree), corners, indices }
+        Self::of(triangles.len(), |t| triangles[t])
+    }
+
+    /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners `corners` gives. It is asked several
+    /// times.
+    pub fn of(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
+        let level = SimdLevel::Auto.dispatch().unwrap_or(Level::fallback());
+        Self { tree: Tree::new(count, corners), level }
     }
 
     /// The nearest hit with a distance below `limit`.
@@ -52,55 +44,45 @@ impl Bvh {
 
     /// The nearest hit with a distance below `limit` that `counts`, which may be asked of any hit, in any order.
     pub fn nearest_of(&self, ray: &Ray, limit: f32, counts: impl Fn(&Hit) -> bool) -> Option<Hit> {
-        let tree = self.tree.as_ref()?;
         let mut best: Option<Hit> = None;
-        tree.ray_traverse(walk(ray, limit), &mut RayHit::none(), |_, slot| match self.hit(ray, slot) {
-            Some(hit)
-                if hit.distance < limit
-                    && best.is_none_or(|best| comes_before(&hit, &best))
-                    && counts(&hit) =>
-            {
+        self.walk(ray, Span { from: 0.0, to: limit }, |hit, span| {
+            if hit.distance < limit && best.is_none_or(|best| comes_before(&hit, &best)) && counts(&hit) {
                 best = Some(hit);
-                hit.distance + AHEAD
+                return Span { from: 0.0, to: hit.distance };
             }
-            _ => f32::INFINITY,
+            span
         });
         best
     }
 
     /// Whether anything that `blocks` is hit at a distance below `limit`.
     pub fn occluded(&self, ray: &Ray, limit: f32, blocks: impl Fn(&Hit) -> bool) -> bool {
-        let Some(tree) = self.tree.as_ref() else { return false };
-        !tree.ray_traverse_miss(walk(ray, limit), |_, slot| match self.hit(ray, slot) {
-            Some(hit) if hit.distance < limit && blocks(&hit) => hit.distance + AHEAD,
-            _ => f32::INFINITY,
-        })
+        let mut blocked = false;
+        self.walk(ray, Span { from: 0.0, to: limit }, |hit, span| {
+            blocked |= hit.distance < limit && blocks(&hit);
+            if blocked { Span::NONE } else { span }
+        });
+        blocked
     }
 
-    fn hit(&self, ray: &Ray, slot: usize) -> Option<Hit> {
-        let (distance, weights) = ray.intersect(self.corners[slot])?;
-        Some(Hit { triangle: self.indices[slot], weights, distance })
+    /// The point of all triangles that is closest to `point`, where one is at most `reach` away.
+    pub fn closest(&self, point: Vec3, reach: f32) -> Option<Closest> {
+        closest(&self.tree, point, reach)
     }
-}
 
-/// The walk passes over boxes that end within 1e-4 lengths of the direction, so it begins this much before the ray.
-const AHEAD: f32 = 2e-4;
-
-/// The ray that walks the tree for `ray`. A −0 in its direction would count as negative in one place of the walk and
-/// as positive in another.
-fn walk(ray: &Ray, limit: f32) -> obvhs::ray::Ray {
-    let direction = ray.direction().map(|component| component + 0.0);
-    let origin = ray.origin() - direction * AHEAD;
-    obvhs::ray::Ray::new(to_glam(origin), to_glam(direction), 0.0, limit + AHEAD)
+    fn walk(&self, ray: &Ray, span: Span, mut meet: impl FnMut(Hit, Span) -> Span) {
+        let hit = |met: Met| Hit {
+            triangle: self.tree.order[met.slot],
+            weights: met.weights,
+            distance: met.distance,
+        };
+        dispatch_pack!(self.level, P, token => walk::<P>(token, &self.tree, ray, span, |met, span| meet(hit(met), span)));
+    }
 }
 
 /// Nearer; of equal distances the smaller index, whatever the order of the walk.
 fn comes_before(hit: &Hit, best: &Hit) -> bool {
     hit.distance < best.distance || hit.distance == best.distance && hit.triangle < best.triangle
-}
-
-fn to_glam(v: Vec3) -> glam::Vec3A {
-    glam::Vec3A::new(v.x, v.y, v.z)
 }
 
 #[cfg(test)]

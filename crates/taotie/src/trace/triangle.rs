@@ -1,6 +1,6 @@
 //! Watertight intersection of a ray with a triangle.
 
-use crate::math::Vec3;
+use crate::math::{Mask, Pack, Vec3};
 
 /// A half-line, prepared for intersection: Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection".
 /// A ray through a shared edge or corner hits at least one of the triangles.
@@ -53,6 +53,63 @@ impl Ray {
         let weights = edges.map(|e| e / det);
         let t = sz * (weights[0] * local[0][kz] + weights[1] * local[1][kz] + weights[2] * local[2][kz]);
         (t >= 0.0).then_some((t, weights))
+    }
+
+    /// The first half of [`Ray::intersect`] for as many triangles as a pack has lanes, `corners[corner][axis]`, with the
+    /// same bits. `None` where the ray passes all of them by.
+    #[inline(always)]
+    pub(super) fn edges<P: Pack>(&self, token: P::Token, corners: [[P; 3]; 3]) -> Option<Edges<P>> {
+        let [kx, ky, kz] = self.axes;
+        let origin = self.origin.to_array();
+        let (ox, oy, oz) =
+            (P::splat(token, origin[kx]), P::splat(token, origin[ky]), P::splat(token, origin[kz]));
+        let [sx, sy, sz] = self.shear;
+        let (sx, sy, sz) = (P::splat(token, sx), P::splat(token, sy), P::splat(token, sz));
+        let along = [corners[0][kz] - oz, corners[1][kz] - oz, corners[2][kz] - oz];
+        let a = [corners[0][kx] - ox - sx * along[0], corners[0][ky] - oy - sy * along[0]];
+        let b = [corners[1][kx] - ox - sx * along[1], corners[1][ky] - oy - sy * along[1]];
+        let c = [corners[2][kx] - ox - sx * along[2], corners[2][ky] - oy - sy * along[2]];
+        let edges = [b[0] * c[1] - b[1] * c[0], c[0] * a[1] - c[1] * a[0], a[0] * b[1] - a[1] * b[0]];
+        let zero = P::splat(token, 0.0);
+        let below = edges[0].min(edges[1]).min(edges[2]).lt(zero);
+        let above = zero.lt(edges[0].max(edges[1]).max(edges[2]));
+        let inside = below.and(above).not();
+        let unsure = edges[0].abs().min(edges[1].abs()).min(edges[2].abs()).le(zero);
+        inside.or(unsure).any().then_some(Edges { edges, along, inside, unsure, stretch: sz })
+    }
+}
+
+/// How a ray passes a pack of triangles.
+pub(super) struct Edges<P: Pack> {
+    /// Twice the areas opposite each corner.
+    edges: [P; 3],
+    /// The corners along the ray's main axis.
+    along: [P; 3],
+    /// Lengths of the direction per length of that axis.
+    stretch: P,
+    inside: P::Mask,
+    /// Where it runs through an edge as far as single precision can tell, so that [`Ray::intersect`] has to be asked.
+    pub unsure: P::Mask,
+}
+
+/// Where a ray meets a pack of triangles.
+pub(super) struct Meeting<P: Pack> {
+    /// Where it does.
+    pub hit: P::Mask,
+    pub distance: P,
+    pub weights: [P; 3],
+}
+
+impl<P: Pack> Edges<P> {
+    /// The second half of [`Ray::intersect`].
+    #[inline(always)]
+    pub fn meet(&self) -> Meeting<P> {
+        let [e, z] = [self.edges, self.along];
+        let det = e[0] + e[1] + e[2];
+        let weights = [e[0] / det, e[1] / det, e[2] / det];
+        let distance = self.stretch * (weights[0] * z[0] + weights[1] * z[1] + weights[2] * z[2]);
+        let zero = det.lit(0.0);
+        Meeting { hit: self.inside.and(det.abs().le(zero).not()).and(zero.le(distance)), distance, weights }
     }
 }
 

@@ -1,8 +1,6 @@
 //! The vessel with its relief as geometry.
 
-use super::{Buffer, document, material};
 use anyhow::Result;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 use taotie::scene::Scene;
 
@@ -12,15 +10,7 @@ use taotie::scene::Scene;
 /// Those of writing.
 pub fn write(folder: &Path, scene: &Scene) -> Result<PathBuf> {
     let path = folder.join("jue-high.glb");
-    let (mesh, mut buffer) = (&scene.meshes[0], Buffer::default());
-    let attributes = buffer.vertices(mesh);
-    let indices = buffer.triangles(mesh);
-    let mut json = document(&buffer, &[], &material());
-    let primitive = json!({ "attributes": attributes, "indices": indices, "material": 0 });
-    json["scenes"] = json!([{ "nodes": [0] }]);
-    json["nodes"] = json!([{ "name": "jue", "mesh": 0 }]);
-    json["meshes"] = json!([{ "name": "jue", "primitives": [primitive] }]);
-    super::write(&path, &json, &buffer)?;
+    super::draft(&scene.meshes[0], None)?.write_glb(&path)?;
     Ok(path)
 }
 

@@ -1,14 +1,17 @@
 //! The pouring vessel with its skin and animation.
 
-use super::{Buffer, U8, document, material};
 use crate::jue::pour;
 use anyhow::Result;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use taotie::io::GltfDraft;
 use taotie::math::Mat4;
-use taotie::mesh::Mesh;
+use taotie::mesh::deform::Binding;
 use taotie::scene::Scene;
 use taotie::scene::animation::{Node, RigData, Sampler, Transform};
+
+/// The number of the rig's first node in the file.
+const FIRST: usize = 1;
 
 /// Writes `jue-pouring.glb` into `folder`; returns the file.
 ///
@@ -16,52 +19,51 @@ use taotie::scene::animation::{Node, RigData, Sampler, Transform};
 /// Those of writing.
 pub fn write(folder: &Path, scene: &Scene) -> Result<PathBuf> {
     let path = folder.join("jue-pouring.glb");
-    let mut buffer = Buffer::default();
-    let json = pouring(&mut buffer, &scene.meshes[0]);
-    super::write(&path, &json, &buffer)?;
+    let mesh = &scene.meshes[0];
+    let mut draft = super::draft(mesh, Some("jue_normal.png"))?;
+    let rig = pour::rig(mesh);
+    add_rig(&mut draft, rig.data());
+    draft.write_glb(&path)?;
     Ok(path)
 }
 
-fn pouring(buffer: &mut Buffer, mesh: &Mesh) -> Value {
-    let rig = pour::rig(mesh);
-    let data = rig.data();
-    let attributes = attributes(buffer, mesh, data);
-    let indices = buffer.triangles(mesh);
+/// Hangs the mesh, which is node 0, on the rig, whose nodes come after it.
+fn add_rig(draft: &mut GltfDraft, data: &RigData) {
     let skin = &data.skins[0];
-    let binds = skin.inverse_bind_matrices.iter().flat_map(columns);
-    let binds = buffer.floats(binds.collect::<Vec<_>>(), "MAT4");
-    let animation = animation(buffer, data);
-    let mut material = material();
-    material["normalTexture"] = json!({ "index": 2 });
-    let mut json = document(buffer, &["jue_normal.png"], &material);
-    // The joints' nodes come first and the one that shows the mesh last, so that the rig's numbers hold.
-    let mut nodes: Vec<Value> = (0..data.nodes.len()).map(|i| node(&data.nodes, i)).collect();
-    nodes.push(json!({ "name": "jue", "mesh": 0, "skin": 0 }));
-    let primitive = json!({ "attributes": attributes, "indices": indices, "material": 0 });
-    json["scenes"] = json!([{ "nodes": [0, nodes.len() - 1] }]);
-    json["nodes"] = json!(nodes);
-    json["meshes"] = json!([{ "name": "jue", "primitives": [primitive] }]);
-    json["skins"] = json!([{ "joints": skin.joints, "inverseBindMatrices": binds }]);
+    if let Some(binding) = &data.deformed[0].shape.binding {
+        add_binding(draft, binding);
+    }
+    let binds: Vec<[f32; 16]> = skin.inverse_bind_matrices.iter().map(columns).collect();
+    let binds = draft.floats(&binds);
+    let animation = animation(draft, data);
+    let nodes: Vec<Value> = (0..data.nodes.len()).map(|i| node(&data.nodes, i)).collect();
+    let json = &mut draft.json;
+    json["nodes"][0]["skin"] = 0.into();
+    if let Some(all) = json["nodes"].as_array_mut() {
+        all.extend(nodes);
+    }
+    json["scenes"] = json!([{ "nodes": [FIRST, 0] }]);
+    let joints: Vec<usize> = skin.joints.iter().map(|joint| FIRST + joint).collect();
+    json["skins"] = json!([{ "joints": joints, "inverseBindMatrices": binds }]);
     json["animations"] = json!([animation]);
-    json
 }
 
-fn attributes(buffer: &mut Buffer, mesh: &Mesh, data: &RigData) -> Value {
-    let mut attributes = buffer.vertices(mesh);
-    if let Some(binding) = &data.deformed[0].shape.binding {
-        // glTF counts joints and weights by fours.
-        let fours =
-            |i: usize| (0..4).map(move |k| (k < binding.per_vertex).then_some(i * binding.per_vertex + k));
-        let places = || (0..mesh.positions().len()).flat_map(fours);
-        // Joints that a vertex does not follow are joint 0.
-        let followed = |at: &usize| binding.weights[*at] > 0.0;
-        let joints: Vec<u8> =
-            places().map(|at| at.filter(followed).map_or(0, |at| binding.joints[at] as u8)).collect();
-        attributes["JOINTS_0"] = buffer.add(&joints, U8, "VEC4").into();
-        let weights = places().map(|at| at.map_or(0.0, |at| binding.weights[at]));
-        attributes["WEIGHTS_0"] = buffer.floats(weights.collect::<Vec<_>>(), "VEC4").into();
+/// glTF counts joints and weights by fours; joints that a vertex does not follow are joint 0.
+fn add_binding(draft: &mut GltfDraft, binding: &Binding) {
+    let vertices = binding.weights.len() / binding.per_vertex;
+    let followed = |vertex: usize, k: usize| {
+        let at = (k < binding.per_vertex).then_some(vertex * binding.per_vertex + k)?;
+        (binding.weights[at] > 0.0).then(|| (binding.joints[at] as u8, binding.weights[at]))
+    };
+    let fours = |vertex: usize| [0, 1, 2, 3].map(|k| followed(vertex, k).unwrap_or_default());
+    let joints: Vec<[u8; 4]> = (0..vertices).map(|vertex| fours(vertex).map(|(joint, _)| joint)).collect();
+    let weights: Vec<[f32; 4]> =
+        (0..vertices).map(|vertex| fours(vertex).map(|(_, weight)| weight)).collect();
+    let added = [("JOINTS_0", draft.bytes(&joints)), ("WEIGHTS_0", draft.floats(&weights))];
+    for (name, accessor) in added {
+        draft.mark_vertices(accessor);
+        draft.json["meshes"][0]["primitives"][0]["attributes"][name] = accessor.into();
     }
-    attributes
 }
 
 fn columns(m: &Mat4) -> [f32; 16] {
@@ -69,7 +71,8 @@ fn columns(m: &Mat4) -> [f32; 16] {
 }
 
 fn node(nodes: &[Node], index: usize) -> Value {
-    let children: Vec<usize> = (0..nodes.len()).filter(|i| nodes[*i].parent == Some(index)).collect();
+    let below = (0..nodes.len()).filter(|i| nodes[*i].parent == Some(index));
+    let children: Vec<usize> = below.map(|i| FIRST + i).collect();
     let mut node = json!({ "name": if index == 0 { "foot" } else { "cup" } });
     if let Transform::Parts { translation, .. } = nodes[index].local {
         node["translation"] = json!(translation.to_array());
@@ -80,13 +83,13 @@ fn node(nodes: &[Node], index: usize) -> Value {
     node
 }
 
-fn animation(buffer: &mut Buffer, data: &RigData) -> Value {
+fn animation(draft: &mut GltfDraft, data: &RigData) -> Value {
     let animation = &data.animations[0];
     let mut sampler = |sampler: &Sampler| {
         let times: Vec<[f32; 1]> = sampler.times().iter().map(|time| [*time]).collect();
         json!({
-            "input": buffer.bounded(&times, "SCALAR"),
-            "output": buffer.floats(sampler.values().iter().copied(), "VEC4"),
+            "input": draft.bounded_floats(&times),
+            "output": draft.floats(sampler.values().as_chunks::<4>().0),
             "interpolation": "CUBICSPLINE",
         })
     };
@@ -94,7 +97,7 @@ fn animation(buffer: &mut Buffer, data: &RigData) -> Value {
     let channels: Vec<Value> = animation
         .channels
         .iter()
-        .map(|c| json!({ "sampler": c.sampler, "target": { "node": c.node, "path": "rotation" } }))
+        .map(|c| json!({ "sampler": c.sampler, "target": { "node": FIRST + c.node, "path": "rotation" } }))
         .collect();
     json!({ "name": animation.name, "channels": channels, "samplers": samplers })
 }

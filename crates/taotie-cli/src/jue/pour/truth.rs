@@ -30,7 +30,7 @@ impl Truth {
     pub fn at(rest: &Mesh, seconds: f64) -> Result<Self> {
         let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
         let scene = Scene { meshes: vec![moved_mesh(rest, seconds)?], instances, ..Scene::default() };
-        Ok(Self { lookup: UvLookup::new(&scene), scene })
+        Ok(Self { lookup: UvLookup::new(&scene)?, scene })
     }
 
     /// Its mesh.

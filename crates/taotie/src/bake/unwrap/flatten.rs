@@ -1,7 +1,7 @@
 //! Charts laid flat: seen from their axis, and cut where they would lie over themselves.
 
 use super::topology::{NONE, Topology};
-use crate::bake::raster::Rasterizer;
+use crate::bake::raster::{ALL_ROWS, Rasterizer};
 use crate::math::{Vec2, Vec3, scalar};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -140,7 +140,7 @@ fn overlap(topology: &Topology, chart: &Chart, density: f64) -> Option<[u32; 2]>
     let mut owners = vec![NONE; texels[0] as usize * texels[1] as usize];
     for t in 0..triangles.len() {
         let mut other = NONE;
-        rasterizer.spans(t, |y, [from, to]| {
+        rasterizer.spans(t, ALL_ROWS, |y, [from, to]| {
             for x in from..=to {
                 // A corner at the far end may round into what follows.
                 let at = (y as usize).min(texels[1] as usize - 1) * texels[0] as usize

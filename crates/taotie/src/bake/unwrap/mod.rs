@@ -11,7 +11,7 @@ mod patches;
 mod topology;
 
 use super::levels::chosen;
-use super::raster::Rasterizer;
+use super::raster::{ALL_ROWS, Rasterizer};
 use super::simplify::Frame;
 use crate::error::{Error, Result};
 use crate::image::Image;
@@ -127,7 +127,7 @@ fn overlaps(unwrapped: &Unwrapped, size: u32) -> Result<BTreeMap<u32, [u32; 2]>>
     let mut found = BTreeMap::new();
     for (t, chart) in unwrapped.chart_of.iter().enumerate() {
         let Some(chart) = *chart else { continue };
-        rasterizer.spans(t, |y, [from, to]| {
+        rasterizer.spans(t, ALL_ROWS, |y, [from, to]| {
             for x in from..=to {
                 let owner =
                     &mut owners[y as usize % size as usize * size as usize + x as usize % size as usize];

@@ -5,7 +5,7 @@ use super::container::split;
 use super::draco::{self, Supplied, Supply};
 use super::extensions::check_extensions;
 use crate::error::{Error, Result, Warnings};
-use crate::io::file;
+use crate::io::{file, xmp};
 use gltf::json::{self, Root, Value};
 use std::path::{Path, PathBuf};
 
@@ -22,6 +22,8 @@ pub(super) struct Document {
     pub format: &'static str,
     /// The animations' JSON, whose types are checked channel by channel.
     pub animations: Vec<Value>,
+    /// Its XMP packets, untouched.
+    pub xmp: Vec<Value>,
     buffers: Buffers,
     supply: Supply,
 }
@@ -31,11 +33,11 @@ impl Document {
     pub fn open(path: &Path, warnings: &mut Warnings) -> Result<Self> {
         let (text, blob) = split(path, file::read(path)?)?;
         let format = if blob.is_some() { "GLB" } else { "glTF" };
-        let (root, animations) = parse(path, &text)?;
+        let Parsed { root, animations, xmp } = parse(path, &text)?;
         check_extensions(path, &root, warnings)?;
         let buffers = Buffers::load(path, &root, blob.filter(|b| !b.is_empty()), warnings)?;
         let supply = draco::supply(&root, &buffers, warnings);
-        Ok(Self { path: path.to_path_buf(), root, format, animations, buffers, supply })
+        Ok(Self { path: path.to_path_buf(), root, format, animations, xmp, buffers, supply })
     }
 
     /// An error at a place in this file.
@@ -71,12 +73,21 @@ pub(super) fn no_such(what: &str, index: usize) -> String {
     format!("it names {what} {index}, which does not exist")
 }
 
-/// The typed JSON, and the animations, which are taken out of it so that a wrong one harms nothing else.
-fn parse(path: &Path, text: &[u8]) -> Result<(Root, Vec<Value>)> {
+/// The typed JSON, and what is taken out of it.
+struct Parsed {
+    root: Root,
+    /// A wrong one harms nothing else.
+    animations: Vec<Value>,
+    /// As the file has them.
+    xmp: Vec<Value>,
+}
+
+fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let wrong = |e: &json::Error| Error::parse(path, "JSON", e.to_string());
     let mut value: Value = json::deserialize::from_slice(text).map_err(|e| wrong(&e))?;
     check_version(path, &value)?;
+    let xmp = xmp::packets(&value);
     tidy(&mut value);
     let animations = value.as_object_mut().and_then(|root| root.remove("animations"));
     let animations = match animations {
@@ -90,7 +101,7 @@ fn parse(path: &Path, text: &[u8]) -> Result<(Root, Vec<Value>)> {
             Ok(_) => wrong(&e),
         }
     })?;
-    Ok((root, animations))
+    Ok(Parsed { root, animations, xmp })
 }
 
 fn check_version(path: &Path, value: &Value) -> Result<()> {

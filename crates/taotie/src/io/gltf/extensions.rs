@@ -24,9 +24,9 @@ pub const SUPPORTED: [&str; 16] = [
     "KHR_draco_mesh_compression",
 ];
 
-/// Extensions that do not change a picture with the default materials; the channels of KHR_animation_pointer are left
-/// out with a warning of their own.
-const WITHOUT_EFFECT: [&str; 3] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer"];
+/// Extensions that do not change a picture with the default materials: of levels of detail the finest is drawn, and
+/// the channels of KHR_animation_pointer are left out with a warning of their own.
+const WITHOUT_EFFECT: [&str; 4] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod"];
 
 /// Refuses a file that requires what is not understood, and notes what it merely uses.
 pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings) -> Result<()> {

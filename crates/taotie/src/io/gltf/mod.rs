@@ -61,12 +61,13 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
     let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
     let rig = hung.rig(&document, nodes, &mut warnings)?;
-    let root = &document.root;
+    let Document { root, xmp, .. } = document;
     Ok(Loaded {
-        generator: root.asset.generator.clone(),
-        copyright: root.asset.copyright.clone(),
-        extensions_used: root.extensions_used.clone(),
-        extensions_required: root.extensions_required.clone(),
+        generator: root.asset.generator,
+        copyright: root.asset.copyright,
+        xmp,
+        extensions_used: root.extensions_used,
+        extensions_required: root.extensions_required,
         mesh_names,
         texture_names,
         missing_files,

@@ -8,7 +8,7 @@ use super::vertices::Vertices;
 use crate::error::{Error, Warnings};
 use crate::math::Mat4;
 use crate::mesh::deform::Deformable;
-use crate::mesh::{Mesh, repair};
+use crate::mesh::{Mesh, first, repair};
 use gltf::json::mesh::Primitive;
 use gltf::json::validation::Checked;
 
@@ -70,8 +70,7 @@ impl<'a> Primitives<'a> {
             self.warnings.note("primitives without POSITION; nothing to draw", 1);
             return Ok(None);
         };
-        let indices = self.indices(primitive, vertices.count)?;
-        let Some(triangles) = triangulate(mode, &indices) else {
+        let Some(triangles) = triangulate(mode, &self.indices(primitive, vertices.count)?) else {
             self.warnings.note(NOT_TRIANGLES, 1);
             return Ok(None);
         };
@@ -91,7 +90,7 @@ impl<'a> Primitives<'a> {
             }
             false => std::mem::take(&mut shape.base),
         };
-        if let Some(i) = data.positions.iter().position(|p| !p.is_finite()) {
+        if let Some(i) = first(&data.positions, |p| !p.is_finite()) {
             return Err(format!("POSITION: vertex {} is infinite or NaN", used[i]).into());
         }
         repair(&mut data, self.warnings);

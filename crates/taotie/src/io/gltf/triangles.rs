@@ -2,7 +2,9 @@
 
 use super::accessor::Accessor;
 use super::document::Reason;
+use crate::mesh::first;
 use gltf::json::mesh::Mode;
+use rayon::prelude::*;
 
 /// The triangles of a primitive, and what was left out of them.
 pub(super) struct Triangles {
@@ -18,8 +20,8 @@ pub(super) fn read_indices(indices: Option<&Accessor>, vertices: usize) -> Reaso
     if accessor.width != 1 || !accessor.is_unsigned() {
         return Err("indices must be unsigned integers, one an element".into());
     }
-    let read: Vec<u32> = (0..accessor.count).map(|i| accessor.unsigned::<1>(i)[0]).collect();
-    match read.iter().position(|v| *v as usize >= vertices) {
+    let read: Vec<u32> = (0..accessor.count).into_par_iter().map(|i| accessor.unsigned::<1>(i)[0]).collect();
+    match first(&read, |v| *v as usize >= vertices) {
         Some(i) => Err(format!("index {i} names vertex {}, but there are {vertices}", read[i])),
         None => Ok(read),
     }

@@ -8,6 +8,7 @@ use crate::mesh::MeshData;
 use gltf::json::Value;
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
+use rayon::prelude::*;
 
 /// The most uv sets of a mesh that are read.
 pub(super) const MAX_UV_SETS: u32 = 8;
@@ -50,19 +51,19 @@ impl<'a> Vertices<'a> {
                 .ok()
         };
         let mut data = MeshData {
-            positions: used.iter().map(|i| vec3(&self.positions, *i)).collect(),
+            positions: used.par_iter().map(|i| vec3(&self.positions, *i)).collect(),
             ..MeshData::default()
         };
         if let Some(normals) = optional(Semantic::Normals) {
-            data.normals = used.iter().map(|i| vec3(&normals, *i)).collect();
+            data.normals = used.par_iter().map(|i| vec3(&normals, *i)).collect();
             if let Some(tangents) = optional(Semantic::Tangents) {
-                data.tangents = used.iter().map(|i| tangents.floats(*i as usize)).collect();
+                data.tangents = used.par_iter().map(|i| tangents.floats(*i as usize)).collect();
             }
         }
         let sets = (0..MAX_UV_SETS).map(|set| optional(Semantic::TexCoords(set))).collect::<Vec<_>>();
         data.uvs = read_uvs(&sets, used);
         if let Some(colors) = optional(Semantic::Colors(0)) {
-            data.colors = used.iter().map(|i| color(&colors, *i)).collect();
+            data.colors = used.par_iter().map(|i| color(&colors, *i)).collect();
         }
         data
     }
@@ -109,7 +110,7 @@ fn read_uvs(sets: &[Option<Accessor>], used: &[u32]) -> Vec<Vec<Vec2>> {
         Vec2::new(u, v)
     };
     let read = |set: &Option<Accessor>| match set {
-        Some(accessor) => used.iter().map(|i| uv(accessor, *i)).collect(),
+        Some(accessor) => used.par_iter().map(|i| uv(accessor, *i)).collect(),
         None => vec![Vec2::default(); used.len()],
     };
     sets[..count].iter().map(read).collect()

@@ -21,18 +21,19 @@ pub(super) fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
     let mut current: Option<(Kind, usize)> = None;
     let mut scratch = Scratch::default();
     let colors = linear_colors(obj, warnings);
+    let mut firsts = vec![(NONE, NONE); obj.positions.len()];
     for face in &obj.faces {
         let kind = scratch.take(obj, face, warnings);
         let part = match current {
             Some((same, part)) if same == kind => part,
             _ => *part_of_kind.entry(kind).or_insert_with(|| {
-                parts.push(PartBuilder::new(kind));
+                parts.push(PartBuilder::new(parts.len() as u32, kind));
                 parts.len() - 1
             }),
         };
         current = Some((kind, part));
         scratch.cut(warnings);
-        parts[part].add(obj, &colors, &scratch);
+        parts[part].add(obj, &colors, &scratch, &mut firsts);
     }
     if parts.iter().any(|part| !part.kind.2) {
         warnings.note("smoothing groups are drawn as one, since faces lack normals", obj.smoothing_changes);
@@ -89,48 +90,75 @@ impl Scratch {
 
     fn cut(&mut self, warnings: &mut Warnings) {
         self.triangles.clear();
-        if self.cutter.cut(&self.points, &mut self.triangles) == Outline::Crossing {
+        if self.points.len() == 3 {
+            self.triangles.push([0, 1, 2]);
+        } else if self.cutter.cut(&self.points, &mut self.triangles) == Outline::Crossing {
             warnings.note("polygons that cross themselves are drawn only roughly", 1);
         }
     }
 }
 
+/// For each position the part that used it first, and the vertex there.
+type Firsts = [(u32, u32)];
+
 struct PartBuilder {
+    number: u32,
     kind: Kind,
     data: MeshData,
+    /// The corner that each vertex is made from.
+    corners: Vec<Corner>,
+    /// The vertices of corners, but for those in [`Firsts`]: most positions have one corner in one part.
     welded: HashMap<Corner, u32>,
 }
 
 impl PartBuilder {
-    fn new(kind: Kind) -> Self {
+    fn new(number: u32, kind: Kind) -> Self {
         let uvs = if kind.1 { vec![Vec::new()] } else { Vec::new() };
-        Self { kind, data: MeshData { uvs, ..MeshData::default() }, welded: HashMap::new() }
+        let data = MeshData { uvs, ..MeshData::default() };
+        Self { number, kind, data, corners: Vec::new(), welded: HashMap::new() }
     }
 
-    fn add(&mut self, obj: &Obj, colors: &[[f32; 4]], face: &Scratch) {
-        for triangle in &face.triangles {
-            let triangle = triangle.map(|i| self.vertex(obj, colors, face.corners[i as usize]));
+    fn add(&mut self, obj: &Obj, colors: &[[f32; 4]], face: &Scratch, firsts: &mut Firsts) {
+        for [a, b, c] in &face.triangles {
+            let mut vertex = |i: u32| {
+                let corner = face.corners[i as usize];
+                let index = self.index(corner, &mut firsts[corner[0] as usize]);
+                if index as usize == self.data.positions.len() {
+                    self.push(obj, colors, corner);
+                }
+                index
+            };
+            let triangle = [vertex(*a), vertex(*b), vertex(*c)];
             self.data.triangles.push(triangle);
         }
     }
 
-    fn vertex(&mut self, obj: &Obj, colors: &[[f32; 4]], corner: Corner) -> u32 {
-        let next = self.data.positions.len() as u32;
-        let index = *self.welded.entry(corner).or_insert(next);
-        if index == next {
-            let [position, uv, normal] = corner.map(|i| i as usize);
-            self.data.positions.push(obj.positions[position]);
-            if let Some(uvs) = self.data.uvs.first_mut() {
-                uvs.push(Vec2::new(obj.uvs[uv].x, 1.0 - obj.uvs[uv].y));
+    /// The vertex of a corner, whose position was first used by `first`.
+    fn index(&mut self, corner: Corner, first: &mut (u32, u32)) -> u32 {
+        let next = self.corners.len() as u32;
+        match *first {
+            (NONE, _) => {
+                *first = (self.number, next);
+                next
             }
-            if self.kind.2 {
-                self.data.normals.push(obj.normals[normal].to_f64().normalize().to_f32());
-            }
-            if let Some(color) = colors.get(position) {
-                self.data.colors.push(*color);
-            }
+            (part, index) if part == self.number && self.corners[index as usize] == corner => index,
+            _ => *self.welded.entry(corner).or_insert(next),
         }
-        index
+    }
+
+    fn push(&mut self, obj: &Obj, colors: &[[f32; 4]], corner: Corner) {
+        self.corners.push(corner);
+        let [position, uv, normal] = corner.map(|i| i as usize);
+        self.data.positions.push(obj.positions[position]);
+        if let Some(uvs) = self.data.uvs.first_mut() {
+            uvs.push(Vec2::new(obj.uvs[uv].x, 1.0 - obj.uvs[uv].y));
+        }
+        if self.kind.2 {
+            self.data.normals.push(obj.normals[normal].to_f64().normalize().to_f32());
+        }
+        if let Some(color) = colors.get(position) {
+            self.data.colors.push(*color);
+        }
     }
 
     fn finish(self, warnings: &mut Warnings) -> Result<Part> {

@@ -4,6 +4,7 @@
 //! line numbers, concave polygons, continued lines, UTF-16 and Latin-1, faces with and without uvs in one object,
 //! and the options of texture statements.
 
+mod blocks;
 mod build;
 mod material;
 mod mtl;

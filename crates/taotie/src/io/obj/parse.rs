@@ -2,8 +2,11 @@
 
 use super::super::polygon::Cutter;
 use super::super::text::{self, quote};
+use super::blocks::{Place, blocks};
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Vec2, Vec3};
+use crate::mesh::first;
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -49,21 +52,24 @@ pub(super) struct Obj {
     pub smoothing_changes: usize,
 }
 
-/// Reads the statements of `text`, which stands in the file `path`.
+/// Reads the statements of `text`, which stands in the file `path`, in blocks and in parallel.
 ///
 /// # Errors
 /// [`Error::Parse`] naming the line of the first number or index that cannot be used, and where there is no face.
 pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Result<Obj> {
-    let mut parser = Parser { material: NONE, ..Parser::default() };
-    for (line, statement) in text::lines(text) {
-        parser
-            .statement(&statement, line, warnings)
-            .map_err(|what| Error::parse(path, format!("line {line}"), what))?;
+    let mut whole = Whole::default();
+    let mut place = Place::default();
+    for group in blocks(text).chunks(4 * rayon::current_num_threads()) {
+        let lengths: Vec<Place> = group.par_iter().map(|block| Place::behind(block)).collect();
+        let starts: Vec<Place> = lengths.iter().map(|length| place.advance(length)).collect();
+        let read = |(block, start): (&&str, Place)| Parser::new(start).block(block);
+        let done: Vec<_> = group.par_iter().zip(starts).map(read).collect();
+        for parser in done {
+            let parser = parser.map_err(|(line, what)| Error::parse(path, format!("line {line}"), what))?;
+            whole.take(parser, warnings);
+        }
     }
-    let mut obj = parser.obj;
-    if !obj.colors.is_empty() {
-        obj.colors.resize(obj.positions.len(), WHITE);
-    }
+    let obj = whole.obj;
     check_ranges(path, &obj)?;
     if obj.faces.is_empty() {
         let what = format!("no face ({} vertices); export triangles or polygons", obj.positions.len());
@@ -74,23 +80,50 @@ pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Result<
 
 const WHITE: [f32; 3] = [1.0; 3];
 
-#[derive(Default)]
+/// In a [`Face`] of one block: the material of the block before.
+const INHERITED: u32 = u32::MAX - 1;
+
+/// Reads one block.
 struct Parser {
+    start: Place,
+    /// What stands in the block. Corners count from the start of the file, all else from that of the block.
     obj: Obj,
+    warnings: Warnings,
     material: u32,
     material_ids: HashMap<String, u32>,
+    first_smoothing: Option<String>,
     smoothing: Option<String>,
 }
 
 impl Parser {
-    fn statement(
-        &mut self,
-        statement: &str,
-        line: usize,
-        warnings: &mut Warnings,
-    ) -> std::result::Result<(), String> {
-        let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
+    fn new(start: Place) -> Self {
+        Self {
+            start,
+            obj: Obj::default(),
+            warnings: Warnings::default(),
+            material: INHERITED,
+            material_ids: HashMap::new(),
+            first_smoothing: None,
+            smoothing: None,
+        }
+    }
+
+    /// Reads all statements; an error comes with its line.
+    fn block(mut self, block: &str) -> std::result::Result<Self, (usize, String)> {
+        for (line, statement) in text::lines(block) {
+            let line = self.start.lines + line;
+            self.statement(&statement, line).map_err(|what| (line, what))?;
+        }
+        if !self.obj.colors.is_empty() {
+            self.obj.colors.resize(self.obj.positions.len(), WHITE);
+        }
+        Ok(self)
+    }
+
+    fn statement(&mut self, statement: &str, line: usize) -> std::result::Result<(), String> {
+        let (keyword, rest) = split_keyword(statement);
         let rest = rest.trim();
+        let warnings = &mut self.warnings;
         match keyword {
             "v" => self.vertex(rest)?,
             "vt" => {
@@ -98,7 +131,7 @@ impl Parser {
                 self.obj.uvs.push(Vec2::new(u, v));
             }
             "vn" => self.obj.normals.push(Vec3::from_array(numbers(rest, 3)?)),
-            "f" | "fo" => self.face(rest, line, warnings)?,
+            "f" | "fo" => self.face(rest, line)?,
             "usemtl" => self.use_material(rest),
             "mtllib" => self.obj.libraries.push(rest.to_owned()),
             "s" => self.smooth(rest),
@@ -137,8 +170,10 @@ impl Parser {
         Ok(())
     }
 
-    fn face(&mut self, rest: &str, line: usize, warnings: &mut Warnings) -> std::result::Result<(), String> {
-        let counts = [self.obj.positions.len(), self.obj.uvs.len(), self.obj.normals.len()];
+    fn face(&mut self, rest: &str, line: usize) -> std::result::Result<(), String> {
+        let [positions, uvs, normals] = self.start.counts;
+        let Obj { positions: p, uvs: t, normals: n, .. } = &self.obj;
+        let counts = [positions + p.len(), uvs + t.len(), normals + n.len()];
         let first = self.obj.corners.len();
         for token in tokens(rest) {
             self.obj.corners.push(corner(token, counts)?);
@@ -146,7 +181,7 @@ impl Parser {
         let count = self.obj.corners.len() - first;
         if count < 3 {
             self.obj.corners.truncate(first);
-            warnings.note("faces of fewer than three corners are left out", 1);
+            self.warnings.note("faces of fewer than three corners are left out", 1);
             return Ok(());
         }
         if count > Cutter::MAX_CORNERS {
@@ -161,6 +196,7 @@ impl Parser {
         if self.smoothing.as_deref() != Some(group) {
             self.obj.smoothing_changes += usize::from(self.smoothing.is_some());
             self.smoothing = Some(group.to_owned());
+            self.first_smoothing.get_or_insert_with(|| group.to_owned());
         }
     }
 
@@ -171,6 +207,65 @@ impl Parser {
             self.obj.material_names.push(name.to_owned());
         }
     }
+}
+
+/// What the blocks hold, one behind the other.
+struct Whole {
+    obj: Obj,
+    material: u32,
+    material_ids: HashMap<String, u32>,
+    smoothing: Option<String>,
+}
+
+impl Default for Whole {
+    fn default() -> Self {
+        Self { obj: Obj::default(), material: NONE, material_ids: HashMap::new(), smoothing: None }
+    }
+}
+
+impl Whole {
+    /// Appends what the next block holds.
+    fn take(&mut self, parser: Parser, warnings: &mut Warnings) {
+        warnings.absorb(parser.warnings);
+        let mut block = parser.obj;
+        let materials: Vec<u32> = block.material_names.drain(..).map(|name| self.material_id(name)).collect();
+        let first = self.obj.corners.len() as u32;
+        for face in &mut block.faces {
+            face.first += first;
+            face.material = materials.get(face.material as usize).copied().unwrap_or(self.material);
+        }
+        self.material = materials.get(parser.material as usize).copied().unwrap_or(self.material);
+        if self.smoothing.is_some() && parser.first_smoothing.is_some() {
+            self.obj.smoothing_changes += usize::from(self.smoothing != parser.first_smoothing);
+        }
+        self.obj.smoothing_changes += block.smoothing_changes;
+        self.smoothing = parser.smoothing.or(self.smoothing.take());
+        if !(self.obj.colors.is_empty() && block.colors.is_empty()) {
+            self.obj.colors.resize(self.obj.positions.len(), WHITE);
+            block.colors.resize(block.positions.len(), WHITE);
+        }
+        self.obj.colors.append(&mut block.colors);
+        self.obj.positions.append(&mut block.positions);
+        self.obj.uvs.append(&mut block.uvs);
+        self.obj.normals.append(&mut block.normals);
+        self.obj.corners.append(&mut block.corners);
+        self.obj.faces.append(&mut block.faces);
+        self.obj.libraries.append(&mut block.libraries);
+    }
+
+    fn material_id(&mut self, name: String) -> u32 {
+        let next = self.obj.material_names.len() as u32;
+        let id = *self.material_ids.entry(name.clone()).or_insert(next);
+        if id == next {
+            self.obj.material_names.push(name);
+        }
+        id
+    }
+}
+
+/// The word that a statement starts with, and what follows it.
+pub(super) fn split_keyword(statement: &str) -> (&str, &str) {
+    statement.split_once(char::is_whitespace).unwrap_or((statement, ""))
 }
 
 /// Statements that change nothing in the picture: names, groups, and the attributes of free-form geometry.
@@ -269,19 +364,18 @@ fn resolve(part: &str, count: usize) -> std::result::Result<u32, String> {
 /// Indices may name elements that follow later, so their range is known only at the end.
 fn check_ranges(path: &Path, obj: &Obj) -> Result<()> {
     let counts = [obj.positions.len(), obj.uvs.len(), obj.normals.len()];
-    for face in &obj.faces {
-        for corner in &obj.corners[face.first as usize..][..face.count as usize] {
-            for ((index, count), name) in corner.iter().zip(counts).zip(["vertex", "uv", "normal"]) {
-                if *index as usize >= count && *index != NONE {
-                    let index = u64::from(*index) + 1;
-                    let what =
-                        format!("{name} index {index} is out of range, there are {count}; mend the file");
-                    return Err(Error::parse(path, format!("line {}", face.line), what));
-                }
-            }
-        }
-    }
-    Ok(())
+    let is_beyond = |(index, count): (&u32, usize)| *index as usize >= count && *index != NONE;
+    let Some(bad) = first(&obj.corners, |corner| corner.iter().zip(counts).any(is_beyond)) else {
+        return Ok(());
+    };
+    let face = obj.faces.partition_point(|face| face.first as usize <= bad).saturating_sub(1);
+    let line = obj.faces.get(face).map_or(0, |face| face.line);
+    let parts = obj.corners[bad].iter().zip(counts).zip(["vertex", "uv", "normal"]);
+    let what = parts.filter(|(part, _)| is_beyond(*part)).map(|((index, count), name)| {
+        let index = u64::from(*index) + 1;
+        format!("{name} index {index} is out of range, there are {count}; mend the file")
+    });
+    Err(Error::parse(path, format!("line {line}"), what.take(1).collect::<String>()))
 }
 
 #[cfg(test)]
@@ -331,6 +425,27 @@ mod tests {
         assert_eq!(obj.unwrap().faces.len(), 1);
         let counts: Vec<usize> = warnings.iter().map(|(_, n)| n).collect();
         assert_eq!(counts, [1, 2, 1, 1, 1]);
+    }
+
+    /// A file of several blocks is read as if it were one: what is relative in it reaches over their borders.
+    #[test]
+    fn blocks_are_read_as_one() {
+        let filler = "# filler\n".repeat(300_000);
+        let text = format!(
+            "v 0 0 0\nv 1 0 0 1 0 0\nusemtl a\ns 1\n{filler}v 0 1 0\nf -3 -2 -1\ns 1\ns 2\n{filler}\
+             usemtl b\nf 1 2 3\nusemtl a\ns 1\n{filler}f 1 2 \\\n 3\nf 3 2 1\n"
+        );
+        let obj = parse_text(&text).0.unwrap();
+        assert_eq!(
+            obj.corners.iter().map(|c| c[0]).collect::<Vec<_>>(),
+            [0, 1, 2, 0, 1, 2, 0, 1, 2, 2, 1, 0]
+        );
+        let faces: Vec<[u32; 3]> = obj.faces.iter().map(|f| [f.first, f.material, f.line]).collect();
+        assert_eq!(faces, [[0, 0, 300_006], [3, 1, 600_010], [6, 0, 900_013], [9, 0, 900_015]]);
+        assert_eq!((obj.material_names.concat(), obj.smoothing_changes), ("ab".to_owned(), 2));
+        assert_eq!(obj.colors, [WHITE, [1.0, 0.0, 0.0], WHITE]);
+        assert!(error(&format!("{text}f 1 2 4")).contains("line 900016: vertex index 4"));
+        assert!(error(&format!("{text}f 1 2 -4")).contains("line 900016: vertex index -4"));
     }
 
     #[test]

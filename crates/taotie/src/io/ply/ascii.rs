@@ -1,9 +1,10 @@
-//! Ascii payloads. `ply-rs-bw` reads one row a line by a grammar that refuses `.5`, `1.` and `nan`, which writers
-//! do write, so words are taken one by one here, wherever lines end.
+//! Ascii payloads, rewritten as binary ones. `ply-rs-bw` reads one row a line by a grammar that refuses `.5`, `1.` and
+//! `nan`, which writers do write, so words are taken one by one here, wherever lines end.
 
 use super::super::text::quote;
+use super::names::is_float;
 use crate::error::{Error, Result};
-use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyType, ScalarType};
+use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
 use std::path::Path;
 
 /// The words of a payload, with the line they stand in.
@@ -19,37 +20,51 @@ impl<'a> Tokens<'a> {
         Self { path, rest: payload, line }
     }
 
-    /// Appends the rows of an element.
-    pub(super) fn rows<E: PropertyAccess>(&mut self, element: &ElementDef, rows: &mut Vec<E>) -> Result<()> {
+    /// The rows of an element as little-endian numbers, and the element with the types that these have.
+    ///
+    /// Lists are widened, since writers declare indices as narrower than they are.
+    pub(super) fn rows(&mut self, element: &ElementDef) -> Result<(Vec<u8>, ElementDef)> {
+        let mut widened = element.clone();
+        for (_, property) in widened.properties.iter_mut() {
+            if let PropertyType::List(_, scalar) = &property.data_type {
+                let scalar = if is_float(scalar) { ScalarType::Double } else { ScalarType::UInt };
+                property.data_type = PropertyType::List(ScalarType::UInt, scalar);
+            }
+        }
+        let mut rows = Vec::new();
         for i in 0..element.count {
-            let mut row = E::new();
-            for (name, property) in &element.properties {
-                let value = self.property(&property.data_type).map_err(|what| {
+            for (_, property) in &widened.properties {
+                self.property(&property.data_type, &mut rows).map_err(|what| {
                     let what = format!("{what} in {} {i} of {}", element.name, element.count);
                     Error::parse(self.path, format!("line {}", self.line), what)
                 })?;
-                row.set_property(name, value);
             }
-            rows.push(row);
         }
-        Ok(())
+        Ok((rows, widened))
     }
 
-    fn property(&mut self, data_type: &PropertyType) -> std::result::Result<Property, String> {
-        match data_type {
-            PropertyType::Scalar(scalar) => Ok(typed(self.number()?, scalar)),
-            PropertyType::List(_, scalar) => {
-                let count = self.number()?;
-                if count < 0.0 || count != count.floor() {
-                    return Err(format!("a list of {count} values"));
-                }
-                let mut values = Vec::new();
-                for _ in 0..count as u64 {
-                    values.push(self.number()?);
-                }
-                Ok(typed_list(&values, scalar))
+    fn property(&mut self, data_type: &PropertyType, row: &mut Vec<u8>) -> std::result::Result<(), String> {
+        let scalar = match data_type {
+            PropertyType::Scalar(scalar) => {
+                push_number(self.number()?, scalar, row);
+                return Ok(());
+            }
+            PropertyType::List(_, scalar) => scalar,
+        };
+        let count = self.number()?;
+        if count < 0.0 || count != count.floor() {
+            return Err(format!("a list of {count} values"));
+        }
+        row.extend((count as u32).to_le_bytes());
+        for _ in 0..count as u64 {
+            let value = self.number()?;
+            match scalar {
+                // What is no index is made one that is out of range.
+                ScalarType::UInt if !(value >= 0.0 && value == value.floor()) => row.extend([0xFF; 4]),
+                _ => push_number(value, scalar, row),
             }
         }
+        Ok(())
     }
 
     fn number(&mut self) -> std::result::Result<f64, String> {
@@ -69,27 +84,16 @@ impl<'a> Tokens<'a> {
     }
 }
 
-/// A number as its declared type; out-of-range whole numbers take the nearest.
-fn typed(value: f64, scalar: &ScalarType) -> Property {
+/// Appends a number as its declared type; out-of-range whole numbers take the nearest.
+fn push_number(value: f64, scalar: &ScalarType, row: &mut Vec<u8>) {
     match scalar {
-        ScalarType::Char => Property::Char(value as i8),
-        ScalarType::UChar => Property::UChar(value as u8),
-        ScalarType::Short => Property::Short(value as i16),
-        ScalarType::UShort => Property::UShort(value as u16),
-        ScalarType::Int => Property::Int(value as i32),
-        ScalarType::UInt => Property::UInt(value as u32),
-        ScalarType::Float => Property::Float(value as f32),
-        ScalarType::Double => Property::Double(value),
-    }
-}
-
-fn typed_list(values: &[f64], scalar: &ScalarType) -> Property {
-    match scalar {
-        ScalarType::Float | ScalarType::Double => Property::ListDouble(values.to_vec()),
-        _ => {
-            // What is no index is made one that is out of range.
-            let index = |v: &f64| if *v >= 0.0 && *v == v.floor() { *v as u32 } else { u32::MAX };
-            Property::ListUInt(values.iter().map(index).collect())
-        }
+        ScalarType::Char => row.extend((value as i8).to_le_bytes()),
+        ScalarType::UChar => row.push(value as u8),
+        ScalarType::Short => row.extend((value as i16).to_le_bytes()),
+        ScalarType::UShort => row.extend((value as u16).to_le_bytes()),
+        ScalarType::Int => row.extend((value as i32).to_le_bytes()),
+        ScalarType::UInt => row.extend((value as u32).to_le_bytes()),
+        ScalarType::Float => row.extend((value as f32).to_le_bytes()),
+        ScalarType::Double => row.extend(value.to_le_bytes()),
     }
 }

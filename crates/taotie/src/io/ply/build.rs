@@ -1,270 +1,177 @@
-//! PLY rows into a mesh.
+//! Vertices and faces into a mesh.
 
-use super::super::polygon::{Cutter, Outline};
-use super::rows::{FaceRow, VertexRow, color_slot, slot, vertex_slot};
+use super::faces::{Block, FaceElement, Wanted};
+use super::names::Attributes;
+use super::payload::Element;
+use super::split::Splitter;
+use super::vertices::{Decoder, Vertices, upright};
 use crate::error::{Error, Result, Warnings};
-use crate::math::srgb::linear_from_srgb;
-use crate::math::{Vec2, Vec3};
-use crate::mesh::{Mesh, MeshData};
-use ply_rs_bw::ply::{Header, PropertyType, ScalarType};
-use std::collections::HashMap;
+use crate::math::Vec3;
+use crate::mesh::{Mesh, MeshData, first};
+use rayon::prelude::*;
 use std::path::Path;
 
-/// Which attributes the header declares.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Attributes {
-    /// x, y and z are there.
-    positions: bool,
-    /// A normal at each vertex.
-    normals: bool,
-    /// A uv at each vertex.
-    uvs: bool,
-    /// A colour at each vertex.
-    colors: Option<ColorCode>,
-    /// A colour at each face.
-    face_colors: Option<ColorCode>,
-}
-
-/// What colour numbers mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum ColorCode {
-    /// Whole numbers: sRGB-encoded.
-    Encoded,
-    /// Floats: linear.
-    Linear,
-}
-
-impl Attributes {
-    /// Reads the declarations.
-    pub(super) fn of(header: &Header) -> Self {
-        let mut found = Self::default();
-        if let Some(vertex) = header.elements.get("vertex") {
-            let has = |slots: std::ops::Range<usize>| {
-                slots.into_iter().all(|s| vertex.properties.iter().any(|(n, _)| vertex_slot(n) == Some(s)))
-            };
-            found.positions = has(slot::POSITION..slot::NORMAL);
-            found.normals = has(slot::NORMAL..slot::UV);
-            found.uvs = has(slot::UV..slot::COLOR);
-            let types = vertex.properties.iter().map(|(name, p)| (name.as_str(), &p.data_type));
-            found.colors = color_code(types);
-        }
-        if let Some(face) = header.elements.get("face") {
-            found.face_colors = color_code(face.properties.iter().map(|(n, p)| (n.as_str(), &p.data_type)));
-        }
-        found
-    }
-}
-
-fn color_code<'a>(properties: impl Iterator<Item = (&'a str, &'a PropertyType)>) -> Option<ColorCode> {
-    let mut seen = [false; 3];
-    let mut code = ColorCode::Encoded;
-    for (name, data_type) in properties {
-        if let Some(slot @ 0..3) = color_slot(name) {
-            seen[slot] = true;
-            if matches!(data_type, PropertyType::Scalar(ScalarType::Float | ScalarType::Double)) {
-                code = ColorCode::Linear;
-            }
-        }
-    }
-    (seen == [true; 3]).then_some(code)
+/// The elements that can be drawn.
+#[derive(Default)]
+pub(super) struct Elements<'a> {
+    /// Which attributes they have.
+    pub attributes: Attributes,
+    /// The vertices, where there are any.
+    pub vertices: Option<Element<'a>>,
+    /// Polygons and strips.
+    pub faces: Vec<FaceElement<'a>>,
 }
 
 /// Makes the mesh. Vertices are split where faces give them different uvs or colours of their own.
-pub(super) fn build(
-    path: &Path,
-    attributes: &Attributes,
-    vertices: Vec<VertexRow>,
-    faces: &[FaceRow],
-    warnings: &mut Warnings,
-) -> Result<Mesh> {
-    check(path, attributes, &vertices, faces)?;
-    let mut builder = Builder::new(attributes, vertices, faces, warnings);
-    let mut cutter = Cutter::default();
-    let (mut points, mut triangles) = (Vec::new(), Vec::new());
-    for (i, face) in faces.iter().enumerate() {
-        if face.corners.len() < 3 {
-            warnings.note("faces of fewer than three corners are left out", 1);
-            continue;
-        }
-        check_corners(path, i, face, builder.vertices.len())?;
-        points.clear();
-        points.extend(face.corners.iter().map(|c| position(&builder.vertices[*c as usize])));
-        triangles.clear();
-        if cutter.cut(&points, &mut triangles) == Outline::Crossing {
-            warnings.note("polygons that cross themselves are drawn only roughly", 1);
-        }
-        builder.add(face, &triangles);
+pub(super) fn build(path: &Path, elements: &Elements, warnings: &mut Warnings) -> Result<Mesh> {
+    let vertices = read_vertices(path, elements)?;
+    let attributes = &elements.attributes;
+    let with_uvs: usize = elements.faces.iter().filter(|f| !f.strips).map(|f| f.rows.with_uvs).sum();
+    let lack_normals = vertices.lack_normals();
+    let wanted = Wanted {
+        positions: &vertices.positions,
+        lack_normals: &lack_normals,
+        uvs: with_uvs > 0,
+        colors: attributes.colors.is_none() && attributes.face_colors.is_some(),
+    };
+    let mut gathered = Gathered::new(path, elements, &wanted);
+    for element in &elements.faces {
+        element
+            .rows
+            .blocks(|rows| Block::read(rows, element.strips, &wanted), |block| gathered.take(block))?;
     }
-    builder.finish(path, warnings)
+    gathered.finish(with_uvs, vertices.positions.len(), warnings)?;
+    let Gathered { triangles, splitter, without_normal, .. } = gathered;
+    let mut data = match splitter {
+        Some(splitter) => split(vertices, splitter, attributes),
+        None => plain(vertices),
+    };
+    if without_normal > 0 {
+        data.normals.clear();
+    }
+    data.triangles = triangles;
+    let mesh = Mesh::new(data)?;
+    warnings.note("triangles without area", mesh.degenerate_triangles());
+    Ok(mesh)
 }
 
-fn check(path: &Path, attributes: &Attributes, vertices: &[VertexRow], faces: &[FaceRow]) -> Result<()> {
-    let whole = |what: String| Err(Error::parse(path, "whole file", what));
-    if vertices.is_empty() {
-        return whole("no vertices; export the mesh again".to_owned());
+fn read_vertices(path: &Path, elements: &Elements) -> Result<Vertices> {
+    let whole = |what: &str| Err(Error::parse(path, "whole file", what));
+    let Some(rows) = elements.vertices.as_ref().filter(|rows| rows.count > 0) else {
+        return whole("no vertices; export the mesh again");
+    };
+    if !elements.attributes.positions {
+        return whole("the vertices lack x, y or z; export the mesh again");
     }
-    if !attributes.positions {
-        return whole("the vertices lack x, y or z; export the mesh again".to_owned());
+    if elements.faces.iter().all(|faces| faces.rows.count == 0) {
+        return Err(cloud(path, rows.count));
     }
-    if faces.is_empty() {
-        return whole(format!(
-            "a cloud of {} points without faces; reconstruct its surface first, for instance in MeshLab",
-            vertices.len()
-        ));
-    }
-    match vertices.iter().position(|v| !position(v).is_finite()) {
+    let vertices = Vertices::read(rows, &elements.attributes)?;
+    match first(&vertices.positions, |p| !p.is_finite()) {
         Some(i) => {
             Err(Error::parse(path, format!("vertex {i}"), "its position is infinite or NaN; mend the file"))
         }
-        None => Ok(()),
+        None => Ok(vertices),
     }
 }
 
-fn check_corners(path: &Path, i: usize, face: &FaceRow, count: usize) -> Result<()> {
-    let error = |what| Err(Error::parse(path, format!("face {i}"), what));
-    if face.corners.len() > Cutter::MAX_CORNERS {
-        return error(format!("{} corners; at most {}", face.corners.len(), Cutter::MAX_CORNERS));
-    }
-    match face.corners.iter().find(|c| **c as usize >= count) {
-        Some(&u32::MAX) => error("a negative vertex index; mend the file".to_owned()),
-        Some(c) => error(format!("vertex index {c} is out of range, there are {count}; mend the file")),
-        None => Ok(()),
-    }
+fn cloud(path: &Path, points: usize) -> Error {
+    let what = format!(
+        "a cloud of {points} points without faces; reconstruct its surface first, for instance in MeshLab"
+    );
+    Error::parse(path, "whole file", what)
 }
 
-fn position(vertex: &VertexRow) -> Vec3 {
-    let [x, y, z, ..] = vertex.values;
-    Vec3::new(x, y, z)
+/// What the blocks of faces give.
+struct Gathered<'a> {
+    path: &'a Path,
+    triangles: Vec<[u32; 3]>,
+    splitter: Option<Splitter>,
+    faces: usize,
+    too_few: usize,
+    crossing: usize,
+    without_normal: usize,
 }
 
-/// The vertex a corner has in the file, and the bits of what its face says of it.
-type Corner = [u32; 7];
-
-struct Builder {
-    vertices: Vec<VertexRow>,
-    code: Option<ColorCode>,
-    has_normals: bool,
-    has_uvs: bool,
-    wedge_uvs: bool,
-    face_colors: bool,
-    welded: HashMap<Corner, u32>,
-    data: MeshData,
-}
-
-impl Builder {
-    fn new(
-        attributes: &Attributes,
-        vertices: Vec<VertexRow>,
-        faces: &[FaceRow],
-        warnings: &mut Warnings,
-    ) -> Self {
-        let with_uvs = |f: &&FaceRow| f.uvs.len() == 2 * f.corners.len() && !f.uvs.is_empty();
-        let wedges = faces.iter().filter(with_uvs).count();
-        if wedges > 0 {
-            warnings.note("faces without uvs beside faces with them", faces.len() - wedges);
-        }
-        let face_colors = attributes.colors.is_none() && attributes.face_colors.is_some();
+impl<'a> Gathered<'a> {
+    fn new(path: &'a Path, elements: &Elements, wanted: &Wanted) -> Self {
+        let most = elements.faces.iter().map(|f| f.rows.corners.saturating_sub(2 * f.rows.count)).sum();
         Self {
-            code: attributes.colors.or(attributes.face_colors),
-            has_normals: attributes.normals && usable_normals(&vertices, faces, warnings),
-            has_uvs: attributes.uvs || wedges > 0,
-            wedge_uvs: wedges > 0,
-            face_colors,
-            welded: HashMap::new(),
-            data: MeshData { uvs: vec![Vec::new()], ..MeshData::default() },
-            vertices,
+            path,
+            triangles: Vec::with_capacity(most),
+            splitter: wanted.splits().then(|| Splitter::new(wanted)),
+            faces: 0,
+            too_few: 0,
+            crossing: 0,
+            without_normal: 0,
         }
     }
 
-    fn add(&mut self, face: &FaceRow, triangles: &[[u32; 3]]) {
-        for triangle in triangles {
-            let triangle = if self.wedge_uvs || self.face_colors {
-                triangle.map(|i| self.split(face, i as usize))
-            } else {
-                triangle.map(|i| face.corners[i as usize])
-            };
-            self.data.triangles.push(triangle);
+    fn take(&mut self, mut block: Block) -> Result<()> {
+        if let Some((face, what)) = block.error {
+            return Err(Error::parse(self.path, format!("face {}", self.faces + face), what));
         }
-    }
-
-    /// The index of the vertex for the corner `i` of a face that has uvs or a colour of its own.
-    fn split(&mut self, face: &FaceRow, i: usize) -> u32 {
-        let mut row = self.vertices[face.corners[i] as usize];
-        if self.wedge_uvs {
-            let uv = face.uvs.get(2 * i..2 * i + 2).unwrap_or(&[0.0; 2]);
-            row.values[slot::UV..slot::COLOR].copy_from_slice(uv);
-        }
-        if self.face_colors {
-            row.values[slot::COLOR..].copy_from_slice(&face.color);
-        }
-        let bits = |k: usize| row.values[slot::UV + k].to_bits();
-        let key = [face.corners[i], bits(0), bits(1), bits(2), bits(3), bits(4), bits(5)];
-        let next = self.data.positions.len() as u32;
-        let index = *self.welded.entry(key).or_insert(next);
-        if index == next {
-            self.push(&row);
-        }
-        index
-    }
-
-    fn push(&mut self, row: &VertexRow) {
-        let [x, y, z, nx, ny, nz, u, v, color @ ..] = row.values;
-        self.data.positions.push(Vec3::new(x, y, z));
-        if self.has_normals {
-            let up = Vec3::new(0.0, 0.0, 1.0);
-            self.data.normals.push(Vec3::new(nx, ny, nz).to_f64().normalize_or(up).to_f32());
-        }
-        if self.has_uvs {
-            let usable = |v: f32| if v.is_finite() { v } else { 0.0 };
-            self.data.uvs[0].push(Vec2::new(usable(u), 1.0 - usable(v)));
-        }
-        if let Some(code) = self.code {
-            self.data.colors.push(linear(color, code));
-        }
-    }
-
-    fn finish(mut self, path: &Path, warnings: &mut Warnings) -> Result<Mesh> {
-        if self.data.triangles.is_empty() {
-            return Err(Error::parse(
-                path,
-                "whole file",
-                "no face of three corners or more; export triangles",
-            ));
-        }
-        if !self.wedge_uvs && !self.face_colors {
-            for row in std::mem::take(&mut self.vertices) {
-                self.push(&row);
+        match &mut self.splitter {
+            None => self.triangles.append(&mut block.triangles),
+            Some(splitter) => {
+                let triangles = block.triangles.iter();
+                self.triangles.extend(triangles.map(|t| t.map(|i| splitter.index(&block, i as usize))));
             }
         }
-        if !self.has_uvs {
-            self.data.uvs.clear();
+        self.faces += block.faces;
+        self.too_few += block.too_few;
+        self.crossing += block.crossing;
+        self.without_normal += block.without_normal;
+        Ok(())
+    }
+
+    fn finish(&self, with_uvs: usize, points: usize, warnings: &mut Warnings) -> Result<()> {
+        if self.faces == 0 {
+            return Err(cloud(self.path, points));
         }
-        let mesh = Mesh::new(self.data)?;
-        warnings.note("triangles without area", mesh.degenerate_triangles());
-        Ok(mesh)
+        let lacking = if with_uvs > 0 { self.faces - with_uvs } else { 0 };
+        warnings.note("faces without uvs beside faces with them", lacking);
+        let normals = "corners whose normals are zero or NaN, so that all normals are left out";
+        warnings.note(normals, self.without_normal);
+        warnings.note("faces of fewer than three corners are left out", self.too_few);
+        warnings.note("polygons that cross themselves are drawn only roughly", self.crossing);
+        if self.triangles.is_empty() {
+            let what = "no face of three corners or more; export triangles";
+            return Err(Error::parse(self.path, "whole file", what));
+        }
+        Ok(())
     }
 }
 
-/// Whether every normal that a face uses is a direction; else none is kept.
-fn usable_normals(vertices: &[VertexRow], faces: &[FaceRow], warnings: &mut Warnings) -> bool {
-    let is_bad = |i: &u32| {
-        vertices.get(*i as usize).is_some_and(|row| {
-            let [.., nx, ny, nz] = row.values[..slot::UV] else { return true };
-            let length = Vec3::new(nx, ny, nz).to_f64().length();
-            !(length > 1e-18 && length.is_finite())
-        })
-    };
-    let bad = faces.iter().flat_map(|f| &f.corners).filter(|i| is_bad(i)).count();
-    warnings.note("corners whose normals are zero or NaN, so that all normals are left out", bad);
-    bad == 0
+/// The vertices as they are, unit normals.
+fn plain(vertices: Vertices) -> MeshData {
+    let Vertices { positions, mut normals, uvs, colors } = vertices;
+    normals.par_iter_mut().for_each(|n| *n = unit(*n));
+    let uvs = if uvs.is_empty() { Vec::new() } else { vec![uvs] };
+    MeshData { positions, normals, uvs, colors, ..MeshData::default() }
 }
 
-fn linear(color: [f32; 4], code: ColorCode) -> [f32; 4] {
-    let usable = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
-    let [r, g, b, a] = color.map(usable);
-    let decode = |v: f32| match code {
-        ColorCode::Encoded => linear_from_srgb(f64::from(v)) as f32,
-        ColorCode::Linear => v,
-    };
-    [decode(r), decode(g), decode(b), a.min(1.0)]
+/// The vertices as faces split them.
+fn split(vertices: Vertices, splitter: Splitter, attributes: &Attributes) -> MeshData {
+    fn gather<T: Copy>(from: &[T], splitter: &Splitter) -> Vec<T> {
+        if from.is_empty() { Vec::new() } else { splitter.vertices().map(|v| from[v]).collect() }
+    }
+    let mut data = plain(Vertices {
+        positions: gather(&vertices.positions, &splitter),
+        normals: gather(&vertices.normals, &splitter),
+        uvs: gather(&vertices.uvs, &splitter),
+        colors: gather(&vertices.colors, &splitter),
+    });
+    if splitter.uvs {
+        data.uvs = vec![splitter.own_uvs().map(|[u, v]| upright(u, v)).collect()];
+    }
+    if let Some(code) = attributes.face_colors.filter(|_| splitter.colors) {
+        let decoder = Decoder::new(code);
+        data.colors = splitter.own_colors().map(|color| decoder.linear(color)).collect();
+    }
+    data
+}
+
+fn unit(normal: Vec3) -> Vec3 {
+    normal.to_f64().normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32()
 }

@@ -1,24 +1,30 @@
 //! PLY: polygons with any properties, ascii or binary.
 //!
-//! Headers and binary payloads are read by `ply-rs-bw`; see `ascii` for why ascii payloads are not.
+//! Headers are read by `ply-rs-bw`. Its payloads are one object a row, which a scan of millions is too large for, and
+//! its ascii is stricter than its writers; so payloads are read here, binary ones in blocks and in parallel.
 
 mod ascii;
 mod build;
-mod rows;
+mod faces;
+mod names;
+mod payload;
+mod split;
+mod texture;
+mod vertices;
 
 use super::Loaded;
 use super::file;
-use super::locate;
 use super::obj::neutral;
-use super::read_bitmap;
 use crate::error::{Error, Result, Warnings};
-use crate::image::{Encoding, Sampler, Texture};
 use crate::math::Mat4;
-use crate::scene::{Instance, Scene, TextureRef, UvTransform};
-use build::Attributes;
+use crate::scene::{Instance, Scene};
+use ascii::Tokens;
+use build::Elements;
+use faces::FaceElement;
+use names::Attributes;
+use payload::Element;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Encoding as Format, Header, PropertyAccess, PropertyType, ScalarType};
-use rows::{FaceRow, Ignored, VertexRow};
+use ply_rs_bw::ply::{DefaultElement, Encoding, Header};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -37,8 +43,10 @@ const MAX_HEADER: usize = 1 << 20;
 /// clouds, which cannot be drawn.
 pub(super) fn read(path: &Path) -> Result<Loaded> {
     let mut warnings = Warnings::default();
-    let table = Table::read(path, file::read(path)?)?;
-    let mesh = build::build(path, &table.attributes, table.vertices, &table.faces, &mut warnings)?;
+    let mut bytes = file::read(path)?;
+    let (header, start, line) = read_header(path, &mut bytes)?;
+    let elements = locate(path, &header, &bytes[start..], line)?;
+    let mesh = build::build(path, &elements, &mut warnings)?;
     let mut material = neutral("");
     if !mesh.colors().is_empty() {
         material.base_color = [1.0; 4];
@@ -47,8 +55,8 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let instance = Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY };
     let scene = Scene { meshes: vec![mesh], instances: vec![instance], ..Scene::default() };
     let mut loaded = Loaded::new(scene, warnings, "PLY");
-    if has_uvs && let Some(name) = texture_name(&table.header, &mut loaded.warnings) {
-        material.base_color_texture = load_texture(path, name, &mut loaded);
+    if has_uvs && let Some(name) = texture::name(&header, &mut loaded.warnings) {
+        material.base_color_texture = texture::load(path, name, &mut loaded);
         if material.base_color_texture.is_some() {
             material.base_color = [1.0; 4];
         }
@@ -57,105 +65,37 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     Ok(loaded)
 }
 
-/// What the file holds that can be drawn.
-struct Table {
-    header: Header,
-    attributes: Attributes,
-    vertices: Vec<VertexRow>,
-    faces: Vec<FaceRow>,
+/// The header, and where the payload starts: its first byte and its line.
+fn read_header(path: &Path, bytes: &mut [u8]) -> Result<(Header, usize, usize)> {
+    mend_header(bytes);
+    let mut reader = Reader::new(Cursor::new(&*bytes));
+    let header = Parser::<DefaultElement>::new().read_header(&mut reader);
+    let header = header.map_err(|e| parse_error(path, &e))?;
+    Ok((header, reader.get_ref().position() as usize, reader.line()))
 }
 
-impl Table {
-    fn read(path: &Path, mut bytes: Vec<u8>) -> Result<Self> {
-        mend_header(&mut bytes);
-        let length = bytes.len();
-        let mut reader = Reader::new(Cursor::new(bytes));
-        let header = Parser::<Ignored>::new().read_header(&mut reader).map_err(|e| parse_error(path, &e))?;
-        let start = reader.get_ref().position() as usize;
-        let mut table = Self {
-            attributes: Attributes::of(&header),
-            header: Header { comments: header.comments.clone(), ..Header::default() },
-            vertices: Vec::new(),
-            faces: Vec::new(),
-        };
-        if header.encoding == Format::Ascii {
-            let line = reader.line();
-            let payload = reader.into_inner().into_inner();
-            let mut tokens = ascii::Tokens::new(path, &payload[start..], line);
-            for (_, element) in &header.elements {
-                table.take(element, &mut |rows| rows.ascii(&mut tokens, element))?;
-            }
+/// Finds the elements that can be drawn; the others are passed over.
+fn locate<'a>(path: &Path, header: &Header, payload: &'a [u8], line: usize) -> Result<Elements<'a>> {
+    let mut elements = Elements { attributes: Attributes::of(header), ..Elements::default() };
+    let mut tokens = Tokens::new(path, payload, line);
+    let mut rest = payload;
+    for (_, definition) in header.elements.iter().filter(|(_, e)| !e.properties.is_empty()) {
+        let rows = if header.encoding == Encoding::Ascii {
+            Element::ascii(path, definition, &mut tokens)?
         } else {
-            for (_, element) in &header.elements {
-                let left = length.saturating_sub(reader.get_ref().position() as usize);
-                check_length(path, element, left)?;
-                table.take(element, &mut |rows| rows.binary(path, &mut reader, element, &header))?;
-            }
-        }
-        Ok(table)
-    }
-
-    fn take(&mut self, element: &ElementDef, read: &mut dyn FnMut(&mut Rows) -> Result<()>) -> Result<()> {
-        if element.properties.is_empty() {
-            return Ok(());
-        }
-        let mut rows = match element.name.as_str() {
-            "vertex" => Rows::Vertices(Vec::new()),
-            "face" => Rows::Faces(Vec::new()),
-            "tristrips" => Rows::Strips(Vec::new()),
-            _ => Rows::Ignored(Vec::new()),
+            let big_endian = header.encoding == Encoding::BinaryBigEndian;
+            let (rows, length) = Element::binary(path, definition, rest, big_endian)?;
+            rest = &rest[length..];
+            rows
         };
-        read(&mut rows)?;
-        match rows {
-            Rows::Vertices(vertices) => self.vertices = vertices,
-            Rows::Faces(mut faces) => self.faces.append(&mut faces),
-            Rows::Strips(strips) => self.faces.extend(strips.iter().flat_map(FaceRow::strip_triangles)),
-            Rows::Ignored(_) => {}
-        }
-        Ok(())
-    }
-}
-
-enum Rows {
-    Vertices(Vec<VertexRow>),
-    Faces(Vec<FaceRow>),
-    Strips(Vec<FaceRow>),
-    Ignored(Vec<Ignored>),
-}
-
-impl Rows {
-    fn ascii(&mut self, tokens: &mut ascii::Tokens, element: &ElementDef) -> Result<()> {
-        match self {
-            Self::Vertices(rows) => tokens.rows(element, rows),
-            Self::Faces(rows) | Self::Strips(rows) => tokens.rows(element, rows),
-            Self::Ignored(rows) => tokens.rows(element, rows),
+        match definition.name.as_str() {
+            "vertex" => elements.vertices = Some(rows),
+            "face" => elements.faces.push(FaceElement { rows, strips: false }),
+            "tristrips" => elements.faces.push(FaceElement { rows, strips: true }),
+            _ => {}
         }
     }
-
-    fn binary(
-        &mut self,
-        path: &Path,
-        reader: &mut Reader<Cursor<Vec<u8>>>,
-        element: &ElementDef,
-        header: &Header,
-    ) -> Result<()> {
-        match self {
-            Self::Vertices(rows) => *rows = binary_rows(path, reader, element, header)?,
-            Self::Faces(rows) | Self::Strips(rows) => *rows = binary_rows(path, reader, element, header)?,
-            Self::Ignored(rows) => *rows = binary_rows(path, reader, element, header)?,
-        }
-        Ok(())
-    }
-}
-
-fn binary_rows<E: PropertyAccess>(
-    path: &Path,
-    reader: &mut Reader<Cursor<Vec<u8>>>,
-    element: &ElementDef,
-    header: &Header,
-) -> Result<Vec<E>> {
-    let rows = Parser::<E>::new().read_payload_for_element(reader, element, header);
-    rows.map_err(|e| Error::parse(path, format!("element {}", element.name), one_line(&e)))
+    Ok(elements)
 }
 
 /// Makes the header what the parser takes: question marks for what is not ASCII, since it demands UTF-8 even of
@@ -173,28 +113,6 @@ fn mend_header(bytes: &mut [u8]) {
     }
 }
 
-/// Refuses a count that the rest of the file is too short for, before anything is allocated.
-fn check_length(path: &Path, element: &ElementDef, left: usize) -> Result<()> {
-    let size = |scalar: &ScalarType| match scalar {
-        ScalarType::Char | ScalarType::UChar => 1,
-        ScalarType::Short | ScalarType::UShort => 2,
-        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
-        ScalarType::Double => 8,
-    };
-    let least = |property: &PropertyType| match property {
-        PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
-    };
-    let row: usize = element.properties.iter().map(|(_, p)| least(&p.data_type)).sum();
-    if element.count.saturating_mul(row) <= left {
-        return Ok(());
-    }
-    let what = format!(
-        "{} of at least {row} bytes each, but only {left} bytes follow; the file is cut short or damaged",
-        element.count
-    );
-    Err(Error::parse(path, format!("element {}", element.name), what))
-}
-
 fn parse_error(path: &Path, error: &ParseError) -> Error {
     let at = error.line().map_or("header".to_owned(), |line| format!("line {line}"));
     Error::parse(path, at, one_line(error))
@@ -205,32 +123,4 @@ fn one_line(error: &ParseError) -> String {
     let text = error.to_string();
     let words: Vec<&str> = text.split_whitespace().collect();
     words.join(" ").chars().filter(|c| !c.is_control()).take(200).collect()
-}
-
-fn texture_name<'a>(header: &'a Header, warnings: &mut Warnings) -> Option<&'a str> {
-    let mut names = header.comments.iter().filter_map(|c| c.trim().strip_prefix("TextureFile"));
-    let first = names.next()?.trim();
-    warnings.note("texture files beyond the first are not used", names.count());
-    Some(first)
-}
-
-fn load_texture(path: &Path, name: &str, loaded: &mut Loaded) -> Option<TextureRef> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let Some(file) = locate::find(name, &[folder]) else {
-        loaded.warnings.note(format!("texture '{name}' is left out: it is not there"), 1);
-        loaded.missing_files.push(name.to_owned());
-        return None;
-    };
-    match read_bitmap(&file) {
-        Ok(bitmap) => {
-            loaded.scene.textures.push(Texture::new(bitmap, Encoding::Srgb));
-            loaded.texture_names.push(name.to_owned());
-            let (sampler, transform) = (Sampler::default(), UvTransform::default());
-            Some(TextureRef { texture: 0, uv_set: 0, sampler, transform })
-        }
-        Err(error) => {
-            loaded.warnings.note(format!("texture '{name}' is left out: {error}"), 1);
-            None
-        }
-    }
 }

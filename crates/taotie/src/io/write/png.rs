@@ -58,16 +58,31 @@ pub fn write_png_bitmap(path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Res
         )
     };
     match bitmap.texels() {
-        Texels::U8(texels) => write(PngSamples::U8(&samples_of(texels, channels))),
-        Texels::U16(texels) => write(PngSamples::U16(&samples_of(texels, channels))),
+        Texels::U8(texels) => write(PngSamples::U8(&interleaved(texels, channels))),
+        Texels::U16(texels) => write(PngSamples::U16(&interleaved(texels, channels))),
         Texels::F32(_) => {
             Err(Error::unsupported(format!("{}: float texels in PNG", path.display()), "store 8 or 16 bits"))
         }
     }
 }
 
-fn samples_of<T: Copy>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
-    texels.iter().flat_map(|texel| &texel[..channels]).copied().collect()
+/// The first channels of texels, 1 to 4, one after the other.
+pub(super) fn interleaved<T: Copy + Default>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
+    match channels {
+        1 => first::<T, 1>(texels),
+        2 => first::<T, 2>(texels),
+        3 => first::<T, 3>(texels),
+        _ => texels.as_flattened().to_vec(),
+    }
+}
+
+/// Copies of a width that the compiler knows.
+fn first<T: Copy + Default, const N: usize>(texels: &[[T; 4]]) -> Vec<T> {
+    let mut samples = vec![T::default(); N * texels.len()];
+    for (sample, texel) in samples.as_chunks_mut::<N>().0.iter_mut().zip(texels) {
+        sample.copy_from_slice(&texel[..N]);
+    }
+    samples
 }
 
 /// Writes a picture to `path`, whole or not at all. The same picture gives the same bytes.
@@ -132,7 +147,10 @@ fn encode(image: &PngImage, out: &mut dyn super::Sink) -> std::result::Result<()
         }
         PngSamples::U16(samples) => {
             encoder.set_depth(png::BitDepth::Sixteen);
-            let bytes: Vec<u8> = samples.iter().flat_map(|v| v.to_be_bytes()).collect();
+            let mut bytes = vec![0; 2 * samples.len()];
+            for (bytes, sample) in bytes.as_chunks_mut().0.iter_mut().zip(samples) {
+                *bytes = sample.to_be_bytes();
+            }
             let mut writer = encoder.write_header()?;
             writer.write_image_data(&bytes)?;
             writer.finish()

@@ -1,11 +1,11 @@
 //! Relief too fine for a pixel, as roughness.
 
+use super::ndf::{MIN_ALPHA, alpha_from_divergence_ggx, divergence_ggx};
 use crate::math::Vec3;
-use crate::shade::ndf::{MIN_ALPHA, alpha_from_divergence_ggx, divergence_ggx};
 
 /// What hides within a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Hidden {
+pub struct Hidden {
     /// What the bend of the smooth surface adds to α².
     pub bend: f32,
     /// The variance of the normal map's vectors, E|n − mean|² = 1 − |mean|², [0, 1].
@@ -14,7 +14,7 @@ pub(super) struct Hidden {
 
 impl Hidden {
     /// What it adds to Beckmann's m², which is twice the variance of a slope: a Gaussian's variances add.
-    pub(super) fn variance(self) -> f32 {
+    pub fn variance(self) -> f32 {
         self.bend + self.relief
     }
 
@@ -27,7 +27,7 @@ impl Hidden {
     ///
     /// Source: Toksvig 2005, "Mipmapping Normal Maps", for the length as a measure; Mardia and Jupp 2000, "Directional
     /// Statistics", 9.2, for the product.
-    pub(super) fn widened(self, roughness: f32) -> f32 {
+    pub fn widened(self, roughness: f32) -> f32 {
         if self.variance() <= 0.0 {
             return roughness;
         }
@@ -47,7 +47,7 @@ impl Hidden {
 ///
 /// Source: Tokuyoshi and Kaplanyan 2019, "Improved Geometric Specular Antialiasing", eq. 9 and §4 (σ² = 1/4, κ = 0.18),
 /// in its form without directions.
-pub(super) fn bend(dx: Vec3, dy: Vec3) -> f32 {
+pub fn bend(dx: Vec3, dy: Vec3) -> f32 {
     const SIGMA_SQUARED: f32 = 0.25;
     const MOST: f32 = 0.18;
     (2.0 * SIGMA_SQUARED * (dx.dot(dx) + dy.dot(dy))).min(MOST)

@@ -1,0 +1,178 @@
+//! The options of `taotie bake`.
+
+use super::memory::Bytes;
+use super::requirement::Requirement;
+use crate::studio::Space;
+use crate::{options, render};
+use anyhow::{Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+use taotie::bake::MapKind;
+
+const EXAMPLES: &str = "\
+Examples:
+  taotie bake scan.ply -o scan.glb
+  taotie bake scan.ply --low light.glb -o baked.glb --size 4096 --maps normal,ao
+  taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,10000 --meshopt
+  taotie bake scan.ply -o scan.glb --error 2 --require mean-angle=2,missed=0.1%
+
+Without --low the scan is simplified and unwrapped. What was written is read back and held against the \
+scan: OUT.report.html and OUT.report.json, beside OUT, say by how many degrees its normals are off, and where.";
+
+/// Bakes a scan's relief onto a light mesh and proves that it looks the same.
+#[derive(Args)]
+#[command(before_help = EXAMPLES)]
+pub struct BakeArgs {
+    /// The scan (.gltf, .glb, .obj, .ply, .stl)
+    pub high: PathBuf,
+    /// The asset to write (.glb, or .gltf with its files beside it)
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// The light mesh; its uvs and triangles stay as they are. Made from the scan if not given
+    #[arg(long, value_name = "LOW")]
+    pub low: Option<PathBuf>,
+
+    /// Triangles of the light mesh
+    #[arg(long, value_name = "N", default_value_t = 50_000, value_parser = clap::value_parser!(u32).range(4..), help_heading = "Light mesh", conflicts_with = "low")]
+    pub triangles: u32,
+    /// Find the smallest mesh and map whose normals are off by at most so many degrees on average
+    #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Light mesh", conflicts_with_all = ["low", "triangles", "size"])]
+    pub error: Option<f64>,
+    /// Further levels of detail, triangles each, in the same file (MSFT_lod)
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..), help_heading = "Light mesh")]
+    pub lods: Vec<u32>,
+
+    /// Texels across and down of the maps
+    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(16..=16_384), help_heading = "Maps")]
+    pub size: u32,
+    /// What to bake: normal, ao, albedo, height, bent, curvature, roughness
+    #[arg(long, value_name = "MAP,...", value_delimiter = ',', default_value = "normal", value_parser = options::named::<MapKind>, help_heading = "Maps")]
+    pub maps: Vec<MapKind>,
+    /// Space of the normal map; glTF knows tangent space alone, so that a map in object space is written beside it
+    #[arg(long, value_enum, default_value_t = Space::Tangent, help_heading = "Maps")]
+    pub space: Space,
+    /// Samples a texel
+    #[arg(long, value_name = "K", default_value = "4", value_parser = ["1", "4", "9", "16", "25", "36", "49", "64"], help_heading = "Maps")]
+    pub samples: String,
+    /// Bits a channel of normal maps; those of 8 are dithered
+    #[arg(long, default_value = "8", value_parser = ["8", "16"], help_heading = "Maps")]
+    pub bits: String,
+    /// How many texels charts are grown beyond their borders; auto fills the map
+    #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
+    pub dilation: Auto<u32>,
+    /// Rays over the hemisphere a texel, for ao and bent
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Maps")]
+    pub ao_rays: u32,
+    /// How far what is in the way counts for ao and bent, model units; any distance if not given
+    #[arg(long, value_name = "X", value_parser = positive, help_heading = "Maps")]
+    pub ao_distance: Option<f64>,
+    /// Roughness of the scan's own surface; if not given that of its material
+    #[arg(long, value_name = "X", value_parser = fraction, help_heading = "Maps")]
+    pub roughness: Option<f64>,
+
+    /// How far the scan is looked for, model units; auto measures the gap between the meshes
+    #[arg(long, value_name = "auto|X", default_value = "auto", value_parser = distance, help_heading = "Rays", conflicts_with = "cage")]
+    pub ray_distance: Auto<f64>,
+    /// The light mesh with its vertices moved outward: rays begin there
+    #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
+    pub cage: Option<PathBuf>,
+
+    /// Write textures as KTX2 with UASTC instead of PNG
+    #[arg(long, conflicts_with = "webp", help_heading = "File")]
+    pub ktx2: bool,
+    /// Write textures as lossless WebP instead of PNG
+    #[arg(long, help_heading = "File")]
+    pub webp: bool,
+    /// Compress geometry (EXT_meshopt_compression)
+    #[arg(long, help_heading = "File")]
+    pub meshopt: bool,
+    /// XMP properties (JSON-LD, such as dc:title or dc:rights) that the asset is to bear beside those of the scan
+    #[arg(long, value_name = "FILE.json", help_heading = "File")]
+    pub provenance: Option<PathBuf>,
+
+    /// Exit with 1 unless met: mean-angle, p95-angle, max-angle (degrees), missed (%), hausdorff (% of the diagonal), bytes
+    #[arg(long, value_name = "WHAT=MOST,...", value_delimiter = ',', help_heading = "Proof", conflicts_with = "no_verify")]
+    pub require: Vec<Requirement>,
+    /// Do not measure and report
+    #[arg(long, help_heading = "Proof")]
+    pub no_verify: bool,
+
+    /// Most memory to take, such as 4G; if not given what the machine has free
+    #[arg(long, value_name = "BYTES", help_heading = "Running")]
+    pub memory_limit: Option<Bytes>,
+    /// Threads; all of the machine's if not given. Results do not depend on it
+    #[arg(long, value_name = "N", help_heading = "Running")]
+    pub threads: Option<usize>,
+    /// Print the report as JSON
+    #[arg(long, help_heading = "Running")]
+    pub json: bool,
+}
+
+/// A number, or what the program finds best.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Auto<T> {
+    /// What the program finds best.
+    Auto,
+    /// As asked for.
+    Given(T),
+}
+
+fn dilation(text: &str) -> Result<Auto<u32>, String> {
+    match text {
+        "auto" => Ok(Auto::Auto),
+        _ => text.parse().map(Auto::Given).map_err(|_| "write auto, or a number of texels".into()),
+    }
+}
+
+fn distance(text: &str) -> Result<Auto<f64>, String> {
+    match text {
+        "auto" => Ok(Auto::Auto),
+        _ => positive(text).map(Auto::Given),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = options::number(text)?;
+    if number > 0.0 { Ok(number) } else { Err(format!("{text} is not above 0")) }
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    let number = positive(text)?;
+    if number < 180.0 { Ok(number) } else { Err(format!("{text} is not below 180")) }
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    let number = options::number(text)?;
+    if (0.0..=1.0).contains(&number) { Ok(number) } else { Err(format!("{text} is not in [0, 1]")) }
+}
+
+impl BakeArgs {
+    /// What can be refused before any work is done.
+    pub fn check(&self) -> Result<()> {
+        if self.threads == Some(0) {
+            bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
+        }
+        let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        if !matches!(extension.as_deref(), Some("glb" | "gltf")) {
+            bail!("{}: assets are written as .glb or .gltf", self.output.display());
+        }
+        let same = |path: &PathBuf| path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok());
+        if same(&self.high) || self.low.as_ref().is_some_and(same) {
+            bail!("{}: it would overwrite what is baked from; give another name", self.output.display());
+        }
+        if self.lods.windows(2).any(|pair| pair[0] <= pair[1]) {
+            bail!("--lods: each level must have fewer triangles than the one before");
+        }
+        render::check_place(&self.output)
+    }
+
+    /// Samples a texel along each side.
+    pub fn side(&self) -> u32 {
+        self.samples.parse().unwrap_or(4u32).isqrt()
+    }
+
+    /// Bits a channel.
+    pub fn bits(&self) -> u8 {
+        if self.bits == "16" { 16 } else { 8 }
+    }
+}

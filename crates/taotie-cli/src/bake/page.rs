@@ -1,0 +1,249 @@
+//! `OUT.report.html`: the proof as a page that opens from disk.
+
+use super::proof::{BINS, Proof, Proved, ViewFigures};
+use super::report::Report;
+use super::textures::Textures;
+use crate::compare::{developed, heat_of_angles, heat_of_flip, legend};
+use crate::report::{Cell, Column, Fact, Page, Picture, Section, Series, Tone, View};
+use crate::sheet::Sheet;
+use anyhow::Result;
+use taotie::compare::ColorMap;
+use taotie::io;
+
+/// Pixels along a side of the pictures of maps.
+const MAP: usize = 1024;
+/// The last colour of the map of errors stands for this many degrees.
+const TOP: f32 = 10.0;
+
+/// The page of a bake.
+///
+/// # Errors
+/// Where a picture cannot be encoded.
+pub fn page(report: &Report, proved: &Proved, textures: &Textures) -> Result<Page> {
+    let proof = &proved.proof;
+    let title = std::path::Path::new(&report.high).file_name().unwrap_or_default().to_string_lossy();
+    Ok(Page {
+        title: title.into_owned(),
+        subtitle: "The scan, and the light asset that stands for it".into(),
+        facts: facts(report, proof),
+        views: views(proof, proved, textures)?,
+        sections: sections(report, proof),
+        footer: format!("Made by taotie {}. All figures stand in the .json file beside this page.", report.version),
+    })
+}
+
+fn facts(report: &Report, proof: &Proof) -> Vec<Fact> {
+    let triangles = report.triangles.first().copied().unwrap_or_default();
+    let mut facts = vec![
+        Fact::new("Scan", format!("{} triangles, {} bytes", report.high_triangles, proof.bytes_in)),
+        Fact::new("Asset", format!("{triangles} triangles, {} bytes", proof.bytes_out)),
+        Fact::new("Maps", format!("{} × {}", report.size[0], report.size[1])),
+    ];
+    if let Some(angles) = &proof.angles {
+        facts.push(Fact::new("Normals off, mean", format!("{:.2}°", angles.mean)));
+    }
+    facts.push(Fact::new("Texels that missed", format!("{:.3} %", proof.missed_texels * 100.0)));
+    facts.push(Fact::new("Shape off, at most", format!("{:.3} % of the diagonal", proof.hausdorff_of_diagonal * 100.0)));
+    facts
+}
+
+fn views(proof: &Proof, proved: &Proved, textures: &Textures) -> Result<Vec<View>> {
+    let mut views = Vec::new();
+    let shots = &proved.shots;
+    for (i, ((scan, asset), flip)) in shots.scan.iter().zip(&shots.asset).zip(&shots.flip).enumerate() {
+        let figures = proof.views[i];
+        views.push(View {
+            name: format!("{:.0}°", figures.azimuth_deg),
+            note: "Scan and asset of one grey material in the same light, and what an observer sees of the difference."
+                .into(),
+            pictures: vec![
+                picture("scan", "", &developed(scan))?,
+                picture("asset", &seen(&figures), &developed(asset))?,
+                picture("FLIP", "", &heat_of_flip(flip).plain())?,
+            ],
+            legend: Some(legend("FLIP", "", 1.0, ColorMap::Magma)),
+        });
+    }
+    let mut maps = vec![picture("error", "", &heat_of_angles(&proved.error_map, TOP).plain())?];
+    let inside = [("normal", &textures.normal), ("albedo", &textures.color), ("orm", &textures.orm)];
+    for (name, bitmap) in inside {
+        if let Some(bitmap) = bitmap {
+            maps.push(picture(name, "", &super::textures::preview(bitmap, MAP))?);
+        }
+    }
+    for beside in &textures.beside {
+        maps.push(picture(beside.note.map, "", &super::textures::preview(&beside.bitmap, MAP))?);
+    }
+    let note = "Degrees between the normals of asset and scan on the map; and the maps themselves.";
+    let scale = Some(legend("Angular error", "°", f64::from(TOP), ColorMap::Viridis));
+    views.extend(sized(&maps).into_iter().enumerate().map(|(i, pictures)| View {
+        name: if i == 0 { "maps".into() } else { format!("maps {}", i + 1) },
+        note: note.into(),
+        pictures,
+        legend: scale.clone(),
+    }));
+    if let Some(missed) = &textures.missed {
+        views.push(View {
+            name: "misses".into(),
+            note: "Texels whose rays missed the scan: amber took the closest point of it, red found nothing.".into(),
+            pictures: vec![picture("misses", "", missed)?],
+            legend: None,
+        });
+    }
+    Ok(views)
+}
+
+/// Pictures in groups of one size: only those can be laid over one another.
+fn sized(pictures: &[Picture]) -> Vec<Vec<Picture>> {
+    let mut groups: Vec<Vec<Picture>> = Vec::new();
+    for picture in pictures {
+        match groups.iter_mut().find(|group| group[0].size() == picture.size()) {
+            Some(group) => group.push(picture.clone()),
+            None => groups.push(vec![picture.clone()]),
+        }
+    }
+    groups
+}
+
+fn seen(figures: &ViewFigures) -> String {
+    format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim)
+}
+
+fn picture(label: &str, note: &str, sheet: &Sheet) -> Result<Picture> {
+    Ok(Picture { label: label.into(), note: note.into(), png: io::encode_png(&sheet.png())? })
+}
+
+fn sections(report: &Report, proof: &Proof) -> Vec<Section> {
+    let mut sections = Vec::new();
+    if !report.required.is_empty() {
+        sections.push(required(report));
+    }
+    sections.extend([angles(proof), histogram(proof), shape(proof), views_table(proof), stages(report)]);
+    let warnings: Vec<String> = report.warnings.as_array().into_iter().flatten().map(warning).collect();
+    if !warnings.is_empty() {
+        sections.push(Section::Text { title: "Warnings".into(), paragraphs: warnings });
+    }
+    sections
+}
+
+fn warning(warning: &serde_json::Value) -> String {
+    let what = warning["what"].as_str().unwrap_or_default();
+    match warning["count"].as_u64() {
+        Some(1) | None => what.to_owned(),
+        Some(count) => format!("{what} ({count} times)"),
+    }
+}
+
+fn required(report: &Report) -> Section {
+    let row = |met: &super::requirement::Met| {
+        let (text, tone) = if met.met { ("met", Tone::Good) } else { ("not met", Tone::Bad) };
+        vec![
+            Cell::text(met.figure),
+            Cell::number(met.value, 4),
+            Cell::number(met.most, 4),
+            Cell::Mark { text: text.into(), tone, why: String::new() },
+        ]
+    };
+    Section::Table {
+        title: "Required".into(),
+        note: String::new(),
+        columns: vec![
+            Column::words("figure"),
+            Column::numbers("is", ""),
+            Column::numbers("at most", ""),
+            Column::words("verdict"),
+        ],
+        rows: report.required.iter().map(row).collect(),
+    }
+}
+
+fn angles(proof: &Proof) -> Section {
+    let figures = ["mean", "median", "95 %", "max"];
+    let mut columns = vec![Column::words("normals of")];
+    columns.extend(figures.map(|figure| Column::numbers(figure, "°")));
+    let rows = [("the asset", &proof.angles), ("its mesh without the map", &proof.without_map)];
+    let row = |(name, spread): (&str, &Option<crate::spread::Spread>)| {
+        let spread = spread.as_ref()?;
+        let numbers = [spread.mean, spread.median, spread.p95, spread.max];
+        Some([Cell::text(name)].into_iter().chain(numbers.map(|v| Cell::number(v, 3))).collect())
+    };
+    Section::Table {
+        title: "Angular error".into(),
+        note: format!(
+            "Degrees to the scan's normals, at points spread evenly over the asset, as it was written and read back. \
+             Eight bits cost {}° on the average and {}° at most; dithering adds to the first and takes steps out of \
+             gentle curves.",
+            proof.floor_8_bit[0], proof.floor_8_bit[1]
+        ),
+        columns,
+        rows: rows.into_iter().filter_map(row).collect(),
+    }
+}
+
+fn histogram(proof: &Proof) -> Section {
+    Section::Histogram {
+        title: "Histogram of angular error".into(),
+        note: format!("Points by their angle to the scan; one bin a degree, the last from {} on.", BINS - 1),
+        unit: "°".into(),
+        bin_width: 1.0,
+        last_is_open: true,
+        series: vec![Series { label: "asset".into(), counts: proof.histogram.clone() }],
+    }
+}
+
+fn shape(proof: &Proof) -> Section {
+    let row = |name: &str, value: f64, digits: usize, unit: &str| {
+        vec![Cell::text(name), Cell::number(value, digits), Cell::text(unit)]
+    };
+    let mut rows = vec![
+        row("largest distance (Hausdorff)", proof.hausdorff, 6, "model units"),
+        row("largest distance", proof.hausdorff_of_diagonal * 100.0, 4, "% of the diagonal"),
+        row("root mean square distance", proof.rms, 6, "model units"),
+        row("root mean square distance", proof.rms_of_diagonal * 100.0, 4, "% of the diagonal"),
+        row("texels with a ray that missed", proof.missed_texels * 100.0, 4, "%"),
+        row("samples that took the closest point", proof.fallback * 100.0, 4, "%"),
+        row("samples that found nothing", proof.lost * 100.0, 4, "%"),
+        row("map covered by charts", proof.uv_use * 100.0, 1, "%"),
+    ];
+    if let Some(density) = &proof.density {
+        rows.push(row("texel density, median", density.median, 2, "texels a model unit"));
+    }
+    Section::Table {
+        title: "Shape, rays and map".into(),
+        note: "Distances from points spread evenly over each surface to the other.".into(),
+        columns: vec![Column::words("what"), Column::numbers("value", ""), Column::words("unit")],
+        rows,
+    }
+}
+
+fn views_table(proof: &Proof) -> Section {
+    let row = |view: &ViewFigures| {
+        vec![
+            Cell::number(view.azimuth_deg, 0),
+            Cell::number(view.elevation_deg, 0),
+            Cell::number(view.flip, 4),
+            Cell::number(view.ssim, 4),
+        ]
+    };
+    Section::Table {
+        title: "Views".into(),
+        note: "Pixel by pixel, so these figures count where the light mesh lies beside the scan as well.".into(),
+        columns: vec![
+            Column::numbers("azimuth", "°"),
+            Column::numbers("elevation", "°"),
+            Column::numbers("FLIP", ""),
+            Column::numbers("SSIM", ""),
+        ],
+        rows: proof.views.iter().map(row).collect(),
+    }
+}
+
+fn stages(report: &Report) -> Section {
+    let row = |stage: &super::stages::Stage| vec![Cell::text(stage.stage), Cell::number(stage.milliseconds, 1)];
+    Section::Table {
+        title: "Time".into(),
+        note: String::new(),
+        columns: vec![Column::words("stage"), Column::numbers("time", "ms")],
+        rows: report.stages.iter().map(row).collect(),
+    }
+}

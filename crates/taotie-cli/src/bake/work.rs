@@ -1,0 +1,251 @@
+//! From files to an asset: read, make light, bake, write.
+
+use super::args::{Auto, BakeArgs};
+use super::memory::{self, Need};
+use super::stages::Stages;
+use super::stop::Interrupted;
+use super::textures::{Kept, Textures};
+use anyhow::{Context, Result, bail};
+use std::path::Path;
+use taotie::Warnings;
+use taotie::bake::{
+    self, BakeCounts, BakeSettings, Baked, Cage, MapKind, Maps, Scan, SimplifyOptions, UnwrapOptions,
+};
+use taotie::io::{self, Loaded};
+use taotie::mesh::Mesh;
+use taotie::scene::{Material, Scene};
+use taotie::surface::with_frames;
+
+/// A light mesh, ready to be baked onto.
+pub struct Light {
+    /// With uvs, normals and tangents.
+    pub mesh: Mesh,
+    /// Where it came from.
+    pub origin: Origin,
+    /// Its material.
+    pub material: Material,
+    /// Textures of it that stay.
+    pub kept: Kept,
+}
+
+/// Where a light mesh came from.
+#[derive(Debug, Clone, Default, serde::Serialize)]
+pub struct Origin {
+    /// Whether the scan was simplified, and how.
+    pub simplified: Option<Simplification>,
+    /// Charts of the atlas, where uvs were made.
+    pub charts: Option<usize>,
+}
+
+/// How a scan was made light.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Simplification {
+    /// What had to be done: `kept`, `collapsed`, `pruned` or `clustered`.
+    pub means: String,
+    /// How far the light mesh lies from the scan, as the simplifier estimates, model units.
+    pub error: f64,
+}
+
+/// What was made.
+pub struct Made {
+    /// The maps as textures.
+    pub textures: Textures,
+    /// What became of the samples.
+    pub counts: BakeCounts,
+    /// Where the scan was looked for.
+    pub cage: Cage,
+}
+
+/// The scan as read.
+pub struct Source {
+    /// The SHA-256 of its file, counted while the rest goes on.
+    hash: Mutex<Option<JoinHandle<io::Result<String>>>>,
+    /// What the file says beside its triangles.
+    pub loaded: Loaded,
+    /// Its triangles, sorted for rays.
+    pub scan: Scan,
+    /// The material of its first part.
+    pub material: Material,
+}
+
+impl Source {
+    /// Reads the scan and sorts it.
+    ///
+    /// # Errors
+    /// The reader's; where the memory does not suffice; where the scan is one point.
+    pub fn read(args: &BakeArgs, stages: &mut Stages, warnings: &mut Warnings) -> Result<Self> {
+        let limit = memory::limit(args.memory_limit);
+        memory::check_file(&args.high, limit)?;
+        let mut loaded = stages.run("read the scan", |_| Ok(read(&args.high, warnings)?))?;
+        let triangles = loaded.scene.triangle_count() as u64;
+        let vertices = loaded.scene.meshes.iter().map(|m| m.positions().len() as u64).sum();
+        let need = Need {
+            scan: [triangles, vertices],
+            simplifies: args.low.is_none(),
+            texels: u64::from(args.size) * u64::from(args.size),
+            texel_bytes: texel_bytes(args),
+        };
+        need.check(limit)?;
+        if !args.json {
+            crate::console::say(&format!("baking {triangles} triangles takes about {}", need.bytes()));
+        }
+        let scene = std::mem::take(&mut loaded.scene);
+        let first = scene.instances.first().map(|instance| instance.material);
+        let material = first.and_then(|m| scene.materials.get(m)).cloned().unwrap_or_default();
+        let scan = stages.run("sort the scan", |_| Ok(Scan::new(scene)?))?;
+        Ok(Self { loaded, scan, material })
+    }
+}
+
+/// Bytes a texel over all maps: floats while they are baked, codes afterwards, and what filling takes.
+fn texel_bytes(args: &BakeArgs) -> u64 {
+    let floats = |map: &MapKind| match map {
+        MapKind::Normal | MapKind::Albedo | MapKind::Bent => 12,
+        _ => 4,
+    };
+    let codes = 4 * u64::from(args.bits() / 8);
+    8 + args.maps.iter().map(|map| floats(map) + codes).sum::<u64>()
+}
+
+fn read(path: &Path, warnings: &mut Warnings) -> Result<Loaded> {
+    let mut loaded = io::load_model(path)?;
+    warnings.absorb(std::mem::take(&mut loaded.warnings));
+    if loaded.scene.bounds().is_none_or(|bounds| bounds.diagonal() == 0.0) {
+        bail!("{}: all its triangles lie in one point; there is nothing to bake", path.display());
+    }
+    Ok(loaded)
+}
+
+impl Light {
+    /// The mesh of `--low`, with uvs where it had none.
+    ///
+    /// # Errors
+    /// Those of reading and unwrapping.
+    pub fn read(path: &Path, args: &BakeArgs, stages: &mut Stages, warnings: &mut Warnings) -> Result<Self> {
+        let loaded = stages.run("read the light mesh", |_| read(path, warnings))?;
+        let scene = loaded.scene;
+        let used: Vec<usize> = scene.instances.iter().map(|instance| instance.material).collect();
+        if used.iter().any(|material| *material != used[0]) {
+            warnings.note("materials of the light mesh made one, the first", 1);
+        }
+        let material = used.first().and_then(|m| scene.materials.get(*m)).cloned().unwrap_or_default();
+        note_lost(&material, warnings);
+        let kept = Kept::of(&material, &scene);
+        let mesh = bake::light_mesh(Scene { textures: Vec::new(), ..scene })?;
+        let mut origin = Origin::default();
+        let mesh = match mesh.uvs().is_empty() {
+            false => mesh,
+            true => unwrapped(&mesh, args.size, &mut origin, stages)?,
+        };
+        note_uvs(&mesh, warnings);
+        Ok(Self { mesh: framed(&mesh, stages)?, origin, material, kept })
+    }
+
+    /// The scan made light and unwrapped.
+    ///
+    /// # Errors
+    /// Those of simplification and unwrapping.
+    pub fn made(
+        source: &Source,
+        [triangles, size]: [u32; 2],
+        stages: &mut Stages,
+        warnings: &mut Warnings,
+    ) -> Result<Self> {
+        let options = SimplifyOptions { triangles: triangles as usize, ..SimplifyOptions::default() };
+        let simplified = stages.run("simplify", |go_on| {
+            bake::simplify(source.scan.mesh(), &options, go_on)?.ok_or_else(|| Interrupted.into())
+        })?;
+        warnings.absorb(simplified.notes);
+        if !simplified.reached {
+            let what = format!(
+                "{} triangles were wanted; {} is what could be reached",
+                triangles,
+                simplified.mesh.triangles().len()
+            );
+            warnings.note(what, 1);
+        }
+        let means = format!("{:?}", simplified.means).to_lowercase();
+        let simplification = Simplification { means, error: simplified.error };
+        let mut origin = Origin { simplified: Some(simplification), charts: None };
+        let mesh = unwrapped(&simplified.mesh, size, &mut origin, stages)?;
+        let material = Material { base_color_texture: None, ..source.material.clone() };
+        Ok(Self { mesh: framed(&mesh, stages)?, origin, material, kept: Kept::default() })
+    }
+}
+
+fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, stages: &mut Stages) -> Result<Mesh> {
+    let options = UnwrapOptions { size, padding: (size / 512).clamp(2, 16) };
+    let unwrapped = stages.run("unwrap", |go_on| {
+        bake::unwrap(mesh, &options, go_on)?.ok_or_else(|| Interrupted.into())
+    })?;
+    origin.charts = Some(unwrapped.charts);
+    Ok(unwrapped.mesh)
+}
+
+/// With normals and tangents; those of the file stay.
+fn framed(mesh: &Mesh, stages: &mut Stages) -> Result<Mesh> {
+    stages.run("tangents", |_| Ok(with_frames(mesh, 0, None)?.0.into_owned()))
+}
+
+/// What an asset cannot keep of the light mesh's material.
+fn note_lost(material: &Material, warnings: &mut Warnings) {
+    let lost = [
+        ("clearcoat", material.clearcoat.is_some()),
+        ("sheen", material.sheen.is_some()),
+        ("anisotropy", material.anisotropy.is_some()),
+        ("emission", material.emissive != [0.0; 3]),
+    ];
+    for (what, _) in lost.iter().filter(|(_, is)| *is) {
+        warnings.note(format!("the light mesh's {what} is left out"), 1);
+    }
+}
+
+fn note_uvs(mesh: &Mesh, warnings: &mut Warnings) {
+    let inside = |v: f32| (0.0..=1.0).contains(&v);
+    let outside = mesh.uvs()[0].iter().filter(|uv| !(inside(uv.x) && inside(uv.y))).count();
+    warnings.note("vertices of the light mesh with uvs outside of the map, which is repeated there", outside);
+}
+
+/// Bakes the maps asked for.
+///
+/// # Errors
+/// Those of the cage and of baking.
+pub fn bake_maps(
+    args: &BakeArgs,
+    size: u32,
+    (source, light): (&Source, &Light),
+    stages: &mut Stages,
+) -> Result<Made> {
+    let scan = &source.scan;
+    let cage = stages.run("measure the gap", |_| cage(args, &light.mesh, scan))?;
+    let settings = BakeSettings {
+        size: [size; 2],
+        side: args.side(),
+        maps: args.maps.iter().copied().collect::<Maps>(),
+        space: args.space.into(),
+        sky_rays: args.ao_rays,
+        sky_reach: args.ao_distance.map(|distance| distance as f32),
+        roughness: args.roughness.map_or(source.material.roughness, |v| v as f32),
+        dilation: match args.dilation {
+            Auto::Auto => None,
+            Auto::Given(texels) => Some(texels),
+        },
+    };
+    let Baked { planes, counts } = stages.run("bake", |go_on| {
+        bake::bake(&light.mesh, &cage, scan, &settings, go_on)?.ok_or_else(|| Interrupted.into())
+    })?;
+    let textures =
+        stages.run("store", |_| Ok(Textures::new(&planes, args, light.material.metallic)?))?;
+    Ok(Made { textures, counts, cage })
+}
+
+fn cage(args: &BakeArgs, low: &Mesh, scan: &Scan) -> Result<Cage> {
+    if let Some(path) = &args.cage {
+        let cage = bake::light_mesh(io::load_model(path)?.scene)?;
+        return Cage::from_mesh(low, &cage).with_context(|| path.display().to_string());
+    }
+    Ok(match args.ray_distance {
+        Auto::Auto => Cage::automatic(low, scan),
+        Auto::Given(distance) => Cage::uniform(low, distance as f32)?,
+    })
+}

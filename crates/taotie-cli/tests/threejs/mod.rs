@@ -1,0 +1,111 @@
+//! The same GLB under the same camera and light, drawn by three.js in a browser and by us.
+
+use crate::browser::open_webgl;
+use crate::browser::server::{Content, serve};
+use crate::validator::packages;
+use serde_json::json;
+use std::path::Path;
+use taotie::compare::Picture;
+use taotie::film::{Development, ToneCurve, develop8};
+use taotie::image::Texels;
+use taotie::io::{decode_bitmap, load_model, read_bytes};
+use taotie::math::Vec3;
+use taotie::render::{GrazingNormals, Lighting, RenderSettings, render};
+use taotie::scene::{Camera, Falloff, Light, LightKind, Projection};
+use taotie::shade::Energy;
+
+/// three.js draws so many times finer, and pixels are averaged: as many samples as ours, each with the texels of a
+/// sample's size.
+const FINER: usize = 4;
+
+/// From where a model is looked at, by what light.
+pub struct View {
+    /// In perspective.
+    pub camera: Camera,
+    /// Unit direction in which the light travels, world space.
+    pub direction: Vec3,
+    /// Its irradiance.
+    pub irradiance: f32,
+    /// Of the picture, pixels.
+    pub size: [u32; 2],
+}
+
+/// What three.js makes of a GLB on black, without tone curve; `None` where the test has to be skipped.
+pub fn three(glb: &Path, view: &View) -> Option<Picture> {
+    let packages = packages("three")?;
+    let Projection::Perspective { fov_y, near, .. } = view.camera.projection else {
+        panic!("the view is in perspective")
+    };
+    let columns: Vec<f64> = view.camera.world_from_view.columns.iter().flatten().copied().collect();
+    let camera =
+        json!({ "fov_deg": fov_y.to_degrees(), "near": near, "far": near * 1000.0, "columns": columns });
+    let from = (view.direction * -1.0).to_array();
+    let light = json!({ "from": from, "color": [view.irradiance, view.irradiance, view.irradiance] });
+    let fine = view.size.map(|side| side as usize * FINER);
+    let json = json!({ "size": fine, "camera": camera, "light": light });
+    let address = serve(vec![
+        ("/three.html", Content::Path(packages.join("three.html"))),
+        ("/three", Content::Path(packages.join("node_modules/three"))),
+        ("/model.glb", Content::Bytes(read_bytes(glb).unwrap())),
+        ("/view.json", Content::Bytes(json.to_string().into_bytes())),
+    ]);
+    let mut tab = open_webgl(&format!("{address}/three.html"), view.size)?;
+    tab.until("typeof window.picture === 'string'");
+    assert_eq!(tab.complaints(), [""; 0]);
+    let picture = tab.value("window.picture");
+    let (_, data) = picture.as_str().unwrap().split_once(',').unwrap();
+    let png = base64::Engine::decode(&base64::engine::general_purpose::STANDARD, data).unwrap();
+    let bitmap = decode_bitmap(&png, "three.js", Path::new("three.js")).unwrap();
+    let Texels::U8(texels) = bitmap.texels() else { panic!("a canvas has 8 bits") };
+    Some(averaged(texels, view.size))
+}
+
+/// Means of squares of pixels, in linear light.
+fn averaged(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> Picture {
+    let (width, height) = (width as usize, height as usize);
+    let mean = |x: usize, y: usize, channel: usize| {
+        let at = |i: usize| (y * FINER + i / FINER) * width * FINER + x * FINER + i % FINER;
+        let sum: f64 = (0..FINER * FINER).map(|i| linear_from_srgb(texels[at(i)][channel])).sum();
+        srgb_from_linear(sum / (FINER * FINER) as f64) as f32
+    };
+    let pixels = (0..width * height).map(|i| [0, 1, 2].map(|channel| mean(i % width, i / width, channel)));
+    Picture::new(width as u32, height as u32, pixels.collect()).unwrap()
+}
+
+/// Source: IEC 61966-2-1.
+fn linear_from_srgb(code: u8) -> f64 {
+    let v = f64::from(code) / 255.0;
+    if v <= 0.04045 { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) }
+}
+
+fn srgb_from_linear(v: f64) -> f64 {
+    if v <= 0.0031308 { v * 12.92 } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }
+}
+
+/// What we make of it.
+pub fn ours(glb: &Path, view: &View) -> Picture {
+    let scene = load_model(glb).unwrap().scene;
+    let kind = LightKind::Directional { direction: view.direction };
+    let light =
+        Light { name: String::new(), kind, color: Vec3::splat(view.irradiance), falloff: Falloff::None };
+    let lighting = Lighting { lights: vec![light], ..Lighting::default() };
+    let [width, height] = view.size;
+    let settings = RenderSettings {
+        width,
+        height,
+        samples: (FINER * FINER) as u32,
+        // three.js neither bends normals nor fades light, and follows the light of lamps to its first facet.
+        grazing_normals: GrazingNormals::Keep,
+        energy: Energy::Single,
+        ..RenderSettings::default()
+    };
+    let frame = render(&scene, &view.camera, &lighting, &settings).unwrap();
+    let development =
+        Development { tone: ToneCurve::Linear, background: Some(Vec3::splat(0.0)), ..Development::default() };
+    picture_of(&develop8(&frame.color, &development).unwrap(), view.size)
+}
+
+fn picture_of(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> Picture {
+    let pixels: Vec<[u8; 3]> = texels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
+    Picture::from_8bit(width, height, &pixels).unwrap()
+}

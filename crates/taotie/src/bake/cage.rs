@@ -1,0 +1,157 @@
+//! Which way and how far the heavy surface is looked for.
+
+use super::projection::Probe;
+use super::scan::Scan;
+use crate::error::{Error, Result};
+use crate::math::{Vec3, sequence};
+use crate::mesh::Mesh;
+use crate::surface;
+use rayon::prelude::*;
+
+/// For each vertex of a light mesh the direction in which its scan is looked for, and how far.
+///
+/// Directions are the angle-weighted means over all triangles at a place, so that they do not part at hard edges and
+/// uv seams, and no gap opens between the lines of neighbouring texels.
+#[derive(Debug, Clone)]
+pub struct Cage {
+    /// Outward, unit.
+    pub directions: Vec<Vec3>,
+    /// How far lines go into the light surface, model units.
+    pub inward: Vec<f32>,
+    /// How far they go out, model units.
+    pub outward: Vec<f32>,
+}
+
+/// What lines are given beyond the gap that was found.
+const MARGIN: f32 = 2.0;
+/// Lines are never shorter than this part of the mesh's diagonal.
+const LEAST: f64 = 2e-4;
+/// The gap is sought no farther than this part of the mesh's diagonal.
+const MOST: f64 = 0.1;
+/// A point seen along the direction is that of the gap if it is no farther away than this times the closest point of
+/// all; else the line ran past the scan and met another part of it.
+const OBLIQUE: f32 = 4.0;
+
+impl Cage {
+    /// Finds the distances: from points all over each triangle the scan is looked for along the directions and as the
+    /// closest point of all; each vertex gets twice the largest gap of the triangles around it.
+    pub fn automatic(low: &Mesh, scan: &Scan) -> Self {
+        let directions = surface::vertex_normals(low);
+        let diagonal = diagonal(low);
+        let gaps: Vec<f32> = (0..low.triangles().len())
+            .into_par_iter()
+            .map(|t| largest_gap(low, &directions, scan, t, (diagonal * MOST) as f32))
+            .collect();
+        let mut reach = vec![(diagonal * LEAST) as f32; directions.len()];
+        for (triangle, gap) in low.triangles().iter().zip(gaps) {
+            for v in triangle {
+                reach[*v as usize] = reach[*v as usize].max(gap * MARGIN);
+            }
+        }
+        surface::shared_by_position(low, &mut reach);
+        Self { directions, inward: reach.clone(), outward: reach }
+    }
+
+    /// The same distance everywhere, both ways.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where it is not above 0 and finite.
+    pub fn uniform(low: &Mesh, distance: f32) -> Result<Self> {
+        if !(distance > 0.0 && distance.is_finite()) {
+            return Err(Error::invalid(
+                format!("a ray distance of {distance}"),
+                "give model units above 0, or `auto`",
+            ));
+        }
+        let directions = surface::vertex_normals(low);
+        let reach = vec![distance; directions.len()];
+        Ok(Self { directions, inward: reach.clone(), outward: reach })
+    }
+
+    /// From a cage mesh: the light mesh with its vertices moved outward, in the same order. Lines end at the cage, and
+    /// go as far inward.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the cage has another number of vertices, or where it lies on the mesh or inside of it.
+    pub fn from_mesh(low: &Mesh, cage: &Mesh) -> Result<Self> {
+        let (count, cage_count) = (low.positions().len(), cage.positions().len());
+        if count != cage_count || low.triangles() != cage.triangles() {
+            let why = format!(
+                "it has {cage_count} vertices and {} triangles, the light mesh {count} and {}; it must be the light mesh with its vertices moved",
+                cage.triangles().len(),
+                low.triangles().len()
+            );
+            return Err(Error::invalid("the cage", why));
+        }
+        let normals = surface::vertex_normals(low);
+        let way = |i: usize| cage.positions()[i] - low.positions()[i];
+        let inside = (0..count).filter(|i| way(*i).dot(normals[*i]) <= 0.0).count();
+        if inside > 0 {
+            let why =
+                format!("{inside} of its {count} vertices are not outside the light mesh; move them outward");
+            return Err(Error::invalid("the cage", why));
+        }
+        let reach: Vec<f32> = (0..count).map(|i| way(i).length()).collect();
+        let directions = (0..count).map(|i| way(i).normalize_or(normals[i])).collect();
+        Ok(Self { directions, inward: reach.clone(), outward: reach })
+    }
+
+    /// The line through a point of a triangle of the light mesh.
+    pub fn probe(&self, triangle: [u32; 3], point: Vec3, weights: [f32; 3]) -> Probe {
+        let [a, b, c] = triangle.map(|v| v as usize);
+        let [u, v, w] = weights;
+        let direction = self.directions[a] * u + self.directions[b] * v + self.directions[c] * w;
+        let mean = |of: &[f32]| of[a] * u + of[b] * v + of[c] * w;
+        Probe {
+            point,
+            direction: direction.normalize_or(self.directions[a]),
+            inward: mean(&self.inward),
+            outward: mean(&self.outward),
+        }
+    }
+
+    /// The longest distance of all.
+    pub fn longest(&self) -> f32 {
+        self.inward.iter().chain(&self.outward).fold(0.0, |most: f32, v| most.max(*v))
+    }
+}
+
+/// The length of the diagonal of a mesh's box.
+pub(super) fn diagonal(mesh: &Mesh) -> f64 {
+    let positions = || mesh.positions().iter().map(|p| p.to_f64());
+    let pick = |of: fn(f64, f64) -> f64, start: f64| {
+        positions().fold(Vec3::splat(start), |a, p| Vec3::new(of(a.x, p.x), of(a.y, p.y), of(a.z, p.z)))
+    };
+    let length = (pick(f64::max, f64::MIN) - pick(f64::min, f64::MAX)).length();
+    if length.is_finite() { length } else { 0.0 }
+}
+
+/// How far the scan lies from a triangle, at most, over a few of its points.
+fn largest_gap(low: &Mesh, directions: &[Vec3], scan: &Scan, t: usize, most: f32) -> f32 {
+    /// Points looked at over the whole mesh, roughly.
+    const POINTS: usize = 200_000;
+    let triangle = low.triangles()[t];
+    let corners = low.corners(t);
+    let count = (POINTS / low.triangles().len()).clamp(4, 64) as u32;
+    let points = sequence::Sequence::new(t as u32);
+    let gap = |i: u32| {
+        let [u, v, ..] = points.four(i, 0);
+        let weights = triangle_weights(u, v);
+        let point = super::scan::blend(corners, weights);
+        let direction =
+            super::scan::blend(triangle.map(|v| directions[v as usize]), weights).normalize_or(directions[0]);
+        let closest = scan.bvh().closest(point, most)?.distance;
+        let reach = (closest * OBLIQUE).max(most * 1e-3);
+        let probe = Probe { point, direction, inward: reach, outward: reach };
+        Some(scan.project(&probe, None).map_or(closest, |found| found.height.abs()))
+    };
+    (0..count).filter_map(gap).fold(0.0, f32::max)
+}
+
+/// Weights of a triangle's corners, evenly spread for (u, v) evenly spread over [0, 1)².
+///
+/// Source: Osada et al. 2002, "Shape distributions", §4.2.
+pub(super) fn triangle_weights(u: f32, v: f32) -> [f32; 3] {
+    let root = u.sqrt();
+    [1.0 - root, root * (1.0 - v), root * v]
+}

@@ -1,0 +1,89 @@
+//! What may be wrong with a surface itself.
+
+use crate::math::Vec3;
+use crate::mesh::Mesh;
+use crate::surface;
+use rayon::prelude::*;
+
+/// What may be wrong with a surface itself, counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Faults {
+    /// Edges with one triangle.
+    pub open_edges: usize,
+    /// Edges where more than two triangles meet.
+    pub crowded_edges: usize,
+    /// Triangles that have the same corners as an earlier one, whichever way they face.
+    pub duplicates: usize,
+    /// Triangles without area.
+    pub flat: usize,
+}
+
+impl Faults {
+    /// Of a mesh, vertices at one position counted as one.
+    pub fn of(mesh: &Mesh) -> Self {
+        let places = surface::places(mesh);
+        let triangles = mesh.triangles();
+        let corners = |t: &[u32; 3]| t.map(|v| places[v as usize]);
+        let is_whole = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+        let mut edges: Vec<u64> = triangles
+            .par_iter()
+            .map(corners)
+            .filter(is_whole)
+            .flat_map_iter(|[a, b, c]| [[a, b], [b, c], [c, a]])
+            .map(|[a, b]| u64::from(a.min(b)) << 32 | u64::from(a.max(b)))
+            .collect();
+        edges.par_sort_unstable();
+        let (mut open_edges, mut crowded_edges) = (0, 0);
+        for edge in edges.chunk_by(|a, b| a == b) {
+            open_edges += usize::from(edge.len() == 1);
+            crowded_edges += usize::from(edge.len() > 2);
+        }
+        drop(edges);
+        let sorted = |mut corners: [u32; 3]| {
+            corners.sort_unstable();
+            corners
+        };
+        let mut wholes: Vec<[u32; 3]> =
+            triangles.par_iter().map(corners).filter(is_whole).map(sorted).collect();
+        wholes.par_sort_unstable();
+        let duplicates = wholes.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        let has_no_area = |t: &usize| {
+            let [a, b, c] = mesh.corners(*t).map(Vec3::to_f64);
+            (b - a).cross(c - a).length() == 0.0
+        };
+        let flat = (0..triangles.len()).into_par_iter().filter(has_no_area).count();
+        Self { open_edges, crowded_edges, duplicates, flat }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshData;
+
+    #[test]
+    fn each_fault_is_counted() {
+        let corner = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+        let positions = vec![
+            corner(0.0, 0.0, 0.0),
+            corner(1.0, 0.0, 0.0),
+            corner(0.0, 1.0, 0.0),
+            corner(0.0, 0.0, 1.0),
+            // The first once more: cut for uvs, but one place.
+            corner(0.0, 0.0, 0.0),
+            corner(0.0, -1.0, 0.0),
+        ];
+        let faults = |triangles: &[[u32; 3]]| {
+            let data =
+                MeshData { positions: positions.clone(), triangles: triangles.to_vec(), ..MeshData::default() };
+            Faults::of(&Mesh::new(data).unwrap())
+        };
+        let closed = [[0, 2, 1], [4, 1, 3], [1, 2, 3], [0, 3, 2]];
+        assert_eq!(faults(&closed), Faults::default());
+        assert_eq!(faults(&closed[..3]), Faults { open_edges: 3, ..Faults::default() });
+        let fin = [closed.as_slice(), &[[0, 1, 5]]].concat();
+        assert_eq!(faults(&fin), Faults { open_edges: 2, crowded_edges: 1, ..Faults::default() });
+        let twice = [closed.as_slice(), &[[1, 0, 2], [0, 0, 1]]].concat();
+        assert_eq!(faults(&twice), Faults { crowded_edges: 3, duplicates: 1, flat: 1, ..Faults::default() });
+    }
+}

@@ -1,0 +1,187 @@
+//! Filling what lies between charts, so that no filter and no mip level shows a seam.
+
+use super::planes::{Planes, Texel};
+use rayon::prelude::*;
+
+/// Texels around each chart that take the value of the nearest one before the rest is filled: more than any bilinear or
+/// anisotropic lookup at the finest level reaches over a border.
+const SKIRT: u32 = 4;
+
+/// Gives free texels values: `steps` of growing charts, each texel from a neighbour; or with `None` first a narrow skirt
+/// and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels are, that
+/// holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
+pub(super) fn fill(planes: &mut Planes, steps: Option<u32>) {
+    let size = [planes.width as usize, planes.height as usize];
+    let mut known: Vec<bool> = planes.texels.iter().map(|texel| *texel != Texel::Free).collect();
+    if !known.contains(&true) {
+        return;
+    }
+    for _ in 0..steps.unwrap_or(SKIRT) {
+        let grown = neighbours(&known, size);
+        each(planes, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
+        grown.iter().for_each(|(to, _)| known[*to] = true);
+    }
+    if steps.is_none() {
+        each(planes, |plane| pull_push(plane, &known, size), |plane| pull_push(plane, &known, size));
+    }
+}
+
+/// Does the same to every plane that is there.
+fn each(planes: &mut Planes, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
+    let Planes { occlusion, lift, curvature, roughness, .. } = planes;
+    for plane in [occlusion, lift, curvature, roughness] {
+        one(plane.as_chunks_mut::<1>().0);
+    }
+    for plane in [&mut planes.normal, &mut planes.albedo, &mut planes.bent] {
+        three(plane);
+    }
+}
+
+/// Free texels beside known ones, each with the first of its neighbours that is: left, right, above, below.
+fn neighbours(known: &[bool], [width, height]: [usize; 2]) -> Vec<(usize, usize)> {
+    let row = |y: usize| {
+        let is_free = move |x: &usize| !known[y * width + x];
+        (0..width).filter(is_free).filter_map(move |x| {
+            let i = y * width + x;
+            let sides = [
+                (x > 0).then(|| i - 1),
+                (x + 1 < width).then(|| i + 1),
+                (y > 0).then(|| i - width),
+                (y + 1 < height).then(|| i + width),
+            ];
+            sides.into_iter().flatten().find(|k| known[*k]).map(|k| (i, k))
+        })
+    };
+    (0..height).into_par_iter().flat_map_iter(row).collect()
+}
+
+fn copy<T: Copy>(plane: &mut [T], from: &[(usize, usize)]) {
+    if !plane.is_empty() {
+        from.iter().for_each(|(to, from)| plane[*to] = plane[*from]);
+    }
+}
+
+/// A plane at a coarser level; `None` where none of what a texel covers is known.
+struct Level<const N: usize> {
+    size: [usize; 2],
+    texels: Vec<Option<[f32; N]>>,
+}
+
+/// Fills unknown texels from the means of ever larger squares.
+///
+/// Source: Gortler et al. 1996, "The lumigraph", §3.4, with boxes as filters.
+fn pull_push<const N: usize>(plane: &mut [[f32; N]], known: &[bool], size: [usize; 2]) {
+    if plane.is_empty() {
+        return;
+    }
+    let mut levels = vec![coarser(size, |i| known[i].then(|| plane[i]))];
+    while let Some(last) = levels.last().filter(|level| level.texels.contains(&None)) {
+        levels.push(coarser(last.size, |i| last.texels[i]));
+    }
+    for k in (1..levels.len()).rev() {
+        let (fine, coarse) = levels.split_at_mut(k);
+        let (fine, coarse) = (&mut fine[k - 1], &coarse[0]);
+        let width = fine.size[0];
+        fine.texels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            for (x, texel) in row.iter_mut().enumerate() {
+                *texel = texel.or(coarse.texels[y / 2 * coarse.size[0] + x / 2]);
+            }
+        });
+    }
+    let coarse = &levels[0];
+    plane.par_chunks_mut(size[0]).enumerate().for_each(|(y, row)| {
+        for (x, texel) in row.iter_mut().enumerate().filter(|(x, _)| !known[y * size[0] + x]) {
+            *texel = coarse.texels[y / 2 * coarse.size[0] + x / 2].unwrap_or(*texel);
+        }
+    });
+}
+
+/// The means of what is known in squares of two by two.
+fn coarser<const N: usize>(
+    [width, height]: [usize; 2],
+    at: impl Fn(usize) -> Option<[f32; N]> + Sync,
+) -> Level<N> {
+    let size = [width.div_ceil(2), height.div_ceil(2)];
+    let mean = |i: usize| {
+        let (x, y) = (i % size[0] * 2, i / size[0] * 2);
+        let (mut sum, mut count) = ([0.0; N], 0);
+        for (x, y) in [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)] {
+            if let Some(texel) = (x < width && y < height).then(|| at(y * width + x)).flatten() {
+                (0..N).for_each(|k| sum[k] += texel[k]);
+                count += 1;
+            }
+        }
+        (count > 0).then(|| sum.map(|v| v / count as f32))
+    };
+    Level { size, texels: (0..size[0] * size[1]).into_par_iter().map(mean).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::{MapKind, Maps};
+
+    /// Two charts of different heights on a map of 64 × 48.
+    fn charts() -> Planes {
+        let mut planes = Planes::new([64, 48], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
+        for y in 0..48 {
+            for x in 0..64 {
+                let height = match (x, y) {
+                    (3..=20, 5..=30) => 1.0,
+                    (40..=60, 9..=44) => 3.0,
+                    _ => continue,
+                };
+                planes.texels[y * 64 + x] = Texel::Met;
+                planes.lift[y * 64 + x] = height;
+                planes.albedo[y * 64 + x] = [height; 3];
+            }
+        }
+        planes
+    }
+
+    #[test]
+    fn every_mip_texel_is_made_of_charts_alone() {
+        let mut planes = charts();
+        // What free texels hold before is not to be seen anywhere.
+        for i in 0..planes.lift.len() {
+            if planes.texels[i] == Texel::Free {
+                planes.lift[i] = -1000.0;
+            }
+        }
+        let before = planes.clone();
+        fill(&mut planes, None);
+        let rounding = 1e-5;
+        let is_of_charts = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
+        for (i, texel) in before.texels.iter().enumerate() {
+            assert!(*texel == Texel::Free || planes.lift[i] == before.lift[i]);
+            assert!(is_of_charts(&planes.lift[i]), "{}", planes.lift[i]);
+        }
+        let mut level = planes.lift;
+        let (mut width, mut height) = (64, 48);
+        while width > 2 {
+            let at = |x: usize, y: usize| level[y * width + x];
+            let next: Vec<f32> = (0..width / 2 * height / 2)
+                .map(|i| (i % (width / 2) * 2, i / (width / 2) * 2))
+                .map(|(x, y)| (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0)
+                .collect();
+            (level, width, height) = (next, width / 2, height / 2);
+            // A texel wholly over one chart and its surroundings is of that chart: none is darker than all charts.
+            assert!(level.iter().all(is_of_charts));
+        }
+        assert_eq!(level.len(), 2, "both charts still stand apart");
+        assert!(level[0] < 1.5 && level[1] > 2.5, "{level:?}");
+    }
+
+    #[test]
+    fn a_skirt_is_as_wide_as_asked() {
+        let mut planes = charts();
+        fill(&mut planes, Some(3));
+        let at = |x: usize, y: usize| (planes.lift[y * 64 + x], planes.albedo[y * 64 + x]);
+        assert_eq!(at(23, 10), (1.0, [1.0; 3]));
+        assert_eq!(at(24, 10), (0.0, [0.0; 3]));
+        assert_eq!(at(0, 10), (1.0, [1.0; 3]));
+        let mut empty = Planes::new([8, 8], Maps::default().with(MapKind::Height));
+        fill(&mut empty, None);
+        assert!(empty.lift.iter().all(|v| *v == 0.0));
+    }
+}

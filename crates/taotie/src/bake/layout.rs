@@ -1,0 +1,170 @@
+//! A light mesh laid out on a map, band by band.
+
+use super::coverage::NONE;
+use super::raster::Rasterizer;
+use crate::error::Result;
+use crate::math::Vec2;
+use crate::mesh::Mesh;
+use std::ops::Range;
+
+/// Texel rows of a band, and the side of the tiles that it is cut into.
+pub(super) const BAND: u32 = 16;
+
+/// The triangles of a mesh on a map whose texels hold `side` · `side` samples each.
+pub(super) struct Layout<'a> {
+    pub mesh: &'a Mesh,
+    pub size: [u32; 2],
+    pub side: u32,
+    rasterizer: Rasterizer<'a>,
+    /// The triangles that touch each band, in order.
+    bands: Vec<Vec<u32>>,
+    /// Triangles whose uvs span no area.
+    pub flat: usize,
+}
+
+/// The samples of one triangle in one tile.
+pub(super) struct Patch {
+    pub triangle: u32,
+    /// The texel of each sample, counted within the band, and the weights of the triangle's corners there.
+    pub samples: Vec<(u32, [f32; 3])>,
+}
+
+impl<'a> Layout<'a> {
+    /// Of uv set 0.
+    ///
+    /// # Errors
+    /// As [`super::Coverage::new`] where uvs span too many copies of the map.
+    pub fn new(mesh: &'a Mesh, size: [u32; 2], side: u32) -> Result<Self> {
+        let rasterizer = Rasterizer::new(mesh.triangles(), &mesh.uvs()[0], size.map(|s| s * side))?;
+        let mut layout = Self { mesh, size, side, rasterizer, bands: Vec::new(), flat: 0 };
+        layout.bands = vec![Vec::new(); layout.band_count()];
+        for t in 0..mesh.triangles().len() {
+            let Some(rows) = layout.rows(t) else {
+                layout.flat += 1;
+                continue;
+            };
+            let per_band = i64::from(BAND * side);
+            let bands = rows.start.div_euclid(per_band)..(rows.end - 1).div_euclid(per_band) + 1;
+            for band in bands.take(layout.bands.len()) {
+                let band = band.rem_euclid(layout.bands.len() as i64) as usize;
+                layout.bands[band].push(t as u32);
+            }
+        }
+        Ok(layout)
+    }
+
+    /// How many bands there are; the last may be lower than the others.
+    pub fn band_count(&self) -> usize {
+        self.size[1].div_ceil(BAND) as usize
+    }
+
+    /// Texel rows of a band.
+    pub fn texel_rows(&self, band: usize) -> Range<u32> {
+        let first = band as u32 * BAND;
+        first..(first + BAND).min(self.size[1])
+    }
+
+    /// Calls `take` with all samples of a band, triangle by triangle and tile by tile. Of triangles that lie over one
+    /// another the one with the lowest number has the sample. Gives back how many samples others would have had too.
+    pub fn patches(&self, band: usize, mut take: impl FnMut(&Patch)) -> usize {
+        let width = (self.size[0] * self.side) as usize;
+        let rows = self.texel_rows(band);
+        let rows = i64::from(rows.start * self.side)..i64::from(rows.end * self.side);
+        let mut owners = vec![NONE; width * (rows.end - rows.start) as usize];
+        let place = |y: i64, x: i64| (y - rows.start) as usize * width + x.rem_euclid(width as i64) as usize;
+        let mut shared = 0;
+        for t in &self.bands[band] {
+            self.spans(*t, &rows, |y, [from, to], _| {
+                for x in from..=to {
+                    match &mut owners[place(y, x)] {
+                        owner if *owner == NONE => *owner = *t,
+                        owner => shared += usize::from(*owner != *t),
+                    }
+                }
+            });
+        }
+        let mut spans = Vec::new();
+        let mut patch = Patch { triangle: 0, samples: Vec::new() };
+        for t in &self.bands[band] {
+            spans.clear();
+            self.spans(*t, &rows, |y, span, down| spans.push((y, span, down)));
+            let weights = Weights::new(&self.rasterizer, *t as usize);
+            let tile = i64::from(BAND * self.side);
+            let columns =
+                spans.iter().fold((i64::MAX, i64::MIN), |(l, h), (_, s, _)| (l.min(s[0]), h.max(s[1])));
+            for column in columns.0.div_euclid(tile)..=columns.1.div_euclid(tile) {
+                patch.triangle = *t;
+                patch.samples.clear();
+                for (y, [from, to], down) in &spans {
+                    for x in *from.max(&(column * tile))..=*to.min(&(column * tile + tile - 1)) {
+                        let place = place(*y, x);
+                        if owners[place] == *t {
+                            owners[place] = NONE;
+                            let texel = self.texel(place, width);
+                            patch.samples.push((texel, weights.at(x, y + down)));
+                        }
+                    }
+                }
+                if !patch.samples.is_empty() {
+                    take(&patch);
+                }
+            }
+        }
+        shared
+    }
+
+    /// The texel of a sample, both counted within the band.
+    fn texel(&self, sample: usize, width: usize) -> u32 {
+        let side = self.side as usize;
+        let (x, y) = (sample % width / side, sample / width / side);
+        (y * self.size[0] as usize + x) as u32
+    }
+
+    /// Calls `give` with the rows of a triangle in a band, the columns it has there, and how many rows farther down
+    /// the triangle lies than the map's copy that they are counted in.
+    fn spans(&self, triangle: u32, rows: &Range<i64>, mut give: impl FnMut(i64, [i64; 2], i64)) {
+        let height = i64::from(self.size[1] * self.side);
+        let Some(own) = self.rows(triangle as usize) else { return };
+        for copy in own.start.div_euclid(height)..=(own.end - 1).div_euclid(height) {
+            let down = copy * height;
+            let here = rows.start + down..rows.end + down;
+            self.rasterizer.spans(triangle as usize, here, |y, span| give(y - down, span, down));
+        }
+    }
+
+    /// Sample rows that a triangle may touch; `None` where its uvs span no area.
+    fn rows(&self, triangle: usize) -> Option<Range<i64>> {
+        let corners = self.rasterizer.corners(triangle)?;
+        let (low, high) = corners.iter().fold((f64::MAX, f64::MIN), |(l, h), c| (l.min(c[1]), h.max(c[1])));
+        Some(low.floor() as i64..high.floor() as i64 + 1)
+    }
+}
+
+/// The weights of a triangle's corners as linear functions of a sample's place.
+struct Weights {
+    origin: Vec2<f64>,
+    second: Vec2<f64>,
+    third: Vec2<f64>,
+}
+
+impl Weights {
+    fn new(rasterizer: &Rasterizer<'_>, triangle: usize) -> Self {
+        let corners = rasterizer.corners(triangle).unwrap_or_default();
+        let [a, b, c] = corners.map(|[x, y]| Vec2::new(x, y));
+        let (e, f) = (b - a, c - a);
+        let det = e.x * f.y - e.y * f.x;
+        let scale = if det == 0.0 { 0.0 } else { 1.0 / det };
+        Self {
+            origin: a,
+            second: Vec2::new(f.y * scale, -f.x * scale),
+            third: Vec2::new(-e.y * scale, e.x * scale),
+        }
+    }
+
+    fn at(&self, x: i64, y: i64) -> [f32; 3] {
+        let p = Vec2::new(x as f64 + 0.5, y as f64 + 0.5) - self.origin;
+        let dot = |q: Vec2<f64>| p.x * q.x + p.y * q.y;
+        let (v, w) = (dot(self.second), dot(self.third));
+        [(1.0 - v - w) as f32, v as f32, w as f32]
+    }
+}

@@ -1,0 +1,62 @@
+//! What can be baked.
+
+use crate::names::Named;
+
+/// A map that a scan can be baked into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum MapKind {
+    /// The scan's normals.
+    Normal,
+    /// How much of the hemisphere over the scan is open, weighted by the cosine: 1 is open.
+    Occlusion,
+    /// The scan's base colour, of its vertices, materials and textures.
+    Albedo,
+    /// How far the scan lies above the light mesh.
+    Height,
+    /// The mean open direction.
+    Bent,
+    /// The scan's mean curvature, above 0 where it bulges.
+    Curvature,
+    /// Roughness, widened by the relief that is finer than a texel.
+    Roughness,
+}
+
+impl Named for MapKind {
+    const WHAT: &'static str = "map";
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("normal", Self::Normal),
+        ("ao", Self::Occlusion),
+        ("albedo", Self::Albedo),
+        ("height", Self::Height),
+        ("bent", Self::Bent),
+        ("curvature", Self::Curvature),
+        ("roughness", Self::Roughness),
+    ];
+}
+
+/// A set of maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Maps(u8);
+
+impl Maps {
+    /// With one map more.
+    pub fn with(self, map: MapKind) -> Self {
+        Self(self.0 | 1 << map as u8)
+    }
+
+    /// Whether a map is among them.
+    pub fn has(self, map: MapKind) -> bool {
+        self.0 & 1 << map as u8 != 0
+    }
+
+    /// The maps, in the order of [`MapKind`].
+    pub fn iter(self) -> impl Iterator<Item = MapKind> {
+        MapKind::NAMES.iter().map(|(_, map)| *map).filter(move |map| self.has(*map))
+    }
+}
+
+impl FromIterator<MapKind> for Maps {
+    fn from_iter<I: IntoIterator<Item = MapKind>>(maps: I) -> Self {
+        maps.into_iter().fold(Self::default(), Self::with)
+    }
+}

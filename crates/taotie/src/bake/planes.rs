@@ -1,0 +1,118 @@
+//! The maps in the making: one number or vector a texel, row by row from the top.
+
+use super::maps::{MapKind, Maps};
+
+/// What became of a texel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Texel {
+    /// No triangle covers it.
+    #[default]
+    Free,
+    /// All its lines met the scan.
+    Met,
+    /// A line missed and took the closest point of the scan.
+    Closest,
+    /// Not even that faces the right way: the light mesh's own normal stands there.
+    Lost,
+}
+
+/// Baked maps; those that were not asked for are empty.
+#[derive(Debug, Clone, Default)]
+pub struct Planes {
+    /// Texels across.
+    pub width: u32,
+    /// Texels down.
+    pub height: u32,
+    /// What became of each texel.
+    pub texels: Vec<Texel>,
+    /// Unit normals, in the space asked for.
+    pub normal: Vec<[f32; 3]>,
+    /// Open part of the hemisphere, [0, 1].
+    pub occlusion: Vec<f32>,
+    /// Linear RGB.
+    pub albedo: Vec<[f32; 3]>,
+    /// Model units.
+    pub lift: Vec<f32>,
+    /// Unit, in the space asked for.
+    pub bent: Vec<[f32; 3]>,
+    /// 1 over model units.
+    pub curvature: Vec<f32>,
+    /// What artists set, [0, 1].
+    pub roughness: Vec<f32>,
+}
+
+impl Planes {
+    pub(super) fn new([width, height]: [u32; 2], maps: Maps) -> Self {
+        let count = width as usize * height as usize;
+        let of = |kind: MapKind| if maps.has(kind) { count } else { 0 };
+        const UP: [f32; 3] = [0.0, 0.0, 1.0];
+        Self {
+            width,
+            height,
+            texels: vec![Texel::Free; count],
+            normal: vec![UP; of(MapKind::Normal)],
+            occlusion: vec![1.0; of(MapKind::Occlusion)],
+            albedo: vec![[0.0; 3]; of(MapKind::Albedo)],
+            lift: vec![0.0; of(MapKind::Height)],
+            bent: vec![UP; of(MapKind::Bent)],
+            curvature: vec![0.0; of(MapKind::Curvature)],
+            roughness: vec![0.0; of(MapKind::Roughness)],
+        }
+    }
+
+    /// Texels across and down.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// The numbers of a plane where a triangle covers the texel.
+    pub fn covered(&self, plane: &[f32]) -> Vec<f32> {
+        let covered = self.texels.iter().zip(plane).filter(|(texel, _)| **texel != Texel::Free);
+        covered.map(|(_, v)| *v).collect()
+    }
+
+    /// Cut into bands of rows, each with at most `rows`.
+    pub(super) fn bands(&mut self, rows: u32) -> Vec<BandPlanes<'_>> {
+        let count = rows as usize * self.width as usize;
+        let bands = self.height.div_ceil(rows) as usize;
+        fn cut<T>(plane: &mut [T], count: usize, bands: usize) -> impl Iterator<Item = &mut [T]> {
+            let mut chunks = plane.chunks_mut(count);
+            (0..bands).map(move |_| chunks.next().unwrap_or_default())
+        }
+        let mut texels = cut(&mut self.texels, count, bands);
+        let mut normal = cut(&mut self.normal, count, bands);
+        let mut occlusion = cut(&mut self.occlusion, count, bands);
+        let mut albedo = cut(&mut self.albedo, count, bands);
+        let mut lift = cut(&mut self.lift, count, bands);
+        let mut bent = cut(&mut self.bent, count, bands);
+        let mut curvature = cut(&mut self.curvature, count, bands);
+        let mut roughness = cut(&mut self.roughness, count, bands);
+        (0..bands)
+            .filter_map(|_| {
+                Some(BandPlanes {
+                    texels: texels.next()?,
+                    normal: normal.next()?,
+                    occlusion: occlusion.next()?,
+                    albedo: albedo.next()?,
+                    lift: lift.next()?,
+                    bent: bent.next()?,
+                    curvature: curvature.next()?,
+                    roughness: roughness.next()?,
+                })
+            })
+            .collect()
+    }
+}
+
+/// The rows of [`Planes`] that a band covers.
+pub(super) struct BandPlanes<'a> {
+    pub texels: &'a mut [Texel],
+    pub normal: &'a mut [[f32; 3]],
+    pub occlusion: &'a mut [f32],
+    pub albedo: &'a mut [[f32; 3]],
+    pub lift: &'a mut [f32],
+    pub bent: &'a mut [[f32; 3]],
+    pub curvature: &'a mut [f32],
+    pub roughness: &'a mut [f32],
+}

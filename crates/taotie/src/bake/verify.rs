@@ -1,0 +1,276 @@
+//! Whether a light mesh with its normal map looks as the scan it was baked from.
+
+use super::cage::{Cage, triangle_weights};
+use super::layout::{BAND, Layout};
+use super::scan::{Scan, blend};
+use crate::compare::{Field, angle_deg};
+use crate::error::{Error, Result};
+use crate::image::{Sampler, Texture};
+use crate::math::{Vec2, Vec3, sequence::Sequence};
+use crate::mesh::Mesh;
+use crate::scene::NormalSpace;
+use crate::surface::{decode_normal, decode_object_normal, facet_normal, tangent_normal};
+use crate::trace::Bvh;
+use rayon::prelude::*;
+
+/// A light mesh as a viewer shows it.
+pub struct Verifier<'a> {
+    /// With uvs, normals and tangents.
+    pub mesh: &'a Mesh,
+    /// Its normal map; without one its vertex normals are judged.
+    pub normal: Option<(&'a Texture, NormalSpace)>,
+    /// Where each of its points is looked for on the scan.
+    pub cage: &'a Cage,
+    /// What it should look like.
+    pub scan: &'a Scan,
+}
+
+/// How far normals are from those of the scan.
+#[derive(Debug, Clone)]
+pub struct Verdict {
+    /// Degrees, one number for each of many points spread evenly over the light mesh.
+    pub angles: Field,
+    /// The part of the points whose line missed the scan, so that its closest point was taken: [0, 1].
+    pub missed: f64,
+    /// The part for which that failed too; they have no angle.
+    pub lost: f64,
+}
+
+/// How far two surfaces lie from one another, model units.
+#[derive(Debug, Clone)]
+pub struct Deviation {
+    /// From points of the scan to the light mesh.
+    pub of_scan: Field,
+    /// From points of the light mesh to the scan.
+    pub of_light: Field,
+}
+
+impl Deviation {
+    /// The largest distance either way.
+    pub fn hausdorff(&self) -> f64 {
+        self.both().fold(0.0, f64::max)
+    }
+
+    /// The square root of the mean squared distance, over both ways.
+    pub fn rms(&self) -> f64 {
+        let (sum, count) = self.both().fold((0.0, 0usize), |(sum, count), d| (sum + d * d, count + 1));
+        (sum / count.max(1) as f64).sqrt()
+    }
+
+    fn both(&self) -> impl Iterator<Item = f64> + '_ {
+        let all = self.of_scan.values().iter().chain(self.of_light.values());
+        all.map(|d| f64::from(*d)).filter(|d| d.is_finite())
+    }
+}
+
+/// A place on a mesh.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    triangle: u32,
+    weights: [f32; 3],
+}
+
+impl Verifier<'_> {
+    /// Measures the angle between the normal that a viewer shows, the map looked up bilinearly at its finest level, and
+    /// the scan's, at `count` points spread evenly over the light mesh's area.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the mesh has no area, or lacks uvs, normals or tangents for its map.
+    pub fn verdict(&self, count: usize) -> Result<Verdict> {
+        self.check()?;
+        let found: Vec<(f32, Way)> =
+            spread(self.mesh, count)?.par_iter().map(|place| self.angle(*place)).collect();
+        let part = |way: Way| found.iter().filter(|(_, w)| *w == way).count() as f64 / count as f64;
+        let angles = found.iter().map(|(angle, _)| *angle).collect();
+        Ok(Verdict {
+            angles: Field::new(count as u32, 1, angles)?,
+            missed: part(Way::Closest) + part(Way::Lost),
+            lost: part(Way::Lost),
+        })
+    }
+
+    /// The same angle at the middle of each texel of a map of this size, NaN away from all charts.
+    ///
+    /// # Errors
+    /// As [`Verifier::verdict`].
+    pub fn error_map(&self, size: [u32; 2]) -> Result<Field> {
+        self.check()?;
+        let layout = Layout::new(self.mesh, size, 1)?;
+        let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
+        values.par_chunks_mut((BAND * size[0]) as usize).enumerate().for_each(|(band, values)| {
+            layout.patches(band, |patch| {
+                for (texel, weights) in &patch.samples {
+                    let place = Place { triangle: patch.triangle, weights: *weights };
+                    values[*texel as usize] = self.angle(place).0;
+                }
+            });
+        });
+        Field::new(size[0], size[1], values)
+    }
+
+    /// The distances between the surfaces, from `count` points spread evenly over the area of each.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where one of them has no area.
+    pub fn deviation(&self, count: usize) -> Result<Deviation> {
+        let light = Bvh::of(self.mesh.triangles().len(), |t| self.mesh.corners(t));
+        let measure = |from: &Mesh, to: &Bvh| {
+            let distance = |place: &Place| {
+                let point = blend(from.corners(place.triangle as usize), place.weights);
+                to.closest(point, f32::INFINITY).map_or(f32::NAN, |closest| closest.distance)
+            };
+            let distances = spread(from, count)?.par_iter().map(distance).collect();
+            Field::new(count as u32, 1, distances)
+        };
+        Ok(Deviation {
+            of_scan: measure(self.scan.mesh(), &light)?,
+            of_light: measure(self.mesh, self.scan.bvh())?,
+        })
+    }
+
+    /// Texels a model unit on each triangle of the light mesh, on a map of this size; NaN for those without area.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the mesh has no uvs or no triangles.
+    pub fn density(&self, [width, height]: [u32; 2]) -> Result<Field> {
+        let Some(uvs) = self.mesh.uvs().first() else {
+            return Err(Error::invalid("the light mesh", "it has no uvs"));
+        };
+        let density = |t: usize| {
+            let [a, b, c] = self.mesh.triangles()[t].map(|v| uvs[v as usize]);
+            let texels = f64::from(width) * f64::from(height);
+            let (e, f) = (b - a, c - a);
+            let on_map = f64::from((e.x * f.y - e.y * f.x).abs()) * texels;
+            (on_map / doubled_area(self.mesh, t)).sqrt() as f32
+        };
+        let count = self.mesh.triangles().len();
+        Field::new(count as u32, 1, (0..count).into_par_iter().map(density).collect())
+    }
+
+    fn check(&self) -> Result<()> {
+        let lacks_frames = self.mesh.normals().is_empty() || self.mesh.tangents().is_empty();
+        match self.normal {
+            Some(_) if self.mesh.uvs().is_empty() || lacks_frames => {
+                Err(Error::invalid("the light mesh", "it has a normal map but no uvs, normals or tangents"))
+            }
+            None if self.mesh.normals().is_empty() => {
+                Err(Error::invalid("the light mesh", "it has no normals"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The angle between what is shown and what should be, degrees; NaN where nothing was found.
+    fn angle(&self, place: Place) -> (f32, Way) {
+        let corners = self.mesh.triangles()[place.triangle as usize];
+        let point = blend(self.mesh.corners(place.triangle as usize), place.weights);
+        let probe = self.cage.probe(corners, point, place.weights);
+        let (found, way) = match self.scan.project(&probe, None) {
+            Some(found) => (Some(found), Way::Met),
+            None => match self.scan.closest(point, probe.direction, self.cage.longest() * 4.0) {
+                Some(found) => (Some(found), Way::Closest),
+                None => (None, Way::Lost),
+            },
+        };
+        let shown = self.shown(place).to_f64();
+        let angle = found.map_or(f32::NAN, |found| angle_deg(shown, found.normal.to_f64()) as f32);
+        (angle, way)
+    }
+
+    /// The normal that a viewer shows.
+    fn shown(&self, place: Place) -> Vec3 {
+        let mesh = self.mesh;
+        let corners = mesh.triangles()[place.triangle as usize].map(|v| v as usize);
+        let n = blend(corners.map(|v| mesh.normals()[v]), place.weights);
+        let Some((texture, space)) = self.normal else { return n };
+        let [a, b, c] = corners.map(|v| mesh.uvs()[0][v]);
+        let [u, v, w] = place.weights;
+        let uv: Vec2 = a * u + b * v + c * w;
+        let [r, g, b, _] = Sampler::BILINEAR.sample(texture, uv, 0.0);
+        if space == NormalSpace::Object {
+            return decode_object_normal(Vec3::new(r, g, b));
+        }
+        let tangent =
+            |v: usize| Vec3::new(mesh.tangents()[v][0], mesh.tangents()[v][1], mesh.tangents()[v][2]);
+        let t = blend(corners.map(tangent), place.weights);
+        let map = decode_normal(Vec3::new(r, g, b), 1.0, 1.0);
+        tangent_normal(n, t, mesh.tangents()[corners[0]][3], map)
+    }
+}
+
+/// How a point found the scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Met,
+    Closest,
+    Lost,
+}
+
+/// Points spread evenly over a mesh's area, the same for the same mesh.
+fn spread(mesh: &Mesh, count: usize) -> Result<Vec<Place>> {
+    let mut sum = 0.0;
+    let sums: Vec<f64> = (0..mesh.triangles().len())
+        .map(|t| {
+            let area = doubled_area(mesh, t);
+            sum += if area.is_finite() { area } else { 0.0 };
+            sum
+        })
+        .collect();
+    if sum <= 0.0 {
+        return Err(Error::invalid("the mesh", "its triangles have no area"));
+    }
+    let points = Sequence::new(0);
+    let place = |i: usize| {
+        // One point in each of equal parts of the area.
+        let [jitter, u, v, _] = points.four(i as u32 % Sequence::MOST, (i as u32 / Sequence::MOST) * 2);
+        let target = (i as f64 + f64::from(jitter)) / count as f64 * sum;
+        let triangle = sums.partition_point(|s| *s <= target).min(sums.len() - 1);
+        Place { triangle: triangle as u32, weights: triangle_weights(u, v) }
+    };
+    Ok((0..count).into_par_iter().map(place).collect())
+}
+
+fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
+    let [a, b, c] = mesh.corners(triangle).map(Vec3::to_f64);
+    (b - a).cross(c - a).length()
+}
+
+/// What is wrong with a pair of meshes, told before anything is baked.
+impl Verifier<'_> {
+    /// Of points spread over the light mesh: the part near which the scan has no surface at all, the part where its
+    /// closest surface faces the other way, and the mean distance to it as a part of `diagonal`; `None` where the mesh
+    /// has no area.
+    pub fn fit(&self, count: usize, diagonal: f64) -> Option<Fit> {
+        let places = spread(self.mesh, count).ok()?;
+        let look = |place: &Place| {
+            let point = blend(self.mesh.corners(place.triangle as usize), place.weights);
+            let facing = facet_normal(self.mesh.corners(place.triangle as usize)).unwrap_or_default();
+            let closest = self.scan.bvh().closest(point, f32::INFINITY)?;
+            let normal = self.scan.normal(closest.triangle, closest.weights);
+            Some((f64::from(closest.distance) / diagonal, normal.dot(facing) < 0.0))
+        };
+        let found: Vec<(f64, bool)> = places.par_iter().filter_map(look).collect();
+        let part = |of: &dyn Fn(&(f64, bool)) -> bool| {
+            found.iter().filter(|f| of(f)).count() as f64 / found.len().max(1) as f64
+        };
+        Some(Fit {
+            away: part(&|f| f.0 > AWAY),
+            turned: part(&|f| f.1),
+            distance: found.iter().map(|f| f.0).sum::<f64>() / found.len().max(1) as f64,
+        })
+    }
+}
+
+/// Farther than this part of the diagonal, a scan is not the surface that a light mesh stands for.
+const AWAY: f64 = 0.02;
+
+/// How well a light mesh and a scan fit together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fit {
+    /// The part of the light mesh that lies farther than a fiftieth of the diagonal from the scan, [0, 1].
+    pub away: f64,
+    /// The part that faces the other way than the closest surface of the scan, [0, 1].
+    pub turned: f64,
+    /// The mean distance as a part of the diagonal.
+    pub distance: f64,
+}

@@ -1,0 +1,64 @@
+//! The text of an OBJ file in blocks of whole statements, which are read in parallel.
+
+use super::super::text;
+use super::parse::split_keyword;
+
+/// Bytes of a block, or a line more.
+const BLOCK: usize = 1 << 20;
+
+/// How much of a file stands before some place.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Place {
+    /// How many lines.
+    pub lines: usize,
+    /// How many positions, uvs and normals.
+    pub counts: [usize; 3],
+}
+
+impl Place {
+    /// How much stands in `text`.
+    pub fn behind(text: &str) -> Self {
+        let mut counts = [0; 3];
+        for (_, statement) in text::lines(text) {
+            match split_keyword(&statement).0 {
+                "v" => counts[0] += 1,
+                "vt" => counts[1] += 1,
+                "vn" => counts[2] += 1,
+                _ => {}
+            }
+        }
+        Self { lines: text.bytes().filter(|b| *b == b'\n').count(), counts }
+    }
+
+    /// Goes on by `length` and gives the place so far.
+    pub fn advance(&mut self, length: &Self) -> Self {
+        let so_far = *self;
+        self.lines += length.lines;
+        self.counts.iter_mut().zip(length.counts).for_each(|(count, more)| *count += more);
+        so_far
+    }
+}
+
+/// Cuts `text` behind lines that do not go on in the next.
+pub(super) fn blocks(text: &str) -> Vec<&str> {
+    let mut blocks = Vec::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let (block, behind) = rest.split_at(end_of_block(rest));
+        blocks.push(block);
+        rest = behind;
+    }
+    blocks
+}
+
+fn end_of_block(text: &str) -> usize {
+    let mut from = BLOCK.min(text.len());
+    while let Some(more) = text.as_bytes()[from..].iter().position(|b| *b == b'\n') {
+        from += more + 1;
+        let last = text[..from].lines().next_back().unwrap_or_default();
+        if !last.trim_end().ends_with('\\') {
+            return from;
+        }
+    }
+    text.len()
+}

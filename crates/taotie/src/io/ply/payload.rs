@@ -1,0 +1,289 @@
+//! Rows of binary elements: where they lie, and what their fields are for.
+//!
+//! A scan is one long table of vertices and one of faces, so rows are never objects of their own: they are found by one
+//! walk over the file, which notes where each block of them starts, and the blocks are decoded in parallel.
+
+use super::ascii::Tokens;
+use super::names;
+use crate::error::{Error, Result};
+use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::path::Path;
+
+/// How many rows are decoded at a time.
+const BLOCK: usize = 1 << 15;
+
+/// What a field is read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// It is passed over.
+    Ignored,
+    /// One of the numbers of [`names::slot`].
+    Slot(usize),
+    /// The vertices of a face, or of strips.
+    Corners,
+    /// A uv for each corner of a face.
+    Uvs,
+}
+
+/// One property of an element.
+pub(super) struct Field {
+    role: Role,
+    /// The type of a list's length; `None` where there is one number.
+    length: Option<ScalarType>,
+    scalar: ScalarType,
+}
+
+/// All rows of an element.
+pub(super) struct Element<'a> {
+    /// How many rows there are.
+    pub count: usize,
+    /// How many corners its rows have in all.
+    pub corners: usize,
+    /// How many of its rows have a uv for each corner.
+    pub with_uvs: usize,
+    bytes: Cow<'a, [u8]>,
+    big_endian: bool,
+    fields: Vec<Field>,
+    /// Where each block starts in `bytes`.
+    starts: Vec<usize>,
+}
+
+/// Some consecutive rows.
+pub(super) struct Rows<'a> {
+    fields: &'a [Field],
+    big_endian: bool,
+    rest: &'a [u8],
+    /// How many rows are left.
+    pub left: usize,
+}
+
+/// The numbers of one field in one row.
+#[derive(Clone, Copy)]
+pub(super) struct Values<'a> {
+    /// How many there are.
+    pub count: usize,
+    /// Their type in the file.
+    pub scalar: &'a ScalarType,
+    bytes: &'a [u8],
+    big_endian: bool,
+}
+
+impl<'a> Element<'a> {
+    /// Finds the rows of the element that starts at the first of `bytes`, and how many bytes they have.
+    pub fn binary(
+        path: &Path,
+        definition: &ElementDef,
+        bytes: &'a [u8],
+        big_endian: bool,
+    ) -> Result<(Self, usize)> {
+        check_length(path, definition, bytes.len())?;
+        let mut element = Self::new(path, definition, Cow::Borrowed(bytes), big_endian)?;
+        let length = element.walk().map_err(|what| error(path, definition, what))?;
+        Ok((element, length))
+    }
+
+    /// Takes the rows of an element from text.
+    pub fn ascii(path: &Path, definition: &ElementDef, tokens: &mut Tokens) -> Result<Self> {
+        let (bytes, widened) = tokens.rows(definition)?;
+        let mut element = Self::new(path, &widened, Cow::Owned(bytes), false)?;
+        element.walk().map_err(|what| error(path, definition, what))?;
+        Ok(element)
+    }
+
+    fn new(path: &Path, definition: &ElementDef, bytes: Cow<'a, [u8]>, big_endian: bool) -> Result<Self> {
+        let fields = definition.properties.iter().map(|(name, property)| {
+            let role = names::role(&definition.name, name, &property.data_type)
+                .map_err(|what| error(path, definition, what))?;
+            let (length, scalar) = match &property.data_type {
+                PropertyType::Scalar(scalar) => (None, scalar),
+                PropertyType::List(length, scalar) => (Some(length.clone()), scalar),
+            };
+            Ok(Field { role, length, scalar: scalar.clone() })
+        });
+        let fields = fields.collect::<Result<Vec<Field>>>()?;
+        let (count, starts) = (definition.count, Vec::new());
+        Ok(Self { count, corners: 0, with_uvs: 0, bytes, big_endian, fields, starts })
+    }
+
+    /// Finds where blocks start, and the end of the last.
+    fn walk(&mut self) -> std::result::Result<usize, String> {
+        if self.fields.iter().all(|field| field.length.is_none()) {
+            let row: usize = self.fields.iter().map(|field| size(&field.scalar)).sum();
+            self.starts = (0..self.count).step_by(BLOCK).map(|i| i * row).collect();
+            return Ok(self.count * row);
+        }
+        let mut rows =
+            Rows { fields: &self.fields, big_endian: self.big_endian, rest: &self.bytes, left: self.count };
+        while rows.left > 0 {
+            let i = self.count - rows.left;
+            if i.is_multiple_of(BLOCK) {
+                self.starts.push(self.bytes.len() - rows.rest.len());
+            }
+            let (mut corners, mut uvs) = (0, 0);
+            let count = |role, values: Values| match role {
+                Role::Corners => corners = values.count,
+                Role::Uvs => uvs = values.count,
+                _ => {}
+            };
+            rows.try_next(count).map_err(|what| format!("row {i} of {}: {what}", self.count))?;
+            self.corners += corners;
+            self.with_uvs += usize::from(corners > 0 && uvs == 2 * corners);
+        }
+        Ok(self.bytes.len() - rows.rest.len())
+    }
+
+    /// Reads the blocks in parallel, a few at a time, and hands over what each gives in the order of the file.
+    pub fn blocks<T: Send>(
+        &self,
+        read: impl Fn(Rows) -> T + Sync,
+        mut take: impl FnMut(T) -> Result<()>,
+    ) -> Result<()> {
+        let rows = |block: usize| Rows {
+            fields: &self.fields,
+            big_endian: self.big_endian,
+            rest: &self.bytes[self.starts[block]..],
+            left: BLOCK.min(self.count - block * BLOCK),
+        };
+        let blocks: Vec<usize> = (0..self.starts.len()).collect();
+        for group in blocks.chunks(4 * rayon::current_num_threads()) {
+            let done: Vec<T> = group.par_iter().map(|block| read(rows(*block))).collect();
+            done.into_iter().try_for_each(&mut take)?;
+        }
+        Ok(())
+    }
+}
+
+impl<'a> Rows<'a> {
+    /// Shows the fields of the next row; `false` where there is none.
+    #[inline(always)]
+    pub fn next(&mut self, see: impl FnMut(Role, Values<'a>)) -> bool {
+        self.left > 0 && self.try_next(see).is_ok()
+    }
+
+    #[inline(always)]
+    fn try_next(&mut self, mut see: impl FnMut(Role, Values<'a>)) -> std::result::Result<(), &'static str> {
+        for field in self.fields {
+            let count = match &field.length {
+                None => 1,
+                Some(scalar) => length(self.take(1, scalar)?)?,
+            };
+            see(field.role, self.take(count, &field.scalar)?);
+        }
+        self.left -= 1;
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn take(
+        &mut self,
+        count: usize,
+        scalar: &'a ScalarType,
+    ) -> std::result::Result<Values<'a>, &'static str> {
+        let length = count.checked_mul(size(scalar));
+        let (bytes, rest) = length
+            .and_then(|length| self.rest.split_at_checked(length))
+            .ok_or("the file ends in it; it is cut short or damaged")?;
+        self.rest = rest;
+        Ok(Values { count, scalar, bytes, big_endian: self.big_endian })
+    }
+}
+
+impl<'a> Values<'a> {
+    /// The only number of a scalar property; the first of a list's, or 0.
+    #[inline(always)]
+    pub fn number(self) -> f64 {
+        if self.count > 0 { number(self.scalar, self.big_endian, self.bytes) } else { 0.0 }
+    }
+
+    /// All numbers.
+    pub fn numbers(self) -> impl Iterator<Item = f64> + 'a {
+        let words = self.bytes.chunks_exact(size(self.scalar));
+        words.map(move |word| number(self.scalar, self.big_endian, word))
+    }
+
+    /// Appends all numbers as indices; what is none becomes `u32::MAX`.
+    #[inline(always)]
+    pub fn push_indices(self, to: &mut Vec<u32>) {
+        let words = self.bytes.as_chunks::<4>().0.iter();
+        match self.scalar {
+            ScalarType::Int if !self.big_endian => {
+                to.extend(words.map(|w| u32::try_from(i32::from_le_bytes(*w)).unwrap_or(u32::MAX)));
+            }
+            ScalarType::UInt if !self.big_endian => to.extend(words.map(|w| u32::from_le_bytes(*w))),
+            _ => to
+                .extend(self.numbers().map(|v| if v >= 0.0 && v == v.floor() { v as u32 } else { u32::MAX })),
+        }
+    }
+}
+
+/// The length of a list.
+#[inline(always)]
+fn length(values: Values) -> std::result::Result<usize, &'static str> {
+    if *values.scalar == ScalarType::UChar {
+        return Ok(usize::from(values.bytes[0]));
+    }
+    let length = values.number();
+    let is_whole = length >= 0.0 && length == length.floor();
+    is_whole
+        .then_some(length as usize)
+        .ok_or("the length of a list is no whole number from 0 on; mend the file")
+}
+
+/// Bytes of a number.
+#[inline(always)]
+pub(super) fn size(scalar: &ScalarType) -> usize {
+    match scalar {
+        ScalarType::Char | ScalarType::UChar => 1,
+        ScalarType::Short | ScalarType::UShort => 2,
+        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+        ScalarType::Double => 8,
+    }
+}
+
+/// The number at the start of `bytes`; exact, since no type has more bits than the result holds.
+#[inline(always)]
+fn number(scalar: &ScalarType, big_endian: bool, bytes: &[u8]) -> f64 {
+    match scalar {
+        ScalarType::Char => f64::from(bytes[0] as i8),
+        ScalarType::UChar => f64::from(bytes[0]),
+        ScalarType::Short => f64::from(i16::from_le_bytes(word(bytes, big_endian))),
+        ScalarType::UShort => f64::from(u16::from_le_bytes(word(bytes, big_endian))),
+        ScalarType::Int => f64::from(i32::from_le_bytes(word(bytes, big_endian))),
+        ScalarType::UInt => f64::from(u32::from_le_bytes(word(bytes, big_endian))),
+        ScalarType::Float => f64::from(f32::from_le_bytes(word(bytes, big_endian))),
+        ScalarType::Double => f64::from_le_bytes(word(bytes, big_endian)),
+    }
+}
+
+/// The first `N` of `bytes` from the least significant on.
+#[inline(always)]
+fn word<const N: usize>(bytes: &[u8], big_endian: bool) -> [u8; N] {
+    let mut word = [0; N];
+    word.copy_from_slice(&bytes[..N]);
+    if big_endian {
+        word.reverse();
+    }
+    word
+}
+
+/// Refuses a count that the rest of the file is too short for, before anything is allocated.
+fn check_length(path: &Path, element: &ElementDef, left: usize) -> Result<()> {
+    let least = |property: &PropertyType| match property {
+        PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size(scalar),
+    };
+    let row: usize = element.properties.iter().map(|(_, p)| least(&p.data_type)).sum();
+    if element.count.saturating_mul(row) <= left {
+        return Ok(());
+    }
+    let what = format!(
+        "{} of at least {row} bytes each, but only {left} bytes follow; the file is cut short or damaged",
+        element.count
+    );
+    Err(error(path, element, what))
+}
+
+fn error(path: &Path, element: &ElementDef, what: impl Into<String>) -> Error {
+    Error::parse(path, format!("element {}", element.name), what)
+}

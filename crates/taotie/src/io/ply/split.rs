@@ -1,0 +1,66 @@
+//! Vertices for corners that have uvs or colours of their own.
+
+use super::faces::{Block, Wanted};
+use std::collections::HashMap;
+
+/// The vertex that a corner has in the file, and the bits of what its face says of it.
+type Corner = [u32; 7];
+
+/// Gives corners that are alike the same vertex, numbered in order of first appearance.
+pub(super) struct Splitter {
+    /// Whether corners have uvs of their own.
+    pub uvs: bool,
+    /// Whether corners have colours of their own.
+    pub colors: bool,
+    corners: Vec<Corner>,
+    /// The first corner of each vertex of the file, which most often is the only one.
+    first: Vec<u32>,
+    /// All other corners.
+    known: HashMap<Corner, u32>,
+}
+
+impl Splitter {
+    /// For corners that have what is wanted of their own.
+    pub fn new(wanted: &Wanted) -> Self {
+        let first = vec![u32::MAX; wanted.positions.len()];
+        Self { uvs: wanted.uvs, colors: wanted.colors, corners: Vec::new(), first, known: HashMap::new() }
+    }
+
+    /// The vertex of corner `i` of `block`.
+    pub fn index(&mut self, block: &Block, i: usize) -> u32 {
+        let vertex = block.corners[i];
+        let [u, v] = block.uvs.get(i).copied().unwrap_or_default();
+        let [r, g, b, a] = block.colors.get(i).copied().unwrap_or_default();
+        let [u, v, r, g, b, a] = [u, v, r, g, b, a].map(f32::to_bits);
+        let corner = [vertex, u, v, r, g, b, a];
+        let next = self.corners.len() as u32;
+        let first = &mut self.first[vertex as usize];
+        let index = match self.corners.get(*first as usize) {
+            Some(known) if *known == corner => *first,
+            Some(_) => *self.known.entry(corner).or_insert(next),
+            None => {
+                *first = next;
+                next
+            }
+        };
+        if index == next {
+            self.corners.push(corner);
+        }
+        index
+    }
+
+    /// The vertex of the file that each vertex is made from.
+    pub fn vertices(&self) -> impl Iterator<Item = usize> {
+        self.corners.iter().map(|corner| corner[0] as usize)
+    }
+
+    /// The uvs of the vertices as stored.
+    pub fn own_uvs(&self) -> impl Iterator<Item = [f32; 2]> {
+        self.corners.iter().map(|[_, u, v, ..]| [*u, *v].map(f32::from_bits))
+    }
+
+    /// The colours of the vertices as stored.
+    pub fn own_colors(&self) -> impl Iterator<Item = [f32; 4]> {
+        self.corners.iter().map(|[_, _, _, color @ ..]| color.map(f32::from_bits))
+    }
+}

@@ -1,0 +1,135 @@
+//! Rows of vertices into columns.
+
+use super::names::{Attributes, ColorCode, full_intensity, slot};
+use super::payload::{Element, Role, Rows};
+use crate::error::Result;
+use crate::math::srgb::linear_from_srgb;
+use crate::math::{Vec2, Vec3};
+use rayon::prelude::*;
+
+/// One array for each attribute that the file declares for vertices; the others are empty.
+#[derive(Default)]
+pub(super) struct Vertices {
+    /// Model units; not checked.
+    pub positions: Vec<Vec3>,
+    /// As in the file, of any length.
+    pub normals: Vec<Vec3>,
+    /// The origin is top left.
+    pub uvs: Vec<Vec2>,
+    /// Linear RGBA.
+    pub colors: Vec<[f32; 4]>,
+}
+
+impl Vertices {
+    /// Reads all rows.
+    pub fn read(element: &Element, attributes: &Attributes) -> Result<Self> {
+        let reserved = |wanted: bool| if wanted { element.count } else { 0 };
+        let mut all = Self {
+            positions: Vec::with_capacity(element.count),
+            normals: Vec::with_capacity(reserved(attributes.normals)),
+            uvs: Vec::with_capacity(reserved(attributes.uvs)),
+            colors: Vec::with_capacity(reserved(attributes.colors.is_some())),
+        };
+        let decoder = attributes.colors.map(Decoder::new);
+        element.blocks(
+            |rows| Self::of_rows(rows, attributes, decoder.as_ref()),
+            |mut block| {
+                all.positions.append(&mut block.positions);
+                all.normals.append(&mut block.normals);
+                all.uvs.append(&mut block.uvs);
+                all.colors.append(&mut block.colors);
+                Ok(())
+            },
+        )?;
+        Ok(all)
+    }
+
+    fn of_rows(mut rows: Rows, attributes: &Attributes, decoder: Option<&Decoder>) -> Self {
+        let mut block = Self { positions: Vec::with_capacity(rows.left), ..Self::default() };
+        let mut values = [0.0; slot::COUNT];
+        values[slot::COLOR + 3] = 1.0;
+        while rows.next(|role, field| {
+            if let Role::Slot(slot) = role {
+                values[slot] = attribute(slot, field);
+            }
+        }) {
+            let [x, y, z, nx, ny, nz, u, v, color @ ..] = values;
+            block.positions.push(Vec3::new(x, y, z));
+            if attributes.normals {
+                block.normals.push(Vec3::new(nx, ny, nz));
+            }
+            if attributes.uvs {
+                block.uvs.push(upright(u, v));
+            }
+            if let Some(decoder) = decoder {
+                block.colors.push(decoder.linear(color));
+            }
+        }
+        block
+    }
+
+    /// Whether each vertex lacks a normal that is a direction; empty where none does.
+    pub fn lack_normals(&self) -> Vec<bool> {
+        let is_bad = |n: &Vec3| {
+            let length = n.to_f64().length();
+            !(length > 1e-18 && length.is_finite())
+        };
+        if self.normals.par_iter().any(is_bad) {
+            self.normals.iter().map(is_bad).collect()
+        } else {
+            Vec::new()
+        }
+    }
+}
+
+/// A number of a vertex or face; colours stored as whole numbers are divided by their greatest.
+#[inline(always)]
+pub(super) fn attribute(slot: usize, field: super::payload::Values) -> f32 {
+    let value = field.number();
+    (if slot >= slot::COLOR { value / full_intensity(field.scalar) } else { value }) as f32
+}
+
+/// A uv of the file, whose origin is bottom left; what is not finite is 0.
+pub(super) fn upright(u: f32, v: f32) -> Vec2 {
+    let usable = |v: f32| if v.is_finite() { v } else { 0.0 };
+    Vec2::new(usable(u), 1.0 - usable(v))
+}
+
+/// Makes stored colours linear.
+pub(super) struct Decoder {
+    code: ColorCode,
+    /// What 0 to 255 parts of 255 are in linear light, since most files store these.
+    steps: Vec<f32>,
+}
+
+impl Decoder {
+    pub fn new(code: ColorCode) -> Self {
+        let steps = (0..=255u8).map(|i| linear_from_srgb(f64::from(step(i))) as f32).collect();
+        Self { code, steps }
+    }
+
+    /// Linear RGBA; alpha is no more than 1.
+    pub fn linear(&self, color: [f32; 4]) -> [f32; 4] {
+        let usable = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
+        let [r, g, b, a] = color.map(usable);
+        let decode = |v: f32| match self.code {
+            ColorCode::Encoded => self.decoded(v),
+            ColorCode::Linear => v,
+        };
+        [decode(r), decode(g), decode(b), a.min(1.0)]
+    }
+
+    fn decoded(&self, v: f32) -> f32 {
+        let nearest = (v * 255.0 + 0.5) as u8;
+        if step(nearest) == v {
+            self.steps[usize::from(nearest)]
+        } else {
+            linear_from_srgb(f64::from(v)) as f32
+        }
+    }
+}
+
+/// What is stored as `i` of 255.
+fn step(i: u8) -> f32 {
+    (f64::from(i) / 255.0) as f32
+}

@@ -1,0 +1,254 @@
+//! A glTF document in the making: its JSON, and the numbers that its accessors name.
+
+use super::container::{self, Head};
+use super::images::{self, Encoded};
+use crate::error::{Error, Result};
+use crate::io::write::{write_bytes, write_with};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// glTF's numbers for what a view is for.
+pub(super) const VERTICES: u32 = 34962;
+pub(super) const INDICES: u32 = 34963;
+
+const MESHOPT: &str = "EXT_meshopt_compression";
+
+/// The type of an accessor's numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Component {
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    /// Its number in glTF.
+    fn code(self) -> u32 {
+        match self {
+            Self::U8 => 5121,
+            Self::I16 => 5122,
+            Self::U16 => 5123,
+            Self::U32 => 5125,
+            Self::F32 => 5126,
+        }
+    }
+
+    fn size(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+}
+
+/// How a compressed view is packed, and what it is for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Packing {
+    /// How many elements it has.
+    pub count: usize,
+    /// The bytes of each, unpacked.
+    pub stride: usize,
+    /// `ATTRIBUTES` or `TRIANGLES`.
+    pub mode: &'static str,
+    /// The extension's name of a filter.
+    pub filter: Option<&'static str>,
+    /// glTF's number for its use.
+    pub target: u32,
+}
+
+/// A glTF document in the making: JSON, to which anything may be added, and the numbers that it names by accessors.
+///
+/// Buffers, buffer views, accessors and the names of extensions are added to the JSON at the end.
+#[derive(Debug, Clone, Default)]
+pub struct GltfDraft {
+    /// The document without buffers, buffer views, accessors and the names of extensions.
+    pub json: Value,
+    bytes: Vec<u8>,
+    /// How many bytes the compressed views have when unpacked.
+    unpacked: usize,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    used: BTreeSet<&'static str>,
+    required: BTreeSet<&'static str>,
+}
+
+impl GltfDraft {
+    /// Adds elements of `N` floats, 1 to 4, or 16 for matrices; gives the accessor's number.
+    pub fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
+        let bytes: Vec<u8> = values.as_flattened().iter().copied().flat_map(f32::to_le_bytes).collect();
+        self.elements(&bytes, Component::F32, N)
+    }
+
+    /// As [`Self::floats`], with the least and greatest value of each component, which glTF wants of positions and
+    /// times.
+    pub fn bounded_floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
+        let index = self.floats(values);
+        let extreme = |of: fn(f32, f32) -> f32, start: f32| -> Vec<f32> {
+            (0..N).map(|i| values.iter().map(|v| v[i]).fold(start, of)).collect()
+        };
+        self.accessors[index]["min"] = json!(extreme(f32::min, f32::INFINITY));
+        self.accessors[index]["max"] = json!(extreme(f32::max, f32::NEG_INFINITY));
+        index
+    }
+
+    /// Adds elements of four bytes, such as joints; gives the accessor's number.
+    pub fn bytes(&mut self, values: &[[u8; 4]]) -> usize {
+        self.elements(values.as_flattened(), Component::U8, 4)
+    }
+
+    /// Adds elements of `width` numbers as they lie in memory; gives the accessor's number.
+    pub(super) fn elements(&mut self, bytes: &[u8], component: Component, width: usize) -> usize {
+        let view = self.view(bytes);
+        let json = self.accessor_json(view, (component, width), bytes.len() / (width * component.size()));
+        self.push_accessor(json)
+    }
+
+    /// An accessor of `count` elements of `width` numbers from the start of a view on.
+    pub(super) fn accessor_json(
+        &self,
+        view: usize,
+        (component, width): (Component, usize),
+        count: usize,
+    ) -> Value {
+        let kind = match width {
+            1 => "SCALAR",
+            2 => "VEC2",
+            3 => "VEC3",
+            4 => "VEC4",
+            _ => "MAT4",
+        };
+        json!({ "bufferView": view, "componentType": component.code(), "count": count, "type": kind })
+    }
+
+    pub(super) fn push_accessor(&mut self, json: Value) -> usize {
+        self.accessors.push(json);
+        self.accessors.len() - 1
+    }
+
+    /// Adds a view that meshoptimizer packed; gives its number. Unpacked it lies in a second buffer that holds nothing,
+    /// as the extension wants of files that require it.
+    pub(super) fn packed_view(&mut self, bytes: &[u8], packing: &Packing) -> usize {
+        let Packing { count, stride, mode, filter, target } = *packing;
+        let mut packed = json!({
+            "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len(),
+            "byteStride": stride, "count": count, "mode": mode,
+        });
+        if let Some(filter) = filter {
+            packed["filter"] = filter.into();
+        }
+        let mut view = json!({
+            "buffer": 1, "byteOffset": self.unpacked, "byteLength": count * stride, "target": target,
+            "extensions": { MESHOPT: packed },
+        });
+        if target == VERTICES {
+            view["byteStride"] = stride.into();
+        }
+        self.unpacked = (self.unpacked + count * stride).next_multiple_of(4);
+        self.append(bytes);
+        self.views.push(view);
+        self.views.len() - 1
+    }
+
+    /// Says that the file uses an extension that programs may ignore.
+    pub(super) fn uses(&mut self, extension: &'static str) {
+        self.used.insert(extension);
+    }
+
+    /// Says that nobody who does not know an extension can read the file.
+    pub(super) fn require(&mut self, extension: &'static str) {
+        self.used.insert(extension);
+        self.required.insert(extension);
+    }
+
+    /// Adds bytes and gives the number of their view. Each begins at a multiple of four.
+    pub(super) fn view(&mut self, bytes: &[u8]) -> usize {
+        self.views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
+        self.append(bytes);
+        self.views.len() - 1
+    }
+
+    fn append(&mut self, bytes: &[u8]) {
+        self.bytes.extend_from_slice(bytes);
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+    }
+
+    /// Says that an accessor holds a vertex attribute.
+    pub fn mark_vertices(&mut self, accessor: usize) {
+        self.mark(accessor, VERTICES);
+    }
+
+    /// Says that an accessor holds indices of vertices.
+    pub(super) fn mark_indices(&mut self, accessor: usize) {
+        self.mark(accessor, INDICES);
+    }
+
+    fn mark(&mut self, accessor: usize, target: u32) {
+        let view = self.accessors.get(accessor).and_then(|a| a["bufferView"].as_u64());
+        if let Some(view) = view.and_then(|view| self.views.get_mut(view as usize)) {
+            view["target"] = target.into();
+        }
+    }
+
+    /// The whole document's text; its buffer is the file `uri`, or the container's.
+    fn text(&self, uri: Option<String>) -> Result<Vec<u8>> {
+        let mut json = self.json.clone();
+        let mut buffer = json!({ "byteLength": self.bytes.len() });
+        if let Some(uri) = uri {
+            buffer["uri"] = uri.into();
+        }
+        let mut buffers = vec![buffer];
+        if self.unpacked > 0 {
+            let fallback = json!({ MESHOPT: { "fallback": true } });
+            buffers.push(json!({ "byteLength": self.unpacked, "extensions": fallback }));
+        }
+        json["buffers"] = json!(buffers);
+        json["bufferViews"] = json!(self.views);
+        json["accessors"] = json!(self.accessors);
+        for (name, extensions) in [("extensionsUsed", &self.used), ("extensionsRequired", &self.required)] {
+            if !extensions.is_empty() {
+                json[name] = json!(extensions);
+            }
+        }
+        serde_json::to_vec(&json).map_err(|e| Error::invalid("glTF document", e.to_string()))
+    }
+
+    /// Writes the document as GLB, whole or not at all.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where it would have 4 GiB or more, [`Error::Io`] where the file cannot be written.
+    pub fn write_glb(&self, path: &Path) -> Result<()> {
+        let head = Head::new(self.text(None)?, self.bytes.len())?;
+        write_with(path, |mut out| {
+            container::write(&mut out, &head, &self.bytes).map_err(|e| Error::io(path, e))
+        })
+    }
+
+    /// The document as GLB.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where it would have 4 GiB or more.
+    pub fn encode_glb(&self) -> Result<Vec<u8>> {
+        let head = Head::new(self.text(None)?, self.bytes.len())?;
+        let mut bytes = Vec::new();
+        container::write(&mut bytes, &head, &self.bytes)
+            .map_err(|e| Error::invalid("glTF document", e.to_string()))?;
+        Ok(bytes)
+    }
+
+    /// Writes the document as JSON, with its numbers and images in files beside it.
+    pub(super) fn write_gltf(&self, path: &Path, images: &[Encoded]) -> Result<()> {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        for image in images {
+            if let Some(bytes) = image.bytes() {
+                write_bytes(&path.with_file_name(image.file_name(&stem)), bytes)?;
+            }
+        }
+        let binary = format!("{stem}.bin");
+        write_bytes(&path.with_file_name(&binary), &self.bytes)?;
+        write_bytes(path, &self.text(Some(images::uri(&binary)))?)
+    }
+}

@@ -1,0 +1,283 @@
+//! The textures of a material: each image encoded once, and where in a document it stands.
+
+use super::material::GltfMaterial;
+use super::{GltfDraft, ktx};
+use crate::error::{Error, Result};
+use crate::image::{Bitmap, Encoding, Texels};
+use crate::io::write::png::interleaved;
+use crate::io::{PngColor, PngImage, PngSamples, encode_png};
+use image::ExtendedColorType;
+use image::codecs::webp::WebPEncoder;
+use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::borrow::Cow;
+
+/// glTF's numbers for filters and wrapping.
+const LINEAR: u32 = 9729;
+const LINEAR_MIPMAP_LINEAR: u32 = 9987;
+const CLAMP_TO_EDGE: u32 = 33071;
+
+/// A texture's image.
+#[derive(Debug, Clone, Copy)]
+pub enum GltfImage<'a> {
+    /// Texels of 8 or 16 bits; alpha is not written.
+    Bitmap(&'a Bitmap),
+    /// A file that lies beside the model already, by its relative path with `/`.
+    File(&'a str),
+}
+
+impl<'a> From<&'a Bitmap> for GltfImage<'a> {
+    fn from(bitmap: &'a Bitmap) -> Self {
+        Self::Bitmap(bitmap)
+    }
+}
+
+impl GltfImage<'_> {
+    /// Whether both are one and the same, so that it needs to be written once only.
+    fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Bitmap(a), Self::Bitmap(b)) => std::ptr::eq(*a, *b),
+            (Self::File(a), Self::File(b)) => a == b,
+            _ => false,
+        }
+    }
+}
+
+/// How textures are packed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum GltfImages {
+    /// PNG, as precise as the bitmap; every program reads it.
+    #[default]
+    Png,
+    /// Lossless WebP (EXT_texture_webp), smaller; 16 bits are rounded to 8. Programs that do not know the extension
+    /// cannot read the file.
+    WebP,
+    /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu): a byte a texel in the file and, packed, on graphics
+    /// cards, and lossy; 16 bits are rounded to 8, and sides must be multiples of 4. Programs that do not know the
+    /// extension cannot read the file.
+    Ktx2,
+}
+
+impl GltfImages {
+    fn file_extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::WebP => "webp",
+            Self::Ktx2 => "ktx2",
+        }
+    }
+
+    fn mime_type(self) -> &'static str {
+        match self {
+            Self::Png => "image/png",
+            Self::WebP => "image/webp",
+            Self::Ktx2 => "image/ktx2",
+        }
+    }
+
+    /// The extension that a texture needs to show such an image.
+    fn extension(self) -> Option<&'static str> {
+        match self {
+            Self::Png => None,
+            Self::WebP => Some("EXT_texture_webp"),
+            Self::Ktx2 => Some("KHR_texture_basisu"),
+        }
+    }
+}
+
+/// The slots of a material that have textures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Slot {
+    BaseColor,
+    MetallicRoughness,
+    Occlusion,
+    Normal,
+}
+
+impl Slot {
+    fn encoding(self) -> Encoding {
+        match self {
+            Self::BaseColor => Encoding::Srgb,
+            Self::Normal => Encoding::Normal,
+            Self::MetallicRoughness | Self::Occlusion => Encoding::Linear,
+        }
+    }
+}
+
+/// An image as it is written, and the slots that show it.
+#[derive(Debug)]
+pub(super) struct Encoded<'a> {
+    image: GltfImage<'a>,
+    format: GltfImages,
+    slots: Vec<Slot>,
+    bytes: Vec<u8>,
+}
+
+impl Encoded<'_> {
+    /// Whether a slot shows it.
+    pub fn serves(&self, slot: Slot) -> bool {
+        self.slots.contains(&slot)
+    }
+
+    /// The bytes of its file; `None` where the file is there already.
+    pub fn bytes(&self) -> Option<&[u8]> {
+        matches!(self.image, GltfImage::Bitmap(_)).then_some(&self.bytes)
+    }
+
+    /// The name of its file beside a model.
+    pub fn file_name(&self, stem: &str) -> String {
+        match self.image {
+            GltfImage::File(name) => name.to_owned(),
+            GltfImage::Bitmap(_) => format!("{stem}_{}.{}", self.role(), self.format.file_extension()),
+        }
+    }
+
+    fn role(&self) -> &'static str {
+        match self.slots[..] {
+            [Slot::MetallicRoughness, Slot::Occlusion] => "orm",
+            [Slot::BaseColor, ..] => "color",
+            [Slot::MetallicRoughness, ..] => "metallic_roughness",
+            [Slot::Occlusion, ..] => "occlusion",
+            [Slot::Normal, ..] | [] => "normal",
+        }
+    }
+
+    /// The texture that shows image `source`.
+    fn texture(&self, source: usize) -> Value {
+        match self.extension() {
+            None => json!({ "sampler": 0, "source": source }),
+            Some(name) => json!({ "sampler": 0, "extensions": { name: { "source": source } } }),
+        }
+    }
+
+    /// The extension of its texture; a file that is there already is shown as any program can.
+    fn extension(&self) -> Option<&'static str> {
+        self.bytes().and(self.format.extension())
+    }
+}
+
+/// Encodes every image of a material, in the order of its slots. Slots that show the same image in the same encoding
+/// share it.
+pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Result<Vec<Encoded<'a>>> {
+    let mut images: Vec<Encoded> = Vec::new();
+    for (slot, image) in material.maps() {
+        let shared = |known: &&mut Encoded| {
+            known.image.is(&image) && known.slots.iter().all(|s| s.encoding() == slot.encoding())
+        };
+        match images.iter_mut().find(shared) {
+            Some(known) => known.slots.push(slot),
+            None => images.push(Encoded { image, format, slots: vec![slot], bytes: Vec::new() }),
+        }
+    }
+    images.par_iter_mut().try_for_each(|encoded| {
+        if let GltfImage::Bitmap(bitmap) = encoded.image {
+            let slot = encoded.slots[0];
+            encoded.bytes = match format {
+                GltfImages::Png => png(bitmap, slot),
+                GltfImages::WebP => webp(bitmap, slot),
+                GltfImages::Ktx2 => {
+                    let size = (bitmap.width(), bitmap.height());
+                    ktx::encode(size, eight_bits(bitmap, slot)?.into_owned(), slot.encoding())
+                }
+            }?;
+        }
+        Ok::<_, Error>(())
+    })?;
+    Ok(images)
+}
+
+/// Alpha goes, since no slot here reads it.
+fn png(bitmap: &Bitmap, slot: Slot) -> Result<Vec<u8>> {
+    let (color, channels) = if bitmap.channels() < 3 { (PngColor::Grey, 1) } else { (PngColor::Rgb, 3) };
+    let (width, height, encoding) = (bitmap.width(), bitmap.height(), slot.encoding());
+    let encode = |samples| encode_png(&PngImage { width, height, color, samples, encoding });
+    match bitmap.texels() {
+        Texels::U8(texels) => encode(PngSamples::U8(&interleaved(texels, channels))),
+        Texels::U16(texels) => encode(PngSamples::U16(&interleaved(texels, channels))),
+        Texels::F32(_) => Err(no_floats(slot)),
+    }
+}
+
+fn webp(bitmap: &Bitmap, slot: Slot) -> Result<Vec<u8>> {
+    let wrong = |e: image::ImageError| Error::invalid(format!("a {slot:?} texture as WebP"), e.to_string());
+    let mut bytes = Vec::new();
+    let samples = interleaved(&eight_bits(bitmap, slot)?, 3);
+    WebPEncoder::new_lossless(&mut bytes)
+        .encode(&samples, bitmap.width(), bitmap.height(), ExtendedColorType::Rgb8)
+        .map_err(wrong)?;
+    Ok(bytes)
+}
+
+/// The texels rounded to 8 bits.
+fn eight_bits(bitmap: &Bitmap, slot: Slot) -> Result<Cow<'_, [[u8; 4]]>> {
+    let rounded = |v: u16| ((u32::from(v) * 255 + 32767) / 65535) as u8;
+    match bitmap.texels() {
+        Texels::U8(texels) => Ok(Cow::Borrowed(texels)),
+        Texels::U16(texels) => Ok(Cow::Owned(texels.iter().map(|texel| texel.map(rounded)).collect())),
+        Texels::F32(_) => Err(no_floats(slot)),
+    }
+}
+
+fn no_floats(slot: Slot) -> Error {
+    Error::unsupported(format!("a {slot:?} texture of floats in glTF"), "store 8 or 16 bits")
+}
+
+/// Where images are put.
+pub(super) enum Place<'a> {
+    /// In the document's buffer.
+    Inside,
+    /// In files beside the model, whose name without extension this is.
+    Beside(&'a str),
+}
+
+/// Adds images, and a texture for each.
+pub(super) fn add(draft: &mut GltfDraft, images: &[Encoded], place: &Place) {
+    if images.is_empty() {
+        return;
+    }
+    let json: Vec<Value> = images.iter().map(|image| entry(draft, image, place)).collect();
+    images.iter().filter_map(Encoded::extension).for_each(|name| draft.require(name));
+    let textures: Vec<Value> = images.iter().enumerate().map(|(i, image)| image.texture(i)).collect();
+    draft.json["images"] = json!(json);
+    draft.json["textures"] = json!(textures);
+    draft.json["samplers"] = json!([{
+        "magFilter": LINEAR, "minFilter": LINEAR_MIPMAP_LINEAR,
+        "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE,
+    }]);
+}
+
+fn entry(draft: &mut GltfDraft, image: &Encoded, place: &Place) -> Value {
+    match (image.bytes(), place) {
+        (Some(bytes), Place::Inside) => {
+            let view = draft.view(bytes);
+            json!({ "name": image.role(), "bufferView": view, "mimeType": image.format.mime_type() })
+        }
+        (Some(_), Place::Beside(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
+        (None, _) => json!({ "uri": uri(&image.file_name("")) }),
+    }
+}
+
+/// What a relative URI cannot hold as it is.
+const RESERVED: &AsciiSet = &CONTROLS
+    .add(b' ')
+    .add(b'"')
+    .add(b'#')
+    .add(b'%')
+    .add(b':')
+    .add(b'<')
+    .add(b'>')
+    .add(b'?')
+    .add(b'[')
+    .add(b'\\')
+    .add(b']')
+    .add(b'^')
+    .add(b'`')
+    .add(b'{')
+    .add(b'|')
+    .add(b'}');
+
+/// The relative URI of a file.
+pub(super) fn uri(name: &str) -> String {
+    utf8_percent_encode(name, RESERVED).to_string()
+}

@@ -1,0 +1,136 @@
+//! The two endpoints between which the texels of a block lie best.
+
+use super::range::Range;
+
+/// How far along the way from one endpoint to the other each weight lies, of 64.
+pub(super) const STEPS_OF_4: [u32; 4] = [0, 21, 43, 64];
+pub(super) const STEPS_OF_8: [u32; 8] = [0, 9, 18, 27, 37, 46, 55, 64];
+pub(super) const STEPS_OF_16: [u32; 16] = [0, 4, 8, 12, 17, 21, 25, 29, 35, 39, 43, 47, 52, 56, 60, 64];
+
+/// How often endpoints are fitted anew to the weights that they led to.
+const ROUNDS: usize = 2;
+
+/// Texels of some channels; those that are not fitted are zero.
+pub(super) type Texels = [[f32; 3]; 16];
+
+/// Endpoints as codes, channel by channel, and a weight for each texel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fit {
+    pub codes: [[u8; 3]; 2],
+    pub weights: [u8; 16],
+    /// The sum of squared differences.
+    pub error: f32,
+}
+
+impl Fit {
+    /// Fits the line through the texels along which they vary most.
+    pub fn new(texels: &Texels, steps: &[u32], range: &Range) -> Self {
+        let mut best = Self::between(texels, ends(texels), (steps, range));
+        let mut fit = best;
+        for _ in 0..ROUNDS {
+            let Some(ends) = refined(texels, &fit.weights, steps) else { break };
+            fit = Self::between(texels, ends, (steps, range));
+            if fit.error < best.error {
+                best = fit;
+            }
+        }
+        best
+    }
+
+    fn between(texels: &Texels, ends: [[f32; 3]; 2], (steps, range): (&[u32], &Range)) -> Self {
+        let codes = ends.map(|end| end.map(|v| range.code(v)));
+        let mut palette = [[0.0; 3]; 16];
+        for (color, step) in palette.iter_mut().zip(steps) {
+            *color = std::array::from_fn(|c| {
+                let [low, high] = codes.map(|codes| u32::from(range.value[codes[c] as usize]) * 257);
+                ((low * (64 - step) + high * step + 32) >> 14) as f32
+            });
+        }
+        let mut fit = Self { codes, weights: [0; 16], error: 0.0 };
+        for (weight, texel) in fit.weights.iter_mut().zip(texels) {
+            let errors = palette[..steps.len()].iter().map(|color| squared(color, texel)).enumerate();
+            let (nearest, error) = errors.fold((0, f32::INFINITY), |a, b| if b.1 < a.1 { b } else { a });
+            *weight = nearest as u8;
+            fit.error += error;
+        }
+        fit
+    }
+
+    /// Turns the ends round where the first texel lies nearer to the second end, since of its weight the highest bit is
+    /// not stored. `top` is the largest weight.
+    pub fn anchored(mut self, top: u8) -> Self {
+        if self.weights[0] > top / 2 {
+            self.codes.swap(0, 1);
+            self.weights = self.weights.map(|weight| top - weight);
+        }
+        self
+    }
+}
+
+fn squared(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    x * x + y * y + z * z
+}
+
+/// The outermost points of the texels on the line of their greatest variance.
+fn ends(texels: &Texels) -> [[f32; 3]; 2] {
+    let mean: [f32; 3] = std::array::from_fn(|c| texels.iter().map(|t| t[c]).sum::<f32>() / 16.0);
+    let offsets = texels.map(|t| [t[0] - mean[0], t[1] - mean[1], t[2] - mean[2]]);
+    let axis = principal_axis(&offsets);
+    let along = offsets.map(|o| dot(&o, &axis));
+    let least = along.into_iter().fold(f32::INFINITY, f32::min);
+    let most = along.into_iter().fold(f32::NEG_INFINITY, f32::max);
+    [least, most].map(|t| std::array::from_fn(|c| mean[c] + axis[c] * t))
+}
+
+fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// By powers of the covariance.
+fn principal_axis(offsets: &Texels) -> [f32; 3] {
+    let mut covariance = [[0.0f32; 3]; 3];
+    for o in offsets {
+        for (row, a) in covariance.iter_mut().zip(o) {
+            row.iter_mut().zip(o).for_each(|(sum, b)| *sum += a * b);
+        }
+    }
+    // The row of the channel that varies most is not perpendicular to the axis.
+    let widest = (1..3).fold(0, |best, c| if covariance[c][c] > covariance[best][best] { c } else { best });
+    let mut axis = covariance[widest];
+    for _ in 0..8 {
+        let length = dot(&axis, &axis).sqrt();
+        if length < 1e-6 {
+            return [0.0; 3];
+        }
+        let unit = axis.map(|v| v / length);
+        axis = std::array::from_fn(|c| dot(&covariance[c], &unit));
+    }
+    let length = dot(&axis, &axis).sqrt();
+    axis.map(|v| v / length.max(1e-12))
+}
+
+/// The ends of least squares for weights that are given; `None` where all weights are one.
+fn refined(texels: &Texels, weights: &[u8; 16], steps: &[u32]) -> Option<[[f32; 3]; 2]> {
+    let (mut aa, mut ab, mut bb) = (0.0f32, 0.0f32, 0.0f32);
+    let (mut to_a, mut to_b) = ([0.0f32; 3], [0.0f32; 3]);
+    for (texel, weight) in texels.iter().zip(weights) {
+        let b = steps[*weight as usize] as f32 / 64.0;
+        let a = 1.0 - b;
+        aa += a * a;
+        ab += a * b;
+        bb += b * b;
+        for c in 0..3 {
+            to_a[c] += a * texel[c];
+            to_b[c] += b * texel[c];
+        }
+    }
+    let determinant = aa * bb - ab * ab;
+    if determinant < 1e-4 {
+        return None;
+    }
+    Some([
+        std::array::from_fn(|c| (to_a[c] * bb - to_b[c] * ab) / determinant),
+        std::array::from_fn(|c| (to_b[c] * aa - to_a[c] * ab) / determinant),
+    ])
+}

@@ -1,0 +1,122 @@
+//! The material of a model to be written.
+
+use super::images::{Encoded, GltfImage, Slot};
+use crate::error::{Error, Result};
+use serde_json::{Value, json};
+
+/// glTF's metallic-roughness material; textures are multiplied by the factors and show the first uv set.
+#[derive(Debug, Clone, Copy)]
+pub struct GltfMaterial<'a> {
+    /// Its name; may be empty.
+    pub name: &'a str,
+    /// Linear RGBA, each in [0, 1]; alpha is not drawn.
+    pub base_color: [f32; 4],
+    /// [0, 1].
+    pub metallic: f32,
+    /// [0, 1]; α is its square.
+    pub roughness: f32,
+    /// sRGB-encoded colour.
+    pub base_color_map: Option<GltfImage<'a>>,
+    /// Green is roughness, blue metallic; linear.
+    pub metallic_roughness_map: Option<GltfImage<'a>>,
+    /// Red is occlusion, 1 where nothing is hidden; linear. It may be the image of `metallic_roughness_map`, which is
+    /// then written once.
+    pub occlusion_map: Option<GltfImage<'a>>,
+    /// How much of the occlusion counts, [0, 1].
+    pub occlusion_strength: f32,
+    /// Tangent-space normals, linear, +Y up.
+    pub normal_map: Option<GltfImage<'a>>,
+    /// Multiplies x and y of the normals; finite.
+    pub normal_scale: f32,
+    /// Whether triangles are seen from both sides.
+    pub double_sided: bool,
+}
+
+impl Default for GltfMaterial<'_> {
+    /// White, rough and not metallic.
+    fn default() -> Self {
+        Self {
+            name: "",
+            base_color: [1.0; 4],
+            metallic: 0.0,
+            roughness: 1.0,
+            base_color_map: None,
+            metallic_roughness_map: None,
+            occlusion_map: None,
+            occlusion_strength: 1.0,
+            normal_map: None,
+            normal_scale: 1.0,
+            double_sided: false,
+        }
+    }
+}
+
+impl<'a> GltfMaterial<'a> {
+    /// Its textures in the order in which they are written.
+    pub(super) fn maps(&self) -> impl Iterator<Item = (Slot, GltfImage<'a>)> {
+        [
+            (Slot::BaseColor, self.base_color_map),
+            (Slot::MetallicRoughness, self.metallic_roughness_map),
+            (Slot::Occlusion, self.occlusion_map),
+            (Slot::Normal, self.normal_map),
+        ]
+        .into_iter()
+        .filter_map(|(slot, image)| Some((slot, image?)))
+    }
+
+    pub(super) fn has_maps(&self) -> bool {
+        self.maps().next().is_some()
+    }
+
+    /// Whether glTF allows its numbers.
+    pub(super) fn check(&self) -> Result<()> {
+        let fractions = [
+            ("metallic", self.metallic),
+            ("roughness", self.roughness),
+            ("occlusion strength", self.occlusion_strength),
+        ];
+        let colors = self.base_color.map(|v| ("base colour", v));
+        for (name, value) in fractions.into_iter().chain(colors) {
+            if !(0.0..=1.0).contains(&value) {
+                return Err(Error::invalid(name, format!("{value} is not in [0, 1]")));
+            }
+        }
+        if !self.normal_scale.is_finite() {
+            return Err(Error::invalid("normal scale", format!("{} is not finite", self.normal_scale)));
+        }
+        Ok(())
+    }
+}
+
+/// The material; texture `i` shows image `i`.
+pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
+    let texture = |slot: Slot| images.iter().position(|image| image.serves(slot));
+    let mut pbr = json!({
+        "baseColorFactor": material.base_color.map(short),
+        "metallicFactor": short(material.metallic),
+        "roughnessFactor": short(material.roughness),
+    });
+    let mut json = json!({ "doubleSided": material.double_sided });
+    if !material.name.is_empty() {
+        json["name"] = material.name.into();
+    }
+    if let Some(index) = texture(Slot::BaseColor) {
+        pbr["baseColorTexture"] = json!({ "index": index });
+    }
+    if let Some(index) = texture(Slot::MetallicRoughness) {
+        pbr["metallicRoughnessTexture"] = json!({ "index": index });
+    }
+    if let Some(index) = texture(Slot::Occlusion) {
+        json["occlusionTexture"] = json!({ "index": index, "strength": short(material.occlusion_strength) });
+    }
+    if let Some(index) = texture(Slot::Normal) {
+        json["normalTexture"] = json!({ "index": index, "scale": short(material.normal_scale) });
+    }
+    json["pbrMetallicRoughness"] = pbr;
+    json
+}
+
+/// The number that prints as the float does: 0.7 and not 0.699999988.
+pub(super) fn short(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}

@@ -1,0 +1,51 @@
+//! Meshes as accessors.
+
+use super::draft::{Component, GltfDraft};
+use crate::math::Vec3;
+use crate::mesh::Mesh;
+use serde_json::{Value, json};
+
+/// The most vertices that 16-bit indices can name; 65535 itself starts a primitive anew.
+pub(super) const MOST_OF_U16: usize = 65535;
+
+/// Adds a mesh and gives its primitive, which has material 0.
+pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh) -> Value {
+    let mut attributes = json!({ "POSITION": draft.bounded_floats(&arrays(mesh.positions())) });
+    if !mesh.normals().is_empty() {
+        attributes["NORMAL"] = draft.floats(&arrays(mesh.normals())).into();
+        if !mesh.tangents().is_empty() {
+            attributes["TANGENT"] = draft.floats(mesh.tangents()).into();
+        }
+    }
+    for (set, uvs) in mesh.uvs().iter().enumerate() {
+        let uvs: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
+        attributes[semantic("TEXCOORD", set)] = draft.floats(&uvs).into();
+    }
+    if !mesh.colors().is_empty() {
+        attributes[semantic("COLOR", 0)] = draft.floats(mesh.colors()).into();
+    }
+    let accessors = attributes.as_object().into_iter().flatten().filter_map(|(_, a)| a.as_u64());
+    accessors.for_each(|accessor| draft.mark_vertices(accessor as usize));
+    json!({ "attributes": attributes, "indices": indices(draft, mesh), "material": 0 })
+}
+
+/// The name of one of several attributes of a kind.
+pub(super) fn semantic(kind: &str, set: usize) -> String {
+    format!("{kind}_{set}")
+}
+
+fn arrays(vectors: &[Vec3]) -> Vec<[f32; 3]> {
+    vectors.iter().map(|v| v.to_array()).collect()
+}
+
+fn indices(draft: &mut GltfDraft, mesh: &Mesh) -> usize {
+    let indices = mesh.triangles().as_flattened().iter();
+    let (bytes, component): (Vec<u8>, _) = if mesh.positions().len() <= MOST_OF_U16 {
+        (indices.flat_map(|index| (*index as u16).to_le_bytes()).collect(), Component::U16)
+    } else {
+        (indices.flat_map(|index| index.to_le_bytes()).collect(), Component::U32)
+    };
+    let accessor = draft.elements(&bytes, component, 1);
+    draft.mark_indices(accessor);
+    accessor
+}

@@ -1,0 +1,194 @@
+//! glTF 2.0, `.glb` and `.gltf`: one object with one material, in one or more levels of detail.
+
+mod container;
+mod draft;
+mod images;
+mod ktx;
+mod material;
+mod mesh;
+mod packed;
+
+pub use draft::GltfDraft;
+pub use images::{GltfImage, GltfImages};
+pub use material::GltfMaterial;
+
+use crate::error::{Error, Result};
+use crate::io::xmp;
+use crate::mesh::Mesh;
+use images::{Encoded, Place};
+use packed::Grid;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// The extension of levels of detail.
+const LEVELS: &str = "MSFT_lod";
+
+/// A model to be written as glTF. Every level has the same material and stands in the same place.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct GltfAsset<'a> {
+    /// The name of the node, the mesh and, in a `.gltf`, nothing else; may be empty.
+    pub name: &'a str,
+    /// The mesh at each level of detail, the finest first; at least one.
+    pub levels: &'a [GltfLevel<'a>],
+    /// What all of them are made of.
+    pub material: GltfMaterial<'a>,
+    /// The rights notice.
+    pub copyright: Option<&'a str>,
+    /// An XMP packet as JSON-LD, such as [`Provenance::extend`](crate::io::Provenance::extend) makes.
+    pub xmp: Option<&'a Value>,
+    /// What else the file should tell programs that know of it; stands in `asset.extras`.
+    pub extras: Option<&'a Value>,
+}
+
+/// A mesh and how large it must be seen to be drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct GltfLevel<'a> {
+    /// Its uv origin is top left, as in glTF.
+    pub mesh: &'a Mesh,
+    /// The least part of the screen that the object covers while this level is shown, [0, 1]. Written where every
+    /// level has one and there are several.
+    pub coverage: Option<f32>,
+}
+
+/// How a model is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct GltfFormat {
+    /// How textures are packed.
+    pub images: GltfImages,
+    /// Packs meshes by EXT_meshopt_compression: positions in 16 bits, 65535 steps along the longest side of the box
+    /// around all levels; normals and tangents in 2 × 12 bits, within 0.05°; uvs and colours in 16 bits where they lie
+    /// in [0, 1]. Vertices and triangles are sorted anew. Programs that do not know the extension cannot read the file.
+    pub meshopt: bool,
+}
+
+/// Writes a model: a GLB where `path` ends in `.glb`; for `.gltf` the JSON, with the numbers in `NAME.bin` and the
+/// textures in files such as `NAME_color.png` beside it. Each file is written whole or not at all, the JSON last. The
+/// same model gives the same bytes.
+///
+/// # Errors
+/// [`Error::Unsupported`] for another extension and for float textures, [`Error::Invalid`] for a model that glTF cannot
+/// say: no level, a level without triangles, textures on a mesh without uvs, factors out of range; [`Error::Limit`]
+/// for a GLB of 4 GiB or more, [`Error::Io`] where a file cannot be written.
+pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<()> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "glb" => GltfDraft::new(asset, format)?.write_glb(path),
+        "gltf" => {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            let encoded = images::encode(&asset.material, format.images)?;
+            draft(asset, format, (&encoded, &Place::Beside(&stem)))?.write_gltf(path, &encoded)
+        }
+        _ => Err(Error::unsupported(
+            format!("{}: the extension '{extension}'", path.display()),
+            "glTF is written as .glb and .gltf",
+        )),
+    }
+}
+
+/// The bytes of the GLB that [`write_gltf`] would write.
+///
+/// # Errors
+/// As [`write_gltf`], but for those of the file system.
+pub fn encode_glb(asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<u8>> {
+    GltfDraft::new(asset, format)?.encode_glb()
+}
+
+impl GltfDraft {
+    /// The model as a GLB in the making, to which the caller may add what a [`GltfAsset`] does not say, such as skins
+    /// and animations. Node 0, mesh 0 and material 0 are those of the finest level.
+    ///
+    /// # Errors
+    /// As [`encode_glb`].
+    pub fn new(asset: &GltfAsset, format: &GltfFormat) -> Result<Self> {
+        draft(asset, format, (&images::encode(&asset.material, format.images)?, &Place::Inside))
+    }
+}
+
+fn draft(asset: &GltfAsset, format: &GltfFormat, (images, place): (&[Encoded], &Place)) -> Result<GltfDraft> {
+    check(asset)?;
+    let mut draft = GltfDraft::default();
+    let grid = format.meshopt.then(|| Grid::around(asset.levels.iter().map(|level| level.mesh)));
+    let mut meshes = Vec::new();
+    for level in asset.levels {
+        let primitive = match &grid {
+            Some(grid) => packed::add(&mut draft, level.mesh, grid)?,
+            None => mesh::add(&mut draft, level.mesh),
+        };
+        meshes.push(named(asset, json!({ "primitives": [primitive] })));
+    }
+    draft.json = json!({
+        "asset": { "version": "2.0", "generator": concat!("taotie ", env!("CARGO_PKG_VERSION")) },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": nodes(asset, grid.as_ref()),
+        "meshes": meshes,
+        "materials": [material::json(&asset.material, images)],
+    });
+    if let Some(packet) = asset.xmp {
+        draft.uses(xmp::EXTENSION);
+        draft.json["asset"]["extensions"] = json!({ xmp::EXTENSION: { "packet": 0 } });
+        draft.json["extensions"] = json!({ xmp::EXTENSION: { "packets": [packet] } });
+    }
+    if let Some(copyright) = asset.copyright {
+        draft.json["asset"]["copyright"] = copyright.into();
+    }
+    if let Some(extras) = asset.extras {
+        draft.json["asset"]["extras"] = extras.clone();
+    }
+    if asset.levels.len() > 1 {
+        draft.uses(LEVELS);
+    }
+    images::add(&mut draft, images, place);
+    Ok(draft)
+}
+
+fn named(asset: &GltfAsset, mut json: Value) -> Value {
+    if !asset.name.is_empty() {
+        json["name"] = asset.name.into();
+    }
+    json
+}
+
+/// A node for each level, all in the same place. The first, which alone is in the scene, names the others and says how
+/// large each must be seen. Source: MSFT_lod.
+fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
+    let place = |mesh| {
+        let mut node = named(asset, json!({ "mesh": mesh }));
+        if let Some(grid) = grid {
+            grid.place(&mut node);
+        }
+        node
+    };
+    let mut nodes: Vec<Value> = (0..asset.levels.len()).map(place).collect();
+    if nodes.len() > 1 {
+        nodes[0]["extensions"] = json!({ LEVELS: { "ids": (1..nodes.len()).collect::<Vec<_>>() } });
+        let coverages: Option<Vec<f32>> = asset.levels.iter().map(|level| level.coverage).collect();
+        if let Some(coverages) = coverages {
+            let short: Vec<f64> = coverages.into_iter().map(material::short).collect();
+            nodes[0]["extras"] = json!({ "MSFT_screencoverage": short });
+        }
+    }
+    nodes
+}
+
+fn check(asset: &GltfAsset) -> Result<()> {
+    if asset.xmp.is_some_and(|packet| !packet.is_object()) {
+        return Err(Error::invalid("the XMP packet", "it must be an object of JSON"));
+    }
+    if asset.levels.is_empty() {
+        return Err(Error::invalid("the model to write", "it has no mesh; give at least one level"));
+    }
+    for (i, level) in asset.levels.iter().enumerate() {
+        if level.mesh.triangles().is_empty() {
+            return Err(Error::invalid(format!("level {i}"), "glTF has no empty meshes; leave it out"));
+        }
+        if level.coverage.is_some_and(|c| !(0.0..=1.0).contains(&c)) {
+            return Err(Error::invalid(format!("level {i}"), "its screen coverage is not in [0, 1]"));
+        }
+        if asset.material.has_maps() && level.mesh.uvs().is_empty() {
+            let why = "it has no uvs, but its material has textures; unwrap it or leave them out";
+            return Err(Error::invalid(format!("level {i}"), why));
+        }
+    }
+    asset.material.check()
+}

@@ -1,0 +1,226 @@
+//! Meshes packed small: numbers of few bits (KHR_mesh_quantization), and streams by meshoptimizer
+//! (EXT_meshopt_compression).
+//!
+//! The filter is ours, as it is where files are read: the library's bits would depend on the compiler.
+
+use super::draft::{Component, GltfDraft, INDICES, Packing, VERTICES};
+use super::mesh::{MOST_OF_U16, semantic};
+use crate::error::{Error, Result};
+use crate::math::{Vec2, Vec3};
+use crate::mesh::{Mesh, MeshData};
+use serde_json::{Value, json};
+
+/// The largest of 16 bits, unsigned and signed.
+const MOST: f64 = 65535.0;
+const SIGNED_MOST: i16 = 32767;
+
+/// The largest coordinate on the octahedron: 12 bits with sign, whose directions are within 0.05° of all.
+const OCTAHEDRAL_ONE: f64 = 2047.0;
+
+/// The cube of 2¹⁶ steps a side that positions are rounded to. It has one step for all axes, so that normals keep
+/// their directions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    origin: Vec3,
+    step: f32,
+}
+
+impl Grid {
+    /// The least around all meshes.
+    pub fn around<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> Self {
+        let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for point in meshes.flat_map(Mesh::positions) {
+            for (axis, value) in point.to_array().into_iter().enumerate() {
+                least[axis] = least[axis].min(value);
+                most[axis] = most[axis].max(value);
+            }
+        }
+        let extents = least.iter().zip(most).map(|(least, most)| f64::from(most) - f64::from(*least));
+        let step = (extents.fold(0.0, f64::max) / MOST) as f32;
+        Self { origin: Vec3::from_array(least), step: if step > 0.0 { step.next_up() } else { 1.0 } }
+    }
+
+    /// Gives a node the transform that takes steps to model units.
+    pub fn place(&self, node: &mut Value) {
+        node["translation"] = json!(self.origin.to_array());
+        node["scale"] = json!([self.step, self.step, self.step]);
+    }
+
+    /// The nearest point, in steps.
+    fn steps(&self, point: Vec3) -> [u16; 4] {
+        let [x, y, z] = ((point.to_f64() - self.origin.to_f64()) * (1.0 / f64::from(self.step))).to_array();
+        let nearest = |v: f64| (v + 0.5).clamp(0.0, MOST) as u16;
+        [nearest(x), nearest(y), nearest(z), 0]
+    }
+}
+
+/// Adds a mesh and gives its primitive, which has material 0. Its vertices and triangles are sorted anew.
+///
+/// # Errors
+/// [`Error::Invalid`] where meshoptimizer refuses.
+pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh, grid: &Grid) -> Result<Value> {
+    draft.require("KHR_mesh_quantization");
+    draft.require("EXT_meshopt_compression");
+    let data = sorted(mesh);
+    let mut attributes = json!({});
+    for stream in streams(&data, grid) {
+        attributes[&stream.name] = add_stream(draft, &stream)?.into();
+    }
+    let indices = add_triangles(draft, &data)?;
+    Ok(json!({ "attributes": attributes, "indices": indices, "material": 0 }))
+}
+
+/// The triangles in an order in which neighbours follow one another, and the vertices in the order of their first use.
+fn sorted(mesh: &Mesh) -> MeshData {
+    let count = mesh.positions().len();
+    let mut indices = meshopt::optimize_vertex_cache(mesh.triangles().as_flattened(), count);
+    let mut place = vec![None; count];
+    let mut order = Vec::with_capacity(count);
+    for index in &mut indices {
+        let new = *place[*index as usize].get_or_insert_with(|| {
+            order.push(*index as usize);
+            order.len() as u32 - 1
+        });
+        *index = new;
+    }
+    MeshData {
+        positions: taken(mesh.positions(), &order),
+        normals: taken(mesh.normals(), &order),
+        tangents: taken(mesh.tangents(), &order),
+        uvs: mesh.uvs().iter().map(|uvs| taken(uvs, &order)).collect(),
+        colors: taken(mesh.colors(), &order),
+        triangles: indices.as_chunks::<3>().0.to_vec(),
+    }
+}
+
+fn taken<T: Copy>(values: &[T], order: &[usize]) -> Vec<T> {
+    if values.is_empty() { Vec::new() } else { order.iter().map(|i| values[*i]).collect() }
+}
+
+/// An attribute, each vertex of it in `stride` bytes.
+struct Stream {
+    name: String,
+    bytes: Vec<u8>,
+    stride: usize,
+    component: Component,
+    width: usize,
+    normalized: bool,
+    filter: Option<&'static str>,
+    bounds: Option<[[u16; 3]; 2]>,
+}
+
+fn streams(data: &MeshData, grid: &Grid) -> Vec<Stream> {
+    let steps: Vec<[u16; 4]> = data.positions.iter().map(|p| grid.steps(*p)).collect();
+    let extreme = |of: fn(u16, u16) -> u16| {
+        [0, 1, 2].map(|axis| steps.iter().map(|v| v[axis]).reduce(of).unwrap_or_default())
+    };
+    let positions = Stream {
+        bounds: Some([extreme(u16::min), extreme(u16::max)]),
+        normalized: false,
+        ..words("POSITION", &steps, 3)
+    };
+    let mut streams = vec![positions];
+    if !data.normals.is_empty() {
+        let normals: Vec<[i16; 4]> = data.normals.iter().map(|n| octahedral(n.to_array(), 0)).collect();
+        streams.push(directions("NORMAL", &normals, 3));
+        if !data.tangents.is_empty() {
+            let tangents: Vec<[i16; 4]> = data.tangents.iter().map(|t| tangent(*t)).collect();
+            streams.push(directions("TANGENT", &tangents, 4));
+        }
+    }
+    let sets = data.uvs.iter().enumerate();
+    streams.extend(sets.map(|(set, uvs)| uv_stream(semantic("TEXCOORD", set), uvs)));
+    if !data.colors.is_empty() {
+        streams.push(fractions(semantic("COLOR", 0), &data.colors));
+    }
+    streams
+}
+
+fn uv_stream(name: String, uvs: &[Vec2]) -> Stream {
+    let uvs: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
+    fractions(name, &uvs)
+}
+
+/// Numbers of [0, 1] in 16 bits; others stay floats.
+fn fractions<const N: usize>(name: String, values: &[[f32; N]]) -> Stream {
+    if values.as_flattened().iter().all(|v| (0.0..=1.0).contains(v)) {
+        let small: Vec<[u16; N]> =
+            values.iter().map(|v| v.map(|v| (f64::from(v) * MOST + 0.5) as u16)).collect();
+        return words(&name, &small, N);
+    }
+    let bytes = values.as_flattened().iter().copied().flat_map(f32::to_le_bytes).collect();
+    let (component, stride) = (Component::F32, 4 * N);
+    Stream { name, bytes, stride, component, width: N, normalized: false, filter: None, bounds: None }
+}
+
+/// Unsigned words that stand for [0, 1], of which `width` count.
+fn words<const N: usize>(name: &str, values: &[[u16; N]], width: usize) -> Stream {
+    let bytes = values.as_flattened().iter().copied().flat_map(u16::to_le_bytes).collect();
+    let (name, component) = (name.to_owned(), Component::U16);
+    Stream { name, bytes, stride: 2 * N, component, width, normalized: true, filter: None, bounds: None }
+}
+
+/// Unit vectors as the octahedral filter stores them.
+fn directions(name: &str, values: &[[i16; 4]], width: usize) -> Stream {
+    let bytes = values.as_flattened().iter().copied().flat_map(i16::to_le_bytes).collect();
+    let filter = Some("OCTAHEDRAL");
+    let (name, component) = (name.to_owned(), Component::I16);
+    Stream { name, bytes, stride: 8, component, width, normalized: true, filter, bounds: None }
+}
+
+fn tangent([x, y, z, handedness]: [f32; 4]) -> [i16; 4] {
+    octahedral([x, y, z], if handedness < 0.0 { -SIGNED_MOST } else { SIGNED_MOST })
+}
+
+/// A direction on the octahedron whose lower half is folded over the corners of the upper, the one of it, and a number
+/// that stays. Source: EXT_meshopt_compression, Filter 1.
+fn octahedral(direction: [f32; 3], rest: i16) -> [i16; 4] {
+    let [x, y, z] = direction.map(f64::from);
+    let sum = x.abs() + y.abs() + z.abs();
+    let (x, y) = if sum > 0.0 { (x / sum, y / sum) } else { (0.0, 0.0) };
+    let (x, y) = if z < 0.0 { ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y)) } else { (x, y) };
+    let stored = |v: f64| (v * OCTAHEDRAL_ONE).round() as i16;
+    [stored(x), stored(y), OCTAHEDRAL_ONE as i16, rest]
+}
+
+fn add_stream(draft: &mut GltfDraft, stream: &Stream) -> Result<usize> {
+    let count = stream.bytes.len() / stream.stride;
+    let packed = match stream.stride {
+        4 => encode::<4>(&stream.bytes),
+        8 => encode::<8>(&stream.bytes),
+        _ => encode::<16>(&stream.bytes),
+    }?;
+    let (stride, filter) = (stream.stride, stream.filter);
+    let packing = Packing { count, stride, mode: "ATTRIBUTES", filter, target: VERTICES };
+    let view = draft.packed_view(&packed, &packing);
+    let mut accessor = draft.accessor_json(view, (stream.component, stream.width), count);
+    if stream.normalized {
+        accessor["normalized"] = true.into();
+    }
+    if let Some([least, most]) = stream.bounds {
+        accessor["min"] = json!(least);
+        accessor["max"] = json!(most);
+    }
+    Ok(draft.push_accessor(accessor))
+}
+
+/// Version 0 is the only one that the extension knows.
+fn encode<const N: usize>(bytes: &[u8]) -> Result<Vec<u8>> {
+    meshopt::encode_vertex_buffer_level(bytes.as_chunks::<N>().0, 2, Some(0)).map_err(refused)
+}
+
+fn add_triangles(draft: &mut GltfDraft, data: &MeshData) -> Result<usize> {
+    let indices = data.triangles.as_flattened();
+    let packed = meshopt::encode_index_buffer(indices, data.positions.len()).map_err(refused)?;
+    let small = data.positions.len() <= MOST_OF_U16;
+    let (component, stride) = if small { (Component::U16, 2) } else { (Component::U32, 4) };
+    let count = indices.len();
+    let packing = Packing { count, stride, mode: "TRIANGLES", filter: None, target: INDICES };
+    let view = draft.packed_view(&packed, &packing);
+    let accessor = draft.accessor_json(view, (component, 1), count);
+    Ok(draft.push_accessor(accessor))
+}
+
+fn refused(error: meshopt::Error) -> Error {
+    Error::invalid("a mesh to be packed", format!("{error}; write it without"))
+}

@@ -1,0 +1,161 @@
+//! The point of a surface that is closest to another.
+
+use super::tree::{Boxes, Tree, WIDTH};
+use crate::math::Vec3;
+
+/// The point of a surface that is closest to another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Closest {
+    /// Index of its triangle.
+    pub triangle: u32,
+    /// Weights of the triangle's corners.
+    pub weights: [f32; 3],
+    /// How far away it is.
+    pub distance: f32,
+}
+
+/// Nodes from near to far, those passed over that begin farther away than the best so far.
+pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
+    let mut best: Option<(f32, Closest)> = None;
+    let mut limit = reach * reach;
+    let mut waiting: Vec<(f32, usize, usize)> = Vec::with_capacity(64);
+    if !tree.leaves.is_empty() {
+        waiting.push((0.0, tree.levels.len(), 0));
+    }
+    while let Some((squared, level, node)) = waiting.pop() {
+        if squared > limit {
+            continue;
+        }
+        if level > 0 {
+            let first = waiting.len();
+            let distances = squared_distances(&tree.levels[level - 1][node], point);
+            for (i, squared) in distances.into_iter().enumerate().filter(|(_, squared)| *squared <= limit) {
+                waiting.push((squared, level - 1, node * WIDTH + i));
+            }
+            waiting[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+            continue;
+        }
+        for (i, triangle) in tree.order[node * WIDTH..].iter().take(WIDTH).enumerate() {
+            let corners = tree.leaves[node].triangle(i);
+            let weights = closest_weights(corners, point);
+            let away = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2] - point;
+            let squared = away.dot(away);
+            let is_before = best.is_none_or(|(least, found)| {
+                squared < least || squared == least && *triangle < found.triangle
+            });
+            if squared <= limit && is_before {
+                limit = squared;
+                best = Some((squared, Closest { triangle: *triangle, weights, distance: squared.sqrt() }));
+            }
+        }
+    }
+    best.map(|(_, closest)| closest)
+}
+
+/// The squared distance to each box, 0 inside.
+fn squared_distances(boxes: &Boxes, point: Vec3) -> [f32; WIDTH] {
+    let mut squared = [0.0; WIDTH];
+    for (axis, v) in point.to_array().into_iter().enumerate() {
+        for (i, sum) in squared.iter_mut().enumerate() {
+            let away = (boxes.min[axis][i] - v).max(v - boxes.max[axis][i]).max(0.0);
+            *sum += away * away;
+        }
+    }
+    squared
+}
+
+/// The weights of the corners at the point of a triangle that is closest to `p`.
+///
+/// Source: Ericson 2004, "Real-Time Collision Detection", 5.1.5.
+fn closest_weights([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
+    let (ab, ac) = (b - a, c - a);
+    let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return [0.0, 1.0, 0.0];
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
+        let v = d1 / (d1 - d3);
+        return [1.0 - v, v, 0.0];
+    }
+    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return [0.0, 0.0, 1.0];
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
+        let w = d2 / (d2 - d6);
+        return [1.0 - w, 0.0, w];
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 && d4 - d3 > d6 - d5 {
+        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return [0.0, 1.0 - w, w];
+    }
+    let (v, w) = (vb / (va + vb + vc), vc / (va + vb + vc));
+    [1.0 - v - w, v, w]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::Bvh;
+
+    /// Numbers in [0, 1) from an additive recurrence.
+    fn numbers() -> impl FnMut() -> f32 {
+        let mut phase = 0u32;
+        move || {
+            phase = phase.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (phase >> 8) as f32 / (1 << 24) as f32
+        }
+    }
+
+    #[test]
+    fn no_point_of_any_triangle_is_closer() {
+        let mut next = numbers();
+        let mut point = || Vec3::new(next(), next(), next());
+        let triangles: Vec<[Vec3; 3]> = (0..300)
+            .map(|_| {
+                let p = point();
+                [p, p + point() * 0.2, p + point() * 0.2]
+            })
+            .collect();
+        let bvh = Bvh::build(&triangles);
+        for _ in 0..300 {
+            let p = point() * 2.0 - Vec3::splat(0.5);
+            let found = bvh.closest(p, f32::INFINITY).unwrap();
+            // A grid over every triangle, its borders too: none of it may lie closer, and the best of it hardly farther.
+            let steps = 24;
+            let grid = |[a, b, c]: [Vec3; 3]| {
+                (0..=steps).flat_map(move |i| {
+                    (0..=steps - i).map(move |k| {
+                        let (v, w) = (i as f32 / steps as f32, k as f32 / steps as f32);
+                        a * (1.0 - v - w) + b * v + c * w
+                    })
+                })
+            };
+            let least = triangles.iter().flat_map(|t| grid(*t)).map(|q| (q - p).length());
+            let least = least.fold(f32::INFINITY, f32::min);
+            assert!(found.distance <= least + 1e-6, "{} against {least}", found.distance);
+            assert!(found.distance >= least - 0.02, "{} against {least}", found.distance);
+            let corners = triangles[found.triangle as usize];
+            let at =
+                corners[0] * found.weights[0] + corners[1] * found.weights[1] + corners[2] * found.weights[2];
+            assert!(((at - p).length() - found.distance).abs() < 1e-6);
+            assert!(bvh.closest(p, found.distance * 0.99).is_none(), "beyond its reach");
+        }
+    }
+
+    #[test]
+    fn triangles_without_area_have_a_closest_point() {
+        let p = Vec3::new(1.0, 0.0, 0.0);
+        let bvh = Bvh::build(&[[p; 3], [Vec3::default(), p, p * 2.0]]);
+        let found = bvh.closest(Vec3::new(1.0, 1.0, 0.0), 10.0).unwrap();
+        assert_eq!(found.distance, 1.0);
+        assert!(Bvh::build(&[]).closest(p, 10.0).is_none());
+    }
+}

@@ -1,0 +1,171 @@
+//! Walking a tree along a ray, eight boxes or eight triangles at once.
+
+use super::Ray;
+use super::tree::{Boxes, Leaf, Tree, WIDTH};
+use crate::math::{Mask, Pack};
+
+/// What of a ray still matters: distances in lengths of its direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Span {
+    pub from: f32,
+    pub to: f32,
+}
+
+impl Span {
+    /// Nothing: the walk ends.
+    pub const NONE: Self = Self { from: f32::INFINITY, to: f32::NEG_INFINITY };
+}
+
+/// A triangle that a ray meets.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Met {
+    /// Its slot: eight times the leaf, and the place in it.
+    pub slot: usize,
+    pub distance: f32,
+    pub weights: [f32; 3],
+}
+
+/// Deeper than any tree of 2^32 triangles; of each node on the way down seven may wait.
+const STACK: usize = 96;
+
+/// A node that waits: where the ray enters it, its level above the leaves (0 is a leaf), its number.
+#[derive(Clone, Copy)]
+struct Waiting {
+    enters: f32,
+    level: u32,
+    node: u32,
+}
+
+/// Calls `meet` with each triangle that the ray meets within the span, roughly from near to far; what it returns is
+/// the span from then on.
+#[inline(always)]
+pub(super) fn walk<P: Pack>(
+    token: P::Token,
+    tree: &Tree,
+    ray: &Ray,
+    mut span: Span,
+    mut meet: impl FnMut(Met, Span) -> Span,
+) {
+    let slabs = Slabs::new(ray);
+    let mut stack = [Waiting { enters: 0.0, level: tree.levels.len() as u32, node: 0 }; STACK];
+    let mut waiting = usize::from(!tree.leaves.is_empty());
+    while waiting > 0 {
+        waiting -= 1;
+        let Waiting { enters, level, node } = stack[waiting];
+        if enters > span.to {
+            continue;
+        }
+        if level == 0 {
+            let leaf = &tree.leaves[node as usize];
+            span = meet_leaf::<P>(token, leaf, ray, span, |i, distance, weights, span| {
+                meet(Met { slot: node as usize * WIDTH + i, distance, weights }, span)
+            });
+            continue;
+        }
+        let (mut hit, entries) =
+            slabs.entries::<P>(token, &tree.levels[level as usize - 1][node as usize], span);
+        let first = waiting;
+        while hit != 0 {
+            let i = hit.trailing_zeros();
+            hit &= hit - 1;
+            let enters = entries[i as usize];
+            let mut place = waiting;
+            while place > first && stack[place - 1].enters < enters {
+                stack[place] = stack[place - 1];
+                place -= 1;
+            }
+            stack[place] = Waiting { enters, level: level - 1, node: node * WIDTH as u32 + i };
+            waiting += 1;
+        }
+    }
+}
+
+/// A ray for slab tests.
+pub(super) struct Slabs {
+    origin: [f32; 3],
+    inverse: [f32; 3],
+}
+
+impl Slabs {
+    pub fn new(ray: &Ray) -> Self {
+        // Parallel to a slab: entered and left so far away that only the side of the origin counts.
+        let steep = |v: f32| if v.abs() < 1e-30 { 1e30 } else { 1.0 / v };
+        Self { origin: ray.origin().to_array(), inverse: ray.direction().to_array().map(steep) }
+    }
+
+    /// Which boxes the ray runs through within the span, a bit each, and where it enters them.
+    #[inline(always)]
+    pub fn entries<P: Pack>(&self, token: P::Token, boxes: &Boxes, span: Span) -> (u64, [f32; WIDTH]) {
+        /// Rounding of a distance to a slab, as a part of it.
+        const ROUNDING: f64 = 4e-7;
+        let mut entries = [0.0; WIDTH];
+        let mut hit = 0;
+        for k in (0..WIDTH).step_by(P::LANES) {
+            let (mut near, mut far) = (P::splat(token, span.from), P::splat(token, span.to));
+            for axis in 0..3 {
+                let origin = P::splat(token, self.origin[axis]);
+                let inverse = P::splat(token, self.inverse[axis]);
+                let (first, second) = match self.inverse[axis] < 0.0 {
+                    true => (&boxes.max[axis], &boxes.min[axis]),
+                    false => (&boxes.min[axis], &boxes.max[axis]),
+                };
+                let enter = (P::load(token, &first[k..]) - origin) * inverse;
+                let leave = (P::load(token, &second[k..]) - origin) * inverse;
+                near = enter.max(near);
+                far = leave.min(far);
+            }
+            // Boxes that are empty are entered at infinity; its difference is NaN, which is not below anything.
+            let enters = near - near.abs() * near.lit(ROUNDING);
+            let leaves = far + far.abs() * far.lit(ROUNDING);
+            hit |= P::bits(enters.le(leaves)) << k;
+            enters.store(&mut entries[k..]);
+        }
+        (hit, entries)
+    }
+}
+
+/// Calls `meet` with the triangles of a leaf that the ray meets within the span: place, distance, weights.
+#[inline(always)]
+pub(super) fn meet_leaf<P: Pack>(
+    token: P::Token,
+    leaf: &Leaf,
+    ray: &Ray,
+    mut span: Span,
+    mut meet: impl FnMut(usize, f32, [f32; 3], Span) -> Span,
+) -> Span {
+    for k in (0..WIDTH).step_by(P::LANES) {
+        let mut corners = [[P::splat(token, 0.0); 3]; 3];
+        for corner in 0..3 {
+            for axis in 0..3 {
+                corners[corner][axis] = P::load(token, &leaf.corners[corner][axis][k..]);
+            }
+        }
+        let Some(edges) = ray.edges::<P>(token, corners) else { continue };
+        let mut distances = [0.0; WIDTH];
+        let mut weights = [[0.0; WIDTH]; 3];
+        let met = edges.meet();
+        let within = met.hit.and(P::splat(token, span.from).le(met.distance));
+        let mut hit = P::bits(within.and(met.distance.le(P::splat(token, span.to))));
+        met.distance.store(&mut distances);
+        for corner in 0..3 {
+            met.weights[corner].store(&mut weights[corner]);
+        }
+        let mut unsure = P::bits(edges.unsure);
+        while unsure != 0 {
+            let i = unsure.trailing_zeros() as usize;
+            unsure &= unsure - 1;
+            hit &= !(1 << i);
+            if let Some((distance, exact)) = ray.intersect(leaf.triangle(k + i)) {
+                hit |= u64::from(distance >= span.from && distance <= span.to) << i;
+                distances[i] = distance;
+                (0..3).for_each(|corner| weights[corner][i] = exact[corner]);
+            }
+        }
+        while hit != 0 {
+            let i = hit.trailing_zeros() as usize;
+            hit &= hit - 1;
+            span = meet(k + i, distances[i], [weights[0][i], weights[1][i], weights[2][i]], span);
+        }
+    }
+    span
+}
