@@ -177,7 +177,7 @@ fn hostile_meshes_end() {
                 assert!(["line", "far away"].contains(&name), "{name}: {error}");
             }
         }
-        assert!(start.elapsed() < Duration::from_secs(20), "{name}");
+        assert!(start.elapsed() < Duration::from_secs(60), "{name}");
     }
 }
 
@@ -227,7 +227,7 @@ fn scans_by_others_are_unwrapped_in_time() {
             );
             assert!(result.charts < 200 && result.utilisation > 0.5 && far < 0.03, "{name}");
             // Three seconds on an idle machine of two cores.
-            assert!(took < Duration::from_secs(12), "{name}: {took:?}");
+            assert!(took < Duration::from_secs(15), "{name}: {took:?}");
         }
     }
 }
@@ -273,7 +273,7 @@ fn farthest_move(base: &Mesh, level: &Mesh) -> f64 {
         instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
         ..Default::default()
     };
-    let [base, level] = [base, level].map(|mesh| UvLookup::new(&scene(mesh)));
+    let [base, level] = [base, level].map(|mesh| UvLookup::new(&scene(mesh)).unwrap());
     let texel = |i: u32| {
         Vec2::new((f64::from(i % 200) as f32 + 0.5) / 200.0, (f64::from(i / 200) as f32 + 0.5) / 200.0)
     };

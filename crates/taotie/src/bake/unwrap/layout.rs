@@ -12,9 +12,9 @@ use std::cmp::Reverse;
 const COARSE: f64 = 256.0;
 /// Cells along a side of the fine field, on which charts are placed in the best of them; the time that it takes grows
 /// with the number of charts and the fourth power of this.
-const FINE: f64 = 768.0;
+const FINE: f64 = 1024.0;
 /// The same where there are more than [`MANY`] charts.
-const FINE_FOR_MANY: f64 = 448.0;
+const FINE_FOR_MANY: f64 = 512.0;
 const MANY: usize = 150;
 /// No fewer cells along a side for one chart, times the root of the number of charts.
 const FOR_ONE: f64 = 6.0;
