@@ -71,8 +71,7 @@ fn scans_alone_are_made_light_unwrapped_and_baked() {
     for files in objects().iter().filter(|files| files.len() == 1) {
         let folder = tempfile::tempdir().unwrap();
         let high = files[0].to_str().expect("a path of text");
-        let report =
-            bake(&[high, "-o", "out.glb", "--triangles", "4000", "--size", "1024"], folder.path());
+        let report = bake(&[high, "-o", "out.glb", "--triangles", "4000", "--size", "1024"], folder.path());
         assert!(number(&report, "/proof/angles/mean") < 2.0, "{high}: {report}");
         assert!(number(&report, "/proof/missed_texels") < 0.001, "{high}");
         assert!(number(&report, "/proof/hausdorff_of_diagonal") < 0.02, "{high}");

@@ -119,9 +119,11 @@ fn square(height: f32, side: f32) -> Mesh {
     Mesh::new(MeshData {
         positions: vec![corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)],
         normals: vec![Vec3::new(0.0, 0.0, 1.0); 4],
-        uvs: vec![[[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
-            .map(|[u, v]| taotie::math::Vec2::new(u, v))
-            .to_vec()],
+        uvs: vec![
+            [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
+                .map(|[u, v]| taotie::math::Vec2::new(u, v))
+                .to_vec(),
+        ],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..MeshData::default()
     })
@@ -214,10 +216,16 @@ fn maps_depend_on_neither_threads_nor_order() {
     let scan = scan(bare_sphere(1.0, 128, 64));
     let low = light(&bare_sphere(1.02, 20, 10), 128);
     let all = MapKind::Normal as u8..=MapKind::Roughness as u8;
-    let maps: Maps =
-        [MapKind::Normal, MapKind::Occlusion, MapKind::Albedo, MapKind::Height, MapKind::Bent, MapKind::Roughness]
-            .into_iter()
-            .collect();
+    let maps: Maps = [
+        MapKind::Normal,
+        MapKind::Occlusion,
+        MapKind::Albedo,
+        MapKind::Height,
+        MapKind::Bent,
+        MapKind::Roughness,
+    ]
+    .into_iter()
+    .collect();
     assert!(all.count() == 7);
     let bake_on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -255,8 +263,11 @@ fn relief_finer_than_a_texel_becomes_roughness() {
     let scan = scan(Mesh::new(data).unwrap());
     let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
     let bake_at = |size: u32| {
-        let settings =
-            BakeSettings { roughness: 0.3, side: 8, ..settings(size, &[MapKind::Roughness, MapKind::Normal]) };
+        let settings = BakeSettings {
+            roughness: 0.3,
+            side: 8,
+            ..settings(size, &[MapKind::Roughness, MapKind::Normal])
+        };
         baked(&low, &scan, &settings).0.planes
     };
     let coarse = bake_at(16);

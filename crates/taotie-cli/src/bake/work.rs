@@ -302,9 +302,23 @@ fn cage(args: &BakeArgs, low: &Mesh, scan: &Scan) -> Result<Cage> {
 ///
 /// # Errors
 /// Those of simplification.
-pub fn levels(args: &BakeArgs, light: &Light, stages: &mut Stages) -> Result<Vec<Mesh>> {
-    let _ = stages;
-    args.lods.iter().map(|_| Ok(light.mesh.clone())).collect()
+pub fn levels(
+    args: &BakeArgs,
+    light: &Light,
+    (stages, warnings): (&mut Stages, &mut Warnings),
+) -> Result<Vec<Mesh>> {
+    if args.lods.is_empty() {
+        return Ok(Vec::new());
+    }
+    let counts: Vec<usize> = args.lods.iter().map(|count| *count as usize).collect();
+    let levels = stages.run("levels of detail", |go_on| {
+        bake::levels(&light.mesh, &counts, go_on)?.ok_or_else(|| Interrupted.into())
+    })?;
+    for (wanted, level) in counts.iter().zip(&levels).filter(|(_, level)| !level.reached) {
+        let got = level.mesh.triangles().len();
+        warnings.note(format!("a level of {wanted} triangles was wanted; its charts leave {got}"), 1);
+    }
+    levels.iter().map(|level| Ok(with_frames(&level.mesh, 0, None)?.0.into_owned())).collect()
 }
 
 /// The least part of the screen that the object covers while each level is shown: half as wide and half as high from
