@@ -9,31 +9,19 @@ interpolated normal and tangent, not normalised. Prints JSON.
 import json
 import sys
 
-import files
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from PIL import Image
-from tangents import unit
+
+import files
+import frames
+from frames import unit
 
 POINTS = 20_000
 SEED = 7
 # What is farther away is another part of the scan; model units.
 REACH = 0.05
-
-
-def vertex_normals(positions, triangles):
-    """The normals of the triangles around each vertex, weighted by their angles there."""
-    corners = positions[triangles].astype(np.float64)
-    facing = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-    sums = np.zeros((len(positions), 3))
-    for k in range(3):
-        after = unit(corners[:, (k + 1) % 3] - corners[:, k])
-        before = unit(corners[:, (k + 2) % 3] - corners[:, k])
-        weighted = facing * np.arccos(np.clip((after * before).sum(-1), -1, 1))[:, None]
-        for axis in range(3):
-            sums[:, axis] += np.bincount(triangles[:, k], weighted[:, axis], len(positions))
-    return unit(sums)
 
 
 def random_points(low):
@@ -55,7 +43,7 @@ def truth(scan, points, directions):
     positions, triangles = scan
     scene = EmbreeScene()
     TriangleMesh(scene, positions.astype(np.float32), triangles.astype(np.int32))
-    normals = vertex_normals(positions, triangles)
+    normals = frames.vertex_normals(positions, triangles)
     nearest, found = np.full(len(points), REACH), np.zeros_like(points)
     for way in (directions, -directions):
         hit = scene.run(points.astype(np.float32), way.astype(np.float32), output=True)
@@ -78,7 +66,10 @@ def looked_up(path, uvs):
     y = np.clip((1 - uvs[:, 1]) * height - 0.5, 0, height - 1)
     left, top = np.minimum(x.astype(int), width - 2), np.minimum(y.astype(int), height - 2)
     x, y = (x - left)[:, None], (y - top)[:, None]
-    texel = lambda right, down: image[top + down, left + right] / 127.5 - 1.0
+
+    def texel(right, down):
+        return image[top + down, left + right] / 127.5 - 1.0
+
     upper = texel(0, 0) * (1 - x) + texel(1, 0) * x
     lower = texel(0, 1) * (1 - x) + texel(1, 1) * x
     return upper * (1 - y) + lower * y
@@ -97,9 +88,9 @@ def figures(error):
 def main(scan, low, maps):
     low = np.load(low)
     corners, weights = random_points(low)
-    at = lambda name: interpolate(low[name], corners, weights)
-    normal, tangent, uvs = at("normals"), at("tangents"), at("uvs")
-    expected, hit = truth(files.read_ply(scan), at("positions"), unit(normal))
+    names = ("positions", "normals", "tangents", "uvs")
+    points, normal, tangent, uvs = (interpolate(low[name], corners, weights) for name in names)
+    expected, hit = truth(files.read_ply(scan), points, unit(normal))
     frame = np.stack([tangent, np.cross(normal, tangent), normal], 1)
     result = {"points": POINTS, "missed": int((~hit).sum()), "maps": {}}
     result["maps"]["no map"] = figures(angles(unit(normal), expected)[hit])

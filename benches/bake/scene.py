@@ -3,9 +3,10 @@
 import os
 import sys
 
-import files
 import numpy as np
-import tangents
+
+import files
+import frames
 import vessel
 
 # Cells around and from foot to mouth; two triangles each.
@@ -33,7 +34,7 @@ def write_scan(path, around, along):
     with files.written(path) as file:
         file.write(files.ply_header(around * (along + 1), 2 * around * along))
         for start in range(0, along + 1, ROWS):
-            positions, _ = vessel.rows(u, v[start : start + ROWS], relief)
+            positions = vessel.rows(u, v[start : start + ROWS], relief)
             file.write(positions.astype("<f4").tobytes())
         for row in range(along):
             faces = np.empty(2 * around, np.dtype([("n", "u1"), ("corners", "<i4", 3)]))
@@ -42,13 +43,21 @@ def write_scan(path, around, along):
 
 
 def write_low(folder):
-    """The light mesh, split along the seam of its uvs: low.glb for Taotie, low.npz with v upward for the others."""
+    """The light mesh, split along the seam of its uvs: low.glb for Taotie, low.npz with v upward for the others.
+
+    Its normals are made of its own triangles, not of the outline. Some bakers follow the normals of the file and some
+    those of the triangles; here the two are the same, so that every baker looks for the scan along the same lines.
+    """
     around, along = LOW
     u, v = np.linspace(0, 1, around + 1), np.linspace(0, 1, along + 1)
-    positions, normals = (a.reshape(-1, 3) for a in vessel.rows(u, v))
+    positions = vessel.rows(u, v)
+    welded = np.concatenate([cells(row, around, around) for row in range(along)])
+    normals = frames.vertex_normals(positions[:, :-1].reshape(-1, 3), welded).reshape(along + 1, around, 3)
+    normals = np.concatenate([normals, normals[:, :1]], 1).reshape(-1, 3)
+    positions = positions.reshape(-1, 3)
     uvs = np.stack(np.meshgrid(u, v), -1).reshape(-1, 2) * (1 - 2 * BORDER) + BORDER
     triangles = np.concatenate([cells(row, around, around + 1) for row in range(along)])
-    directions = tangents.tangents(positions, normals, uvs, triangles)
+    directions = frames.tangents(positions, normals, uvs, triangles)
     low = {"positions": positions, "normals": normals, "uvs": uvs, "tangents": directions}
     low = {name: array.astype(np.float32) for name, array in low.items()}
     attributes = {

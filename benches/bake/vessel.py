@@ -122,14 +122,16 @@ class Relief:
 
 
 def rows(u, v, relief=None):
-    """Positions and the smooth outline's unit normals, each (len(v), len(u), 3)."""
+    """Positions (len(v), len(u), 3); the relief stands along the smooth outline's normals."""
     radius, slope = outline(v)
     long = np.hypot(2.0, slope)  # y rises by 2 while v rises by 1
     out, up = 2.0 / long, -slope / long
     sin, cos = np.sin(2 * np.pi * u), np.cos(2 * np.pi * u)
-    around = lambda r, y: np.stack(np.broadcast_arrays(r[:, None] * sin, y[:, None], r[:, None] * cos), -1)
-    normals = around(out, up)
+
+    def around(r, y):
+        return np.stack(np.broadcast_arrays(r[:, None] * sin, y[:, None], r[:, None] * cos), -1)
+
     positions = around(radius, 2.0 * v - 1.0)
     if relief is not None:
-        positions = positions + normals * (RELIEF * relief(v))[..., None]
-    return positions, normals
+        positions += around(out, up) * (RELIEF * relief(v))[..., None]
+    return positions
