@@ -111,6 +111,8 @@ def accuracy(results, paths):
 def main():
     args = arguments()
     paths, some = jobs.Paths(args.folder), chosen(args)
+    if not args.quick:
+        section.around(args.page)  # fails now rather than after minutes
     measure.run(script("scene.py", args.folder, *dict.fromkeys(job.scan for job, _ in some)))
     lacks = blender_lacks()
     if lacks:
@@ -131,5 +133,5 @@ def main():
 if __name__ == "__main__":
     try:
         main()
-    except (measure.Failed, section.Unmarked) as error:
+    except (measure.Failed, section.Unmarked, OSError) as error:
         sys.exit(str(error))

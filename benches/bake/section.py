@@ -95,13 +95,19 @@ COMMANDS = (
 )
 
 
-def write(path, content):
-    """Puts the content between the marks of the page; the rest of the page stays."""
+def around(path):
+    """What stands on the page before the first mark and after the second."""
     with open(path, encoding="utf-8") as file:
         page = file.read()
     before, begin, rest = page.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not (begin and end):
         raise Unmarked(f"{path} has no place for the section: it needs the lines {BEGIN} and {END}")
+    return before, after
+
+
+def write(path, content):
+    """Puts the content between the marks of the page; the rest of the page stays."""
+    before, after = around(path)
     with open(path, "w", encoding="utf-8") as file:
         file.write(f"{before}{BEGIN}\n{content}\n{END}{after}")
