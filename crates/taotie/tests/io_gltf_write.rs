@@ -107,7 +107,7 @@ fn both_containers_read_back_as_written() {
         assert_eq!(loaded.copyright.as_deref(), Some("© nobody"));
         assert_eq!(loaded.generator.as_deref(), Some(concat!("taotie ", env!("CARGO_PKG_VERSION"))));
         assert_eq!(loaded.extensions_used, ["KHR_xmp_json_ld"]);
-        assert_eq!(loaded.xmp, [xmp.clone()]);
+        assert_eq!(loaded.xmp, std::slice::from_ref(&xmp));
         // A packet is written as it was read.
         assert_eq!(loaded.xmp[0].to_string(), xmp.to_string());
     }

@@ -26,6 +26,7 @@ use stages::Stages;
 use std::path::PathBuf;
 use taotie::Warnings;
 use taotie::io::{self, GltfAsset, GltfFormat, GltfImages, GltfLevel};
+use taotie::mesh::Mesh;
 use work::{Light, Made, Source};
 
 /// Runs the subcommand.
@@ -47,6 +48,7 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     let source = Source::read(args, &mut stages, &mut warnings)?;
     report.high_triangles = source.scan.mesh().triangles().len();
     let (light, made) = lightened(args, &source, &mut report, (&mut stages, &mut warnings))?;
+    let coarser = work::levels(args, &light, (&mut stages, &mut warnings))?;
     judgement::judge(&source, &light, &made, &mut warnings);
     if !args.no_verify {
         stages.run("inspect the scan", |_| {
@@ -60,7 +62,8 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     }
     report.maps = made.textures.notes();
     report.light = light.origin.clone();
-    report.files = write(args, (&source, &light, &made), &mut report, &mut stages)?;
+    let parts = Parts { source: &source, light: &light, coarser: &coarser, made: &made };
+    report.files = write(args, &parts, &mut report, &mut stages)?;
     if !args.no_verify {
         prove(args, source, &made, &mut report, &mut stages)?;
     }
@@ -90,15 +93,24 @@ fn lightened(
     Ok((light, made))
 }
 
+/// What an asset is made of.
+struct Parts<'a> {
+    source: &'a Source,
+    light: &'a Light,
+    /// The levels of detail after the first.
+    coarser: &'a [Mesh],
+    made: &'a Made,
+}
+
 /// Writes the asset and what goes beside it; gives back the files.
 fn write(
     args: &BakeArgs,
-    (source, light, made): (&Source, &Light, &Made),
+    parts: &Parts<'_>,
     report: &mut Report,
     stages: &mut Stages,
 ) -> Result<Vec<PathBuf>> {
-    let coarser = work::levels(args, light, stages)?;
-    let meshes: Vec<_> = std::iter::once(&light.mesh).chain(&coarser).collect();
+    let Parts { source, light, coarser, made } = *parts;
+    let meshes: Vec<_> = std::iter::once(&light.mesh).chain(coarser).collect();
     report.triangles = meshes.iter().map(|mesh| mesh.triangles().len()).collect();
     report.high_sha256 = source.sha256()?;
     let xmp = provenance::packet(args, source, &report.high_sha256)?;

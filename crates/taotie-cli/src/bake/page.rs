@@ -1,6 +1,6 @@
 //! `OUT.report.html`: the proof as a page that opens from disk.
 
-use super::proof::{BINS, Proof, Proved, ViewFigures};
+use super::proof::{BIN_WIDTH, Proof, Proved, ViewFigures};
 use super::report::Report;
 use super::textures::Textures;
 use crate::compare::{developed, heat_of_angles, heat_of_flip, legend};
@@ -64,8 +64,8 @@ fn views(proof: &Proof, proved: &Proved, textures: &Textures) -> Result<Vec<View
                 .into(),
             pictures: vec![
                 picture("scan", "", &developed(scan))?,
-                picture("asset", &seen(&figures), &developed(asset))?,
                 picture("FLIP", "", &heat_of_flip(flip).plain())?,
+                picture("asset", &seen(&figures), &developed(asset))?,
             ],
             legend: Some(legend("FLIP", "", 1.0, ColorMap::Magma)),
         });
@@ -190,9 +190,9 @@ fn angles(proof: &Proof) -> Section {
 fn histogram(proof: &Proof) -> Section {
     Section::Histogram {
         title: "Histogram of angular error".into(),
-        note: format!("Points by their angle to the scan; one bin a degree, the last from {} on.", BINS - 1),
+        note: "Points by their angle to the scan; the last bin holds all that is larger.".into(),
         unit: "°".into(),
-        bin_width: 1.0,
+        bin_width: BIN_WIDTH,
         last_is_open: true,
         series: vec![Series { label: "asset".into(), counts: proof.histogram.clone() }],
     }

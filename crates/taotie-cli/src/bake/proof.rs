@@ -29,7 +29,7 @@ pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 pub struct Proof {
     /// Degrees between the normals shown and the scan's, over points spread evenly; `None` where no point was found.
     pub angles: Option<Spread>,
-    /// Their histogram, one bin a degree; the last is open.
+    /// Their histogram, a fifth of a degree a bin; the last is open.
     pub histogram: Vec<u64>,
     /// What vertex normals alone would give: the same angles without the map.
     pub without_map: Option<Spread>,
@@ -188,7 +188,7 @@ fn measure(shown: &Shown<'_>, subject: &Subject<'_>, scan: &Scan) -> Result<Proo
     let part = |of: usize, all: usize| of as f64 / all.max(1) as f64;
     let bytes = |path: &Path| std::fs::metadata(path).map_or(0, |data| data.len());
     Ok(Proof {
-        histogram: verdict.angles.histogram(BINS, BINS as f32),
+        histogram: verdict.angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
         angles: verdict.angles.summary().map(Spread::from),
         without_map: plain.angles.summary().map(Spread::from),
         floor_8_bit: FLOOR_8_BIT,
@@ -209,8 +209,9 @@ fn measure(shown: &Shown<'_>, subject: &Subject<'_>, scan: &Scan) -> Result<Proo
     })
 }
 
-/// Bins of the histogram, one a degree.
-pub const BINS: usize = 45;
+/// Bins of the histogram, and how wide each is, degrees.
+const BINS: usize = 50;
+pub const BIN_WIDTH: f64 = 0.2;
 
 /// The length of the diagonal of a mesh's box.
 pub fn diagonal(mesh: &Mesh) -> f64 {

@@ -14,7 +14,7 @@ use taotie::bake::{
     self, BakeCounts, BakeSettings, Baked, Cage, MapKind, Maps, Scan, SimplifyOptions, UnwrapOptions,
 };
 use taotie::io::{self, Loaded};
-use taotie::mesh::Mesh;
+use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{Material, Scene};
 use taotie::surface::with_frames;
 
@@ -93,12 +93,38 @@ impl Source {
         if !args.json {
             crate::console::say(&format!("baking {triangles} triangles takes about {}", need.bytes()));
         }
-        let scene = std::mem::take(&mut loaded.scene);
+        let mut scene = std::mem::take(&mut loaded.scene);
+        warnings.note(
+            "meshes of the scan with a normal for each facet, or none, as glTF shows them; they are smoothed",
+            smooth_facets(&mut scene)?,
+        );
         let first = scene.instances.first().map(|instance| instance.material);
         let material = first.and_then(|m| scene.materials.get(m)).cloned().unwrap_or_default();
         let scan = stages.run("sort the scan", |_| Ok(Scan::new(scene)?))?;
         Ok(Self { hash, path: args.high.clone(), loaded, scan, material })
     }
+}
+
+/// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; gives back how
+/// many such meshes there are. A scan is never meant in facets.
+fn smooth_facets(scene: &mut Scene) -> Result<usize> {
+    let mut count = 0;
+    for mesh in &mut scene.meshes {
+        if is_faceted(mesh) {
+            let data = std::mem::take(mesh).into_data();
+            *mesh = Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..data })?;
+            count += 1;
+        }
+    }
+    Ok(count)
+}
+
+fn is_faceted(mesh: &Mesh) -> bool {
+    let is_alone = |(t, triangle): (usize, &[u32; 3])| *triangle == [0, 1, 2].map(|i| 3 * t as u32 + i);
+    let is_flat = |normals: &[taotie::math::Vec3]| normals[0] == normals[1] && normals[1] == normals[2];
+    !mesh.normals().is_empty()
+        && mesh.triangles().iter().enumerate().all(is_alone)
+        && mesh.normals().chunks_exact(3).all(is_flat)
 }
 
 impl Source {
@@ -276,9 +302,23 @@ fn cage(args: &BakeArgs, low: &Mesh, scan: &Scan) -> Result<Cage> {
 ///
 /// # Errors
 /// Those of simplification.
-pub fn levels(args: &BakeArgs, light: &Light, stages: &mut Stages) -> Result<Vec<Mesh>> {
-    let _ = stages;
-    args.lods.iter().map(|_| Ok(light.mesh.clone())).collect()
+pub fn levels(
+    args: &BakeArgs,
+    light: &Light,
+    (stages, warnings): (&mut Stages, &mut Warnings),
+) -> Result<Vec<Mesh>> {
+    if args.lods.is_empty() {
+        return Ok(Vec::new());
+    }
+    let counts: Vec<usize> = args.lods.iter().map(|count| *count as usize).collect();
+    let levels = stages.run("levels of detail", |go_on| {
+        bake::levels(&light.mesh, &counts, go_on)?.ok_or_else(|| Interrupted.into())
+    })?;
+    for (wanted, level) in counts.iter().zip(&levels).filter(|(_, level)| !level.reached) {
+        let got = level.mesh.triangles().len();
+        warnings.note(format!("a level of {wanted} triangles was wanted; its charts leave {got}"), 1);
+    }
+    levels.iter().map(|level| Ok(with_frames(&level.mesh, 0, None)?.0.into_owned())).collect()
 }
 
 /// The least part of the screen that the object covers while each level is shown: half as wide and half as high from

@@ -121,10 +121,10 @@ mod tests {
     use super::*;
     use crate::bake::{MapKind, Maps};
 
-    /// Two charts of different heights on a map of 64 × 48.
+    /// Two charts of different heights on a map of 64 × 64.
     fn charts() -> Planes {
-        let mut planes = Planes::new([64, 48], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
-        for y in 0..48 {
+        let mut planes = Planes::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
+        for y in 0..64 {
             for x in 0..64 {
                 let height = match (x, y) {
                     (3..=20, 5..=30) => 1.0,
@@ -157,19 +157,19 @@ mod tests {
             assert!(is_of_charts(&planes.lift[i]), "{}", planes.lift[i]);
         }
         let mut level = planes.lift;
-        let (mut width, mut height) = (64, 48);
+        let mut width = 64;
         while width > 2 {
             let at = |x: usize, y: usize| level[y * width + x];
-            let next: Vec<f32> = (0..width / 2 * height / 2)
-                .map(|i| (i % (width / 2) * 2, i / (width / 2) * 2))
+            let half = width / 2;
+            let next: Vec<f32> = (0..half * half)
+                .map(|i| (i % half * 2, i / half * 2))
                 .map(|(x, y)| (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0)
                 .collect();
-            (level, width, height) = (next, width / 2, height / 2);
+            (level, width) = (next, half);
             // A texel wholly over one chart and its surroundings is of that chart: none is darker than all charts.
             assert!(level.iter().all(is_of_charts));
         }
-        assert_eq!(level.len(), 2, "both charts still stand apart");
-        assert!(level[0] < 1.5 && level[1] > 2.5, "{level:?}");
+        assert!(level[0] < 1.5 && level[1] > 2.5, "both charts still stand apart: {level:?}");
     }
 
     #[test]

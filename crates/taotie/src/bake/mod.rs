@@ -1,5 +1,5 @@
-//! Baking: heavy surfaces made light, which point of a heavy surface a point of a light one stands for, which point of
-//! a mesh each texel of a map shows, and normal maps made from heights and from one another.
+//! Baking: heavy surfaces made light and unwrapped, which point of a heavy surface a point of a light one stands for,
+//! which point of a mesh each texel of a map shows, and normal maps made from heights and from one another.
 //!
 //! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in
 //! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
@@ -15,11 +15,13 @@ mod fill;
 mod grow;
 mod heights;
 mod layout;
+mod levels;
 mod maps;
 mod planes;
 mod projection;
 mod raster;
 mod scan;
+mod search;
 mod simplify;
 mod sky;
 mod store;
@@ -36,6 +38,7 @@ pub use convert::{
 pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;
 pub use heights::Heights;
+pub use levels::{Level, levels};
 pub use maps::{MapKind, Maps};
 pub use planes::{Planes, Texel};
 pub use projection::{Match, Probe};

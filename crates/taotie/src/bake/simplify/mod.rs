@@ -8,9 +8,10 @@ mod whole;
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
 use crate::surface::vertex_normals;
-pub(super) use part::Frame;
 use part::Part;
+pub(super) use part::{Frame, adapter, compact, triples};
 pub(super) use weld::{morton, places};
+pub(super) use whole::is_near;
 
 /// How a surface is made light.
 #[derive(Debug, Clone, Copy, PartialEq)]

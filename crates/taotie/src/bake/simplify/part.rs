@@ -49,13 +49,13 @@ impl Frame {
 }
 
 /// The points as meshoptimizer reads them.
-pub(super) fn adapter(points: &[[f32; 3]]) -> VertexDataAdapter<'_> {
+pub(in crate::bake) fn adapter(points: &[[f32; 3]]) -> VertexDataAdapter<'_> {
     VertexDataAdapter::new(meshopt::typed_to_bytes(points), size_of::<[f32; 3]>(), 0)
         .expect("the stride divides the length, and no offset is given")
 }
 
 /// Triangles from a list of corners.
-pub(super) fn triples(corners: Vec<u32>) -> Vec<[u32; 3]> {
+pub(in crate::bake) fn triples(corners: Vec<u32>) -> Vec<[u32; 3]> {
     corners.as_chunks::<3>().0.to_vec()
 }
 

@@ -21,7 +21,7 @@ pub(super) struct Reduced {
 }
 
 /// Whether a number of triangles is the wanted one, or nearly.
-pub(super) fn is_near(found: usize, wanted: usize) -> bool {
+pub(in crate::bake) fn is_near(found: usize, wanted: usize) -> bool {
     found.abs_diff(wanted) as f64 <= (NEAR * wanted as f64).max(1.0)
 }
 

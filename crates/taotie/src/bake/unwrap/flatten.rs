@@ -18,6 +18,8 @@ const ANGLES: usize = 32;
 #[derive(Debug, Clone)]
 pub(super) struct Chart {
     pub triangles: Vec<u32>,
+    /// What it is seen along, unit.
+    axis: Vec3<f64>,
     /// A corner's place on the chart is its product with each of these. The area of the whole is that of the surface.
     right: Vec3<f64>,
     down: Vec3<f64>,
@@ -34,7 +36,7 @@ impl Chart {
         // Nothing is drawn out without limit.
         let scale = (own / seen.max(own * 0.04)).sqrt();
         let right = axis.any_perpendicular();
-        Self { triangles, right: right * scale, down: -axis.cross(right) * scale }
+        Self { triangles, axis, right: right * scale, down: -axis.cross(right) * scale }
     }
 
     /// Where a corner lies, right and down.
@@ -45,6 +47,12 @@ impl Chart {
     /// The triangles as they lie.
     pub fn laid(&self, topology: &Topology) -> Vec<[[f64; 2]; 3]> {
         self.triangles.iter().map(|t| topology.corners[*t as usize].map(|p| self.place(p))).collect()
+    }
+
+    /// In two, each of what is nearer to one of two of its triangles.
+    pub fn cut(self, topology: &Topology, pair: [u32; 2], measure: &Measure) -> Vec<Self> {
+        let parts = split(topology, &self.triangles, pair);
+        parts.into_iter().flat_map(|part| flatten(topology, part, self.axis, measure)).collect()
     }
 
     /// The longer side of its box.

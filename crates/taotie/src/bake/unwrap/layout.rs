@@ -9,9 +9,13 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 
 /// Cells along a side of the coarse field, on which the scale is sought in several orders.
-const COARSE: f64 = 192.0;
-/// Cells along a side of the fine field, on which charts are placed in the best of them.
-const FINE: f64 = 512.0;
+const COARSE: f64 = 256.0;
+/// Cells along a side of the fine field, on which charts are placed in the best of them; the time that it takes grows
+/// with the number of charts and the fourth power of this.
+const FINE: f64 = 1024.0;
+/// The same where there are more than [`MANY`] charts.
+const FINE_FOR_MANY: f64 = 512.0;
+const MANY: usize = 150;
 /// No fewer cells along a side for one chart, times the root of the number of charts.
 const FOR_ONE: f64 = 6.0;
 /// How often charts are packed once a scale is known at which they fit: on the coarse field and on the fine one.
@@ -20,6 +24,8 @@ const TRIES: [usize; 2] = [9, 4];
 const MOST_TRIES: usize = 40;
 /// The search ends where the scale is known within this.
 const EXACT: f64 = 1.004;
+/// The same after as many tries as there should be.
+const NEAR: f64 = 1.02;
 /// The orders that are tried: by half the circumference, the longer side, the cells, the shorter side; largest first.
 const ORDERS: [usize; 4] = [0, 1, 2, 3];
 
@@ -80,8 +86,9 @@ pub(super) fn lay_out(
     guess: f64,
     go_on: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<Option<Layout>> {
+    let fine = if laid.len() > MANY { FINE_FOR_MANY } else { FINE };
     let least = FOR_ONE * (laid.len() as f64).sqrt();
-    let [coarse, fine] = [COARSE, FINE].map(|wanted| Cells::new(options, wanted.max(least)));
+    let [coarse, fine] = [COARSE, fine].map(|wanted| Cells::new(options, wanted.max(least)));
     let search = Search { laid, cells: &coarse, orders: &ORDERS, tries: TRIES[0] };
     let found = search.run(guess * f64::from(options.size), &|done| go_on(0.5 * done));
     let Some(rough) = found else { return Ok(None) };
@@ -129,7 +136,8 @@ impl Search<'_> {
                 }
                 None => fails = scale,
             }
-            if (best.is_some() && attempt + 1 >= self.tries) || fails < fits * EXACT {
+            let near = if attempt + 1 < self.tries { EXACT } else { NEAR };
+            if fails < fits * near || (best.is_some() && attempt + 1 >= 2 * self.tries) {
                 break;
             }
             scale = next(scale * (width / rows).sqrt(), [fits, fails], attempt);

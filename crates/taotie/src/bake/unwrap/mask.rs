@@ -58,11 +58,11 @@ impl Mask {
 /// Adds the cells that a triangle touches.
 fn touch(corners: [[f64; 2]; 3], rows: &mut [Vec<Run>]) {
     let [[_, top], [_, bottom]] = bounds(corners.into_iter());
-    let last = rows.len() - 1;
-    for y in (top.max(0.0) as usize).min(last)..=(bottom.max(0.0) as usize).min(last) {
+    let [first, last] = [top, bottom].map(|y| (y.max(0.0) as usize).min(rows.len() - 1));
+    for (y, row) in rows.iter_mut().enumerate().take(last + 1).skip(first) {
         let [left, right] = extent(corners, y as f64);
         if left <= right {
-            rows[y].push([left.max(0.0) as u32, right.max(0.0) as u32 + 1]);
+            row.push([left.max(0.0) as u32, right.max(0.0) as u32 + 1]);
         }
     }
 }

@@ -10,6 +10,9 @@ mod pack;
 mod patches;
 mod topology;
 
+use super::levels::chosen;
+use super::raster::{ALL_ROWS, Rasterizer};
+use super::simplify::Frame;
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
@@ -18,7 +21,7 @@ use flatten::{Chart, Measure};
 use layout::Layout;
 use merge::{Limits, Merger};
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use topology::{NONE, Topology};
 
 /// How far the triangles of a chart may face from its axis: 62° for the smooth surface, 80° for single ones.
@@ -30,7 +33,9 @@ const CRUMB: f64 = 1.0 / 400.0;
 /// How much of the square charts cover, first guess.
 const COVER: f64 = 0.7;
 /// Texels along a side for one of the map, when charts are searched for places that lie over others.
-const FINER: f64 = 3.0;
+const FINER: f64 = 2.0;
+/// How often charts are laid out at most: what lies over itself by less than a texel shows only there.
+const ROUNDS: u32 = 8;
 /// No chart is longer than this part of the map: a blade in one piece would leave the rest of it empty.
 const LONGEST: f64 = 0.95;
 
@@ -93,17 +98,63 @@ pub fn unwrap(
     let Some((labels, axes)) = charted(&topology, surface, go_on) else { return Ok(None) };
     let scale = (COVER / surface).sqrt();
     let measure = Measure { density: FINER * f64::from(options.size) * scale, longest: LONGEST / scale };
-    let charts = flat_charts(&topology, &labels, &axes, &measure);
+    let mut charts = flat_charts(&topology, &labels, &axes, &measure);
     if !go_on(0.5) {
         return Ok(None);
     }
-    let laid: Vec<Vec<[[f64; 2]; 3]>> = charts.par_iter().map(|chart| chart.laid(&topology)).collect();
-    let layout = match layout::lay_out(&laid, options, scale, &|done| go_on(0.5 + 0.5 * done))? {
-        Some(layout) => layout,
-        None => return Ok(None),
+    for round in 0..ROUNDS {
+        let laid: Vec<Vec<[[f64; 2]; 3]>> = charts.par_iter().map(|chart| chart.laid(&topology)).collect();
+        let done = |done: f64| go_on(1.0 - 0.5 * (1.0 - done) / f64::from(round + 1));
+        let Some(layout) = layout::lay_out(&laid, options, scale, &done)? else { return Ok(None) };
+        let unwrapped = cut(mesh, &topology, &charts, &layout, options)?;
+        let overlaps = overlaps(&unwrapped, options.size)?;
+        if overlaps.is_empty() {
+            return Ok(go_on(1.0).then_some(unwrapped));
+        }
+        charts = without_overlaps(&topology, charts, &overlaps, &measure);
+    }
+    Err(Error::limit(
+        "a mesh whose charts lie over themselves however they are cut",
+        "take a larger map, or simplify the mesh",
+    ))
+}
+
+/// A triangle that lies over another one of its chart, for each chart where there is one.
+fn overlaps(unwrapped: &Unwrapped, size: u32) -> Result<BTreeMap<u32, [u32; 2]>> {
+    let mesh = &unwrapped.mesh;
+    let rasterizer = Rasterizer::new(mesh.triangles(), &mesh.uvs()[0], [size; 2])?;
+    let mut owners = vec![NONE; size as usize * size as usize];
+    let mut found = BTreeMap::new();
+    for (t, chart) in unwrapped.chart_of.iter().enumerate() {
+        let Some(chart) = *chart else { continue };
+        rasterizer.spans(t, ALL_ROWS, |y, [from, to]| {
+            for x in from..=to {
+                let owner =
+                    &mut owners[y as usize % size as usize * size as usize + x as usize % size as usize];
+                match *owner {
+                    NONE => *owner = t as u32,
+                    owner if unwrapped.chart_of[owner as usize] == Some(chart) => {
+                        found.entry(chart).or_insert([owner, t as u32]);
+                    }
+                    _ => {}
+                }
+            }
+        });
+    }
+    Ok(found)
+}
+
+fn without_overlaps(
+    topology: &Topology,
+    charts: Vec<Chart>,
+    overlaps: &BTreeMap<u32, [u32; 2]>,
+    measure: &Measure,
+) -> Vec<Chart> {
+    let parts = |(chart, number): (Chart, u32)| match overlaps.get(&number) {
+        Some(pair) => chart.cut(topology, *pair, measure),
+        None => vec![chart],
     };
-    let unwrapped = cut(mesh, &topology, &charts, &layout, options)?;
-    Ok(go_on(1.0).then_some(unwrapped))
+    charts.into_iter().zip(0..).flat_map(parts).collect()
 }
 
 fn check(options: &UnwrapOptions) -> Result<()> {
@@ -160,6 +211,7 @@ fn cut(
     for (chart, number) in charts.iter().zip(0u32..) {
         chart.triangles.iter().for_each(|t| chart_of[*t as usize] = Some(number));
     }
+    let size = f64::from(options.size);
     let mut split = Split::default();
     let mut covered = 0.0;
     for (t, chart) in chart_of.iter().enumerate() {
@@ -170,15 +222,15 @@ fn cut(
             None => [[0.0; 2]; 3],
         };
         covered += area(places);
-        let uvs = places.map(|p| p.map(|v| (v / f64::from(options.size)) as f32));
+        let uvs = places.map(|p| p.map(|v| (v / size) as f32));
         split.add(mesh.triangles()[t], chart.unwrap_or(NONE), uvs);
     }
-    let extent = crate::bake::simplify::Frame::of(mesh.positions()).extent;
+    let extent = Frame::of(mesh.positions()).extent;
     Ok(Unwrapped {
         mesh: split.mesh(mesh)?,
         charts: charts.len(),
         chart_of,
-        utilisation: covered / f64::from(options.size).powi(2),
+        utilisation: covered / (size * size),
         texels_per_unit: layout.scale / extent,
     })
 }
@@ -210,17 +262,12 @@ impl Split {
 
     fn mesh(self, mesh: &Mesh) -> Result<Mesh> {
         Mesh::new(MeshData {
-            positions: of_sources(mesh.positions(), &self.sources),
-            normals: of_sources(mesh.normals(), &self.sources),
-            colors: of_sources(mesh.colors(), &self.sources),
+            positions: chosen(mesh.positions(), &self.sources),
+            normals: chosen(mesh.normals(), &self.sources),
+            colors: chosen(mesh.colors(), &self.sources),
             uvs: vec![self.uvs],
             triangles: self.triangles,
             tangents: Vec::new(),
         })
     }
-}
-
-/// What the vertices had; empty where they had none.
-fn of_sources<T: Copy>(values: &[T], sources: &[u32]) -> Vec<T> {
-    if values.is_empty() { Vec::new() } else { sources.iter().map(|v| values[*v as usize]).collect() }
 }

@@ -1,10 +1,13 @@
 //! Charts put into a square so that little of it is lost.
 
 use super::mask::{Mask, Run};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Masks with fewer cells are so often alike that what is known of one is kept for the next.
 const SMALL: usize = 64;
+/// Masks with more cells are sought a place for in their four turns at once.
+const LARGE: usize = 4096;
 /// How many rows of a mask are held against the longest free runs before cells are looked at.
 const PROBES: usize = 8;
 
@@ -94,7 +97,10 @@ impl Board {
             let [x, y] = self.place(mask, start)?;
             Some(Placement { quarters, x, y })
         };
-        let found: Vec<Option<Placement>> = (0..).zip(turns).map(place).collect();
+        let found: Vec<Option<Placement>> = match turns[0].cells() > LARGE {
+            true => (0..4u8).into_par_iter().zip(turns).map(place).collect(),
+            false => (0..).zip(turns).map(place).collect(),
+        };
         for (mask, place) in turns.iter().zip(&found) {
             if let Some(place) = place.filter(|_| mask.cells() < SMALL) {
                 self.known.insert(mask.clone(), place.y);

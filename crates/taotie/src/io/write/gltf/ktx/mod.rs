@@ -1,7 +1,7 @@
 //! KTX2 pictures of UASTC blocks with all mip levels, as KHR_texture_basisu wants them.
 //!
-//! The encoder is ours: of the crates that encode UASTC one needs `unsafe` to be called, others cmake or clang to be
-//! built, and none gives the same bits on every processor. Source of the container: KTX File Format 2.0, 3 and 5.
+//! The encoder is ours: of the crates that encode UASTC one needs `unsafe` to be called, the others cmake or clang to be
+//! built. Source of the container: KTX File Format 2.0, 3 and 5.
 
 mod block;
 mod fit;

@@ -1,0 +1,52 @@
+//! The bronze jue at a million triangles, made light and baked: its relief is found again.
+
+use taotie::bake::{
+    BakeSettings, Cage, Scan, SimplifyOptions, Storage, UnwrapOptions, Verifier, bake, simplify,
+    store_unit_vectors, unwrap,
+};
+use taotie::image::{Encoding, Texture};
+use taotie::math::Mat4;
+use taotie::mesh::{Mesh, MeshData};
+use taotie::scene::{Instance, Material, NormalSpace, Scene};
+use taotie::surface::with_frames;
+use taotie_cli::jue;
+
+fn scan(mesh: Mesh) -> Scan {
+    let scene = Scene {
+        meshes: vec![mesh],
+        materials: vec![Material::default()],
+        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+        ..Scene::default()
+    };
+    Scan::new(scene).unwrap()
+}
+
+#[test]
+fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
+    // The normals of the displaced mesh come from the relief's formulas, not from its facets.
+    let truth = jue::displaced_mesh(FINEST);
+    assert!((800_000..1_500_000).contains(&truth.triangles().len()), "{}", truth.triangles().len());
+    let bare = MeshData {
+        positions: truth.positions().to_vec(),
+        triangles: truth.triangles().to_vec(),
+        ..MeshData::default()
+    };
+    // What a scanner knows: places and triangles.
+    let scanned = scan(Mesh::new(bare).unwrap());
+    let options = SimplifyOptions { triangles: 2000, ..SimplifyOptions::default() };
+    let low = simplify(scanned.mesh(), &options, &|_| true).unwrap().unwrap();
+    assert!(low.reached, "{:?}", low.means);
+    let low = unwrap(&low.mesh, &UnwrapOptions::default(), &|_| true).unwrap().unwrap().mesh;
+    let low = with_frames(&low, 0, None).unwrap().0.into_owned();
+    let cage = Cage::automatic(&low, &scanned);
+    let baked = bake(&low, &cage, &scanned, &BakeSettings::default(), &|_| true).unwrap().unwrap();
+    let storage = Storage { bits: 8, dither: true };
+    let bitmap = store_unit_vectors(baked.planes.size(), &baked.planes.normal, storage).unwrap();
+    let texture = Texture::new(bitmap, Encoding::Normal);
+
+    let analytic = scan(truth);
+    let verifier =
+        Verifier { mesh: &low, normal: Some((&texture, NormalSpace::Tangent)), cage: &cage, scan: &analytic };
+    let angles = verifier.verdict(100_000).unwrap().angles.summary().unwrap();
+    assert!(angles.mean < 1.0, "{angles:?}");
+}

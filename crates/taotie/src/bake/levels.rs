@@ -1,0 +1,98 @@
+//! Levels of detail of an unwrapped mesh, which all show the same maps.
+
+use super::simplify::{Frame, adapter, compact, is_near, triples};
+use crate::error::{Error, Result};
+use crate::mesh::{Mesh, MeshData};
+use meshopt::SimplifyOptions as Choices;
+use rayon::prelude::*;
+
+/// What a way on the map counts beside one on the surface: the map's side is as long as the mesh's longest, times this.
+const UV_WEIGHT: f32 = 3.0;
+
+/// A level of detail.
+#[derive(Debug, Clone)]
+pub struct Level {
+    /// Vertices of the unwrapped mesh, with all that they had but tangents, and fewer triangles.
+    pub mesh: Mesh,
+    /// How far it lies from the unwrapped mesh, model units, and how far what its maps show is moved: meshoptimizer's
+    /// estimate, not a bound.
+    pub error: f64,
+    /// Whether the number of triangles is the wanted one, or less than 2 % off, or the mesh had fewer. Corners of
+    /// charts never go, so meshes of many charts have a least number.
+    pub reached: bool,
+}
+
+/// Levels of detail with these numbers of triangles, each made from the unwrapped mesh itself, in the order of
+/// `counts`.
+///
+/// Vertices are those of the mesh, so all levels share its maps; where charts meet both sides lose the same vertices,
+/// so no level has a crack. Uvs in the first set weigh as positions do.
+///
+/// `go_on` is called with the part done, 0 to 1, from any thread; where it returns `false` the result is `None`.
+///
+/// # Errors
+/// [`Error::Invalid`] where the mesh has no uvs or a count is 0.
+pub fn levels(
+    mesh: &Mesh,
+    counts: &[usize],
+    go_on: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<Option<Vec<Level>>> {
+    let Some(uvs) = mesh.uvs().first() else {
+        return Err(Error::invalid("a mesh for levels of detail", "it has no uvs; unwrap it first"));
+    };
+    if counts.contains(&0) {
+        return Err(Error::invalid("a level of 0 triangles", "ask for at least one"));
+    }
+    let frame = Frame::of(mesh.positions());
+    let points: Vec<[f32; 3]> = mesh.positions().iter().map(|p| frame.scaled(*p)).collect();
+    let places: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
+    let level = |(i, count): (usize, &usize)| {
+        if !go_on(i as f64 / counts.len() as f64) {
+            return Ok(None);
+        }
+        let (triangles, error) = fewer(mesh, &points, &places, *count);
+        let reached = is_near(triangles.len(), *count) || triangles.len() < *count;
+        let level = Level { mesh: with_triangles(mesh, triangles)?, error: error * frame.extent, reached };
+        Ok(Some(level))
+    };
+    let levels: Result<Option<Vec<Level>>> = counts.par_iter().enumerate().map(level).collect();
+    Ok(levels?.filter(|_| go_on(1.0)))
+}
+
+fn fewer(mesh: &Mesh, points: &[[f32; 3]], places: &[[f32; 2]], count: usize) -> (Vec<[u32; 3]>, f64) {
+    if mesh.triangles().len() <= count {
+        return (mesh.triangles().to_vec(), 0.0);
+    }
+    let (mut error, unlocked) = (0.0, vec![false; points.len()]);
+    let corners = meshopt::simplify_with_attributes_and_locks(
+        mesh.triangles().as_flattened(),
+        &adapter(points),
+        places.as_flattened(),
+        &[UV_WEIGHT; 2],
+        size_of::<[f32; 2]>(),
+        &unlocked,
+        3 * count,
+        f32::MAX,
+        Choices::ErrorAbsolute,
+        Some(&mut error),
+    );
+    (triples(corners), f64::from(error))
+}
+
+/// The mesh with other triangles, without the vertices that they do not use.
+fn with_triangles(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
+    let (triangles, used) = compact(triangles, mesh.positions().len());
+    Mesh::new(MeshData {
+        positions: chosen(mesh.positions(), &used),
+        normals: chosen(mesh.normals(), &used),
+        colors: chosen(mesh.colors(), &used),
+        uvs: mesh.uvs().iter().map(|uvs| chosen(uvs, &used)).collect(),
+        tangents: Vec::new(),
+        triangles,
+    })
+}
+
+/// What some vertices have; empty where none has any.
+pub(super) fn chosen<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
+    if values.is_empty() { Vec::new() } else { vertices.iter().map(|v| values[*v as usize]).collect() }
+}

@@ -1,0 +1,290 @@
+//! What baking a scan must do whatever the scan is: shapes whose normals, heights and openness are known in closed form.
+
+use taotie::bake::{
+    BakeSettings, Baked, Cage, MapKind, Maps, Planes, Scan, Storage, Texel, UnwrapOptions, Verifier, bake,
+    store_unit_vectors, unwrap,
+};
+use taotie::image::{Encoding, Texture};
+use taotie::math::{Mat4, Vec3};
+use taotie::mesh::{Mesh, MeshData};
+use taotie::scene::{Instance, Material, NormalSpace, Scene};
+use taotie::surface::{vertex_normals, with_frames};
+
+fn scene(mesh: Mesh) -> Scene {
+    Scene {
+        meshes: vec![mesh],
+        materials: vec![Material::default()],
+        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+        ..Scene::default()
+    }
+}
+
+fn scan(mesh: Mesh) -> Scan {
+    Scan::new(scene(mesh)).expect("the mesh is sound")
+}
+
+/// A sphere with smooth normals and nothing else, as a scanner gives it.
+fn bare_sphere(radius: f64, columns: usize, rows: usize) -> Mesh {
+    let data = Mesh::sphere(radius, columns, rows).into_data();
+    // The first and the last column differ by rounding; a scan is closed.
+    let round = |v: f32| (v * 65536.0).round() / 65536.0;
+    let positions = data.positions.iter().map(|p| p.map(round)).collect();
+    let bare = MeshData { positions, triangles: data.triangles, ..MeshData::default() };
+    let mesh = Mesh::new(bare).unwrap();
+    let normals = vertex_normals(&mesh);
+    Mesh::new(MeshData { normals, ..mesh.into_data() }).unwrap()
+}
+
+/// Unwrapped, with tangents.
+fn light(mesh: &Mesh, size: u32) -> Mesh {
+    let unwrapped = unwrap(mesh, &UnwrapOptions { size, padding: 2 }, &|_| true).unwrap().unwrap();
+    with_frames(&unwrapped.mesh, 0, None).unwrap().0.into_owned()
+}
+
+fn baked(low: &Mesh, scan: &Scan, settings: &BakeSettings) -> (Baked, Cage) {
+    let cage = Cage::automatic(low, scan);
+    let baked = bake(low, &cage, scan, settings, &|_| true).unwrap().expect("nobody stopped it");
+    (baked, cage)
+}
+
+fn settings(size: u32, maps: &[MapKind]) -> BakeSettings {
+    BakeSettings { size: [size; 2], maps: maps.iter().copied().collect(), ..BakeSettings::default() }
+}
+
+fn covered(planes: &Planes) -> impl Iterator<Item = usize> + '_ {
+    (0..planes.texels.len()).filter(|i| planes.texels[*i] != Texel::Free)
+}
+
+/// Angles over the surface as a viewer shows it, degrees: mean and largest.
+fn shown_angles(low: &Mesh, planes: &Planes, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
+    let bitmap = store_unit_vectors(planes.size(), &planes.normal, storage).unwrap();
+    let texture = Texture::new(bitmap, Encoding::Normal);
+    let verifier = Verifier { mesh: low, normal: Some((&texture, NormalSpace::Tangent)), cage, scan };
+    let verdict = verifier.verdict(20_000).unwrap();
+    assert_eq!(verdict.lost, 0.0);
+    let summary = verdict.angles.summary().unwrap();
+    [summary.mean, summary.max]
+}
+
+#[test]
+fn a_coarse_sphere_looks_like_a_fine_one() {
+    let scan = scan(bare_sphere(2.0, 512, 256));
+    let low = light(&bare_sphere(2.0, 24, 12), 512);
+    let (baked, cage) = baked(&low, &scan, &settings(512, &[MapKind::Normal]));
+    assert_eq!((baked.counts.missed, baked.counts.lost, baked.counts.shared), (0, 0, 0));
+    let fine = Storage { bits: 16, dither: false };
+    let [mean, max] = shown_angles(&low, &baked.planes, fine, (&cage, &scan));
+    // Bilinear lookups at the borders of charts take in texels of the skirt.
+    assert!(mean < 0.01 && max < 2.0, "16 bits: {mean}° {max}°");
+    let exact = mean;
+    let coarse = Storage { bits: 8, dither: false };
+    let [mean, _] = shown_angles(&low, &baked.planes, coarse, (&cage, &scan));
+    assert!(mean > 0.05 && mean < 0.25, "8 bits: {mean}°");
+    let verifier = Verifier { mesh: &low, normal: None, cage: &cage, scan: &scan };
+    let plain = verifier.verdict(20_000).unwrap().angles.summary().unwrap().mean;
+    assert!(plain > 20.0 * exact, "without the map: {plain}°");
+}
+
+#[test]
+fn object_space_holds_the_directions_of_a_sphere() {
+    let scan = scan(bare_sphere(1.0, 256, 128));
+    let low = light(&bare_sphere(1.0, 32, 16), 256);
+    let settings = BakeSettings { space: NormalSpace::Object, ..settings(256, &[MapKind::Normal]) };
+    let cage = Cage::automatic(&low, &scan);
+    let planes = bake(&low, &cage, &scan, &settings, &|_| true).unwrap().unwrap().planes;
+    // Every direction is there, and each texel beside another is nearly the same.
+    let mut seen = [false; 6];
+    for i in covered(&planes) {
+        let n = Vec3::from_array(planes.normal[i]);
+        assert!((n.length() - 1.0).abs() < 1e-5);
+        let axes = [n.x, -n.x, n.y, -n.y, n.z, -n.z];
+        axes.iter().zip(&mut seen).for_each(|(c, seen)| *seen |= *c > 0.95);
+    }
+    assert_eq!(seen, [true; 6]);
+}
+
+#[test]
+fn heights_are_distances_to_the_scan() {
+    // A sphere of radius 1.05 around a light one that is inscribed into radius 1.
+    let scan = scan(bare_sphere(1.05, 256, 128));
+    let low = light(&bare_sphere(1.0, 64, 32), 256);
+    let (baked, _) = baked(&low, &scan, &settings(256, &[MapKind::Height, MapKind::Curvature]));
+    assert_eq!(baked.counts.missed, 0);
+    for i in covered(&baked.planes) {
+        // The light sphere's facets lie up to 1 − cos(π/64) inside of it.
+        assert!((0.0495..0.0565).contains(&baked.planes.lift[i]), "{}", baked.planes.lift[i]);
+        // Triangles at the poles are so small that the rounding of their corners bends them.
+        assert!((baked.planes.curvature[i] * 1.05 - 1.0).abs() < 0.1, "{}", baked.planes.curvature[i]);
+    }
+    let curvatures: Vec<f32> = covered(&baked.planes).map(|i| baked.planes.curvature[i]).collect();
+    let mean = curvatures.iter().sum::<f32>() / curvatures.len() as f32;
+    assert!((mean * 1.05 - 1.0).abs() < 2e-3, "{mean}");
+}
+
+/// A square of side 2 in the plane z = `height`, facing up, with uvs over the whole map.
+fn square(height: f32, side: f32) -> Mesh {
+    let corner = |x: f32, y: f32| Vec3::new(x * side, y * side, height);
+    Mesh::new(MeshData {
+        positions: vec![corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)],
+        normals: vec![Vec3::new(0.0, 0.0, 1.0); 4],
+        uvs: vec![
+            [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]]
+                .map(|[u, v]| taotie::math::Vec2::new(u, v))
+                .to_vec(),
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..MeshData::default()
+    })
+    .unwrap()
+}
+
+/// A floor with a wall of infinite height for its size along x = 0.
+fn floor_with_wall(height: f32) -> Mesh {
+    let mut data = square(0.0, 2.0).into_data();
+    let first = data.positions.len() as u32;
+    for [y, z] in [[-50.0, 0.0], [50.0, 0.0], [50.0, height], [-50.0, height]] {
+        data.positions.push(Vec3::new(0.0, y, z));
+    }
+    data.normals.extend([Vec3::new(1.0, 0.0, 0.0); 4]);
+    data.uvs.clear();
+    data.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    Mesh::new(data).unwrap()
+}
+
+#[test]
+fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
+    let scan = scan(floor_with_wall(1.0));
+    let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
+    let settings =
+        BakeSettings { sky_rays: 256, ..settings(32, &[MapKind::Occlusion, MapKind::Bent, MapKind::Normal]) };
+    let cage = Cage::uniform(&low, 0.01).unwrap();
+    let planes = bake(&low, &cage, &scan, &settings, &|_| true).unwrap().unwrap().planes;
+    for (i, open) in planes.occlusion.iter().enumerate() {
+        let x = f64::from((i % 32) as u32) / 32.0 * 2.0 - 1.0 + 1.0 / 32.0;
+        // A long wall of height 1 at distance d hides (1 − sin of its elevation's complement)/2 of the cosine-weighted
+        // sky: view factor (1 − d/√(d² + 1))/2.
+        let hidden = (1.0 - x.abs() / (x * x + 1.0).sqrt()) / 2.0;
+        assert!((f64::from(*open) - (1.0 - hidden)).abs() < 0.06, "{open} at {x}: {}", 1.0 - hidden);
+        let bent = planes.bent[i];
+        assert!(f64::from(bent[0]) * x.signum() > 0.0, "open directions lean away from the wall");
+    }
+    let mean = planes.occlusion.iter().map(|v| f64::from(*v)).sum::<f64>() / 1024.0;
+    let truth = (0..1024).map(|i| {
+        let x = (i as f64 + 0.5) / 1024.0;
+        1.0 - (1.0 - x / (x * x + 1.0).sqrt()) / 2.0
+    });
+    let truth = truth.sum::<f64>() / 1024.0;
+    assert!((mean - truth).abs() < 0.01, "{mean} against {truth}");
+}
+
+#[test]
+fn a_nearer_sheet_goes_before_one_behind_it_and_backs_do_not_count() {
+    // Under the light square: a floor a little below, and a ceiling's back a little above.
+    let mut data = square(-0.02, 2.0).into_data();
+    let ceiling = square(0.01, 2.0).into_data();
+    let first = data.positions.len() as u32;
+    data.positions.extend(ceiling.positions);
+    data.normals.extend([Vec3::new(0.0, 0.0, -1.0); 4]);
+    data.uvs.clear();
+    data.triangles.extend(ceiling.triangles.iter().map(|[a, b, c]| [a + first, c + first, b + first]));
+    let scan = scan(Mesh::new(data).unwrap());
+    let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
+    let (baked, _) = baked(&low, &scan, &settings(16, &[MapKind::Height]));
+    assert_eq!(baked.counts.missed, 0);
+    assert!(baked.planes.lift.iter().all(|h| (h + 0.02).abs() < 1e-6), "{:?}", baked.planes.lift[0]);
+}
+
+#[test]
+fn what_is_not_there_is_counted_and_never_made_up() {
+    // The scan covers the left half of the light square alone.
+    let mut data = square(0.0, 2.0).into_data();
+    data.positions.iter_mut().filter(|p| p.x > 0.0).for_each(|p| p.x = 0.0);
+    data.uvs.clear();
+    let scan = scan(Mesh::new(data).unwrap());
+    let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
+    let cage = Cage::uniform(&low, 0.02).unwrap();
+    let baked = bake(&low, &cage, &scan, &settings(64, &[MapKind::Normal]), &|_| true).unwrap().unwrap();
+    let counts = baked.counts;
+    assert_eq!(counts.samples, 64 * 64 * 4);
+    assert_eq!(counts.missed, counts.samples / 2, "the right half");
+    // Closest points are taken from as far as four times the rays reach.
+    let within = (0.08f64 / 2.0 * 128.0).floor() as usize * 128;
+    assert!(counts.missed - counts.lost <= within + 128 && counts.missed - counts.lost > within / 2);
+    for (i, texel) in baked.planes.texels.iter().enumerate() {
+        match i % 64 {
+            0..32 => assert_eq!(*texel, Texel::Met),
+            36.. => assert_eq!(*texel, Texel::Lost),
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn maps_depend_on_neither_threads_nor_order() {
+    let scan = scan(bare_sphere(1.0, 128, 64));
+    let low = light(&bare_sphere(1.02, 20, 10), 128);
+    let all = MapKind::Normal as u8..=MapKind::Roughness as u8;
+    let maps: Maps = [
+        MapKind::Normal,
+        MapKind::Occlusion,
+        MapKind::Albedo,
+        MapKind::Height,
+        MapKind::Bent,
+        MapKind::Roughness,
+    ]
+    .into_iter()
+    .collect();
+    assert!(all.count() == 7);
+    let bake_on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let settings = BakeSettings { maps, sky_rays: 8, ..settings(128, &[]) };
+        pool.install(|| baked(&low, &scan, &settings).0.planes)
+    };
+    let (one, three) = (bake_on(1), bake_on(3));
+    assert!(one.texels == three.texels && one.normal == three.normal && one.occlusion == three.occlusion);
+    assert!(one.bent == three.bent && one.lift == three.lift && one.roughness == three.roughness);
+    assert!(one.albedo == three.albedo);
+}
+
+#[test]
+fn relief_finer_than_a_texel_becomes_roughness() {
+    // Grooves of 45° slopes, far narrower than a texel of the coarse map.
+    // As many that no grid of samples falls into step with them.
+    let ridges = 181;
+    let mut data = MeshData::default();
+    for k in 0..ridges {
+        let x = |step: f32| (k as f32 + step) / ridges as f32 * 2.0 - 1.0;
+        let height = 0.5 / ridges as f32 * 2.0;
+        let first = data.positions.len() as u32;
+        for [step, z] in [[0.0, 0.0], [0.5, height], [0.5, height], [1.0, 0.0]] {
+            for y in [-1.0, 1.0] {
+                data.positions.push(Vec3::new(x(step), y, z));
+            }
+        }
+        let slope = 0.5f32.sqrt();
+        data.normals.extend([Vec3::new(-slope, 0.0, slope); 4]);
+        data.normals.extend([Vec3::new(slope, 0.0, slope); 4]);
+        for base in [first, first + 4] {
+            data.triangles.push([base, base + 2, base + 3]);
+            data.triangles.push([base, base + 3, base + 1]);
+        }
+    }
+    let scan = scan(Mesh::new(data).unwrap());
+    let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
+    let bake_at = |size: u32| {
+        let settings = BakeSettings {
+            roughness: 0.3,
+            side: 8,
+            ..settings(size, &[MapKind::Roughness, MapKind::Normal])
+        };
+        baked(&low, &scan, &settings).0.planes
+    };
+    let coarse = bake_at(16);
+    let middle = coarse.roughness[8 * 16 + 8];
+    assert!(middle > 0.6, "{middle}");
+    assert!(Vec3::from_array(coarse.normal[8 * 16 + 8]).z > 0.9, "the mean normal is upright");
+    // On a map that shows the grooves no roughness is added within a slope.
+    let fine = bake_at(1024);
+    let plain = fine.roughness.iter().filter(|v| (**v - 0.3).abs() < 1e-3).count();
+    assert!(plain > fine.roughness.len() * 9 / 10, "{plain} of {}", fine.roughness.len());
+}
