@@ -1,4 +1,4 @@
-# What a developer calls: `make` lists it. All of it is cargo underneath.
+# What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
 .PHONY: help test test-slow bench bench-bake docs errors tables bless tools
