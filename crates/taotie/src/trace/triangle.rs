@@ -16,8 +16,15 @@ pub struct Ray {
 impl Ray {
     /// From any point along a direction that is not zero; distances count in lengths of `direction`.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self::beside(origin, direction, direction)
+    }
+
+    /// The same ray, intersected along the axis that `main` runs along, as all rays of a sheaf must be. The direction's
+    /// part along that axis must have the sign of `main`'s.
+    pub fn beside(origin: Vec3, direction: Vec3, main: Vec3) -> Self {
+        let m = main.to_array();
         let d = direction.to_array();
-        let z = (0..3).fold(0, |best, i| if d[i].abs() > d[best].abs() { i } else { best });
+        let z = (0..3).fold(0, |best, i| if m[i].abs() > m[best].abs() { i } else { best });
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
         if d[z] < 0.0 {
             std::mem::swap(&mut x, &mut y);
