@@ -113,11 +113,9 @@ impl Report {
         }
         for met in &self.required {
             let verdict = if met.met { "met" } else { "NOT met" };
-            let _ = write!(
-                text,
-                "\n{:<12} {verdict}: {} is {:.4}, at most {}",
-                "required", met.figure, met.value, met.most
-            );
+            let value = met.value.map_or("could not be measured".into(), |value| format!("is {value:.4}"));
+            let _ =
+                write!(text, "\n{:<12} {verdict}: {} {value}, at most {}", "required", met.figure, met.most);
         }
         for file in &self.files {
             let _ = write!(text, "\nwrote {}", file.display());
