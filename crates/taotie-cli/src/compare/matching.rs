@@ -74,7 +74,7 @@ impl Matching {
                     let point = camera.point_at(at, depth.into(), size).to_f32();
                     let direction = Vec3::new(x, y, z);
                     let probe = Probe { point, direction, inward: reach, outward: reach };
-                    scan.project(&probe, None).map(|found| found.normal)
+                    scan.project(&probe).map(|found| found.normal)
                 })
             }
         }

@@ -30,7 +30,7 @@ const LEAST: f64 = 2e-4;
 const MOST: f64 = 0.1;
 /// A point seen along the direction, farther away than this part of the mesh's diagonal, is that of the gap only if it is
 /// no farther away than [`OBLIQUE`] times the closest point of all; else the line ran past the scan and met another part.
-const NEAR: f64 = 5e-3;
+const NEAR: f64 = 1e-2;
 const OBLIQUE: f32 = 4.0;
 
 impl Cage {
@@ -143,7 +143,7 @@ fn largest_gap(low: &Mesh, directions: &[Vec3], scan: &Scan, t: usize, diagonal:
         let direction = blend(triangle.map(|v| directions[v as usize]), weights).normalize_or(directions[0]);
         let height = |reach: f32| {
             let probe = Probe { point, direction, inward: reach, outward: reach };
-            scan.project(&probe, None).map(|found| found.height.abs())
+            scan.project(&probe).map(|found| found.height.abs())
         };
         if let Some(height) = height(near) {
             return Some(height);

@@ -25,8 +25,19 @@ pub(super) struct Layout<'a> {
 /// The samples of one triangle in one tile.
 pub(super) struct Patch {
     pub triangle: u32,
-    /// The texel of each sample, counted within the band, and the weights of the triangle's corners there.
-    pub samples: Vec<(u32, [f32; 3])>,
+    pub samples: Vec<Sample>,
+    /// The weights of the triangle's corners at column and row (0, 0), (1, 0) and (0, 1) of the tile.
+    pub weights: [[f32; 3]; 3],
+}
+
+/// A sample of a patch.
+pub(super) struct Sample {
+    /// Its texel, counted within the band.
+    pub texel: u32,
+    /// Its column and row in the tile.
+    pub at: [u16; 2],
+    /// The weights of the triangle's corners.
+    pub weights: [f32; 3],
 }
 
 impl<'a> Layout<'a> {
@@ -84,7 +95,7 @@ impl<'a> Layout<'a> {
             });
         }
         let mut spans = Vec::new();
-        let mut patch = Patch { triangle: 0, samples: Vec::new() };
+        let mut patch = Patch { triangle: 0, samples: Vec::new(), weights: Default::default() };
         for t in &self.bands[band] {
             spans.clear();
             self.spans(*t, &rows, |y, span, down| spans.push((y, span, down)));
@@ -95,15 +106,23 @@ impl<'a> Layout<'a> {
             for column in columns.0.div_euclid(tile)..=columns.1.div_euclid(tile) {
                 patch.triangle = *t;
                 patch.samples.clear();
+                let left = column * tile;
                 for (y, [from, to], down) in &spans {
-                    for x in *from.max(&(column * tile))..=*to.min(&(column * tile + tile - 1)) {
+                    for x in *from.max(&left)..=*to.min(&(left + tile - 1)) {
                         let place = place(*y, x);
                         if owners[place] == *t {
                             owners[place] = NONE;
-                            let texel = self.texel(place, width);
-                            patch.samples.push((texel, weights.at(x, y + down)));
+                            patch.samples.push(Sample {
+                                texel: self.texel(place, width),
+                                at: [(x - left) as u16, (y - rows.start) as u16],
+                                weights: weights.at(x, y + down),
+                            });
                         }
                     }
+                }
+                if let Some((_, _, down)) = spans.first() {
+                    let corner = |x: i64, y: i64| weights.at(left + x, rows.start + y + down);
+                    patch.weights = [corner(0, 0), corner(1, 0), corner(0, 1)];
                 }
                 if !patch.samples.is_empty() {
                     take(&patch);

@@ -21,6 +21,7 @@ mod planes;
 mod projection;
 mod raster;
 mod scan;
+mod search;
 mod simplify;
 mod sky;
 mod store;

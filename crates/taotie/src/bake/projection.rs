@@ -2,7 +2,7 @@
 
 use super::scan::Scan;
 use crate::math::Vec3;
-use crate::trace::{Hit, Ray, Shortlist};
+use crate::trace::{Hit, Ray, Stretch};
 
 /// The point of the heavy surface that a point of the light one stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,19 +30,32 @@ pub struct Probe {
     pub outward: f32,
 }
 
+impl Probe {
+    /// The probe as a ray from its inner end, and the stretch of it that matters.
+    pub(super) fn ray(&self) -> (Ray, Stretch) {
+        let ray = Ray::new(self.point - self.direction * self.inward, self.direction);
+        (ray, Stretch { from: 0.0, center: self.inward, to: self.inward + self.outward })
+    }
+
+    /// What a hit of [`Probe::ray`] on a surface with this normal stands for.
+    pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Match {
+        Match { height: hit.distance - self.inward, normal, triangle: hit.triangle, weights: hit.weights }
+    }
+}
+
 impl Scan {
     /// The nearest point on the probe where the scan faces as the probe does: whatever faces the other way is the far
-    /// side of something else. With a list that holds all of the probe, only its leaves are looked at.
-    pub fn project(&self, probe: &Probe, among: Option<&Shortlist>) -> Option<Match> {
-        let ray = Ray::new(probe.point - probe.direction * probe.inward, probe.direction);
-        let span = [0.0, probe.inward, probe.inward + probe.outward];
-        let facing = |hit: &Hit| {
-            let normal = self.normal(hit.triangle, hit.weights);
-            (normal.dot(probe.direction) > 0.0).then_some(normal)
-        };
-        let (hit, normal) = self.bvh().nearest_to(&ray, span, among, facing)?;
-        let height = hit.distance - probe.inward;
-        Some(Match { height, normal, triangle: hit.triangle, weights: hit.weights })
+    /// side of something else.
+    pub fn project(&self, probe: &Probe) -> Option<Match> {
+        let (ray, stretch) = probe.ray();
+        let (hit, normal) = self.bvh().nearest_to(&ray, stretch, |hit| self.facing(hit, probe))?;
+        Some(probe.found(&hit, normal))
+    }
+
+    /// The scan's normal at a hit, if it faces as the probe does.
+    pub(super) fn facing(&self, hit: &Hit, probe: &Probe) -> Option<Vec3> {
+        let normal = self.normal(hit.triangle, hit.weights);
+        (normal.dot(probe.direction) > 0.0).then_some(normal)
     }
 
     /// The closest point of the scan within `reach`, if it faces as `direction` does.
@@ -96,7 +109,7 @@ mod tests {
             inward: reach,
             outward: reach,
         };
-        let at = |z: f32, reach: f32| scan.project(&probe(z, up, reach), None);
+        let at = |z: f32, reach: f32| scan.project(&probe(z, up, reach));
         let below = at(0.2, 0.5).unwrap();
         assert!((below.height + 0.2).abs() < 1e-6 && (below.normal - up).length() < 1e-6);
         assert!((at(-0.1, 0.5).unwrap().height - 0.1).abs() < 1e-6);
@@ -108,7 +121,7 @@ mod tests {
             (at(0.9, 1.0).unwrap().height + 0.9).abs() < 1e-6,
             "what faces the other way is passed through"
         );
-        let down = scan.project(&probe(0.9, -up, 0.5), None).unwrap();
+        let down = scan.project(&probe(0.9, -up, 0.5)).unwrap();
         assert!((down.height + 0.1).abs() < 1e-6);
     }
 

@@ -8,6 +8,7 @@ use super::maps::{MapKind, Maps};
 use super::planes::{BandPlanes, Planes, Texel};
 use super::projection::{Match, Probe};
 use super::scan::{Scan, blend};
+use super::search::search;
 use super::sky::Sky;
 use crate::error::{Error, Result};
 use crate::math::{Vec3, sequence};
@@ -15,7 +16,6 @@ use crate::mesh::Mesh;
 use crate::scene::NormalSpace;
 use crate::shade::Hidden;
 use crate::surface::tangent_space_normal;
-use crate::trace::Shortlist;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -202,19 +202,10 @@ struct Cell {
     curvature: f32,
 }
 
-/// A sample's place on the light mesh.
-struct Place {
-    probe: Probe,
-    n: Vec3,
-    t: Vec3,
-    handedness: f32,
-}
-
 impl Job<'_> {
     fn band(&self, band: usize, mut planes: BandPlanes<'_>) -> BakeCounts {
         let mut cells = vec![Cell::default(); planes.texels.len()];
-        let mut list = Shortlist::default();
-        let shared = self.layout.patches(band, |patch| self.patch(patch, &mut list, &mut cells));
+        let shared = self.layout.patches(band, |patch| self.patch(patch, &mut cells));
         let mut counts = BakeCounts { shared, ..BakeCounts::default() };
         for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.samples > 0) {
             self.store(i, cell, &mut planes);
@@ -228,43 +219,40 @@ impl Job<'_> {
     }
 
     /// Finds the places of a patch's samples on the scan.
-    fn patch(&self, patch: &Patch, list: &mut Shortlist, cells: &mut [Cell]) {
-        /// Fewer samples are found faster from the root of the tree than by listing the leaves around them.
-        const FEW: usize = 12;
-        /// A list longer than this is slower than the tree.
-        const LONGEST: usize = 96;
-        let places: Vec<Place> = patch.samples.iter().map(|(_, w)| self.place(patch.triangle, *w)).collect();
-        let listed = places.len() > FEW && self.scan.bvh().shortlist(around(&places), LONGEST, list);
-        let among = listed.then_some(&*list);
-        for (i, ((texel, _), place)) in patch.samples.iter().zip(&places).enumerate() {
-            let seed = sequence::hash(*texel, i as u32);
-            self.sample(place, among, seed, &mut cells[*texel as usize]);
+    fn patch(&self, patch: &Patch, cells: &mut [Cell]) {
+        let corners = self.layout.mesh.corners(patch.triangle as usize);
+        let probes: Vec<Probe> =
+            patch.samples.iter().map(|sample| self.probe(patch.triangle, corners, sample.weights)).collect();
+        let found = search(self.scan, patch, corners, &probes);
+        for (i, (sample, found)) in patch.samples.iter().zip(found).enumerate() {
+            let cell = &mut cells[sample.texel as usize];
+            self.add_frame(patch.triangle, sample.weights, cell);
+            let seed = sequence::hash(sample.texel, i as u32);
+            self.sample(&probes[i], found, seed, cell);
         }
     }
 
-    fn place(&self, triangle: u32, weights: [f32; 3]) -> Place {
+    fn probe(&self, triangle: u32, corners: [Vec3; 3], weights: [f32; 3]) -> Probe {
+        let triangle = self.layout.mesh.triangles()[triangle as usize];
+        self.cage.probe(triangle, blend(corners, weights), weights)
+    }
+
+    /// Adds the light mesh's frame at a sample.
+    fn add_frame(&self, triangle: u32, weights: [f32; 3], cell: &mut Cell) {
         let mesh = self.layout.mesh;
-        let corners = mesh.triangles()[triangle as usize];
-        let of = |values: &[Vec3]| blend(corners.map(|v| values[v as usize]), weights);
-        let tangent = |v: u32| {
-            let [x, y, z, _] = mesh.tangents()[v as usize];
+        let [a, b, c] = mesh.triangles()[triangle as usize].map(|v| v as usize);
+        let tangent = |v: usize| {
+            let [x, y, z, _] = mesh.tangents()[v];
             Vec3::new(x, y, z)
         };
-        Place {
-            probe: self.cage.probe(corners, of(mesh.positions()), weights),
-            n: of(mesh.normals()),
-            t: blend(corners.map(tangent), weights),
-            handedness: mesh.tangents()[corners[0] as usize][3],
-        }
+        cell.samples += 1;
+        cell.n += blend([mesh.normals()[a], mesh.normals()[b], mesh.normals()[c]], weights);
+        cell.t += blend([tangent(a), tangent(b), tangent(c)], weights);
+        cell.handedness = mesh.tangents()[a][3];
     }
 
-    fn sample(&self, place: &Place, among: Option<&Shortlist>, seed: u32, cell: &mut Cell) {
-        let probe = &place.probe;
-        cell.samples += 1;
-        cell.n += place.n;
-        cell.t += place.t;
-        cell.handedness = place.handedness;
-        let found = self.scan.project(probe, among).or_else(|| {
+    fn sample(&self, probe: &Probe, found: Option<Match>, seed: u32, cell: &mut Cell) {
+        let found = found.or_else(|| {
             cell.missed += 1;
             self.scan.closest(probe.point, probe.direction, self.reach)
         });
@@ -272,7 +260,7 @@ impl Job<'_> {
             Some(found) => self.add(&found, seed, cell),
             None => {
                 cell.lost += 1;
-                cell.normal += place.n.normalize_or(probe.direction);
+                cell.normal += probe.direction;
                 cell.open += 1.0;
                 cell.bent += probe.direction;
             }
@@ -344,17 +332,4 @@ impl Job<'_> {
             }
         }
     }
-}
-
-/// The box around the lines of all places.
-fn around(places: &[Place]) -> [Vec3; 2] {
-    let (mut low, mut high) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
-    for Place { probe, .. } in places {
-        for end in [-probe.inward, probe.outward] {
-            let p = probe.point + probe.direction * end;
-            low = Vec3::new(low.x.min(p.x), low.y.min(p.y), low.z.min(p.z));
-            high = Vec3::new(high.x.max(p.x), high.y.max(p.y), high.z.max(p.z));
-        }
-    }
-    [low, high]
 }

@@ -99,9 +99,9 @@ impl Verifier<'_> {
         let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
         values.par_chunks_mut((BAND * size[0]) as usize).enumerate().for_each(|(band, values)| {
             layout.patches(band, |patch| {
-                for (texel, weights) in &patch.samples {
-                    let place = Place { triangle: patch.triangle, weights: *weights };
-                    values[*texel as usize] = self.angle(place).0;
+                for sample in &patch.samples {
+                    let place = Place { triangle: patch.triangle, weights: sample.weights };
+                    values[sample.texel as usize] = self.angle(place).0;
                 }
             });
         });
@@ -165,7 +165,7 @@ impl Verifier<'_> {
         let corners = self.mesh.triangles()[place.triangle as usize];
         let point = blend(self.mesh.corners(place.triangle as usize), place.weights);
         let probe = self.cage.probe(corners, point, place.weights);
-        let (found, way) = match self.scan.project(&probe, None) {
+        let (found, way) = match self.scan.project(&probe) {
             Some(found) => (Some(found), Way::Met),
             None => match self.scan.closest(point, probe.direction, self.cage.longest() * 4.0) {
                 Some(found) => (Some(found), Way::Closest),

@@ -71,12 +71,13 @@ impl Bvh {
     }
 
     fn walk(&self, ray: &Ray, span: Span, mut meet: impl FnMut(Hit, Span) -> Span) {
-        let hit = |met: Met| Hit {
-            triangle: self.tree.order[met.slot],
-            weights: met.weights,
-            distance: met.distance,
-        };
-        dispatch_pack!(self.level, P, token => walk::<P>(token, &self.tree, ray, span, |met, span| meet(hit(met), span)));
+        dispatch_pack!(self.level, P, token => {
+            walk::<P>(token, &self.tree, ray, span, |met, span| meet(self.hit(&met), span));
+        });
+    }
+
+    pub(super) fn hit(&self, met: &Met) -> Hit {
+        Hit { triangle: self.tree.order[met.slot], weights: met.weights, distance: met.distance }
     }
 }
 

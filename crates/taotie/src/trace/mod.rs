@@ -3,12 +3,12 @@
 mod bvh;
 mod hilbert;
 mod nearby;
-mod shortlist;
+mod nearest;
 mod tree;
 mod triangle;
 mod walk;
 
 pub use bvh::{Bvh, Hit};
 pub use nearby::Closest;
-pub use shortlist::Shortlist;
+pub use nearest::{Nearest, Stretch};
 pub use triangle::Ray;
