@@ -182,9 +182,10 @@ impl Proof {
 pub fn parameters(args: &BakeArgs) -> Value {
     let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
     json!({
-        "triangles": args.low.is_none().then_some(args.triangles),
+        "triangles": (args.low.is_none() && args.error.is_none()).then_some(args.triangles),
         "error_deg": args.error,
         "lods": args.lods,
+        "size": args.error.is_none().then_some(args.size),
         "maps": args.maps.iter().map(|map| map.name()).collect::<Vec<_>>(),
         "space": match args.space { Space::Tangent => "tangent", Space::Object => "object" },
         "samples": args.side() * args.side(),
