@@ -213,7 +213,7 @@ fn of_a_pair() {
     assert!(proof.rms < proof.hausdorff && proof.uv_use > 0.8);
     assert_eq!(
         proof.bytes_out as usize,
-        ["out.glb", "out.height.png"].map(|f| place.read(f).len()).iter().sum()
+        ["out.glb", "out.height.png"].map(|f| place.read(f).len()).iter().sum::<usize>()
     );
     assert_eq!(
         report.required,
