@@ -1,7 +1,7 @@
-# What a developer calls: `make` lists it. All of it is cargo underneath.
+# What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow bench docs errors tables bless tools
+.PHONY: help test test-slow bench bench-bake docs errors tables bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -18,6 +18,20 @@ test-slow: ## The tests that take minutes each
 
 bench: ## Milliseconds per stage of the renderer
 	cargo bench -p taotie --bench stages
+
+# Blender comes as a Python package for Python 3.11; elsewhere Taotie is measured alone. TAOTIE=/path/to/taotie times that
+# program instead of building one; BENCH holds options, `make bench-bake BENCH=--help` lists them.
+BENCH_VENV = target/bench-bake/venv
+PYTHON = $(shell command -v python3.11 || echo python3)
+bench-bake: $(BENCH_VENV)/ready ## Bakes the same jobs by Taotie and by Blender, for docs/benchmarks.md; BENCH=--quick: fewer
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	$(BENCH_VENV)/bin/python benches/bake/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
+
+$(BENCH_VENV)/ready: benches/bake/requirements.txt
+	$(PYTHON) -m venv $(BENCH_VENV)
+	$(BENCH_VENV)/bin/pip install --quiet --requirement $< || \
+	{ grep -v '^bpy' $< >$(BENCH_VENV)/others.txt && $(BENCH_VENV)/bin/pip install --quiet --requirement $(BENCH_VENV)/others.txt; }
+	touch $@
 
 docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, anew
 	cargo run --release -p xtask -- help-pages

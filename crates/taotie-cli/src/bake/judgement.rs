@@ -4,9 +4,10 @@ use super::work::{Light, Made, Source};
 use taotie::Warnings;
 use taotie::bake::{Faults, Verifier};
 use taotie::mesh::Mesh;
+use taotie::surface::facet_normal;
 
 /// Points at which the pair is looked at.
-const POINTS: usize = 20_000;
+const POINTS: usize = 4_000;
 /// More of the texels missing than this is worth a warning.
 const MISSED: f64 = 0.001;
 /// More of the light mesh far away, or turned, than this is worth a warning.
@@ -61,6 +62,16 @@ pub fn judge(source: &Source, light: &Light, made: &Made, warnings: &mut Warning
         ));
     }
     warnings.note("triangles of the light mesh without uv area, which have no relief", counts.flat);
+    warnings.note("triangles of the light mesh that face away from their own normals", turned(&light.mesh));
+}
+
+/// How many triangles face away from the mean of their corners' normals.
+fn turned(mesh: &Mesh) -> usize {
+    let is_turned = |t: &usize| {
+        let [a, b, c] = mesh.triangles()[*t].map(|v| mesh.normals()[v as usize]);
+        facet_normal(mesh.corners(*t)).is_some_and(|facet| facet.dot(a + b + c) < 0.0)
+    };
+    (0..mesh.triangles().len()).filter(is_turned).count()
 }
 
 /// Notes what is wrong with the scan itself.

@@ -160,7 +160,10 @@ fn texel_bytes(args: &BakeArgs) -> u64 {
 fn read(path: &Path, warnings: &mut Warnings) -> Result<Loaded> {
     let mut loaded = io::load_model(path)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
-    if loaded.scene.bounds().is_none_or(|bounds| bounds.diagonal() == 0.0) {
+    let meshes = &loaded.scene.meshes;
+    let mut positions = meshes.iter().flat_map(|mesh| mesh.positions());
+    let first = positions.next();
+    if !positions.any(|position| Some(position) != first) {
         bail!("{}: all its triangles lie in one point; there is nothing to bake", path.display());
     }
     Ok(loaded)

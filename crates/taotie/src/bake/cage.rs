@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 /// For each vertex of a light mesh the direction in which its scan is looked for, and how far.
 ///
-/// Directions are the angle-weighted means over all triangles at a place, so that they do not part at hard edges and
-/// uv seams, and no gap opens between the lines of neighbouring texels.
+/// Directions are the means of the mesh's normals at a place, so that they do not part at hard edges and uv seams, and
+/// no gap opens between the lines of neighbouring texels.
 #[derive(Debug, Clone)]
 pub struct Cage {
     /// Outward, unit.
@@ -37,7 +37,7 @@ impl Cage {
     /// Finds the distances: from points all over each triangle the scan is looked for along the directions and as the
     /// closest point of all; each vertex gets twice the largest gap of the triangles around it.
     pub fn automatic(low: &Mesh, scan: &Scan) -> Self {
-        let directions = surface::vertex_normals(low);
+        let directions = directions(low);
         let diagonal = diagonal(low);
         let gaps: Vec<f32> = (0..low.triangles().len())
             .into_par_iter()
@@ -64,7 +64,7 @@ impl Cage {
                 "give model units above 0, or `auto`",
             ));
         }
-        let directions = surface::vertex_normals(low);
+        let directions = directions(low);
         let reach = vec![distance; directions.len()];
         Ok(Self { directions, inward: reach.clone(), outward: reach })
     }
@@ -115,6 +115,17 @@ impl Cage {
     pub fn longest(&self) -> f32 {
         self.inward.iter().chain(&self.outward).fold(0.0, |most: f32, v| most.max(*v))
     }
+}
+
+/// The mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the triangles
+/// around it.
+fn directions(low: &Mesh) -> Vec<Vec3> {
+    let around = surface::vertex_normals(low);
+    if low.normals().is_empty() {
+        return around;
+    }
+    let means = surface::mean_by_position(low, low.normals());
+    means.into_iter().zip(around).map(|(mean, around)| mean.normalize_or(around)).collect()
 }
 
 /// The length of the diagonal of a mesh's box.

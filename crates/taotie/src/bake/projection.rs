@@ -31,9 +31,9 @@ pub struct Probe {
 }
 
 impl Probe {
-    /// The probe as a ray from its inner end, and the stretch of it that matters.
-    pub(super) fn ray(&self) -> (Ray, Stretch) {
-        let ray = Ray::new(self.point - self.direction * self.inward, self.direction);
+    /// The probe as a ray from its inner end beside others that run along `main`, and the stretch of it that matters.
+    pub(super) fn ray(&self, main: Vec3) -> (Ray, Stretch) {
+        let ray = Ray::beside(self.point - self.direction * self.inward, self.direction, main);
         (ray, Stretch { from: 0.0, center: self.inward, to: self.inward + self.outward })
     }
 
@@ -47,7 +47,7 @@ impl Scan {
     /// The nearest point on the probe where the scan faces as the probe does: whatever faces the other way is the far
     /// side of something else.
     pub fn project(&self, probe: &Probe) -> Option<Match> {
-        let (ray, stretch) = probe.ray();
+        let (ray, stretch) = probe.ray(probe.direction);
         let (hit, normal) = self.bvh().nearest_to(&ray, stretch, |hit| self.facing(hit, probe))?;
         Some(probe.found(&hit, normal))
     }

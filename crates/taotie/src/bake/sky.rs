@@ -1,73 +1,132 @@
-//! How much of the hemisphere over a point of a scan is open.
+//! How much of the hemisphere over each point of a scan is open.
 
+use super::projection::Match;
 use super::scan::Scan;
-use crate::math::{Vec3, scalar, sequence::Sequence};
+use crate::math::{Vec3, scalar};
 use crate::surface;
-use crate::trace::Ray;
+use crate::trace::{Ray, Sheaf, SheafView};
 
-/// Sets of directions that texels choose from.
-const SETS: usize = 64;
-
-/// Directions over a hemisphere about z, their density proportional to the cosine, in many sets of equal size.
+/// Directions all over the sphere, the same for every point of a map, so that neighbouring texels differ by what they
+/// see and not by chance, and their rays run side by side.
 pub(super) struct Sky {
     directions: Vec<Vec3>,
-    count: usize,
+    /// Samples a texel, which share the directions out between them.
+    classes: u32,
     /// How far what is in the way counts, model units.
     reach: f32,
     /// How far rays begin above the surface.
     lift: f32,
 }
 
-/// What was seen of the hemisphere.
+/// A point from which the sky is looked at.
+pub(super) struct Outlook {
+    origin: Vec3,
+    normal: Vec3,
+    facet: Vec3,
+    class: u32,
+}
+
+/// What was seen of the hemisphere: sums over directions, each weighted by its cosine.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Open {
-    /// The open part, weighted by the cosine: [0, 1].
-    pub part: f32,
-    /// The sum of open directions over their number in all.
+    /// Of the weights of all directions.
+    pub looked: f32,
+    /// Of those of open ones.
+    pub seen: f32,
+    /// Open directions.
     pub direction: Vec3,
 }
 
 impl Sky {
-    /// `count` directions a set; what is farther than `reach` away does not count.
+    /// About `rays` a texel of `classes` samples over the hemisphere; what is farther than `reach` away does not count.
     ///
-    /// Directions are a disc's points raised to the hemisphere (Malley's method): Pharr, Jakob and Humphreys 2023,
-    /// "Physically Based Rendering", 4th ed., A.5.3.
-    pub fn new(count: usize, reach: f32, diagonal: f64) -> Self {
-        let direction = |set: usize, i: usize| {
-            let [u, v, ..] = Sequence::new(set as u32).four(i as u32, 0);
-            let angle = std::f64::consts::TAU * f64::from(v);
-            let radius = f64::from(u).sqrt();
-            let height = (1.0 - f64::from(u)).max(0.0).sqrt();
-            Vec3::new(radius * scalar::cos(angle), radius * scalar::sin(angle), height).to_f32()
+    /// Directions are a spherical Fibonacci lattice (Keinert et al. 2015, "Spherical Fibonacci mapping", eq. 2).
+    pub fn new(rays: u32, classes: u32, reach: f32, diagonal: f64) -> Self {
+        // Half of the sphere lies under the surface.
+        let count = 2 * rays.max(classes);
+        let golden = (5.0f64.sqrt() - 1.0) / 2.0;
+        let direction = |i: u32| {
+            let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+            let turn = f64::from(i) * golden;
+            let angle = std::f64::consts::TAU * (turn - turn.floor());
+            let ring = (1.0 - z * z).max(0.0).sqrt();
+            Vec3::new(ring * scalar::cos(angle), ring * scalar::sin(angle), z).to_f32()
         };
-        let directions = (0..SETS * count).map(|k| direction(k / count, k % count)).collect();
-        Self { directions, count, reach, lift: (diagonal * 1e-5) as f32 }
+        Self {
+            directions: (0..count).map(direction).collect(),
+            classes,
+            reach,
+            lift: (diagonal * 1e-5) as f32,
+        }
     }
 
-    /// Looks out from a point of a triangle of the scan. `seed` chooses the set.
-    pub fn open(&self, scan: &Scan, triangle: u32, weights: [f32; 3], seed: u32) -> Open {
-        let normal = scan.normal(triangle, weights);
-        let facet = surface::facet_normal(scan.mesh().corners(triangle as usize)).unwrap_or(normal);
-        let facet = if facet.dot(normal) < 0.0 { -facet } else { facet };
-        let origin = scan.point(triangle, weights) + facet * self.lift;
-        let x = normal.any_perpendicular();
-        let y = normal.cross(x);
-        let set = seed as usize % SETS * self.count;
-        let (mut seen, mut looked) = (Vec3::default(), 0);
-        let mut open = 0;
-        for local in &self.directions[set..set + self.count] {
-            let direction = x * local.x + y * local.y + normal * local.z;
-            // Below the facet there is nothing to be seen; the smooth surface that it stands for would see it.
-            if direction.dot(facet) <= 0.0 {
-                continue;
-            }
-            looked += 1;
-            if !scan.bvh().occluded(&Ray::new(origin, direction), self.reach, |_| true) {
-                open += 1;
-                seen += direction;
+    /// The point of the scan that a sample found; `class` is the sample's number in its texel.
+    pub fn outlook(&self, scan: &Scan, found: &Match, class: u32) -> Outlook {
+        let corners = scan.mesh().corners(found.triangle as usize);
+        let facet = surface::facet_normal(corners).unwrap_or(found.normal);
+        let facet = if facet.dot(found.normal) < 0.0 { -facet } else { facet };
+        let origin = scan.point(found.triangle, found.weights) + facet * self.lift;
+        Outlook { origin, normal: found.normal, facet, class: class % self.classes }
+    }
+
+    /// Looks out from each of these points, which should lie near one another.
+    pub fn open(&self, scan: &Scan, outlooks: &[Outlook]) -> Vec<Open> {
+        let mut open = vec![Open::default(); outlooks.len()];
+        let mut looking = Vec::with_capacity(outlooks.len());
+        for (i, direction) in self.directions.iter().enumerate() {
+            looking.clear();
+            // Below its facet a point sees nothing; the smooth surface that the facet stands for would.
+            looking.extend((0..outlooks.len()).filter(|k| {
+                let Outlook { normal, facet, class, .. } = &outlooks[*k];
+                i as u32 % self.classes == *class
+                    && normal.dot(*direction) > 0.0
+                    && facet.dot(*direction) > 0.0
+            }));
+            let blocked = self.blocked(scan, outlooks, &looking, *direction);
+            for (k, blocked) in looking.iter().zip(blocked) {
+                let weight = outlooks[*k].normal.dot(*direction);
+                open[*k].looked += weight;
+                if !blocked {
+                    open[*k].seen += weight;
+                    open[*k].direction += *direction * weight;
+                }
             }
         }
-        let share = 1.0 / looked.max(1) as f32;
-        Open { part: open as f32 * share, direction: seen * share }
+        open
+    }
+
+    /// Whether something stands in the way from each of these points.
+    fn blocked(&self, scan: &Scan, outlooks: &[Outlook], looking: &[usize], direction: Vec3) -> Vec<bool> {
+        /// Fewer rays are faster one by one.
+        const FEW: usize = 6;
+        let rays: Vec<Ray> = looking.iter().map(|k| Ray::new(outlooks[*k].origin, direction)).collect();
+        let sheaf = (rays.len() > FEW).then(|| self.sheaf(&rays, direction)).flatten();
+        let Some(sheaf) = sheaf else {
+            return rays.iter().map(|ray| scan.bvh().occluded(ray, self.reach, |_| true)).collect();
+        };
+        let mut blocked = vec![false; rays.len()];
+        let mut open = rays.len();
+        scan.bvh().meet_all(&sheaf, |ray, hit| {
+            if hit.distance < self.reach && !blocked[ray] {
+                blocked[ray] = true;
+                open -= 1;
+            }
+            open > 0
+        });
+        blocked
+    }
+
+    fn sheaf<'a>(&self, rays: &'a [Ray], direction: Vec3) -> Option<Sheaf<'a>> {
+        let x = direction.any_perpendicular();
+        let axes = [x, direction.cross(x), direction];
+        let origin = rays.first()?.origin();
+        let local = |ray: &Ray, axis: usize| axes[axis].dot(ray.origin() - origin);
+        let places: Vec<[f32; 2]> = rays.iter().map(|ray| [local(ray, 0), local(ray, 1)]).collect();
+        let nearest = rays.iter().map(|ray| local(ray, 2)).fold(f32::INFINITY, f32::min);
+        let farthest = rays.iter().map(|ray| local(ray, 2)).fold(f32::NEG_INFINITY, f32::max);
+        // Rounding of places and of their shadows, which grows with how far away they are from zero.
+        let slack = (origin.length() + farthest - nearest) * 2e-6 + self.lift * 0.1;
+        let depths = [nearest - slack, farthest + self.reach];
+        Sheaf::new(rays, &places, SheafView { origin, axes, slack: [slack; 2], depths })
     }
 }

@@ -9,9 +9,9 @@ use super::planes::{BandPlanes, Planes, Texel};
 use super::projection::{Match, Probe};
 use super::scan::{Scan, blend};
 use super::search::search;
-use super::sky::Sky;
+use super::sky::{Outlook, Sky};
 use crate::error::{Error, Result};
-use crate::math::{Vec3, sequence};
+use crate::math::Vec3;
 use crate::mesh::Mesh;
 use crate::scene::NormalSpace;
 use crate::shade::Hidden;
@@ -166,8 +166,8 @@ fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {
 }
 
 fn sky(low: &Mesh, settings: &BakeSettings) -> Sky {
-    let rays = settings.sky_rays.div_ceil(settings.side * settings.side).max(1);
-    Sky::new(rays as usize, settings.sky_reach.unwrap_or(f32::INFINITY), diagonal(low))
+    let reach = settings.sky_reach.unwrap_or(f32::INFINITY);
+    Sky::new(settings.sky_rays, settings.side * settings.side, reach, diagonal(low))
 }
 
 /// All that a band needs.
@@ -197,6 +197,8 @@ struct Cell {
     handedness: f32,
     lift: f32,
     color: Vec3,
+    /// Of directions over the hemisphere: all, and open ones.
+    looked: f32,
     open: f32,
     bent: Vec3,
     curvature: f32,
@@ -224,11 +226,29 @@ impl Job<'_> {
         let probes: Vec<Probe> =
             patch.samples.iter().map(|sample| self.probe(patch.triangle, corners, sample.weights)).collect();
         let found = search(self.scan, patch, corners, &probes);
-        for (i, (sample, found)) in patch.samples.iter().zip(found).enumerate() {
+        let mut outlooks = Vec::new();
+        for ((sample, probe), found) in patch.samples.iter().zip(&probes).zip(found) {
             let cell = &mut cells[sample.texel as usize];
             self.add_frame(patch.triangle, sample.weights, cell);
-            let seed = sequence::hash(sample.texel, i as u32);
-            self.sample(&probes[i], found, seed, cell);
+            let Some(found) = self.found(probe, found, cell) else { continue };
+            self.add(&found, cell);
+            if let Some(sky) = &self.sky {
+                let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
+                let class = y * self.layout.side + x;
+                outlooks.push((sample.texel, sky.outlook(self.scan, &found, class)));
+            }
+        }
+        self.add_sky(outlooks, cells);
+    }
+
+    fn add_sky(&self, outlooks: Vec<(u32, Outlook)>, cells: &mut [Cell]) {
+        let Some(sky) = &self.sky else { return };
+        let (texels, outlooks): (Vec<u32>, Vec<Outlook>) = outlooks.into_iter().unzip();
+        for (texel, open) in texels.into_iter().zip(sky.open(self.scan, &outlooks)) {
+            let cell = &mut cells[texel as usize];
+            cell.looked += open.looked;
+            cell.open += open.seen;
+            cell.bent += open.direction;
         }
     }
 
@@ -251,23 +271,21 @@ impl Job<'_> {
         cell.handedness = mesh.tangents()[a][3];
     }
 
-    fn sample(&self, probe: &Probe, found: Option<Match>, seed: u32, cell: &mut Cell) {
-        let found = found.or_else(|| {
+    /// What a sample stands for: what its line met, else the closest point of the scan.
+    fn found(&self, probe: &Probe, met: Option<Match>, cell: &mut Cell) -> Option<Match> {
+        let found = met.or_else(|| {
             cell.missed += 1;
             self.scan.closest(probe.point, probe.direction, self.reach)
         });
-        match found {
-            Some(found) => self.add(&found, seed, cell),
-            None => {
-                cell.lost += 1;
-                cell.normal += probe.direction;
-                cell.open += 1.0;
-                cell.bent += probe.direction;
-            }
+        if found.is_none() {
+            cell.lost += 1;
+            cell.normal += probe.direction;
+            cell.bent += probe.direction;
         }
+        found
     }
 
-    fn add(&self, found: &Match, seed: u32, cell: &mut Cell) {
+    fn add(&self, found: &Match, cell: &mut Cell) {
         cell.normal += found.normal;
         cell.lift += found.height;
         if self.settings.maps.has(MapKind::Albedo) {
@@ -278,11 +296,6 @@ impl Job<'_> {
             for (v, weight) in corners.into_iter().zip(found.weights) {
                 cell.curvature += self.curvatures[v as usize] * weight;
             }
-        }
-        if let Some(sky) = &self.sky {
-            let open = sky.open(self.scan, found.triangle, found.weights, seed);
-            cell.open += open.part;
-            cell.bent += open.direction;
         }
     }
 
@@ -308,7 +321,7 @@ impl Job<'_> {
             planes.lift[i] = cell.lift * share;
         }
         if maps.has(MapKind::Occlusion) {
-            planes.occlusion[i] = cell.open * share;
+            planes.occlusion[i] = if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 };
         }
         if maps.has(MapKind::Curvature) {
             planes.curvature[i] = cell.curvature * share;

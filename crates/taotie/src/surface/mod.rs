@@ -22,8 +22,8 @@ pub use maps::{
     tangent_space_normal,
 };
 pub use method::{SurfaceMethod, TangentMethod};
-pub(crate) use normals::shared_by_position;
 pub use normals::{facet_normal, vertex_normals, with_normals};
+pub(crate) use normals::{mean_by_position, shared_by_position};
 pub(crate) use tangents::NO_UV_AREA;
 pub use tangents::{Tangented, with_frames, with_tangents};
 pub(crate) use weld::{Classes, bits, by_position};

@@ -108,6 +108,18 @@ pub(super) fn unit(v: Vec3<f64>) -> Option<Vec3<f64>> {
     (length > 1e-300 && length.is_finite()).then(|| v / length)
 }
 
+/// For each vertex the sum of the vectors of all vertices at its place, each different one counted once, so that how a
+/// surface is cut does not matter.
+pub(crate) fn mean_by_position(mesh: &Mesh, vectors: &[Vec3]) -> Vec<Vec3> {
+    let places = weld::by_position(mesh.positions());
+    let kinds = places.split_by(|v| weld::bits(vectors[v].to_array()));
+    let mut sums = vec![Vec3::splat(0.0); places.firsts.len()];
+    for first in &kinds.firsts {
+        sums[places.of[*first as usize] as usize] += vectors[*first as usize];
+    }
+    places.of.iter().map(|place| sums[*place as usize]).collect()
+}
+
 /// Gives all vertices at one place the largest of their values.
 pub(crate) fn shared_by_position(mesh: &Mesh, values: &mut [f32]) {
     let places = weld::by_position(mesh.positions());

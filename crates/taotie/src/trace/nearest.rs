@@ -1,9 +1,9 @@
 //! The hit nearest to a place on a ray.
 
+use super::Ray;
 use super::bvh::{Bvh, Hit};
 use super::walk::{Met, Span, walk};
-use super::{Ray, tree::WIDTH};
-use crate::math::{Vec3, dispatch_pack};
+use crate::math::dispatch_pack;
 
 /// A stretch of a ray on which the hit nearest to a place in it is sought: distances in lengths of the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,33 +82,12 @@ impl Bvh {
         dispatch_pack!(self.level, P, token => walk::<P>(token, &self.tree, ray, span, meet));
         nearest.best()
     }
-
-    /// Calls `take` with the number and the corners of every triangle near the box from `min` to `max`: of all that touch
-    /// it, and of some beside it.
-    pub fn near(&self, [min, max]: [Vec3; 2], mut take: impl FnMut(u32, [Vec3; 3])) {
-        let [min, max] = [min.to_array(), max.to_array()];
-        let mut waiting = Vec::with_capacity(64);
-        if !self.tree.leaves.is_empty() {
-            waiting.push((self.tree.levels.len(), 0));
-        }
-        while let Some((level, node)) = waiting.pop() {
-            if level == 0 {
-                let slots = self.tree.order[node * WIDTH..].iter().take(WIDTH).enumerate();
-                slots.for_each(|(i, triangle)| take(*triangle, self.tree.leaves[node].triangle(i)));
-                continue;
-            }
-            let mut touched = self.tree.levels[level - 1][node].touched(min, max);
-            while touched != 0 {
-                waiting.push((level - 1, node * WIDTH + touched.trailing_zeros() as usize));
-                touched &= touched - 1;
-            }
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Vec3;
 
     #[test]
     fn the_hit_nearest_to_the_centre_wins_and_of_equals_the_farther() {
@@ -127,27 +106,5 @@ mod tests {
         assert_eq!(nearest([4.5, 5.0, 9.0]), None);
         let not_the_first = |hit: &Hit| (hit.triangle != 0).then_some(7);
         assert_eq!(found([0.0, 1.0, 9.0], &not_the_first), Some((1, 7)));
-    }
-
-    #[test]
-    fn all_triangles_that_touch_a_box_are_near_it() {
-        let cell = |i: u32| Vec3::new((i % 20) as f32, (i / 20 % 20) as f32, (i / 400) as f32);
-        let corner = |x: f32, y: f32| Vec3::new(x, y, 0.3);
-        let triangles: Vec<[Vec3; 3]> = (0..8000)
-            .map(|i| [corner(0.0, 0.0), corner(0.9, 0.0), corner(0.0, 0.9)].map(|p| p + cell(i)))
-            .collect();
-        let bvh = Bvh::build(&triangles);
-        let mut seen = vec![0; triangles.len()];
-        bvh.near([Vec3::splat(4.5), Vec3::splat(7.5)], |t, corners| {
-            assert_eq!(corners, triangles[t as usize]);
-            seen[t as usize] += 1;
-        });
-        for (i, times) in seen.iter().enumerate() {
-            let p = cell(i as u32);
-            let touches =
-                [p.x, p.y].iter().all(|v| (4.0..=7.0).contains(v)) && (4.5..=7.5).contains(&(p.z + 0.3));
-            assert!(*times <= 1 && (*times == 1 || !touches), "{p:?}");
-        }
-        assert!(seen.iter().sum::<i32>() < 600);
     }
 }

@@ -37,19 +37,6 @@ impl Boxes {
             self.max[axis][child] = max[axis];
         }
     }
-
-    /// Which children touch the box from `min` to `max`, a bit each.
-    pub fn touched(&self, min: [f32; 3], max: [f32; 3]) -> u32 {
-        let mut touched = 0;
-        for i in 0..WIDTH {
-            let mut touches = true;
-            for axis in 0..3 {
-                touches &= self.min[axis][i] <= max[axis] && self.max[axis][i] >= min[axis];
-            }
-            touched |= u32::from(touches) << i;
-        }
-        touched
-    }
 }
 
 /// The corners of up to eight triangles, `corners[corner][axis][triangle]`; those of absent ones are NaN.

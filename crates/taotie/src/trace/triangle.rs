@@ -16,8 +16,15 @@ pub struct Ray {
 impl Ray {
     /// From any point along a direction that is not zero; distances count in lengths of `direction`.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self::beside(origin, direction, direction)
+    }
+
+    /// The same ray, intersected along the axis that `main` runs along, as all rays of a sheaf must be. The direction's
+    /// part along that axis must have the sign of `main`'s.
+    pub fn beside(origin: Vec3, direction: Vec3, main: Vec3) -> Self {
+        let m = main.to_array();
         let d = direction.to_array();
-        let z = (0..3).fold(0, |best, i| if d[i].abs() > d[best].abs() { i } else { best });
+        let z = (0..3).fold(0, |best, i| if m[i].abs() > m[best].abs() { i } else { best });
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
         if d[z] < 0.0 {
             std::mem::swap(&mut x, &mut y);
@@ -69,17 +76,66 @@ impl Ray {
         let a = [corners[0][kx] - ox - sx * along[0], corners[0][ky] - oy - sy * along[0]];
         let b = [corners[1][kx] - ox - sx * along[1], corners[1][ky] - oy - sy * along[1]];
         let c = [corners[2][kx] - ox - sx * along[2], corners[2][ky] - oy - sy * along[2]];
-        let edges = [b[0] * c[1] - b[1] * c[0], c[0] * a[1] - c[1] * a[0], a[0] * b[1] - a[1] * b[0]];
-        let zero = P::splat(token, 0.0);
-        let below = edges[0].min(edges[1]).min(edges[2]).lt(zero);
-        let above = zero.lt(edges[0].max(edges[1]).max(edges[2]));
-        let inside = below.and(above).not();
-        let unsure = edges[0].abs().min(edges[1].abs()).min(edges[2].abs()).le(zero);
-        inside.or(unsure).any().then_some(Edges { edges, along, inside, unsure, stretch: sz })
+        Edges::new([a, b, c], along, sz)
     }
 }
 
-/// How a ray passes a pack of triangles.
+/// Rays that run along the same axis the same way, component by component, in packs.
+pub(super) struct RayPack {
+    axes: [usize; 3],
+    /// Origins and shears in the order of `axes`, with room for a pack beyond the last.
+    origin: [Vec<f32>; 3],
+    shear: [Vec<f32>; 3],
+}
+
+impl RayPack {
+    /// Of some rays in some order; `None` where they run along different axes.
+    pub fn new(rays: &[Ray], order: &[u32]) -> Option<Self> {
+        let axes = rays.first()?.axes;
+        if rays.iter().any(|ray| ray.axes != axes) {
+            return None;
+        }
+        let column = |of: &dyn Fn(&Ray) -> f32| {
+            let mut column: Vec<f32> = order.iter().map(|i| of(&rays[*i as usize])).collect();
+            column.resize(order.len() + 8, 0.0);
+            column
+        };
+        Some(Self {
+            axes,
+            origin: [0, 1, 2].map(|k| column(&|ray| ray.origin.to_array()[axes[k]])),
+            shear: [0, 1, 2].map(|k| column(&|ray| ray.shear[k])),
+        })
+    }
+
+    /// [`Ray::edges`] of as many rays as a pack has lanes, from the ray `from` on, and triangle `i` of a leaf's
+    /// `corners[corner][axis][triangle]`.
+    #[inline(always)]
+    pub fn edges<P: Pack>(
+        &self,
+        token: P::Token,
+        from: usize,
+        corners: &[[[f32; 8]; 3]; 3],
+        i: usize,
+    ) -> Option<Edges<P>> {
+        let [kx, ky, kz] = self.axes;
+        let zero = P::splat(token, 0.0);
+        let (mut o, mut s) = ([zero; 3], [zero; 3]);
+        for k in 0..3 {
+            o[k] = P::load(token, &self.origin[k][from..]);
+            s[k] = P::load(token, &self.shear[k][from..]);
+        }
+        let (mut along, mut seen) = ([zero; 3], [[zero; 2]; 3]);
+        for k in 0..3 {
+            along[k] = P::splat(token, corners[k][kz][i]) - o[2];
+            let x = P::splat(token, corners[k][kx][i]) - o[0] - s[0] * along[k];
+            let y = P::splat(token, corners[k][ky][i]) - o[1] - s[1] * along[k];
+            seen[k] = [x, y];
+        }
+        Edges::new(seen, along, s[2])
+    }
+}
+
+/// How rays pass triangles: a pack of either.
 pub(super) struct Edges<P: Pack> {
     /// Twice the areas opposite each corner.
     edges: [P; 3],
@@ -101,6 +157,18 @@ pub(super) struct Meeting<P: Pack> {
 }
 
 impl<P: Pack> Edges<P> {
+    /// Of corners seen along the ray, `None` where all are passed by.
+    #[inline(always)]
+    fn new([a, b, c]: [[P; 2]; 3], along: [P; 3], stretch: P) -> Option<Self> {
+        let edges = [b[0] * c[1] - b[1] * c[0], c[0] * a[1] - c[1] * a[0], a[0] * b[1] - a[1] * b[0]];
+        let zero = stretch.lit(0.0);
+        let below = edges[0].min(edges[1]).min(edges[2]).lt(zero);
+        let above = zero.lt(edges[0].max(edges[1]).max(edges[2]));
+        let inside = below.and(above).not();
+        let unsure = edges[0].abs().min(edges[1].abs()).min(edges[2].abs()).le(zero);
+        inside.or(unsure).any().then_some(Self { edges, along, inside, unsure, stretch })
+    }
+
     /// The second half of [`Ray::intersect`].
     #[inline(always)]
     pub fn meet(&self) -> Meeting<P> {

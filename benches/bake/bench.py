@@ -1,0 +1,137 @@
+"""Bakes the same jobs by Taotie and by Blender in turn, and writes what it took: `make bench-bake`."""
+
+import argparse
+import json
+import os
+import statistics
+import sys
+
+import files
+import jobs
+import machine
+import measure
+import section
+
+ROOT = os.path.dirname(os.path.dirname(jobs.HERE))
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--taotie", default=os.path.join(ROOT, "target/release/taotie"), help="the program to time")
+    parser.add_argument("--folder", default=os.path.join(ROOT, "target/bench-bake"), help="for scans and maps")
+    parser.add_argument("--page", default=os.path.join(ROOT, "docs/benchmarks.md"), help="whose section is written")
+    parser.add_argument("--rounds", type=int, help="of every job; without it 3 for scans of 1 M, 1 for larger ones")
+    parser.add_argument("--quick", action="store_true", help="the jobs at 1 M once; prints and leaves the page alone")
+    args = parser.parse_args()
+    if args.rounds is not None and args.rounds < 1:
+        parser.error("--rounds: at least 1")
+    if not os.access(args.taotie, os.X_OK):
+        parser.error(f"{args.taotie} is no program; build it by `cargo build --release -p taotie-cli` or name another")
+    return args
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def script(name, *rest):
+    return [sys.executable, os.path.join(jobs.HERE, name), *rest]
+
+
+def chosen(args):
+    """The jobs, each with how often it is timed."""
+    some = [job for job in jobs.JOBS if job.scan == "1m" or not args.quick]
+    return [(job, args.rounds or (1 if args.quick else job.rounds)) for job in some]
+
+
+def blender_lacks():
+    """Why Blender cannot be asked; None where it can."""
+    try:
+        measure.run([sys.executable, "-c", "import bpy"])
+    except measure.Failed as failed:
+        return str(failed).strip().splitlines()[-1]
+    return None
+
+
+def by_taotie(program, job, paths):
+    run = measure.run(jobs.taotie(program, job, paths))
+    return {"seconds": run.seconds, "mib": run.mib}
+
+
+def by_blender(job, paths):
+    """Its seconds without the import of the module, which a session of Blender pays once."""
+    run = measure.run(jobs.blender(job, paths))
+    told = json.loads(run.output.strip().splitlines()[-1])
+    seconds = told["load"] + told["bake"] + told["save"]
+    return {"seconds": seconds, "mib": run.mib, "import": told["import"], "version": told["version"]}
+
+
+def timed(job, rounds, bakers):
+    """Medians of each baker; they take turns, so that a machine that slows down slows both."""
+    results = {name: [] for name in bakers}
+    for _ in range(rounds):
+        for name, bake in bakers.items():
+            result = bake(job)
+            results[name].append(result)
+            say(f"{job.name:12} {name:8} {result['seconds']:8.2f} s {result['mib']:7.0f} MiB")
+    return {name: median(rows) for name, rows in results.items()}
+
+
+def median(rows):
+    numbers = [key for key, value in rows[0].items() if isinstance(value, float)]
+    return rows[0] | {key: statistics.median(row[key] for row in rows) for key in numbers}
+
+
+def maps_of(results, paths):
+    """The normal maps baked from the scan of 1 M as NAME=PATH; Taotie's are taken out of its assets."""
+    named = []
+    for job, _, times in results:
+        if job.scan != "1m" or job.kind != "normal":
+            continue
+        samples = f"{job.samples} sample{'s' if job.samples > 1 else ''}"
+        if "blender" in times:
+            named.append(f"Blender, {samples}={paths.output(job, 'blender', 'png')}")
+        path = paths.output(job, "taotie", "png")
+        with files.written(path) as file:
+            file.write(files.texture_of(paths.output(job, "taotie", "glb"), "normalTexture"))
+        named.append(f"Taotie, {samples}={path}")
+    return named
+
+
+def accuracy(results, paths):
+    """What accuracy.py prints, in a process of its own; or why it cannot."""
+    scan = next(paths.scan(job) for job, _, _ in results if job.scan == "1m")
+    try:
+        run = measure.run(script("accuracy.py", scan, paths.low("npz"), *maps_of(results, paths)))
+    except measure.Failed as failed:
+        return {"lacks": str(failed).strip().splitlines()[-1]}
+    return json.loads(run.output)
+
+
+def main():
+    args = arguments()
+    paths, some = jobs.Paths(args.folder), chosen(args)
+    if not args.quick:
+        section.around(args.page)  # fails now rather than after minutes
+    measure.run(script("scene.py", args.folder, *dict.fromkeys(job.scan for job, _ in some)))
+    lacks = blender_lacks()
+    if lacks:
+        say(f"Blender cannot be asked, Taotie is measured alone: {lacks}")
+    results = []
+    for job, rounds in some:
+        measure.read_once(paths.scan(job))
+        bakers = {"taotie": lambda job: by_taotie(args.taotie, job, paths)}
+        if job.blender and not lacks:
+            bakers["blender"] = lambda job: by_blender(job, paths)
+        results.append((job, rounds, timed(job, rounds, bakers)))
+    text = section.text(machine.described(args.taotie), results, accuracy(results, paths), lacks)
+    print(text)
+    if not args.quick:
+        section.write(args.page, text)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (measure.Failed, section.Unmarked, OSError) as error:
+        sys.exit(str(error))

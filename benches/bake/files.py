@@ -1,0 +1,88 @@
+"""Reading and writing PLY, GLB and textures inside of GLB, by the standard library alone but for the arrays' bytes."""
+
+import contextlib
+import json
+import os
+import struct
+
+FLOAT, U32 = 5126, 5125
+VERTICES, INDICES = 34962, 34963
+
+
+@contextlib.contextmanager
+def written(path):
+    """A file that bears its name only once it is whole."""
+    with open(f"{path}.part", "wb") as file:
+        yield file
+    os.replace(f"{path}.part", path)
+
+
+def ply_header(vertices, triangles):
+    """Of a binary PLY with positions and triangles, nothing else."""
+    lines = ["ply", "format binary_little_endian 1.0", f"element vertex {vertices}"]
+    lines += [f"property float {axis}" for axis in "xyz"]
+    lines += [f"element face {triangles}", "property list uchar int vertex_indices", "end_header", ""]
+    return "\n".join(lines).encode()
+
+
+def read_ply(path):
+    """Positions (n, 3) and triangles (m, 3) of a file with this header."""
+    import numpy as np
+
+    with open(path, "rb") as file:
+        header = file.read(4096).split(b"end_header\n")[0]
+        counts = [int(line.split()[2]) for line in header.splitlines() if line.startswith(b"element")]
+        file.seek(len(header) + len(b"end_header\n"))
+        positions = np.fromfile(file, "<f4", 3 * counts[0]).reshape(-1, 3)
+        triangles = np.fromfile(file, np.dtype([("n", "u1"), ("corners", "<i4", 3)]), counts[1])["corners"]
+    return positions, triangles
+
+
+def write_glb(path, attributes, triangles):
+    """One mesh with the float attributes of these names, and a bare material."""
+    gltf = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.6}}],
+        "accessors": [],
+        "bufferViews": [],
+    }
+    blob = bytearray()
+
+    def add(array, component, target, kind):
+        view = {"buffer": 0, "byteOffset": len(blob), "byteLength": array.nbytes, "target": target}
+        accessor = {"bufferView": len(gltf["bufferViews"]), "componentType": component, "type": kind}
+        accessor |= {"count": len(array), "min": array.min(0).tolist(), "max": array.max(0).tolist()}
+        gltf["bufferViews"].append(view)
+        gltf["accessors"].append(accessor)
+        blob.extend(array.tobytes())
+        return len(gltf["accessors"]) - 1
+
+    names = {name: add(a.astype("<f4"), FLOAT, VERTICES, f"VEC{a.shape[1]}") for name, a in attributes.items()}
+    indices = add(triangles.astype("<u4").reshape(-1, 1), U32, INDICES, "SCALAR")
+    gltf["meshes"] = [{"primitives": [{"attributes": names, "indices": indices, "material": 0}]}]
+    gltf["buffers"] = [{"byteLength": len(blob)}]
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    with written(path) as file:
+        file.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(blob)))
+        file.write(struct.pack("<I4s", len(text), b"JSON") + text)
+        file.write(struct.pack("<I4s", len(blob), b"BIN\0") + blob)
+
+
+def texture_of(path, name):
+    """The bytes of the PNG that the first material of a GLB names so, such as normalTexture."""
+    with open(path, "rb") as file:
+        file.seek(12)
+        gltf = json.loads(_chunk(file))
+        blob = _chunk(file)
+    texture = gltf["textures"][gltf["materials"][0][name]["index"]]
+    view = gltf["bufferViews"][gltf["images"][texture["source"]]["bufferView"]]
+    start = view.get("byteOffset", 0)
+    return blob[start : start + view["byteLength"]]
+
+
+def _chunk(file):
+    return file.read(struct.unpack("<I4s", file.read(8))[0])

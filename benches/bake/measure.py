@@ -1,0 +1,50 @@
+"""Whole processes, timed, with their peak memory."""
+
+import dataclasses
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+
+class Failed(Exception):
+    """A command that did not end well."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """Seconds from start to end, peak resident memory in MiB, and what was printed."""
+
+    seconds: float
+    mib: float
+    output: str
+
+
+def run(command):
+    """Runs a command to its end.
+
+    A process counts the memory of the one that started it as its own peak, up to the moment it becomes a program of
+    its own. So whoever calls this must stay small: arrays belong into processes of their own.
+    """
+    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as talk:
+        start = time.perf_counter()
+        process = subprocess.Popen(command, stdout=output, stderr=talk)
+        _, status, usage = os.wait4(process.pid, 0)
+        seconds = time.perf_counter() - start
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode != 0:
+            raise Failed(f"{' '.join(command)}\nended with {process.returncode}:\n{_text(talk)[-2000:]}")
+        return Run(seconds, usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10), _text(output))
+
+
+def _text(file):
+    file.seek(0)
+    return file.read().decode(errors="replace")
+
+
+def read_once(path):
+    """So that the first who is timed does not wait for the disk alone."""
+    with open(path, "rb") as file:
+        while file.read(1 << 24):
+            pass

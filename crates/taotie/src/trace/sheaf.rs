@@ -1,0 +1,332 @@
+//! Rays that run side by side, met by triangles instead of meeting them.
+//!
+//! Neighbouring samples of a map look the same way, for triangles of about their own size. To ask for each ray which
+//! triangles it meets costs a walk through the tree a ray. Here the tree is walked once for all: a triangle near the rays
+//! casts a shadow along their direction, and only the rays in its shadow are tested.
+
+use super::bvh::{Bvh, Hit};
+use super::tree::{Boxes, Leaf, WIDTH};
+use super::{Ray, triangle::RayPack};
+use crate::math::{Mask, Pack, Vec3, dispatch_pack};
+
+/// How a sheaf of rays is seen: a place V has the coordinates column · (V − origin), row · (V − origin) and
+/// depth · (V − origin). Along the rays' mean direction column and row do not change.
+#[derive(Debug, Clone, Copy)]
+pub struct SheafView {
+    /// Where coordinates are zero.
+    pub origin: Vec3,
+    /// Column, row and depth.
+    pub axes: [Vec3; 3],
+    /// How far beside its column and row a ray may meet something, since it parts from the mean direction.
+    pub slack: [f32; 2],
+    /// Between which depths the rays look.
+    pub depths: [f32; 2],
+}
+
+/// Rays that run side by side.
+pub struct Sheaf<'a> {
+    rays: &'a [Ray],
+    view: SheafView,
+    /// The least column and row, and cells per unit of each.
+    corner: [f32; 2],
+    scale: [f32; 2],
+    cells: [usize; 2],
+    /// Where the rays of each cell begin in `order`, row by row, and where those of the last end.
+    starts: Vec<u32>,
+    /// The rays cell by cell.
+    order: Vec<u32>,
+    pack: RayPack,
+}
+
+impl<'a> Sheaf<'a> {
+    /// Of rays that lie at these columns and rows; `None` where there is no ray, where they run along different axes,
+    /// or where the slack spreads each over many others, so that one ray at a time is faster.
+    pub fn new(rays: &'a [Ray], places: &[[f32; 2]], view: SheafView) -> Option<Self> {
+        /// Cells that a ray may be spread over by the slack, along each side.
+        const WIDEST: f32 = 8.0;
+        if rays.is_empty() {
+            return None;
+        }
+        let side = (rays.len() as f32).sqrt().ceil();
+        let mut corner = [f32::INFINITY; 2];
+        let mut end = [f32::NEG_INFINITY; 2];
+        for place in places {
+            for k in 0..2 {
+                corner[k] = corner[k].min(place[k]);
+                end[k] = end[k].max(place[k]);
+            }
+        }
+        let scale = [0, 1].map(|k| side / (end[k] - corner[k]).max(1e-30));
+        let is_sane = (0..2).all(|k| scale[k].is_finite() && view.slack[k] * scale[k] < WIDEST);
+        let cells = [side as usize + 1; 2];
+        let cell = |place: &[f32; 2]| {
+            let [x, y] = [0, 1].map(|k| (((place[k] - corner[k]) * scale[k]) as usize).min(cells[k] - 1));
+            y * cells[0] + x
+        };
+        let mut starts = vec![0u32; cells[0] * cells[1] + 1];
+        places.iter().for_each(|place| starts[cell(place) + 1] += 1);
+        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+        let mut next = starts.clone();
+        let mut order = vec![0u32; rays.len()];
+        for (i, place) in places.iter().enumerate() {
+            let slot = &mut next[cell(place)];
+            order[*slot as usize] = i as u32;
+            *slot += 1;
+        }
+        let pack = RayPack::new(rays, &order)?;
+        is_sane.then_some(Self { rays, view, corner, scale, cells, starts, order, pack })
+    }
+
+    /// The cells that a stretch of columns (0) or rows (1) touches.
+    fn cells(&self, axis: usize, low: f32, high: f32) -> [usize; 2] {
+        let cell = |v: f32| ((v - self.corner[axis]) * self.scale[axis]).max(0.0) as usize;
+        let slack = self.view.slack[axis];
+        [cell(low - slack), cell(high + slack).min(self.cells[axis] - 1)]
+    }
+
+    /// The least and the largest coordinate that matter.
+    fn limits(&self, axis: usize) -> [f32; 2] {
+        match axis {
+            2 => self.view.depths,
+            _ => {
+                let end = self.corner[axis] + self.cells[axis] as f32 / self.scale[axis];
+                [self.corner[axis] - self.view.slack[axis], end + self.view.slack[axis]]
+            }
+        }
+    }
+}
+
+impl Bvh {
+    /// Calls `meet` with each ray of a sheaf, by its number, and each triangle that it meets at any distance from 0 on, in
+    /// no particular order, until it says that nothing more is wanted.
+    pub fn meet_all(&self, sheaf: &Sheaf<'_>, meet: impl FnMut(usize, Hit) -> bool) {
+        dispatch_pack!(self.level, P, token => walk_sheaf::<P>(token, self, sheaf, meet));
+    }
+}
+
+#[inline(always)]
+fn walk_sheaf<P: Pack>(
+    token: P::Token,
+    bvh: &Bvh,
+    sheaf: &Sheaf<'_>,
+    mut meet: impl FnMut(usize, Hit) -> bool,
+) {
+    /// As for one ray: seven siblings wait on each level.
+    const STACK: usize = 96;
+    let mut waiting = [(0u32, 0u32); STACK];
+    let mut count = usize::from(!bvh.tree.leaves.is_empty());
+    waiting[0] = (bvh.tree.levels.len() as u32, 0);
+    while count > 0 {
+        count -= 1;
+        let (level, node) = waiting[count];
+        if level == 0 {
+            let mut shadows = Shadows::default();
+            let leaf = &bvh.tree.leaves[node as usize];
+            let mut cast = shadows.cast::<P>(token, leaf, sheaf);
+            while cast != 0 {
+                let i = cast.trailing_zeros() as usize;
+                cast &= cast - 1;
+                let slot = node as usize * WIDTH + i;
+                let Some(triangle) = bvh.tree.order.get(slot) else { continue };
+                let going = in_shadow::<P>(token, (sheaf, &shadows), (leaf, i), |ray, distance, weights| {
+                    meet(ray, Hit { triangle: *triangle, weights, distance })
+                });
+                if !going {
+                    return;
+                }
+            }
+            continue;
+        }
+        let mut touched = touched::<P>(token, &bvh.tree.levels[level as usize - 1][node as usize], sheaf);
+        while touched != 0 {
+            waiting[count] = (level - 1, node * WIDTH as u32 + touched.trailing_zeros());
+            touched &= touched - 1;
+            count += 1;
+        }
+    }
+}
+
+/// Which boxes the rays may run through, a bit each.
+#[inline(always)]
+fn touched<P: Pack>(token: P::Token, boxes: &Boxes, sheaf: &Sheaf<'_>) -> u64 {
+    let mut touched = 0;
+    for k in (0..WIDTH).step_by(P::LANES) {
+        let zero = P::splat(token, 0.0);
+        let (mut within, half) = (zero.le(zero), P::splat(token, 0.5));
+        for axis in 0..3 {
+            let direction = sheaf.view.axes[axis].to_array();
+            let origin = sheaf.view.origin.to_array();
+            let [low, high] = sheaf.limits(axis);
+            let (mut middle, mut reach) = (zero, zero);
+            for i in 0..3 {
+                let (min, max) = (P::load(token, &boxes.min[i][k..]), P::load(token, &boxes.max[i][k..]));
+                let along = P::splat(token, direction[i]);
+                middle = middle + ((min + max) * half - P::splat(token, origin[i])) * along;
+                reach = reach + (max - min) * half * along.abs();
+            }
+            // What rounding takes from a box, generously.
+            let reach = reach + (reach + middle.abs()) * P::splat(token, 1e-5);
+            within = within.and((middle - reach).le(P::splat(token, high)));
+            within = within.and(P::splat(token, low).le(middle + reach));
+        }
+        touched |= P::bits(within) << k;
+    }
+    touched
+}
+
+/// Columns and rows of a leaf's triangles.
+#[derive(Default)]
+struct Shadows {
+    low: [[f32; WIDTH]; 2],
+    high: [[f32; WIDTH]; 2],
+}
+
+impl Shadows {
+    /// Which triangles may be met, a bit each.
+    #[inline(always)]
+    fn cast<P: Pack>(&mut self, token: P::Token, leaf: &Leaf, sheaf: &Sheaf<'_>) -> u64 {
+        let mut cast = 0;
+        let origin = sheaf.view.origin.to_array();
+        for k in (0..WIDTH).step_by(P::LANES) {
+            let zero = P::splat(token, 0.0);
+            let mut within = zero.le(zero);
+            for axis in 0..3 {
+                let direction = sheaf.view.axes[axis].to_array();
+                let mut at = [zero; 3];
+                for corner in 0..3 {
+                    for i in 0..3 {
+                        let local =
+                            P::load(token, &leaf.corners[corner][i][k..]) - P::splat(token, origin[i]);
+                        at[corner] = at[corner] + local * P::splat(token, direction[i]);
+                    }
+                }
+                let (least, most) = (at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2]));
+                let [low, high] = sheaf.limits(axis);
+                within = within.and(least.le(P::splat(token, high)));
+                within = within.and(P::splat(token, low).le(most));
+                if axis < 2 {
+                    least.store(&mut self.low[axis][k..]);
+                    most.store(&mut self.high[axis][k..]);
+                }
+            }
+            cast |= P::bits(within) << k;
+        }
+        cast
+    }
+}
+
+/// Tests the rays in the shadow of a leaf's triangle `i`.
+#[inline(always)]
+fn in_shadow<P: Pack>(
+    token: P::Token,
+    (sheaf, shadows): (&Sheaf<'_>, &Shadows),
+    (leaf, i): (&Leaf, usize),
+    mut meet: impl FnMut(usize, f32, [f32; 3]) -> bool,
+) -> bool {
+    let [left, right] = sheaf.cells(0, shadows.low[0][i], shadows.high[0][i]);
+    let [top, bottom] = sheaf.cells(1, shadows.low[1][i], shadows.high[1][i]);
+    for row in top..=bottom {
+        let first = sheaf.starts[row * sheaf.cells[0] + left.min(sheaf.cells[0] - 1)] as usize;
+        let end = sheaf.starts[row * sheaf.cells[0] + right + 1] as usize;
+        let mut from = first;
+        while from < end {
+            let (mut hit, mut unsure) = (0, 0);
+            let (mut distances, mut weights) = ([0.0; WIDTH], [[0.0; WIDTH]; 3]);
+            if let Some(edges) = sheaf.pack.edges::<P>(token, from, &leaf.corners, i) {
+                let met = edges.meet();
+                hit = P::bits(met.hit);
+                unsure = P::bits(edges.unsure);
+                met.distance.store(&mut distances);
+                for corner in 0..3 {
+                    met.weights[corner].store(&mut weights[corner]);
+                }
+            }
+            let lanes = (end - from).min(P::LANES);
+            let mut any = (hit | unsure) & ((1 << lanes) - 1);
+            while any != 0 {
+                let lane = any.trailing_zeros() as usize;
+                any &= any - 1;
+                let ray = sheaf.order[from + lane] as usize;
+                let met = match unsure & 1 << lane {
+                    0 => Some((distances[lane], [weights[0][lane], weights[1][lane], weights[2][lane]])),
+                    _ => sheaf.rays[ray].intersect(leaf.triangle(i)),
+                };
+                if let Some((distance, weights)) = met
+                    && !meet(ray, distance, weights)
+                {
+                    return false;
+                }
+            }
+            from += P::LANES;
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers in [0, 1) from a linear congruence.
+    fn numbers() -> impl FnMut() -> f32 {
+        let mut state = 7u32;
+        move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        }
+    }
+
+    #[test]
+    fn a_sheaf_meets_what_its_rays_meet() {
+        let mut next = numbers();
+        let mut point = || Vec3::new(next(), next(), next());
+        let triangles: Vec<[Vec3; 3]> = (0..3000)
+            .map(|_| {
+                let p = point() * 4.0;
+                [p, p + point() * 0.2, p + point() * 0.2]
+            })
+            .collect();
+        let bvh = Bvh::build(&triangles);
+        let mut met = 0;
+        for (spread, depths) in [(0.0, [0.0, 10.0]), (0.02, [0.0, 10.0]), (0.0, [0.0, 1.0])] {
+            for _ in 0..10 {
+                let corner = point() * 3.0;
+                let direction = (point() + Vec3::new(0.2, 0.3, 2.0)).normalize();
+                let x = direction.any_perpendicular();
+                let y = direction.cross(x);
+                let mut rays = Vec::new();
+                let mut places = Vec::new();
+                for _ in 0..200 {
+                    let at = point();
+                    let part = (point() - Vec3::splat(0.5)) * spread;
+                    rays.push(Ray::new(corner + x * at.x + y * at.y, direction + part));
+                    places.push([at.x, at.y]);
+                }
+                let slack = spread * depths[1] + 1e-4;
+                let view = SheafView { origin: corner, axes: [x, y, direction], slack: [slack; 2], depths };
+                let sheaf = Sheaf::new(&rays, &places, view).unwrap();
+                let mut found = Vec::new();
+                bvh.meet_all(&sheaf, |ray, hit| {
+                    found.push((ray, hit.triangle, hit.distance, hit.weights));
+                    true
+                });
+                let mut expected = Vec::new();
+                for (i, ray) in rays.iter().enumerate() {
+                    for (t, corners) in triangles.iter().enumerate() {
+                        let Some((distance, weights)) = ray.intersect(*corners) else { continue };
+                        expected.push((i, t as u32, distance, weights));
+                    }
+                }
+                let key = |hit: &(usize, u32, f32, [f32; 3])| (hit.0, hit.1);
+                found.sort_by_key(key);
+                expected.sort_by_key(key);
+                // Beyond the depths nothing need be met, but may.
+                let needed = |hit: &&(usize, u32, f32, [f32; 3])| hit.2 < depths[1] * 0.9;
+                assert!(expected.iter().filter(needed).all(|hit| found.contains(hit)));
+                assert!(found.iter().all(|hit| expected.contains(hit)));
+                met += found.len();
+            }
+        }
+        assert!(met > 500, "{met}");
+    }
+}
