@@ -86,6 +86,7 @@ impl Source {
         let need = Need {
             scan: [triangles, vertices],
             simplifies: args.low.is_none(),
+            proves: !args.no_verify,
             texels: u64::from(args.size) * u64::from(args.size),
             texel_bytes: texel_bytes(args),
         };
