@@ -91,7 +91,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(Outcome::Different) => ExitCode::from(1),
         Err(error) if console::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) if error.is::<bake::Interrupted>() => {
-            console::say("taotie: interrupted; nothing was written");
+            console::say(&format!("taotie: {error}"));
             ExitCode::from(130)
         }
         Err(error) => {

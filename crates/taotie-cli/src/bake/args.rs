@@ -165,11 +165,28 @@ impl BakeArgs {
         let same = |path: &PathBuf| {
             path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok())
         };
-        if same(&self.high) || self.low.as_ref().is_some_and(same) {
+        if [Some(&self.high), self.low.as_ref(), self.cage.as_ref()].into_iter().flatten().any(same) {
             bail!("{}: it would overwrite what is baked from; give another name", self.output.display());
         }
-        if self.lods.windows(2).any(|pair| pair[0] <= pair[1]) {
-            bail!("--lods: each level must have fewer triangles than the one before");
+        let made = (self.low.is_none() && self.error.is_none()).then_some(self.triangles);
+        let levels: Vec<u32> = made.into_iter().chain(self.lods.iter().copied()).collect();
+        if let Some(pair) = levels.windows(2).find(|pair| pair[0] <= pair[1]) {
+            bail!(
+                "--lods: a level of {} triangles after one of {}; each must have fewer than the one before",
+                pair[1],
+                pair[0]
+            );
+        }
+        if self.ktx2 && !self.size.is_multiple_of(4) {
+            bail!(
+                "--size {}: KTX2 needs a multiple of 4; choose another size, or leave out --ktx2",
+                self.size
+            );
+        }
+        if self.error.is_some() && (self.space == Space::Object || !self.maps.contains(&MapKind::Normal)) {
+            bail!(
+                "--error is met by a normal map in tangent space: add normal to --maps, leave out --space object"
+            );
         }
         render::check_place(&self.output)
     }

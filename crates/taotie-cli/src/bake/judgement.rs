@@ -29,7 +29,8 @@ pub fn judge(source: &Source, light: &Light, made: &Made, warnings: &mut Warning
                 percent(fit.distance)
             ));
         }
-        if fit.turned > PART {
+        // Far from the scan it is chance which of its sides is the closest.
+        if fit.turned > PART && fit.away < 0.5 {
             let who = if fit.turned > 0.5 {
                 "one of the meshes is inside out"
             } else {
@@ -46,9 +47,10 @@ pub fn judge(source: &Source, light: &Light, made: &Made, warnings: &mut Warning
     let missed = part(counts.missed_texels, counts.texels);
     if missed > MISSED {
         note(format!(
-            "{} of the texels missed the scan and took its closest point, {} found nothing and have the light mesh's normal; the \
-             report shows where",
+            "{} of the texels have rays that missed the scan: {} of all rays took its closest point, {} found nothing and left \
+             the light mesh's own normal; the report shows where, --ray-distance or a --cage may reach farther",
             percent(missed),
+            percent(part(counts.missed - counts.lost, counts.samples)),
             percent(part(counts.lost, counts.samples))
         ));
     }

@@ -77,6 +77,8 @@ pub struct Need {
     pub scan: [u64; 2],
     /// Whether the light mesh has to be made.
     pub simplifies: bool,
+    /// Whether the scan is inspected and the asset proved.
+    pub proves: bool,
     /// Texels of a map.
     pub texels: u64,
     /// Bytes a texel over all maps while they are made.
@@ -91,6 +93,8 @@ impl Need {
         const TRIANGLE: u64 = 12;
         /// Corners, order and boxes of the tree; keys while it is sorted.
         const TREE: u64 = 41 + 8;
+        /// The scan's edges and triangles as they are sorted to find its faults, beside the tree.
+        const FAULTS: u64 = 36;
         /// What simplification takes a triangle: joined vertices, blocks, and the half that is left of them.
         const SIMPLIFY: u64 = 48;
         /// The program itself, its threads' bands, and the light mesh.
@@ -99,7 +103,8 @@ impl Need {
         let scan = triangles * TRIANGLE + vertices * VERTEX;
         let baking = triangles * TREE + self.texels * self.texel_bytes;
         let simplifying = if self.simplifies { triangles * SIMPLIFY } else { 0 };
-        Bytes(scan + baking.max(simplifying) + REST)
+        let proving = if self.proves { triangles * (TREE + FAULTS) } else { 0 };
+        Bytes(scan + baking.max(simplifying).max(proving) + REST)
     }
 
     /// Refuses what does not fit.
@@ -138,8 +143,13 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_refused_with_both_numbers() {
-        let need =
-            Need { scan: [20_000_000, 10_000_000], simplifies: true, texels: 1 << 22, texel_bytes: 20 };
+        let need = Need {
+            scan: [20_000_000, 10_000_000],
+            simplifies: true,
+            proves: true,
+            texels: 1 << 22,
+            texel_bytes: 20,
+        };
         assert!(need.bytes() < Bytes(4 << 30), "{}", need.bytes());
         let error = need.check(Some(Bytes(1 << 30))).unwrap_err().to_string();
         assert!(error.contains("20000000 triangles") && error.contains("1.0 GiB"), "{error}");

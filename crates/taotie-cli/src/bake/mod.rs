@@ -23,7 +23,6 @@ use anyhow::Result;
 use proof::Subject;
 use report::Report;
 use stages::Stages;
-use std::path::PathBuf;
 use taotie::Warnings;
 use taotie::io::{self, GltfAsset, GltfFormat, GltfImages, GltfLevel};
 use taotie::mesh::Mesh;
@@ -62,11 +61,12 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     }
     report.maps = made.textures.notes();
     report.light = light.origin.clone();
-    let parts = Parts { source: &source, light: &light, coarser: &coarser, made: &made };
-    report.files = write(args, &parts, &mut report, &mut stages)?;
-    if !args.no_verify {
-        prove(args, source, &made, &mut report, &mut stages)?;
+    let ended = finish(args, Parts { source, light, coarser, made }, &mut report, &mut stages);
+    if ended.as_ref().is_err_and(|error| error.is::<Interrupted>()) {
+        // What stands there is of this run already, and nobody has proved it.
+        report.files.iter().for_each(|file| drop(std::fs::remove_file(file)));
     }
+    ended?;
     report.stages = stages.done().to_vec();
     Ok(report)
 }
@@ -94,22 +94,26 @@ fn lightened(
 }
 
 /// What an asset is made of.
-struct Parts<'a> {
-    source: &'a Source,
-    light: &'a Light,
+struct Parts {
+    source: Source,
+    light: Light,
     /// The levels of detail after the first.
-    coarser: &'a [Mesh],
-    made: &'a Made,
+    coarser: Vec<Mesh>,
+    made: Made,
 }
 
-/// Writes the asset and what goes beside it; gives back the files.
-fn write(
-    args: &BakeArgs,
-    parts: &Parts<'_>,
-    report: &mut Report,
-    stages: &mut Stages,
-) -> Result<Vec<PathBuf>> {
-    let Parts { source, light, coarser, made } = *parts;
+/// Writes the asset and its proof.
+fn finish(args: &BakeArgs, parts: Parts, report: &mut Report, stages: &mut Stages) -> Result<()> {
+    write(args, &parts, report, stages)?;
+    if args.no_verify {
+        return Ok(());
+    }
+    prove(args, parts.source, &parts.made, report, stages)
+}
+
+/// Writes the asset and what goes beside it, and notes the files in the report.
+fn write(args: &BakeArgs, parts: &Parts, report: &mut Report, stages: &mut Stages) -> Result<()> {
+    let Parts { source, light, coarser, made } = parts;
     let meshes: Vec<_> = std::iter::once(&light.mesh).chain(coarser).collect();
     report.triangles = meshes.iter().map(|mesh| mesh.triangles().len()).collect();
     report.high_sha256 = source.sha256()?;
@@ -136,10 +140,10 @@ fn write(
         _ => GltfImages::Png,
     };
     stages.run("write", |_| {
-        let mut files = made.textures.write_beside()?;
-        io::write_gltf(&args.output, &asset, &GltfFormat { images, meshopt: args.meshopt })?;
-        files.insert(0, args.output.clone());
-        Ok(files)
+        let beside = made.textures.write_beside()?;
+        report.files = io::write_gltf(&args.output, &asset, &GltfFormat { images, meshopt: args.meshopt })?;
+        report.files.extend(beside);
+        Ok(())
     })
 }
 

@@ -146,7 +146,7 @@ fn required(report: &Report) -> Section {
         let (text, tone) = if met.met { ("met", Tone::Good) } else { ("not met", Tone::Bad) };
         vec![
             Cell::text(met.figure),
-            Cell::number(met.value, 4),
+            met.value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value, 4)),
             Cell::number(met.most, 4),
             Cell::Mark { text: text.into(), tone, why: String::new() },
         ]

@@ -52,11 +52,11 @@ fn merge(packet: &mut Value, given: serde_json::Map<String, Value>) {
 
 /// All that the result depends on, without folders: those are nobody's business.
 fn command_line(args: &BakeArgs) -> String {
-    let mut command = format!("taotie bake {}", super::report::parameters(args));
-    if let Some(low) = args.low.as_ref().and_then(|low| low.file_name()) {
-        command += &format!(" --low {}", low.to_string_lossy());
-    }
-    command
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let mut parameters = super::report::parameters(args);
+    parameters["low"] = args.low.as_deref().map(name).into();
+    parameters["cage"] = args.cage.as_deref().map(name).into();
+    format!("taotie bake {parameters}")
 }
 
 /// The SHA-256 of a file, hexadecimal.

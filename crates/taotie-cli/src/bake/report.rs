@@ -113,11 +113,9 @@ impl Report {
         }
         for met in &self.required {
             let verdict = if met.met { "met" } else { "NOT met" };
-            let _ = write!(
-                text,
-                "\n{:<12} {verdict}: {} is {:.4}, at most {}",
-                "required", met.figure, met.value, met.most
-            );
+            let value = met.value.map_or("could not be measured".into(), |value| format!("is {value:.4}"));
+            let _ =
+                write!(text, "\n{:<12} {verdict}: {} {value}, at most {}", "required", met.figure, met.most);
         }
         for file in &self.files {
             let _ = write!(text, "\nwrote {}", file.display());
@@ -184,9 +182,10 @@ impl Proof {
 pub fn parameters(args: &BakeArgs) -> Value {
     let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
     json!({
-        "triangles": args.low.is_none().then_some(args.triangles),
+        "triangles": (args.low.is_none() && args.error.is_none()).then_some(args.triangles),
         "error_deg": args.error,
         "lods": args.lods,
+        "size": args.error.is_none().then_some(args.size),
         "maps": args.maps.iter().map(|map| map.name()).collect::<Vec<_>>(),
         "space": match args.space { Space::Tangent => "tangent", Space::Object => "object" },
         "samples": args.side() * args.side(),

@@ -74,8 +74,8 @@ pub struct Met {
     pub figure: &'static str,
     /// The most that it may be.
     pub most: f64,
-    /// What it is.
-    pub value: f64,
+    /// What it is; `None` where it could not be measured.
+    pub value: Option<f64>,
     /// Whether it is no more.
     pub met: bool,
 }
@@ -92,8 +92,8 @@ impl Requirement {
             Figure::Hausdorff => Some(proof.hausdorff_of_diagonal),
             Figure::Bytes => Some(proof.bytes_out as f64),
         };
-        let value = value.unwrap_or(f64::INFINITY);
-        Met { figure: self.figure.name(), most: self.most, value, met: value <= self.most }
+        let met = value.is_some_and(|value| value <= self.most);
+        Met { figure: self.figure.name(), most: self.most, value, met }
     }
 }
 

@@ -4,7 +4,7 @@ use super::args::BakeArgs;
 use super::report::Trial;
 use super::stages::Stages;
 use super::work::{self, Light, Made, Source};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use taotie::Warnings;
 use taotie::bake::Verifier;
 use taotie::image::{Encoding, Texture};
@@ -77,10 +77,7 @@ pub fn smallest(args: &BakeArgs, source: &Source, most: f64, stages: &mut Stages
 
 fn mean_angle(source: &Source, light: &Light, made: &Made) -> Result<f64> {
     let bitmap = made.textures.normal.clone();
-    let Some(bitmap) = bitmap else {
-        bail!("--error needs a normal map in tangent space; add normal to --maps");
-    };
-    let texture = Texture::new(bitmap, Encoding::Normal);
+    let texture = Texture::new(bitmap.context("--error needs a normal map")?, Encoding::Normal);
     let verifier = Verifier {
         mesh: &light.mesh,
         normal: Some((&texture, NormalSpace::Tangent)),

@@ -8,7 +8,7 @@ static STOPPED: AtomicBool = AtomicBool::new(false);
 
 /// What an interrupted run ends with.
 #[derive(Debug, thiserror::Error)]
-#[error("interrupted; nothing was written")]
+#[error("interrupted; no file is left")]
 pub struct Interrupted;
 
 /// Makes Ctrl-C stop the work instead of the process. A second one ends the process at once.

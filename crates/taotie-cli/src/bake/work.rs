@@ -86,6 +86,7 @@ impl Source {
         let need = Need {
             scan: [triangles, vertices],
             simplifies: args.low.is_none(),
+            proves: !args.no_verify,
             texels: u64::from(args.size) * u64::from(args.size),
             texel_bytes: texel_bytes(args),
         };
@@ -317,9 +318,17 @@ pub fn levels(
     let levels = stages.run("levels of detail", |go_on| {
         bake::levels(&light.mesh, &counts, go_on)?.ok_or_else(|| Interrupted.into())
     })?;
-    for (wanted, level) in counts.iter().zip(&levels).filter(|(_, level)| !level.reached) {
+    let all = light.mesh.triangles().len();
+    for (wanted, level) in counts.iter().zip(&levels) {
         let got = level.mesh.triangles().len();
-        warnings.note(format!("a level of {wanted} triangles was wanted; its charts leave {got}"), 1);
+        if !level.reached {
+            warnings.note(format!("a level of {wanted} triangles was wanted; its charts leave {got}"), 1);
+        } else if got >= all {
+            warnings.note(
+                format!("a level of {wanted} triangles is no lighter than the light mesh, which has {all}"),
+                1,
+            );
+        }
     }
     levels.iter().map(|level| Ok(with_frames(&level.mesh, 0, None)?.0.into_owned())).collect()
 }

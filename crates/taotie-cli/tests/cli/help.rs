@@ -13,6 +13,7 @@ Usage: taotie <COMMAND>
 Commands:
   render     Renders a model to a picture
   compare    Renders a model by several surface methods and measures how they differ
+  bake       Bakes a scan's relief onto a light mesh and proves that it looks the same
   inspect    Says what is in a model and what is wrong with it
   normals    Makes normal maps from heights, and converts them
   diff       Says how two pictures or normal maps differ

@@ -3,6 +3,10 @@
 //! After a wanted change of output, `SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli` renews the snapshots.
 
 mod arguments;
+mod bake;
+mod bake_pairs;
+mod bake_stopped;
+mod balls;
 mod compare;
 mod compare_paper;
 mod diff;
@@ -10,6 +14,7 @@ mod environment;
 mod help;
 mod inspect;
 mod json;
+mod json_bake;
 mod models;
 mod motion;
 mod normals;

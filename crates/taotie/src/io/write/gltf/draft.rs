@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::io::write::{write_bytes, write_with};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// glTF's numbers for what a view is for.
 pub(super) const VERTICES: u32 = 34962;
@@ -239,16 +239,20 @@ impl GltfDraft {
         Ok(bytes)
     }
 
-    /// Writes the document as JSON, with its numbers and images in files beside it.
-    pub(super) fn write_gltf(&self, path: &Path, images: &[Encoded]) -> Result<()> {
+    /// Writes the document as JSON, with its numbers and images in files beside it; gives back all files, the JSON first.
+    pub(super) fn write_gltf(&self, path: &Path, images: &[Encoded]) -> Result<Vec<PathBuf>> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let binary = format!("{stem}.bin");
+        let mut files = vec![path.to_path_buf(), path.with_file_name(&binary)];
         for image in images {
             if let Some(bytes) = image.bytes() {
-                write_bytes(&path.with_file_name(image.file_name(&stem)), bytes)?;
+                let file = path.with_file_name(image.file_name(&stem));
+                write_bytes(&file, bytes)?;
+                files.push(file);
             }
         }
-        let binary = format!("{stem}.bin");
-        write_bytes(&path.with_file_name(&binary), &self.bytes)?;
-        write_bytes(path, &self.text(Some(images::uri(&binary)))?)
+        write_bytes(&files[1], &self.bytes)?;
+        write_bytes(path, &self.text(Some(images::uri(&binary)))?)?;
+        Ok(files)
     }
 }

@@ -18,7 +18,7 @@ use crate::mesh::Mesh;
 use images::{Encoded, Place};
 use packed::Grid;
 use serde_json::{Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The extension of levels of detail.
 const LEVELS: &str = "MSFT_lod";
@@ -63,16 +63,19 @@ pub struct GltfFormat {
 
 /// Writes a model: a GLB where `path` ends in `.glb`; for `.gltf` the JSON, with the numbers in `NAME.bin` and the
 /// textures in files such as `NAME_color.png` beside it. Each file is written whole or not at all, the JSON last. The
-/// same model gives the same bytes.
+/// same model gives the same bytes. Gives back the files written, `path` first.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for another extension and for float textures, [`Error::Invalid`] for a model that glTF cannot
 /// say: no level, a level without triangles, textures on a mesh without uvs, factors out of range; [`Error::Limit`]
 /// for a GLB of 4 GiB or more, [`Error::Io`] where a file cannot be written.
-pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<()> {
+pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<PathBuf>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "glb" => GltfDraft::new(asset, format)?.write_glb(path),
+        "glb" => {
+            GltfDraft::new(asset, format)?.write_glb(path)?;
+            Ok(vec![path.to_path_buf()])
+        }
         "gltf" => {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let encoded = images::encode(&asset.material, format.images)?;

@@ -1,0 +1,384 @@
+//! What `taotie bake` writes and says, and what it refuses.
+
+use super::balls::{Ball, LIGHT, SCAN};
+use super::models::TRIANGLE;
+use super::place::Place;
+use serde_json::{Value, json};
+use snapbox::str;
+use taotie::image::Texels;
+use taotie::io::{GltfAsset, GltfFormat, GltfLevel, load_model, read_bitmap, write_gltf};
+
+/// A folder with a scan and a light mesh.
+fn pair() -> Place {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", LIGHT.obj());
+    place
+}
+
+/// The JSON of a GLB.
+fn document(place: &Place, name: &str) -> Value {
+    let bytes = place.read(name);
+    let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    serde_json::from_slice(&bytes[20..20 + length]).expect("it is JSON")
+}
+
+fn number(value: &Value, path: &str) -> f64 {
+    value.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {value}"))
+}
+
+#[test]
+fn a_scan_becomes_an_asset_with_its_proof() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    let line = "bake scan.obj -o out.glb --triangles 1000 --size 128 --require mean-angle=2,missed=0.1%";
+    place.taotie(line).assert().success().stderr_eq("baking 9024 triangles takes about [..]\n").stdout_eq(
+        str![[r#"
+9024 triangles onto 1000, maps of 128×128
+normals off  mean [..]°, median [..]°, quartiles [..]° and [..]°, p95 [..]°, max [..]°
+             0.17° is what 8 bits cost at least
+without map  mean [..]° by vertex normals alone
+missed       0.000 % of the texels, 0.000 % of the samples; 0.000 % found nothing
+shape off    at most [..] ([..] % of the diagonal), RMS [..] ([..] %)
+texels       [..] a model unit (median), [..] % of the map used
+seen         FLIP [..], SSIM [..], mean of 8 views
+bytes        [..] in, [..] out
+required     met: mean-angle is [..], at most 2
+required     met: missed is 0.0000, at most 0.001
+wrote out.glb
+wrote out.report.html
+wrote out.report.json
+
+"#]],
+    );
+    assert_eq!(place.files(), ["out.glb", "out.report.html", "out.report.json", "scan.obj"]);
+    let asset = document(&place, "out.glb");
+    assert!(asset["materials"][0]["normalTexture"].is_object(), "{asset}");
+    assert!(asset["meshes"][0]["primitives"][0]["attributes"]["TANGENT"].is_u64(), "{asset}");
+}
+
+#[test]
+fn what_is_required_and_not_met_ends_with_one() {
+    let place = pair();
+    let line = "bake scan.obj --low low.obj -o out.glb --size 64 --require mean-angle=0.01,hausdorff=50%";
+    let assert = place.taotie(line).assert().code(1);
+    let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+    assert!(text.contains("required     NOT met: mean-angle is "), "{text}");
+    assert!(text.contains(", at most 0.01\nrequired     met: hausdorff is "), "{text}");
+    let files = ["low.obj", "out.glb", "out.report.html", "out.report.json", "scan.obj"];
+    assert_eq!(place.files(), files, "the proof of a failure is of use");
+    let report: Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
+    assert_eq!((&report["required"][0]["met"], &report["required"][1]["met"]), (&json!(false), &json!(true)));
+}
+
+#[test]
+fn what_could_not_be_measured_is_not_met() {
+    let place = pair();
+    place.write("far.obj", Ball { center: [30.0, 0.0, 0.0], ..LIGHT }.obj());
+    let line = "bake scan.obj --low far.obj -o out.glb --size 64 --require max-angle=180";
+    let assert = place.taotie(line).assert().code(1);
+    let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+    assert!(text.contains("NOT met: max-angle could not be measured, at most 180"), "{text}");
+    let report = String::from_utf8(place.read("out.report.html")).unwrap();
+    assert!(report.contains("not measured"));
+}
+
+/// Every refusal: one plain line that names what is wrong, exit code 2, and nothing written.
+#[test]
+fn refusals() {
+    let place = pair();
+    place.write("triangle.obj", TRIANGLE);
+    place.write("nan.obj", SCAN.obj().replacen("v 0 1 0", "v nan 1 0", 1));
+    place.write("point.obj", "v 1 1 1\nf 1 1 1\n");
+    place.write("other.obj", Ball { rings: 13, ..LIGHT }.obj());
+    place.write("scan.glb", "no model");
+    place.write("list.json", "[]");
+    let before = place.files();
+    let cases = [
+        ("absent.obj -o out.glb", "absent.obj: No such file or directory"),
+        ("scan.obj --low absent.obj -o out.glb", "absent.obj: No such file or directory"),
+        ("scan.obj -o out.obj", "out.obj: assets are written as .glb or .gltf"),
+        ("scan.obj -o out", "out: assets are written as .glb or .gltf"),
+        ("scan.obj -o absent/out.glb", "absent: there is no such folder; make it first"),
+        ("scan.glb -o scan.glb", "scan.glb: it would overwrite what is baked from; give another name"),
+        ("scan.obj --low scan.glb -o scan.glb", "scan.glb: it would overwrite what is baked from"),
+        (
+            "scan.obj -o out.glb --lods 100,200",
+            "--lods: a level of 200 triangles after one of 100; each must have fewer",
+        ),
+        (
+            "scan.obj -o out.glb --triangles 500 --lods 500",
+            "--lods: a level of 500 triangles after one of 500",
+        ),
+        (
+            "scan.obj -o out.glb --memory-limit 1M",
+            "the limit is 1024 KiB; raise --memory-limit, free memory, lower --size",
+        ),
+        (
+            "scan.obj -o out.glb --memory-limit 9K",
+            "the limit is 9 KiB; raise --memory-limit, free memory, or simplify",
+        ),
+        ("scan.obj -o out.glb --memory-limit much", "`much` is no amount of memory; write it as 4G or 800M"),
+        (
+            "low.obj -o out.glb --error 1",
+            "--error 1: the scan has 528 triangles, too few to be made lighter; name --triangles",
+        ),
+        ("scan.obj -o out.glb --error 1 --space object", "--error is met by a normal map in tangent space"),
+        ("scan.obj -o out.glb --error 1 --maps ao", "--error is met by a normal map in tangent space"),
+        (
+            "scan.obj -o out.glb --require mean-angle",
+            "`mean-angle`: write a figure and the most it may be, such as mean-angle=2",
+        ),
+        (
+            "scan.obj -o out.glb --require beauty=1",
+            "`beauty`: there is none of this name; choose one of: mean-angle,",
+        ),
+        ("scan.obj -o out.glb --require bytes=1%", "bytes is not measured in %"),
+        ("scan.obj -o out.glb --require bytes=1 --no-verify", "cannot be used with"),
+        (
+            "scan.obj -o out.glb --maps colour",
+            "map `colour`: there is none of this name; choose one of: normal, ao,",
+        ),
+        (
+            "scan.obj -o out.glb --ktx2 --size 50",
+            "--size 50: KTX2 needs a multiple of 4; choose another size, or leave out",
+        ),
+        ("scan.obj -o out.glb --ktx2 --webp", "cannot be used with"),
+        ("scan.obj -o out.glb --threads 0", "--threads 0: at least one thread is needed"),
+        ("scan.obj -o out.glb --ray-distance 0", "0 is not above 0"),
+        ("scan.obj -o out.glb --cage low.obj", "--low <LOW>"),
+        ("scan.obj --low low.obj --cage other.obj -o out.glb", "other.obj: the cage: it has [..] vertices"),
+        (
+            "scan.obj --low low.obj --cage low.obj -o out.glb",
+            "vertices are not outside the light mesh; move them outward",
+        ),
+        (
+            "nan.obj -o out.glb",
+            "nan.obj: line 1: vertex position 'nan 1 0' is infinite or NaN; mend the file",
+        ),
+        ("point.obj -o out.glb", "point.obj: all its triangles lie in one point; there is nothing to bake"),
+        (
+            "scan.obj --low low.obj -o out.glb --size 32 --provenance list.json",
+            "list.json: XMP properties are a JSON object",
+        ),
+    ];
+    for (line, why) in cases {
+        let assert = place.taotie(&format!("bake {line}")).assert().code(2).stdout_eq("");
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        let parts: Vec<&str> = why.split("[..]").collect();
+        assert!(parts.iter().all(|part| said.contains(part)), "{line}: {said}");
+        assert_eq!(place.files(), before, "{line}");
+    }
+}
+
+#[test]
+fn maps_stand_where_they_say_and_mean_what_they_say() {
+    let place = Place::with("scan.obj", Ball { radius: 2.06, waves: 0.0, ..SCAN }.obj());
+    place.write("low.obj", Ball { radius: 2.0, rings: 48, meridians: 96, ..LIGHT }.obj());
+    let line = "bake scan.obj --low low.obj -o out.glb --size 128 --ao-rays 16 --roughness 0.5 \
+                --maps normal,height,curvature,bent,ao,albedo,roughness --json";
+    let report = place.json(line);
+    let files = ["out.bent.png", "out.curvature.png", "out.glb", "out.height.png"];
+    assert_eq!(place.files()[1..5], files);
+    let asset = document(&place, "out.glb");
+    let maps = &asset["asset"]["extras"]["maps"];
+    let bits = |name: &str| read_bitmap(&place.path(name)).expect("it is a picture").bits();
+    for (map, wanted) in [("height", 16), ("curvature", 16), ("bent", 8)] {
+        let name = format!("out.{map}.png");
+        assert_eq!(maps[map]["file"], name);
+        assert_eq!(bits(&name), wanted, "{map}");
+    }
+    // The scan lies 0.06 outside; facets of the light mesh sag by 0.002 at most.
+    let [black, white] = ["black", "white"].map(|end| number(maps, &format!("/height/{end}")));
+    assert!((0.057..0.0601).contains(&black) && (0.0599..0.064).contains(&white), "{maps}");
+    assert_eq!(
+        (&maps["height"]["unit"], &maps["curvature"]["unit"]),
+        (&json!("model units"), &json!("1 / model unit"))
+    );
+    // A ball bends by one over its radius everywhere.
+    assert!((number(maps, "/curvature/white") * 2.06 - 1.0).abs() < 0.1, "{maps}");
+    assert_eq!(number(maps, "/curvature/black"), -number(maps, "/curvature/white"));
+    let material = &asset["materials"][0];
+    let metallic_roughness = &material["pbrMetallicRoughness"];
+    let texture = |index: &Value| number(&asset, &format!("/textures/{index}/source"));
+    let orm = texture(&metallic_roughness["metallicRoughnessTexture"]["index"]);
+    assert_eq!(orm, texture(&material["occlusionTexture"]["index"]), "they share a picture");
+    assert!(metallic_roughness["baseColorTexture"].is_object() && material["normalTexture"].is_object());
+    let names: Vec<&str> =
+        report["maps"].as_array().unwrap().iter().filter_map(|m| m["map"].as_str()).collect();
+    assert_eq!(names, ["normal", "albedo", "ao", "roughness", "bent", "height", "curvature"]);
+    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let orm = scene.materials[0].metallic_roughness_texture.expect("it has one").texture;
+    let [occlusion, roughness, ..] = scene.textures[orm].bitmap().stored(64 * 128 + 64);
+    assert!(occlusion > 0.99, "nothing stands around a ball: {occlusion}");
+    assert!((roughness - 0.5).abs() < 0.01, "nothing is hidden within a texel: {roughness}");
+}
+
+#[test]
+fn object_space_is_written_beside_and_proved() {
+    let place = pair();
+    let report =
+        place.json("bake scan.obj --low low.obj -o out.glb --size 128 --space object --bits 16 --json");
+    assert!(place.files().contains(&"out.normal.png".to_owned()));
+    assert!(number(&report, "/proof/angles/mean") < 1.0, "{}", report["proof"]["angles"]);
+    let asset = document(&place, "out.glb");
+    assert!(asset["materials"][0]["normalTexture"].is_null(), "glTF would take it for tangent space");
+    assert_eq!(asset["asset"]["extras"]["maps"]["normal"]["file"], "out.normal.png");
+    let map = read_bitmap(&place.path("out.normal.png")).unwrap();
+    let Texels::U16(texels) = map.texels() else { panic!("16 bits were asked for") };
+    // A quarter around at the equator the ball faces along -z, but for its waves.
+    let [r, g, b, _] = texels[64 * 128 + 32].map(|code| f64::from(code) / 32767.5 - 1.0);
+    assert!(b < -0.9 && r.abs() < 0.4 && g.abs() < 0.4, "{r} {g} {b}");
+}
+
+#[test]
+fn packed_forms() {
+    let place = pair();
+    let cases = [
+        ("--ktx2 --meshopt", ["EXT_meshopt_compression", "KHR_texture_basisu"].as_slice()),
+        ("--webp", &["EXT_texture_webp"]),
+    ];
+    let plain = place.json("bake scan.obj --low low.obj -o plain.glb --size 64 --json");
+    for (options, extensions) in cases {
+        let report =
+            place.json(&format!("bake scan.obj --low low.obj -o out.glb --size 64 {options} --json"));
+        let required = document(&place, "out.glb")["extensionsRequired"].clone();
+        let is_required = |name: &&str| required.as_array().unwrap().iter().any(|r| r == name);
+        assert!(extensions.iter().all(is_required), "{options}: {required}");
+        let angles = [&plain, &report].map(|report| number(report, "/proof/angles/mean"));
+        assert!(angles[1] < angles[0] + 1.0, "{options}: {angles:?}");
+        place.taotie("inspect out.glb").assert().success().stderr_eq("");
+    }
+}
+
+#[test]
+fn levels_of_detail_share_the_map() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    let report = place.json("bake scan.obj -o out.glb --triangles 2000 --lods 800,300 --size 128 --json");
+    let triangles: Vec<u64> =
+        report["triangles"].as_array().unwrap().iter().filter_map(Value::as_u64).collect();
+    assert_eq!(triangles.len(), 3);
+    assert!(triangles[0] > 1900 && triangles[1] <= 800 && triangles[2] < triangles[1], "{triangles:?}");
+    let asset = document(&place, "out.glb");
+    assert_eq!(asset["nodes"][0]["extensions"]["MSFT_lod"]["ids"].as_array().unwrap().len(), 2, "{asset}");
+    assert_eq!(asset["materials"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn a_level_that_is_no_lighter_is_told() {
+    let place = pair();
+    let line = "bake scan.obj --low low.obj -o out.glb --size 64 --lods 1000";
+    let assert = place.taotie(line).assert().success();
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(
+        said.contains("a level of 1000 triangles is no lighter than the light mesh, which has 528"),
+        "{said}"
+    );
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    let line = "bake scan.obj -o out.glb --triangles 900 --size 128 --maps normal,ao,height --json --threads";
+    let run = |threads: u32| {
+        let mut report = place.json(&format!("{line} {threads}"));
+        report["stages"] = Value::Null;
+        (report, ["out.glb", "out.height.png"].map(|name| place.read(name)))
+    };
+    let (one, three) = (run(1), run(3));
+    assert_eq!(one.0, three.0);
+    assert!(one.1 == three.1, "the files differ");
+}
+
+#[test]
+fn a_light_mesh_without_uvs_is_unwrapped() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", Ball { uv: None, ..LIGHT }.obj());
+    let report = place.json("bake scan.obj --low low.obj -o out.glb --size 128 --json");
+    assert_eq!(report["warnings"], json!([]));
+    assert_eq!((&report["light"]["simplified"], &report["triangles"]), (&Value::Null, &json!([528])));
+    assert!(number(&report, "/light/charts") >= 2.0);
+    assert!(number(&report, "/proof/angles/mean") < 1.0);
+}
+
+#[test]
+fn a_cage_says_how_far() {
+    let place = pair();
+    place.write("cage.obj", Ball { radius: 1.2, ..LIGHT }.obj());
+    let report = place.json("bake scan.obj --low low.obj --cage cage.obj -o out.glb --size 64 --json");
+    assert_eq!((&report["warnings"], number(&report, "/proof/missed_texels")), (&json!([]), 0.0));
+}
+
+#[test]
+fn every_file_of_a_gltf_counts() {
+    let place = pair();
+    let report = place.json("bake scan.obj --low low.obj -o out.gltf --size 64 --json");
+    let files = ["out.gltf", "out.bin", "out_normal.png", "out.report.html", "out.report.json"];
+    assert_eq!(report["files"], json!(files));
+    let bytes: usize = files[..3].iter().map(|name| place.read(name).len()).sum();
+    assert_eq!(number(&report, "/proof/bytes_out"), bytes as f64);
+}
+
+#[test]
+fn the_smallest_that_is_near_enough() {
+    let place = Place::with("scan.obj", SCAN.obj());
+    let report = place.json("bake scan.obj -o out.glb --error 1 --json");
+    let trials = report["trials"].as_array().unwrap();
+    let last = trials.last().expect("something was tried");
+    assert!(number(last, "/mean_angle") <= 1.0, "{last}");
+    assert!(trials[..trials.len() - 1].iter().all(|trial| number(trial, "/mean_angle") > 1.0));
+    assert_eq!(
+        (last["size"].clone(), last["triangles"].clone()),
+        (report["size"][0].clone(), report["triangles"][0].clone())
+    );
+}
+
+#[test]
+fn without_a_proof_there_is_no_report() {
+    let place = pair();
+    place
+        .taotie("bake scan.obj --low low.obj -o out.glb --size 64 --no-verify")
+        .assert()
+        .success()
+        .stdout_eq(str![[r#"
+9024 triangles onto 528, maps of 64×64
+wrote out.glb
+
+"#]]);
+    assert_eq!(place.files(), ["low.obj", "out.glb", "scan.obj"]);
+}
+
+#[test]
+fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
+    let place = pair();
+    let mesh = &load_model(&place.path("scan.obj")).unwrap().scene.meshes[0];
+    let packet = json!({
+        "@context": { "dc": "http://purl.org/dc/elements/1.1/" },
+        "dc:rights": "in the public domain",
+        "dc:title": "a ball",
+        "xmpMM:History": { "@list": [{ "stEvt:action": "scanned" }] },
+    });
+    let levels = [GltfLevel { mesh, coverage: None }];
+    let asset =
+        GltfAsset { levels: &levels, copyright: Some("nobody"), xmp: Some(&packet), ..GltfAsset::default() };
+    write_gltf(&place.path("scan.glb"), &asset, &GltfFormat::default()).unwrap();
+    place.write("more.json", r#"{"dc:title": "a round ball", "dc:creator": "the wind"}"#);
+    std::fs::create_dir(place.path("secret")).unwrap();
+    place.write("secret/cage.obj", Ball { radius: 1.2, ..LIGHT }.obj());
+    let line =
+        "bake scan.glb --low low.obj --cage secret/cage.obj -o out.glb --size 64 --provenance more.json";
+    place.taotie(line).assert().success();
+    let written = document(&place, "out.glb");
+    assert_eq!(written["asset"]["copyright"], "nobody");
+    let packet = &written["extensions"]["KHR_xmp_json_ld"]["packets"][0];
+    assert_eq!(
+        (&packet["dc:rights"], &packet["dc:creator"]),
+        (&json!("in the public domain"), &json!("the wind"))
+    );
+    assert_eq!(packet["dc:title"], "a round ball", "what is given goes before what the scan says");
+    let history = packet["xmpMM:History"]["@list"].as_array().unwrap();
+    assert_eq!((history.len(), &history[0]["stEvt:action"]), (2, &json!("scanned")));
+    let parameters = history[1]["stEvt:parameters"].as_str().unwrap();
+    assert!(parameters.contains("\"size\":64") && parameters.contains("cage.obj"), "{parameters}");
+    assert!(!parameters.contains("secret"), "folders are nobody's business: {parameters}");
+    let source = packet["dc:source"].to_string();
+    assert!(source.contains("scan.glb (sha256:"), "{source}");
+}

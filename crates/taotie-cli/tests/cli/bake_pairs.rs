@@ -1,0 +1,160 @@
+//! Pairs and scans that are not as they should be: each gets a plain warning, none is baked in silence.
+
+use super::balls::{Ball, LIGHT, SCAN};
+use super::place::Place;
+
+/// What is said, one warning a line.
+fn said(place: &Place, line: &str) -> String {
+    let assert = place.taotie(&format!("bake {line} -o out.glb --size 64")).assert().success();
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    said.lines().skip(1).map(|line| format!("{line}\n")).collect()
+}
+
+fn with_light(obj: String) -> String {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", obj);
+    said(&place, "scan.obj --low low.obj")
+}
+
+fn with_scan(obj: String) -> String {
+    let place = Place::with("scan.obj", obj);
+    place.write("low.obj", LIGHT.obj());
+    said(&place, "scan.obj --low low.obj")
+}
+
+#[track_caller]
+fn assert_says(said: &str, parts: &[&str]) {
+    assert!(parts.iter().all(|part| said.contains(part)), "{said}");
+}
+
+#[test]
+fn a_good_pair_gets_no_warning() {
+    assert_eq!(with_light(LIGHT.obj()), "");
+}
+
+#[test]
+fn moved() {
+    let said = with_light(Ball { center: [0.3, 0.0, 0.0], ..LIGHT }.obj());
+    assert_says(
+        &said,
+        &["the meshes part: ", "2 % of the diagonal from the scan", "moved, scaled or posed differently?"],
+    );
+}
+
+#[test]
+fn in_another_pose() {
+    // Its upper part leans over.
+    let obj: String = LIGHT
+        .obj()
+        .lines()
+        .map(|line| match line.split(' ').collect::<Vec<_>>()[..] {
+            ["v", x, y, z] => {
+                let [x, y]: [f64; 2] = [x, y].map(|v| v.parse().expect("a number"));
+                format!("v {} {y} {z}\n", x + y.max(0.0) * 0.5)
+            }
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    assert_says(
+        &with_light(obj),
+        &["the meshes part: ", "is one of them moved, scaled or posed differently?"],
+    );
+}
+
+#[test]
+fn far_apart() {
+    let said = with_light(Ball { center: [30.0, 0.0, 0.0], ..LIGHT }.obj());
+    assert_says(
+        &said,
+        &["the meshes do not overlap: 100.0 %", "100.0 % of the texels have rays that missed the scan"],
+    );
+    assert!(!said.contains("turned"), "which side is nearer is chance: {said}");
+}
+
+#[test]
+fn of_another_size() {
+    assert_says(&with_light(Ball { radius: 2.0, ..LIGHT }.obj()), &["the meshes do not overlap: ", "scaled"]);
+}
+
+#[test]
+fn inside_out() {
+    let turned: Vec<_> = LIGHT.faces().into_iter().map(|[a, b, c]| [a, c, b]).collect();
+    let said = with_light(LIGHT.obj_of(&turned));
+    assert_says(&said, &["one of the meshes is inside out: 100.0 %", "turn its triangles and normals"]);
+}
+
+#[test]
+fn some_triangles_turned() {
+    let mut faces = LIGHT.faces();
+    faces[..60].iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+    assert_says(&with_light(LIGHT.obj_of(&faces)), &["some triangles are turned: "]);
+}
+
+#[test]
+fn uvs_that_overlap() {
+    let said = with_light(Ball { uv: Some(|u, v| [u.min(1.0 - u) * 2.0, v]), ..LIGHT }.obj());
+    assert_says(
+        &said,
+        &["of the map lies under more than one triangle: charts overlap", "unwrap the light mesh"],
+    );
+}
+
+#[test]
+fn uvs_out_of_range() {
+    let said = with_light(Ball { uv: Some(|u, v| [u * 0.9 - 0.5, v]), ..LIGHT }.obj());
+    assert_says(
+        &said,
+        &["vertices of the light mesh with uvs outside of the map, which is repeated there ("],
+    );
+    assert!(!said.contains("overlap"), "{said}");
+}
+
+#[test]
+fn uvs_without_area() {
+    let said = with_light(Ball { uv: Some(|_, v| [0.5, v]), ..LIGHT }.obj());
+    assert_says(&said, &["triangles of the light mesh without uv area, which have no relief (528 times)"]);
+}
+
+#[test]
+fn a_scan_with_holes() {
+    let faces: Vec<_> =
+        SCAN.faces().into_iter().enumerate().filter(|(i, _)| i % 20 > 0).map(|(_, f)| f).collect();
+    let said = with_scan(SCAN.obj_of(&faces));
+    let holes = SCAN.faces().len().div_ceil(20);
+    assert_says(
+        &said,
+        &[
+            "of the texels have rays that missed the scan",
+            &format!("edges of the scan with one triangle: it is open there ({} times)", holes * 3),
+        ],
+    );
+}
+
+#[test]
+fn a_scan_with_triangles_twice() {
+    let mut faces = SCAN.faces();
+    faces.extend_from_within(1000..1010);
+    let said = with_scan(SCAN.obj_of(&faces));
+    assert_says(
+        &said,
+        &[
+            "triangles of the scan that are there more than once (10 times)",
+            "where more than two triangles meet",
+        ],
+    );
+}
+
+#[test]
+fn a_scan_with_fins() {
+    let mut faces = SCAN.faces();
+    let [a, b, _] = faces[3000];
+    faces.push([a, b, faces[6000][0]]);
+    let said = with_scan(SCAN.obj_of(&faces));
+    assert_says(
+        &said,
+        &[
+            "edges of the scan where more than two triangles meet",
+            "with one triangle: it is open there (2 times)",
+        ],
+    );
+}
