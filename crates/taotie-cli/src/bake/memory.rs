@@ -91,20 +91,22 @@ impl Need {
         /// Positions and normals; what else vertices have is small beside the rest.
         const VERTEX: u64 = 24;
         const TRIANGLE: u64 = 12;
-        /// Corners, order and boxes of the tree; keys while it is sorted.
-        const TREE: u64 = 41 + 8;
-        /// The scan's edges and triangles as they are sorted to find its faults, beside the tree.
-        const FAULTS: u64 = 36;
+        /// Corners, order and boxes of the tree.
+        const TREE: u64 = 41;
+        /// Keys while it is sorted.
+        const SORTING: u64 = 8;
         /// What simplification takes a triangle: joined vertices, blocks, and the half that is left of them.
-        const SIMPLIFY: u64 = 48;
+        const SIMPLIFYING: u64 = 24;
+        /// The scan's edges and triangles as they are sorted to find its faults.
+        const INSPECTING: u64 = 40;
         /// The program itself, its threads' bands, and the light mesh.
         const REST: u64 = 96 << 20;
         let [triangles, vertices] = self.scan;
-        let scan = triangles * TRIANGLE + vertices * VERTEX;
-        let baking = triangles * TREE + self.texels * self.texel_bytes;
-        let simplifying = if self.simplifies { triangles * SIMPLIFY } else { 0 };
-        let proving = if self.proves { triangles * (TREE + FAULTS) } else { 0 };
-        Bytes(scan + baking.max(simplifying).max(proving) + REST)
+        let scan = triangles * (TRIANGLE + TREE) + vertices * VERTEX;
+        let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
+        let inspecting = if self.proves { INSPECTING } else { 0 };
+        let beside = triangles * SORTING.max(simplifying).max(inspecting);
+        Bytes(scan + beside.max(self.texels * self.texel_bytes) + REST)
     }
 
     /// Refuses what does not fit.
