@@ -43,7 +43,7 @@ impl<'a> Sheaf<'a> {
     /// or where the slack spreads each over many others, so that one ray at a time is faster.
     pub fn new(rays: &'a [Ray], places: &[[f32; 2]], view: SheafView) -> Option<Self> {
         /// Cells that a ray may be spread over by the slack, along each side.
-        const WIDEST: f32 = 8.0;
+        const WIDEST: f32 = 16.0;
         if rays.is_empty() {
             return None;
         }
