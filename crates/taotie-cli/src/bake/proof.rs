@@ -222,5 +222,5 @@ pub fn diagonal(mesh: &Mesh) -> f64 {
             high[axis] = high[axis].max(v);
         }
     }
-    (0..3).map(|axis| (high[axis] - low[axis]).powi(2)).sum::<f64>().sqrt()
+    (0..3).map(|axis| high[axis] - low[axis]).map(|side| side * side).sum::<f64>().sqrt()
 }

@@ -80,7 +80,7 @@ impl Source {
         let hash = hashed(&args.high);
         let limit = memory::limit(args.memory_limit);
         memory::check_file(&args.high, limit)?;
-        let mut loaded = stages.run("read the scan", |_| Ok(read(&args.high, warnings)?))?;
+        let mut loaded = stages.run("read the scan", |_| read(&args.high, warnings))?;
         let triangles = loaded.scene.triangle_count() as u64;
         let vertices = loaded.scene.meshes.iter().map(|m| m.positions().len() as u64).sum();
         let need = Need {
@@ -287,7 +287,7 @@ pub fn bake_maps(
     let Baked { planes, counts } = stages.run("bake", |go_on| {
         bake::bake(&light.mesh, &cage, scan, &settings, go_on)?.ok_or_else(|| Interrupted.into())
     })?;
-    let textures = stages.run("store", |_| Ok(Textures::new(&planes, args, light.material.metallic)?))?;
+    let textures = stages.run("store", |_| Textures::new(&planes, args, light.material.metallic))?;
     Ok(Made { textures, counts, cage })
 }
 
@@ -336,5 +336,6 @@ pub fn levels(
 /// The least part of the screen that the object covers while each level is shown: half as wide and half as high from
 /// level to level.
 pub fn coverages(count: usize) -> Vec<f32> {
-    (0..count).map(|level| if level + 1 == count { 0.0 } else { 0.25f32.powi(level as i32 + 1) }).collect()
+    let quarters = std::iter::successors(Some(0.25f32), |part| Some(part * 0.25));
+    quarters.take(count.saturating_sub(1)).chain([0.0]).collect()
 }
