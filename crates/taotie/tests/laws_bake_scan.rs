@@ -272,11 +272,8 @@ fn relief_finer_than_a_texel_becomes_roughness() {
     let scan = scan(Mesh::new(data).unwrap());
     let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
     let bake_at = |size: u32, side: u32| {
-        let settings = BakeSettings {
-            roughness: 0.3,
-            side: 8,
-            ..settings(size, &[MapKind::Roughness, MapKind::Normal])
-        };
+        let settings =
+            BakeSettings { roughness: 0.3, side, ..settings(size, &[MapKind::Roughness, MapKind::Normal]) };
         baked(&low, &scan, &settings).0.planes
     };
     let coarse = bake_at(16, 8);

@@ -193,11 +193,10 @@ impl Shadows {
             for axis in 0..3 {
                 let direction = sheaf.view.axes[axis].to_array();
                 let mut at = [zero; 3];
-                for corner in 0..3 {
+                for (at, corner) in at.iter_mut().zip(&leaf.corners) {
                     for i in 0..3 {
-                        let local =
-                            P::load(token, &leaf.corners[corner][i][k..]) - P::splat(token, origin[i]);
-                        at[corner] = at[corner] + local * P::splat(token, direction[i]);
+                        let local = P::load(token, &corner[i][k..]) - P::splat(token, origin[i]);
+                        *at = *at + local * P::splat(token, direction[i]);
                     }
                 }
                 let (least, most) = (at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2]));
@@ -237,8 +236,8 @@ fn in_shadow<P: Pack>(
                 hit = P::bits(met.hit);
                 unsure = P::bits(edges.unsure);
                 met.distance.store(&mut distances);
-                for corner in 0..3 {
-                    met.weights[corner].store(&mut weights[corner]);
+                for (weight, to) in met.weights.into_iter().zip(&mut weights) {
+                    weight.store(to);
                 }
             }
             let lanes = (end - from).min(P::LANES);

@@ -135,9 +135,9 @@ pub(super) fn meet_leaf<P: Pack>(
 ) -> Span {
     for k in (0..WIDTH).step_by(P::LANES) {
         let mut corners = [[P::splat(token, 0.0); 3]; 3];
-        for corner in 0..3 {
-            for axis in 0..3 {
-                corners[corner][axis] = P::load(token, &leaf.corners[corner][axis][k..]);
+        for (corner, stored) in corners.iter_mut().zip(&leaf.corners) {
+            for (v, stored) in corner.iter_mut().zip(stored) {
+                *v = P::load(token, &stored[k..]);
             }
         }
         let Some(edges) = ray.edges::<P>(token, corners) else { continue };
@@ -147,8 +147,8 @@ pub(super) fn meet_leaf<P: Pack>(
         let within = met.hit.and(P::splat(token, span.from).le(met.distance));
         let mut hit = P::bits(within.and(met.distance.le(P::splat(token, span.to))));
         met.distance.store(&mut distances);
-        for corner in 0..3 {
-            met.weights[corner].store(&mut weights[corner]);
+        for (weight, to) in met.weights.into_iter().zip(&mut weights) {
+            weight.store(to);
         }
         let mut unsure = P::bits(edges.unsure);
         while unsure != 0 {
