@@ -25,7 +25,7 @@ fn scan(mesh: Mesh) -> Scan {
 fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     // The normals of the displaced mesh come from the relief's formulas, not from its facets.
     let truth = jue::displaced_mesh(jue::FINEST);
-    assert!((800_000..1_500_000).contains(&truth.triangles().len()), "{}", truth.triangles().len());
+    assert!(truth.triangles().len() > 1_000_000, "{}", truth.triangles().len());
     let bare = MeshData {
         positions: truth.positions().to_vec(),
         triangles: truth.triangles().to_vec(),

@@ -58,7 +58,10 @@ fn pairs_are_baked_within_two_degrees_and_nearly_without_a_miss() {
         assert!(number(&report, "/proof/angles/mean") < 2.0, "{high}: {report}");
         assert!(number(&report, "/proof/missed_texels") < 0.001, "{high}");
         assert!(number(&report, "/proof/angles/mean") < number(&report, "/proof/without_map/mean") / 4.0);
-        assert_eq!(report["warnings"], Value::Array(Vec::new()), "{high}");
+        // That a scan came in facets is worth telling, and no fault of the pair.
+        let is_fault = |warning: &&Value| !warning["what"].as_str().unwrap_or_default().contains("smoothed");
+        let faults: Vec<&Value> = report["warnings"].as_array().unwrap().iter().filter(is_fault).collect();
+        assert!(faults.is_empty(), "{high}: {faults:?}");
         validator::assert_valid(&folder.path().join("out.glb"));
         let low = taotie::io::load_model(low.as_ref()).unwrap().scene;
         let out = taotie::io::load_model(&folder.path().join("out.glb")).unwrap().scene;
