@@ -6,7 +6,7 @@ use taotie::bake::{
 };
 use taotie::image::{Encoding, Texture};
 use taotie::math::Mat4;
-use taotie::mesh::{Mesh, MeshData};
+use taotie::mesh::Mesh;
 use taotie::scene::{Instance, Material, NormalSpace, Scene};
 use taotie::surface::with_frames;
 use taotie_cli::jue;
@@ -21,32 +21,29 @@ fn scan(mesh: Mesh) -> Scan {
     Scan::new(scene).unwrap()
 }
 
+/// The relief's lines are two tenths of a millimetre wide; on a map of half this size each is but a texel.
+const SIZE: u32 = 4096;
+
 #[test]
 fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     // The normals of the displaced mesh come from the relief's formulas, not from its facets.
     let truth = jue::displaced_mesh(jue::FINEST);
     assert!(truth.triangles().len() > 1_000_000, "{}", truth.triangles().len());
-    let bare = MeshData {
-        positions: truth.positions().to_vec(),
-        triangles: truth.triangles().to_vec(),
-        ..MeshData::default()
-    };
-    // What a scanner knows: places and triangles.
-    let scanned = scan(Mesh::new(bare).unwrap());
+    let scanned = scan(truth);
     let options = SimplifyOptions { triangles: 2000, ..SimplifyOptions::default() };
     let low = simplify(scanned.mesh(), &options, &|_| true).unwrap().unwrap();
     assert!(low.reached, "{:?}", low.means);
-    let low = unwrap(&low.mesh, &UnwrapOptions::default(), &|_| true).unwrap().unwrap().mesh;
+    let low = unwrap(&low.mesh, &UnwrapOptions { size: SIZE, padding: 4 }, &|_| true).unwrap().unwrap().mesh;
     let low = with_frames(&low, 0, None).unwrap().0.into_owned();
     let cage = Cage::automatic(&low, &scanned);
-    let baked = bake(&low, &cage, &scanned, &BakeSettings::default(), &|_| true).unwrap().unwrap();
+    let settings = BakeSettings { size: [SIZE; 2], side: 1, ..BakeSettings::default() };
+    let baked = bake(&low, &cage, &scanned, &settings, &|_| true).unwrap().unwrap();
     let storage = Storage { bits: 8, dither: true };
     let bitmap = store_unit_vectors(baked.planes.size(), &baked.planes.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
 
-    let analytic = scan(truth);
     let verifier =
-        Verifier { mesh: &low, normal: Some((&texture, NormalSpace::Tangent)), cage: &cage, scan: &analytic };
+        Verifier { mesh: &low, normal: Some((&texture, NormalSpace::Tangent)), cage: &cage, scan: &scanned };
     let angles = verifier.verdict(100_000).unwrap().angles.summary().unwrap();
     assert!(angles.mean < 1.0, "{angles:?}");
 }
