@@ -85,6 +85,48 @@ fn a_coarse_sphere_looks_like_a_fine_one() {
     assert!(plain > 20.0 * exact, "without the map: {plain}°");
 }
 
+/// The same triangles with their vertices in the opposite order.
+fn turned_round(mesh: &Mesh) -> Mesh {
+    let data = mesh.clone().into_data();
+    let last = data.positions.len() as u32 - 1;
+    let reversed = |v: Vec<Vec3>| v.into_iter().rev().collect();
+    Mesh::new(MeshData {
+        positions: reversed(data.positions),
+        normals: reversed(data.normals),
+        tangents: data.tangents.into_iter().rev().collect(),
+        uvs: data.uvs.into_iter().map(|uvs| uvs.into_iter().rev().collect()).collect(),
+        triangles: data.triangles.into_iter().map(|t| t.map(|v| last - v)).collect(),
+        ..MeshData::default()
+    })
+    .unwrap()
+}
+
+#[test]
+fn the_order_of_vertices_does_not_matter_to_the_proof() {
+    // An ellipsoid, so that reach and direction differ from vertex to vertex.
+    let stretched = |columns, rows| {
+        let data = bare_sphere(1.0, columns, rows).into_data();
+        let positions = data.positions.iter().map(|p| Vec3::new(p.x, p.y * 2.0, p.z)).collect();
+        let mesh = Mesh::new(MeshData { positions, normals: Vec::new(), ..data }).unwrap();
+        let normals = vertex_normals(&mesh);
+        Mesh::new(MeshData { normals, ..mesh.into_data() }).unwrap()
+    };
+    let scan = scan(stretched(256, 128));
+    let low = light(&stretched(24, 12), 256);
+    let (baked, cage) = baked(&low, &scan, &settings(256, &[MapKind::Normal]));
+    let fine = Storage { bits: 16, dither: false };
+    let copy = turned_round(&low);
+    let carried = cage.carried_over(&low, &copy);
+    let [mean, max] = shown_angles(&low, &baked.planes, fine, (&cage, &scan));
+    let [again, largest] = shown_angles(&copy, &baked.planes, fine, (&carried, &scan));
+    assert!(
+        (mean - again).abs() < 1e-4 && (max - largest).abs() < 0.1,
+        "{mean}° {max}°, {again}° {largest}°"
+    );
+    let strange = Verifier { mesh: &copy, normal: None, cage: &cage, scan: &scan }.verdict(20_000).unwrap();
+    assert!(strange.missed > 0.5, "a cage that is not carried over is another one: {}", strange.missed);
+}
+
 #[test]
 fn object_space_holds_the_directions_of_a_sphere() {
     let scan = scan(bare_sphere(1.0, 256, 128));

@@ -16,7 +16,7 @@ const PART: f64 = 0.02;
 /// Notes what is wrong.
 pub fn judge(source: &Source, light: &Light, made: &Made, warnings: &mut Warnings) {
     let percent = |part: f64| format!("{:.1} %", part * 100.0);
-    let diagonal = super::proof::diagonal(source.scan.mesh());
+    let diagonal = source.scan.mesh().diagonal();
     let pair = Verifier { mesh: &light.mesh, normal: None, cage: &made.cage, scan: &source.scan };
     let mut note = |text: String| warnings.note(text, 1);
     if let Some(fit) = pair.fit(POINTS, diagonal) {

@@ -87,7 +87,11 @@ fn lightened(
     }
     let light = match &args.low {
         Some(path) => Light::read(path, args, stages, warnings)?,
-        None => Light::made(source, [args.triangles, args.size], stages, warnings)?,
+        None => {
+            let simplified = work::simplified(source, args.triangles, stages)?;
+            work::note_simplified(&simplified, args.triangles, warnings);
+            Light::made(source, &simplified, args.size, stages)?
+        }
     };
     let made = work::bake_maps(args, args.size, (source, &light), stages)?;
     Ok((light, made))
@@ -108,7 +112,7 @@ fn finish(args: &BakeArgs, parts: Parts, report: &mut Report, stages: &mut Stage
     if args.no_verify {
         return Ok(());
     }
-    prove(args, parts.source, &parts.made, report, stages)
+    prove(args, parts, report, stages)
 }
 
 /// Writes the asset and what goes beside it, and notes the files in the report.
@@ -148,18 +152,14 @@ fn write(args: &BakeArgs, parts: &Parts, report: &mut Report, stages: &mut Stage
 }
 
 /// Reads the asset back, measures it, and writes the report.
-fn prove(
-    args: &BakeArgs,
-    source: Source,
-    made: &Made,
-    report: &mut Report,
-    stages: &mut Stages,
-) -> Result<()> {
+fn prove(args: &BakeArgs, parts: Parts, report: &mut Report, stages: &mut Stages) -> Result<()> {
+    let Parts { source, light, made, .. } = parts;
     let object_map = made.textures.object_map();
     let subject = Subject {
         output: &args.output,
         files: &report.files,
         high: &args.high,
+        light: &light.mesh,
         cage: &made.cage,
         counts: &made.counts,
         object_map: object_map.as_deref(),

@@ -103,7 +103,9 @@ pub struct Subject<'a> {
     pub files: &'a [PathBuf],
     /// The scan's file.
     pub high: &'a Path,
-    /// Where the scan is looked for.
+    /// The finest level as it was baked onto.
+    pub light: &'a Mesh,
+    /// Where the scan is looked for from it.
     pub cage: &'a Cage,
     /// What became of the samples.
     pub counts: &'a BakeCounts,
@@ -137,10 +139,12 @@ pub fn prove(subject: &Subject<'_>, source: Source, stages: &mut Stages) -> Resu
         None => None,
     };
     let shown = Shown::of(&scene, object_map.as_ref())?;
-    let measured = stages.run("measure normals", |_| measure(&shown, subject, &source.scan))?;
+    // Packing sorts vertices anew.
+    let cage = subject.cage.carried_over(subject.light, &shown.mesh);
+    let measured = stages.run("measure normals", |_| measure(&shown, subject, (&cage, &source.scan)))?;
     let error_map = stages.run("map errors", |_| {
         let side = subject.size.min(MAP);
-        Ok(shown.verifier(subject.cage, &source.scan, true).error_map([side; 2])?)
+        Ok(shown.verifier(&cage, &source.scan, true).error_map([side; 2])?)
     })?;
     let shots = stages.run("compare views", |go_on| views::take(source.scan.into_mesh(), scene, go_on))?;
     let proof = Proof { views: shots.figures.clone(), ..measured };
@@ -173,17 +177,12 @@ impl<'a> Shown<'a> {
     }
 }
 
-fn measure(shown: &Shown<'_>, subject: &Subject<'_>, scan: &Scan) -> Result<Proof> {
-    // The asset's vertices may stand in another order than those that the cage was made for.
-    let cage = match shown.mesh.positions().len() == subject.cage.directions.len() {
-        true => subject.cage,
-        false => &Cage::automatic(&shown.mesh, scan),
-    };
+fn measure(shown: &Shown<'_>, subject: &Subject<'_>, (cage, scan): (&Cage, &Scan)) -> Result<Proof> {
     let mapped = shown.verifier(cage, scan, true);
     let verdict = mapped.verdict(POINTS)?;
     let plain = shown.verifier(cage, scan, false).verdict(POINTS / 10)?;
     let deviation = mapped.deviation(DEVIATION_POINTS)?;
-    let diagonal = diagonal(scan.mesh());
+    let diagonal = scan.mesh().diagonal();
     let counts = subject.counts;
     let part = |of: usize, all: usize| of as f64 / all.max(1) as f64;
     let bytes = |path: &Path| std::fs::metadata(path).map_or(0, |data| data.len());
@@ -212,15 +211,3 @@ fn measure(shown: &Shown<'_>, subject: &Subject<'_>, scan: &Scan) -> Result<Proo
 /// Bins of the histogram, and how wide each is, degrees.
 const BINS: usize = 50;
 pub const BIN_WIDTH: f64 = 0.2;
-
-/// The length of the diagonal of a mesh's box.
-pub fn diagonal(mesh: &Mesh) -> f64 {
-    let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
-    for p in mesh.positions() {
-        for (axis, v) in p.to_f64().to_array().into_iter().enumerate() {
-            low[axis] = low[axis].min(v);
-            high[axis] = high[axis].max(v);
-        }
-    }
-    (0..3).map(|axis| high[axis] - low[axis]).map(|side| side * side).sum::<f64>().sqrt()
-}

@@ -5,8 +5,10 @@ use super::report::Trial;
 use super::stages::Stages;
 use super::work::{self, Light, Made, Source};
 use anyhow::{Context, Result, bail};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use taotie::Warnings;
-use taotie::bake::Verifier;
+use taotie::bake::{Simplified, Verifier};
 use taotie::image::{Encoding, Texture};
 use taotie::scene::NormalSpace;
 
@@ -46,17 +48,24 @@ pub fn smallest(args: &BakeArgs, source: &Source, most: f64, stages: &mut Stages
         .collect();
     candidates.sort_by_key(|[t, s]| u64::from(*t) * TRIANGLE + u64::from(*s) * u64::from(*s) * TEXEL);
     let mut trials: Vec<Trial> = Vec::new();
+    // Maps of several sizes are tried on the same triangles.
+    let mut lighter: BTreeMap<u32, Simplified> = BTreeMap::new();
     for [triangles, size] in candidates {
         let fails = |trial: &Trial| triangles as usize <= trial.triangles && size <= trial.size;
         if trials.iter().any(fails) {
             continue;
         }
-        let mut warnings = Warnings::default();
-        let light = Light::made(source, [triangles, size], stages, &mut warnings)?;
+        let simplified = match lighter.entry(triangles) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => place.insert(work::simplified(source, triangles, stages)?),
+        };
+        let light = Light::made(source, simplified, size, stages)?;
         let made = work::bake_maps(args, size, (source, &light), stages)?;
         let mean_angle = mean_angle(source, &light, &made)?;
         trials.push(Trial { triangles: triangles as usize, size, mean_angle });
         if mean_angle <= most {
+            let mut warnings = Warnings::default();
+            work::note_simplified(simplified, triangles, &mut warnings);
             return Ok(Found { light, made, size, trials, warnings });
         }
     }

@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver};
 use taotie::Warnings;
 use taotie::bake::{
-    self, BakeCounts, BakeSettings, Baked, Cage, MapKind, Maps, Scan, SimplifyOptions, UnwrapOptions,
+    self, BakeCounts, BakeSettings, Baked, Cage, MapKind, Maps, Scan, Simplified, SimplifyOptions,
+    UnwrapOptions,
 };
 use taotie::io::{self, Loaded};
 use taotie::mesh::{Mesh, MeshData};
@@ -195,35 +196,41 @@ impl Light {
         Ok(Self { mesh: framed(&mesh, stages)?, origin, material, kept })
     }
 
-    /// The scan made light and unwrapped.
+    /// A scan made light, unwrapped for maps of this size.
     ///
     /// # Errors
-    /// Those of simplification and unwrapping.
-    pub fn made(
-        source: &Source,
-        [triangles, size]: [u32; 2],
-        stages: &mut Stages,
-        warnings: &mut Warnings,
-    ) -> Result<Self> {
-        let options = SimplifyOptions { triangles: triangles as usize, ..SimplifyOptions::default() };
-        let simplified = stages.run("simplify", |go_on| {
-            bake::simplify(source.scan.mesh(), &options, go_on)?.ok_or_else(|| Interrupted.into())
-        })?;
-        warnings.absorb(simplified.notes);
-        if !simplified.reached {
-            let what = format!(
-                "{} triangles were wanted; {} is what could be reached",
-                triangles,
-                simplified.mesh.triangles().len()
-            );
-            warnings.note(what, 1);
-        }
+    /// Those of unwrapping.
+    pub fn made(source: &Source, simplified: &Simplified, size: u32, stages: &mut Stages) -> Result<Self> {
         let means = format!("{:?}", simplified.means).to_lowercase();
         let simplification = Simplification { means, error: simplified.error };
         let mut origin = Origin { simplified: Some(simplification), charts: None };
         let mesh = unwrapped(&simplified.mesh, size, &mut origin, stages)?;
         let material = Material { base_color_texture: None, ..source.material.clone() };
         Ok(Self { mesh: framed(&mesh, stages)?, origin, material, kept: Kept::default() })
+    }
+}
+
+/// Makes the scan light.
+///
+/// # Errors
+/// Those of simplification.
+pub fn simplified(source: &Source, triangles: u32, stages: &mut Stages) -> Result<Simplified> {
+    let options = SimplifyOptions { triangles: triangles as usize, ..SimplifyOptions::default() };
+    stages.run("simplify", |go_on| {
+        bake::simplify(source.scan.mesh(), &options, go_on)?.ok_or_else(|| Interrupted.into())
+    })
+}
+
+/// What simplification left out, and whether it went as far as was wanted.
+pub fn note_simplified(simplified: &Simplified, triangles: u32, warnings: &mut Warnings) {
+    warnings.absorb(simplified.notes.clone());
+    if !simplified.reached {
+        let what = format!(
+            "{} triangles were wanted; {} is what could be reached",
+            triangles,
+            simplified.mesh.triangles().len()
+        );
+        warnings.note(what, 1);
     }
 }
 

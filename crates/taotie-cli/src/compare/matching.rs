@@ -73,7 +73,7 @@ impl Matching {
                     let [x, y, z, _] = smooth.normals.pixel(at[0], at[1]);
                     let point = camera.point_at(at, depth.into(), size).to_f32();
                     let direction = Vec3::new(x, y, z);
-                    let probe = Probe { point, direction, inward: reach, outward: reach };
+                    let probe = Probe { point, direction, reach };
                     scan.project(&probe).map(|found| found.normal)
                 })
             }

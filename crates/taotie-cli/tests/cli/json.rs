@@ -368,13 +368,13 @@ struct Metrics {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Spread {
-    count: usize,
-    mean: f64,
-    median: f64,
-    quartiles: [f64; 2],
-    p95: f64,
-    max: f64,
+pub struct Spread {
+    pub count: usize,
+    pub mean: f64,
+    pub median: f64,
+    pub quartiles: [f64; 2],
+    pub p95: f64,
+    pub max: f64,
 }
 
 #[derive(Deserialize)]
@@ -477,20 +477,9 @@ struct ComparedMethod {
 #[serde(deny_unknown_fields)]
 struct AngularError {
     heat: String,
-    all: Option<Quantiles>,
-    inner: Option<Quantiles>,
+    all: Option<Spread>,
+    inner: Option<Spread>,
     histogram: Vec<u64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Quantiles {
-    count: usize,
-    mean: f64,
-    median: f64,
-    quartiles: [f64; 2],
-    p95: f64,
-    max: f64,
 }
 
 #[derive(Deserialize)]
@@ -507,7 +496,7 @@ struct PictureFigures {
     rmse: f64,
     psnr: Option<f64>,
     ssim: f64,
-    flip: Option<Quantiles>,
+    flip: Option<Spread>,
     flip_map: String,
 }
 

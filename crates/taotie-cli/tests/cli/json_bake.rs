@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 use super::balls::{LIGHT, SCAN};
+use super::json::Spread;
 use super::place::Place;
 use serde::Deserialize;
 
@@ -104,17 +105,6 @@ struct Proof {
     fit: Option<Fit>,
     bytes_in: u64,
     bytes_out: u64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Spread {
-    count: usize,
-    mean: f64,
-    median: f64,
-    quartiles: [f64; 2],
-    p95: f64,
-    max: f64,
 }
 
 #[derive(Deserialize)]

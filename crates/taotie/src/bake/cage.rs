@@ -1,11 +1,12 @@
 //! Which way and how far the heavy surface is looked for.
 
-use super::projection::Probe;
+use super::projection::{Match, Probe};
 use super::scan::{Scan, blend};
 use crate::error::{Error, Result};
 use crate::math::{Vec3, sequence};
 use crate::mesh::Mesh;
 use crate::surface;
+use crate::trace::Bvh;
 use rayon::prelude::*;
 
 /// For each vertex of a light mesh the direction in which its scan is looked for, and how far.
@@ -15,11 +16,11 @@ use rayon::prelude::*;
 #[derive(Debug, Clone)]
 pub struct Cage {
     /// Outward, unit.
-    pub directions: Vec<Vec3>,
-    /// How far lines go into the light surface, model units.
-    pub inward: Vec<f32>,
-    /// How far they go out, model units.
-    pub outward: Vec<f32>,
+    directions: Vec<Vec3>,
+    /// How far lines go into the light surface and out of it, model units.
+    reach: Vec<f32>,
+    /// The longest of these.
+    longest: f32,
 }
 
 /// What lines are given beyond the gap that was found.
@@ -33,12 +34,20 @@ const MOST: f64 = 0.1;
 const NEAR: f64 = 1e-2;
 const OBLIQUE: f32 = 4.0;
 
+/// Where a line meets nothing, the closest point of the scan is taken from as far as this many times the longest line.
+const FALLBACK: f32 = 4.0;
+
 impl Cage {
+    fn new(directions: Vec<Vec3>, reach: Vec<f32>) -> Self {
+        let longest = reach.iter().fold(0.0, |most: f32, v| most.max(*v));
+        Self { directions, reach, longest }
+    }
+
     /// Finds the distances: from points all over each triangle the scan is looked for along the directions and as the
     /// closest point of all; each vertex gets twice the largest gap of the triangles around it.
     pub fn automatic(low: &Mesh, scan: &Scan) -> Self {
         let directions = directions(low);
-        let diagonal = diagonal(low);
+        let diagonal = low.diagonal();
         let gaps: Vec<f32> = (0..low.triangles().len())
             .into_par_iter()
             .map(|t| largest_gap(low, &directions, scan, t, diagonal))
@@ -50,7 +59,7 @@ impl Cage {
             }
         }
         surface::shared_by_position(low, &mut reach);
-        Self { directions, inward: reach.clone(), outward: reach }
+        Self::new(directions, reach)
     }
 
     /// The same distance everywhere, both ways.
@@ -66,7 +75,7 @@ impl Cage {
         }
         let directions = directions(low);
         let reach = vec![distance; directions.len()];
-        Ok(Self { directions, inward: reach.clone(), outward: reach })
+        Ok(Self::new(directions, reach))
     }
 
     /// From a cage mesh: the light mesh with its vertices moved outward, in the same order. Lines end at the cage, and
@@ -94,7 +103,7 @@ impl Cage {
         }
         let reach: Vec<f32> = (0..count).map(|i| way(i).length()).collect();
         let directions = (0..count).map(|i| way(i).normalize_or(normals[i])).collect();
-        Ok(Self { directions, inward: reach.clone(), outward: reach })
+        Ok(Self::new(directions, reach))
     }
 
     /// The line through a point of a triangle of the light mesh.
@@ -102,18 +111,33 @@ impl Cage {
         let [a, b, c] = triangle.map(|v| v as usize);
         let [u, v, w] = weights;
         let direction = self.directions[a] * u + self.directions[b] * v + self.directions[c] * w;
-        let mean = |of: &[f32]| of[a] * u + of[b] * v + of[c] * w;
         Probe {
             point,
             direction: direction.normalize_or(self.directions[a]),
-            inward: mean(&self.inward),
-            outward: mean(&self.outward),
+            reach: self.reach[a] * u + self.reach[b] * v + self.reach[c] * w,
         }
     }
 
-    /// The longest distance of all.
-    pub fn longest(&self) -> f32 {
-        self.inward.iter().chain(&self.outward).fold(0.0, |most: f32, v| most.max(*v))
+    /// What a line that met nothing stands for: the closest point of the scan, if it faces the same way.
+    pub(super) fn fallback(&self, scan: &Scan, probe: &Probe) -> Option<Match> {
+        scan.closest(probe.point, probe.direction, self.longest * FALLBACK)
+    }
+
+    /// The same cage for a copy of its mesh whose vertices stand in another order, or are fewer, or lie a little beside:
+    /// each takes what the cage has at the closest point of its own mesh.
+    pub fn carried_over(&self, own: &Mesh, copy: &Mesh) -> Self {
+        let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
+        let at = |point: &Vec3| {
+            let closest = surface.closest(*point, f32::INFINITY)?;
+            Some(self.probe(own.triangles()[closest.triangle as usize], *point, closest.weights))
+        };
+        // A mesh without triangles has no line to follow either.
+        let none = Probe { point: Vec3::default(), direction: Vec3::default(), reach: 0.0 };
+        let probes: Vec<Probe> = copy.positions().par_iter().map(|point| at(point).unwrap_or(none)).collect();
+        Self::new(
+            probes.iter().map(|probe| probe.direction).collect(),
+            probes.iter().map(|probe| probe.reach).collect(),
+        )
     }
 }
 
@@ -126,16 +150,6 @@ fn directions(low: &Mesh) -> Vec<Vec3> {
     }
     let means = surface::mean_by_position(low, low.normals());
     means.into_iter().zip(around).map(|(mean, around)| mean.normalize_or(around)).collect()
-}
-
-/// The length of the diagonal of a mesh's box.
-pub(super) fn diagonal(mesh: &Mesh) -> f64 {
-    let positions = || mesh.positions().iter().map(|p| p.to_f64());
-    let pick = |of: fn(f64, f64) -> f64, start: f64| {
-        positions().fold(Vec3::splat(start), |a, p| Vec3::new(of(a.x, p.x), of(a.y, p.y), of(a.z, p.z)))
-    };
-    let length = (pick(f64::max, f64::MIN) - pick(f64::min, f64::MAX)).length();
-    if length.is_finite() { length } else { 0.0 }
 }
 
 /// How far the scan lies from a triangle, at most, over a few of its points.
@@ -153,7 +167,7 @@ fn largest_gap(low: &Mesh, directions: &[Vec3], scan: &Scan, t: usize, diagonal:
         let point = blend(corners, weights);
         let direction = blend(triangle.map(|v| directions[v as usize]), weights).normalize_or(directions[0]);
         let height = |reach: f32| {
-            let probe = Probe { point, direction, inward: reach, outward: reach };
+            let probe = Probe { point, direction, reach };
             scan.project(&probe).map(|found| found.height.abs())
         };
         if let Some(height) = height(near) {

@@ -15,24 +15,15 @@ pub(super) struct Colors {
 }
 
 impl Colors {
-    /// Of instances whose triangles, `count` in all, were joined in order. What is left of their meshes is dropped.
-    pub fn new(scene: Scene, instances: &[Instance], count: usize) -> Self {
+    /// Of instances whose triangles were joined in order. What is left of their meshes is dropped.
+    pub fn new(scene: Scene, instances: &[Instance]) -> Self {
         let mut first = 0;
         let mut parts = Vec::with_capacity(instances.len());
         for instance in instances {
             parts.push((first, instance.material));
             first += scene.meshes[instance.mesh].triangles().len() as u32;
         }
-        debug_assert!(instances.len() == 1 || first as usize == count);
         Self { parts, materials: scene.materials, textures: scene.textures }
-    }
-
-    /// Whether colour differs from place to place.
-    pub fn vary(&self, mesh: &Mesh) -> bool {
-        let used = || self.parts.iter().map(|(_, material)| &self.materials[*material]);
-        let first = used().next().map(|m| m.base_color);
-        !mesh.colors().is_empty()
-            || used().any(|m| m.base_color_texture.is_some() || Some(m.base_color) != first)
     }
 
     /// The linear RGB of a point of a triangle; the texture at its finest level, uv set 0.

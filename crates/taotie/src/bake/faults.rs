@@ -1,6 +1,5 @@
 //! What may be wrong with a surface itself.
 
-use crate::math::Vec3;
 use crate::mesh::Mesh;
 use crate::surface;
 use rayon::prelude::*;
@@ -47,18 +46,14 @@ impl Faults {
             triangles.par_iter().map(corners).filter(is_whole).map(sorted).collect();
         wholes.par_sort_unstable();
         let duplicates = wholes.windows(2).filter(|pair| pair[0] == pair[1]).count();
-        let has_no_area = |t: &usize| {
-            let [a, b, c] = mesh.corners(*t).map(Vec3::to_f64);
-            (b - a).cross(c - a).length() == 0.0
-        };
-        let flat = (0..triangles.len()).into_par_iter().filter(has_no_area).count();
-        Self { open_edges, crowded_edges, duplicates, flat }
+        Self { open_edges, crowded_edges, duplicates, flat: mesh.degenerate_triangles() }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Vec3;
     use crate::mesh::MeshData;
 
     #[test]

@@ -24,22 +24,20 @@ pub struct Probe {
     pub point: Vec3,
     /// Outward, unit.
     pub direction: Vec3,
-    /// How far the line goes into the light surface, model units.
-    pub inward: f32,
-    /// How far it goes out.
-    pub outward: f32,
+    /// How far the line goes into the light surface and out of it, model units.
+    pub reach: f32,
 }
 
 impl Probe {
     /// The probe as a ray from its inner end beside others that run along `main`, and the stretch of it that matters.
     pub(super) fn ray(&self, main: Vec3) -> (Ray, Stretch) {
-        let ray = Ray::beside(self.point - self.direction * self.inward, self.direction, main);
-        (ray, Stretch { from: 0.0, center: self.inward, to: self.inward + self.outward })
+        let ray = Ray::beside(self.point - self.direction * self.reach, self.direction, main);
+        (ray, Stretch { from: 0.0, center: self.reach, to: self.reach + self.reach })
     }
 
     /// What a hit of [`Probe::ray`] on a surface with this normal stands for.
     pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Match {
-        Match { height: hit.distance - self.inward, normal, triangle: hit.triangle, weights: hit.weights }
+        Match { height: hit.distance - self.reach, normal, triangle: hit.triangle, weights: hit.weights }
     }
 }
 
@@ -103,12 +101,8 @@ mod tests {
     fn finds_the_nearest_sheet_that_faces_the_same_way() {
         let scan = sheets();
         let up = Vec3::new(0.0, 0.0, 1.0);
-        let probe = |z: f32, direction: Vec3, reach: f32| Probe {
-            point: Vec3::new(0.3, 0.4, z),
-            direction,
-            inward: reach,
-            outward: reach,
-        };
+        let probe =
+            |z: f32, direction: Vec3, reach: f32| Probe { point: Vec3::new(0.3, 0.4, z), direction, reach };
         let at = |z: f32, reach: f32| scan.project(&probe(z, up, reach));
         let below = at(0.2, 0.5).unwrap();
         assert!((below.height + 0.2).abs() < 1e-6 && (below.normal - up).length() < 1e-6);

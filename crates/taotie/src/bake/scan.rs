@@ -27,7 +27,7 @@ impl Scan {
         let mesh = merged(&mut scene.meshes, &instances)?;
         let mesh = Mesh::new(MeshData { tangents: Vec::new(), ..mesh.into_data() })?;
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
-        Ok(Self { colors: Colors::new(scene, &instances, mesh.triangles().len()), mesh, bvh })
+        Ok(Self { colors: Colors::new(scene, &instances), mesh, bvh })
     }
 
     /// The triangles, world space, with normals.
@@ -59,11 +59,6 @@ impl Scan {
     /// The base colour of a point of a triangle, linear RGB.
     pub fn color(&self, triangle: u32, weights: [f32; 3]) -> [f32; 3] {
         self.colors.at(&self.mesh, triangle, weights)
-    }
-
-    /// Whether there is any base colour that differs from place to place.
-    pub fn is_colored(&self) -> bool {
-        self.colors.vary(&self.mesh)
     }
 }
 

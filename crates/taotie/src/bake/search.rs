@@ -59,7 +59,7 @@ fn view(patch: &Patch, corners: [Vec3; 3], probes: &[Probe]) -> Option<SheafView
     let mut depths = [f32::INFINITY, f32::NEG_INFINITY];
     let mut reach = 0.0f32;
     for probe in probes {
-        for way in [-probe.inward, probe.outward] {
+        for way in [-probe.reach, probe.reach] {
             let end = probe.point + probe.direction * way;
             reach = reach.max((end - origin).length()).max(end.length());
             for k in 0..2 {

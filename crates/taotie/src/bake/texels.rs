@@ -1,6 +1,6 @@
 //! Baking: each sample of each texel finds its place on the scan, and the texel takes the mean of what is there.
 
-use super::cage::{Cage, diagonal};
+use super::cage::Cage;
 use super::curvature::mean_curvatures;
 use super::fill::fill;
 use super::layout::{BAND, Layout, Patch};
@@ -117,7 +117,6 @@ pub fn bake(
     let job = Job {
         sky: (wants(MapKind::Occlusion) || wants(MapKind::Bent)).then(|| sky(low, settings)),
         curvatures: if wants(MapKind::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
-        reach: cage.longest() * 4.0,
         layout,
         cage,
         scan,
@@ -167,7 +166,7 @@ fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {
 
 fn sky(low: &Mesh, settings: &BakeSettings) -> Sky {
     let reach = settings.sky_reach.unwrap_or(f32::INFINITY);
-    Sky::new(settings.sky_rays, settings.side * settings.side, reach, diagonal(low))
+    Sky::new(settings.sky_rays, settings.side * settings.side, reach, low.diagonal())
 }
 
 /// All that a band needs.
@@ -179,8 +178,6 @@ struct Job<'a> {
     sky: Option<Sky>,
     /// Of the scan's vertices.
     curvatures: Vec<f32>,
-    /// How far away a closest point may be.
-    reach: f32,
 }
 
 /// Sums over a texel's samples.
@@ -275,7 +272,7 @@ impl Job<'_> {
     fn found(&self, probe: &Probe, met: Option<Match>, cell: &mut Cell) -> Option<Match> {
         let found = met.or_else(|| {
             cell.missed += 1;
-            self.scan.closest(probe.point, probe.direction, self.reach)
+            self.cage.fallback(self.scan, probe)
         });
         if found.is_none() {
             cell.lost += 1;

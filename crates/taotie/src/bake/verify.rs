@@ -167,7 +167,7 @@ impl Verifier<'_> {
         let probe = self.cage.probe(corners, point, place.weights);
         let (found, way) = match self.scan.project(&probe) {
             Some(found) => (Some(found), Way::Met),
-            None => match self.scan.closest(point, probe.direction, self.cage.longest() * 4.0) {
+            None => match self.cage.fallback(self.scan, &probe) {
                 Some(found) => (Some(found), Way::Closest),
                 None => (None, Way::Lost),
             },

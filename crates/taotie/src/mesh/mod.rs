@@ -120,6 +120,16 @@ impl Mesh {
         [self.data.positions[a as usize], self.data.positions[b as usize], self.data.positions[c as usize]]
     }
 
+    /// The length of the diagonal of the box around all positions; 0 where there are none.
+    pub fn diagonal(&self) -> f64 {
+        let positions = || self.data.positions.iter().map(|p| p.to_f64());
+        let Some(first) = positions().next() else { return 0.0 };
+        let pick = |of: fn(f64, f64) -> f64| {
+            positions().fold(first, |a, p| Vec3::new(of(a.x, p.x), of(a.y, p.y), of(a.z, p.z)))
+        };
+        (pick(f64::max) - pick(f64::min)).length()
+    }
+
     /// How many triangles have no area, to the last bit.
     pub fn degenerate_triangles(&self) -> usize {
         (0..self.data.triangles.len())

@@ -10,7 +10,6 @@ use crate::shade::{COAT_F0, Energy, Shading, ndf};
 
 /// Fills `batch.dfg` and the albedos of the layers.
 pub(super) fn look_up(shading: Shading, energy: Energy, draw: &Draw<'_>, batch: &mut Batch) {
-    batch.tables = true;
     batch.compensated = energy == Energy::Compensated;
     for i in batch.entries() {
         let (n, v) = (get3(&batch.n, i), get3(&batch.v, i));

@@ -53,10 +53,8 @@ pub struct Batch {
     pub(super) smooth: Column3,
     /// Squared slope that a map adds, for the softened terminator.
     pub(super) bump: Column,
-    /// Directional albedos of the lobe: scale, bias, edge, diffuse edge; valid where `tables` says so.
+    /// Directional albedos of the lobe: scale, bias, edge, diffuse edge; valid once they were looked up.
     pub(super) dfg: [Column; 4],
-    /// Whether `dfg` and the layers' albedos are filled.
-    pub(super) tables: bool,
     /// Whether light that scatters several times is given back.
     pub(super) compensated: bool,
     pub(super) surround: Surroundings,
@@ -148,7 +146,6 @@ impl Batch {
             smooth: ZERO3,
             bump: ZERO,
             dfg: [ZERO; 4],
-            tables: false,
             compensated: false,
             surround: Surroundings { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
             v: ZERO3,

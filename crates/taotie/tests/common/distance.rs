@@ -20,7 +20,7 @@ impl Surface {
     pub fn new(mesh: &Mesh) -> Self {
         let corners: Vec<_> =
             (0..mesh.triangles().len()).map(|t| mesh.corners(t).map(Vec3::to_f64)).collect();
-        let side = diagonal(mesh) / (corners.len() as f64).sqrt().clamp(4.0, 200.0);
+        let side = mesh.diagonal() / (corners.len() as f64).sqrt().clamp(4.0, 200.0);
         let mut cells: HashMap<Cell, Vec<u32>> = HashMap::new();
         for (t, triangle) in corners.iter().enumerate() {
             let [low, high] = [f64::min, f64::max].map(|pick: fn(f64, f64) -> f64| {
@@ -67,19 +67,10 @@ impl Surface {
 
 /// Mean and greatest distance of every `step`-th vertex of `from` to `to`, in parts of the diagonal of `from`.
 pub fn deviation(from: &Mesh, to: &Mesh, step: usize) -> [f64; 2] {
-    let (surface, diagonal) = (Surface::new(to), diagonal(from));
+    let (surface, diagonal) = (Surface::new(to), from.diagonal());
     let far: Vec<f64> =
         from.positions().iter().step_by(step.max(1)).map(|p| surface.distance(*p) / diagonal).collect();
     [far.iter().sum::<f64>() / far.len() as f64, far.iter().copied().fold(0.0, f64::max)]
-}
-
-/// The diagonal of the box around a mesh.
-pub fn diagonal(mesh: &Mesh) -> f64 {
-    let side = |pick: fn(&Vec3) -> f32| {
-        let values = || mesh.positions().iter().map(pick);
-        f64::from(values().fold(f32::MIN, f32::max)) - f64::from(values().fold(f32::MAX, f32::min))
-    };
-    Vec3::new(side(|p| p.x), side(|p| p.y), side(|p| p.z)).length()
 }
 
 fn cell(point: Vec3<f64>, side: f64) -> Cell {

@@ -99,7 +99,7 @@ impl Edge {
     }
 }
 
-/// A row's light times each polynomial of [`Irradiance`], with n = (sin θ cos φ, cos θ, sin θ sin φ).
+/// A row's light times each of the nine polynomials, with n = (sin θ cos φ, cos θ, sin θ sin φ).
 fn moments([one, cos, sin, cos2, sin2]: [Vec3<f64>; 5], row: Edge) -> [Vec3<f64>; 9] {
     let Edge([all, c, s, sc, ss, cc]) = row;
     [
