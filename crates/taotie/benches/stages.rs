@@ -50,9 +50,9 @@ fn stages(pass: &Pass<'_, '_>) -> Times {
         for (draw, keys) in pass.runs(&keys) {
             for keys in keys.chunks(BATCH) {
                 let start = Instant::now();
-                let origins = pass.gather(&tile, 0, draw, keys, &mut batch);
+                pass.gather(&tile, 0, draw, keys, &mut batch);
                 let gathered = Instant::now();
-                pass.light(draw, &origins, &mut batch);
+                pass.light(draw, &mut batch);
                 times.texture += gathered - start;
                 times.shade += gathered.elapsed();
                 black_box(&batch);

@@ -326,7 +326,7 @@ impl Job<'_> {
         if maps.has(MapKind::Roughness) {
             let mean = cell.normal * share;
             let relief = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
-            planes.roughness[i] = Hidden { bend: 0.0, relief }.widened(self.settings.roughness);
+            planes.roughness[i] = Hidden { bend: 0.0f32, relief }.widened(self.settings.roughness);
         }
     }
 

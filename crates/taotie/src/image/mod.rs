@@ -1,11 +1,14 @@
 //! Images: linear float pictures, stored texel arrays, mip chains and filtered lookup.
 
 mod bitmap;
+mod decode;
+mod lookup;
 mod picture;
 mod sampler;
 mod texture;
 
 pub use bitmap::{Bitmap, Texels};
+pub use lookup::Lookup;
 pub use picture::Image;
 pub use sampler::{MipFilter, Sampler, TexelFilter, Wrap};
 pub use texture::{Encoding, Texture};

@@ -97,15 +97,7 @@ impl Sampler {
     /// The linear RGBA value of `texture` at `uv` (origin top left), where `lod` is log2 of texels a pixel on the
     /// finest level.
     pub fn sample(&self, texture: &Texture, uv: Vec2, lod: f32) -> [f32; 4] {
-        // OpenGL 4.6, 8.14.1: the switch from magnification moves where only minification uses levels coarsely.
-        let switch = if self.magnify == TexelFilter::Linear
-            && self.minify == TexelFilter::Nearest
-            && self.mip != MipFilter::None
-        {
-            0.5
-        } else {
-            0.0
-        };
+        let switch = self.switch();
         if lod <= switch || lod.is_nan() {
             return self.level(texture, 0, uv, self.magnify);
         }
@@ -130,16 +122,23 @@ impl Sampler {
         }
     }
 
+    /// Up to this log2 of texels a pixel, a texture is magnified: OpenGL 4.6, 8.14.1 moves it where only minification
+    /// uses levels coarsely.
+    pub(super) fn switch(&self) -> f32 {
+        let coarse = self.minify == TexelFilter::Nearest && self.mip != MipFilter::None;
+        if self.magnify == TexelFilter::Linear && coarse { 0.5 } else { 0.0 }
+    }
+
     #[inline]
     fn level(&self, texture: &Texture, level: usize, uv: Vec2, filter: TexelFilter) -> [f32; 4] {
         let (width, height) = texture.level_size(level);
         let (w, h) = (width as i32, height as i32);
         let x = self.wrap_u.reduce(uv.x) * width as f32;
         let y = self.wrap_v.reduce(uv.y) * height as f32;
-        match filter {
+        let mean = match filter {
             TexelFilter::Nearest => {
                 let (i, j) = (x.floor() as i32, y.floor() as i32);
-                texture.texel(level, self.wrap_u.apply(i, w), self.wrap_v.apply(j, h))
+                texture.unscaled(level, self.wrap_u.apply(i, w), self.wrap_v.apply(j, h))
             }
             TexelFilter::Linear => {
                 let (x, y) = (x - 0.5, y - 0.5);
@@ -147,11 +146,13 @@ impl Sampler {
                 let (fx, fy) = (x - x.floor(), y - y.floor());
                 let (i0, i1) = (self.wrap_u.apply(i, w), self.wrap_u.apply(i + 1, w));
                 let (j0, j1) = (self.wrap_v.apply(j, h), self.wrap_v.apply(j + 1, h));
-                let top = mix(texture.texel(level, i0, j0), texture.texel(level, i1, j0), fx);
-                let bottom = mix(texture.texel(level, i0, j1), texture.texel(level, i1, j1), fx);
+                let top = mix(texture.unscaled(level, i0, j0), texture.unscaled(level, i1, j0), fx);
+                let bottom = mix(texture.unscaled(level, i0, j1), texture.unscaled(level, i1, j1), fx);
                 mix(top, bottom, fy)
             }
-        }
+        };
+        let scale = texture.scale(level);
+        std::array::from_fn(|c| mean[c] * scale[c])
     }
 }
 

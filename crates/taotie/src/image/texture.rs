@@ -1,5 +1,6 @@
 //! A texture: a bitmap with its mip chain, decoded to linear values at each lookup.
 
+use super::decode::linear_from_code;
 use super::{Bitmap, Texels};
 use crate::math::Vec3;
 
@@ -56,6 +57,12 @@ impl Texture {
         &self.levels[0]
     }
 
+    /// A level as stored.
+    #[inline]
+    pub(super) fn level(&self, level: usize) -> &Bitmap {
+        &self.levels[level]
+    }
+
     /// What the stored numbers mean.
     pub fn encoding(&self) -> Encoding {
         self.encoding
@@ -79,6 +86,38 @@ impl Texture {
         match (self.encoding, level) {
             (Encoding::Normal, 0) => [r, g, b, 0.0],
             _ => [r, g, b, a],
+        }
+    }
+
+    /// As [`Self::texel`], but for a factor, so that filtering multiplies once.
+    #[inline]
+    pub(super) fn unscaled(&self, level: usize, x: usize, y: usize) -> [f32; 4] {
+        let bitmap = &self.levels[level];
+        let i = y * bitmap.width() as usize + x;
+        let [r, g, b, a] = match bitmap.texels() {
+            Texels::U8(texels) if self.encoding == Encoding::Srgb => {
+                let [r, g, b, a] = texels[i];
+                let decode = |v: u8| self.decode_u8[v as usize];
+                [decode(r), decode(g), decode(b), f32::from(a)]
+            }
+            Texels::U8(texels) => texels[i].map(f32::from),
+            Texels::U16(texels) => texels[i].map(f32::from),
+            Texels::F32(texels) => texels[i],
+        };
+        match (self.encoding, level) {
+            (Encoding::Normal, 0) => [r, g, b, 0.0],
+            _ => [r, g, b, a],
+        }
+    }
+
+    /// The factors of [`Self::unscaled`].
+    #[inline]
+    pub(super) fn scale(&self, level: usize) -> [f32; 4] {
+        match self.levels[level].texels() {
+            Texels::U8(_) if self.encoding == Encoding::Srgb => [1.0, 1.0, 1.0, 1.0 / 255.0],
+            Texels::U8(_) => [1.0 / 255.0; 4],
+            Texels::U16(_) => [1.0 / 65535.0; 4],
+            Texels::F32(_) => [1.0; 4],
         }
     }
 
@@ -189,10 +228,9 @@ fn nearest(table: &[f32; 256], value: f32) -> u8 {
 }
 
 fn decode_u8(value: u8, encoding: Encoding) -> f32 {
-    let v = f64::from(value) / 255.0;
     match encoding {
-        Encoding::Linear | Encoding::Normal => v as f32,
-        Encoding::Srgb => crate::math::srgb::linear_from_srgb(v) as f32,
+        Encoding::Linear | Encoding::Normal => (f64::from(value) / 255.0) as f32,
+        Encoding::Srgb => linear_from_code(f32::from(value)),
     }
 }
 

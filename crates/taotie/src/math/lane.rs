@@ -1,6 +1,6 @@
 //! The number type of every formula: a scalar, a SIMD pack, later a dual number or a recorder of expressions.
 
-use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
+use fearless_simd::{Simd, f32x8, f32x16, i32x8, i32x16, mask32x8, mask32x16, prelude::*};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The truth values that comparing two [`Lane`]s gives.
@@ -17,7 +17,7 @@ pub trait Mask: Copy {
 
 /// A number or a pack of numbers; all that a formula may use.
 ///
-/// Implementations for `f32`, `f64` and [`f32x8`] round alike: every operation here is one of IEEE 754's basic
+/// Implementations for `f32`, `f64`, [`f32x8`] and [`f32x16`] round alike: every operation here is one of IEEE 754's basic
 /// operations or exact, so lane `i` of a pack has the bits that `f32` would have. There is no fused multiply-add
 /// and no approximate reciprocal. Branches are written as [`Lane::select`].
 ///
@@ -92,25 +92,6 @@ impl Mask for bool {
     }
 }
 
-impl<S: Simd> Mask for mask32x8<S> {
-    #[inline(always)]
-    fn and(self, other: Self) -> Self {
-        self & other
-    }
-    #[inline(always)]
-    fn or(self, other: Self) -> Self {
-        self | other
-    }
-    #[inline(always)]
-    fn not(self) -> Self {
-        !self
-    }
-    #[inline(always)]
-    fn any(self) -> bool {
-        self.any_true()
-    }
-}
-
 macro_rules! scalar_lane {
     ($float:ty, $int:ty, $mantissa_bits:expr, $bias:expr) => {
         impl Lane for $float {
@@ -162,46 +143,83 @@ macro_rules! scalar_lane {
 scalar_lane!(f32, i32, 23, 127);
 scalar_lane!(f64, i64, 52, 1023);
 
-impl<S: Simd> Lane for f32x8<S> {
-    type Mask = mask32x8<S>;
-    #[inline(always)]
-    fn lit(self, value: f64) -> Self {
-        Self::splat(self.token(), value as f32)
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        SimdFloat::sqrt(self)
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        SimdBase::abs(self)
-    }
-    #[inline(always)]
-    fn floor(self) -> Self {
-        SimdFloat::floor(self)
-    }
-    #[inline(always)]
-    fn lt(self, other: Self) -> Self::Mask {
-        self.simd_lt(other)
-    }
-    #[inline(always)]
-    fn le(self, other: Self) -> Self::Mask {
-        self.simd_le(other)
-    }
-    #[inline(always)]
-    fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self {
-        mask.select(if_true, if_false)
-    }
-    #[inline(always)]
-    fn ldexp(self, n: Self) -> Self {
-        let power: i32x8<S> = (n.to_int::<i32x8<S>>() + 127) << 23;
-        self * power.bitcast::<Self>()
-    }
-    #[inline(always)]
-    fn frexp(self) -> (Self, Self) {
-        let bits = self.bitcast::<i32x8<S>>();
-        let exponent = (bits >> 23) - 126;
-        let mantissa = (bits & 0x007f_ffff) | (126 << 23);
-        (mantissa.bitcast::<Self>(), exponent.to_float())
-    }
+macro_rules! packed_lane {
+    ($float:ident, $int:ident, $mask:ident) => {
+        impl<S: Simd> Mask for $mask<S> {
+            #[inline(always)]
+            fn and(self, other: Self) -> Self {
+                self & other
+            }
+            #[inline(always)]
+            fn or(self, other: Self) -> Self {
+                self | other
+            }
+            #[inline(always)]
+            fn not(self) -> Self {
+                !self
+            }
+            #[inline(always)]
+            fn any(self) -> bool {
+                self.any_true()
+            }
+        }
+
+        impl<S: Simd> Lane for $float<S> {
+            type Mask = $mask<S>;
+            #[inline(always)]
+            fn lit(self, value: f64) -> Self {
+                Self::splat(self.token(), value as f32)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                SimdFloat::sqrt(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                SimdBase::abs(self)
+            }
+            #[inline(always)]
+            fn floor(self) -> Self {
+                SimdFloat::floor(self)
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> Self::Mask {
+                self.simd_lt(other)
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> Self::Mask {
+                self.simd_le(other)
+            }
+            #[inline(always)]
+            fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self {
+                mask.select(if_true, if_false)
+            }
+            // The instructions of x86 take the second operand where either is NaN or both are zero, as `select` does.
+            #[cfg(target_arch = "x86_64")]
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                SimdFloat::min(self, other)
+            }
+            #[cfg(target_arch = "x86_64")]
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                SimdFloat::max(self, other)
+            }
+            #[inline(always)]
+            fn ldexp(self, n: Self) -> Self {
+                let power: $int<S> = (n.to_int::<$int<S>>() + 127) << 23;
+                self * power.bitcast::<Self>()
+            }
+            #[inline(always)]
+            fn frexp(self) -> (Self, Self) {
+                let bits = self.bitcast::<$int<S>>();
+                let exponent = (bits >> 23) - 126;
+                let mantissa = (bits & 0x007f_ffff) | (126 << 23);
+                (mantissa.bitcast::<Self>(), exponent.to_float())
+            }
+        }
+    };
 }
+
+packed_lane!(f32x8, i32x8, mask32x8);
+packed_lane!(f32x16, i32x16, mask32x16);

@@ -1,5 +1,6 @@
 //! Numbers, vectors, matrices and frames, each formula written once over the number type [`Lane`].
 
+mod column;
 mod lane;
 mod mat;
 mod pack;
@@ -12,9 +13,10 @@ pub mod scalar;
 pub mod sequence;
 pub mod srgb;
 
+pub use column::{BATCH, COLUMN, Column};
 pub use lane::{Lane, Mask};
 pub use mat::Mat4;
-pub use pack::Pack;
-pub(crate) use pack::dispatch_pack;
+pub use pack::{MOST_LANES, Pack};
+pub(crate) use pack::{at_most_eight, dispatch_eight, dispatch_pack};
 pub use simd::SimdLevel;
 pub use vec::{Vec2, Vec3};

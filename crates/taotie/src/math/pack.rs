@@ -1,9 +1,13 @@
 //! Packs of numbers that load from and store to slices, and the choice of one by SIMD level.
 
 use super::Lane;
-use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
+use fearless_simd::{Level, Simd, f32x4, f32x8, f32x16, i32x8, i32x16, prelude::*, u32x8, u32x16};
 
-/// A [`Lane`] that loads from and stores to neighbours in memory: one `f32`, or eight.
+/// The most numbers that a pack holds.
+pub const MOST_LANES: usize = 16;
+
+/// A [`Lane`] that loads from and stores to neighbours in memory: one `f32`, or eight, or
+/// sixteen.
 pub trait Pack: Lane {
     /// The proof that the processor has the pack's instructions.
     type Token: Copy;
@@ -21,6 +25,20 @@ pub trait Pack: Lane {
     fn bits(mask: Self::Mask) -> u64;
     /// Writes the first [`Self::LANES`] pixels of `to`.
     fn store_pixels(channels: [Self; 4], to: &mut [[f32; 4]]);
+    /// Byte `n`, 0 to 3 from the lowest, of each of the first [`Self::LANES`] words of `from`.
+    fn load_byte(token: Self::Token, from: &[u32], n: u32) -> Self;
+    /// The lower or, with `n` of 1, the higher half of each of the first [`Self::LANES`] words of `from`.
+    fn load_half(token: Self::Token, from: &[u32], n: u32) -> Self;
+    /// The same halves as positive half floats, but for a factor of 2^112: their exponent and mantissa, moved to where
+    /// a float has them.
+    fn load_half_float(token: Self::Token, from: &[u32], n: u32) -> Self;
+    /// The first [`Self::LANES`] words of `from` as the bits of floats.
+    fn load_bits(token: Self::Token, from: &[u32]) -> Self;
+    /// Writes lanes that are integral and not negative to the first [`Self::LANES`] words of `to`.
+    fn store_words(self, to: &mut [u32]);
+    /// Writes `row` · `width` + `self` to the first [`Self::LANES`] words of `to`, for integral lanes below 2^24; the
+    /// results are below 2^32.
+    fn store_place(self, row: Self, width: Self, to: &mut [u32]);
 }
 
 impl Pack for f32 {
@@ -50,52 +68,155 @@ impl Pack for f32 {
     fn store_pixels(channels: [Self; 4], to: &mut [[f32; 4]]) {
         to[0] = channels;
     }
+    #[inline(always)]
+    fn load_byte((): (), from: &[u32], n: u32) -> Self {
+        ((from[0] >> (8 * n)) & 0xff) as f32
+    }
+    #[inline(always)]
+    fn load_half((): (), from: &[u32], n: u32) -> Self {
+        ((from[0] >> (16 * n)) & 0xffff) as f32
+    }
+    #[inline(always)]
+    fn load_half_float((): (), from: &[u32], n: u32) -> Self {
+        f32::from_bits(((from[0] >> (16 * n)) & 0xffff) << 13)
+    }
+    #[inline(always)]
+    fn load_bits((): (), from: &[u32]) -> Self {
+        f32::from_bits(from[0])
+    }
+    #[inline(always)]
+    fn store_words(self, to: &mut [u32]) {
+        to[0] = self as i32 as u32;
+    }
+    #[inline(always)]
+    fn store_place(self, row: Self, width: Self, to: &mut [u32]) {
+        to[0] = (row as i32).wrapping_mul(width as i32).wrapping_add(self as i32) as u32;
+    }
 }
 
-impl<S: Simd> Pack for f32x8<S> {
-    type Token = S;
-    const LANES: usize = 8;
-    #[inline(always)]
-    fn splat(token: S, value: f32) -> Self {
-        SimdBase::splat(token, value)
-    }
-    #[inline(always)]
-    fn load(token: S, from: &[f32]) -> Self {
-        SimdBase::from_slice(token, &from[..8])
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f32]) {
-        self.store_slice(&mut to[..8]);
-    }
-    #[inline(always)]
-    fn load_pixels(token: S, from: &[[f32; 4]]) -> [Self; 4] {
-        let (low, high) = from[..8].as_flattened().split_at(16);
-        let [r, g, b, a] = f32x4::load_four_interleaved(token, low);
-        let [r2, g2, b2, a2] = f32x4::load_four_interleaved(token, high);
-        [r.combine(r2), g.combine(g2), b.combine(b2), a.combine(a2)]
-    }
-    #[inline(always)]
-    fn bits(mask: Self::Mask) -> u64 {
-        mask.to_bitmask()
-    }
-    #[inline(always)]
-    fn store_pixels([r, g, b, a]: [Self; 4], to: &mut [[f32; 4]]) {
-        let (low, high) = to[..8].as_flattened_mut().split_at_mut(16);
-        let ((r, r2), (g, g2), (b, b2), (a, a2)) = (r.split(), g.split(), b.split(), a.split());
-        f32x4::store_four_interleaved([r, g, b, a], low);
-        f32x4::store_four_interleaved([r2, g2, b2, a2], high);
-    }
+/// A register of `$lanes` floats. Pixels are loaded and stored as those of its two halves.
+macro_rules! register_pack {
+    ($float:ident, $int:ident, $word:ident, $lanes:literal, $load_pixels:ident, $store_pixels:ident) => {
+        impl<S: Simd> Pack for $float<S> {
+            type Token = S;
+            const LANES: usize = $lanes;
+            #[inline(always)]
+            fn splat(token: S, value: f32) -> Self {
+                SimdBase::splat(token, value)
+            }
+            #[inline(always)]
+            fn load(token: S, from: &[f32]) -> Self {
+                SimdBase::from_slice(token, &from[..$lanes])
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [f32]) {
+                self.store_slice(&mut to[..$lanes]);
+            }
+            #[inline(always)]
+            fn load_pixels(token: S, from: &[[f32; 4]]) -> [Self; 4] {
+                let (low, high) = from[..$lanes].split_at($lanes / 2);
+                let [[r, g, b, a], [r2, g2, b2, a2]] = [$load_pixels(token, low), $load_pixels(token, high)];
+                [r.combine(r2), g.combine(g2), b.combine(b2), a.combine(a2)]
+            }
+            #[inline(always)]
+            fn bits(mask: Self::Mask) -> u64 {
+                mask.to_bitmask()
+            }
+            #[inline(always)]
+            fn store_pixels([r, g, b, a]: [Self; 4], to: &mut [[f32; 4]]) {
+                let (low, high) = to[..$lanes].split_at_mut($lanes / 2);
+                let ((r, r2), (g, g2), (b, b2), (a, a2)) = (r.split(), g.split(), b.split(), a.split());
+                $store_pixels([r, g, b, a], low);
+                $store_pixels([r2, g2, b2, a2], high);
+            }
+            #[inline(always)]
+            fn load_byte(token: S, from: &[u32], n: u32) -> Self {
+                let words = $word::from_slice(token, &from[..$lanes]);
+                let bytes = if n == 0 { words & 0xff } else { (words >> (8 * n)) & 0xff };
+                bytes.bitcast::<$int<S>>().to_float()
+            }
+            #[inline(always)]
+            fn load_half(token: S, from: &[u32], n: u32) -> Self {
+                let words = $word::from_slice(token, &from[..$lanes]);
+                let halves = if n == 0 { words & 0xffff } else { words >> 16 };
+                halves.bitcast::<$int<S>>().to_float()
+            }
+            #[inline(always)]
+            fn load_half_float(token: S, from: &[u32], n: u32) -> Self {
+                let words = $word::from_slice(token, &from[..$lanes]);
+                let moved = if n == 0 { (words & 0xffff) << 13 } else { (words >> 16) << 13 };
+                moved.bitcast::<Self>()
+            }
+            #[inline(always)]
+            fn load_bits(token: S, from: &[u32]) -> Self {
+                $word::from_slice(token, &from[..$lanes]).bitcast::<Self>()
+            }
+            #[inline(always)]
+            fn store_words(self, to: &mut [u32]) {
+                self.to_int::<$int<S>>().bitcast::<$word<S>>().store_slice(&mut to[..$lanes]);
+            }
+            #[inline(always)]
+            fn store_place(self, row: Self, width: Self, to: &mut [u32]) {
+                let (row, width): ($int<S>, $int<S>) = (row.to_int(), width.to_int());
+                let column: $int<S> = self.to_int();
+                (row * width + column).bitcast::<$word<S>>().store_slice(&mut to[..$lanes]);
+            }
+        }
+    };
+}
+
+register_pack!(f32x8, i32x8, u32x8, 8, load4, store4);
+register_pack!(f32x16, i32x16, u32x16, 16, load8, store8);
+
+#[inline(always)]
+fn load4<S: Simd>(token: S, from: &[[f32; 4]]) -> [f32x4<S>; 4] {
+    f32x4::load_four_interleaved(token, from.as_flattened())
+}
+
+#[inline(always)]
+fn store4<S: Simd>(channels: [f32x4<S>; 4], to: &mut [[f32; 4]]) {
+    f32x4::store_four_interleaved(channels, to.as_flattened_mut());
+}
+
+#[inline(always)]
+fn load8<S: Simd>(token: S, from: &[[f32; 4]]) -> [f32x8<S>; 4] {
+    f32x8::load_pixels(token, from)
+}
+
+#[inline(always)]
+fn store8<S: Simd>(channels: [f32x8<S>; 4], to: &mut [[f32; 4]]) {
+    f32x8::store_pixels(channels, to);
 }
 
 /// Evaluates `call` once, with `$pack` naming the pack type of `level` and `$token` its proof, compiled for that
 /// level. Everything that `call` runs must be `#[inline(always)]`, or it falls out of the level.
 ///
 /// `fearless_simd::dispatch!` would compile five levels, one of them eight scalars wide; this compiles those that
-/// differ: one `f32` at a time, and packs of eight on SSE2, AVX2 or NEON.
+/// differ: one `f32` at a time, packs of eight on SSE2, AVX2 or NEON, and packs of sixteen on AVX-512.
 macro_rules! dispatch_pack {
-    ($level:expr, $pack:ident, $token:ident => $call:expr) => {{
-        use fearless_simd::{Level, Simd as _};
+    ($level:expr, $pack:ident, $token:ident => $call:expr) => {
         match $level {
+            #[cfg(target_arch = "x86_64")]
+            fearless_simd::Level::Avx512($token) => {
+                use fearless_simd::Simd as _;
+                type $pack = fearless_simd::f32x16<fearless_simd::x86::Avx512>;
+                $token.vectorize(
+                    #[inline(always)]
+                    || $call,
+                )
+            }
+            level => $crate::math::dispatch_eight!(level, $pack, $token => $call),
+        }
+    };
+}
+pub(crate) use dispatch_pack;
+
+/// As [`dispatch_pack`], with packs of at most eight, for what comes in eights.
+macro_rules! dispatch_eight {
+    ($level:expr, $pack:ident, $token:ident => $call:expr) => {{
+        #[allow(unused_imports, reason = "the scalar level needs none")]
+        use fearless_simd::{Level, Simd as _};
+        match $crate::math::at_most_eight($level) {
             #[cfg(target_arch = "x86_64")]
             Level::Avx2($token) => {
                 type $pack = fearless_simd::f32x8<fearless_simd::x86::Avx2>;
@@ -128,4 +249,13 @@ macro_rules! dispatch_pack {
         }
     }};
 }
-pub(crate) use dispatch_pack;
+pub(crate) use dispatch_eight;
+
+/// The level, or the next lower one whose packs hold eight.
+pub(crate) fn at_most_eight(level: Level) -> Level {
+    #[cfg(target_arch = "x86_64")]
+    if let (Level::Avx512(_), Some(avx2)) = (level, level.as_avx2()) {
+        return Level::Avx2(avx2);
+    }
+    level
+}

@@ -14,8 +14,10 @@ pub enum SimdLevel {
     Scalar,
     /// 128-bit registers, the baseline of x86-64.
     Sse2,
-    /// 256-bit registers of x86-64-v3. AVX-512 gains nothing on packs of eight and is not compiled.
+    /// 256-bit registers of x86-64-v3.
     Avx2,
+    /// 512-bit registers of x86-64-v4 as in Ice Lake and later.
+    Avx512,
     /// 128-bit registers of 64-bit Arm.
     Neon,
 }
@@ -27,6 +29,7 @@ impl Named for SimdLevel {
         ("scalar", Self::Scalar),
         ("sse2", Self::Sse2),
         ("avx2", Self::Avx2),
+        ("avx512", Self::Avx512),
         ("neon", Self::Neon),
     ];
 }
@@ -45,10 +48,15 @@ impl SimdLevel {
     pub fn dispatch(self) -> Result<Level> {
         let machine = Level::new();
         let level = match self {
-            Self::Auto => avx2(machine).or_else(|| sse2(machine)).or_else(|| neon(machine)).or(Some(machine)),
+            Self::Auto => avx512(machine)
+                .or_else(|| avx2(machine))
+                .or_else(|| sse2(machine))
+                .or_else(|| neon(machine))
+                .or(Some(machine)),
             Self::Scalar => Some(Level::fallback()),
             Self::Sse2 => sse2(machine),
             Self::Avx2 => avx2(machine),
+            Self::Avx512 => avx512(machine),
             Self::Neon => neon(machine),
         };
         level.ok_or_else(|| {
@@ -70,6 +78,11 @@ fn avx2(machine: Level) -> Option<Level> {
     machine.as_avx2().map(Level::Avx2)
 }
 
+#[cfg(target_arch = "x86_64")]
+fn avx512(machine: Level) -> Option<Level> {
+    machine.as_avx512().map(Level::Avx512)
+}
+
 #[cfg(target_arch = "aarch64")]
 fn neon(machine: Level) -> Option<Level> {
     machine.as_neon().map(Level::Neon)
@@ -82,6 +95,11 @@ fn sse2(_: Level) -> Option<Level> {
 
 #[cfg(not(target_arch = "x86_64"))]
 fn avx2(_: Level) -> Option<Level> {
+    None
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn avx512(_: Level) -> Option<Level> {
     None
 }
 

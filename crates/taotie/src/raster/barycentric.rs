@@ -1,62 +1,82 @@
 //! Perspective-correct barycentric coordinates from clip space, with their derivatives.
 
 use super::Viewport;
+use crate::math::{Lane, Mask};
 
-/// A triangle in clip space, ready to be asked for barycentrics at any point of the screen.
+/// A triangle in clip space, ready to be asked for barycentrics at points of the screen.
 ///
 /// A point of the triangle is Σ bᵢ Pᵢ with Pᵢ = (x, y, w) of corner i, and is seen at (X, Y) where it is parallel
-/// to (X, Y, 1). So bᵢ is proportional to (Pⱼ × Pₖ)·(X, Y, 1): Olano and Greer 1997. No clipping is needed.
+/// to (X, Y, 1). So bᵢ/w is (Pⱼ × Pₖ)·(X, Y, 1) over the determinant of the corners, a plane over the screen: Olano and
+/// Greer 1997. No clipping is needed.
 #[derive(Debug, Clone, Copy)]
 pub struct PerspectiveTriangle {
-    /// For each corner: value at the picture's top left, step a pixel right, step a pixel down.
-    planes: [[f64; 3]; 3],
+    /// For each corner: value at the origin, step a pixel right, step a pixel down.
+    planes: [[f32; 3]; 3],
 }
 
-/// Barycentrics at a point of the screen.
+/// Barycentrics at points of the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Barycentric {
+pub struct Barycentric<L = f32> {
     /// Weights of the three corners; their sum is 1.
-    pub weights: [f32; 3],
+    pub weights: [L; 3],
     /// Change of the weights a pixel to the right.
-    pub d_x: [f32; 3],
+    pub d_x: [L; 3],
     /// Change of the weights a pixel down.
-    pub d_y: [f32; 3],
+    pub d_y: [L; 3],
 }
 
 impl PerspectiveTriangle {
-    /// From the corners' (x, y, z, w).
-    pub fn new(corners: [[f32; 4]; 3], viewport: &Viewport) -> Self {
+    /// From the corners' (x, y, z, w). Points are told from `origin` on, pixels from the picture's top left corner; near
+    /// it they are most exact.
+    pub fn new(corners: [[f32; 4]; 3], viewport: &Viewport, [x, y]: [f64; 2]) -> Self {
         let p = corners.map(|[x, y, _, w]| [x, y, w].map(f64::from));
         let (sx, sy) = (2.0 / f64::from(viewport.width), -2.0 / f64::from(viewport.height));
-        let plane = |j: usize, k: usize| {
-            let [a, b, c] = cross(p[j], p[k]);
-            [c - a + b, a * sx, b * sy]
+        let normals = [cross(p[1], p[2]), cross(p[2], p[0]), cross(p[0], p[1])];
+        let determinant = p[0][0] * normals[0][0] + p[0][1] * normals[0][1] + p[0][2] * normals[0][2];
+        let scale = 1.0 / determinant;
+        let plane = |[a, b, c]: [f64; 3]| {
+            let (right, down) = (a * sx, b * sy);
+            [c - a + b + right * x + down * y, right, down].map(|v| (v * scale) as f32)
         };
-        Self { planes: [plane(1, 2), plane(2, 0), plane(0, 1)] }
+        Self { planes: normals.map(plane) }
     }
 
-    /// The barycentrics at (x, y) in pixels from the picture's top left corner.
-    pub fn at(&self, x: f64, y: f64) -> Barycentric {
-        let values = self.planes.map(|[c, a, b]| c + a * x + b * y);
-        let inverse = 1.0 / (values[0] + values[1] + values[2]);
-        let weights = values.map(|v| v * inverse);
-        let derivative = |step: usize| {
-            let sum = self.planes[0][step] + self.planes[1][step] + self.planes[2][step];
-            std::array::from_fn(|i| ((self.planes[i][step] - weights[i] * sum) * inverse) as f32)
-        };
-        Barycentric { weights: inside(weights), d_x: derivative(1), d_y: derivative(2) }
+    /// The barycentrics at (x, y) in pixels from the origin.
+    ///
+    /// Vertices are snapped for coverage, so a covered sample can lie a little outside the exact triangle: its weights
+    /// are brought inside. A sliver seen edge-on has no weights at all and takes the mean of its corners.
+    #[inline(always)]
+    pub fn at<L: Lane>(&self, x: L, y: L) -> Barycentric<L> {
+        let [zero, one, third] = [x.lit(0.0), x.lit(1.0), x.lit(1.0 / 3.0)];
+        let [p0, p1, p2] = self.planes;
+        let (k0, k1, k2) = (plane(p0, x, y).max(zero), plane(p1, x, y).max(zero), plane(p2, x, y).max(zero));
+        let sum = k0 + k1 + k2;
+        let sound = zero.lt(sum).and(sum.lt(x.lit(f64::from(f32::MAX))));
+        let inverse = one / L::select(sound, sum, one);
+        let w0 = L::select(sound, k0 * inverse, third);
+        let w1 = L::select(sound, k1 * inverse, third);
+        let w2 = L::select(sound, k2 * inverse, third);
+        let inverse = L::select(sound, inverse, zero);
+        let steps = |step: usize| [p0[step], p1[step], p2[step]];
+        let d_x = changes(steps(1), [w0, w1, w2], inverse);
+        let d_y = changes(steps(2), [w0, w1, w2], inverse);
+        Barycentric { weights: [w0, w1, w2], d_x, d_y }
     }
 }
 
-/// The weights brought into the triangle. Vertices are snapped for coverage, so a covered sample can lie a little
-/// outside the exact triangle, and a sliver seen edge-on has no weights at all.
-fn inside(weights: [f64; 3]) -> [f32; 3] {
-    let kept = weights.map(|w| w.max(0.0));
-    let sum = kept[0] + kept[1] + kept[2];
-    match sum > 0.0 && sum.is_finite() {
-        true => kept.map(|w| (w / sum) as f32),
-        false => [1.0 / 3.0; 3],
-    }
+#[inline(always)]
+fn plane<L: Lane>([c, a, b]: [f32; 3], x: L, y: L) -> L {
+    x.lit(f64::from(c)) + x * x.lit(f64::from(a)) + y * x.lit(f64::from(b))
+}
+
+/// The changes of the weights over a step along which the planes change by `steps`.
+#[inline(always)]
+fn changes<L: Lane>([a, b, c]: [f32; 3], [wa, wb, wc]: [L; 3], inverse: L) -> [L; 3] {
+    let (all, a, b, c) = (wa.lit(f64::from(a + b + c)), f64::from(a), f64::from(b), f64::from(c));
+    let change_a = (wa.lit(a) - wa * all) * inverse;
+    let change_b = (wb.lit(b) - wb * all) * inverse;
+    let change_c = (wc.lit(c) - wc * all) * inverse;
+    [change_a, change_b, change_c]
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -73,12 +93,12 @@ mod tests {
         let viewport = Viewport { width: 100, height: 50, pattern: SamplePattern::new(1).unwrap() };
         // A triangle whose second corner is three times as far as the others.
         let corners = [[-1.0, -1.0, 0.0, 1.0], [3.0, -3.0, 0.0, 3.0], [-1.0, 1.0, 0.0, 1.0]];
-        let triangle = PerspectiveTriangle::new(corners, &viewport);
+        let triangle = PerspectiveTriangle::new(corners, &viewport, [0.0; 2]);
         let close = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
-        assert!(close(triangle.at(0.0, 50.0).weights, [1.0, 0.0, 0.0]));
-        assert!(close(triangle.at(100.0, 50.0).weights, [0.0, 1.0, 0.0]));
+        assert!(close(triangle.at(0.0f32, 50.0).weights, [1.0, 0.0, 0.0]));
+        assert!(close(triangle.at(100.0f32, 50.0).weights, [0.0, 1.0, 0.0]));
         // Halfway on the screen the near corner weighs three times the far one.
-        assert!(close(triangle.at(50.0, 50.0).weights, [0.75, 0.25, 0.0]));
+        assert!(close(triangle.at(50.0f32, 50.0).weights, [0.75, 0.25, 0.0]));
     }
 
     #[test]
@@ -87,10 +107,10 @@ mod tests {
         let flat = [[-1.0, -1.0, 0.0, 1.0], [1.0, 1.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
         let wide = [[-1.0, -1.0, 0.0, 1.0], [3.0, -3.0, 0.0, 3.0], [-1.0, 1.0, 0.0, 1.0]];
         for (corners, x, y) in
-            [(flat, 50.0, 25.0), (flat, 3.0, 40.0), (wide, -4.0, 60.0), (wide, 120.0, 10.0)]
+            [(flat, 50.0f32, 25.0f32), (flat, 3.0, 40.0), (wide, -4.0, 60.0), (wide, 120.0, 10.0)]
         {
-            let weights = PerspectiveTriangle::new(corners, &viewport).at(x, y).weights;
-            assert!(weights.iter().all(|w| (0.0..=1.0).contains(w)), "{weights:?}");
+            let weights = PerspectiveTriangle::new(corners, &viewport, [32.0, 0.0]).at(x - 32.0, y).weights;
+            assert!(weights.iter().all(|w: &f32| (0.0..=1.0).contains(w)), "{weights:?}");
             assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{weights:?}");
         }
     }
@@ -99,13 +119,11 @@ mod tests {
     fn derivatives_match_differences() {
         let viewport = Viewport { width: 64, height: 64, pattern: SamplePattern::new(1).unwrap() };
         let corners = [[-0.5, -0.7, 0.0, 1.0], [1.5, -0.3, 0.0, 2.0], [0.2, 0.9, 0.0, 1.3]];
-        let triangle = PerspectiveTriangle::new(corners, &viewport);
-        let (h, at) = (1e-3, triangle.at(30.0, 31.0));
+        let triangle = PerspectiveTriangle::new(corners, &viewport, [30.0, 31.0]);
+        let (h, at) = (0.05f32, triangle.at(0.0f32, 0.0));
         for i in 0..3 {
-            let dx = (triangle.at(30.0 + h, 31.0).weights[i] - triangle.at(30.0 - h, 31.0).weights[i])
-                / (2.0 * h as f32);
-            let dy = (triangle.at(30.0, 31.0 + h).weights[i] - triangle.at(30.0, 31.0 - h).weights[i])
-                / (2.0 * h as f32);
+            let dx = (triangle.at(h, 0.0).weights[i] - triangle.at(-h, 0.0).weights[i]) / (2.0 * h);
+            let dy = (triangle.at(0.0, h).weights[i] - triangle.at(0.0, -h).weights[i]) / (2.0 * h);
             assert!((dx - at.d_x[i]).abs() < 1e-4 && (dy - at.d_y[i]).abs() < 1e-4);
         }
     }

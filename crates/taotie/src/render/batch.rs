@@ -1,21 +1,33 @@
 //! A few hundred fragments in columns, so that eight neighbours load as one pack.
 
-use crate::math::{Pack, Vec3};
-
-/// How many fragments go through the stages together; small enough to stay in the nearest caches.
-pub const BATCH: usize = 256;
-
-/// One number of each fragment.
-pub(super) type Column = [f32; BATCH];
+use super::lookups::Lookups;
+pub use crate::math::BATCH;
+pub(super) use crate::math::{COLUMN, Column};
+use crate::math::{MOST_LANES, Pack, Vec3};
 
 /// A vector of each fragment.
 pub(super) type Column3 = [Column; 3];
 
-/// Fragments of one draw between interpolation and film. Entries from `len` up to the next multiple of eight
-/// repeat the last fragment, so that packs compute no nonsense.
+/// Fragments of one draw between interpolation and film, those of a triangle together. Entries from `len` on hold what
+/// packs leave there, which nobody reads but packs.
 #[derive(Debug, Clone)]
 pub struct Batch {
     pub(super) len: usize,
+    pub(super) runs: Vec<Run>,
+    /// Places on the screen, pixels from the tile's corner; of the rasteriser's fragments.
+    pub(super) place: [Column; 2],
+    /// Barycentric weights of the three corners, and their changes a sample to the right and down.
+    pub(super) weights: Column3,
+    pub(super) d_x: Column3,
+    pub(super) d_y: Column3,
+    /// As many as the mesh has.
+    pub(super) uv_sets: Vec<UvSet>,
+    /// Vertex colours, where the mesh has some.
+    pub(super) color: [Column; 4],
+    /// What the bend of the smooth surface, and what the normal map's relief, add to α² within a pixel.
+    pub(super) bend: Column,
+    pub(super) relief: Column,
+    pub(super) lookups: Lookups,
     /// World space.
     pub(super) position: Column3,
     /// Unit, world space, on the side of the face that is seen.
@@ -46,7 +58,7 @@ pub struct Batch {
     /// Strength of a dielectric's reflection, and the colour that its F0 is multiplied by.
     pub(super) specular: Column,
     pub(super) specular_color: Column3,
-    /// What relief narrower than a pixel adds to α², from normal maps and from the bend of the surface.
+    /// The sum of `bend` and `relief`.
     pub(super) variance: Column,
     pub(super) layers: Layers,
     /// Unit: the normal before any map, on the side that `n` is on.
@@ -64,11 +76,33 @@ pub struct Batch {
     pub(super) n: Column3,
     /// Base colour with its factor.
     pub(super) albedo: Column3,
-    pub(super) uv: [Column; 2],
     /// What leaves towards the viewer, linear RGB.
     pub(super) radiance: Column3,
     /// For each light, 1 where it is seen and 0 where it is not.
     pub(super) visibility: Vec<Column>,
+}
+
+/// The fragments of one triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run {
+    /// The triangle's number over all draws.
+    pub triangle: u32,
+    pub start: usize,
+    pub end: usize,
+}
+
+/// Texture coordinates, and their changes a sample to the right and down.
+#[derive(Debug, Clone)]
+pub(super) struct UvSet {
+    pub uv: [Column; 2],
+    pub d_x: [Column; 2],
+    pub d_y: [Column; 2],
+}
+
+impl Default for UvSet {
+    fn default() -> Self {
+        Self { uv: [ZERO; 2], d_x: [ZERO; 2], d_y: [ZERO; 2] }
+    }
 }
 
 /// What lies over or in the surface; filled where the material has it.
@@ -102,13 +136,23 @@ pub(super) struct Surroundings {
     pub coat: Column3,
 }
 
-const ZERO: Column = [0.0; BATCH];
+const ZERO: Column = [0.0; COLUMN];
 const ZERO3: Column3 = [ZERO; 3];
 
 impl Batch {
     pub(super) fn new(lights: usize) -> Box<Self> {
         Box::new(Self {
             len: 0,
+            runs: Vec::new(),
+            place: [ZERO; 2],
+            weights: ZERO3,
+            d_x: ZERO3,
+            d_y: ZERO3,
+            uv_sets: Vec::new(),
+            color: [ZERO; 4],
+            bend: ZERO,
+            relief: ZERO,
+            lookups: Lookups::default(),
             position: ZERO3,
             n_geom: ZERO3,
             normal: ZERO3,
@@ -151,10 +195,14 @@ impl Batch {
             v: ZERO3,
             n: ZERO3,
             albedo: ZERO3,
-            uv: [ZERO; 2],
             radiance: ZERO3,
-            visibility: vec![[1.0; BATCH]; lights],
+            visibility: vec![[1.0; COLUMN]; lights],
         })
+    }
+
+    /// Texture coordinates of an entry in the first set; zero where the mesh has none.
+    pub(super) fn first_uv(&self, i: usize) -> [f32; 2] {
+        self.uv_sets.first().map_or([0.0; 2], |set| [set.uv[0][i], set.uv[1][i]])
     }
 
     /// How many fragments there are.
@@ -167,9 +215,9 @@ impl Batch {
         self.len == 0
     }
 
-    /// The entries that packs read: the fragments, up to the next multiple of eight.
+    /// The entries that packs read: the fragments, up to the next multiple of the longest.
     pub(super) fn entries(&self) -> std::ops::Range<usize> {
-        0..self.len.next_multiple_of(8)
+        0..self.len.next_multiple_of(MOST_LANES)
     }
 
     /// The first entries of the packs that hold the fragments.

@@ -2,9 +2,11 @@
 
 use super::backdrop::Backdrop;
 use super::batch::{BATCH, Batch, get3};
-use super::fragments::{Gather, Key};
+use super::fragments::{self, Key};
 use super::frame::{Frame, TilePicture};
 use super::ground::Ground;
+use super::grouping::Grouping;
+use super::interpolate::Interpolation;
 use super::lighting::{Illumination, Source, light};
 use super::point::complete;
 use super::prepare::Prepared;
@@ -15,13 +17,11 @@ use super::surround;
 use super::view::View;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::raster::{
-    self, Bins, Faces, Geometry, NO_TRIANGLE, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane,
-    Viewport,
-};
+use crate::raster::{self, Bins, Faces, Geometry, SamplePattern, TILE_PIXELS, Tile, TilePlane, Viewport};
 use crate::scene::{AlphaMode, Camera};
 use fearless_simd::Level;
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Tiles between two reports of progress.
 const TILES_AT_ONCE: usize = 256;
@@ -45,7 +45,16 @@ pub struct Pass<'p, 'a> {
     ground: Option<Ground>,
     backdrop: Option<Backdrop>,
     pub(super) settings: RenderSettings,
-    level: Level,
+    pub(super) level: Level,
+    desks: Mutex<Vec<Box<Desk>>>,
+}
+
+/// What drawing a tile needs, kept from tile to tile.
+struct Desk {
+    plane: TilePlane,
+    grouping: Grouping,
+    keys: Vec<Key>,
+    batch: Box<Batch>,
 }
 
 /// What a tile collects over its samples.
@@ -104,6 +113,7 @@ impl<'p, 'a> Pass<'p, 'a> {
             backdrop: Backdrop::new(lighting.environment.as_ref(), rays),
             settings: settings.clone(),
             level: settings.simd.dispatch()?,
+            desks: Mutex::default(),
         })
     }
 
@@ -147,14 +157,13 @@ impl<'p, 'a> Pass<'p, 'a> {
 
     fn tile(&self, index: usize) -> Result<(Tile, TilePicture)> {
         let tile = Tile::new(&self.viewport, index);
-        let mut plane = TilePlane::default();
-        let mut batch = self.batch();
+        let mut desk = self.desk();
         let mut resolve = Resolve::new(self.viewport.pattern, self.settings.aovs);
         for sample in 0..self.viewport.pattern.offsets().len() {
-            let keys = self.visible(&tile, sample, &mut plane)?;
-            let shaded = self.shade(&tile, sample, &keys, &mut batch, &mut resolve);
-            resolve.add(shaded);
+            self.find_visible(&tile, sample, &mut desk)?;
+            self.shade(&tile, sample, &mut desk, &mut resolve);
         }
+        self.desks.lock().unwrap_or_else(PoisonError::into_inner).push(desk);
         if let Some(ground) = &self.ground {
             ground.fill(&tile, &mut resolve.picture.color);
         }
@@ -164,47 +173,74 @@ impl<'p, 'a> Pass<'p, 'a> {
         Ok((tile, resolve.picture))
     }
 
-    /// Stage 1: which triangles are seen at a sample of a tile, sorted by draw; `plane` is scratch.
+    /// One that is free, or a new one.
+    fn desk(&self) -> Box<Desk> {
+        let free = self.desks.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        free.unwrap_or_else(|| {
+            Box::new(Desk {
+                plane: TilePlane::default(),
+                grouping: Grouping::default(),
+                keys: Vec::new(),
+                batch: self.batch(),
+            })
+        })
+    }
+
+    /// Stage 1: which triangles are seen at a sample of a tile, those of a draw and of a triangle together; `plane` is
+    /// scratch.
     ///
     /// # Errors
     /// Where the SIMD level is not to be had.
     pub fn visible(&self, tile: &Tile, sample: usize, plane: &mut TilePlane) -> Result<Vec<Key>> {
-        let offset = self.viewport.pattern.offsets()[sample];
-        raster::rasterize_opaque(&self.opaque, tile, offset, self.settings.simd, plane)?;
-        let layers = raster::rasterize_layers(&self.layered, tile, offset, self.settings.simd, plane)?;
-        let opaque = plane.ids.iter().zip(&plane.depths).enumerate();
-        let mut keys: Vec<Key> = opaque
-            .filter(|(_, (id, _))| **id != NO_TRIANGLE)
-            .map(|(pixel, (id, depth))| Key { pixel: pixel as u32, triangle: *id, depth: *depth })
-            .collect();
-        keys.extend(layers.iter().map(|l| Key { pixel: l.pixel, triangle: l.id, depth: l.depth }));
-        if self.prepared.draws.len() > 1 {
-            keys.sort_by_cached_key(|key| self.prepared.draw_of(key.triangle));
-        }
+        let mut keys = Vec::new();
+        self.find(tile, sample, (plane, &mut Grouping::default()), &mut keys)?;
         Ok(keys)
     }
 
-    /// Stages 2 to 5 for all fragments of a sample.
-    fn shade(
+    fn find_visible(&self, tile: &Tile, sample: usize, desk: &mut Desk) -> Result<()> {
+        desk.keys.clear();
+        self.find(tile, sample, (&mut desk.plane, &mut desk.grouping), &mut desk.keys)
+    }
+
+    fn find(
         &self,
         tile: &Tile,
         sample: usize,
-        keys: &[Key],
-        batch: &mut Batch,
-        resolve: &mut Resolve,
-    ) -> Vec<Shaded> {
-        let mut shaded = Vec::with_capacity(keys.len());
+        (plane, grouping): (&mut TilePlane, &mut Grouping),
+        keys: &mut Vec<Key>,
+    ) -> Result<()> {
+        let offset = self.viewport.pattern.offsets()[sample];
+        raster::rasterize_opaque(&self.opaque, tile, offset, self.settings.simd, plane)?;
+        let layers = raster::rasterize_layers(&self.layered, tile, offset, self.settings.simd, plane)?;
+        grouping.append(plane, |triangle| self.prepared.draw_of(triangle), keys);
+        // Layers come in the order of drawing, and no draw has both.
+        keys.extend(layers.iter().map(|l| Key { pixel: l.pixel, triangle: l.id, depth: l.depth }));
+        Ok(())
+    }
+
+    /// Stages 2 to 5 for all fragments of a sample.
+    fn shade(&self, tile: &Tile, sample: usize, desk: &mut Desk, resolve: &mut Resolve) {
+        let Desk { keys, batch, .. } = desk;
+        let layered = |draw: usize| self.prepared.draws[draw].layered();
+        let mut shaded = Vec::new();
+        let lie_over_one_another = self.runs(keys).any(|(draw, _)| layered(draw));
         for (draw, keys) in self.runs(keys) {
             for keys in keys.chunks(BATCH) {
-                let origins = self.gather(tile, sample, draw, keys, batch);
-                self.light(draw, &origins, batch);
-                self.collect(draw, keys, batch, &mut shaded);
+                self.gather(tile, sample, draw, keys, batch);
+                self.light(draw, batch);
+                if lie_over_one_another {
+                    self.collect(draw, keys, batch, &mut shaded);
+                } else {
+                    resolve.add_opaque(keys, batch);
+                }
                 if sample == 0 {
-                    resolve.note_aovs(&shaded[shaded.len() - keys.len()..], batch, &self.view);
+                    resolve.note_aovs(keys, self.prepared.draws[draw].material.alpha, batch, &self.view);
                 }
             }
         }
-        shaded
+        if lie_over_one_another {
+            resolve.add(shaded);
+        }
     }
 
     /// The parts of `keys`, sorted by draw, that belong to one draw each, with the draw's number.
@@ -213,34 +249,33 @@ impl<'p, 'a> Pass<'p, 'a> {
         keys.chunk_by(move |a, b| draw_of(a) == draw_of(b)).map(move |keys| (draw_of(&keys[0]), keys))
     }
 
-    /// Stage 2: interpolates vertices and reads textures for at most [`BATCH`] keys of one draw. Returns where their
-    /// shadow rays leave from.
-    pub fn gather(
-        &self,
-        tile: &Tile,
-        sample: usize,
-        draw: usize,
-        keys: &[Key],
-        batch: &mut Batch,
-    ) -> [Vec3; BATCH] {
-        let [sx, sy] = self.viewport.pattern.offsets()[sample].map(|o| f64::from(o) / 256.0);
-        let at = |key: &Key| {
-            let (x, y) = (key.pixel % TILE_SIZE, key.pixel / TILE_SIZE);
-            [f64::from(tile.x + x) + sx, f64::from(tile.y + y) + sy]
-        };
-        Gather::new(self, draw).fill(keys, at, batch)
+    /// Stage 2: interpolates vertices and reads textures for at most [`BATCH`] keys of one draw.
+    pub fn gather(&self, tile: &Tile, sample: usize, draw: usize, keys: &[Key], batch: &mut Batch) {
+        fragments::gather(self, (tile, sample), draw, keys, batch);
+    }
+
+    /// Makes fragments of a draw.
+    pub(super) fn interpolation(&self, draw: usize) -> Interpolation<'_, 'a> {
+        Interpolation {
+            level: self.level,
+            scene: self.prepared.scene,
+            draw: &self.prepared.draws[draw],
+            specular_aa: self.settings.specular_aa && !self.settings.shading.is_printed(),
+        }
     }
 
     /// Stages 3 to 5: shading normals, shadows, lighting.
-    pub fn light(&self, draw: usize, origins: &[Vec3; BATCH], batch: &mut Batch) {
-        let draw = &self.prepared.draws[draw];
+    pub fn light(&self, draw: usize, batch: &mut Batch) {
         let settings = &self.settings;
+        let interpolation = self.interpolation(draw);
+        let draw = &self.prepared.draws[draw];
         complete(self.level, settings, draw, batch);
         if let Some(environment) = &self.environment {
             surround::look_up(environment, settings.shading, draw, batch);
         }
         if settings.shadows {
-            trace_shadows(self.prepared, &self.sources, origins, batch);
+            let origins = interpolation.origins(self.shadow_lift, batch);
+            trace_shadows(self.prepared, &self.sources, &origins, batch);
         }
         let illumination = Illumination {
             shading: self.settings.shading,
@@ -255,13 +290,18 @@ impl<'p, 'a> Pass<'p, 'a> {
     fn collect(&self, draw: usize, keys: &[Key], batch: &Batch, shaded: &mut Vec<Shaded>) {
         let alpha = self.prepared.draws[draw].material.alpha;
         for (i, key) in keys.iter().enumerate() {
-            let coverage = match alpha {
-                AlphaMode::Opaque => 1.0,
-                AlphaMode::Mask(cutoff) => f32::from(u8::from(batch.alpha[i] >= cutoff)),
-                AlphaMode::Blend => batch.alpha[i].clamp(0.0, 1.0),
-            };
+            let coverage = coverage(alpha, batch.alpha[i]);
             shaded.push(Shaded { key: *key, radiance: get3(&batch.radiance, i), coverage });
         }
+    }
+}
+
+/// How much a fragment hides of what is behind it.
+fn coverage(mode: AlphaMode, alpha: f32) -> f32 {
+    match mode {
+        AlphaMode::Opaque => 1.0,
+        AlphaMode::Mask(cutoff) => f32::from(u8::from(alpha >= cutoff)),
+        AlphaMode::Blend => alpha.clamp(0.0, 1.0),
     }
 }
 
@@ -316,14 +356,24 @@ impl Resolve {
         }
     }
 
+    /// Adds fragments of which each is all that is seen in its pixel.
+    fn add_opaque(&mut self, keys: &[Key], batch: &Batch) {
+        let weight = self.weight;
+        for (i, key) in keys.iter().enumerate() {
+            let sum = &mut self.picture.color[key.pixel as usize];
+            let [r, g, b] = get3(&batch.radiance, i).to_array();
+            *sum = [sum[0] + r * weight, sum[1] + g * weight, sum[2] + b * weight, sum[3] + weight];
+        }
+    }
+
     /// Keeps what is nearest so far and at least half there.
-    fn note_aovs(&mut self, shaded: &[Shaded], batch: &Batch, view: &View) {
+    fn note_aovs(&mut self, keys: &[Key], mode: AlphaMode, batch: &Batch, view: &View) {
         let [normals, depth, albedo, uv, triangle] = &mut self.picture.aovs;
         if normals.is_empty() {
             return;
         }
-        for (i, fragment) in shaded.iter().enumerate().filter(|(_, f)| f.coverage >= 0.5) {
-            let pixel = fragment.key.pixel as usize;
+        for (i, key) in keys.iter().enumerate().filter(|(i, _)| coverage(mode, batch.alpha[*i]) >= 0.5) {
+            let pixel = key.pixel as usize;
             let distance = view.depth(get3(&batch.position, i));
             if depth[pixel][3] != 0.0 && depth[pixel][0] <= distance {
                 continue;
@@ -332,8 +382,9 @@ impl Resolve {
             normals[pixel] = with_one(get3(&batch.n, i));
             depth[pixel] = [distance, distance, distance, 1.0];
             albedo[pixel] = with_one(get3(&batch.albedo, i));
-            uv[pixel] = [batch.uv[0][i], batch.uv[1][i], 0.0, 1.0];
-            let id = fragment.key.triangle as f32;
+            let [u, v] = batch.first_uv(i);
+            uv[pixel] = [u, v, 0.0, 1.0];
+            let id = key.triangle as f32;
             triangle[pixel] = [id, id, id, 1.0];
         }
     }

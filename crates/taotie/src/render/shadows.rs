@@ -1,7 +1,7 @@
 //! Which lights a fragment sees.
 
 use super::batch::{BATCH, Batch, get3};
-use super::fragments::Footprint;
+use super::footprint::Footprint;
 use super::lighting::Source;
 use super::prepare::{Draw, Prepared};
 use crate::math::Vec3;
@@ -41,7 +41,8 @@ impl ShadowCasters {
         let (draw, triangle) = self.origins[hit.triangle as usize];
         let draw = &prepared.draws[draw as usize];
         let AlphaMode::Mask(cutoff) = draw.material.alpha else { return true };
-        let footprint = Footprint::point(draw.mesh.triangles()[triangle as usize], hit.weights);
+        let footprint =
+            Footprint { vertices: draw.mesh.triangles()[triangle as usize], weights: hit.weights };
         footprint.alpha(prepared.scene, draw) >= cutoff
     }
 }

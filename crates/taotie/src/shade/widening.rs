@@ -1,20 +1,21 @@
 //! Relief too fine for a pixel, as roughness.
 
 use super::ndf::{MIN_ALPHA, alpha_from_divergence_ggx, divergence_ggx};
-use crate::math::Vec3;
+use crate::math::{Lane, Vec3};
 
 /// What hides within a pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Hidden {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hidden<L = f32> {
     /// What the bend of the smooth surface adds to α².
-    pub bend: f32,
+    pub bend: L,
     /// The variance of the normal map's vectors, E|n − mean|² = 1 − |mean|², [0, 1].
-    pub relief: f32,
+    pub relief: L,
 }
 
-impl Hidden {
+impl<L: Lane> Hidden<L> {
     /// What it adds to Beckmann's m², which is twice the variance of a slope: a Gaussian's variances add.
-    pub fn variance(self) -> f32 {
+    #[inline(always)]
+    pub fn variance(self) -> L {
         self.bend + self.relief
     }
 
@@ -27,18 +28,17 @@ impl Hidden {
     ///
     /// Source: Toksvig 2005, "Mipmapping Normal Maps", for the length as a measure; Mardia and Jupp 2000, "Directional
     /// Statistics", 9.2, for the product.
-    pub fn widened(self, roughness: f32) -> f32 {
-        if self.variance() <= 0.0 {
-            return roughness;
-        }
-        let alpha = (roughness * roughness).max(MIN_ALPHA as f32);
-        let mut squared = alpha * alpha;
-        if self.relief > 0.0 {
-            let [own, map] = [divergence_ggx(alpha), 1.0 - (1.0 - self.relief).max(0.0).sqrt()];
-            let spread = alpha_from_divergence_ggx(own + map - own * map);
-            squared = squared.max(spread * spread);
-        }
-        (squared + self.bend).min(1.0).sqrt().sqrt()
+    #[inline(always)]
+    pub fn widened(self, roughness: L) -> L {
+        let (zero, one) = (roughness.lit(0.0), roughness.lit(1.0));
+        let alpha = (roughness * roughness).max(roughness.lit(MIN_ALPHA));
+        let own = alpha * alpha;
+        let map = one - (one - self.relief).max(zero).sqrt();
+        let divergence = divergence_ggx(alpha);
+        let spread = alpha_from_divergence_ggx(divergence + map - divergence * map);
+        let squared = L::select(zero.lt(self.relief), own.max(spread * spread), own);
+        let widened = (squared + self.bend).min(one).sqrt().sqrt();
+        L::select(zero.lt(self.variance()), widened, roughness)
     }
 }
 
@@ -47,8 +47,10 @@ impl Hidden {
 ///
 /// Source: Tokuyoshi and Kaplanyan 2019, "Improved Geometric Specular Antialiasing", eq. 9 and §4 (σ² = 1/4, κ = 0.18),
 /// in its form without directions.
-pub fn bend(dx: Vec3, dy: Vec3) -> f32 {
-    const SIGMA_SQUARED: f32 = 0.25;
-    const MOST: f32 = 0.18;
-    (2.0 * SIGMA_SQUARED * (dx.dot(dx) + dy.dot(dy))).min(MOST)
+#[inline(always)]
+pub fn bend<L: Lane>(dx: Vec3<L>, dy: Vec3<L>) -> L {
+    const SIGMA_SQUARED: f64 = 0.25;
+    const MOST: f64 = 0.18;
+    let squared = dx.dot(dx) + dy.dot(dy);
+    (squared * squared.lit(2.0 * SIGMA_SQUARED)).min(squared.lit(MOST))
 }

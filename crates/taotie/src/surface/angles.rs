@@ -4,7 +4,7 @@
 //! keep several triangles in one register; it gives the bits of `libm::atan2`, and what lies outside its range goes
 //! to that.
 
-use crate::math::{Vec3, dispatch_pack, scalar};
+use crate::math::{Vec3, dispatch_eight, scalar};
 use crate::mesh::Mesh;
 use fearless_simd::Level;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -28,7 +28,7 @@ impl Share {
 
 /// The shares of `out.len()` triangles from `first` on, compiled for `level`.
 pub(super) fn shares(level: Level, mesh: &Mesh, first: usize, out: &mut [Share]) {
-    dispatch_pack!(level, _Pack, _token => any_level(mesh, first, out));
+    dispatch_eight!(level, _Pack, _token => any_level(mesh, first, out));
 }
 
 #[inline(always)]

@@ -4,7 +4,7 @@ use super::Ray;
 use super::nearby::{Closest, closest};
 use super::tree::Tree;
 use super::walk::{Met, Span, walk};
-use crate::math::{SimdLevel, Vec3, dispatch_pack};
+use crate::math::{SimdLevel, Vec3, dispatch_eight};
 use fearless_simd::Level;
 
 /// A point where a ray meets a triangle.
@@ -71,7 +71,7 @@ impl Bvh {
     }
 
     fn walk(&self, ray: &Ray, span: Span, mut meet: impl FnMut(Hit, Span) -> Span) {
-        dispatch_pack!(self.level, P, token => {
+        dispatch_eight!(self.level, P, token => {
             walk::<P>(token, &self.tree, ray, span, |met, span| meet(self.hit(&met), span));
         });
     }

@@ -7,7 +7,7 @@
 use super::bvh::{Bvh, Hit};
 use super::tree::{Boxes, Leaf, WIDTH};
 use super::{Ray, triangle::RayPack};
-use crate::math::{Mask, Pack, Vec3, dispatch_pack};
+use crate::math::{Mask, Pack, Vec3, dispatch_eight};
 
 /// How a sheaf of rays is seen: a place V has the coordinates column · (V − origin), row · (V − origin) and
 /// depth · (V − origin). Along the rays' mean direction column and row do not change.
@@ -100,7 +100,7 @@ impl Bvh {
     /// Calls `meet` with each ray of a sheaf, by its number, and each triangle that it meets at any distance from 0 on, in
     /// no particular order, until it says that nothing more is wanted.
     pub fn meet_all(&self, sheaf: &Sheaf<'_>, meet: impl FnMut(usize, Hit) -> bool) {
-        dispatch_pack!(self.level, P, token => walk_sheaf::<P>(token, self, sheaf, meet));
+        dispatch_eight!(self.level, P, token => walk_sheaf::<P>(token, self, sheaf, meet));
     }
 }
 

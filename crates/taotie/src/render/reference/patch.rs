@@ -104,11 +104,12 @@ impl Tracer<'_, '_> {
         let depth = self.view.depth(get3(&batch.position, i));
         let draw = &self.prepared.draws[self.prepared.draw_of(triangle)];
         let [r, g, b, _] = draw.material.base_color;
+        let [u, v] = batch.first_uv(i);
         [
             with_one(get3(&batch.n, i)),
             with_one(Vec3::splat(depth)),
             with_one(get3(&batch.tint, i).mul_elements(Vec3::new(r, g, b))),
-            [batch.uv[0][i], batch.uv[1][i], 0.0, 1.0],
+            [u, v, 0.0, 1.0],
             with_one(Vec3::splat(triangle as f32)),
         ]
     }

@@ -1,6 +1,6 @@
 //! Which surface a ray meets.
 
-use super::super::fragments::Footprint;
+use super::super::footprint::Footprint;
 use super::super::prepare::{Draw, Prepared};
 use crate::math::Vec3;
 use crate::math::sequence::{hash, unit};
@@ -121,7 +121,7 @@ impl<'t, 'a> Sight<'t, 'a> {
 
     fn alpha(&self, draw: &Draw<'_>, hit: &Hit) -> f32 {
         let vertices = draw.mesh.triangles()[(hit.triangle - draw.first_triangle) as usize];
-        Footprint::point(vertices, hit.weights).alpha(self.prepared.scene, draw)
+        Footprint { vertices, weights: hit.weights }.alpha(self.prepared.scene, draw)
     }
 }
 

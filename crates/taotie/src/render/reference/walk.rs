@@ -1,10 +1,9 @@
 //! Paths from one surface to the next.
 
-use super::super::batch::{BATCH, Batch, get3, set3};
-use super::super::fragments::{Footprint, Interpolation};
+use super::super::batch::{BATCH, Batch, Run, get3, set3};
+use super::super::interpolate::Interpolation;
 use super::super::point::complete;
 use super::super::prepare::Draw;
-use super::super::view::Eye;
 use super::Tracer;
 use super::groove::is_grooved;
 use super::respond::{Exchange, Question, respond};
@@ -213,24 +212,23 @@ impl Tracer<'_, '_> {
     /// Fills the batch, and where rays leave from.
     fn gather(&self, stop: &Stop<'_, '_>, paths: &[Path], work: &mut Workspace) {
         let interpolation = Interpolation {
+            level: self.level,
             scene: self.prepared.scene,
             draw: stop.draw,
-            lift: Some(self.lift),
             specular_aa: false,
         };
         let batch = &mut work.batch;
         batch.len = stop.meetings.len();
         batch.both_sides = stop.depth > 0;
-        for i in batch.entries() {
-            let (index, meeting) = stop.entry(i);
-            let setup = interpolation.setup(meeting.triangle);
-            let footprint = Footprint::point(setup.vertices, meeting.weights);
-            let eye = match stop.depth {
-                0 => self.view.eye,
-                _ => Eye::Direction(-paths[*index as usize].direction),
-            };
-            work.origins[i] = interpolation.fragment(i, &setup, &footprint, eye, batch);
+        batch.runs.clear();
+        for (i, (index, meeting)) in stop.meetings.iter().enumerate() {
+            batch.runs.push(Run { triangle: meeting.triangle, start: i, end: i + 1 });
+            set3(&mut batch.weights, i, Vec3::from_array(meeting.weights));
+            set3(&mut batch.v, i, -paths[*index as usize].direction);
         }
+        let eye = (stop.depth == 0).then_some(self.view.eye);
+        interpolation.fill(eye, batch);
+        work.origins = interpolation.origins(self.lift, batch);
     }
 
     /// Fills the batch with what does not come by interpolation.

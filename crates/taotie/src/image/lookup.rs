@@ -1,0 +1,499 @@
+//! Filtered lookup of many points at once: places in packs, texels one by one, and decoding and filtering in packs.
+
+use super::decode::linear_from_code;
+use super::sampler::{MipFilter, Sampler, TexelFilter, Wrap};
+use super::{Encoding, Texels, Texture};
+use crate::math::{BATCH, COLUMN, Column, Lane, MOST_LANES, Pack, dispatch_pack};
+use fearless_simd::Level;
+
+/// More levels than a texture has.
+const MOST_LEVELS: usize = 32;
+
+/// The most words of a texel.
+const MOST_WORDS: usize = 4;
+
+/// A word of each point.
+type Words = [u32; COLUMN];
+
+/// For each of the four texels around the points, its words.
+type Texel4 = [[Words; MOST_WORDS]; 4];
+
+/// Where [`BATCH`] points are looked up in textures of one size: levels, texels and weights. It serves every texture
+/// that has this size and is read by the same sampler at the same places.
+#[derive(Debug, Clone)]
+pub struct Lookup {
+    len: usize,
+    /// 1 where texels are combined by nearness, 0 where the nearest is taken.
+    smooth: Column,
+    fine: Taps,
+    coarse: Taps,
+    /// How much of the coarse level is in the mean.
+    share: Column,
+    /// Whether any point needs the coarse level.
+    blended: bool,
+    /// What was last read.
+    words: Texel4,
+}
+
+/// The four texels around each point, in one level.
+#[derive(Debug, Clone)]
+struct Taps {
+    level: Words,
+    width: Column,
+    height: Column,
+    /// Top left, top right, bottom left, bottom right: indices in the level.
+    place: [Words; 4],
+    /// How far the point is on the way to the right and to the lower texels.
+    across: Column,
+    down: Column,
+    /// What [`Format::Wide`] texels are multiplied by.
+    scale: Column,
+}
+
+/// How the words of a texel are stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Format {
+    /// Four codes of 8 bits.
+    Codes,
+    /// The same, with colour in sRGB.
+    Srgb,
+    /// Two words with two codes of 16 bits each, or of 8 where the point's level has no more.
+    Wide,
+    /// Four floats.
+    Floats,
+}
+
+impl Default for Lookup {
+    fn default() -> Self {
+        let taps = Taps {
+            level: [0; COLUMN],
+            width: [0.0; COLUMN],
+            height: [0.0; COLUMN],
+            place: [[0; COLUMN]; 4],
+            across: [0.0; COLUMN],
+            down: [0.0; COLUMN],
+            scale: [0.0; COLUMN],
+        };
+        Self {
+            len: 0,
+            smooth: [0.0; COLUMN],
+            fine: taps.clone(),
+            coarse: taps,
+            share: [0.0; COLUMN],
+            blended: false,
+            words: [[[0; COLUMN]; MOST_WORDS]; 4],
+        }
+    }
+}
+
+impl Lookup {
+    /// Finds the texels for the first `len` entries of `uv` (origin top left), at most [`BATCH`]; `lod` is log2 of the
+    /// texels of the finest level that a pixel covers. `texture` is any of the textures that are to be read.
+    pub fn place(
+        &mut self,
+        level: Level,
+        (texture, sampler): (&Texture, &Sampler),
+        uv: [&Column; 2],
+        lod: &Column,
+        len: usize,
+    ) {
+        self.len = len.min(BATCH);
+        let last = (texture.levels() - 1) as f32;
+        dispatch_pack!(level, P, token => self.choose_levels::<P>(token, sampler, last, lod));
+        self.blended = self.share[..self.len].iter().any(|share| *share > 0.0);
+        let mut sizes = [[0.0; 2]; MOST_LEVELS];
+        for (level, size) in sizes.iter_mut().enumerate().take(texture.levels()) {
+            let (width, height) = texture.level_size(level);
+            *size = [width as f32, height as f32];
+        }
+        let smooth = &self.smooth;
+        for taps in [&mut self.fine].into_iter().chain(self.blended.then_some(&mut self.coarse)) {
+            taps.look_up_sizes(&sizes, self.len);
+            dispatch_pack!(level, P, token => taps.place::<P>(token, sampler, smooth, uv, self.len));
+        }
+    }
+
+    /// The linear RGBA values of `texture`, column by column.
+    pub fn read(&mut self, level: Level, texture: &Texture, out: &mut [Column; 4]) {
+        let channels = 0..if has_alpha(texture) { 4 } else { 3 };
+        if channels.end == 3 {
+            out[3].fill(1.0);
+        }
+        let format = self.fine.fetch(texture, self.len, &mut self.words);
+        for channel in channels.clone() {
+            let filter = Filter { words: &self.words, format, channel, len: self.len };
+            let out = &mut out[channel];
+            dispatch_pack!(level, P, token => filter.fill::<P>(token, &self.fine, out));
+        }
+        if !self.blended {
+            return;
+        }
+        let format = self.coarse.fetch(texture, self.len, &mut self.words);
+        for channel in channels {
+            let filter = Filter { words: &self.words, format, channel, len: self.len };
+            let out = &mut out[channel];
+            dispatch_pack!(level, P, token => filter.blend::<P>(token, &self.coarse, &self.share, out));
+        }
+    }
+
+    /// Levels and their shares, as OpenGL 4.6, 8.14.
+    #[inline(always)]
+    fn choose_levels<P: Pack>(&mut self, token: P::Token, sampler: &Sampler, last: f32, lod: &Column) {
+        let smooth = |filter| if filter == TexelFilter::Linear { 1.0 } else { 0.0 };
+        let [magnify, minify] = [smooth(sampler.magnify), smooth(sampler.minify)];
+        let (magnify, minify) = (P::splat(token, magnify), P::splat(token, minify));
+        let (zero, one, half) = (P::splat(token, 0.0), P::splat(token, 1.0), P::splat(token, 0.5));
+        let (last, switch) = (P::splat(token, last), P::splat(token, sampler.switch()));
+        for i in (0..self.len).step_by(P::LANES) {
+            let lod = P::load(token, &lod[i..]);
+            let minified = switch.lt(lod);
+            let kept = P::select(minified, lod, zero).min(last);
+            let fine = match sampler.mip {
+                MipFilter::None => zero,
+                MipFilter::Nearest => P::select(minified, (kept + half).floor().min(last), zero),
+                MipFilter::Linear => kept.floor(),
+            };
+            let share = if sampler.mip == MipFilter::Linear { kept - fine } else { zero };
+            P::select(minified, minify, magnify).store(&mut self.smooth[i..]);
+            fine.store_words(&mut self.fine.level[i..]);
+            (fine + one).min(last).store_words(&mut self.coarse.level[i..]);
+            share.store(&mut self.share[i..]);
+        }
+    }
+}
+
+impl Taps {
+    fn look_up_sizes(&mut self, sizes: &[[f32; 2]; MOST_LEVELS], len: usize) {
+        let len = len.next_multiple_of(MOST_LANES);
+        let columns = self.level[..len].iter().zip(&mut self.width[..len]).zip(&mut self.height[..len]);
+        for ((level, width), height) in columns {
+            [*width, *height] = sizes[*level as usize % MOST_LEVELS];
+        }
+    }
+
+    #[inline(always)]
+    fn place<P: Pack>(
+        &mut self,
+        token: P::Token,
+        sampler: &Sampler,
+        smooth: &Column,
+        [u, v]: [&Column; 2],
+        len: usize,
+    ) {
+        for i in (0..len).step_by(P::LANES) {
+            let smooth = P::load(token, &smooth[i..]);
+            let (width, height) = (P::load(token, &self.width[i..]), P::load(token, &self.height[i..]));
+            let [left, right, across] = around(sampler.wrap_u, P::load(token, &u[i..]), width, smooth);
+            let [top, bottom, down] = around(sampler.wrap_v, P::load(token, &v[i..]), height, smooth);
+            left.store_place(top, width, &mut self.place[0][i..]);
+            right.store_place(top, width, &mut self.place[1][i..]);
+            left.store_place(bottom, width, &mut self.place[2][i..]);
+            right.store_place(bottom, width, &mut self.place[3][i..]);
+            across.store(&mut self.across[i..]);
+            down.store(&mut self.down[i..]);
+        }
+    }
+
+    /// Reads the texels of the first `len` points.
+    fn fetch(&mut self, texture: &Texture, len: usize, words: &mut Texel4) -> Format {
+        let levels = &self.level[..len];
+        let finest = levels.iter().fold(u32::MAX, |least, level| least.min(*level)) as usize;
+        let coarsest = levels.iter().fold(0, |most, level| most.max(*level)) as usize;
+        // A texel of the finest level of a normal map has no variance, whatever its alpha says.
+        let alpha_from = u32::from(texture.encoding() == Encoding::Normal);
+        match (texture.level(finest).texels(), texture.level(coarsest).texels()) {
+            (Texels::U8(_), Texels::U8(_)) => {
+                self.fetch_codes(texture, len, alpha_from, words);
+                if texture.encoding() == Encoding::Srgb { Format::Srgb } else { Format::Codes }
+            }
+            (Texels::F32(_), _) => {
+                self.fetch_floats(texture, len, alpha_from, words);
+                Format::Floats
+            }
+            _ => {
+                self.fetch_wide(texture, len, alpha_from, words);
+                Format::Wide
+            }
+        }
+    }
+
+    fn fetch_codes(&self, texture: &Texture, len: usize, alpha_from: u32, words: &mut Texel4) {
+        let mut levels: [&[[u8; 4]]; MOST_LEVELS] = [&[]; MOST_LEVELS];
+        for (level, slot) in levels.iter_mut().enumerate().take(texture.levels()) {
+            if let Texels::U8(texels) = texture.level(level).texels() {
+                *slot = texels;
+            }
+        }
+        let mask = if alpha_from == 0 { u32::MAX } else { 0x00ff_ffff };
+        for (place, [word, ..]) in self.place.iter().zip(words) {
+            let columns = place[..len].iter().zip(&self.level[..len]).zip(&mut word[..len]);
+            for ((place, level), word) in columns {
+                let texel = levels[*level as usize % MOST_LEVELS].get(*place as usize);
+                *word = texel.map_or(0, |texel| u32::from_le_bytes(*texel) & mask);
+            }
+        }
+    }
+
+    /// Texels of 16 bits, among which there may be some of 8.
+    fn fetch_wide(&mut self, texture: &Texture, len: usize, alpha_from: u32, words: &mut Texel4) {
+        for (level, scale) in self.level[..len].iter().zip(&mut self.scale) {
+            *scale = texture.scale(*level as usize)[0];
+        }
+        for (place, [low, high, ..]) in self.place.iter().zip(words) {
+            for i in 0..len {
+                let (level, place) = (self.level[i], place[i] as usize);
+                let [r, g, b, a] = match texture.level(level as usize).texels() {
+                    Texels::U16(texels) => texels.get(place).copied().unwrap_or_default(),
+                    Texels::U8(texels) => texels.get(place).copied().unwrap_or_default().map(u16::from),
+                    Texels::F32(_) => [0; 4],
+                }
+                .map(u32::from);
+                let a = if level < alpha_from { 0 } else { a };
+                (low[i], high[i]) = (r | g << 16, b | a << 16);
+            }
+        }
+    }
+
+    fn fetch_floats(&self, texture: &Texture, len: usize, alpha_from: u32, words: &mut Texel4) {
+        for (place, words) in self.place.iter().zip(words) {
+            for i in 0..len {
+                let (level, place) = (self.level[i], place[i] as usize);
+                let Texels::F32(texels) = texture.level(level as usize).texels() else { continue };
+                let [r, g, b, a] = texels.get(place).copied().unwrap_or_default();
+                let a = if level < alpha_from { 0.0 } else { a };
+                for (column, value) in words.iter_mut().zip([r, g, b, a]) {
+                    column[i] = value.to_bits();
+                }
+            }
+        }
+    }
+}
+
+/// One channel of what was read, filtered within its level.
+struct Filter<'w> {
+    words: &'w Texel4,
+    format: Format,
+    channel: usize,
+    len: usize,
+}
+
+impl Filter<'_> {
+    /// Writes the channel at all points.
+    #[inline(always)]
+    fn fill<P: Pack>(&self, token: P::Token, taps: &Taps, out: &mut Column) {
+        match (self.format, self.channel) {
+            (Format::Codes, _) | (Format::Srgb, 3) => self.each::<P, Code>(token, taps, out),
+            (Format::Srgb, _) => self.each::<P, SrgbCode>(token, taps, out),
+            (Format::Wide, _) => self.each::<P, WideCode>(token, taps, out),
+            (Format::Floats, _) => self.each::<P, Float>(token, taps, out),
+        }
+    }
+
+    /// Goes by `share` from what `out` holds to this level's.
+    #[inline(always)]
+    fn blend<P: Pack>(&self, token: P::Token, taps: &Taps, share: &Column, out: &mut Column) {
+        let mut coarse = [0.0; COLUMN];
+        self.fill::<P>(token, taps, &mut coarse);
+        for i in (0..self.len).step_by(P::LANES) {
+            let (a, b) = (P::load(token, &out[i..]), P::load(token, &coarse[i..]));
+            mix(a, b, P::load(token, &share[i..])).store(&mut out[i..]);
+        }
+    }
+
+    #[inline(always)]
+    fn each<P: Pack, T: Stored>(&self, token: P::Token, taps: &Taps, out: &mut Column) {
+        let [top_left, top_right, bottom_left, bottom_right] = self.words;
+        for i in (0..self.len).step_by(P::LANES) {
+            let (across, down) = (P::load(token, &taps.across[i..]), P::load(token, &taps.down[i..]));
+            let left: P = T::load(token, top_left, self.channel, i);
+            let top = mix(left, T::load(token, top_right, self.channel, i), across);
+            let left: P = T::load(token, bottom_left, self.channel, i);
+            let bottom = mix(left, T::load(token, bottom_right, self.channel, i), across);
+            let mean = mix(top, bottom, down);
+            (mean * T::scale(token, taps, i)).store(&mut out[i..]);
+        }
+    }
+}
+
+/// A way of storing channels.
+trait Stored {
+    /// What loaded numbers are multiplied by.
+    fn scale<P: Pack>(token: P::Token, taps: &Taps, i: usize) -> P;
+    /// A channel of the points from `i` on.
+    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P;
+}
+
+struct Code;
+
+impl Stored for Code {
+    #[inline(always)]
+    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize) -> P {
+        P::splat(token, 1.0 / 255.0)
+    }
+    #[inline(always)]
+    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P {
+        P::load_byte(token, &words[0][i..], channel as u32)
+    }
+}
+
+struct SrgbCode;
+
+impl Stored for SrgbCode {
+    #[inline(always)]
+    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize) -> P {
+        P::splat(token, 1.0)
+    }
+    #[inline(always)]
+    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P {
+        linear_from_code(P::load_byte(token, &words[0][i..], channel as u32))
+    }
+}
+
+struct WideCode;
+
+impl Stored for WideCode {
+    #[inline(always)]
+    fn scale<P: Pack>(token: P::Token, taps: &Taps, i: usize) -> P {
+        P::load(token, &taps.scale[i..])
+    }
+    #[inline(always)]
+    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P {
+        P::load_half(token, &words[channel / 2][i..], channel as u32 % 2)
+    }
+}
+
+struct Float;
+
+impl Stored for Float {
+    #[inline(always)]
+    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize) -> P {
+        P::splat(token, 1.0)
+    }
+    #[inline(always)]
+    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P {
+        P::load_bits(token, &words[channel][i..])
+    }
+}
+
+/// The two texels around the coordinate `u` on an axis of `size` texels, and how far it is from the first to the
+/// second; where `smooth` is 0, the one it lies in.
+#[inline(always)]
+fn around<L: Lane>(wrap: Wrap, u: L, size: L, smooth: L) -> [L; 3] {
+    let reduced = match wrap {
+        Wrap::Repeat => u - u.floor(),
+        Wrap::Mirror => u - u.lit(2.0) * (u * u.lit(0.5)).floor(),
+        Wrap::Clamp => u.clamp(-1.0, 2.0),
+    };
+    let x = reduced * size - u.lit(0.5) * smooth;
+    let first = x.floor();
+    let second = first + u.lit(1.0);
+    let share = L::select(smooth.lt(u.lit(0.5)), u.lit(0.0), x - first);
+    [wrapped(wrap, first, size), wrapped(wrap, second, size), share]
+}
+
+/// The texel, [0, size), that the integral coordinate `i` stands for; 0 for what is no number.
+#[inline(always)]
+fn wrapped<L: Lane>(wrap: Wrap, i: L, size: L) -> L {
+    let (zero, one) = (i.lit(0.0), i.lit(1.0));
+    let index = match wrap {
+        Wrap::Clamp => i,
+        Wrap::Repeat => within(i, size),
+        Wrap::Mirror => {
+            let double = size + size;
+            let j = within(i, double);
+            L::select(j.lt(size), j, double - one - j)
+        }
+    };
+    index.max(zero).min(size - one)
+}
+
+/// `i` in [−period, 2 · period) brought into [0, period).
+#[inline(always)]
+fn within<L: Lane>(i: L, period: L) -> L {
+    let above = L::select(period.le(i), i - period, i);
+    L::select(i.lt(i.lit(0.0)), i + period, above)
+}
+
+#[inline(always)]
+fn mix<L: Lane>(a: L, b: L, t: L) -> L {
+    a + (b - a) * t
+}
+
+/// Whether the fourth channel may be anything but 1.
+fn has_alpha(texture: &Texture) -> bool {
+    texture.encoding() == Encoding::Normal || matches!(texture.bitmap().channels(), 2 | 4)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Bitmap;
+    use crate::math::{SimdLevel, Vec2};
+
+    const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+    const FILTERS: [TexelFilter; 2] = [TexelFilter::Nearest, TexelFilter::Linear];
+    const MIPS: [MipFilter; 3] = [MipFilter::None, MipFilter::Nearest, MipFilter::Linear];
+
+    /// Textures of every way of storing, of sizes that do not halve evenly.
+    fn textures() -> Vec<Texture> {
+        let noise = |i: usize| (i as u32).wrapping_mul(0x9e37_79b9) ^ 0x5bd1_e995;
+        let count = 13 * 10;
+        let bytes: Vec<[u8; 4]> = (0..count).map(|i| noise(i).to_le_bytes()).collect();
+        let wide = bytes.iter().map(|t| t.map(|v| u16::from(v) * 199)).collect();
+        let floats = bytes.iter().map(|t| t.map(|v| f32::from(v) * 0.03)).collect();
+        let bitmap = |texels| Bitmap::new(13, 10, 4, texels).unwrap();
+        let opaque = bytes.iter().map(|[r, g, b, _]| [*r, *g, *b, 255]).collect();
+        let opaque = Bitmap::new(13, 10, 3, Texels::U8(opaque)).unwrap();
+        vec![
+            Texture::new(opaque.clone(), Encoding::Srgb),
+            Texture::new(opaque, Encoding::Normal),
+            Texture::new(bitmap(Texels::U8(bytes.clone())), Encoding::Srgb),
+            Texture::new(bitmap(Texels::U8(bytes.clone())), Encoding::Linear),
+            Texture::new(bitmap(Texels::U8(bytes)), Encoding::Normal),
+            Texture::new(bitmap(Texels::U16(wide)), Encoding::Normal),
+            Texture::new(bitmap(Texels::F32(floats)), Encoding::Linear),
+        ]
+    }
+
+    fn samplers() -> Vec<Sampler> {
+        let mut samplers = Vec::new();
+        for wrap_u in WRAPS {
+            for (wrap_v, magnify) in WRAPS.into_iter().zip([FILTERS[0], FILTERS[1], FILTERS[1]]) {
+                for minify in FILTERS {
+                    samplers.extend(MIPS.map(|mip| Sampler { wrap_u, wrap_v, magnify, minify, mip }));
+                }
+            }
+        }
+        samplers
+    }
+
+    #[test]
+    fn many_points_get_what_each_gets_alone() {
+        let (mut u, mut v, mut lod) = ([0.0; COLUMN], [0.0; COLUMN], [0.0; COLUMN]);
+        for i in 0..BATCH {
+            let t = i as f32 * 0.618_034;
+            u[i] = (t - t.floor()) * 6.0 - 3.0;
+            v[i] = (i % 23) as f32 / 11.0 - 0.5;
+            lod[i] = (i % 37) as f32 / 6.0 - 1.0;
+        }
+        (u[3], v[4], lod[5], u[6], lod[7]) = (f32::NAN, f32::INFINITY, f32::NAN, 1e30, f32::INFINITY);
+        for level in SimdLevel::available() {
+            let level = level.dispatch().unwrap();
+            let (mut lookup, mut out) = (Lookup::default(), [[0.0; COLUMN]; 4]);
+            for texture in textures() {
+                for sampler in samplers() {
+                    for len in [BATCH, 37] {
+                        lookup.place(level, (&texture, &sampler), [&u, &v], &lod, len);
+                        lookup.read(level, &texture, &mut out);
+                        for i in 0..len {
+                            let alone = sampler.sample(&texture, Vec2::new(u[i], v[i]), lod[i]);
+                            let found = [0, 1, 2, 3].map(|c| out[c][i]);
+                            let finite = alone.iter().all(|v| v.is_finite());
+                            assert!(!finite || alone == found, "{sampler:?} {i}: {found:?} for {alone:?}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

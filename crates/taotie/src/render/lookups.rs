@@ -1,0 +1,140 @@
+//! Textures of a batch: where they are read, and what is there.
+
+use super::batch::UvSet;
+use crate::image::{Lookup, Sampler, Texture};
+use crate::math::{COLUMN, Column, Pack, dispatch_pack, poly};
+use crate::scene::{Scene, TextureRef, UvTransform};
+use fearless_simd::Level;
+
+/// Reads textures at all points of a batch; what finding the texels takes is done once for all textures that lie alike.
+#[derive(Debug, Clone)]
+pub(super) struct Lookups {
+    lookup: Box<Lookup>,
+    /// What `lookup` is placed for.
+    placed: Option<Placement>,
+    pub uv: [Column; 2],
+    pub lod: Column,
+}
+
+/// What decides about the texels that are read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Placement {
+    uv_set: usize,
+    transform: UvTransform,
+    sampler: Sampler,
+    size: [u32; 2],
+}
+
+impl Default for Lookups {
+    fn default() -> Self {
+        let zero = [0.0; COLUMN];
+        Self { lookup: Box::default(), placed: None, uv: [zero; 2], lod: zero }
+    }
+}
+
+impl Lookups {
+    /// Forgets the places of the batch before.
+    pub(super) fn forget(&mut self) {
+        self.placed = None;
+    }
+
+    /// The linear RGBA values of a texture at the first `len` points. A mesh without the uv set shows the texel at the
+    /// origin.
+    pub(super) fn read(
+        &mut self,
+        level: Level,
+        (scene, texture): (&Scene, &TextureRef),
+        (sets, len): (&[UvSet], usize),
+        out: &mut [Column; 4],
+    ) {
+        let image = &scene.textures[texture.texture];
+        let placement = Placement {
+            uv_set: texture.uv_set,
+            transform: texture.transform,
+            sampler: texture.sampler,
+            size: [image.width(), image.height()],
+        };
+        if self.placed != Some(placement) {
+            self.locate(level, image, texture, (sets, len));
+            self.lookup.place(level, (image, &texture.sampler), [&self.uv[0], &self.uv[1]], &self.lod, len);
+            self.placed = Some(placement);
+        }
+        self.lookup.read(level, image, out);
+    }
+
+    /// Reads a texture as [`Self::read`] does, moved by some uv: `shift(i)` for entry `i`.
+    pub(super) fn read_shifted(
+        &mut self,
+        level: Level,
+        (scene, texture): (&Scene, &TextureRef),
+        len: usize,
+        shift: impl Fn(usize) -> [f32; 2],
+        out: &mut [Column; 4],
+    ) {
+        let image = &scene.textures[texture.texture];
+        let mut moved = self.uv;
+        for i in 0..len {
+            let [u, v] = shift(i);
+            moved[0][i] += u;
+            moved[1][i] += v;
+        }
+        self.lookup.place(level, (image, &texture.sampler), [&moved[0], &moved[1]], &self.lod, len);
+        self.lookup.read(level, image, out);
+        self.placed = None;
+    }
+
+    /// Fills `uv`, the places in a texture, and `lod`, log2 of the texels of its finest level that a pixel covers.
+    pub(super) fn locate(
+        &mut self,
+        level: Level,
+        image: &Texture,
+        texture: &TextureRef,
+        (sets, len): (&[UvSet], usize),
+    ) {
+        let nowhere;
+        let set = match sets.get(texture.uv_set) {
+            Some(set) => set,
+            None => {
+                nowhere = UvSet::default();
+                &nowhere
+            }
+        };
+        let size = [image.width() as f32, image.height() as f32];
+        dispatch_pack!(level, P, token => self.transform::<P>(token, set, &texture.transform, size, len));
+    }
+
+    #[inline(always)]
+    fn transform<P: Pack>(
+        &mut self,
+        token: P::Token,
+        set: &UvSet,
+        transform: &UvTransform,
+        [width, height]: [f32; 2],
+        len: usize,
+    ) {
+        let (width, height) = (P::splat(token, width), P::splat(token, height));
+        let [offset_u, offset_v] = transform.offset;
+        let (offset_u, offset_v) = (P::splat(token, offset_u), P::splat(token, offset_v));
+        for i in (0..len).step_by(P::LANES) {
+            let [u, v] = turned::<P>(token, transform, &set.uv, i);
+            (u + offset_u).store(&mut self.uv[0][i..]);
+            (v + offset_v).store(&mut self.uv[1][i..]);
+            let [du, dv] = turned::<P>(token, transform, &set.d_x, i);
+            let across = (du * width).squared() + (dv * height).squared();
+            let [du, dv] = turned::<P>(token, transform, &set.d_y, i);
+            let down = (du * width).squared() + (dv * height).squared();
+            let texels = across.max(down).clamp(1e-30, 1e30);
+            (poly::log2(texels) * P::splat(token, 0.5)).store(&mut self.lod[i..]);
+        }
+    }
+}
+
+/// The linear part of the transform.
+#[inline(always)]
+fn turned<P: Pack>(token: P::Token, transform: &UvTransform, uv: &[Column; 2], i: usize) -> [P; 2] {
+    let [[a, b], [c, d]] = transform.linear;
+    let (u, v) = (P::load(token, &uv[0][i..]), P::load(token, &uv[1][i..]));
+    let across = P::splat(token, a) * u + P::splat(token, b) * v;
+    let down = P::splat(token, c) * u + P::splat(token, d) * v;
+    [across, down]
+}
