@@ -1,6 +1,8 @@
 //! Images: linear float pictures, stored texel arrays, mip chains and filtered lookup.
 
 mod bitmap;
+mod codec;
+mod mips;
 mod picture;
 mod sampler;
 mod texture;
