@@ -2,7 +2,10 @@
 
 #![allow(clippy::print_stdout, reason = "tests say what they found")]
 
-use taotie::film::{Development, ToneCurve, develop_pixel, develop8, develop16, srgb_from_linear};
+use taotie::film::{
+    Developer, Development, ToneCurve, develop_pixel, develop8, develop8_into, develop16, round_to_codes,
+    srgb_from_linear,
+};
 use taotie::image::Image;
 use taotie::math::{SimdLevel, Vec3, srgb};
 use taotie::names::Named;
@@ -140,6 +143,58 @@ fn every_level_gives_the_same_bits() {
             }
         }
     }
+}
+
+/// Runs that are wholly transparent, wholly opaque, and mixed, on either side of where curves bend.
+fn covered_in_part() -> Image {
+    let mut image = picture(640, 4);
+    for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
+        let [r, g, b, a] = *pixel;
+        *pixel = match i / 100 % 4 {
+            0 => [r, g, b, 0.0],
+            1 => [r * 0.05, g * 0.05, b * 0.05, 1.0],
+            2 => [r, g, b, a.max(1.0)],
+            _ => [r, g, b, a],
+        };
+    }
+    image
+}
+
+#[test]
+fn pictures_have_the_codes_of_their_pixels() {
+    let image = covered_in_part();
+    for (name, tone) in ToneCurve::NAMES.iter().copied() {
+        for background in [None, Some(Vec3::new(0.2, 0.5, 0.9))] {
+            let development = Development { tone, background, ..Development::default() };
+            let (narrow, wide) = (develop8(&image, &development), develop16(&image, &development));
+            let (narrow, wide) = (narrow.unwrap(), wide.unwrap());
+            for (i, pixel) in image.pixels().iter().enumerate() {
+                let value = develop_pixel(*pixel, 1.0, tone, background);
+                assert_eq!(narrow[i], value.map(|v| round_to_codes(v, 255.0) as u8), "{name}: {pixel:?}");
+                assert_eq!(wide[i], value.map(|v| round_to_codes(v, 65535.0) as u16), "{name}: {pixel:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn pieces_make_the_whole() {
+    let image = covered_in_part();
+    let development = Development::default();
+    let whole = develop8(&image, &development).unwrap();
+    let developer = Developer::new(&development).unwrap();
+    for size in [1, 7, 63, 64, 65, 640] {
+        let mut out = vec![[9; 4]; whole.len()];
+        for (out, pixels) in out.chunks_mut(size).zip(image.pixels().chunks(size)) {
+            developer.codes8(pixels, out);
+        }
+        assert!(out == whole, "pieces of {size}");
+    }
+    let mut longer = vec![[9; 4]; 5];
+    developer.codes8(&image.pixels()[..3], &mut longer);
+    assert_eq!((&longer[..3], &longer[3..]), (&whole[..3], &[[9; 4]; 2][..]));
+    let error = develop8_into(&image, &development, &mut longer).unwrap_err().to_string();
+    assert!(error.contains("5 pixels, the picture 2560"), "{error}");
 }
 
 #[test]

@@ -4,8 +4,8 @@ use super::RenderArgs;
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use taotie::film::{self, Development, ToneCurve};
-use taotie::image::{Encoding, Image};
-use taotie::io::{self, ExrLayer, MovingFormat, PngColor, PngImage, PngSamples};
+use taotie::image::{Bitmap, Encoding, Image, Texels};
+use taotie::io::{self, ExrLayer, MovingFormat};
 use taotie::render::Frame;
 
 /// How a picture is stored.
@@ -103,27 +103,15 @@ pub fn write_picture(
     development: &Development,
     format: PictureFormat,
 ) -> Result<()> {
-    let (width, height) = (image.width(), image.height());
-    let opaque = development.background.is_some();
-    let color = if opaque { PngColor::Rgb } else { PngColor::Rgba };
-    let channels = if opaque { 3 } else { 4 };
-    let png = |samples: PngSamples<'_>| {
-        io::write_png(path, &PngImage { width, height, color, samples, encoding: Encoding::Srgb })
-    };
-    match format {
+    // Nothing is seen through a picture with a background.
+    let channels = if development.background.is_some() { 3 } else { 4 };
+    let texels = match format {
         PictureFormat::Exr => return write_exr(path, image),
-        PictureFormat::Png8 => {
-            let pixels = film::develop8(image, development)?;
-            let samples: Vec<u8> = pixels.iter().flat_map(|p| &p[..channels]).copied().collect();
-            png(PngSamples::U8(&samples))?;
-        }
-        PictureFormat::Png16 => {
-            let pixels = film::develop16(image, development)?;
-            let samples: Vec<u16> = pixels.iter().flat_map(|p| &p[..channels]).copied().collect();
-            png(PngSamples::U16(&samples))?;
-        }
-    }
-    Ok(())
+        PictureFormat::Png8 => Texels::U8(film::develop8(image, development)?),
+        PictureFormat::Png16 => Texels::U16(film::develop16(image, development)?),
+    };
+    let bitmap = Bitmap::new(image.width(), image.height(), channels, texels)?;
+    Ok(io::write_png_bitmap(path, &bitmap, Encoding::Srgb)?)
 }
 
 fn write_exr(path: &Path, image: &Image) -> Result<()> {

@@ -1,7 +1,7 @@
 //! The tone curves. They take linear colours with channels in [0, 1e9] and sRGB primaries; results may leave [0, 1]
 //! by rounding, or where a gamut does, and [`super::ToneCurve::apply`] cuts that.
 
-use crate::math::{Lane, Vec3, poly};
+use crate::math::{Lane, Mask, Vec3, poly};
 
 /// Khronos PBR Neutral.
 ///
@@ -24,12 +24,16 @@ pub fn neutral<L: Lane>(rgb: Vec3<L>) -> Vec3<L> {
     let offset = L::select(least.lt(x.lit(0.08)), least - x.lit(6.25) * least * least, x.lit(0.04));
     let c = rgb - Vec3::splat(offset);
     let peak = c.x.max(c.y).max(c.z);
+    let is_moderate = peak.lt(start);
+    if !is_moderate.not().any() {
+        return c;
+    }
     let room = one - start;
     let new_peak = one - room * room / (peak + room - start);
     let keep = one / (desaturation * (peak - new_peak) + one);
     let squeezed = c * (new_peak / peak);
     let bright = squeezed * keep + Vec3::splat(new_peak * (one - keep));
-    Vec3::select(peak.lt(start), c, bright)
+    Vec3::select(is_moderate, c, bright)
 }
 
 /// No curve.

@@ -1,11 +1,14 @@
 //! From scene-referred light to a file's code values: exposure, tone curve, background, sRGB, rounding.
 
+mod codes8;
 mod curves;
 mod develop;
+mod developer;
 mod encode;
 mod tone;
 
 pub use curves::{aces, agx, linear, neutral, reinhard};
-pub use develop::{Development, develop_pixel, develop8, develop16};
+pub use develop::{Development, develop_pixel, develop8, develop8_into, develop16};
+pub use developer::Developer;
 pub use encode::{round_to_codes, srgb_from_linear};
 pub use tone::ToneCurve;

@@ -1,8 +1,10 @@
 //! Images: linear float pictures, stored texel arrays, mip chains and filtered lookup.
 
 mod bitmap;
+mod codec;
 mod decode;
 mod lookup;
+mod mips;
 mod picture;
 mod sampler;
 mod texture;

@@ -1,8 +1,6 @@
 //! A texture: a bitmap with its mip chain, decoded to linear values at each lookup.
 
-use super::decode::linear_from_code;
-use super::{Bitmap, Texels};
-use crate::math::Vec3;
+use super::{Bitmap, Texels, codec, mips};
 
 /// What stored numbers mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -33,13 +31,8 @@ impl Texture {
             (Encoding::Srgb, Texels::U16(texels)) => linear_from_srgb16(&bitmap, texels),
             _ => bitmap,
         };
-        let decode_u8 = Box::new(std::array::from_fn(|i| decode_u8(i as u8, encoding)));
-        let mut texture = Self { levels: vec![bitmap], encoding, decode_u8 };
-        while texture.level_size(texture.levels() - 1) != (1, 1) {
-            let next = texture.halved(texture.levels() - 1);
-            texture.levels.push(next);
-        }
-        texture
+        let decode_u8 = Box::new(codec::decode_u8(encoding));
+        Self { levels: mips::chain(bitmap, encoding), encoding, decode_u8 }
     }
 
     /// The width of the finest level.
@@ -134,103 +127,6 @@ impl Texture {
             Texels::U16(texels) => texels[i].map(|v| f32::from(v) / 65535.0),
             Texels::F32(texels) => texels[i],
         }
-    }
-
-    fn halved(&self, level: usize) -> Bitmap {
-        let (w, h) = self.level_size(level);
-        let (half_w, half_h) = ((w / 2).max(1), (h / 2).max(1));
-        let mut means = Vec::with_capacity(half_w as usize * half_h as usize);
-        for y in 0..half_h {
-            let rows = span(y, half_h, h);
-            for x in 0..half_w {
-                means.push(self.mean(level, &span(x, half_w, w), &rows));
-            }
-        }
-        let to_u16 = |means: &[[f32; 4]]| {
-            Texels::U16(means.iter().map(|m| m.map(|v| (v * 65535.0 + 0.5) as u16)).collect())
-        };
-        let texels = match self.levels[level].texels() {
-            Texels::U8(_) if self.encoding == Encoding::Normal => to_u16(&means),
-            Texels::U8(_) => Texels::U8(means.iter().map(|m| self.encode_u8(*m)).collect()),
-            Texels::U16(_) => to_u16(&means),
-            Texels::F32(_) => Texels::F32(means),
-        };
-        let channels = self.levels[level].channels();
-        Bitmap::new(half_w, half_h, channels, texels).expect("half of a valid size is a valid size")
-    }
-
-    fn mean(&self, level: usize, columns: &[(usize, f32)], rows: &[(usize, f32)]) -> [f32; 4] {
-        let mut sum = [0.0; 4];
-        for (y, row_weight) in rows {
-            for (x, column_weight) in columns {
-                let weight = row_weight * column_weight;
-                let texel = self.averaged(level, *x, *y);
-                for c in 0..4 {
-                    sum[c] += texel[c] * weight;
-                }
-            }
-        }
-        match self.encoding {
-            Encoding::Normal => with_variance(sum),
-            Encoding::Srgb | Encoding::Linear => sum,
-        }
-    }
-
-    /// What a texel adds to the means of the next level: normals of the finest level count as unit vectors.
-    fn averaged(&self, level: usize, x: usize, y: usize) -> [f32; 4] {
-        let texel = self.texel(level, x, y);
-        match (self.encoding, level) {
-            (Encoding::Normal, 0) => {
-                let [r, g, b, _] = texel;
-                let v = Vec3::new(2.0 * r - 1.0, 2.0 * g - 1.0, 2.0 * b - 1.0);
-                let n = v.normalize_or(Vec3::new(0.0, 0.0, 1.0));
-                [(n.x + 1.0) / 2.0, (n.y + 1.0) / 2.0, (n.z + 1.0) / 2.0, 0.0]
-            }
-            _ => texel,
-        }
-    }
-
-    fn encode_u8(&self, linear: [f32; 4]) -> [u8; 4] {
-        let [r, g, b, a] = linear;
-        let encode = |v: f32| match self.encoding {
-            Encoding::Linear | Encoding::Normal => (v * 255.0 + 0.5) as u8,
-            Encoding::Srgb => nearest(&self.decode_u8, v),
-        };
-        [encode(r), encode(g), encode(b), (a * 255.0 + 0.5) as u8]
-    }
-}
-
-/// A mean of stored unit vectors with its variance: E|n − mean|² = 1 − |mean|².
-fn with_variance([r, g, b, _]: [f32; 4]) -> [f32; 4] {
-    let mean = Vec3::new(2.0 * r - 1.0, 2.0 * g - 1.0, 2.0 * b - 1.0);
-    [r, g, b, (1.0 - mean.dot(mean)).clamp(0.0, 1.0)]
-}
-
-/// The texels of a row of `size` that the texel `i` of `halved` covers, with weights that sum to one.
-fn span(i: u32, halved: u32, size: u32) -> Vec<(usize, f32)> {
-    let (halved, size) = (f64::from(halved), f64::from(size));
-    let start = f64::from(i) * size / halved;
-    let end = f64::from(i + 1) * size / halved;
-    let width = end - start;
-    (start.floor() as usize..end.ceil() as usize)
-        .map(|x| {
-            let covered = (end.min(x as f64 + 1.0) - start.max(x as f64)) / width;
-            (x, covered as f32)
-        })
-        .collect()
-}
-
-/// The index of the entry of the rising `table` that is nearest to `value`.
-fn nearest(table: &[f32; 256], value: f32) -> u8 {
-    let above = table.partition_point(|v| *v < value).min(255);
-    let below = above.saturating_sub(1);
-    if value - table[below] < table[above] - value { below as u8 } else { above as u8 }
-}
-
-fn decode_u8(value: u8, encoding: Encoding) -> f32 {
-    match encoding {
-        Encoding::Linear | Encoding::Normal => (f64::from(value) / 255.0) as f32,
-        Encoding::Srgb => linear_from_code(f32::from(value)),
     }
 }
 

@@ -155,14 +155,17 @@ fn bitmap_from(picture: DynamicImage) -> std::result::Result<Bitmap, Failure> {
 
 /// RGBA texels from interleaved samples; grey is repeated, missing alpha is `one`.
 fn expand<T: Copy>(samples: &[T], channels: u8, one: T) -> Vec<[T; 4]> {
-    let texel = |s: &[T]| match *s {
-        [v] => [v, v, v, one],
-        [v, a] => [v, v, v, a],
-        [r, g, b] => [r, g, b, one],
-        [r, g, b, a, ..] => [r, g, b, a],
-        [] => [one; 4],
-    };
-    samples.chunks_exact(usize::from(channels)).map(texel).collect()
+    match channels {
+        1 => texels(samples, |[v]| [v, v, v, one]),
+        2 => texels(samples, |[v, a]| [v, v, v, a]),
+        3 => texels(samples, |[r, g, b]| [r, g, b, one]),
+        _ => texels(samples, |texel| texel),
+    }
+}
+
+/// Copies of a width that the compiler knows.
+fn texels<T: Copy, const N: usize>(samples: &[T], texel: impl Fn([T; N]) -> [T; 4]) -> Vec<[T; 4]> {
+    samples.as_chunks().0.iter().map(|samples| texel(*samples)).collect()
 }
 
 #[cfg(test)]

@@ -198,12 +198,12 @@ macro_rules! packed_lane {
             #[cfg(target_arch = "x86_64")]
             #[inline(always)]
             fn min(self, other: Self) -> Self {
-                SimdFloat::min(self, other)
+                SimdBase::min(self, other)
             }
             #[cfg(target_arch = "x86_64")]
             #[inline(always)]
             fn max(self, other: Self) -> Self {
-                SimdFloat::max(self, other)
+                SimdBase::max(self, other)
             }
             #[inline(always)]
             fn ldexp(self, n: Self) -> Self {

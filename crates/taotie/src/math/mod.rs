@@ -7,6 +7,7 @@ mod pack;
 mod simd;
 mod vec;
 
+pub(crate) mod codes;
 pub mod poly;
 pub mod quadrature;
 pub mod scalar;

@@ -3,6 +3,7 @@
 use super::write_with;
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Texels};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Which channels a picture has.
@@ -67,12 +68,12 @@ pub fn write_png_bitmap(path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Res
 }
 
 /// The first channels of texels, 1 to 4, one after the other.
-pub(super) fn interleaved<T: Copy + Default>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
+pub(super) fn interleaved<T: Copy + Default>(texels: &[[T; 4]], channels: usize) -> Cow<'_, [T]> {
     match channels {
-        1 => first::<T, 1>(texels),
-        2 => first::<T, 2>(texels),
-        3 => first::<T, 3>(texels),
-        _ => texels.as_flattened().to_vec(),
+        1 => first::<T, 1>(texels).into(),
+        2 => first::<T, 2>(texels).into(),
+        3 => first::<T, 3>(texels).into(),
+        _ => texels.as_flattened().into(),
     }
 }
 

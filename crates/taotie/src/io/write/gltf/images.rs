@@ -202,7 +202,8 @@ fn png(bitmap: &Bitmap, slot: Slot) -> Result<Vec<u8>> {
 fn webp(bitmap: &Bitmap, slot: Slot) -> Result<Vec<u8>> {
     let wrong = |e: image::ImageError| Error::invalid(format!("a {slot:?} texture as WebP"), e.to_string());
     let mut bytes = Vec::new();
-    let samples = interleaved(&eight_bits(bitmap, slot)?, 3);
+    let texels = eight_bits(bitmap, slot)?;
+    let samples = interleaved(&texels, 3);
     WebPEncoder::new_lossless(&mut bytes)
         .encode(&samples, bitmap.width(), bitmap.height(), ExtendedColorType::Rgb8)
         .map_err(wrong)?;

@@ -1,0 +1,230 @@
+//! Pixels developed pack by pack.
+
+use super::ToneCurve;
+use super::codes8::SRGB_CODES;
+use super::develop::{Development, developed_light};
+use super::encode::{round_to_codes, srgb_from_linear};
+use crate::error::{Error, Result};
+use crate::math::codes::{Codes, in_low_bits};
+use crate::math::{Lane, Mask, Pack, Vec3, dispatch_pack, scalar};
+use fearless_simd::Level;
+
+/// A [`Development`] made ready to be done to any number of pixels, in pieces of any size.
+#[derive(Debug, Clone, Copy)]
+pub struct Developer {
+    level: Level,
+    recipe: Recipe,
+}
+
+impl Developer {
+    /// Checks a development once.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an exposure or a background out of range, [`Error::Unsupported`] for a SIMD level that
+    /// this machine lacks.
+    pub fn new(development: &Development) -> Result<Self> {
+        Ok(Self { level: development.simd.dispatch()?, recipe: Recipe::new(development)? })
+    }
+
+    /// Premultiplied linear RGBA in, 8 bits a channel out: sRGB and straight alpha. The pixels of `out` beyond those
+    /// of `pixels` stay as they are.
+    pub fn codes8(&self, pixels: &[[f32; 4]], out: &mut [[u8; 4]]) {
+        dispatch_pack!(self.level, P, token => all_codes::<P, u8>(token, &self.recipe, pixels, out));
+    }
+
+    /// As [`Self::codes8`], 16 bits a channel.
+    pub fn codes16(&self, pixels: &[[f32; 4]], out: &mut [[u16; 4]]) {
+        dispatch_pack!(self.level, P, token => all_codes::<P, u16>(token, &self.recipe, pixels, out));
+    }
+}
+
+/// What a pack of pixels needs to know.
+#[derive(Debug, Clone, Copy)]
+struct Recipe {
+    exposure: f32,
+    tone: ToneCurve,
+    background: Option<Vec3>,
+}
+
+impl Recipe {
+    fn new(development: &Development) -> Result<Self> {
+        const MOST_STOPS: f32 = 60.0;
+        let stops = development.exposure_stops;
+        if !(-MOST_STOPS..=MOST_STOPS).contains(&stops) {
+            return Err(Error::invalid(format!("exposure {stops}"), "stops must be from -60 to 60"));
+        }
+        if let Some(c) = development.background
+            && !c.to_array().iter().all(|v| (0.0..=1.0).contains(v))
+        {
+            let what = format!("background ({}, {}, {})", c.x, c.y, c.z);
+            return Err(Error::invalid(what, "each channel must be from 0 to 1"));
+        }
+        let exposure = scalar::exp2(f64::from(stops)) as f32;
+        Ok(Self { exposure, tone: development.tone, background: development.background })
+    }
+
+    /// The light that is shown, in [0, 1], and alpha.
+    #[inline(always)]
+    fn light<L: Lane>(&self, rgba: [L; 4]) -> (Vec3<L>, L) {
+        developed_light(rgba, self.exposure, self.tone, self.background)
+    }
+
+    /// [`Self::light`] where alpha is 1 or more: there is nothing to divide by and no background to be seen.
+    #[inline(always)]
+    fn opaque_light<L: Lane>(&self, [r, g, b, _]: [L; 4]) -> Vec3<L> {
+        self.tone.apply(Vec3::new(r, g, b) * r.lit(f64::from(self.exposure)))
+    }
+}
+
+/// How many pixels are developed before their codes are looked up: whole packs, whatever the level.
+const RUN: usize = 64;
+
+/// What is known of a run of pixels, channel by channel: prepared light, and the codes of alpha.
+type Columns = [[f32; RUN]; 4];
+
+/// Code values of some depth.
+trait Code: Copy + Default {
+    /// The code of one.
+    const TOP: Self;
+    /// What is kept of light in [0, 1] until [`Self::of`] finds its code.
+    fn prepared<L: Lane>(light: L) -> L;
+    /// The code of prepared light.
+    fn of(prepared: f32) -> Self;
+    /// What is kept of an alpha in [0, 1] until [`Self::of_alpha`] finds its code.
+    fn prepared_alpha<L: Lane>(alpha: L) -> L;
+    /// The code of a prepared alpha.
+    fn of_alpha(prepared: f32) -> Self;
+}
+
+impl Code for u8 {
+    const TOP: Self = Self::MAX;
+    #[inline(always)]
+    fn prepared<L: Lane>(light: L) -> L {
+        Codes::bounded(light)
+    }
+    #[inline(always)]
+    fn of(prepared: f32) -> Self {
+        SRGB_CODES.of(prepared)
+    }
+    #[inline(always)]
+    fn prepared_alpha<L: Lane>(alpha: L) -> L {
+        in_low_bits(round_to_codes(alpha, 255.0))
+    }
+    #[inline(always)]
+    fn of_alpha(prepared: f32) -> Self {
+        prepared.to_bits() as Self
+    }
+}
+
+impl Code for u16 {
+    const TOP: Self = Self::MAX;
+    #[inline(always)]
+    fn prepared<L: Lane>(light: L) -> L {
+        in_low_bits(round_to_codes(srgb_from_linear(light), 65535.0))
+    }
+    #[inline(always)]
+    fn of(prepared: f32) -> Self {
+        prepared.to_bits() as Self
+    }
+    #[inline(always)]
+    fn prepared_alpha<L: Lane>(alpha: L) -> L {
+        in_low_bits(round_to_codes(alpha, 65535.0))
+    }
+    #[inline(always)]
+    fn of_alpha(prepared: f32) -> Self {
+        prepared.to_bits() as Self
+    }
+}
+
+#[inline(always)]
+fn all_codes<P: Pack, C: Code>(token: P::Token, recipe: &Recipe, pixels: &[[f32; 4]], out: &mut [[C; 4]]) {
+    let count = pixels.len().min(out.len());
+    let runs = count - count % RUN;
+    let mut columns = [[0.0; RUN]; 4];
+    let nothing = prepared::<P, C>(recipe.light([P::splat(token, 0.0); 4]));
+    for (pixels, out) in pixels[..runs].chunks_exact(RUN).zip(out.chunks_exact_mut(RUN)) {
+        let kind = develop_run::<P, C>((token, recipe), &nothing, pixels, &mut columns);
+        store_codes(kind, &columns, out);
+    }
+    if runs < count {
+        let mut last = [[0.0; 4]; RUN];
+        last[..count - runs].copy_from_slice(&pixels[runs..count]);
+        let kind = develop_run::<P, C>((token, recipe), &nothing, &last, &mut columns);
+        store_codes(kind, &columns, &mut out[runs..count]);
+    }
+}
+
+/// What pixels of a run are.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Transparent,
+    Opaque,
+    Mixed,
+}
+
+/// Fills `columns` for [`RUN`] pixels. Pictures are in large part wholly transparent or wholly opaque, and both are
+/// cheaper.
+#[inline(always)]
+fn develop_run<P: Pack, C: Code>(
+    (token, recipe): (P::Token, &Recipe),
+    nothing: &[P; 4],
+    pixels: &[[f32; 4]],
+    columns: &mut Columns,
+) -> Kind {
+    let (mut some_seen, mut all_opaque) = (false, true);
+    for (i, pixels) in pixels.chunks_exact(P::LANES).enumerate() {
+        let rgba = P::load_pixels(token, pixels);
+        let alpha = rgba[3];
+        let is_seen = alpha.lit(0.0).lt(alpha).any();
+        let is_opaque = !alpha.lit(1.0).le(alpha).not().any();
+        let prepared = if is_opaque {
+            let light = recipe.opaque_light(rgba);
+            prepared::<P, C>((light, alpha.lit(1.0)))
+        } else if is_seen {
+            prepared::<P, C>(recipe.light(rgba))
+        } else {
+            *nothing
+        };
+        let [r, g, b, a] = prepared;
+        let [reds, greens, blues, alphas] = &mut *columns;
+        let at = i * P::LANES;
+        r.store(&mut reds[at..]);
+        g.store(&mut greens[at..]);
+        b.store(&mut blues[at..]);
+        a.store(&mut alphas[at..]);
+        some_seen |= is_seen;
+        all_opaque &= is_opaque;
+    }
+    if all_opaque {
+        Kind::Opaque
+    } else if some_seen {
+        Kind::Mixed
+    } else {
+        Kind::Transparent
+    }
+}
+
+#[inline(always)]
+fn prepared<L: Lane, C: Code>((light, alpha): (Vec3<L>, L)) -> [L; 4] {
+    [C::prepared(light.x), C::prepared(light.y), C::prepared(light.z), C::prepared_alpha(alpha)]
+}
+
+#[inline(always)]
+fn store_codes<C: Code>(kind: Kind, columns: &Columns, out: &mut [[C; 4]]) {
+    let [r, g, b, a] = columns;
+    match kind {
+        Kind::Transparent => {
+            out.fill([C::of(r[0]), C::of(g[0]), C::of(b[0]), C::of_alpha(a[0])]);
+        }
+        Kind::Opaque => {
+            for (i, out) in out.iter_mut().enumerate().take(RUN) {
+                *out = [C::of(r[i]), C::of(g[i]), C::of(b[i]), C::TOP];
+            }
+        }
+        Kind::Mixed => {
+            for (i, out) in out.iter_mut().enumerate().take(RUN) {
+                *out = [C::of(r[i]), C::of(g[i]), C::of(b[i]), C::of_alpha(a[i])];
+            }
+        }
+    }
+}

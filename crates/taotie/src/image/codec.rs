@@ -1,0 +1,187 @@
+//! Rows of stored texels to linear values and back.
+
+use super::Encoding;
+use super::decode::linear_from_code;
+use crate::math::codes::{Codes, in_low_bits};
+use crate::math::{Lane, Pack, Vec3};
+
+/// What the numbers of one level mean.
+#[derive(Debug, Clone)]
+pub(super) struct Codec {
+    pub encoding: Encoding,
+    /// Normals of the finest level become unit vectors before they are averaged, and have no variance.
+    pub is_finest: bool,
+    /// The linear value of 8 bits.
+    decode: [f32; 256],
+    /// The alpha of 8 bits.
+    alpha: [f32; 256],
+    /// The 8 bits of a linear value, for [`Encoding::Srgb`].
+    srgb_codes: Option<Box<Codes>>,
+}
+
+impl Codec {
+    pub fn new(encoding: Encoding) -> Self {
+        let (decode, alpha) = (decode_u8(encoding), std::array::from_fn(|code| code as f32 / 255.0));
+        let srgb_codes = (encoding == Encoding::Srgb).then(|| Box::new(nearest_codes(&decode)));
+        Self { encoding, is_finest: true, decode, alpha, srgb_codes }
+    }
+}
+
+/// The linear value of each code of 8 bits.
+pub(super) fn decode_u8(encoding: Encoding) -> [f32; 256] {
+    std::array::from_fn(|code| {
+        match encoding {
+            Encoding::Linear | Encoding::Normal => (code as f64 / 255.0) as f32,
+            Encoding::Srgb => linear_from_code(code as f32),
+        }
+    })
+}
+
+/// The index of the entry that is nearest to a value, for a table that rises from 0 to 1; the larger where two are.
+fn nearest_codes(table: &[f32; 256]) -> Codes {
+    Codes::new(&std::array::from_fn(|i| {
+        let (below, above) = (table[i], table[i + 1]);
+        let (mut low, mut high) = (below.to_bits(), above.to_bits());
+        while high - low > 1 {
+            let middle = low.midpoint(high);
+            let value = f32::from_bits(middle);
+            *(if value - below < above - value { &mut low } else { &mut high }) = middle;
+        }
+        high
+    }))
+}
+
+/// Numbers of some stored precision. Rows of floats are as long as whole packs.
+pub(super) trait Texel: Copy + Default + Send + Sync {
+    /// What a row of texels adds to the means of the next level.
+    fn decode<P: Pack>(token: P::Token, codec: &Codec, from: &[[Self; 4]], to: &mut [[f32; 4]]);
+    /// The texels of a row of means, which is changed.
+    fn encode<P: Pack>(token: P::Token, codec: &Codec, means: &mut [[f32; 4]], to: &mut [[Self; 4]]);
+}
+
+impl Texel for u8 {
+    #[inline(always)]
+    fn decode<P: Pack>(token: P::Token, codec: &Codec, from: &[[Self; 4]], to: &mut [[f32; 4]]) {
+        let (color, alpha) = (&codec.decode, &codec.alpha);
+        for (from, to) in from.iter().zip(to.iter_mut()) {
+            let [r, g, b, a] = from.map(usize::from);
+            *to = [color[r], color[g], color[b], alpha[a]];
+        }
+        finest_normals::<P>(token, codec, to);
+    }
+
+    #[inline(always)]
+    fn encode<P: Pack>(token: P::Token, codec: &Codec, means: &mut [[f32; 4]], to: &mut [[Self; 4]]) {
+        match &codec.srgb_codes {
+            Some(codes) => {
+                prepare_srgb::<P>(token, means);
+                for (mean, to) in means.iter().zip(to) {
+                    let [r, g, b, a] = *mean;
+                    *to = [codes.of(r), codes.of(g), codes.of(b), a.to_bits() as u8];
+                }
+            }
+            None => {
+                round_codes::<P>(token, 255.0, means);
+                for (mean, to) in means.iter().zip(to) {
+                    let [r, g, b, a] = *mean;
+                    *to = [r.to_bits() as u8, g.to_bits() as u8, b.to_bits() as u8, a.to_bits() as u8];
+                }
+            }
+        }
+    }
+}
+
+impl Texel for u16 {
+    #[inline(always)]
+    fn decode<P: Pack>(token: P::Token, codec: &Codec, from: &[[Self; 4]], to: &mut [[f32; 4]]) {
+        for (from, to) in from.iter().zip(to.iter_mut()) {
+            for c in 0..4 {
+                to[c] = f32::from(from[c]) / 65535.0;
+            }
+        }
+        finest_normals::<P>(token, codec, to);
+    }
+
+    #[inline(always)]
+    fn encode<P: Pack>(token: P::Token, codec: &Codec, means: &mut [[f32; 4]], to: &mut [[Self; 4]]) {
+        put_variances::<P>(token, codec, means);
+        round_codes::<P>(token, 65535.0, means);
+        for (mean, to) in means.iter().zip(to) {
+            for c in 0..4 {
+                to[c] = mean[c].to_bits() as u16;
+            }
+        }
+    }
+}
+
+impl Texel for f32 {
+    #[inline(always)]
+    fn decode<P: Pack>(token: P::Token, codec: &Codec, from: &[[Self; 4]], to: &mut [[f32; 4]]) {
+        to[..from.len()].copy_from_slice(from);
+        finest_normals::<P>(token, codec, to);
+    }
+
+    #[inline(always)]
+    fn encode<P: Pack>(token: P::Token, codec: &Codec, means: &mut [[f32; 4]], to: &mut [[Self; 4]]) {
+        put_variances::<P>(token, codec, means);
+        let count = to.len();
+        to.copy_from_slice(&means[..count]);
+    }
+}
+
+/// Makes unit vectors of the normals of the finest level, still stored as (n + 1)/2, without variance.
+#[inline(always)]
+fn finest_normals<P: Pack>(token: P::Token, codec: &Codec, row: &mut [[f32; 4]]) {
+    if codec.encoding != Encoding::Normal || !codec.is_finest {
+        return;
+    }
+    for texels in row.chunks_exact_mut(P::LANES) {
+        let [r, g, b, a] = P::load_pixels(token, texels);
+        let (zero, one, two) = (a.lit(0.0), a.lit(1.0), a.lit(2.0));
+        let n = vector(r, g, b).normalize_or(Vec3::new(zero, zero, one));
+        P::store_pixels([(n.x + one) / two, (n.y + one) / two, (n.z + one) / two, zero], texels);
+    }
+}
+
+/// The variance of unit vectors from their mean: E|n − mean|² = 1 − |mean|².
+#[inline(always)]
+fn put_variances<P: Pack>(token: P::Token, codec: &Codec, row: &mut [[f32; 4]]) {
+    if codec.encoding != Encoding::Normal {
+        return;
+    }
+    for texels in row.chunks_exact_mut(P::LANES) {
+        let [r, g, b, a] = P::load_pixels(token, texels);
+        let mean = vector(r, g, b);
+        let variance = (a.lit(1.0) - mean.dot(mean)).clamp(0.0, 1.0);
+        P::store_pixels([r, g, b, variance], texels);
+    }
+}
+
+#[inline(always)]
+fn vector<L: Lane>(r: L, g: L, b: L) -> Vec3<L> {
+    let (one, two) = (r.lit(1.0), r.lit(2.0));
+    Vec3::new(two * r - one, two * g - one, two * b - one)
+}
+
+/// Colours made ready to be looked up, alphas with their code in the lowest bits.
+#[inline(always)]
+fn prepare_srgb<P: Pack>(token: P::Token, row: &mut [[f32; 4]]) {
+    for texels in row.chunks_exact_mut(P::LANES) {
+        let [r, g, b, a] = P::load_pixels(token, texels);
+        let alpha = low_code(a, 255.0);
+        P::store_pixels([Codes::bounded(r), Codes::bounded(g), Codes::bounded(b), alpha], texels);
+    }
+}
+
+/// Values in [0, 1] to floats with their code in the lowest bits.
+#[inline(always)]
+fn round_codes<P: Pack>(token: P::Token, top: f64, row: &mut [[f32; 4]]) {
+    for values in row.as_flattened_mut().chunks_exact_mut(P::LANES) {
+        low_code(P::load(token, values), top).store(values);
+    }
+}
+
+#[inline(always)]
+fn low_code<L: Lane>(value: L, top: f64) -> L {
+    in_low_bits((value * value.lit(top) + value.lit(0.5)).floor())
+}

@@ -1,0 +1,151 @@
+//! Mip chains: each level is the area-weighted mean of the one below in linear space, made row by row, in parallel.
+
+use super::codec::{Codec, Texel};
+use super::{Bitmap, Encoding, Texels};
+use crate::math::{Pack, SimdLevel, dispatch_pack};
+use fearless_simd::Level;
+use rayon::prelude::*;
+
+/// All levels, the given one first. Each halves the size, rounding down.
+pub(super) fn chain(finest: Bitmap, encoding: Encoding) -> Vec<Bitmap> {
+    let level = SimdLevel::default().dispatch().unwrap_or(Level::fallback());
+    let mut codec = Codec::new(encoding);
+    let mut levels = vec![finest];
+    while let Some(last) = levels.last()
+        && (last.width(), last.height()) != (1, 1)
+    {
+        let next = halved(level, &codec, last);
+        levels.push(next);
+        codec.is_finest = false;
+    }
+    levels
+}
+
+/// The next level. Those of 8-bit normals keep 16 bits, since a variance is a small difference of lengths.
+fn halved(level: Level, codec: &Codec, bitmap: &Bitmap) -> Bitmap {
+    let size = [bitmap.width(), bitmap.height()].map(|side| (side / 2).max(1));
+    let shrink = Shrink::new([bitmap.width(), bitmap.height()], size);
+    let texels = match bitmap.texels() {
+        Texels::U8(t) if codec.encoding == Encoding::Normal => Texels::U16(shrink.all(level, codec, t)),
+        Texels::U8(t) => Texels::U8(shrink.all(level, codec, t)),
+        Texels::U16(t) => Texels::U16(shrink.all(level, codec, t)),
+        Texels::F32(t) => Texels::F32(shrink.all(level, codec, t)),
+    };
+    Bitmap::new(size[0], size[1], bitmap.channels(), texels).expect("half of a valid size is a valid size")
+}
+
+/// How many texels one task makes, about.
+const TASK: usize = 1 << 14;
+
+/// Which texels of a level make one of the next.
+struct Shrink {
+    /// Texels across, of either level.
+    width: usize,
+    half_width: usize,
+    columns: Vec<Span>,
+    rows: Vec<Span>,
+    /// Every texel is the plain mean of 2×2.
+    is_plain: bool,
+}
+
+impl Shrink {
+    fn new([width, height]: [u32; 2], [half_width, half_height]: [u32; 2]) -> Self {
+        Self {
+            width: width as usize,
+            half_width: half_width as usize,
+            columns: (0..half_width).map(|x| Span::new(x, half_width, width)).collect(),
+            rows: (0..half_height).map(|y| Span::new(y, half_height, height)).collect(),
+            is_plain: width == 2 * half_width && height == 2 * half_height,
+        }
+    }
+
+    /// All texels of the next level.
+    fn all<S: Texel, T: Texel>(&self, level: Level, codec: &Codec, texels: &[[S; 4]]) -> Vec<[T; 4]> {
+        let mut out = vec![[T::default(); 4]; self.half_width * self.rows.len()];
+        let rows = TASK.div_ceil(self.half_width);
+        out.par_chunks_mut(rows * self.half_width).enumerate().for_each(|(i, out)| {
+            let rows = &self.rows[i * rows..];
+            dispatch_pack!(level, P, token => self.band::<P, S, T>(token, codec, (texels, rows), out));
+        });
+        out
+    }
+
+    /// Some rows of the next level, which `rows` starts with.
+    #[inline(always)]
+    fn band<P: Pack, S: Texel, T: Texel>(
+        &self,
+        token: P::Token,
+        codec: &Codec,
+        (texels, rows): (&[[S; 4]], &[Span]),
+        out: &mut [[T; 4]],
+    ) {
+        let room = |width: usize| vec![[0.0; 4]; width.next_multiple_of(MOST_LANES)];
+        let mut decoded = [room(self.width), room(self.width), room(self.width)];
+        let mut means = room(self.half_width);
+        for (row, out) in rows.iter().zip(out.chunks_exact_mut(self.half_width)) {
+            for (k, decoded) in decoded.iter_mut().take(row.count).enumerate() {
+                let start = (row.first + k) * self.width;
+                S::decode::<P>(token, codec, &texels[start..start + self.width], decoded);
+            }
+            if self.is_plain {
+                plain_means(&decoded, &mut means);
+            } else {
+                self.means(row, &decoded, &mut means);
+            }
+            T::encode::<P>(token, codec, &mut means, out);
+        }
+    }
+
+    #[inline(always)]
+    fn means(&self, row: &Span, decoded: &[Vec<[f32; 4]>; 3], means: &mut [[f32; 4]]) {
+        for (column, mean) in self.columns.iter().zip(means) {
+            let mut sum = [0.0; 4];
+            for (texels, row_weight) in decoded.iter().zip(row.weights).take(row.count) {
+                let texels = &texels[column.first..column.first + column.count];
+                for (texel, column_weight) in texels.iter().zip(column.weights) {
+                    let weight = row_weight * column_weight;
+                    for c in 0..4 {
+                        sum[c] += texel[c] * weight;
+                    }
+                }
+            }
+            *mean = sum;
+        }
+    }
+}
+
+/// The most lanes of a pack; rows of floats are as long as whole packs.
+const MOST_LANES: usize = 16;
+
+/// What [`Shrink::means`] gives where every texel is the mean of 2×2, bit for bit.
+#[inline(always)]
+fn plain_means([top, bottom, _]: &[Vec<[f32; 4]>; 3], means: &mut [[f32; 4]]) {
+    let pairs = top.as_chunks::<2>().0.iter().zip(bottom.as_chunks::<2>().0);
+    for (mean, ([a, b], [c, d])) in means.iter_mut().zip(pairs) {
+        for k in 0..4 {
+            mean[k] = 0.0 + a[k] * 0.25 + b[k] * 0.25 + c[k] * 0.25 + d[k] * 0.25;
+        }
+    }
+}
+
+/// The texels of a row or column of one level that a texel of the next covers, with weights that sum to one.
+struct Span {
+    first: usize,
+    count: usize,
+    weights: [f32; 3],
+}
+
+impl Span {
+    /// Those of texel `i` of `halved` in a row of `size`, which is 1 to 3 times as long.
+    fn new(i: u32, halved: u32, size: u32) -> Self {
+        let (halved, size) = (f64::from(halved), f64::from(size));
+        let start = f64::from(i) * size / halved;
+        let end = f64::from(i + 1) * size / halved;
+        let width = end - start;
+        let first = start.floor() as usize;
+        let count = end.ceil() as usize - first;
+        let covered = |x: f64| ((end.min(x + 1.0) - start.max(x)) / width) as f32;
+        let weights = std::array::from_fn(|k| if k < count { covered((first + k) as f64) } else { 0.0 });
+        Self { first, count, weights }
+    }
+}
