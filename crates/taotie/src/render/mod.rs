@@ -10,6 +10,7 @@ mod batch;
 mod follow;
 mod fragments;
 mod frame;
+mod geometry;
 mod ground;
 mod layers;
 mod lighting;

@@ -4,6 +4,7 @@ use super::backdrop::Backdrop;
 use super::batch::{BATCH, Batch, get3};
 use super::fragments::{Gather, Key};
 use super::frame::{Frame, TilePicture};
+use super::geometry::Projected;
 use super::ground::Ground;
 use super::lighting::{Illumination, Source, light};
 use super::point::complete;
@@ -16,8 +17,7 @@ use super::view::View;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::raster::{
-    self, Bins, Faces, Geometry, NO_TRIANGLE, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane,
-    Viewport,
+    self, Bins, NO_TRIANGLE, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, Viewport,
 };
 use crate::scene::{AlphaMode, Camera};
 use fearless_simd::Level;
@@ -84,9 +84,9 @@ impl<'p, 'a> Pass<'p, 'a> {
             pattern: SamplePattern::new(settings.samples)?,
         };
         let view = View::new(camera, settings.width, settings.height)?;
-        let clip = project(prepared, &view);
-        let bins = |layered: bool| raster::bin(&geometry(prepared, &clip, layered), &viewport);
-        let (opaque, layered) = (bins(false), bins(true));
+        let mut projected = Projected::default();
+        projected.rebuild(prepared, &view, &viewport, settings.simd)?;
+        let Projected { clip, opaque, layered } = projected;
         let rays = CameraRays::new(camera, [settings.width, settings.height]);
         let size = prepared.scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
         Ok(Self {
@@ -263,28 +263,6 @@ impl<'p, 'a> Pass<'p, 'a> {
             shaded.push(Shaded { key: *key, radiance: get3(&batch.radiance, i), coverage });
         }
     }
-}
-
-fn project(prepared: &Prepared<'_>, view: &View) -> Vec<Vec<[f32; 4]>> {
-    let clip = |p: &Vec3| view.clip_from_world.transform_homogeneous(p.to_f64()).map(|v| v as f32);
-    prepared.draws.iter().map(|draw| draw.positions.par_iter().map(clip).collect()).collect()
-}
-
-fn geometry<'g>(prepared: &'g Prepared<'_>, clip: &'g [Vec<[f32; 4]>], layered: bool) -> Vec<Geometry<'g>> {
-    let draws = prepared.draws.iter().zip(clip);
-    draws
-        .filter(|(draw, _)| draw.layered() == layered)
-        .map(|(draw, clip)| Geometry {
-            clip,
-            triangles: draw.mesh.triangles(),
-            faces: match (draw.material.double_sided, draw.mirrored) {
-                (true, _) => Faces::Both,
-                (false, false) => Faces::CounterClockwise,
-                (false, true) => Faces::Clockwise,
-            },
-            first_id: draw.first_triangle,
-        })
-        .collect()
 }
 
 impl Resolve {
