@@ -2,7 +2,7 @@
 
 use super::codec::{Codec, Texel};
 use super::{Bitmap, Encoding, Texels};
-use crate::math::{Pack, SimdLevel, dispatch_pack};
+use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack};
 use fearless_simd::Level;
 use rayon::prelude::*;
 
@@ -115,7 +115,6 @@ impl Shrink {
 }
 
 /// The most lanes of a pack; rows of floats are as long as whole packs.
-const MOST_LANES: usize = 16;
 
 /// What [`Shrink::means`] gives where every texel is the mean of 2×2, bit for bit.
 #[inline(always)]

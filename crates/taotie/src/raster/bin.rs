@@ -1,14 +1,16 @@
-//! Clipping, snapping and sorting triangles into tiles.
+//! Clipping, culling, snapping and sorting triangles into tiles.
 
-use super::clip::{ClipVertex, ClipVolume};
+use super::cull::{BLOCK, Corners, Culling, Verdict};
+use super::setup::{ScreenTriangle, Setup};
+use super::vertices::ScreenVertices;
 use super::{SUBPIXELS, SamplePattern, TILE_SIZE};
+use crate::error::Result;
+use crate::math::SimdLevel;
+use fearless_simd::Level;
 use rayon::prelude::*;
 
-/// How far outside the picture vertices may lie before they are clipped, pixels.
-const GUARD: f64 = 8192.0;
-
-/// The most chunks that triangles are split into; a tile walks over all of them in order.
-const MAX_CHUNKS: usize = 256;
+/// The most chunks that the triangles of a draw are split into; a tile walks over all of them in order.
+const MAX_CHUNKS: usize = 64;
 
 /// The fewest triangles worth a chunk.
 const MIN_CHUNK: usize = 4096;
@@ -42,6 +44,13 @@ pub enum Faces {
     Both,
 }
 
+impl Faces {
+    /// Whether clockwise triangles and counter-clockwise ones are drawn.
+    pub(super) fn turns(self) -> [bool; 2] {
+        [self != Self::CounterClockwise, self != Self::Clockwise]
+    }
+}
+
 /// Triangles to draw.
 #[derive(Debug, Clone, Copy)]
 pub struct Geometry<'a> {
@@ -55,40 +64,64 @@ pub struct Geometry<'a> {
     pub first_id: u32,
 }
 
-/// A triangle on the screen with its corners in clockwise order (y down), positions in 1/256 pixel.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ScreenTriangle {
-    pub x: [i32; 3],
-    pub y: [i32; 3],
-    /// Reversed depth, z/w.
-    pub depth: [f32; 3],
-    pub id: u32,
-}
-
 /// Triangles by tile, in drawing order.
 #[derive(Debug, Default)]
 pub struct Bins {
     chunks: Vec<Chunk>,
+    /// The vertices of each geometry.
+    vertices: Vec<ScreenVertices>,
 }
 
+/// Neighbours in drawing order.
 #[derive(Debug, Default)]
 struct Chunk {
     triangles: Vec<ScreenTriangle>,
-    /// For each tile, where its part of `members` begins; one more at the end.
+    /// For each triangle the tile that it lies in, or [`SEVERAL`].
+    homes: Vec<u32>,
+    /// For each tile, where its part of `members` begins; two more at the end.
     starts: Vec<u32>,
     /// Indices into `triangles`.
     members: Vec<u32>,
 }
 
+/// Stands for more than one tile.
+const SEVERAL: u32 = u32::MAX;
+
 impl Bins {
-    /// The triangles that may touch a tile, in drawing order.
-    pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = &ScreenTriangle> {
-        self.chunks.iter().flat_map(move |chunk| {
+    /// Clips, culls, snaps and sorts `geometry` into the tiles of `viewport`, in the memory of what was there before.
+    /// The result does not depend on threads, nor on `simd`.
+    ///
+    /// # Errors
+    /// Where the SIMD level is not to be had on this machine.
+    pub fn rebuild(&mut self, geometry: &[Geometry<'_>], viewport: &Viewport, simd: SimdLevel) -> Result<()> {
+        let level = simd.dispatch()?;
+        self.vertices.resize_with(geometry.len(), ScreenVertices::default);
+        for (vertices, geometry) in self.vertices.iter_mut().zip(geometry) {
+            vertices.fill(geometry.clip, viewport, level);
+        }
+        let total: usize = geometry.iter().map(|g| g.triangles.len()).sum();
+        let chunk_size = total.div_ceil(MAX_CHUNKS).max(MIN_CHUNK);
+        let parts: Vec<Part<'_>> = geometry
+            .iter()
+            .zip(&self.vertices)
+            .flat_map(|(geometry, vertices)| {
+                let starts = (0..geometry.triangles.len()).step_by(chunk_size);
+                starts.map(move |start| Part { geometry, vertices, start, viewport, level })
+            })
+            .collect();
+        self.chunks.resize_with(parts.len(), Chunk::default);
+        self.chunks.par_iter_mut().zip(parts).for_each(|(chunk, part)| chunk.rebuild(&part, chunk_size));
+        Ok(())
+    }
+
+    /// The triangles that may touch a tile, in drawing order: chunks, and which of a chunk's triangles.
+    pub(super) fn tile(&self, tile: usize) -> impl Iterator<Item = (&[ScreenTriangle], &[u32])> {
+        self.chunks.iter().map(move |chunk| {
             let members = match chunk.starts.get(tile..tile + 2) {
                 Some(bounds) => &chunk.members[bounds[0] as usize..bounds[1] as usize],
                 None => &[],
             };
-            members.iter().map(|i| &chunk.triangles[*i as usize])
+            (&chunk.triangles[..], members)
         })
     }
 
@@ -98,153 +131,128 @@ impl Bins {
     }
 }
 
-/// Clips, culls, snaps and sorts `geometry` into the tiles of `viewport`. The result does not depend on threads.
+/// [`Bins::rebuild`] from nothing, at the level that is fastest on this machine.
 pub fn bin(geometry: &[Geometry<'_>], viewport: &Viewport) -> Bins {
-    let total: usize = geometry.iter().map(|g| g.triangles.len()).sum();
-    let chunk_size = total.div_ceil(MAX_CHUNKS).max(MIN_CHUNK);
-    let ranges: Vec<(&Geometry<'_>, usize)> = geometry
-        .iter()
-        .flat_map(|g| (0..g.triangles.len()).step_by(chunk_size).map(move |start| (g, start)))
-        .collect();
-    let chunks = ranges
-        .into_par_iter()
-        .map(|(g, start)| Chunk::new(g, start, (start + chunk_size).min(g.triangles.len()), viewport))
-        .collect();
-    Bins { chunks }
+    let mut bins = Bins::default();
+    // The level that is chosen for the machine is always there.
+    let _ = bins.rebuild(geometry, viewport, SimdLevel::Auto);
+    bins
+}
+
+/// Where a chunk's triangles come from.
+struct Part<'a> {
+    geometry: &'a Geometry<'a>,
+    vertices: &'a ScreenVertices,
+    start: usize,
+    viewport: &'a Viewport,
+    level: Level,
 }
 
 impl Chunk {
-    fn new(geometry: &Geometry<'_>, start: usize, end: usize, viewport: &Viewport) -> Self {
-        let setup = Setup::new(viewport, geometry.faces);
-        let mut triangles = Vec::with_capacity(end - start);
-        for (i, triangle) in geometry.triangles[start..end].iter().enumerate() {
-            let corners = triangle.map(|v| geometry.clip[v as usize].map(f64::from));
-            setup.push(corners, geometry.first_id + (start + i) as u32, &mut triangles);
+    fn rebuild(&mut self, part: &Part<'_>, size: usize) {
+        self.triangles.clear();
+        let culling = Culling::new(part.viewport, part.geometry.faces, part.level);
+        let end = (part.start + size).min(part.geometry.triangles.len());
+        let mut corners = Corners { places: [[[0; 2]; BLOCK]; 3] };
+        for start in (part.start..end).step_by(BLOCK) {
+            let triangles = &part.geometry.triangles[start..end.min(start + BLOCK)];
+            for (i, triangle) in triangles.iter().enumerate() {
+                for k in 0..3 {
+                    corners.places[k][i] = part.vertices.places[triangle[k] as usize];
+                }
+            }
+            let verdict = culling.verdict(&corners, triangles.len());
+            part.push(start, &corners, verdict, &mut self.triangles);
         }
-        let (starts, members) = sort_into_tiles(&triangles, viewport);
-        Self { triangles, starts, members }
-    }
-}
-
-/// What turning clip space into screen triangles needs.
-struct Setup<'a> {
-    viewport: &'a Viewport,
-    volume: ClipVolume,
-    faces: Faces,
-}
-
-impl<'a> Setup<'a> {
-    fn new(viewport: &'a Viewport, faces: Faces) -> Self {
-        let guard = |side: u32| 1.0 + 2.0 * GUARD / f64::from(side);
-        let volume = ClipVolume { guard_x: guard(viewport.width), guard_y: guard(viewport.height) };
-        Self { viewport, volume, faces }
+        self.sort_into_tiles(part.viewport);
     }
 
-    fn push(&self, corners: [ClipVertex; 3], id: u32, out: &mut Vec<ScreenTriangle>) {
-        let codes = corners.map(|v| self.volume.outcode(v));
-        if codes[0] & codes[1] & codes[2] != 0 {
-            return;
+    /// Counts, then places: for each tile the triangles whose box touches it, in order.
+    fn sort_into_tiles(&mut self, viewport: &Viewport) {
+        let (across, down) = viewport.tiles();
+        self.starts.clear();
+        self.starts.resize((across * down) as usize + 2, 0);
+        self.homes.clear();
+        for triangle in &self.triangles {
+            let tiles = Tiles::new(triangle, viewport);
+            self.homes.push(tiles.home());
+            tiles.for_each(|tile| self.starts[tile + 2] += 1);
         }
-        let planes = codes[0] | codes[1] | codes[2];
-        if planes == 0 {
-            out.extend(self.screen_triangle(corners, id));
-            return;
+        for i in 2..self.starts.len() {
+            self.starts[i] += self.starts[i - 1];
         }
-        let polygon = self.volume.clip(corners, planes);
-        if let [first, rest @ ..] = polygon.corners() {
-            for pair in rest.windows(2) {
-                out.extend(self.screen_triangle([*first, pair[0], pair[1]], id));
+        // What is one further than a tile's start moves from its start to its end.
+        self.members.clear();
+        self.members.resize(self.starts.last().map_or(0, |count| *count as usize), 0);
+        for (i, home) in self.homes.iter().enumerate() {
+            let mut place = |tile: usize| {
+                self.members[self.starts[tile + 1] as usize] = i as u32;
+                self.starts[tile + 1] += 1;
+            };
+            match *home {
+                SEVERAL => Tiles::new(&self.triangles[i], viewport).for_each(place),
+                tile => place(tile as usize),
             }
         }
     }
+}
 
-    fn screen_triangle(&self, corners: [ClipVertex; 3], id: u32) -> Option<ScreenTriangle> {
-        let [width, height] = [self.viewport.width, self.viewport.height].map(f64::from);
-        let subpixels = f64::from(SUBPIXELS);
-        let snap = |v: f64| (v * subpixels + 0.5).floor() as i32;
-        let mut x = corners.map(|[x, _, _, w]| snap((x / w + 1.0) * 0.5 * width));
-        let mut y = corners.map(|[_, y, _, w]| snap((1.0 - y / w) * 0.5 * height));
-        let mut depth = corners.map(|[_, _, z, w]| (z / w) as f32);
-        let area = cross(x, y);
-        let drawn = match self.faces {
-            Faces::CounterClockwise => area < 0,
-            Faces::Clockwise => area > 0,
-            Faces::Both => area != 0,
-        };
-        if !drawn {
-            return None;
+impl Part<'_> {
+    /// Adds the triangles of a block, the first of which is `start`, that may be seen.
+    fn push(&self, start: usize, corners: &Corners, verdict: Verdict, out: &mut Vec<ScreenTriangle>) {
+        let mut left = verdict.seen | verdict.unknown;
+        while left != 0 {
+            let i = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let indices = self.geometry.triangles[start + i];
+            let id = self.geometry.first_id + (start + i) as u32;
+            if verdict.unknown >> i & 1 == 1 {
+                let corners = indices.map(|v| self.geometry.clip[v as usize].map(f64::from));
+                Setup::new(self.viewport, self.geometry.faces).push(corners, id, out);
+                continue;
+            }
+            let [a, b, c] = [corners.places[0][i], corners.places[1][i], corners.places[2][i]];
+            let depth = indices.map(|v| self.vertices.depths[v as usize]);
+            let triangle = ScreenTriangle { x: [a[0], b[0], c[0]], y: [a[1], b[1], c[1]], depth, id };
+            let turned = verdict.counter_clockwise >> i & 1 == 1;
+            out.push(if turned { triangle.turned() } else { triangle });
         }
-        if area < 0 {
-            x.swap(1, 2);
-            y.swap(1, 2);
-            depth.swap(1, 2);
-        }
-        let triangle = ScreenTriangle { x, y, depth, id };
-        self.may_cover(&triangle).then_some(triangle)
     }
+}
 
-    /// Whether the triangle's box holds a sample of the picture.
-    fn may_cover(&self, triangle: &ScreenTriangle) -> bool {
+/// The tiles that a triangle's box touches.
+struct Tiles {
+    columns: [usize; 2],
+    rows: [usize; 2],
+    across: usize,
+}
+
+impl Tiles {
+    fn new(triangle: &ScreenTriangle, viewport: &Viewport) -> Self {
+        let (across, down) = viewport.tiles();
+        let side = TILE_SIZE as i32 * SUBPIXELS;
         let [left, top, right, bottom] = triangle.bounds();
-        if right < 0 || bottom < 0 {
-            return false;
+        let clamp = |v: i32, tiles: u32| v.div_euclid(side).clamp(0, tiles as i32 - 1) as usize;
+        Self {
+            columns: [clamp(left, across), clamp(right, across)],
+            rows: [clamp(top, down), clamp(bottom, down)],
+            across: across as usize,
         }
-        if left >= self.viewport.width as i32 * SUBPIXELS || top >= self.viewport.height as i32 * SUBPIXELS {
-            return false;
+    }
+
+    /// The only one, or [`SEVERAL`].
+    fn home(&self) -> u32 {
+        match self.columns[0] == self.columns[1] && self.rows[0] == self.rows[1] {
+            true => (self.rows[0] * self.across + self.columns[0]) as u32,
+            false => SEVERAL,
         }
-        self.viewport.pattern.offsets().iter().any(|[sx, sy]| {
-            let holds = |low: i32, high: i32, offset: i32| {
-                (low - offset + SUBPIXELS - 1).div_euclid(SUBPIXELS) <= (high - offset).div_euclid(SUBPIXELS)
-            };
-            holds(left, right, *sx) && holds(top, bottom, *sy)
-        })
     }
-}
 
-impl ScreenTriangle {
-    /// Left, top, right and bottom in 1/256 pixel.
-    pub(super) fn bounds(&self) -> [i32; 4] {
-        let low = |v: [i32; 3]| v[0].min(v[1]).min(v[2]);
-        let high = |v: [i32; 3]| v[0].max(v[1]).max(v[2]);
-        [low(self.x), low(self.y), high(self.x), high(self.y)]
-    }
-}
-
-/// Twice the signed area, positive clockwise with y down.
-fn cross(x: [i32; 3], y: [i32; 3]) -> i64 {
-    let [x, y] = [x.map(i64::from), y.map(i64::from)];
-    (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
-}
-
-/// Counts, then places: for each tile the triangles whose box touches it, in order.
-fn sort_into_tiles(triangles: &[ScreenTriangle], viewport: &Viewport) -> (Vec<u32>, Vec<u32>) {
-    let (across, down) = viewport.tiles();
-    let mut starts = vec![0u32; (across * down) as usize + 1];
-    for triangle in triangles {
-        for_each_tile(triangle, viewport, |tile| starts[tile + 1] += 1);
-    }
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
-    }
-    let mut next = starts.clone();
-    let mut members = vec![0; *starts.last().unwrap_or(&0) as usize];
-    for (i, triangle) in triangles.iter().enumerate() {
-        for_each_tile(triangle, viewport, |tile| {
-            members[next[tile] as usize] = i as u32;
-            next[tile] += 1;
-        });
-    }
-    (starts, members)
-}
-
-fn for_each_tile(triangle: &ScreenTriangle, viewport: &Viewport, mut visit: impl FnMut(usize)) {
-    let (across, down) = viewport.tiles();
-    let side = TILE_SIZE as i32 * SUBPIXELS;
-    let [left, top, right, bottom] = triangle.bounds();
-    let clamp = |v: i32, tiles: u32| v.div_euclid(side).clamp(0, tiles as i32 - 1) as usize;
-    for row in clamp(top, down)..=clamp(bottom, down) {
-        for column in clamp(left, across)..=clamp(right, across) {
-            visit(row * across as usize + column);
+    fn for_each(&self, mut visit: impl FnMut(usize)) {
+        for row in self.rows[0]..=self.rows[1] {
+            for column in self.columns[0]..=self.columns[1] {
+                visit(row * self.across + column);
+            }
         }
     }
 }

@@ -1,5 +1,10 @@
 //! Clipping polygons in homogeneous coordinates.
 
+use super::Viewport;
+
+/// How far outside the picture vertices may lie before they are clipped, pixels.
+const GUARD: f64 = 8192.0;
+
 /// A vertex in clip space: x, y, z, w.
 pub(super) type ClipVertex = [f64; 4];
 
@@ -24,6 +29,11 @@ pub(super) struct ClipVolume {
 }
 
 impl ClipVolume {
+    pub(super) fn new(viewport: &Viewport) -> Self {
+        let guard = |side: u32| 1.0 + 2.0 * GUARD / f64::from(side);
+        Self { guard_x: guard(viewport.width), guard_y: guard(viewport.height) }
+    }
+
     /// The signed distances to the planes, positive inside.
     fn distances(&self, [x, y, z, w]: ClipVertex) -> [f64; 6] {
         [w - z, z, self.guard_x * w + x, self.guard_x * w - x, self.guard_y * w + y, self.guard_y * w - y]

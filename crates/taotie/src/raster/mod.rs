@@ -7,8 +7,12 @@
 mod barycentric;
 mod bin;
 mod clip;
+mod cull;
 mod samples;
+mod setup;
+mod small;
 mod tile;
+mod vertices;
 
 pub use barycentric::{Barycentric, PerspectiveTriangle};
 pub use bin::{Bins, Faces, Geometry, Viewport, bin};

@@ -1,7 +1,8 @@
 //! Coverage and depth of one tile, eight pixels at a time.
 
-use super::bin::{Bins, ScreenTriangle};
-use super::{SUBPIXELS, Viewport};
+use super::setup::ScreenTriangle;
+use super::small::{BLOCK, Corners, FEW, PACK as SIDE_BY_SIDE, Samples, Setups};
+use super::{Bins, SUBPIXELS, Viewport};
 use crate::error::Result;
 use crate::math::SimdLevel;
 use fearless_simd::{Simd, dispatch, f32x8, i32x8, mask32x8, prelude::*, u32x8};
@@ -116,6 +117,9 @@ pub fn rasterize_layers(
 trait Sink {
     /// Eight pixels from `pixel` on; `covered` says which, `depth` how near.
     fn pack<S: Simd>(&mut self, pixel: usize, covered: mask32x8<S>, depth: f32x8<S>, id: u32);
+
+    /// One pixel.
+    fn one(&mut self, pixel: usize, depth: f32, id: u32);
 }
 
 struct Nearest<'a> {
@@ -134,6 +138,14 @@ impl Sink for Nearest<'_> {
             let ids = &mut self.plane.ids[pixel..pixel + PACK as usize];
             let old = u32x8::from_slice(simd, ids);
             wins.select(u32x8::splat(simd, id), old).store_slice(ids);
+        }
+    }
+
+    #[inline(always)]
+    fn one(&mut self, pixel: usize, depth: f32, id: u32) {
+        if self.plane.depths[pixel] < depth {
+            self.plane.depths[pixel] = depth;
+            self.plane.ids[pixel] = id;
         }
     }
 }
@@ -160,6 +172,13 @@ impl Sink for InFront<'_> {
             if flags[i] != 0.0 {
                 self.layers.push(Layer { pixel: (pixel + i) as u32, id, depth: depths[i] });
             }
+        }
+    }
+
+    #[inline(always)]
+    fn one(&mut self, pixel: usize, depth: f32, id: u32) {
+        if self.opaque.depths[pixel] < depth {
+            self.layers.push(Layer { pixel: pixel as u32, id, depth });
         }
     }
 }
@@ -232,9 +251,162 @@ fn depth_plane(triangle: &ScreenTriangle, [ox, oy]: [i32; 2]) -> [f32; 3] {
 
 #[inline(always)]
 fn scan_triangles<S: Simd, K: Sink>(simd: S, bins: &Bins, tile: &Tile, offset: [i32; 2], sink: &mut K) {
-    for triangle in bins.tile(tile.index) {
-        if let Some(setup) = TileTriangle::new(triangle, tile, offset) {
-            scan_packs(simd, &setup, sink);
+    let mut scan = Scan { simd, tile, offset, samples: Samples::new(tile, offset), corners: Corners::new() };
+    for (triangles, members) in bins.tile(tile.index) {
+        for members in members.chunks(BLOCK) {
+            scan.block(triangles, members, sink);
+        }
+    }
+}
+
+/// Going over the triangles of a tile.
+struct Scan<'a, S> {
+    simd: S,
+    tile: &'a Tile,
+    offset: [i32; 2],
+    samples: Samples,
+    corners: Corners,
+}
+
+impl<S: Simd> Scan<'_, S> {
+    /// At most [`BLOCK`] triangles.
+    #[inline(always)]
+    fn block<K: Sink>(&mut self, triangles: &[ScreenTriangle], members: &[u32], sink: &mut K) {
+        for (i, member) in members.iter().enumerate() {
+            self.corners.set(i, &triangles[*member as usize]);
+        }
+        for (i, members) in members.chunks(SIDE_BY_SIDE).enumerate() {
+            let (setups, small) = Setups::new(self.simd, &self.corners, i * SIDE_BY_SIDE, &self.samples);
+            let all = (1 << members.len()) - 1;
+            if small & all == all && setups.few_samples() & all == all {
+                scan_few(self.simd, &setups, triangles, members, sink);
+            } else {
+                self.one_by_one(&setups, small, triangles, members, sink);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn one_by_one<K: Sink>(
+        &self,
+        setups: &Setups<S>,
+        small: u64,
+        triangles: &[ScreenTriangle],
+        members: &[u32],
+        sink: &mut K,
+    ) {
+        let columns = Columns::new(setups);
+        for (i, member) in members.iter().enumerate() {
+            let triangle = &triangles[*member as usize];
+            let setup = match small >> i & 1 == 1 {
+                true => columns.triangle(i, triangle.id),
+                false => TileTriangle::new(triangle, self.tile, self.offset),
+            };
+            if let Some(setup) = setup {
+                scan_packs(self.simd, &setup, sink);
+            }
+        }
+    }
+}
+
+/// Set-ups of eight triangles in memory.
+struct Columns {
+    integers: [[i32; SIDE_BY_SIDE]; 13],
+    floats: [[f32; SIDE_BY_SIDE]; 5],
+}
+
+impl Columns {
+    #[inline(always)]
+    fn new<S: Simd>(setups: &Setups<S>) -> Self {
+        let mut columns = Self { integers: [[0; SIDE_BY_SIDE]; 13], floats: [[0.0; SIDE_BY_SIDE]; 5] };
+        for k in 0..4 {
+            setups.bounds[k].store_slice(&mut columns.integers[k]);
+        }
+        for k in 0..9 {
+            setups.edges[k / 3][k % 3].store_slice(&mut columns.integers[4 + k]);
+        }
+        for k in 0..3 {
+            setups.depth[k].store_slice(&mut columns.floats[k]);
+        }
+        for k in 0..2 {
+            setups.depth_range[k].store_slice(&mut columns.floats[3 + k]);
+        }
+        columns
+    }
+
+    #[inline(always)]
+    fn triangle(&self, i: usize, id: u32) -> Option<TileTriangle> {
+        let (n, f) = (&self.integers, &self.floats);
+        let bounds = [n[0][i], n[1][i], n[2][i], n[3][i]];
+        if bounds[0] > bounds[2] || bounds[1] > bounds[3] {
+            return None;
+        }
+        let edges =
+            [[n[4][i], n[5][i], n[6][i]], [n[7][i], n[8][i], n[9][i]], [n[10][i], n[11][i], n[12][i]]];
+        let depth = [f[0][i], f[1][i], f[2][i]];
+        Some(TileTriangle { bounds, edges, depth, depth_range: [f[3][i], f[4][i]], id })
+    }
+}
+
+/// Triangles with at most four columns and rows of samples around them: all triangles of the pack at one sample each, then
+/// the samples that they cover one by one.
+#[inline(always)]
+fn scan_few<S: Simd, K: Sink>(
+    simd: S,
+    setups: &Setups<S>,
+    triangles: &[ScreenTriangle],
+    members: &[u32],
+    sink: &mut K,
+) {
+    let [left, top, right, bottom] = setups.bounds;
+    let mut depths = [[0.0f32; SIDE_BY_SIDE]; FEW * FEW];
+    let mut covered = i32x8::splat(simd, 0);
+    let mut row = 0;
+    while row < FEW {
+        let y = top + row as i32;
+        let row_there = y.simd_le(bottom);
+        if !row_there.any_true() {
+            break;
+        }
+        let mut edges = [left; 3];
+        for k in 0..3 {
+            let [constant, a, b] = setups.edges[k];
+            edges[k] = a * left + (constant + b * y);
+        }
+        let y: f32x8<S> = y.to_float();
+        let depth_row = setups.depth[0] + setups.depth[2] * y;
+        let mut column = 0;
+        while column < FEW {
+            let x = left + column as i32;
+            let there = row_there & x.simd_le(right);
+            if !there.any_true() {
+                break;
+            }
+            let inside = there & (edges[0] | edges[1] | edges[2]).simd_ge(i32x8::splat(simd, 0));
+            let sample = row * FEW + column;
+            covered = covered | inside.select(i32x8::splat(simd, 1 << sample), i32x8::splat(simd, 0));
+            let x: f32x8<S> = x.to_float();
+            let depth = clamped(x * setups.depth[1] + depth_row, setups.depth_range);
+            depth.store_slice(&mut depths[sample]);
+            for k in 0..3 {
+                edges[k] = edges[k] + setups.edges[k][1];
+            }
+            column += 1;
+        }
+        row += 1;
+    }
+    let mut first = [0; SIDE_BY_SIDE];
+    (top * SIDE + left).store_slice(&mut first);
+    let mut samples = [0; SIDE_BY_SIDE];
+    covered.store_slice(&mut samples);
+    for (i, member) in members.iter().enumerate() {
+        let id = triangles[*member as usize].id;
+        let mut left = samples[i] as u32;
+        while left != 0 {
+            let sample = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let pixel = first[i] as usize + sample / FEW * TILE_SIZE as usize + sample % FEW;
+            sink.one(pixel, depths[sample][i], id);
         }
     }
 }
@@ -243,36 +415,38 @@ fn scan_triangles<S: Simd, K: Sink>(simd: S, bins: &Bins, tile: &Tile, offset: [
 fn scan_packs<S: Simd, K: Sink>(simd: S, triangle: &TileTriangle, sink: &mut K) {
     let [left, top, right, bottom] = triangle.bounds;
     let columns = i32x8::from_slice(simd, &[0, 1, 2, 3, 4, 5, 6, 7]);
-    let first = left & !(PACK - 1);
-    for row in top..=bottom {
-        let mut column = first;
-        while column <= right {
-            let x = columns + column;
-            let inside = covers(simd, triangle, x, row) & x.simd_le(i32x8::splat(simd, right));
+    let [origin, step_x, step_y] = triangle.depth;
+    let [low, high] = triangle.depth_range;
+    let range = [f32x8::splat(simd, low), f32x8::splat(simd, high)];
+    let [e0, e1, e2] = triangle.edges;
+    let down = [i32x8::splat(simd, e0[2]), i32x8::splat(simd, e1[2]), i32x8::splat(simd, e2[2])];
+    let mut column = left & !(PACK - 1);
+    while column <= right {
+        let x = columns + column;
+        let there = x.simd_le(i32x8::splat(simd, right));
+        let mut edges = [
+            x * e0[1] + (e0[0] + e0[2] * top),
+            x * e1[1] + (e1[0] + e1[2] * top),
+            x * e2[1] + (e2[0] + e2[2] * top),
+        ];
+        let x: f32x8<S> = x.to_float();
+        let depth_column = x * step_x;
+        let mut row = top;
+        while row <= bottom {
+            let inside = there & (edges[0] | edges[1] | edges[2]).simd_ge(i32x8::splat(simd, 0));
             if inside.any_true() {
-                let depth = depth_at(simd, triangle, x.to_float(), row as f32);
+                let depth = clamped(depth_column + (origin + step_y * row as f32), range);
                 sink.pack((row * SIDE + column) as usize, inside, depth, triangle.id);
             }
-            column += PACK;
+            edges = [edges[0] + down[0], edges[1] + down[1], edges[2] + down[2]];
+            row += 1;
         }
+        column += PACK;
     }
 }
 
 #[inline(always)]
-fn covers<S: Simd>(simd: S, triangle: &TileTriangle, x: i32x8<S>, row: i32) -> mask32x8<S> {
-    let [[c0, a0, b0], [c1, a1, b1], [c2, a2, b2]] = triangle.edges;
-    let e0 = x * a0 + (c0 + b0 * row);
-    let e1 = x * a1 + (c1 + b1 * row);
-    let e2 = x * a2 + (c2 + b2 * row);
-    (e0 | e1 | e2).simd_ge(i32x8::splat(simd, 0))
-}
-
-#[inline(always)]
-fn depth_at<S: Simd>(simd: S, triangle: &TileTriangle, x: f32x8<S>, row: f32) -> f32x8<S> {
-    let [origin, step_x, step_y] = triangle.depth;
-    let [low, high] = triangle.depth_range;
-    let depth = x * step_x + (origin + step_y * row);
-    let (low, high) = (f32x8::splat(simd, low), f32x8::splat(simd, high));
+fn clamped<S: Simd>(depth: f32x8<S>, [low, high]: [f32x8<S>; 2]) -> f32x8<S> {
     let depth = depth.simd_lt(low).select(low, depth);
     high.simd_lt(depth).select(high, depth)
 }

@@ -11,6 +11,7 @@ mod follow;
 mod footprint;
 mod fragments;
 mod frame;
+mod geometry;
 mod ground;
 mod grouping;
 mod interpolate;

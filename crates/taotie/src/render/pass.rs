@@ -4,6 +4,7 @@ use super::backdrop::Backdrop;
 use super::batch::{BATCH, Batch, get3};
 use super::fragments::{self, Key};
 use super::frame::{Frame, TilePicture};
+use super::geometry::Projected;
 use super::ground::Ground;
 use super::grouping::Grouping;
 use super::interpolate::Interpolation;
@@ -17,7 +18,7 @@ use super::surround;
 use super::view::View;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::raster::{self, Bins, Faces, Geometry, SamplePattern, TILE_PIXELS, Tile, TilePlane, Viewport};
+use crate::raster::{self, Bins, SamplePattern, TILE_PIXELS, Tile, TilePlane, Viewport};
 use crate::scene::{AlphaMode, Camera};
 use fearless_simd::Level;
 use rayon::prelude::*;
@@ -93,9 +94,9 @@ impl<'p, 'a> Pass<'p, 'a> {
             pattern: SamplePattern::new(settings.samples)?,
         };
         let view = View::new(camera, settings.width, settings.height)?;
-        let clip = project(prepared, &view);
-        let bins = |layered: bool| raster::bin(&geometry(prepared, &clip, layered), &viewport);
-        let (opaque, layered) = (bins(false), bins(true));
+        let mut projected = Projected::default();
+        projected.rebuild(prepared, &view, &viewport, settings.simd)?;
+        let Projected { clip, opaque, layered } = projected;
         let rays = CameraRays::new(camera, [settings.width, settings.height]);
         let size = prepared.scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
         Ok(Self {
@@ -303,28 +304,6 @@ fn coverage(mode: AlphaMode, alpha: f32) -> f32 {
         AlphaMode::Mask(cutoff) => f32::from(u8::from(alpha >= cutoff)),
         AlphaMode::Blend => alpha.clamp(0.0, 1.0),
     }
-}
-
-fn project(prepared: &Prepared<'_>, view: &View) -> Vec<Vec<[f32; 4]>> {
-    let clip = |p: &Vec3| view.clip_from_world.transform_homogeneous(p.to_f64()).map(|v| v as f32);
-    prepared.draws.iter().map(|draw| draw.positions.par_iter().map(clip).collect()).collect()
-}
-
-fn geometry<'g>(prepared: &'g Prepared<'_>, clip: &'g [Vec<[f32; 4]>], layered: bool) -> Vec<Geometry<'g>> {
-    let draws = prepared.draws.iter().zip(clip);
-    draws
-        .filter(|(draw, _)| draw.layered() == layered)
-        .map(|(draw, clip)| Geometry {
-            clip,
-            triangles: draw.mesh.triangles(),
-            faces: match (draw.material.double_sided, draw.mirrored) {
-                (true, _) => Faces::Both,
-                (false, false) => Faces::CounterClockwise,
-                (false, true) => Faces::Clockwise,
-            },
-            first_id: draw.first_triangle,
-        })
-        .collect()
 }
 
 impl Resolve {
