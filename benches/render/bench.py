@@ -3,6 +3,7 @@
 import argparse
 import json
 import os
+import shutil
 import statistics
 import sys
 
@@ -12,13 +13,14 @@ import measure
 import page
 import section
 import talk
+from cold import Cold
 
 TARGET = "bench-render"
 ROOT = os.path.dirname(os.path.dirname(cases.HERE))
 # What a participant's turn takes in a round, milliseconds, as far as at least one frame allows.
 TURN = 500
 # Who takes longer than this for a frame is not asked for larger meshes, milliseconds.
-TOO_LONG = 3000
+TOO_LONG = 2000
 
 
 def arguments():
@@ -36,6 +38,8 @@ def arguments():
     parser.add_argument("--also", metavar="FOLDER", help="also Taotie's programs from there, to compare two builds")
     parser.add_argument("--json", help="where all times are written to")
     args = parser.parse_args()
+    if args.rounds < 1:
+        parser.error("--rounds: at least 1")
     if not os.access(os.path.join(args.programs, "taotie"), os.X_OK):
         parser.error(f"{args.programs} holds no taotie; `make bench-render` builds it")
     return args
@@ -48,11 +52,11 @@ def say(text):
 def participants(args):
     some = [cases.taotie(args.programs)]
     if args.plain:
-        some.append(cases.taotie(args.programs, "taotie-plain", "Taotie, plain", more=["--plain"]))
+        some.append(cases.taotie(args.programs, "taotie-plain", "Taotie, plain", ["--plain"]))
     if args.also:
         some.append(cases.taotie(args.also, "taotie-also", "Taotie, the other build"))
     names = args.only or (["llvmpipe"] if args.quick else None)
-    return some + [peer for peer in cases.peers() if names is None or peer.name in names]
+    return some + [peer for peer in cases.peers(args.folder) if names is None or peer.name in names]
 
 
 class Run:
@@ -62,67 +66,84 @@ class Run:
         self.args, self.some = args, some
         self.scene = os.path.join(args.folder, "scene")
         self.pictures = os.path.join(args.folder, "pictures")
-        self.out = {}  # the names of those that cannot take part, with the reason
+        self.out = {}  # by shading and name, why it does not take part any more
+        self.slow = {}  # by shading and name, why it is not asked for more triangles
         self.times = {}  # milliseconds by (mesh, shading, size) and name
-        self.mib = {}  # peak by mesh and shading, and name
+        self.mib = {}  # peak at the first size, by (mesh, shading) and name
         self.about = {}
+        self.cold = Cold(self.scene, self.pictures, 0 if args.quick else args.cold_rounds, say)
 
     def all(self):
-        os.makedirs(self.pictures, exist_ok=True)
-        sizes = cases.SIZES[:1] if self.args.quick else cases.SIZES
+        shutil.rmtree(self.pictures, ignore_errors=True)
+        os.makedirs(self.pictures)
         for mesh in self.args.mesh or cases.MESHES:
             for shading in self.args.shading or cases.SHADINGS:
-                self.warm(mesh, shading, sizes)
+                self.warm(mesh, shading)
+        for shading in self.args.shading or cases.SHADINGS:
+            self.cold.measure([one for one in self.some if (shading, one.name) not in self.out], shading)
 
-    def warm(self, mesh, shading, sizes):
-        """The frames of one model, at all sizes."""
+    def warm(self, mesh, shading):
+        """The frames of one model, at all sizes; processes stay for them all."""
         sessions = {}
-        for one in self.some:
-            if shading in one.shadings and one.name not in self.out:
-                sessions[one.name] = talk.Session(one.talks(self.scene, mesh, shading), one.environment)
-                self.ask(sessions, one.name, (mesh, shading, sizes[0]), 0)
-        for size in sizes:
-            self.turns(sessions, (mesh, shading, size))
+        for size in cases.SIZES[:1] if self.args.quick else cases.SIZES:
+            case = (mesh, shading, size)
+            self.turns(sessions, case, [one for one in self.some if self.takes_part(one, mesh, shading)])
+            self.told(case)
+            for one in self.some:
+                if one.one_size and one.name in sessions:
+                    sessions.pop(one.name).close()
         for session in sessions.values():
             session.close()
 
-    def turns(self, sessions, case):
+    def takes_part(self, one, mesh, shading):
+        slow, _ = self.slow.get((shading, one.name), (mesh, ""))
+        return shading in one.shadings and (shading, one.name) not in self.out and slow == mesh
+
+    def turns(self, sessions, case, some):
         mesh, shading, size = case
         frames = {}
-        for name in list(sessions):
-            png = os.path.join(self.pictures, f"{mesh}-{shading}-{size[0]}-{name}.png")
-            probe = self.ask(sessions, name, case, 1, png)
+        for one in some:
+            png = os.path.join(self.pictures, f"{mesh}-{shading}-{size[0]}-{one.name}.png")
+            probe = self.ask(sessions, one, case, 1, png)
             if probe:
-                frames[name] = max(1, min(15, round(TURN / probe["ms"][0])))
+                frames[one] = max(1, min(15, round(TURN / probe["ms"][0])))
         for _ in range(self.args.rounds):
-            for name in list(sessions):
-                answer = self.ask(sessions, name, case, frames[name])
+            for one in list(frames):
+                answer = self.ask(sessions, one, case, frames[one])
                 if answer:
-                    self.times.setdefault(case, {}).setdefault(name, []).extend(answer["ms"])
+                    self.times.setdefault(case, {}).setdefault(one.name, []).extend(answer["ms"])
+
+    def ask(self, sessions, one, case, frames, png=None):
+        """An answer; who gives none is out from here on."""
+        mesh, shading, size = case
+        if (shading, one.name) in self.out:
+            return None
+        if one.name not in sessions:
+            sessions[one.name] = talk.Session(one.talks(self.scene, mesh, shading), one.environment)
+        try:
+            answer = sessions[one.name].ask(*size, frames, png)
+        except talk.Silent as silent:
+            say(f"{one.name} is left out from {mesh} {shading} {size[0]}×{size[1]} on: {silent}")
+            self.out[shading, one.name] = str(silent)
+            sessions.pop(one.name).close()
+            return None
+        if size == cases.SIZES[0]:
+            self.mib.setdefault((mesh, shading), {})[one.name] = answer["peak_mib"]
+        self.about[one.name] = answer.get("about", "")
+        return answer
+
+    def told(self, case):
+        mesh, shading, size = case
         for name, times in self.times.get(case, {}).items():
             median = statistics.median(times)
             say(f"{mesh:5} {shading:14} {size[0]}×{size[1]} {name:12} {median:9.2f} ms (least {min(times):.2f})")
-            if median > TOO_LONG and mesh != list(cases.MESHES)[-1]:
-                self.out.setdefault(name, f"it took {median / 1000:.1f} s a frame of {cases.MESHES[mesh]} triangles")
-
-    def ask(self, sessions, name, case, frames, png=None):
-        """An answer; who gives none is out from here on."""
-        mesh, shading, size = case
-        try:
-            answer = sessions[name].ask(*size, frames, png)
-        except talk.Silent as silent:
-            say(f"{name} is left out from {mesh} {shading} on: {silent}")
-            self.out[name] = str(silent)
-            sessions.pop(name).close()
-            return None
-        most = self.mib.setdefault((mesh, shading), {})
-        most[name] = max(most.get(name, 0), answer["peak_mib"])
-        self.about[name] = answer.get("about", "")
-        return answer
+            if median > TOO_LONG and name != "taotie":
+                why = f"it takes {median / 1000:.1f} s a frame of {cases.MESHES[mesh]} triangles"
+                self.slow.setdefault((shading, name), (mesh, why))
 
 
 def compared(run):
-    """What pictures.py says of Taotie's and the first peer's pictures."""
+    """What pictures.py says of Taotie's and llvmpipe's pictures."""
     command = [sys.executable, os.path.join(cases.HERE, "pictures.py"), run.pictures]
     return json.loads(measure.run(command).output)
 
