@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow bench bench-bake docs errors tables bless tools
+.PHONY: help test test-slow bench bench-bake bench-render docs errors tables bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -25,12 +25,23 @@ BENCH_VENV = target/bench-bake/venv
 PYTHON = $(shell command -v python3.11 || echo python3)
 bench-bake: $(BENCH_VENV)/ready ## Bakes the same jobs by Taotie and by Blender, for docs/benchmarks.md; BENCH=--quick: fewer
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
-	$(BENCH_VENV)/bin/python benches/bake/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
+	PYTHONPATH=benches/common $(BENCH_VENV)/bin/python benches/bake/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
 
 $(BENCH_VENV)/ready: benches/bake/requirements.txt
 	$(PYTHON) -m venv $(BENCH_VENV)
 	$(BENCH_VENV)/bin/pip install --quiet --requirement $< || \
 	{ grep -v '^bpy' $< >$(BENCH_VENV)/others.txt && $(BENCH_VENV)/bin/pip install --quiet --requirement $(BENCH_VENV)/others.txt; }
+	touch $@
+
+# Peers that cannot be installed here are left out with a word. TAOTIE_BIN=/folder/of/programs takes `taotie` and `frames`
+# from there instead of building them; `make bench-render BENCH=--help` lists the options.
+RENDER_VENV = target/bench-render/venv
+bench-render: $(RENDER_VENV)/ready ## Pictures by Taotie and by other renderers, for docs/benchmarks.md; BENCH=--quick: fewer
+	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
+	PYTHONPATH=benches/common $(RENDER_VENV)/bin/python benches/render/bench.py $(if $(TAOTIE_BIN),--programs $(TAOTIE_BIN)) $(BENCH)
+
+$(RENDER_VENV)/ready: benches/render/requirements.txt benches/render/install.sh
+	sh benches/render/install.sh $(PYTHON) $(RENDER_VENV)
 	touch $@
 
 docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, anew

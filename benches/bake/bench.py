@@ -10,8 +10,10 @@ import files
 import jobs
 import machine
 import measure
+import page
 import section
 
+TARGET = "bench-bake"
 ROOT = os.path.dirname(os.path.dirname(jobs.HERE))
 
 
@@ -112,7 +114,7 @@ def main():
     args = arguments()
     paths, some = jobs.Paths(args.folder), chosen(args)
     if not args.quick:
-        section.around(args.page)  # fails now rather than after minutes
+        page.around(args.page, TARGET)  # fails now rather than after minutes
     measure.run(script("scene.py", args.folder, *dict.fromkeys(job.scan for job, _ in some)))
     lacks = blender_lacks()
     if lacks:
@@ -127,11 +129,11 @@ def main():
     text = section.text(machine.described(args.taotie), results, accuracy(results, paths), lacks)
     print(text)
     if not args.quick:
-        section.write(args.page, text)
+        page.write(args.page, TARGET, text)
 
 
 if __name__ == "__main__":
     try:
         main()
-    except (measure.Failed, section.Unmarked, OSError) as error:
+    except (measure.Failed, page.Unmarked, OSError) as error:
         sys.exit(str(error))

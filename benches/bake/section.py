@@ -1,36 +1,6 @@
-"""The section of docs/benchmarks.md, between its two marks."""
+"""The section of docs/benchmarks.md."""
 
-import math
-import textwrap
-
-BEGIN, END = "<!-- make bench-bake: begin -->", "<!-- make bench-bake: end -->"
-
-
-class Unmarked(Exception):
-    """A page without the marks."""
-
-
-def two_digits(x):
-    """3.1, 12, 130, 0.87."""
-    digits = 1 - math.floor(math.log10(x))
-    return f"{round(x, digits):.{max(digits, 0)}f}"
-
-
-def seconds(x):
-    return f"{x:.2f}" if x < 10 else f"{x:.1f}"
-
-
-def wrapped(prose):
-    """In lines as long as the page's."""
-    return textwrap.fill(prose, 120, break_long_words=False, break_on_hyphens=False)
-
-
-def row(cells):
-    return f"| {' | '.join(cells)} |"
-
-
-def table(head, rows):
-    return [row(head), "|---|" + "---:|" * (len(head) - 1), *map(row, rows)]
+from page import seconds, table, two_digits, wrapped
 
 
 def times(results):
@@ -93,21 +63,3 @@ COMMANDS = (
     "make bench-bake                 # all jobs; writes this section",
     "make bench-bake BENCH=--quick   # the jobs of 1 M triangles once; prints it",
 )
-
-
-def around(path):
-    """What stands on the page before the first mark and after the second."""
-    with open(path, encoding="utf-8") as file:
-        page = file.read()
-    before, begin, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not (begin and end):
-        raise Unmarked(f"{path} has no place for the section: it needs the lines {BEGIN} and {END}")
-    return before, after
-
-
-def write(path, content):
-    """Puts the content between the marks of the page; the rest of the page stays."""
-    before, after = around(path)
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(f"{before}{BEGIN}\n{content}\n{END}{after}")

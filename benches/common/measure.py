@@ -21,15 +21,15 @@ class Run:
     output: str
 
 
-def run(command):
-    """Runs a command to its end.
+def run(command, environment=None):
+    """Runs a command to its end; with `environment` its variables are these and no others.
 
     A process counts the memory of the one that started it as its own peak, up to the moment it becomes a program of
     its own. So whoever calls this must stay small: arrays belong into processes of their own.
     """
     with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as talk:
         start = time.perf_counter()
-        process = subprocess.Popen(command, stdout=output, stderr=talk)
+        process = subprocess.Popen(command, stdout=output, stderr=talk, env=environment)
         _, status, usage = os.wait4(process.pid, 0)
         seconds = time.perf_counter() - start
         process.returncode = os.waitstatus_to_exitcode(status)

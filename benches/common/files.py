@@ -7,6 +7,7 @@ import struct
 
 FLOAT, U32 = 5126, 5125
 VERTICES, INDICES = 34962, 34963
+LINEAR, TRILINEAR, REPEAT, CLAMP = 9729, 9987, 10497, 33071
 
 
 @contextlib.contextmanager
@@ -38,33 +39,47 @@ def read_ply(path):
     return positions, triangles
 
 
-def write_glb(path, attributes, triangles):
-    """One mesh with the float attributes of these names, and a bare material."""
+BARE = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.6}}
+
+
+def write_glb(path, attributes, triangles, material=BARE, images=(), extra=None):
+    """One mesh with the float attributes of these names.
+
+    `images` are the bytes of PNG files; texture i of the material shows image i, repeated along u and clamped along v,
+    trilinear. `extra` is laid over the file's JSON: nodes beside the mesh's, which is number 0, and what they need.
+    """
     gltf = {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],
-        "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.6}}],
+        "materials": [material],
         "accessors": [],
         "bufferViews": [],
     }
     blob = bytearray()
 
+    def view(data, **more):
+        gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(data), **more})
+        blob.extend(data)
+        blob.extend(bytes(-len(blob) % 4))
+        return len(gltf["bufferViews"]) - 1
+
     def add(array, component, target, kind):
-        view = {"buffer": 0, "byteOffset": len(blob), "byteLength": array.nbytes, "target": target}
-        accessor = {"bufferView": len(gltf["bufferViews"]), "componentType": component, "type": kind}
+        accessor = {"bufferView": view(array.tobytes(), target=target), "componentType": component, "type": kind}
         accessor |= {"count": len(array), "min": array.min(0).tolist(), "max": array.max(0).tolist()}
-        gltf["bufferViews"].append(view)
         gltf["accessors"].append(accessor)
-        blob.extend(array.tobytes())
         return len(gltf["accessors"]) - 1
 
     names = {name: add(a.astype("<f4"), FLOAT, VERTICES, f"VEC{a.shape[1]}") for name, a in attributes.items()}
     indices = add(triangles.astype("<u4").reshape(-1, 1), U32, INDICES, "SCALAR")
     gltf["meshes"] = [{"primitives": [{"attributes": names, "indices": indices, "material": 0}]}]
+    if images:
+        gltf["images"] = [{"bufferView": view(image), "mimeType": "image/png"} for image in images]
+        gltf["samplers"] = [{"magFilter": LINEAR, "minFilter": TRILINEAR, "wrapS": REPEAT, "wrapT": CLAMP}]
+        gltf["textures"] = [{"source": i, "sampler": 0} for i in range(len(images))]
     gltf["buffers"] = [{"byteLength": len(blob)}]
-    text = json.dumps(gltf).encode()
+    text = json.dumps(gltf | (extra or {})).encode()
     text += b" " * (-len(text) % 4)
     with written(path) as file:
         file.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(blob)))

@@ -1,0 +1,55 @@
+"""Sections of docs/benchmarks.md, each between two marks that name the target of the Makefile that writes it."""
+
+import math
+import textwrap
+
+
+class Unmarked(Exception):
+    """A page without the marks."""
+
+
+def two_digits(x):
+    """3.1, 12, 130, 0.87."""
+    digits = 1 - math.floor(math.log10(x))
+    return f"{round(x, digits):.{max(digits, 0)}f}"
+
+
+def seconds(x):
+    return f"{x:.2f}" if x < 10 else f"{x:.1f}"
+
+
+def wrapped(prose):
+    """In lines as long as the page's."""
+    return textwrap.fill(prose, 120, break_long_words=False, break_on_hyphens=False)
+
+
+def row(cells):
+    return f"| {' | '.join(cells)} |"
+
+
+def table(head, rows):
+    return [row(head), "|---|" + "---:|" * (len(head) - 1), *map(row, rows)]
+
+
+def marks(target):
+    return f"<!-- make {target}: begin -->", f"<!-- make {target}: end -->"
+
+
+def around(path, target):
+    """What stands on the page before the first mark and after the second."""
+    with open(path, encoding="utf-8") as file:
+        page = file.read()
+    first, second = marks(target)
+    before, begin, rest = page.partition(first)
+    _, end, after = rest.partition(second)
+    if not (begin and end):
+        raise Unmarked(f"{path} has no place for the section: it needs the lines {first} and {second}")
+    return before, after
+
+
+def write(path, target, content):
+    """Puts the content between the marks of the page; the rest of the page stays."""
+    before, after = around(path, target)
+    begin, end = marks(target)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(f"{before}{begin}\n{content}\n{end}{after}")

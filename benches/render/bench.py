@@ -1,0 +1,173 @@
+"""Pictures of one scene by Taotie and by other renderers in turn, and what they took: `make bench-render`."""
+
+import argparse
+import json
+import os
+import shutil
+import statistics
+import sys
+
+import cases
+import machine
+import measure
+import page
+import section
+import talk
+from cold import Cold
+
+TARGET = "bench-render"
+ROOT = os.path.dirname(os.path.dirname(cases.HERE))
+# What a participant's turn takes in a round, milliseconds, as far as at least one frame allows.
+TURN = 500
+# Who takes longer than this for a frame is not asked for larger meshes, milliseconds.
+TOO_LONG = 2000
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--programs", default=os.path.join(ROOT, "target/release"), help="where taotie and frames are")
+    parser.add_argument("--folder", default=os.path.join(ROOT, "target/bench-render"), help="for scene and pictures")
+    parser.add_argument("--page", default=os.path.join(ROOT, "docs/benchmarks.md"), help="whose section is written")
+    parser.add_argument("--rounds", type=int, default=3, help="turns of each participant in each case")
+    parser.add_argument("--cold-rounds", type=int, default=2, help="whole processes of each kind; 0 for none")
+    parser.add_argument("--quick", action="store_true", help="Taotie and llvmpipe at 1024², warm; the page is left alone")
+    parser.add_argument("--only", action="append", metavar="PEER", help="these peers alone; the page is left alone")
+    parser.add_argument("--mesh", action="append", choices=cases.MESHES, help="these alone; the page is left alone")
+    parser.add_argument("--shading", action="append", choices=cases.SHADINGS, help="likewise")
+    parser.add_argument("--plain", action="store_true", help="also Taotie without what peers do not do")
+    parser.add_argument("--also", metavar="FOLDER", help="also Taotie's programs from there, to compare two builds")
+    parser.add_argument("--json", help="where all times are written to")
+    args = parser.parse_args()
+    if args.rounds < 1:
+        parser.error("--rounds: at least 1")
+    if not os.access(os.path.join(args.programs, "taotie"), os.X_OK):
+        parser.error(f"{args.programs} holds no taotie; `make bench-render` builds it")
+    return args
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def participants(args):
+    some = [cases.taotie(args.programs)]
+    if args.plain:
+        some.append(cases.taotie(args.programs, "taotie-plain", "Taotie, plain", ["--plain"]))
+    if args.also:
+        some.append(cases.taotie(args.also, "taotie-also", "Taotie, the other build"))
+    names = args.only or (["llvmpipe"] if args.quick else None)
+    return some + [peer for peer in cases.peers(args.folder) if names is None or peer.name in names]
+
+
+class Run:
+    """All that is measured, as it comes."""
+
+    def __init__(self, args, some):
+        self.args, self.some = args, some
+        self.scene = os.path.join(args.folder, "scene")
+        self.pictures = os.path.join(args.folder, "pictures")
+        self.out = {}  # by shading and name, why it does not take part any more
+        self.slow = {}  # by shading and name, why it is not asked for more triangles
+        self.times = {}  # milliseconds by (mesh, shading, size) and name
+        self.mib = {}  # peak at the first size, by (mesh, shading) and name
+        self.about = {}
+        self.cold = Cold(self.scene, self.pictures, 0 if args.quick else args.cold_rounds, say)
+
+    def all(self):
+        shutil.rmtree(self.pictures, ignore_errors=True)
+        os.makedirs(self.pictures)
+        for mesh in self.args.mesh or cases.MESHES:
+            for shading in self.args.shading or cases.SHADINGS:
+                self.warm(mesh, shading)
+        for shading in self.args.shading or cases.SHADINGS:
+            self.cold.measure([one for one in self.some if (shading, one.name) not in self.out], shading)
+
+    def warm(self, mesh, shading):
+        """The frames of one model, at all sizes; processes stay for them all."""
+        sessions = {}
+        for size in cases.SIZES[:1] if self.args.quick else cases.SIZES:
+            case = (mesh, shading, size)
+            self.turns(sessions, case, [one for one in self.some if self.takes_part(one, mesh, shading)])
+            self.told(case)
+            for one in self.some:
+                if one.one_size and one.name in sessions:
+                    sessions.pop(one.name).close()
+        for session in sessions.values():
+            session.close()
+
+    def takes_part(self, one, mesh, shading):
+        slow, _ = self.slow.get((shading, one.name), (mesh, ""))
+        return shading in one.shadings and (shading, one.name) not in self.out and slow == mesh
+
+    def turns(self, sessions, case, some):
+        mesh, shading, size = case
+        frames = {}
+        for one in some:
+            png = os.path.join(self.pictures, f"{mesh}-{shading}-{size[0]}-{one.name}.png")
+            probe = self.ask(sessions, one, case, 1, png)
+            if probe:
+                frames[one] = max(1, min(15, round(TURN / probe["ms"][0])))
+        for _ in range(self.args.rounds):
+            for one in list(frames):
+                answer = self.ask(sessions, one, case, frames[one])
+                if answer:
+                    self.times.setdefault(case, {}).setdefault(one.name, []).extend(answer["ms"])
+
+    def ask(self, sessions, one, case, frames, png=None):
+        """An answer; who gives none is out from here on."""
+        mesh, shading, size = case
+        if (shading, one.name) in self.out:
+            return None
+        if one.name not in sessions:
+            sessions[one.name] = talk.Session(one.talks(self.scene, mesh, shading), one.environment)
+        try:
+            answer = sessions[one.name].ask(*size, frames, png)
+        except talk.Silent as silent:
+            say(f"{one.name} is left out from {mesh} {shading} {size[0]}×{size[1]} on: {silent}")
+            self.out[shading, one.name] = str(silent)
+            sessions.pop(one.name).close()
+            return None
+        if size == cases.SIZES[0]:
+            self.mib.setdefault((mesh, shading), {})[one.name] = answer["peak_mib"]
+        self.about[one.name] = answer.get("about", "")
+        return answer
+
+    def told(self, case):
+        mesh, shading, size = case
+        for name, times in self.times.get(case, {}).items():
+            median = statistics.median(times)
+            say(f"{mesh:5} {shading:14} {size[0]}×{size[1]} {name:12} {median:9.2f} ms (least {min(times):.2f})")
+            if median > TOO_LONG and name != "taotie":
+                why = f"it takes {median / 1000:.1f} s a frame of {cases.MESHES[mesh]} triangles"
+                self.slow.setdefault((shading, name), (mesh, why))
+
+
+def compared(run):
+    """What pictures.py says of Taotie's and llvmpipe's pictures."""
+    command = [sys.executable, os.path.join(cases.HERE, "pictures.py"), run.pictures]
+    return json.loads(measure.run(command).output)
+
+
+def main():
+    args = arguments()
+    whole = not (args.quick or args.only or args.mesh or args.shading)
+    if whole:
+        page.around(args.page, TARGET)  # fails now rather than after minutes
+    run = Run(args, participants(args))
+    made = [sys.executable, os.path.join(cases.HERE, "scene.py"), run.scene]
+    measure.run(made + list(args.mesh or cases.MESHES))
+    run.all()
+    text = section.text(machine.described(os.path.join(args.programs, "taotie")), run, compared(run))
+    print(text)
+    if args.json:
+        with open(args.json, "w", encoding="utf-8") as file:
+            json.dump({" ".join(map(str, case)): times for case, times in run.times.items()}, file)
+    if whole:
+        page.write(args.page, TARGET, text)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (measure.Failed, page.Unmarked, OSError) as error:
+        sys.exit(str(error))

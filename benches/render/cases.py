@@ -1,0 +1,115 @@
+"""What is measured: meshes, shadings, sizes, and the programs that take part."""
+
+import dataclasses
+import os
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+MESHES = {"2k": "2,048", "200k": "199,680", "2m": "2,000,000"}
+SHADINGS = ("cook-torrance", "ggx")
+# As view.py has it, which needs NumPy; this process stays small.
+AMBIENT = 0.04
+SIZES = ((1024, 1024), (1920, 1080))
+
+
+# Of whole processes.
+COLD_MESH, COLD_SIZE = "2k", (1024, 1024)
+# Three maps of 2048², four bytes a texel, without smaller levels; MiB.
+DECODED_MAPS = 3 * 2048**2 * 4 / 2**20
+# Positions, normals, tangents and uvs as floats, and three indices a triangle; bytes.
+VERTEX, TRIANGLE = 48, 12
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Participant:
+    """A renderer. `talks` makes the command of the process that answers requests (see talk.py), given folder, mesh and
+    shading; `cold` the command that writes one picture and ends, given also width, height and path."""
+
+    name: str
+    title: str
+    shadings: tuple
+    talks: callable
+    cold: callable
+    # What is different in what it shows; told below the tables.
+    note: str = ""
+    environment: dict = dataclasses.field(default_factory=dict)
+    # Whether its process can show pictures of one size alone.
+    one_size: bool = False
+
+
+def taotie(programs, name="taotie", title="Taotie", more=()):
+    """`programs` is the folder that holds taotie, and frames or examples/frames."""
+    beside = os.path.join(programs, "frames")
+    frames = beside if os.path.exists(beside) else os.path.join(programs, "examples", "frames")
+
+    def talks(folder, mesh, shading):
+        command = [frames, os.path.join(folder, f"{mesh}-{shading}.glb"), "--shading", shading, "--ask", *more]
+        return command + light(folder, shading, "--environment")
+
+    def cold(folder, mesh, shading, width, height, path):
+        command = [os.path.join(programs, "taotie"), "render", os.path.join(folder, f"{mesh}-{shading}.glb")]
+        command += ["-o", path, "--size", f"{width}x{height}", "--samples", "1", "--camera", "camera"]
+        command += ["--shading", shading, "--tone", "linear", *light(folder, shading, "--env")]
+        return command
+
+    return Participant(name, title, SHADINGS, talks, cold)
+
+
+def light(folder, shading, option):
+    """The light beside the file's."""
+    return [option, os.path.join(folder, "environment.hdr")] if shading == "ggx" else ["--ambient", str(AMBIENT)]
+
+
+def script(command, name, title, shadings, more=(), **rest):
+    """A peer that is a script: its command, then folder, mesh and shading."""
+
+    def talks(folder, mesh, shading):
+        return [*command, folder, mesh, shading, *more]
+
+    def cold(folder, mesh, shading, width, height, path):
+        return [*talks(folder, mesh, shading), "--cold", str(width), str(height), path]
+
+    return Participant(name, title, shadings, talks, cold, **rest)
+
+
+def python(name, *rest, **more):
+    return script([sys.executable, os.path.join(HERE, name)], *rest, **more)
+
+
+def peers(folder):
+    """All but Taotie; the first is the one that counts. `folder` is where install.sh put what is not Python."""
+    three = script(
+        ["node", os.path.join(HERE, "three.mjs")],
+        "three",
+        "three.js, Chromium",
+        ("ggx",),
+        [os.path.join(folder, "node")],
+        note="its memory while it shows frames is that of all processes of the browser",
+    )
+    return [
+        python("llvmpipe.py", "llvmpipe", "llvmpipe, own shaders", SHADINGS),
+        python("lavapipe.py", "lavapipe", "wgpu, lavapipe, own shaders", ("ggx",)),
+        python("vtk_pbr.py", "vtk", "VTK", ("ggx",)),
+        python(
+            "pyrender_osmesa.py", "pyrender", "pyrender", ("ggx",), note="a constant stands for the environment, which it lacks"
+        ),
+        python(
+            "mitsuba_1spp.py",
+            "mitsuba",
+            "Mitsuba, 1 sample",
+            SHADINGS,
+            note="one noisy ray a pixel, Smith's masking in place of V-shaped grooves",
+        ),
+        three,
+        python(
+            "f3d_view.py", "f3d", "F3D", ("ggx",), note="its lights do not weaken with distance, so that it is darker"
+        ),
+        python(
+            "open3d_filament.py",
+            "open3d",
+            "Open3D (Filament)",
+            ("ggx",),
+            note="under an environment of its own",
+            one_size=True,
+        ),
+    ]

@@ -1,0 +1,63 @@
+"""Whole processes from start to a written picture."""
+
+import os
+import shutil
+import statistics
+import tempfile
+
+import cases
+import measure
+
+FRESH, KEPT = "fresh", "kept"
+# Who takes longer is timed once of each kind, seconds.
+LONG = 5.0
+
+
+def environment(home, own):
+    """The variables of this process, with all caches below `home`."""
+    variables = {name: value for name, value in os.environ.items() if not name.startswith("XDG_CACHE")}
+    for name in ("TAOTIE_CACHE_DIR", "MESA_SHADER_CACHE_DIR", "DRJIT_CACHE_DIR"):
+        variables.pop(name, None)
+    return variables | own | {"HOME": home}
+
+
+class Cold:
+    """Seconds and MiB of each participant, in turn: first with fresh caches every time, then with those kept."""
+
+    def __init__(self, scene, pictures, rounds, say):
+        self.scene, self.pictures, self.rounds, self.say = scene, pictures, rounds, say
+        self.runs = {}  # by shading, name and kind
+
+    def measure(self, some, shading):
+        some = [one for one in some if shading in one.shadings]
+        with tempfile.TemporaryDirectory() as kept:
+            for kind in (FRESH, KEPT):
+                for number in range(self.rounds):
+                    for one in some:
+                        home = os.path.join(kept, one.name) if kind == KEPT else tempfile.mkdtemp(dir=kept)
+                        self.once(one, shading, kind, number, home)
+                        if kind == FRESH and number < self.rounds - 1:
+                            shutil.rmtree(home, ignore_errors=True)
+                        elif kind == FRESH:
+                            os.rename(home, os.path.join(kept, one.name))
+
+    def once(self, one, shading, kind, number, home):
+        runs = self.runs.setdefault((shading, one.name, kind), [])
+        if len(runs) < number or (runs and runs[0].seconds > LONG):
+            return
+        path = os.path.join(self.pictures, f"cold-{shading}-{one.name}.png")
+        command = one.cold(self.scene, cases.COLD_MESH, shading, *cases.COLD_SIZE, path)
+        try:
+            run = measure.run(command, environment(home, one.environment))
+        except measure.Failed as failed:
+            self.say(f"cold {one.name}: {str(failed).strip().splitlines()[-1]}")
+            return
+        runs.append(run)
+        self.say(f"cold {shading:14} {one.name:12} {kind:5} {run.seconds:6.2f} s {run.mib:6.0f} MiB")
+
+    def median(self, shading, name, kind):
+        """Seconds and MiB, or nothing."""
+        runs = self.runs.get((shading, name, kind))
+        if not runs:
+            return None
+        return statistics.median(run.seconds for run in runs), statistics.median(run.mib for run in runs)

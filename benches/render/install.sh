@@ -1,0 +1,22 @@
+#!/bin/sh
+# Makes the environment of `make bench-render`: install.sh PYTHON FOLDER. The peer that counts, llvmpipe, must install;
+# each of the others that does not is named and left out.
+set -e
+python=$1 folder=$2 here=$(dirname "$0")
+"$python" -m venv "$folder"
+"$folder/bin/pip" install --quiet --requirement "$here/requirements.txt"
+
+add() { "$folder/bin/pip" install --quiet "$@" || echo "left out, for it cannot be installed: $1" >&2; }
+add vtk==9.7.2
+add mitsuba==3.9.1
+add wgpu==0.32.0
+add f3d==4.0.0
+add open3d==0.20.0
+add pyrender==0.1.45
+# pyrender asks for 3.1.0, which has no OSMesa contexts with attributes.
+add --no-deps PyOpenGL==3.1.10
+
+npm=$(dirname "$folder")/node
+mkdir -p "$npm"
+npm install --prefix "$npm" --no-audit --no-fund --silent three@0.187.0 playwright-core@1.65.1 ||
+    echo "left out, for it cannot be installed: three.js" >&2

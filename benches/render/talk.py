@@ -1,0 +1,74 @@
+"""A participant's process: requests in, times out.
+
+A request is a line `WIDTH HEIGHT FRAMES [PNG]`; the answer a line of JSON with `ms`, the time of each frame, and
+`peak_mib`. Frames before those that are timed are the process's own affair.
+"""
+
+import json
+import os
+import select
+import subprocess
+import tempfile
+import time
+
+
+class Silent(Exception):
+    """A process that did not answer."""
+
+
+class Session:
+    """One process for one mesh and shading, asked as often as wanted."""
+
+    def __init__(self, command, environment):
+        self.talk = tempfile.TemporaryFile()
+        self.process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self.talk,
+            env=os.environ | environment,
+            start_new_session=True,
+        )
+        self.rest = b""
+
+    def ask(self, width, height, frames, png=None, patience=120.0):
+        """The answer, as a dictionary. Waits no more than `patience` seconds."""
+        request = f"{width} {height} {frames} {png or ''}".strip()
+        try:
+            self.process.stdin.write(f"{request}\n".encode())
+            self.process.stdin.flush()
+        except OSError:
+            raise Silent(self.last_words()) from None
+        until = time.monotonic() + patience
+        while True:
+            line = self.line(until)
+            if line.startswith(b"{"):
+                return json.loads(line)
+
+    def line(self, until):
+        while b"\n" not in self.rest:
+            ready, _, _ = select.select([self.process.stdout], [], [], max(0.0, until - time.monotonic()))
+            if not ready:
+                raise Silent("it took too long")
+            data = os.read(self.process.stdout.fileno(), 1 << 16)
+            if not data:
+                raise Silent(self.last_words())
+            self.rest += data
+        line, _, self.rest = self.rest.partition(b"\n")
+        return line
+
+    def last_words(self):
+        self.talk.seek(0)
+        lines = self.talk.read().decode(errors="replace").strip().splitlines()
+        return lines[-1] if lines else "it ended without a word"
+
+    def close(self):
+        """Lets it end by itself, else ends it."""
+        try:
+            self.process.stdin.close()
+            self.process.wait(10)
+        except (OSError, subprocess.TimeoutExpired):
+            self.process.kill()
+            self.process.wait()
+        self.process.stdout.close()
+        self.talk.close()

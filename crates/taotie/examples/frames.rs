@@ -1,0 +1,260 @@
+//! Milliseconds a frame of a model that turns: the side of Taotie in `make bench-render`.
+//!
+//! ```text
+//! cargo run --release -p taotie --example frames -- model.glb --environment room.hdr --frames 20
+//! ```
+//!
+//! The model is read and prepared once. It is seen by the file's first camera under the file's lights. From frame to
+//! frame it turns by 0.01 radians about +y (camera, lights and environment go the other way), is drawn and developed
+//! to 8-bit sRGB on an opaque background, which is what a GPU's frame read back is. One line of JSON tells the times.
+//! With `--ask` it waits for lines `WIDTH HEIGHT FRAMES [PNG]` and answers each so.
+
+#![allow(clippy::print_stdout, reason = "an example talks")]
+
+use std::io::BufRead;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+use taotie::film::{Development, ToneCurve, develop8};
+use taotie::image::{Encoding, Image};
+use taotie::io::{self, PngColor, PngImage, PngSamples};
+use taotie::math::{Mat4, SimdLevel, Vec3};
+use taotie::names::Named;
+use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, Pass, Prepared, RenderSettings};
+use taotie::scene::{Camera, LightKind, Scene};
+use taotie::shade::environment::Environment;
+use taotie::shade::{Energy, Shading};
+use taotie::{Error, Result};
+
+/// Radians from frame to frame, counter-clockwise as seen from above.
+const STEP: f64 = 0.01;
+
+/// Frames before those that are timed, at most, and the milliseconds after which no more of them begins.
+const WARM_UP: usize = 3;
+const WARM_ENOUGH: f64 = 300.0;
+
+/// Behind the model: about the codes 13, 13, 15.
+const BACKGROUND: Vec3 = Vec3::new(0.004_025, 0.004_025, 0.004_777);
+
+const USAGE: &str = "frames MODEL [--shading NAME] [--environment FILE] [--ambient X] [--width N] [--height N] \
+    [--frames N] [--threads N] [--simd NAME] [--plain] [--png FILE] [--ask]";
+
+/// What is asked for.
+struct Options {
+    model: PathBuf,
+    environment: Option<PathBuf>,
+    ambient: f32,
+    threads: usize,
+    settings: RenderSettings,
+    ask: bool,
+    frames: usize,
+    png: Option<PathBuf>,
+}
+
+/// What is timed at once.
+struct Request {
+    width: u32,
+    height: u32,
+    frames: usize,
+    /// Where one more frame, not turned, is written to.
+    png: Option<PathBuf>,
+}
+
+fn main() -> Result<()> {
+    let options = options(std::env::args().skip(1))?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
+    let pool = pool.map_err(|e| Error::invalid(format!("{} threads", options.threads), e.to_string()))?;
+    pool.install(|| run(&options))
+}
+
+fn options(mut args: impl Iterator<Item = String>) -> Result<Options> {
+    let mut options = Options {
+        model: PathBuf::new(),
+        environment: None,
+        ambient: 0.0,
+        threads: 0,
+        settings: RenderSettings { samples: 1, ..RenderSettings::default() },
+        ask: false,
+        frames: 20,
+        png: None,
+    };
+    while let Some(arg) = args.next() {
+        let mut value = || args.next().ok_or_else(|| Error::invalid(arg.as_str(), USAGE));
+        let settings = &mut options.settings;
+        match arg.as_str() {
+            "--shading" => settings.shading = Shading::from_name(&value()?)?,
+            "--environment" => options.environment = Some(value()?.into()),
+            "--ambient" => options.ambient = number(&value()?)?,
+            "--width" => settings.width = number(&value()?)?,
+            "--height" => settings.height = number(&value()?)?,
+            "--frames" => options.frames = number(&value()?)?,
+            "--threads" => options.threads = number(&value()?)?,
+            "--simd" => settings.simd = SimdLevel::from_name(&value()?)?,
+            "--png" => options.png = Some(value()?.into()),
+            "--ask" => options.ask = true,
+            "--plain" => plain(settings),
+            _ if !arg.starts_with('-') && options.model.as_os_str().is_empty() => options.model = arg.into(),
+            _ => return Err(Error::invalid(arg, USAGE)),
+        }
+    }
+    Ok(options)
+}
+
+/// Leaves out what other renderers do not do.
+fn plain(settings: &mut RenderSettings) {
+    settings.energy = Energy::Single;
+    settings.specular_aa = false;
+    settings.grazing_normals = GrazingNormals::Keep;
+}
+
+fn number<T: std::str::FromStr>(text: &str) -> Result<T> {
+    text.parse().map_err(|_| Error::invalid(text, USAGE))
+}
+
+fn run(options: &Options) -> Result<()> {
+    let scene = io::load_model(&options.model)?.scene;
+    let camera = scene.cameras.first().ok_or_else(|| Error::invalid("model", "it has no camera"))?;
+    let lighting = lighting(options, &scene)?;
+    let prepared = Prepared::new(&scene, &options.settings.surface)?;
+    let mut studio = Studio { prepared, camera, lighting, settings: options.settings.clone() };
+    if !options.ask {
+        let RenderSettings { width, height, .. } = options.settings;
+        let (frames, png) = (options.frames, options.png.clone());
+        return studio.answer(&Request { width, height, frames, png });
+    }
+    for line in std::io::stdin().lock().lines() {
+        let line = line.map_err(|e| Error::invalid("standard input", e.to_string()))?;
+        studio.answer(&request(&line)?)?;
+    }
+    Ok(())
+}
+
+fn request(line: &str) -> Result<Request> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let [width, height, frames, png @ ..] = words.as_slice() else {
+        return Err(Error::invalid(line, "expected WIDTH HEIGHT FRAMES [PNG]"));
+    };
+    let png = png.first().map(PathBuf::from);
+    Ok(Request { width: number(width)?, height: number(height)?, frames: number(frames)?, png })
+}
+
+fn lighting(options: &Options, scene: &Scene) -> Result<Lighting> {
+    let environment = match &options.environment {
+        Some(path) => {
+            let picture = io::decode_environment(&io::read_bytes(path)?, path)?;
+            let environment = Arc::new(Environment::new(picture)?);
+            Some(EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: false })
+        }
+        None => None,
+    };
+    Ok(Lighting { lights: scene.lights.clone(), ambient: Vec3::splat(options.ambient), environment })
+}
+
+/// A prepared model with all that it is seen by.
+struct Studio<'a> {
+    prepared: Prepared<'a>,
+    camera: &'a Camera,
+    lighting: Lighting,
+    settings: RenderSettings,
+}
+
+impl Studio<'_> {
+    fn answer(&mut self, request: &Request) -> Result<()> {
+        (self.settings.width, self.settings.height) = (request.width, request.height);
+        let mut times = Vec::with_capacity(request.frames);
+        let begun = Instant::now();
+        for frame in 0..WARM_UP {
+            if begun.elapsed().as_secs_f64() * 1e3 < WARM_ENOUGH {
+                self.frame(frame as f64 * STEP)?;
+            }
+        }
+        for frame in 0..request.frames {
+            let start = Instant::now();
+            self.frame((WARM_UP + frame) as f64 * STEP)?;
+            times.push(start.elapsed().as_secs_f64() * 1e3);
+        }
+        let (color, pixels) = self.frame(0.0)?;
+        if let Some(path) = &request.png {
+            write(path, &pixels, request)?;
+        }
+        let covered = color.pixels().iter().filter(|pixel| pixel[3] > 0.0).count();
+        let coverage = covered as f64 / pixels.len() as f64;
+        report(&times, coverage);
+        Ok(())
+    }
+
+    /// The picture of the model turned by `angle` radians, in linear light and in 8-bit sRGB.
+    fn frame(&self, angle: f64) -> Result<(Image, Vec<[u8; 4]>)> {
+        let camera = Camera {
+            world_from_view: Mat4::rotation_about(Vec3::new(0.0, 1.0, 0.0), -angle)
+                * self.camera.world_from_view,
+            ..self.camera.clone()
+        };
+        let frame = Pass::new(&self.prepared, &camera, &self.turned_lighting(-angle), &self.settings)?
+            .render(&|_| {})?;
+        let development = Development {
+            tone: ToneCurve::Linear,
+            background: Some(BACKGROUND),
+            simd: self.settings.simd,
+            ..Development::default()
+        };
+        let pixels = develop8(&frame.color, &development)?;
+        Ok((frame.color, pixels))
+    }
+
+    fn turned_lighting(&self, angle: f64) -> Lighting {
+        let mut lighting = self.lighting.clone();
+        let turn = Mat4::rotation_about(Vec3::new(0.0, 1.0, 0.0), angle);
+        for light in &mut lighting.lights {
+            match &mut light.kind {
+                LightKind::Point { position } => {
+                    *position = turn.transform_point(position.to_f64()).to_f32();
+                }
+                LightKind::Directional { direction } => {
+                    *direction = turn.transform_vector(direction.to_f64()).to_f32();
+                }
+                LightKind::Spot { position, direction, .. } => {
+                    *position = turn.transform_point(position.to_f64()).to_f32();
+                    *direction = turn.transform_vector(direction.to_f64()).to_f32();
+                }
+            }
+        }
+        if let Some(environment) = &mut lighting.environment {
+            environment.rotation += angle;
+        }
+        lighting
+    }
+}
+
+fn write(path: &std::path::Path, pixels: &[[u8; 4]], request: &Request) -> Result<()> {
+    let samples: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+    let samples = PngSamples::U8(&samples);
+    let (width, height) = (request.width, request.height);
+    io::write_png(path, &PngImage { width, height, color: PngColor::Rgb, samples, encoding: Encoding::Srgb })
+}
+
+/// One line of JSON; `times` in milliseconds, one or more.
+fn report(times: &[f64], coverage: f64) {
+    let mut sorted = times.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |i: usize| sorted.get(i).copied().unwrap_or(f64::NAN);
+    let median = (at((sorted.len().max(1) - 1) / 2) + at(sorted.len() / 2)) / 2.0;
+    let (least, most) = (at(0), at(sorted.len().max(1) - 1));
+    let all: Vec<String> = times.iter().map(|time| format!("{time:.3}")).collect();
+    println!(
+        "{{\"median\": {median:.3}, \"min\": {least:.3}, \"max\": {most:.3}, \"frames\": {}, \
+         \"coverage\": {coverage:.4}, \"peak_mib\": {:.1}, \"ms\": [{}]}}",
+        times.len(),
+        peak_mib(),
+        all.join(", ")
+    );
+}
+
+/// The peak of resident memory, MiB; 0 where the system does not tell.
+fn peak_mib() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kib =
+        line.and_then(|line| line.trim().strip_suffix("kB")).and_then(|kib| kib.trim().parse::<f64>().ok());
+    kib.unwrap_or(0.0) / 1024.0
+}
