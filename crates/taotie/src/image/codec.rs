@@ -29,11 +29,9 @@ impl Codec {
 
 /// The linear value of each code of 8 bits.
 pub(super) fn decode_u8(encoding: Encoding) -> [f32; 256] {
-    std::array::from_fn(|code| {
-        match encoding {
-            Encoding::Linear | Encoding::Normal => (code as f64 / 255.0) as f32,
-            Encoding::Srgb => linear_from_code(code as f32),
-        }
+    std::array::from_fn(|code| match encoding {
+        Encoding::Linear | Encoding::Normal => (code as f64 / 255.0) as f32,
+        Encoding::Srgb => linear_from_code(code as f32),
     })
 }
 

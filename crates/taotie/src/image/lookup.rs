@@ -3,17 +3,11 @@
 use super::decode::linear_from_code;
 use super::sampler::{MipFilter, Sampler, TexelFilter, Wrap};
 use super::{Encoding, Texels, Texture};
-use crate::math::{BATCH, COLUMN, Column, Lane, MOST_LANES, Pack, dispatch_pack};
+use crate::math::{BATCH, COLUMN, Column, Lane, Pack, Words, dispatch_pack};
 use fearless_simd::Level;
-
-/// More levels than a texture has.
-const MOST_LEVELS: usize = 32;
 
 /// The most words of a texel.
 const MOST_WORDS: usize = 4;
-
-/// A word of each point.
-type Words = [u32; COLUMN];
 
 /// For each of the four texels around the points, its words.
 type Texel4 = [[Words; MOST_WORDS]; 4];
@@ -39,6 +33,8 @@ pub struct Lookup {
 #[derive(Debug, Clone)]
 struct Taps {
     level: Words,
+    /// Neighbours of one level: the level, and where they end.
+    runs: Vec<(usize, usize)>,
     width: Column,
     height: Column,
     /// Top left, top right, bottom left, bottom right: indices in the level.
@@ -66,22 +62,23 @@ enum Format {
 impl Default for Lookup {
     fn default() -> Self {
         let taps = Taps {
-            level: [0; COLUMN],
-            width: [0.0; COLUMN],
-            height: [0.0; COLUMN],
-            place: [[0; COLUMN]; 4],
-            across: [0.0; COLUMN],
-            down: [0.0; COLUMN],
-            scale: [0.0; COLUMN],
+            level: Words::ZERO,
+            runs: Vec::new(),
+            width: Column::ZERO,
+            height: Column::ZERO,
+            place: [Words::ZERO; 4],
+            across: Column::ZERO,
+            down: Column::ZERO,
+            scale: Column::ZERO,
         };
         Self {
             len: 0,
-            smooth: [0.0; COLUMN],
+            smooth: Column::ZERO,
             fine: taps.clone(),
             coarse: taps,
-            share: [0.0; COLUMN],
+            share: Column::ZERO,
             blended: false,
-            words: [[[0; COLUMN]; MOST_WORDS]; 4],
+            words: [[Words::ZERO; MOST_WORDS]; 4],
         }
     }
 }
@@ -101,38 +98,30 @@ impl Lookup {
         let last = (texture.levels() - 1) as f32;
         dispatch_pack!(level, P, token => self.choose_levels::<P>(token, sampler, last, lod));
         self.blended = self.share[..self.len].iter().any(|share| *share > 0.0);
-        let mut sizes = [[0.0; 2]; MOST_LEVELS];
-        for (level, size) in sizes.iter_mut().enumerate().take(texture.levels()) {
-            let (width, height) = texture.level_size(level);
-            *size = [width as f32, height as f32];
-        }
         let smooth = &self.smooth;
         for taps in [&mut self.fine].into_iter().chain(self.blended.then_some(&mut self.coarse)) {
-            taps.look_up_sizes(&sizes, self.len);
+            taps.look_up_sizes(texture, self.len);
             dispatch_pack!(level, P, token => taps.place::<P>(token, sampler, smooth, uv, self.len));
         }
     }
 
-    /// The linear RGBA values of `texture`, column by column.
-    pub fn read(&mut self, level: Level, texture: &Texture, out: &mut [Column; 4]) {
-        let channels = 0..if has_alpha(texture) { 4 } else { 3 };
-        if channels.end == 3 {
-            out[3].fill(1.0);
+    /// The linear RGBA values of `texture`, column by column; the last of `out`, where it has no alpha, is 1.
+    pub fn read(&mut self, level: Level, texture: &Texture, out: [&mut Column; 4]) {
+        let alpha = has_alpha(texture);
+        let [r, g, b, a] = out;
+        if !alpha {
+            a.fill(1.0);
         }
-        let format = self.fine.fetch(texture, self.len, &mut self.words);
-        for channel in channels.clone() {
-            let filter = Filter { words: &self.words, format, channel, len: self.len };
-            let out = &mut out[channel];
-            dispatch_pack!(level, P, token => filter.fill::<P>(token, &self.fine, out));
-        }
-        if !self.blended {
-            return;
-        }
-        let format = self.coarse.fetch(texture, self.len, &mut self.words);
-        for channel in channels {
-            let filter = Filter { words: &self.words, format, channel, len: self.len };
-            let out = &mut out[channel];
-            dispatch_pack!(level, P, token => filter.blend::<P>(token, &self.coarse, &self.share, out));
+        let mut out = [r, g, b, a];
+        let channels = if alpha { 4 } else { 3 };
+        let format = self.fine.fetch(texture, &mut self.words);
+        let filter = Filter { words: &self.words, format, len: self.len };
+        dispatch_pack!(level, P, token => filter.fill::<P>(token, &self.fine, &mut out[..channels]));
+        if self.blended {
+            let format = self.coarse.fetch(texture, &mut self.words);
+            let filter = Filter { words: &self.words, format, len: self.len };
+            let taps = (&self.coarse, &self.share);
+            dispatch_pack!(level, P, token => filter.blend::<P>(token, taps, &mut out[..channels]));
         }
     }
 
@@ -163,11 +152,19 @@ impl Lookup {
 }
 
 impl Taps {
-    fn look_up_sizes(&mut self, sizes: &[[f32; 2]; MOST_LEVELS], len: usize) {
-        let len = len.next_multiple_of(MOST_LANES);
-        let columns = self.level[..len].iter().zip(&mut self.width[..len]).zip(&mut self.height[..len]);
-        for ((level, width), height) in columns {
-            [*width, *height] = sizes[*level as usize % MOST_LEVELS];
+    /// Fills the sizes of the levels, and finds neighbours of one level.
+    fn look_up_sizes(&mut self, texture: &Texture, len: usize) {
+        self.runs.clear();
+        let mut start = 0;
+        for same in self.level[..len].chunk_by(|a, b| a == b) {
+            let (level, end) = (same[0] as usize, start + same.len());
+            self.runs.push((level, end));
+            // Packs read on beyond the last.
+            let end = if end == len { COLUMN } else { end };
+            let (width, height) = texture.level_size(level);
+            self.width[start..end].fill(width as f32);
+            self.height[start..end].fill(height as f32);
+            start = end;
         }
     }
 
@@ -194,131 +191,155 @@ impl Taps {
         }
     }
 
-    /// Reads the texels of the first `len` points.
-    fn fetch(&mut self, texture: &Texture, len: usize, words: &mut Texel4) -> Format {
-        let levels = &self.level[..len];
-        let finest = levels.iter().fold(u32::MAX, |least, level| least.min(*level)) as usize;
-        let coarsest = levels.iter().fold(0, |most, level| most.max(*level)) as usize;
+    /// Reads the texels.
+    fn fetch(&mut self, texture: &Texture, words: &mut Texel4) -> Format {
+        let is_coded = |(level, _): &(usize, usize)| matches!(texture.level(*level).texels(), Texels::U8(_));
         // A texel of the finest level of a normal map has no variance, whatever its alpha says.
-        let alpha_from = u32::from(texture.encoding() == Encoding::Normal);
-        match (texture.level(finest).texels(), texture.level(coarsest).texels()) {
-            (Texels::U8(_), Texels::U8(_)) => {
-                self.fetch_codes(texture, len, alpha_from, words);
-                if texture.encoding() == Encoding::Srgb { Format::Srgb } else { Format::Codes }
-            }
-            (Texels::F32(_), _) => {
-                self.fetch_floats(texture, len, alpha_from, words);
-                Format::Floats
-            }
-            _ => {
-                self.fetch_wide(texture, len, alpha_from, words);
-                Format::Wide
-            }
-        }
-    }
-
-    fn fetch_codes(&self, texture: &Texture, len: usize, alpha_from: u32, words: &mut Texel4) {
-        let mut levels: [&[[u8; 4]]; MOST_LEVELS] = [&[]; MOST_LEVELS];
-        for (level, slot) in levels.iter_mut().enumerate().take(texture.levels()) {
-            if let Texels::U8(texels) = texture.level(level).texels() {
-                *slot = texels;
-            }
-        }
-        let mask = if alpha_from == 0 { u32::MAX } else { 0x00ff_ffff };
-        for (place, [word, ..]) in self.place.iter().zip(words) {
-            let columns = place[..len].iter().zip(&self.level[..len]).zip(&mut word[..len]);
-            for ((place, level), word) in columns {
-                let texel = levels[*level as usize % MOST_LEVELS].get(*place as usize);
-                *word = texel.map_or(0, |texel| u32::from_le_bytes(*texel) & mask);
-            }
-        }
-    }
-
-    /// Texels of 16 bits, among which there may be some of 8.
-    fn fetch_wide(&mut self, texture: &Texture, len: usize, alpha_from: u32, words: &mut Texel4) {
-        for (level, scale) in self.level[..len].iter().zip(&mut self.scale) {
-            *scale = texture.scale(*level as usize)[0];
-        }
-        for (place, [low, high, ..]) in self.place.iter().zip(words) {
-            for i in 0..len {
-                let (level, place) = (self.level[i], place[i] as usize);
-                let [r, g, b, a] = match texture.level(level as usize).texels() {
-                    Texels::U16(texels) => texels.get(place).copied().unwrap_or_default(),
-                    Texels::U8(texels) => texels.get(place).copied().unwrap_or_default().map(u16::from),
-                    Texels::F32(_) => [0; 4],
-                }
-                .map(u32::from);
-                let a = if level < alpha_from { 0 } else { a };
-                (low[i], high[i]) = (r | g << 16, b | a << 16);
-            }
-        }
-    }
-
-    fn fetch_floats(&self, texture: &Texture, len: usize, alpha_from: u32, words: &mut Texel4) {
-        for (place, words) in self.place.iter().zip(words) {
-            for i in 0..len {
-                let (level, place) = (self.level[i], place[i] as usize);
-                let Texels::F32(texels) = texture.level(level as usize).texels() else { continue };
-                let [r, g, b, a] = texels.get(place).copied().unwrap_or_default();
-                let a = if level < alpha_from { 0.0 } else { a };
-                for (column, value) in words.iter_mut().zip([r, g, b, a]) {
-                    column[i] = value.to_bits();
+        let normals = texture.encoding() == Encoding::Normal;
+        let format = match texture.bitmap().texels() {
+            Texels::F32(_) => Format::Floats,
+            _ if !self.runs.iter().all(is_coded) => Format::Wide,
+            _ if texture.encoding() == Encoding::Srgb => Format::Srgb,
+            _ => Format::Codes,
+        };
+        let mut start = 0;
+        for (level, end) in self.runs.iter().copied() {
+            let (texels, alpha) = (texture.level(level).texels(), !(normals && level == 0));
+            self.scale[start..end].fill(texture.scale(level)[0]);
+            for (place, words) in self.place.iter().zip(words.iter_mut()) {
+                let (place, [w0, w1, w2, w3]) = (&place[start..end], words);
+                let [w0, w1, w2, w3] = [w0, w1, w2, w3].map(|words| &mut words[start..end]);
+                match texels {
+                    Texels::U8(texels) if format == Format::Wide => {
+                        fetch_mixed(texels, alpha, place, [w0, w1])
+                    }
+                    Texels::U8(texels) => fetch_codes(texels, alpha, place, w0),
+                    Texels::U16(texels) => fetch_wide(texels, alpha, place, [w0, w1]),
+                    Texels::F32(texels) => fetch_floats(texels, alpha, place, [w0, w1, w2, w3]),
                 }
             }
+            start = end;
+        }
+        format
+    }
+}
+
+/// Texels of 8 bits; `alpha` says whether the fourth channel counts.
+fn fetch_codes(texels: &[[u8; 4]], alpha: bool, places: &[u32], words: &mut [u32]) {
+    let mask = if alpha { u32::MAX } else { 0x00ff_ffff };
+    for (place, word) in places.iter().zip(words) {
+        *word = texels.get(*place as usize).map_or(0, |texel| u32::from_le_bytes(*texel) & mask);
+    }
+}
+
+/// Texels of 8 bits among others of 16.
+fn fetch_mixed(texels: &[[u8; 4]], alpha: bool, places: &[u32], [low, high]: [&mut [u32]; 2]) {
+    let alpha = u32::from(alpha);
+    for ((place, low), high) in places.iter().zip(low).zip(high) {
+        let [r, g, b, a] = texels.get(*place as usize).copied().unwrap_or_default().map(u32::from);
+        (*low, *high) = (r | g << 16, b | (a * alpha) << 16);
+    }
+}
+
+fn fetch_wide(texels: &[[u16; 4]], alpha: bool, places: &[u32], [low, high]: [&mut [u32]; 2]) {
+    let mask = if alpha { u32::MAX } else { 0xffff };
+    for ((place, low), high) in places.iter().zip(low).zip(high) {
+        let [r, g, b, a] = texels.get(*place as usize).copied().unwrap_or_default().map(u32::from);
+        (*low, *high) = (r | g << 16, (b | a << 16) & mask);
+    }
+}
+
+fn fetch_floats(texels: &[[f32; 4]], alpha: bool, places: &[u32], mut words: [&mut [u32]; 4]) {
+    for (i, place) in places.iter().enumerate() {
+        let mut texel = texels.get(*place as usize).copied().unwrap_or_default();
+        if !alpha {
+            texel[3] = 0.0;
+        }
+        for (words, value) in words.iter_mut().zip(texel) {
+            words[i] = value.to_bits();
         }
     }
 }
 
-/// One channel of what was read, filtered within its level.
+/// What was read, to be filtered within its level.
 struct Filter<'w> {
     words: &'w Texel4,
     format: Format,
-    channel: usize,
     len: usize,
 }
 
 impl Filter<'_> {
-    /// Writes the channel at all points.
+    /// Writes the channels at all points.
     #[inline(always)]
-    fn fill<P: Pack>(&self, token: P::Token, taps: &Taps, out: &mut Column) {
-        match (self.format, self.channel) {
-            (Format::Codes, _) | (Format::Srgb, 3) => self.each::<P, Code>(token, taps, out),
-            (Format::Srgb, _) => self.each::<P, SrgbCode>(token, taps, out),
-            (Format::Wide, _) => self.each::<P, WideCode>(token, taps, out),
-            (Format::Floats, _) => self.each::<P, Float>(token, taps, out),
+    fn fill<P: Pack>(&self, token: P::Token, taps: &Taps, out: &mut [&mut Column]) {
+        match self.format {
+            Format::Codes => self.each::<P, Code, Fill>(token, (taps, &taps.across), out),
+            Format::Srgb => self.each::<P, SrgbCode, Fill>(token, (taps, &taps.across), out),
+            Format::Wide => self.each::<P, WideCode, Fill>(token, (taps, &taps.across), out),
+            Format::Floats => self.each::<P, Float, Fill>(token, (taps, &taps.across), out),
         }
     }
 
     /// Goes by `share` from what `out` holds to this level's.
     #[inline(always)]
-    fn blend<P: Pack>(&self, token: P::Token, taps: &Taps, share: &Column, out: &mut Column) {
-        let mut coarse = [0.0; COLUMN];
-        self.fill::<P>(token, taps, &mut coarse);
-        for i in (0..self.len).step_by(P::LANES) {
-            let (a, b) = (P::load(token, &out[i..]), P::load(token, &coarse[i..]));
-            mix(a, b, P::load(token, &share[i..])).store(&mut out[i..]);
+    fn blend<P: Pack>(&self, token: P::Token, taps: (&Taps, &Column), out: &mut [&mut Column]) {
+        match self.format {
+            Format::Codes => self.each::<P, Code, Blend>(token, taps, out),
+            Format::Srgb => self.each::<P, SrgbCode, Blend>(token, taps, out),
+            Format::Wide => self.each::<P, WideCode, Blend>(token, taps, out),
+            Format::Floats => self.each::<P, Float, Blend>(token, taps, out),
         }
     }
 
     #[inline(always)]
-    fn each<P: Pack, T: Stored>(&self, token: P::Token, taps: &Taps, out: &mut Column) {
+    fn each<P: Pack, T: Stored, W: Way>(
+        &self,
+        token: P::Token,
+        (taps, share): (&Taps, &Column),
+        out: &mut [&mut Column],
+    ) {
         let [top_left, top_right, bottom_left, bottom_right] = self.words;
-        for i in (0..self.len).step_by(P::LANES) {
-            let (across, down) = (P::load(token, &taps.across[i..]), P::load(token, &taps.down[i..]));
-            let left: P = T::load(token, top_left, self.channel, i);
-            let top = mix(left, T::load(token, top_right, self.channel, i), across);
-            let left: P = T::load(token, bottom_left, self.channel, i);
-            let bottom = mix(left, T::load(token, bottom_right, self.channel, i), across);
-            let mean = mix(top, bottom, down);
-            (mean * T::scale(token, taps, i)).store(&mut out[i..]);
+        for (channel, out) in out.iter_mut().enumerate() {
+            for i in (0..self.len).step_by(P::LANES) {
+                let (across, down) = (P::load(token, &taps.across[i..]), P::load(token, &taps.down[i..]));
+                let left: P = T::load(token, top_left, channel, i);
+                let top = mix(left, T::load(token, top_right, channel, i), across);
+                let left: P = T::load(token, bottom_left, channel, i);
+                let bottom = mix(left, T::load(token, bottom_right, channel, i), across);
+                let mean = mix(top, bottom, down) * T::scale(token, taps, channel, i);
+                W::lay(token, mean, share, out, i).store(&mut out[i..]);
+            }
         }
+    }
+}
+
+/// What becomes of filtered values.
+trait Way {
+    fn lay<P: Pack>(token: P::Token, mean: P, share: &Column, out: &Column, i: usize) -> P;
+}
+
+struct Fill;
+
+impl Way for Fill {
+    #[inline(always)]
+    fn lay<P: Pack>(_: P::Token, mean: P, _: &Column, _: &Column, _: usize) -> P {
+        mean
+    }
+}
+
+struct Blend;
+
+impl Way for Blend {
+    #[inline(always)]
+    fn lay<P: Pack>(token: P::Token, mean: P, share: &Column, out: &Column, i: usize) -> P {
+        mix(P::load(token, &out[i..]), mean, P::load(token, &share[i..]))
     }
 }
 
 /// A way of storing channels.
 trait Stored {
     /// What loaded numbers are multiplied by.
-    fn scale<P: Pack>(token: P::Token, taps: &Taps, i: usize) -> P;
+    fn scale<P: Pack>(token: P::Token, taps: &Taps, channel: usize, i: usize) -> P;
     /// A channel of the points from `i` on.
     fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P;
 }
@@ -327,7 +348,7 @@ struct Code;
 
 impl Stored for Code {
     #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize) -> P {
+    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize, _: usize) -> P {
         P::splat(token, 1.0 / 255.0)
     }
     #[inline(always)]
@@ -340,12 +361,13 @@ struct SrgbCode;
 
 impl Stored for SrgbCode {
     #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize) -> P {
-        P::splat(token, 1.0)
+    fn scale<P: Pack>(token: P::Token, _: &Taps, channel: usize, _: usize) -> P {
+        P::splat(token, if channel == 3 { 1.0 / 255.0 } else { 1.0 })
     }
     #[inline(always)]
     fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P {
-        linear_from_code(P::load_byte(token, &words[0][i..], channel as u32))
+        let code = P::load_byte(token, &words[0][i..], channel as u32);
+        if channel == 3 { code } else { linear_from_code(code) }
     }
 }
 
@@ -353,7 +375,7 @@ struct WideCode;
 
 impl Stored for WideCode {
     #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, taps: &Taps, i: usize) -> P {
+    fn scale<P: Pack>(token: P::Token, taps: &Taps, _: usize, i: usize) -> P {
         P::load(token, &taps.scale[i..])
     }
     #[inline(always)]
@@ -366,7 +388,7 @@ struct Float;
 
 impl Stored for Float {
     #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize) -> P {
+    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize, _: usize) -> P {
         P::splat(token, 1.0)
     }
     #[inline(always)]
@@ -469,7 +491,7 @@ mod tests {
 
     #[test]
     fn many_points_get_what_each_gets_alone() {
-        let (mut u, mut v, mut lod) = ([0.0; COLUMN], [0.0; COLUMN], [0.0; COLUMN]);
+        let (mut u, mut v, mut lod) = (Column::ZERO, Column::ZERO, Column::ZERO);
         for i in 0..BATCH {
             let t = i as f32 * 0.618_034;
             u[i] = (t - t.floor()) * 6.0 - 3.0;
@@ -479,12 +501,12 @@ mod tests {
         (u[3], v[4], lod[5], u[6], lod[7]) = (f32::NAN, f32::INFINITY, f32::NAN, 1e30, f32::INFINITY);
         for level in SimdLevel::available() {
             let level = level.dispatch().unwrap();
-            let (mut lookup, mut out) = (Lookup::default(), [[0.0; COLUMN]; 4]);
+            let (mut lookup, mut out) = (Lookup::default(), [Column::ZERO; 4]);
             for texture in textures() {
                 for sampler in samplers() {
                     for len in [BATCH, 37] {
                         lookup.place(level, (&texture, &sampler), [&u, &v], &lod, len);
-                        lookup.read(level, &texture, &mut out);
+                        lookup.read(level, &texture, out.each_mut());
                         for i in 0..len {
                             let alone = sampler.sample(&texture, Vec2::new(u[i], v[i]), lod[i]);
                             let found = [0, 1, 2, 3].map(|c| out[c][i]);

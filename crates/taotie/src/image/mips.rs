@@ -114,8 +114,6 @@ impl Shrink {
     }
 }
 
-/// The most lanes of a pack; rows of floats are as long as whole packs.
-
 /// What [`Shrink::means`] gives where every texel is the mean of 2×2, bit for bit.
 #[inline(always)]
 fn plain_means([top, bottom, _]: &[Vec<[f32; 4]>; 3], means: &mut [[f32; 4]]) {

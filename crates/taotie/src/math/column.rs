@@ -1,6 +1,7 @@
 //! Columns: one number of each of many points, so that neighbours load as one pack.
 
 use super::pack::MOST_LANES;
+use std::ops::{Deref, DerefMut};
 
 /// How many points go through a stage together; small enough to stay in the nearest caches.
 pub const BATCH: usize = 256;
@@ -8,5 +9,45 @@ pub const BATCH: usize = 256;
 /// As many entries as a column has: a pack may be stored from any point on.
 pub const COLUMN: usize = BATCH + MOST_LANES;
 
+/// Something of each point, where registers are read in one piece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))]
+pub struct Aligned<T>(pub [T; COLUMN]);
+
 /// One number of each point.
-pub type Column = [f32; COLUMN];
+pub type Column = Aligned<f32>;
+
+/// One word of each point.
+pub type Words = Aligned<u32>;
+
+impl Column {
+    /// All zero.
+    pub const ZERO: Self = Self([0.0; COLUMN]);
+    /// All one.
+    pub const ONE: Self = Self([1.0; COLUMN]);
+}
+
+impl Words {
+    /// All zero.
+    pub const ZERO: Self = Self([0; COLUMN]);
+}
+
+impl Aligned<[f32; 4]> {
+    /// All zero.
+    pub const ZERO: Self = Self([[0.0; 4]; COLUMN]);
+}
+
+impl<T> Deref for Aligned<T> {
+    type Target = [T; COLUMN];
+    #[inline(always)]
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for Aligned<T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
+}

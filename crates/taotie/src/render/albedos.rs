@@ -1,32 +1,64 @@
 //! The directional albedos of each fragment's lobes, from the tables.
 
-use super::batch::{Batch, get3};
+use super::batch::{Batch, Column, get3, load, load3};
 use super::prepare::Draw;
 use super::substance::takes_layers;
-use crate::math::Vec3;
+use crate::math::{Pack, Vec3, Words, dispatch_pack};
 use crate::scene::Material;
-use crate::shade::dfg::{self, Dfg};
+use crate::shade::dfg::{self, Dfg, Place};
 use crate::shade::{COAT_F0, Energy, Shading, ndf};
+use fearless_simd::Level;
 
 /// Fills `batch.dfg` and the albedos of the layers.
-pub(super) fn look_up(shading: Shading, energy: Energy, draw: &Draw<'_>, batch: &mut Batch) {
+pub(super) fn look_up(
+    level: Level,
+    (shading, energy): (Shading, Energy),
+    draw: &Draw<'_>,
+    batch: &mut Batch,
+) {
     batch.compensated = energy == Energy::Compensated;
-    for i in batch.entries() {
-        let (n, v) = (get3(&batch.n, i), get3(&batch.v, i));
-        let n_dot_v = n.dot(v);
-        let Dfg { scale, bias, edge, diffuse_edge } = match shading {
-            Shading::CookTorrance | Shading::CookTorrancePrinted => {
-                dfg::of_cook_torrance(n_dot_v, slope(draw.material, batch, i))
-            }
-            _ => dfg::of_ggx(n_dot_v, batch.roughness[i]),
-        };
-        for (column, value) in batch.dfg.iter_mut().zip([scale, bias, edge, diffuse_edge]) {
-            column[i] = value;
-        }
-        if takes_layers(shading) {
+    let mut places = Places { node: Words::ZERO, across: Column::ZERO, down: Column::ZERO };
+    dispatch_pack!(level, P, token => places.find::<P>(token, shading, draw.material, batch));
+    let shares = places.across.iter().zip(places.down.iter());
+    let entries = batch.dfg[..batch.len].iter_mut().zip(places.node.iter().zip(shares));
+    if is_cook_torrance(shading) {
+        entries.for_each(|(dfg, (node, (x, y)))| *dfg = Dfg::of_cook_torrance_at(*node, [*x, *y]));
+    } else {
+        entries.for_each(|(dfg, (node, (x, y)))| *dfg = Dfg::of_ggx_at(*node, [*x, *y]));
+    }
+    if takes_layers(shading) {
+        for i in 0..batch.len {
             look_up_layers(draw.material, batch, i);
         }
     }
+}
+
+/// Where fragments are looked up in the tables.
+struct Places {
+    node: Words,
+    across: Column,
+    down: Column,
+}
+
+impl Places {
+    #[inline(always)]
+    fn find<P: Pack>(&mut self, token: P::Token, shading: Shading, material: &Material, batch: &Batch) {
+        for i in batch.packs::<P>() {
+            let n: Vec3<P> = load3(token, &batch.n, i);
+            let n_dot_v = n.dot(load3(token, &batch.v, i));
+            let place = match is_cook_torrance(shading) {
+                true => Place::of_cook_torrance(n_dot_v, slope(token, material, batch, i)),
+                false => Place::of_ggx(n_dot_v, load(token, &batch.roughness, i)),
+            };
+            place.node.store_words(&mut self.node[i..]);
+            place.across.store(&mut self.across[i..]);
+            place.down.store(&mut self.down[i..]);
+        }
+    }
+}
+
+fn is_cook_torrance(shading: Shading) -> bool {
+    matches!(shading, Shading::CookTorrance | Shading::CookTorrancePrinted)
 }
 
 /// Fills the lacquer's albedo of entry `i` as seen from `v`.
@@ -48,22 +80,31 @@ fn look_up_layers(material: &Material, batch: &mut Batch, i: usize) {
     }
 }
 
-/// Beckmann's slope of entry `i`.
-fn slope(material: &Material, batch: &Batch, i: usize) -> f32 {
+/// Beckmann's slope of the fragments from `i` on.
+#[inline(always)]
+fn slope<P: Pack>(token: P::Token, material: &Material, batch: &Batch, i: usize) -> P {
     match material.classic.slope {
-        Some(slope) => (slope * slope + batch.variance[i]).sqrt(),
-        None => batch.roughness[i] * batch.roughness[i],
+        Some(slope) => (P::splat(token, slope * slope) + load::<P>(token, &batch.variance, i)).sqrt(),
+        None => load::<P>(token, &batch.roughness, i).squared(),
     }
 }
 
-/// The roughness of the GGX lobe that comes nearest to the model's highlight, [0, 1].
-pub(super) fn lobe_roughness(shading: Shading, material: &Material, batch: &Batch, i: usize) -> f32 {
-    match shading {
-        Shading::Ggx | Shading::GgxPrinted | Shading::Lambert => batch.roughness[i],
-        Shading::CookTorrance | Shading::CookTorrancePrinted => slope(material, batch, i).sqrt().min(1.0),
-        _ => match material.classic.shininess {
-            Some(shininess) => ndf::alpha_from_shininess(shininess).sqrt(),
-            None => batch.roughness[i],
-        },
+/// The roughness of the GGX lobe that comes nearest to the model's highlight, [0, 1], of the fragments from `i` on.
+#[inline(always)]
+pub(super) fn lobe_roughness<P: Pack>(
+    token: P::Token,
+    shading: Shading,
+    material: &Material,
+    batch: &Batch,
+    i: usize,
+) -> P {
+    match (shading, material.classic.shininess) {
+        (Shading::CookTorrance | Shading::CookTorrancePrinted, _) => {
+            slope::<P>(token, material, batch, i).sqrt().min(P::splat(token, 1.0))
+        }
+        (Shading::Ggx | Shading::GgxPrinted | Shading::Lambert, _) | (_, None) => {
+            load(token, &batch.roughness, i)
+        }
+        (_, Some(shininess)) => P::splat(token, ndf::alpha_from_shininess(shininess).sqrt()),
     }
 }

@@ -2,8 +2,11 @@
 
 use super::lookups::Lookups;
 pub use crate::math::BATCH;
-pub(super) use crate::math::{COLUMN, Column};
-use crate::math::{MOST_LANES, Pack, Vec3};
+pub(super) use crate::math::Column;
+use crate::math::{Aligned, MOST_LANES, Pack, Vec3};
+
+/// Four numbers of each fragment that come together.
+pub(super) type Quads = Aligned<[f32; 4]>;
 
 /// A vector of each fragment.
 pub(super) type Column3 = [Column; 3];
@@ -28,6 +31,8 @@ pub struct Batch {
     pub(super) bend: Column,
     pub(super) relief: Column,
     pub(super) lookups: Lookups,
+    /// Channels of textures that nothing needs.
+    pub(super) spare: [Column; 3],
     /// World space.
     pub(super) position: Column3,
     /// Unit, world space, on the side of the face that is seen.
@@ -66,7 +71,7 @@ pub struct Batch {
     /// Squared slope that a map adds, for the softened terminator.
     pub(super) bump: Column,
     /// Directional albedos of the lobe: scale, bias, edge, diffuse edge; valid once they were looked up.
-    pub(super) dfg: [Column; 4],
+    pub(super) dfg: Quads,
     /// Whether light that scatters several times is given back.
     pub(super) compensated: bool,
     pub(super) surround: Surroundings,
@@ -125,18 +130,18 @@ pub(super) struct Layers {
     pub stretch_tangent: Column3,
 }
 
-/// What the environment sends to a fragment, linear RGB.
+/// What the environment sends to a fragment, linear RGB and a number that means nothing.
 #[derive(Debug, Clone)]
 pub(super) struct Surroundings {
     /// The radiance that the highlight gathers.
-    pub specular: Column3,
+    pub specular: Quads,
     /// The irradiance over π.
-    pub mean: Column3,
+    pub mean: Quads,
     /// The radiance that the lacquer's highlight gathers.
-    pub coat: Column3,
+    pub coat: Quads,
 }
 
-const ZERO: Column = [0.0; COLUMN];
+const ZERO: Column = Column::ZERO;
 const ZERO3: Column3 = [ZERO; 3];
 
 impl Batch {
@@ -153,6 +158,7 @@ impl Batch {
             bend: ZERO,
             relief: ZERO,
             lookups: Lookups::default(),
+            spare: [ZERO; 3],
             position: ZERO3,
             n_geom: ZERO3,
             normal: ZERO3,
@@ -189,14 +195,18 @@ impl Batch {
             },
             smooth: ZERO3,
             bump: ZERO,
-            dfg: [ZERO; 4],
+            dfg: Quads::ZERO,
             compensated: false,
-            surround: Surroundings { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
+            surround: Surroundings {
+                specular: Quads::ZERO,
+                mean: Quads::ZERO,
+                coat: Quads::ZERO,
+            },
             v: ZERO3,
             n: ZERO3,
             albedo: ZERO3,
             radiance: ZERO3,
-            visibility: vec![[1.0; COLUMN]; lights],
+            visibility: vec![Column::ONE; lights],
         })
     }
 
@@ -246,6 +256,13 @@ pub(super) fn load<P: Pack>(token: P::Token, column: &Column, i: usize) -> P {
 #[inline(always)]
 pub(super) fn load3<P: Pack>(token: P::Token, column: &Column3, i: usize) -> Vec3<P> {
     Vec3::new(load(token, &column[0], i), load(token, &column[1], i), load(token, &column[2], i))
+}
+
+/// The first three of the numbers that a fragment has together.
+#[inline(always)]
+pub(super) fn load_rgb<P: Pack>(token: P::Token, quads: &Quads, i: usize) -> Vec3<P> {
+    let [r, g, b, _] = P::load_pixels(token, &quads[i..]);
+    Vec3::new(r, g, b)
 }
 
 #[inline(always)]

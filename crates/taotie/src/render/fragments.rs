@@ -1,14 +1,15 @@
 //! From hits to fragments: which points of which triangles, and what textures say there.
 
-use super::batch::{BATCH, Batch, Run, get3, load};
+use super::batch::{BATCH, Batch, Column, Run, UvSet, get3, load};
 use super::interpolate::{Interpolation, Screen};
+use super::lookups::Lookups;
 use super::pass::Pass;
 use super::prepare::NormalSource;
 use super::shadows::shadow_origin;
 use super::view::Eye;
-use crate::math::{Column, Pack, Vec3, dispatch_pack, poly, scalar};
+use crate::math::{Aligned, Mask, Pack, Vec3, dispatch_pack, poly, scalar};
 use crate::raster::{TILE_SIZE, Tile};
-use crate::scene::{HeightMap, Material, TextureRef};
+use crate::scene::{Clearcoat, HeightMap, TextureRef};
 use crate::shade::Hidden;
 
 /// A triangle seen at a sample of a tile.
@@ -81,29 +82,30 @@ impl Interpolation<'_, '_> {
 
     /// What the method of the shading normal needs from textures, and what of the surface is too fine for the pixel.
     fn normal_inputs(&self, batch: &mut Batch) {
-        batch.relief[..batch.len].fill(0.0);
+        let len = batch.len;
+        batch.relief.fill(0.0);
         match self.draw.normal_source {
             NormalSource::Facet | NormalSource::Smooth => {}
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => {
-                let [r, g, b, variance] = self.read(&map.texture, batch);
-                batch.map = [r, g, b];
-                if self.specular_aa {
-                    scale_into(&mut batch.relief, &variance, map.scale * map.scale, batch.len);
-                }
+                let Batch { map: [x, y, z], relief, lookups, uv_sets, .. } = batch;
+                let at = (&uv_sets[..], len);
+                lookups.read(self.level, (self.scene, &map.texture), at, [x, y, z, relief]);
+                let squared = if self.specular_aa { map.scale * map.scale } else { 0.0 };
+                scale(relief, squared, len);
             }
-            NormalSource::Bump(map, scale) => {
-                let [du, dv] = self.height_derivatives(map, batch);
-                scale_into(&mut batch.dh_du, &du, scale, batch.len);
-                scale_into(&mut batch.dh_dv, &dv, scale, batch.len);
+            NormalSource::Bump(map, factor) => {
+                [batch.dh_du, batch.dh_dv] = self.height_derivatives(map, batch);
+                scale(&mut batch.dh_du, factor, len);
+                scale(&mut batch.dh_dv, factor, len);
             }
             NormalSource::BumpPrinted(map, _) => {
                 // The paper's g: half the difference of the grey levels (0 to 255) of the two neighbours along u.
                 let width = self.scene.textures[map.texture.texture].width() as f32;
-                let [du, _] = self.height_derivatives(map, batch);
-                scale_into(&mut batch.dh_du, &du, 255.0 / width, batch.len);
+                [batch.dh_du, _] = self.height_derivatives(map, batch);
+                scale(&mut batch.dh_du, 255.0 / width, len);
             }
         }
-        for i in 0..batch.len {
+        for i in 0..len {
             batch.variance[i] = batch.bend[i] + batch.relief[i];
         }
     }
@@ -114,17 +116,17 @@ impl Interpolation<'_, '_> {
         let Batch { lookups, uv_sets, len, .. } = batch;
         lookups.locate(self.level, texture, &map.texture, (uv_sets, *len));
         let last = (texture.levels() - 1) as f32;
-        let texels = lookups.lod.map(|lod| poly::exp2(lod.clamp(0.0, last)));
+        let texels = Aligned(lookups.lod.map(|lod| poly::exp2(lod.clamp(0.0, last))));
         let size = [texture.width() as f32, texture.height() as f32];
         let mut derivatives = [texels; 2];
         for (axis, derivative) in derivatives.iter_mut().enumerate() {
             let heights = [1.0, -1.0].map(|side| {
-                let mut out = [[0.0; crate::math::COLUMN]; 4];
+                let mut out = [Column::ZERO; 4];
                 let shift = |i: usize| {
                     let step = side * texels[i] / size[axis];
                     if axis == 0 { [step, 0.0] } else { [0.0, step] }
                 };
-                lookups.read_shifted(self.level, (self.scene, &map.texture), *len, shift, &mut out);
+                lookups.read_shifted(self.level, (self.scene, &map.texture), *len, shift, out.each_mut());
                 out[0]
             });
             for i in 0..*len {
@@ -136,97 +138,109 @@ impl Interpolation<'_, '_> {
 
     /// Base colour, opacity, roughness, metalness, occlusion and emission.
     fn colors_and_widths(&self, batch: &mut Batch) {
-        let material = self.draw.material;
-        let [r, g, b, mut a] = self.read_or_white(&material.base_color_texture, batch);
-        batch.tint = [r, g, b];
+        let (material, len) = (self.draw.material, batch.len);
+        let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
+        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len) };
+        let [r, g, b] = &mut batch.tint;
+        reader.read(&material.base_color_texture, [r, g, b, &mut batch.alpha]);
+        let [r, g, b] = &mut batch.emissive;
+        reader.read(&material.emissive_texture, [r, g, b, spare]);
+        let packed = [&mut batch.occlusion, &mut batch.roughness, &mut batch.metallic, spare];
+        reader.read(&material.metallic_roughness_texture, packed);
+        // Files often pack occlusion into the red channel of the same texture.
+        if material.occlusion_texture != material.metallic_roughness_texture {
+            reader.read(&material.occlusion_texture, [&mut batch.occlusion, spare, spare2, spare3]);
+        }
         if !self.draw.mesh.colors().is_empty() {
-            for (channel, column) in batch.tint.iter_mut().chain([&mut a]).enumerate() {
-                multiply(column, &batch.color[channel], batch.len);
+            for (column, color) in batch.tint.iter_mut().chain([&mut batch.alpha]).zip(&batch.color) {
+                multiply(column, color, len);
             }
         }
-        scale_into(&mut batch.alpha, &a, material.base_color[3], batch.len);
-        let packed = self.read_or_white(&material.metallic_roughness_texture, batch);
-        scale_into(&mut batch.roughness, &packed[1], material.roughness, batch.len);
-        scale_into(&mut batch.metallic, &packed[2], material.metallic, batch.len);
-        let Batch { roughness, bend, relief, len, .. } = batch;
-        dispatch_pack!(self.level, P, token => widen::<P>(token, roughness, [bend, relief], *len));
-        // Files often pack occlusion into the red channel of the same texture.
-        let occlusion = match material.occlusion_texture == material.metallic_roughness_texture {
-            true => packed[0],
-            false => self.read_or_white(&material.occlusion_texture, batch)[0],
-        };
-        for i in 0..batch.len {
-            batch.occlusion[i] = 1.0 + material.occlusion_strength * (occlusion[i] - 1.0);
+        scale(&mut batch.alpha, material.base_color[3], len);
+        scale(&mut batch.roughness, material.roughness, len);
+        scale(&mut batch.metallic, material.metallic, len);
+        tint(&mut batch.emissive, material.emissive, len);
+        for occlusion in &mut batch.occlusion[..len] {
+            *occlusion = 1.0 + material.occlusion_strength * (*occlusion - 1.0);
         }
-        let [r, g, b, _] = self.read_or_white(&material.emissive_texture, batch);
-        batch.emissive = tinted(material.emissive, [r, g, b], batch.len);
+        let Batch { roughness, bend, relief, .. } = batch;
+        dispatch_pack!(self.level, P, token => widen::<P>(token, roughness, [bend, relief], len));
     }
 
     /// Strength and colour of a dielectric's reflection.
     fn specular(&self, batch: &mut Batch) {
-        let specular = &self.draw.material.specular;
-        let [.., a] = self.read_or_white(&specular.factor_texture, batch);
-        scale_into(&mut batch.specular, &a, specular.factor, batch.len);
-        let [r, g, b, _] = self.read_or_white(&specular.color_texture, batch);
-        batch.specular_color = tinted(specular.color, [r, g, b], batch.len);
+        let (specular, len) = (&self.draw.material.specular, batch.len);
+        let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
+        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len) };
+        reader.read(&specular.factor_texture, [spare, spare2, spare3, &mut batch.specular]);
+        let [r, g, b] = &mut batch.specular_color;
+        reader.read(&specular.color_texture, [r, g, b, spare]);
+        scale(&mut batch.specular, specular.factor, len);
+        tint(&mut batch.specular_color, specular.color, len);
     }
 
     fn layers(&self, batch: &mut Batch) {
-        let material = self.draw.material;
-        self.coat(material, batch);
+        let (material, len) = (self.draw.material, batch.len);
+        if let Some(coat) = &material.clearcoat {
+            self.coat(coat, batch);
+        }
+        let Batch { lookups, uv_sets, layers, spare: [spare, spare2, spare3], .. } = batch;
+        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len) };
         if let Some(sheen) = &material.sheen {
-            let [r, g, b, _] = self.read_or_white(&sheen.color_texture, batch);
-            batch.layers.sheen_color = tinted(sheen.color, [r, g, b], batch.len);
-            let [.., a] = self.read_or_white(&sheen.roughness_texture, batch);
-            scale_into(&mut batch.layers.sheen_roughness, &a, sheen.roughness, batch.len);
+            let [r, g, b] = &mut layers.sheen_color;
+            reader.read(&sheen.color_texture, [r, g, b, spare]);
+            reader.read(&sheen.roughness_texture, [spare, spare2, spare3, &mut layers.sheen_roughness]);
+            tint(&mut layers.sheen_color, sheen.color, len);
+            scale(&mut layers.sheen_roughness, sheen.roughness, len);
         }
         if let Some(anisotropy) = &material.anisotropy {
             let angle = f64::from(anisotropy.rotation);
             let (sin, cos) = (scalar::sin(angle) as f32, scalar::cos(angle) as f32);
-            let texels = anisotropy.texture.as_ref().map(|texture| self.read(texture, batch));
-            let layers = &mut batch.layers;
-            for i in 0..batch.len {
-                let [x, y, strength] = texels
-                    .as_ref()
-                    .map_or([1.0, 0.0, 1.0], |[r, g, b, _]| [2.0 * r[i] - 1.0, 2.0 * g[i] - 1.0, b[i]]);
-                layers.stretch[i] = anisotropy.strength * strength;
+            let has_texture = anisotropy.texture.is_some();
+            reader.read(&anisotropy.texture, [spare, spare2, &mut layers.stretch, spare3]);
+            for i in 0..len {
+                let (x, y) = (2.0 * spare[i] - 1.0, 2.0 * spare2[i] - 1.0);
+                let [x, y] = if has_texture { [x, y] } else { [1.0, 0.0] };
+                layers.stretch[i] *= anisotropy.strength;
                 layers.stretch_turn[0][i] = cos * x - sin * y;
                 layers.stretch_turn[1][i] = sin * x + cos * y;
             }
         }
     }
 
-    fn coat(&self, material: &Material, batch: &mut Batch) {
-        let Some(coat) = &material.clearcoat else { return };
-        let [factor, ..] = self.read_or_white(&coat.factor_texture, batch);
-        scale_into(&mut batch.layers.coat, &factor, coat.factor, batch.len);
-        let mut relief = [0.0; crate::math::COLUMN];
+    fn coat(&self, coat: &Clearcoat, batch: &mut Batch) {
+        let len = batch.len;
+        let Batch { lookups, uv_sets, layers, bend, spare: [spare, spare2, spare3], .. } = batch;
+        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len) };
+        reader.read(&coat.factor_texture, [&mut layers.coat, spare, spare2, spare3]);
+        reader.read(&coat.roughness_texture, [spare, &mut layers.coat_roughness, spare2, spare3]);
+        let mut relief = Column::ZERO;
         if let Some(map) = &coat.normal {
-            let [r, g, b, variance] = self.read(&map.texture, batch);
-            batch.layers.coat_map = [r, g, b];
-            if self.specular_aa {
-                scale_into(&mut relief, &variance, map.scale * map.scale, batch.len);
-            }
+            let [x, y, z] = &mut layers.coat_map;
+            reader.read(&Some(map.texture), [x, y, z, &mut relief]);
+            scale(&mut relief, if self.specular_aa { map.scale * map.scale } else { 0.0 }, len);
         }
-        let [_, roughness, ..] = self.read_or_white(&coat.roughness_texture, batch);
-        scale_into(&mut batch.layers.coat_roughness, &roughness, coat.roughness, batch.len);
-        let Batch { layers, bend, len, .. } = batch;
+        scale(&mut layers.coat, coat.factor, len);
+        scale(&mut layers.coat_roughness, coat.roughness, len);
         let roughness = &mut layers.coat_roughness;
-        dispatch_pack!(self.level, P, token => widen::<P>(token, roughness, [bend, &relief], *len));
+        dispatch_pack!(self.level, P, token => widen::<P>(token, roughness, [bend, &relief], len));
     }
+}
 
-    fn read(&self, texture: &TextureRef, batch: &mut Batch) -> [Column; 4] {
-        let mut out = [[1.0; crate::math::COLUMN]; 4];
-        let Batch { lookups, uv_sets, len, .. } = batch;
-        lookups.read(self.level, (self.scene, texture), (uv_sets, *len), &mut out);
-        out
-    }
+/// Reads the textures of a batch.
+struct Reader<'b, 'i, 'p, 'a> {
+    interpolation: &'i Interpolation<'p, 'a>,
+    lookups: &'b mut Lookups,
+    at: (&'b [UvSet], usize),
+}
 
+impl Reader<'_, '_, '_, '_> {
     /// A texture's linear values; white where there is none.
-    fn read_or_white(&self, texture: &Option<TextureRef>, batch: &mut Batch) -> [Column; 4] {
+    fn read(&mut self, texture: &Option<TextureRef>, out: [&mut Column; 4]) {
+        let Interpolation { level, scene, .. } = self.interpolation;
         match texture {
-            Some(texture) => self.read(texture, batch),
-            None => [[1.0; crate::math::COLUMN]; 4],
+            Some(texture) => self.lookups.read(*level, (scene, texture), self.at, out),
+            None => out.into_iter().for_each(|column| column.fill(1.0)),
         }
     }
 }
@@ -237,27 +251,24 @@ fn widen<P: Pack>(token: P::Token, roughness: &mut Column, [bend, relief]: [&Col
     let zero = P::splat(token, 0.0);
     for i in (0..len).step_by(P::LANES) {
         let hidden: Hidden<P> = Hidden { bend: load(token, bend, i), relief: load(token, relief, i) };
-        if crate::math::Mask::any(zero.lt(hidden.variance())) {
+        if zero.lt(hidden.variance()).any() {
             hidden.widened(load(token, roughness, i)).store(&mut roughness[i..]);
         }
     }
 }
 
-fn scale_into(column: &mut Column, values: &Column, factor: f32, len: usize) {
-    for (out, value) in column[..len].iter_mut().zip(values) {
-        *out = factor * value;
-    }
+fn scale(column: &mut Column, factor: f32, len: usize) {
+    column[..len].iter_mut().for_each(|value| *value *= factor);
 }
 
 fn multiply(column: &mut Column, values: &Column, len: usize) {
-    for (out, value) in column[..len].iter_mut().zip(values) {
+    for (out, value) in column[..len].iter_mut().zip(values.iter()) {
         *out *= value;
     }
 }
 
-fn tinted(color: [f32; 3], mut texels: [Column; 3], len: usize) -> [Column; 3] {
-    for (column, factor) in texels.iter_mut().zip(color) {
-        column[..len].iter_mut().for_each(|value| *value *= factor);
+fn tint(columns: &mut [Column; 3], color: [f32; 3], len: usize) {
+    for (column, factor) in columns.iter_mut().zip(color) {
+        scale(column, factor, len);
     }
-    texels
 }

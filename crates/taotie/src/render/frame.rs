@@ -4,6 +4,7 @@ use super::RenderSettings;
 use crate::error::Result;
 use crate::image::Image;
 use crate::raster::{TILE_SIZE, Tile};
+use rayon::prelude::*;
 
 /// A finished picture.
 #[derive(Debug, Clone)]
@@ -68,23 +69,36 @@ impl Frame {
         Ok(Self { color: black()?, aovs })
     }
 
-    pub(super) fn store(&mut self, tile: &Tile, picture: &TilePicture) {
-        copy(&mut self.color, tile, &picture.color);
+    /// Writes the pictures of tiles, which come in the order of their numbers.
+    pub(super) fn store(&mut self, pictures: &[(Tile, TilePicture)]) {
+        copy(&mut self.color, pictures, |picture| &picture.color);
         if let Some(aovs) = &mut self.aovs {
             let images =
                 [&mut aovs.normals, &mut aovs.depth, &mut aovs.albedo, &mut aovs.uv, &mut aovs.triangle];
-            for (image, pixels) in images.into_iter().zip(&picture.aovs) {
-                copy(image, tile, pixels);
+            for (plane, image) in images.into_iter().enumerate() {
+                copy(image, pictures, |picture| &picture.aovs[plane]);
             }
         }
     }
 }
 
-fn copy(image: &mut Image, tile: &Tile, pixels: &[[f32; 4]]) {
-    let (width, across) = (image.width() as usize, tile.width as usize);
-    for row in 0..tile.height as usize {
-        let start = (tile.y as usize + row) * width + tile.x as usize;
-        let from = row * TILE_SIZE as usize;
-        image.pixels_mut()[start..start + across].copy_from_slice(&pixels[from..from + across]);
-    }
+/// Copies one plane of each tile, rows of pixels in parallel.
+fn copy(
+    image: &mut Image,
+    pictures: &[(Tile, TilePicture)],
+    plane: impl Fn(&TilePicture) -> &Vec<[f32; 4]> + Sync,
+) {
+    let width = image.width() as usize;
+    let bands = image.pixels_mut().par_chunks_mut(width * TILE_SIZE as usize).enumerate();
+    bands.for_each(|(band, pixels)| {
+        let top = band as u32 * TILE_SIZE;
+        let start = pictures.partition_point(|(tile, _)| tile.y < top);
+        for (tile, picture) in pictures[start..].iter().take_while(|(tile, _)| tile.y == top) {
+            let (x, across) = (tile.x as usize, tile.width as usize);
+            let rows = plane(picture).chunks_exact(TILE_SIZE as usize);
+            for (to, from) in pixels.chunks_exact_mut(width).zip(rows) {
+                to[x..x + across].copy_from_slice(&from[..across]);
+            }
+        }
+    });
 }

@@ -2,7 +2,7 @@
 
 use super::batch::UvSet;
 use crate::image::{Lookup, Sampler, Texture};
-use crate::math::{COLUMN, Column, Pack, dispatch_pack, poly};
+use crate::math::{Column, Pack, dispatch_pack, poly};
 use crate::scene::{Scene, TextureRef, UvTransform};
 use fearless_simd::Level;
 
@@ -27,7 +27,7 @@ struct Placement {
 
 impl Default for Lookups {
     fn default() -> Self {
-        let zero = [0.0; COLUMN];
+        let zero = Column::ZERO;
         Self { lookup: Box::default(), placed: None, uv: [zero; 2], lod: zero }
     }
 }
@@ -45,7 +45,7 @@ impl Lookups {
         level: Level,
         (scene, texture): (&Scene, &TextureRef),
         (sets, len): (&[UvSet], usize),
-        out: &mut [Column; 4],
+        out: [&mut Column; 4],
     ) {
         let image = &scene.textures[texture.texture];
         let placement = Placement {
@@ -69,7 +69,7 @@ impl Lookups {
         (scene, texture): (&Scene, &TextureRef),
         len: usize,
         shift: impl Fn(usize) -> [f32; 2],
-        out: &mut [Column; 4],
+        out: [&mut Column; 4],
     ) {
         let image = &scene.textures[texture.texture];
         let mut moved = self.uv;

@@ -132,9 +132,7 @@ impl<'p, 'a> Pass<'p, 'a> {
             let tiles = start..(start + TILES_AT_ONCE).min(total);
             let pictures: Vec<(Tile, TilePicture)> =
                 tiles.into_par_iter().map(|index| self.tile(index)).collect::<Result<_>>()?;
-            for (tile, picture) in &pictures {
-                frame.store(tile, picture);
-            }
+            frame.store(&pictures);
             progress((start + pictures.len()) as f64 / total as f64);
         }
         Ok(frame)
@@ -272,7 +270,7 @@ impl<'p, 'a> Pass<'p, 'a> {
         let draw = &self.prepared.draws[draw];
         complete(self.level, settings, draw, batch);
         if let Some(environment) = &self.environment {
-            surround::look_up(environment, settings.shading, draw, batch);
+            surround::look_up(self.level, environment, settings.shading, draw, batch);
         }
         if settings.shadows {
             let origins = interpolation.origins(self.shadow_lift, batch);

@@ -1,7 +1,7 @@
 //! A point of a surface with everything that its reflection depends on.
 
 use super::albedos;
-use super::batch::{Batch, load, load3, splat3};
+use super::batch::{Batch, load, load_rgb, load3, splat3};
 use super::layers::{Coat, Fibres, Terminator};
 use super::normals::shade_normals;
 use super::prepare::Draw;
@@ -20,7 +20,7 @@ pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>,
     let grazing = if shading.is_printed() { GrazingNormals::Keep } else { settings.grazing_normals };
     shade_normals(level, draw, grazing, batch);
     if takes_albedos(shading) {
-        albedos::look_up(shading, settings.energy, draw, batch);
+        albedos::look_up(level, (shading, settings.energy), draw, batch);
     }
 }
 
@@ -100,16 +100,16 @@ impl<P: Pack> SurfacePoint<P> {
     pub(super) fn surrounded(&self, token: P::Token, batch: &Batch, i: usize) -> Vec3<P> {
         let weights = shade::surround(self.shading, &self.substance, &dfg(token, batch, i));
         let occlusion: P = load(token, &batch.occlusion, i);
-        let mean = load3(token, &batch.surround.mean, i) * occlusion;
+        let mean = load_rgb(token, &batch.surround.mean, i) * occlusion;
         let n_dot_v = self.n.dot(self.v).clamp(0.0, 1.0);
         let seen = shade::specular_occlusion(n_dot_v, occlusion, self.substance.roughness);
-        let gathered = load3(token, &batch.surround.specular, i) * seen;
+        let gathered = load_rgb(token, &batch.surround.specular, i) * seen;
         let mut radiance = weights.specular.mul_elements(gathered) + weights.diffuse.mul_elements(mean);
         if let Some(fibres) = &self.fibres {
             radiance = fibres.over_mean(radiance, mean);
         }
         match &self.coat {
-            Some(coat) => coat.over_surround(radiance, load3(token, &batch.surround.coat, i)),
+            Some(coat) => coat.over_surround(radiance, load_rgb(token, &batch.surround.coat, i)),
             None => radiance,
         }
     }
@@ -118,9 +118,8 @@ impl<P: Pack> SurfacePoint<P> {
 /// The directional albedos of the fragments' lobe.
 #[inline(always)]
 pub(super) fn dfg<P: Pack>(token: P::Token, batch: &Batch, i: usize) -> Dfg<P> {
-    let [scale, bias, edge, diffuse_edge] = &batch.dfg;
-    let at = |column| load(token, column, i);
-    Dfg { scale: at(scale), bias: at(bias), edge: at(edge), diffuse_edge: at(diffuse_edge) }
+    let [scale, bias, edge, diffuse_edge] = P::load_pixels(token, &batch.dfg[i..]);
+    Dfg { scale, bias, edge, diffuse_edge }
 }
 
 /// A colour of the material for all fragments.

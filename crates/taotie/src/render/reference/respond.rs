@@ -48,7 +48,7 @@ pub(super) struct Exchange {
     pub from_onward: Column3,
 }
 
-const ZERO: Column = [0.0; super::super::batch::COLUMN];
+const ZERO: Column = Column::ZERO;
 const ZERO3: Column3 = [ZERO; 3];
 
 impl Exchange {

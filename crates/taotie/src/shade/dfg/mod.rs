@@ -91,21 +91,74 @@ pub fn row_roughness(j: usize) -> f64 {
     j as f64 / (ROWS - 1) as f64
 }
 
+/// Where a table is read.
+#[derive(Debug, Clone, Copy)]
+pub struct Place<L> {
+    /// The node below, an integer: its row times [`COLUMNS`] plus its column.
+    pub node: L,
+    /// How far the cosine is on the way to the next node, [0, 1].
+    pub across: L,
+    /// The same of the roughness.
+    pub down: L,
+}
+
+impl<L: Lane> Place<L> {
+    /// For `n_dot_v` and `roughness` in [0, 1].
+    #[inline(always)]
+    pub fn of_ggx(n_dot_v: L, roughness: L) -> Self {
+        let (i, across) = node(n_dot_v.max(n_dot_v.lit(0.0)).sqrt(), COLUMNS);
+        let (j, down) = node(roughness, ROWS);
+        Self { node: j * j.lit(COLUMNS as f64) + i, across, down }
+    }
+
+    /// For `n_dot_v` in [0, 1] and a `slope` of at least 0.
+    #[inline(always)]
+    pub fn of_cook_torrance(n_dot_v: L, slope: L) -> Self {
+        Self::of_ggx(n_dot_v, slope.max(slope.lit(0.0)).sqrt())
+    }
+}
+
+impl Dfg<f32> {
+    /// The numbers of GGX's lobe at a place, in the order of the fields.
+    #[inline]
+    pub fn of_ggx_at(node: u32, shares: [f32; 2]) -> [f32; 4] {
+        between(&ggx::TABLE, node as usize, shares)
+    }
+
+    /// The numbers of Cook-Torrance's lobe at a place, in the order of the fields.
+    #[inline]
+    pub fn of_cook_torrance_at(node: u32, shares: [f32; 2]) -> [f32; 4] {
+        between(&cook_torrance::TABLE, node as usize, shares)
+    }
+}
+
 fn bilinear<const N: usize>(table: &[[f32; N]; COLUMNS * ROWS], n_dot_v: f32, roughness: f32) -> [f32; N] {
-    let (i, across) = place(n_dot_v.max(0.0).sqrt(), COLUMNS);
-    let (j, down) = place(roughness, ROWS);
-    let at = |i: usize, j: usize| &table[j * COLUMNS + i];
-    let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
-    std::array::from_fn(|n| {
+    let Place { node, across, down } = Place::of_ggx(n_dot_v, roughness);
+    between(table, node as usize, [across, down])
+}
+
+#[inline]
+fn between<const N: usize>(
+    table: &[[f32; N]; COLUMNS * ROWS],
+    node: usize,
+    [across, down]: [f32; 2],
+) -> [f32; N] {
+    let node = node.min(COLUMNS * (ROWS - 1) - 2);
+    let [a, b] = [&table[node], &table[node + 1]];
+    let [c, d] = [&table[node + COLUMNS], &table[node + COLUMNS + 1]];
+    let mut out = [0.0; N];
+    for n in 0..N {
         let top = a[n] + (b[n] - a[n]) * across;
         let bottom = c[n] + (d[n] - c[n]) * across;
-        top + (bottom - top) * down
-    })
+        out[n] = top + (bottom - top) * down;
+    }
+    out
 }
 
 /// The node below `x` in [0, 1] of `count` nodes, and how far `x` is on the way to the next.
-fn place(x: f32, count: usize) -> (usize, f32) {
-    let scaled = x.clamp(0.0, 1.0) * (count - 1) as f32;
-    let node = (scaled as usize).min(count - 2);
-    (node, scaled - node as f32)
+#[inline(always)]
+fn node<L: Lane>(x: L, count: usize) -> (L, L) {
+    let scaled = x.clamp(0.0, 1.0) * x.lit((count - 1) as f64);
+    let node = scaled.floor().min(x.lit((count - 2) as f64));
+    (node, scaled - node)
 }

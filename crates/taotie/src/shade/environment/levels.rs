@@ -1,7 +1,7 @@
 //! The light of an environment at some roughnesses, and at all by going between them.
 
-use super::octahedron::{Octahedron, place_of};
-use crate::math::{Vec3, scalar};
+use super::octahedron::{Octahedron, mix};
+use crate::math::scalar;
 
 /// The light at one roughness.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,25 +29,31 @@ pub(super) fn alphas() -> Vec<f64> {
 }
 
 impl Levels {
-    /// The light at `roughness`, [0, 1], in a direction. `mirror` tells the light itself there.
+    /// The light at `roughness`, [0, 1], at a [`place_of`] a direction, linear RGB and a number that means nothing.
+    /// `mirror` tells the light itself there.
     ///
     /// Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel, since
     /// the second derivative of a lobe by ln α is, as far as it is like the first, its negative.
+    ///
+    /// [`place_of`]: super::octahedron::place_of
     #[inline]
-    pub(super) fn at(&self, direction: Vec3, roughness: f32, mirror: impl FnOnce() -> Vec3) -> Vec3 {
+    pub(super) fn at(&self, place: [f32; 2], roughness: f32, mirror: impl FnOnce() -> [f32; 4]) -> [f32; 4] {
         let alpha = roughness * roughness;
         let above = self.0.partition_point(|level| level.alpha <= alpha);
-        let place = place_of(direction);
-        let Some(above_level) = self.0.get(above) else {
-            return self.0.last().map_or_else(mirror, |level| level.map.at(place));
-        };
+        let Some(above_level) = self.0.get(above) else { return self.roughest(place).unwrap_or_else(mirror) };
         let high = above_level.map.at(place);
         if above == 0 {
             let t = alpha / above_level.alpha;
-            return if t > 0.0 { mirror() * (1.0 - t) + high * t } else { mirror() };
+            return if t > 0.0 { mix(mirror(), high, t) } else { mirror() };
         }
         let below = &self.0[above - 1];
         let t = (alpha - below.alpha) * above_level.alpha / ((above_level.alpha - below.alpha) * alpha);
-        below.map.at(place) * (1.0 - t) + high * t
+        mix(below.map.at(place), high, t)
+    }
+
+    /// The light at roughness 1.
+    #[inline]
+    pub(super) fn roughest(&self, place: [f32; 2]) -> Option<[f32; 4]> {
+        self.0.last().map(|level| level.map.at(place))
     }
 }

@@ -15,7 +15,7 @@ mod texels;
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::math::Vec3;
+use crate::math::{Lane, Vec3};
 use distribution::Distribution;
 pub use irradiance::IrradianceHarmonics;
 use levels::Levels;
@@ -80,7 +80,8 @@ impl Environment {
     /// (`environments::levels_are_integrals_over_all_texels`).
     /// Source: Karis 2013, "Pre-Filtered Environment Map".
     pub fn specular(&self, direction: Vec3, roughness: f32) -> Vec3 {
-        self.levels.at(direction, roughness, || self.radiance(direction))
+        let [r, g, b, _] = self.specular_at(Self::place_of(direction), direction, roughness);
+        Vec3::new(r, g, b)
     }
 
     /// The irradiance on a plane with the unit normal `n`, linear RGB: π times the level of roughness 1, whose lobe is the
@@ -88,7 +89,26 @@ impl Environment {
     ///
     /// Law: within 2 % of the integral over all texels (`laws_environment::irradiance_is_the_integral_over_all_texels`).
     pub fn irradiance(&self, n: Vec3) -> Vec3 {
-        self.levels.at(n, 1.0, || self.radiance(n)) * std::f32::consts::PI
+        let [r, g, b, _] = self.mean_at(Self::place_of(n));
+        Vec3::new(r, g, b) * std::f32::consts::PI
+    }
+
+    /// Where a direction of any length lies in the filtered maps, for [`Self::specular_at`] and [`Self::mean_at`].
+    #[inline(always)]
+    pub(crate) fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
+        octahedron::place_of(direction)
+    }
+
+    /// [`Self::specular`] of a direction whose place is known; the fourth number means nothing.
+    #[inline]
+    pub(crate) fn specular_at(&self, place: [f32; 2], direction: Vec3, roughness: f32) -> [f32; 4] {
+        self.levels.at(place, roughness, || with_zero(self.radiance(direction)))
+    }
+
+    /// [`Self::irradiance`] over π at a place; the fourth number means nothing.
+    #[inline]
+    pub(crate) fn mean_at(&self, place: [f32; 2]) -> [f32; 4] {
+        self.levels.roughest(place).unwrap_or_default()
     }
 
     /// The irradiance up to the second degree of spherical harmonics, for engines that take light so. On the dark side of
@@ -111,4 +131,8 @@ impl Environment {
     fn distribution(&self) -> &Distribution {
         self.distribution.get_or_init(|| Distribution::new(&self.picture))
     }
+}
+
+fn with_zero(color: Vec3) -> [f32; 4] {
+    [color.x, color.y, color.z, 0.0]
 }

@@ -1,7 +1,7 @@
 //! The sphere unfolded to a square: an octahedron's upper faces in the middle, the lower ones folded out.
 
 use super::texels::HalfTexels;
-use crate::math::Vec3;
+use crate::math::{Lane, Vec3};
 use rayon::prelude::*;
 
 /// A picture of the sphere with a border, so that lookup between texels is seamless.
@@ -15,13 +15,18 @@ pub(super) struct Octahedron {
 }
 
 /// The place in the unfolded square, [0, 1]², of a direction of any length.
-#[inline]
-pub(super) fn place_of(direction: Vec3) -> [f32; 2] {
+#[inline(always)]
+pub(super) fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
     let Vec3 { x, y, z } = direction;
-    let scale = 1.0 / (x.abs() + y.abs() + z.abs());
+    let (zero, half, one) = (x.lit(0.0), x.lit(0.5), x.lit(1.0));
+    let scale = one / (x.abs() + y.abs() + z.abs());
     let (x, z) = (x * scale, z * scale);
-    let (x, z) = if y < 0.0 { folded(x, z) } else { (x, z) };
-    [x * 0.5 + 0.5, z * 0.5 + 0.5]
+    let (far_x, far_z) = (one - z.abs(), one - x.abs());
+    let below = y.lt(zero);
+    let folded_x = L::select(x.lt(zero), -far_x, far_x);
+    let folded_z = L::select(z.lt(zero), -far_z, far_z);
+    let (x, z) = (L::select(below, folded_x, x), L::select(below, folded_z, z));
+    [x * half + half, z * half + half]
 }
 
 /// The unit direction of a place.
@@ -72,16 +77,27 @@ impl Octahedron {
         &self.texels
     }
 
-    /// The mean of the four texels around a place, by nearness.
+    /// The mean of the four texels around a place, by nearness: linear RGB, and a number that means nothing.
     #[inline]
-    pub(super) fn at(&self, [u, v]: [f32; 2]) -> Vec3 {
+    pub(super) fn at(&self, [u, v]: [f32; 2]) -> [f32; 4] {
         let (x, y) = (u * self.side as f32 + 0.5, v * self.side as f32 + 0.5);
         let (left, top) = (x as usize, y as usize);
         let (s, t) = (x - left as f32, y - top as f32);
         let start = top * (self.side + 2) + left;
-        let row = |start: usize| self.texels.get(start) * (1.0 - s) + self.texels.get(start + 1) * s;
-        row(start) * (1.0 - t) + row(start + self.side + 2) * t
+        let top = self.texels.between(start, s);
+        let bottom = self.texels.between(start + self.side + 2, s);
+        mix(top, bottom, t)
     }
+}
+
+/// From `a` to `b`, by `t`.
+#[inline]
+pub(super) fn mix(a: [f32; 4], b: [f32; 4], t: f32) -> [f32; 4] {
+    let mut mixed = [0.0; 4];
+    for c in 0..4 {
+        mixed[c] = a[c] * (1.0 - t) + b[c] * t;
+    }
+    mixed
 }
 
 /// Which texel inside shows what a border texel does: each edge of the square is sewn to itself, turned round.
@@ -99,11 +115,11 @@ mod tests {
     fn places_and_directions_are_inverse() {
         for i in 0..400 {
             let place = [(i % 20) as f32 / 20.0 + 0.021, (i / 20) as f32 / 20.0 + 0.017];
-            let [u, v] = place_of(direction_of(place));
+            let [u, v]: [f32; 2] = place_of(direction_of(place));
             assert!((u - place[0]).abs() < 1e-6 && (v - place[1]).abs() < 1e-6, "{place:?}: {u} {v}");
         }
-        assert_eq!(place_of(Vec3::new(0.0, 3.0, 0.0)), [0.5, 0.5]);
-        assert_eq!(place_of(Vec3::new(0.0, -1.0, 0.0)), [1.0, 1.0]);
+        assert_eq!(place_of(Vec3::new(0.0f32, 3.0, 0.0)), [0.5, 0.5]);
+        assert_eq!(place_of(Vec3::new(0.0f32, -1.0, 0.0)), [1.0, 1.0]);
     }
 
     /// A linear function of the direction has no jump anywhere.
@@ -127,7 +143,8 @@ mod tests {
                 _ => {}
             }
             let d = d.normalize();
-            let found = map.at(place_of(d)) - Vec3::splat(2.0);
+            let [x, y, z, _] = map.at(place_of(d));
+            let found = Vec3::new(x, y, z) - Vec3::splat(2.0);
             assert!((found - d).length() < 0.03, "{d:?}: {found:?}");
         }
     }

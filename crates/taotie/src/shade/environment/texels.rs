@@ -57,6 +57,18 @@ impl HalfTexels {
         Vec3::new(self.float(r), self.float(g), self.float(b))
     }
 
+    /// From a texel to the next one, by `share`: linear RGB and 0; black beyond the last.
+    #[inline]
+    pub(super) fn between(&self, index: usize, share: f32) -> [f32; 4] {
+        let mut mean = [0.0; 4];
+        if let Some([a, b]) = self.texels.get(index..index + 2) {
+            for c in 0..4 {
+                mean[c] = self.float(a[c]) * (1.0 - share) + self.float(b[c]) * share;
+            }
+        }
+        mean
+    }
+
     /// A half float's exponent and mantissa moved to where a float has them are the same number but for 2¹¹².
     #[inline]
     fn float(&self, stored: u16) -> f32 {
