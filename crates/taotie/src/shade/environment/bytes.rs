@@ -106,7 +106,7 @@ fn wrong(why: &str) -> Error {
 const PIECE: usize = 6 << 13;
 
 /// How many texels are believed to come before they have; more are made room for as they do.
-const BELIEVED: usize = 1 << 20;
+const BELIEVED: usize = 1 << 22;
 
 /// What is still to be read.
 struct Rest<R> {
@@ -152,16 +152,17 @@ impl<R: Read> Rest<R> {
 
     fn texels(&mut self, count: usize) -> Result<HalfTexels> {
         let exponent = i32::from_le_bytes(self.array()?);
-        let half = |low: u8, high: u8| u16::from_le_bytes([low, high]);
-        let mut texels = Vec::with_capacity(count.min(BELIEVED));
+        let texels = HalfTexels::with_exponent(exponent, count.min(BELIEVED));
+        let mut texels = texels.ok_or_else(|| wrong("a number is none"))?;
         let mut piece = [0; PIECE];
-        while texels.len() < count {
-            let stored = &mut piece[..PIECE.min(6 * (count - texels.len()))];
+        while texels.texels().len() < count {
+            let stored = &mut piece[..PIECE.min(6 * (count - texels.texels().len()))];
             self.fill(stored)?;
-            let stored = stored.as_chunks::<6>().0.iter();
-            texels.extend(stored.map(|b| [half(b[0], b[1]), half(b[2], b[3]), half(b[4], b[5]), 0]));
+            if !texels.add_stored(stored.as_chunks().0) {
+                return Err(wrong("a number is none"));
+            }
         }
-        HalfTexels::from_stored(exponent, texels).ok_or_else(|| wrong("a number is none"))
+        Ok(texels)
     }
 
     fn level(&mut self) -> Result<Level> {
