@@ -51,8 +51,14 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 
 fn render(args: &RenderArgs) -> Result<Report> {
     let mut watch = Watch::new();
-    let mut loaded = studio::load(&args.model, &args.material, args.bump_scale)?;
+    let mut sky_warnings = Warnings::default();
+    let (loaded, environment) = rayon::join(
+        || studio::load(&args.model, &args.material, args.bump_scale),
+        || args.light.environment(&mut sky_warnings),
+    );
+    let (mut loaded, environment) = (loaded?, environment?);
     let mut warnings = std::mem::take(&mut loaded.warnings);
+    warnings.absorb(sky_warnings);
     watch.lap("load");
     let mut settings = args.settings();
     let motion = match args.motion.animates() {
@@ -68,7 +74,7 @@ fn render(args: &RenderArgs) -> Result<Report> {
     };
     watch.lap("prepare");
     let plan = args.motion.plan(motion.as_ref().map_or(0.0, Motion::seconds))?;
-    let mut sequence = Sequence::new(args, settings, &plan, watch)?;
+    let mut sequence = Sequence::new(args, settings, &plan, watch)?.within(environment);
     let files = sequence.take(&mut loaded.scene, motion.as_ref(), &mut warnings)?;
     let animation = motion.map(|motion| motion.name());
     let triangles = loaded.scene.triangle_count();

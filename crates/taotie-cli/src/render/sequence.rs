@@ -34,18 +34,22 @@ impl<'a> Sequence<'a> {
     pub fn new(args: &'a RenderArgs, settings: RenderSettings, plan: &'a Plan, watch: Watch) -> Result<Self> {
         let development = args.film.development(args.running.simd)?;
         let formats = Formats::of(args)?;
-        let environment = None;
         Ok(Self {
             args,
             settings,
             formats,
             development,
             plan,
-            environment,
+            environment: None,
             watch,
             done: 0,
             files: Vec::new(),
         })
+    }
+
+    /// With light from all around.
+    pub fn within(self, environment: Option<EnvironmentLight>) -> Self {
+        Self { environment, ..self }
     }
 
     /// Renders and writes all of them; returns the files.
@@ -55,8 +59,6 @@ impl<'a> Sequence<'a> {
         motion: Option<&Motion>,
         warnings: &mut Warnings,
     ) -> Result<Vec<PathBuf>> {
-        self.environment = self.args.light.environment(warnings)?;
-        self.watch.lap("environment");
         let framing = self.args.framing();
         let mut viewpoint = match motion {
             Some(motion) => Viewpoint::choose_moving(&self.args.camera, framing, scene, motion)?,

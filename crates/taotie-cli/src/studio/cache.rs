@@ -3,7 +3,7 @@
 //! `TAOTIE_CACHE_DIR` names another folder. Nothing here can fail: what cannot be read or written is made anew.
 
 use directories::ProjectDirs;
-use std::fs;
+use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -11,14 +11,14 @@ use std::time::SystemTime;
 /// The most bytes that the folder holds; what was used longest ago goes first.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// The file `name`, if it is there. Reading counts as use.
-pub fn read(name: &str) -> Option<Vec<u8>> {
+/// The file `name`, if it is there. Opening counts as use.
+pub fn open(name: &str) -> Option<File> {
     let path = folder()?.join(name);
-    let bytes = fs::read(&path).ok()?;
-    if let Ok(file) = fs::File::options().append(true).open(&path) {
+    let file = File::open(&path).ok()?;
+    if let Ok(file) = File::options().append(true).open(&path) {
         let _ = file.set_modified(SystemTime::now());
     }
-    Some(bytes)
+    Some(file)
 }
 
 /// Leaves the file `name`, whole or not at all.
@@ -75,7 +75,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for (age, name) in [(30, "old.env"), (10, "young.env"), (20, "middle.env"), (99, "foreign.txt")] {
             write_in(folder.path(), name, &[0; 100]).unwrap();
-            let file = fs::File::options().append(true).open(folder.path().join(name)).unwrap();
+            let file = File::options().append(true).open(folder.path().join(name)).unwrap();
             file.set_modified(SystemTime::now() - Duration::from_secs(age)).unwrap();
         }
         make_room(folder.path(), 250);

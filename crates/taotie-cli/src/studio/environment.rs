@@ -87,7 +87,7 @@ fn read(path: &Path) -> Result<Environment> {
 /// The filtered environment of this name from the cache; else made of its picture, and left there.
 fn kept(name: &str, picture: impl FnOnce() -> Result<taotie::image::Image>) -> Result<Environment> {
     let key = format!("{name}-{ENVIRONMENT_VERSION}.env");
-    if let Some(environment) = cache::read(&key).and_then(|bytes| Environment::from_bytes(&bytes).ok()) {
+    if let Some(environment) = cache::open(&key).and_then(|file| Environment::read(file).ok()) {
         return Ok(environment);
     }
     let environment = Environment::new(picture()?)?;

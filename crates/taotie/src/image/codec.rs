@@ -11,19 +11,23 @@ pub(super) struct Codec {
     pub encoding: Encoding,
     /// Normals of the finest level become unit vectors before they are averaged, and have no variance.
     pub is_finest: bool,
-    /// The linear value of 8 bits.
+    srgb: Option<Box<Srgb>>,
+}
+
+/// How 8 bits of colour are read and written.
+#[derive(Debug, Clone)]
+struct Srgb {
     decode: [f32; 256],
-    /// The alpha of 8 bits.
-    alpha: [f32; 256],
-    /// The 8 bits of a linear value, for [`Encoding::Srgb`].
-    srgb_codes: Option<Box<Codes>>,
+    codes: Codes,
 }
 
 impl Codec {
     pub fn new(encoding: Encoding) -> Self {
-        let (decode, alpha) = (decode_u8(encoding), std::array::from_fn(|code| code as f32 / 255.0));
-        let srgb_codes = (encoding == Encoding::Srgb).then(|| Box::new(nearest_codes(&decode)));
-        Self { encoding, is_finest: true, decode, alpha, srgb_codes }
+        let srgb = (encoding == Encoding::Srgb).then(|| {
+            let decode = decode_u8(encoding);
+            Box::new(Srgb { decode, codes: nearest_codes(&decode) })
+        });
+        Self { encoding, is_finest: true, srgb }
     }
 }
 
@@ -60,18 +64,26 @@ pub(super) trait Texel: Copy + Default + Send + Sync {
 impl Texel for u8 {
     #[inline(always)]
     fn decode<P: Pack>(token: P::Token, codec: &Codec, from: &[[Self; 4]], to: &mut [[f32; 4]]) {
-        let (color, alpha) = (&codec.decode, &codec.alpha);
-        for (from, to) in from.iter().zip(to.iter_mut()) {
-            let [r, g, b, a] = from.map(usize::from);
-            *to = [color[r], color[g], color[b], alpha[a]];
+        match codec.srgb.as_deref() {
+            Some(Srgb { decode, .. }) => {
+                for ([r, g, b, a], to) in from.iter().zip(to) {
+                    let color = |code: &u8| decode[usize::from(*code)];
+                    *to = [color(r), color(g), color(b), f32::from(*a) / 255.0];
+                }
+            }
+            None => {
+                for (from, to) in from.as_flattened().iter().zip(to.as_flattened_mut()) {
+                    *to = f32::from(*from) / 255.0;
+                }
+                finest_normals::<P>(token, codec, to);
+            }
         }
-        finest_normals::<P>(token, codec, to);
     }
 
     #[inline(always)]
     fn encode<P: Pack>(token: P::Token, codec: &Codec, means: &mut [[f32; 4]], to: &mut [[Self; 4]]) {
-        match &codec.srgb_codes {
-            Some(codes) => {
+        match codec.srgb.as_deref() {
+            Some(Srgb { codes, .. }) => {
                 prepare_srgb::<P>(token, means);
                 for (mean, to) in means.iter().zip(to) {
                     let [r, g, b, a] = *mean;
@@ -80,9 +92,8 @@ impl Texel for u8 {
             }
             None => {
                 round_codes::<P>(token, 255.0, means);
-                for (mean, to) in means.iter().zip(to) {
-                    let [r, g, b, a] = *mean;
-                    *to = [r.to_bits() as u8, g.to_bits() as u8, b.to_bits() as u8, a.to_bits() as u8];
+                for (mean, to) in means.as_flattened().iter().zip(to.as_flattened_mut()) {
+                    *to = mean.to_bits() as u8;
                 }
             }
         }
@@ -92,10 +103,8 @@ impl Texel for u8 {
 impl Texel for u16 {
     #[inline(always)]
     fn decode<P: Pack>(token: P::Token, codec: &Codec, from: &[[Self; 4]], to: &mut [[f32; 4]]) {
-        for (from, to) in from.iter().zip(to.iter_mut()) {
-            for c in 0..4 {
-                to[c] = f32::from(from[c]) / 65535.0;
-            }
+        for (from, to) in from.as_flattened().iter().zip(to.as_flattened_mut()) {
+            *to = f32::from(*from) / 65535.0;
         }
         finest_normals::<P>(token, codec, to);
     }
@@ -104,10 +113,8 @@ impl Texel for u16 {
     fn encode<P: Pack>(token: P::Token, codec: &Codec, means: &mut [[f32; 4]], to: &mut [[Self; 4]]) {
         put_variances::<P>(token, codec, means);
         round_codes::<P>(token, 65535.0, means);
-        for (mean, to) in means.iter().zip(to) {
-            for c in 0..4 {
-                to[c] = mean[c].to_bits() as u16;
-            }
+        for (mean, to) in means.as_flattened().iter().zip(to.as_flattened_mut()) {
+            *to = mean.to_bits() as u16;
         }
     }
 }

@@ -9,6 +9,10 @@ use rayon::prelude::*;
 /// All levels, the given one first. Each halves the size, rounding down.
 pub(super) fn chain(finest: Bitmap, encoding: Encoding) -> Vec<Bitmap> {
     let level = SimdLevel::default().dispatch().unwrap_or(Level::fallback());
+    chain_at(level, finest, encoding)
+}
+
+fn chain_at(level: Level, finest: Bitmap, encoding: Encoding) -> Vec<Bitmap> {
     let mut codec = Codec::new(encoding);
     let mut levels = vec![finest];
     while let Some(last) = levels.last()
@@ -144,5 +148,60 @@ impl Span {
         let covered = |x: f64| ((end.min(x + 1.0) - start.max(x)) / width) as f32;
         let weights = std::array::from_fn(|k| if k < count { covered((first + k) as f64) } else { 0.0 });
         Self { first, count, weights }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers without a pattern, [0, 2^24).
+    fn numbers(count: usize) -> Vec<[u32; 4]> {
+        let mut state = 1u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            state >> 8
+        };
+        (0..count).map(|_| std::array::from_fn(|_| next())).collect()
+    }
+
+    fn bitmaps(width: u32, height: u32) -> [Bitmap; 3] {
+        let numbers = numbers((width * height) as usize);
+        let texels = [
+            Texels::U8(numbers.iter().map(|t| t.map(|v| v as u8)).collect()),
+            Texels::U16(numbers.iter().map(|t| t.map(|v| v as u16)).collect()),
+            Texels::F32(numbers.iter().map(|t| t.map(|v| v as f32 / 1e6)).collect()),
+        ];
+        texels.map(|texels| Bitmap::new(width, height, 4, texels).unwrap())
+    }
+
+    #[test]
+    fn every_level_gives_the_same_bits() {
+        for size in [(64, 32), (37, 23), (1, 9), (300, 2)] {
+            for encoding in [Encoding::Srgb, Encoding::Linear, Encoding::Normal] {
+                for bitmap in bitmaps(size.0, size.1) {
+                    let at = |simd: SimdLevel| chain_at(simd.dispatch().unwrap(), bitmap.clone(), encoding);
+                    let expected = at(SimdLevel::Scalar);
+                    assert_eq!(expected.last().map(|l| (l.width(), l.height())), Some((1, 1)));
+                    for simd in SimdLevel::available() {
+                        assert!(at(simd) == expected, "{size:?} {encoding:?} {simd:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn plain_means_are_those_of_the_spans() {
+        let level = Level::fallback();
+        for encoding in [Encoding::Srgb, Encoding::Linear, Encoding::Normal] {
+            let codec = Codec::new(encoding);
+            let [_, _, bitmap] = bitmaps(64, 32);
+            let Texels::F32(texels) = bitmap.texels() else { panic!("floats") };
+            let plain = Shrink::new([64, 32], [32, 16]);
+            let spans = Shrink { is_plain: false, ..Shrink::new([64, 32], [32, 16]) };
+            let of = |shrink: &Shrink| shrink.all::<f32, f32>(level, &codec, texels);
+            assert!(plain.is_plain && of(&plain) == of(&spans), "{encoding:?}");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! A texture: a bitmap with its mip chain, decoded to linear values at each lookup.
 
 use super::{Bitmap, Texels, codec, mips};
+use rayon::prelude::*;
 
 /// What stored numbers mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -134,7 +135,7 @@ fn linear_from_srgb16(bitmap: &Bitmap, texels: &[[u16; 4]]) -> Bitmap {
     let table: Vec<f32> =
         (0..=65535u32).map(|v| crate::math::srgb::linear_from_srgb(f64::from(v) / 65535.0) as f32).collect();
     let linear = texels
-        .iter()
+        .par_iter()
         .map(|[r, g, b, a]| {
             [table[*r as usize], table[*g as usize], table[*b as usize], f32::from(*a) / 65535.0]
         })

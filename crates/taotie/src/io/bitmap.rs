@@ -2,6 +2,7 @@
 
 mod exr;
 mod ktx;
+mod png;
 
 use super::file;
 use crate::error::{Error, Result};
@@ -51,7 +52,11 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     if format == ImageFormat::OpenExr {
         return exr::decode(bytes).map_err(|failure| failure.into_error(path, at()));
     }
-    decode(bytes, format).map_err(|failure| failure.into_error(path, at()))
+    let decoded = match format {
+        ImageFormat::Png => png::decode(bytes).transpose().unwrap_or_else(|| decode(bytes, format)),
+        _ => decode(bytes, format),
+    };
+    decoded.map_err(|failure| failure.into_error(path, at()))
 }
 
 /// Why an image cannot be had, before it is known which file is to blame.
@@ -154,18 +159,27 @@ fn bitmap_from(picture: DynamicImage) -> std::result::Result<Bitmap, Failure> {
 }
 
 /// RGBA texels from interleaved samples; grey is repeated, missing alpha is `one`.
-fn expand<T: Copy>(samples: &[T], channels: u8, one: T) -> Vec<[T; 4]> {
+fn expand<T: Copy + Default>(samples: &[T], channels: u8, one: T) -> Vec<[T; 4]> {
+    let mut texels = vec![[T::default(); 4]; samples.len() / usize::from(channels)];
+    widen(samples, channels, one, &mut texels);
+    texels
+}
+
+/// [`expand`] into memory that is there.
+fn widen<T: Copy>(samples: &[T], channels: u8, one: T, texels: &mut [[T; 4]]) {
     match channels {
-        1 => texels(samples, |[v]| [v, v, v, one]),
-        2 => texels(samples, |[v, a]| [v, v, v, a]),
-        3 => texels(samples, |[r, g, b]| [r, g, b, one]),
-        _ => texels(samples, |texel| texel),
+        1 => each(samples, texels, |[v]| [v, v, v, one]),
+        2 => each(samples, texels, |[v, a]| [v, v, v, a]),
+        3 => each(samples, texels, |[r, g, b]| [r, g, b, one]),
+        _ => each(samples, texels, |texel| texel),
     }
 }
 
-/// Copies of a width that the compiler knows.
-fn texels<T: Copy, const N: usize>(samples: &[T], texel: impl Fn([T; N]) -> [T; 4]) -> Vec<[T; 4]> {
-    samples.as_chunks().0.iter().map(|samples| texel(*samples)).collect()
+/// Texels from samples of a width that the compiler knows.
+fn each<T: Copy, const N: usize>(samples: &[T], texels: &mut [[T; 4]], texel: impl Fn([T; N]) -> [T; 4]) {
+    for (to, samples) in texels.iter_mut().zip(samples.as_chunks().0) {
+        *to = texel(*samples);
+    }
 }
 
 #[cfg(test)]

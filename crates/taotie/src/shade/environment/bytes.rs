@@ -10,7 +10,8 @@ use super::texels::HalfTexels;
 use super::{ENVIRONMENT_VERSION, Environment};
 use crate::error::{Error, Result};
 use crate::image::Image;
-use rayon::prelude::*;
+use crc32fast::Hasher;
+use std::io::{self, Read};
 use std::sync::OnceLock;
 
 /// How such bytes begin; then come [`ENVIRONMENT_VERSION`] and the CRC-32 of all that follows.
@@ -46,24 +47,35 @@ impl Environment {
     /// # Errors
     /// [`Error::Invalid`] where the bytes are none of an environment, of another version, cut off or damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        let mut rest = Rest { bytes };
-        if rest.take(SIGNATURE.len())? != SIGNATURE {
+        Self::read(bytes)
+    }
+
+    /// [`Self::from_bytes`] of all that `from` gives, which is read in large pieces and never held as a
+    /// whole.
+    ///
+    /// # Errors
+    /// As [`Self::from_bytes`], also where nothing can be read.
+    pub fn read(from: impl Read) -> Result<Self> {
+        let mut rest = Rest { from, sum: Hasher::new() };
+        if rest.array()? != *SIGNATURE {
             return Err(wrong("they begin otherwise"));
         }
         let version = u32::from_le_bytes(rest.array()?);
         if version != ENVIRONMENT_VERSION {
             return Err(wrong(&format!("they are of version {version}, not {ENVIRONMENT_VERSION}")));
         }
-        if u32::from_le_bytes(rest.array()?) != crc32fast::hash(rest.bytes) {
-            return Err(wrong("their sum is wrong; they were damaged or cut off"));
-        }
+        let sum = u32::from_le_bytes(rest.array()?);
+        rest.sum = Hasher::new();
         let mended = rest.count(usize::MAX)?;
         let side = Image::MAX_SIDE as usize;
         let (width, height) = (rest.size(side)?, rest.size(side)?);
         let picture = Picture::from_texels(width, height, rest.texels(width * height)?);
         let levels = (0..rest.count(MOST_LEVELS)?).map(|_| rest.level()).collect::<Result<Vec<_>>>()?;
-        if !rest.bytes.is_empty() || !levels.is_sorted_by(|a, b| a.alpha < b.alpha) {
+        if !rest.is_at_end() || !levels.is_sorted_by(|a, b| a.alpha < b.alpha) {
             return Err(wrong("they contradict themselves"));
+        }
+        if rest.sum.finalize() != sum {
+            return Err(wrong("their sum is wrong; they were damaged or cut off"));
         }
         let levels = Levels(levels);
         Ok(Self { picture, levels, distribution: OnceLock::new(), mended })
@@ -90,22 +102,37 @@ fn wrong(why: &str) -> Error {
     Error::invalid("the bytes of an environment", why)
 }
 
+/// How many bytes of texels are read at once: few enough to stay in the cache until they are texels.
+const PIECE: usize = 6 << 13;
+
+/// How many texels are believed to come before they have; more are made room for as they do.
+const BELIEVED: usize = 1 << 22;
+
 /// What is still to be read.
-struct Rest<'a> {
-    bytes: &'a [u8],
+struct Rest<R> {
+    from: R,
+    /// The sum of what was read since the header.
+    sum: Hasher,
 }
 
-impl<'a> Rest<'a> {
-    fn take(&mut self, count: usize) -> Result<&'a [u8]> {
-        let (taken, rest) = self.bytes.split_at_checked(count).ok_or_else(|| wrong("they end too early"))?;
-        self.bytes = rest;
-        Ok(taken)
+impl<R: Read> Rest<R> {
+    fn fill(&mut self, bytes: &mut [u8]) -> Result<()> {
+        self.from.read_exact(bytes).map_err(|error| match error.kind() {
+            io::ErrorKind::UnexpectedEof => wrong("they end too early"),
+            _ => wrong(&error.to_string()),
+        })?;
+        self.sum.update(bytes);
+        Ok(())
     }
 
     fn array<const N: usize>(&mut self) -> Result<[u8; N]> {
         let mut array = [0; N];
-        array.copy_from_slice(self.take(N)?);
+        self.fill(&mut array)?;
         Ok(array)
+    }
+
+    fn is_at_end(&mut self) -> bool {
+        self.from.read_exact(&mut [0]).is_err()
     }
 
     fn float(&mut self) -> Result<f32> {
@@ -125,11 +152,17 @@ impl<'a> Rest<'a> {
 
     fn texels(&mut self, count: usize) -> Result<HalfTexels> {
         let exponent = i32::from_le_bytes(self.array()?);
-        let stored = self.take(count * 6)?;
-        let half = |low: u8, high: u8| u16::from_le_bytes([low, high]);
-        let texel = |b: &[u8]| [half(b[0], b[1]), half(b[2], b[3]), half(b[4], b[5]), 0];
-        let texels: Vec<[u16; 4]> = stored.par_chunks_exact(6).map(texel).collect();
-        HalfTexels::from_stored(exponent, texels).ok_or_else(|| wrong("a number is none"))
+        let texels = HalfTexels::with_exponent(exponent, count.min(BELIEVED));
+        let mut texels = texels.ok_or_else(|| wrong("a number is none"))?;
+        let mut piece = [0; PIECE];
+        while texels.texels().len() < count {
+            let stored = &mut piece[..PIECE.min(6 * (count - texels.texels().len()))];
+            self.fill(stored)?;
+            if !texels.add_stored(stored.as_chunks().0) {
+                return Err(wrong("a number is none"));
+            }
+        }
+        Ok(texels)
     }
 
     fn level(&mut self) -> Result<Level> {

@@ -2,7 +2,6 @@
 
 use crate::math::Vec3;
 use half::f16;
-use rayon::prelude::*;
 
 /// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no picture holds it whole.
 pub(super) const MAX_RADIANCE: f32 = 1e9;
@@ -33,11 +32,20 @@ impl HalfTexels {
         Self { exponent, texels, decode: power_of_two(exponent + 112) as f32 }
     }
 
-    /// From what [`Self::exponent`] and [`Self::texels`] told; nothing where that cannot be.
-    pub(super) fn from_stored(exponent: i32, texels: Vec<[u16; 4]>) -> Option<Self> {
-        let sound = |texel: &[u16; 4]| texel.iter().all(|half| *half < f16::INFINITY.to_bits());
+    /// None yet, with room for some, of what [`Self::exponent`] told; nothing where that cannot be.
+    pub(super) fn with_exponent(exponent: i32, room: usize) -> Option<Self> {
         let exponents = exponent_of(0.0) - 15..=exponent_of(MAX_RADIANCE) - 15;
-        (exponents.contains(&exponent) && texels.par_iter().all(sound)).then(|| Self::new(exponent, texels))
+        exponents.contains(&exponent).then(|| Self::new(exponent, Vec::with_capacity(room)))
+    }
+
+    /// Adds texels of three half floats, little endian, as [`Self::texels`] told; whether all are numbers of light.
+    #[must_use]
+    pub(super) fn add_stored(&mut self, stored: &[[u8; 6]]) -> bool {
+        let half = |low: u8, high: u8| u16::from_le_bytes([low, high]);
+        let before = self.texels.len();
+        self.texels.extend(stored.iter().map(|b| [half(b[0], b[1]), half(b[2], b[3]), half(b[4], b[5]), 0]));
+        let added = self.texels[before..].as_flattened();
+        added.iter().fold(true, |sound, half| sound & (*half < f16::INFINITY.to_bits()))
     }
 
     /// The stored numbers are multiplied by two to this power.
@@ -112,7 +120,8 @@ mod tests {
     #[test]
     fn every_half_float_is_decoded_as_its_format_says() {
         for bits in (1u16 << 10)..(31 << 10) {
-            let texels = HalfTexels::from_stored(3, vec![[bits, 0, 0, 0]]).unwrap();
+            let mut texels = HalfTexels::with_exponent(3, 1).unwrap();
+            assert!(texels.add_stored(&[[bits as u8, (bits >> 8) as u8, 0, 0, 0, 0]]));
             assert_eq!(texels.get(0).x, f16::from_bits(bits).to_f32() * 8.0);
         }
     }
