@@ -157,8 +157,8 @@ impl Chunk {
         for start in (part.start..end).step_by(BLOCK) {
             let triangles = &part.geometry.triangles[start..end.min(start + BLOCK)];
             for (i, triangle) in triangles.iter().enumerate() {
-                for k in 0..3 {
-                    corners.places[k][i] = part.vertices.places[triangle[k] as usize];
+                for (places, vertex) in corners.places.iter_mut().zip(triangle) {
+                    places[i] = part.vertices.places[*vertex as usize];
                 }
             }
             let verdict = culling.verdict(&corners, triangles.len());

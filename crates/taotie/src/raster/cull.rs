@@ -126,7 +126,7 @@ impl<S: Simd> Small<S> {
     fn covers(&self, viewport: &Viewport, asked: mask32x8<S>) -> mask32x8<S> {
         let mut covers = self.splat(0).simd_lt(self.splat(0));
         for &offset in viewport.pattern.offsets() {
-            covers = covers | self.covers_at(viewport, offset);
+            covers |= self.covers_at(viewport, offset);
             if !(asked & !covers).any_true() {
                 break;
             }
@@ -202,7 +202,7 @@ fn load_places<S: Simd>(simd: S, places: &[[i32; 2]]) -> (i32x8<S>, i32x8<S>) {
 fn moved<S: Simd>(edges: &[[i32x8<S>; 3]; 3], step: usize) -> [[i32x8<S>; 3]; 3] {
     let mut moved = *edges;
     for edge in &mut moved {
-        edge[0] = edge[0] + edge[step];
+        edge[0] += edge[step];
     }
     moved
 }
