@@ -215,11 +215,11 @@ fn triangles_of_all_sizes_cover_what_exact_arithmetic_says() {
     let mut random = Random(11);
     let mut bins = Bins::default();
     let small = [(0.01, 1), (0.03, 1), (0.08, 4), (0.15, 16), (0.4, 1), (2.0, 4), (300.0, 1)];
-    let small = small.map(|(reach, samples)| (reach, samples, 100, 301));
+    let small = small.map(|(reach, samples)| (reach, samples, [100, 75], 301));
     // Sides of 64 and 128 pixels, where arithmetic changes its width, and far beyond.
-    let large = [(0.2, 1, 700, 40), (0.4, 1, 700, 40), (2.0, 1, 700, 20), (20.0, 1, 700, 20)];
-    for (reach, samples, width, count) in small.into_iter().chain(large) {
-        let viewport = Viewport { width, height: 75, pattern: SamplePattern::new(samples).unwrap() };
+    let large = [0.2, 0.4, 1.0, 2.0, 20.0].map(|reach| (reach, 1, [700, 500], 20));
+    for (reach, samples, [width, height], count) in small.into_iter().chain(large) {
+        let viewport = Viewport { width, height, pattern: SamplePattern::new(samples).unwrap() };
         let (clip, triangles) = scattered(count, reach, &mut random);
         for faces in [Faces::CounterClockwise, Faces::Clockwise, Faces::Both] {
             let geometry = Geometry { clip: &clip, triangles: &triangles, faces, first_id: 5 };
