@@ -88,8 +88,8 @@ struct Chunk {
 const SEVERAL: u32 = u32::MAX;
 
 impl Bins {
-    /// Clips, culls, snaps and sorts `geometry` into the tiles of `viewport`, in the memory of what was there before.
-    /// The result does not depend on threads, nor on `simd`.
+    /// Clips, culls, snaps and sorts `geometry` into the tiles of `viewport`, in the memory of what was there
+    /// before. The result does not depend on threads, nor on `simd`.
     ///
     /// # Errors
     /// Where the SIMD level is not to be had on this machine.

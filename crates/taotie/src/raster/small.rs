@@ -1,4 +1,5 @@
-//! Small triangles relative to a tile, set up eight at a time: edge functions and depth as planes over its pixels.
+//! Small triangles relative to a tile, set up eight at a time: edge functions and depth as planes over its
+//! pixels.
 
 use super::setup::ScreenTriangle;
 use super::{SUBPIXELS, Tile};
@@ -10,8 +11,8 @@ pub(super) const BLOCK: usize = 64;
 /// Triangles that are worked on side by side.
 pub(super) const PACK: usize = 8;
 
-/// Triangles with a longer side, in 1/256 pixel, are not small: products of shorter ones with places within a tile fit
-/// 32 bits.
+/// Triangles with a longer side, in 1/256 pixel, are not small: products of shorter ones with places within a
+/// tile fit 32 bits.
 const LONG: i32 = 1 << 14;
 
 /// The corners of a block of triangles, one column a number.
@@ -36,10 +37,12 @@ impl Corners {
     }
 }
 
-/// Eight triangles relative to the samples of a tile. What it says of a triangle that is not small means nothing.
+/// Eight triangles relative to the samples of a tile. What it says of a triangle that is not small means
+/// nothing.
 #[derive(Clone, Copy)]
 pub(super) struct Setups<S: Simd> {
-    /// Pixels of the tile to visit: left, top, right, bottom, inclusive; none where left > right or top > bottom.
+    /// Pixels of the tile to visit: left, top, right, bottom, inclusive; none where left > right or top >
+    /// bottom.
     pub bounds: [i32x8<S>; 4],
     /// For each edge: value at pixel (0, 0), step a column, step a row. Inside where all values are ≥ 0.
     pub edges: [[i32x8<S>; 3]; 3],
