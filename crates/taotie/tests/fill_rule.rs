@@ -165,3 +165,114 @@ fn the_nearest_triangle_wins_and_levels_agree_to_the_bit() {
     }
     assert!(planes.windows(2).all(|pair| (&pair[0].1, &pair[0].2) == (&pair[1].1, &pair[1].2)));
 }
+
+/// Where a corner lies, in 1/256 pixel.
+fn snapped([x, y, _, w]: [f32; 4], viewport: &Viewport) -> [i64; 2] {
+    let [x, y, w] = [x, y, w].map(f64::from);
+    let snap = |v: f64, side: u32| (v * 0.5 * f64::from(side) * 256.0 + 0.5).floor() as i64;
+    [snap(x / w + 1.0, viewport.width), snap(1.0 - y / w, viewport.height)]
+}
+
+/// Whether a triangle of snapped corners covers a place by the top-left rule, in exact arithmetic.
+fn covers(mut corners: [[i64; 2]; 3], [x, y]: [i64; 2], faces: Faces) -> bool {
+    let [a, b, c] = corners;
+    let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+    let drawn = match faces {
+        Faces::CounterClockwise => area < 0,
+        Faces::Clockwise => area > 0,
+        Faces::Both => area != 0,
+    };
+    if area < 0 {
+        corners.swap(1, 2);
+    }
+    drawn
+        && (0..3).all(|i| {
+            let ([ax, ay], [bx, by]) = (corners[i], corners[(i + 1) % 3]);
+            let (dx, dy) = (bx - ax, by - ay);
+            let value = dx * (y - ay) - dy * (x - ax);
+            value > 0 || value == 0 && (dy < 0 || dy == 0 && dx > 0)
+        })
+}
+
+/// Triangles whose corners lie within `reach` (half pictures) of a random place, some of them on half pixels.
+fn scattered(count: u32, reach: f32, random: &mut Random) -> (Vec<[f32; 4]>, Vec<[u32; 3]>) {
+    let mut clip = Vec::new();
+    for i in 0..count {
+        let center = [random.next() as f32 * 2.2 - 1.1, random.next() as f32 * 2.2 - 1.1];
+        for _ in 0..3 {
+            let place = |c: f32, r: f64| c + (r as f32 - 0.5) * reach;
+            let snap = |v: f32| if i % 3 == 0 { (v * 100.0).round() / 100.0 } else { v };
+            let (x, y) = (snap(place(center[0], random.next())), snap(place(center[1], random.next())));
+            let w = 0.5 + random.next() as f32;
+            clip.push([x * w, y * w, random.next() as f32 * w, w]);
+        }
+    }
+    (clip, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+}
+
+#[test]
+fn triangles_of_all_sizes_cover_what_exact_arithmetic_says() {
+    let mut random = Random(11);
+    let mut bins = Bins::default();
+    let small = [(0.01, 1), (0.03, 1), (0.08, 4), (0.15, 16), (0.4, 1), (2.0, 4), (300.0, 1)];
+    let small = small.map(|(reach, samples)| (reach, samples, [100, 75], 301));
+    // Sides of 64 and 128 pixels, where arithmetic changes its width, and far beyond.
+    let large = [0.2, 0.4, 1.0, 2.0, 20.0].map(|reach| (reach, 1, [700, 500], 20));
+    for (reach, samples, [width, height], count) in small.into_iter().chain(large) {
+        let viewport = Viewport { width, height, pattern: SamplePattern::new(samples).unwrap() };
+        let (clip, triangles) = scattered(count, reach, &mut random);
+        for faces in [Faces::CounterClockwise, Faces::Clockwise, Faces::Both] {
+            let geometry = Geometry { clip: &clip, triangles: &triangles, faces, first_id: 5 };
+            let expected = expected(&geometry, &viewport);
+            assert!(!expected.is_empty());
+            for simd in SimdLevel::available() {
+                bins.rebuild(&[geometry], &viewport, simd).unwrap();
+                let found = seen(&bins, &viewport, simd);
+                assert_eq!(found, expected, "{reach} {width} {faces:?} {simd:?}");
+            }
+        }
+    }
+}
+
+/// Sample, column, row and triangle of all that is covered.
+fn seen(bins: &Bins, viewport: &Viewport, simd: SimdLevel) -> Vec<[u32; 4]> {
+    let (across, down) = viewport.tiles();
+    let mut seen = Vec::new();
+    for index in 0..(across * down) as usize {
+        let tile = Tile::new(viewport, index);
+        for (sample, offset) in viewport.pattern.offsets().iter().enumerate() {
+            let layers = rasterize_layers(bins, &tile, *offset, simd, &TilePlane::default()).unwrap();
+            let place = |pixel: u32| [tile.x + pixel % 64, tile.y + pixel / 64];
+            seen.extend(layers.iter().map(|layer| {
+                let [x, y] = place(layer.pixel);
+                [sample as u32, x, y, layer.id]
+            }));
+        }
+    }
+    seen.sort_unstable();
+    seen
+}
+
+/// The same, triangle by triangle and sample by sample.
+fn expected(geometry: &Geometry<'_>, viewport: &Viewport) -> Vec<[u32; 4]> {
+    let mut expected = Vec::new();
+    for (i, triangle) in geometry.triangles.iter().enumerate() {
+        let corners = triangle.map(|v| snapped(geometry.clip[v as usize], viewport));
+        let near = |k: usize, side: u32| {
+            let [a, b, c] = corners.map(|corner| corner[k].clamp(0, i64::from(side) * 256) / 256);
+            let last = a.max(b).max(c).min(i64::from(side) - 1);
+            a.min(b).min(c) as u32..last as u32 + 1
+        };
+        for (sample, [sx, sy]) in viewport.pattern.offsets().iter().enumerate() {
+            let rows = near(1, viewport.height);
+            for (x, y) in rows.flat_map(|y| near(0, viewport.width).map(move |x| (x, y))) {
+                let place = [i64::from(x) * 256 + i64::from(*sx), i64::from(y) * 256 + i64::from(*sy)];
+                if covers(corners, place, geometry.faces) {
+                    expected.push([sample as u32, x, y, geometry.first_id + i as u32]);
+                }
+            }
+        }
+    }
+    expected.sort_unstable();
+    expected
+}

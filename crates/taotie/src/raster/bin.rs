@@ -88,8 +88,8 @@ struct Chunk {
 const SEVERAL: u32 = u32::MAX;
 
 impl Bins {
-    /// Clips, culls, snaps and sorts `geometry` into the tiles of `viewport`, in the memory of what was there before.
-    /// The result does not depend on threads, nor on `simd`.
+    /// Clips, culls, snaps and sorts `geometry` into the tiles of `viewport`, in the memory of what was there
+    /// before. The result does not depend on threads, nor on `simd`.
     ///
     /// # Errors
     /// Where the SIMD level is not to be had on this machine.
@@ -157,8 +157,8 @@ impl Chunk {
         for start in (part.start..end).step_by(BLOCK) {
             let triangles = &part.geometry.triangles[start..end.min(start + BLOCK)];
             for (i, triangle) in triangles.iter().enumerate() {
-                for k in 0..3 {
-                    corners.places[k][i] = part.vertices.places[triangle[k] as usize];
+                for (places, vertex) in corners.places.iter_mut().zip(triangle) {
+                    places[i] = part.vertices.places[*vertex as usize];
                 }
             }
             let verdict = culling.verdict(&corners, triangles.len());
@@ -211,14 +211,24 @@ impl Part<'_> {
                 Setup::new(self.viewport, self.geometry.faces).push(corners, id, out);
                 continue;
             }
-            let [a, b, c] = [corners.places[0][i], corners.places[1][i], corners.places[2][i]];
-            let depth = indices.map(|v| self.vertices.depths[v as usize]);
-            let triangle = ScreenTriangle { x: [a[0], b[0], c[0]], y: [a[1], b[1], c[1]], depth, id };
-            let turned = verdict.counter_clockwise >> i & 1 == 1;
-            out.push(if turned { triangle.turned() } else { triangle });
+            // The corners in clockwise order.
+            let [a, b, c] = if verdict.counter_clockwise >> i & 1 == 1 { [0, 2, 1] } else { [0, 1, 2] };
+            let order = |places: &[[[i32; 2]; BLOCK]; 3], axis: usize| {
+                [places[a][i][axis], places[b][i][axis], places[c][i][axis]]
+            };
+            let depth = [a, b, c].map(|k| self.vertices.depths[indices[k] as usize]);
+            out.push(ScreenTriangle {
+                x: order(&corners.places, 0),
+                y: order(&corners.places, 1),
+                depth,
+                id,
+            });
         }
     }
 }
+
+/// How far coordinates in 1/256 pixel are shifted to those of tiles.
+const TILE_SHIFT: u32 = (TILE_SIZE * SUBPIXELS as u32).trailing_zeros();
 
 /// The tiles that a triangle's box touches.
 struct Tiles {
@@ -230,9 +240,8 @@ struct Tiles {
 impl Tiles {
     fn new(triangle: &ScreenTriangle, viewport: &Viewport) -> Self {
         let (across, down) = viewport.tiles();
-        let side = TILE_SIZE as i32 * SUBPIXELS;
         let [left, top, right, bottom] = triangle.bounds();
-        let clamp = |v: i32, tiles: u32| v.div_euclid(side).clamp(0, tiles as i32 - 1) as usize;
+        let clamp = |v: i32, tiles: u32| (v >> TILE_SHIFT).clamp(0, tiles as i32 - 1) as usize;
         Self {
             columns: [clamp(left, across), clamp(right, across)],
             rows: [clamp(top, down), clamp(bottom, down)],

@@ -120,13 +120,13 @@ impl<S: Simd> Small<S> {
         Self { x, y, ..*self }
     }
 
-    /// Which cover a sample of the picture, of those `asked` for. Where more than two columns or rows of samples lie
-    /// around a triangle, it is taken to.
+    /// Which cover a sample of the picture, of those `asked` for. Where more than two columns or rows of
+    /// samples lie around a triangle, it is taken to.
     #[inline(always)]
     fn covers(&self, viewport: &Viewport, asked: mask32x8<S>) -> mask32x8<S> {
         let mut covers = self.splat(0).simd_lt(self.splat(0));
         for &offset in viewport.pattern.offsets() {
-            covers = covers | self.covers_at(viewport, offset);
+            covers |= self.covers_at(viewport, offset);
             if !(asked & !covers).any_true() {
                 break;
             }
@@ -173,8 +173,8 @@ impl<S: Simd> Small<S> {
         (edges[0][0] | edges[1][0] | edges[2][0]).simd_ge(self.splat(0))
     }
 
-    /// The edge function from corner `i` to corner `j`, lowered by one unless the edge is a top or left one, at a place;
-    /// with its steps a pixel to the right and a pixel down.
+    /// The edge function from corner `i` to corner `j`, lowered by one unless the edge is a top or left one,
+    /// at a place; with its steps a pixel to the right and a pixel down.
     #[inline(always)]
     fn edge(&self, [i, j]: [usize; 2], [x, y]: [i32x8<S>; 2]) -> [i32x8<S>; 3] {
         let (dx, dy) = (self.x[j] - self.x[i], self.y[j] - self.y[i]);
@@ -202,7 +202,7 @@ fn load_places<S: Simd>(simd: S, places: &[[i32; 2]]) -> (i32x8<S>, i32x8<S>) {
 fn moved<S: Simd>(edges: &[[i32x8<S>; 3]; 3], step: usize) -> [[i32x8<S>; 3]; 3] {
     let mut moved = *edges;
     for edge in &mut moved {
-        edge[0] = edge[0] + edge[step];
+        edge[0] += edge[step];
     }
     moved
 }

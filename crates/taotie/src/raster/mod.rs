@@ -8,10 +8,14 @@ mod barycentric;
 mod bin;
 mod clip;
 mod cull;
+mod few;
 mod samples;
+mod scan;
 mod setup;
+mod sink;
 mod small;
 mod tile;
+mod triangle;
 mod vertices;
 
 pub use barycentric::{Barycentric, PerspectiveTriangle};

@@ -1,8 +1,9 @@
-//! Small triangles relative to a tile, set up eight at a time: edge functions and depth as planes over its pixels.
+//! Small triangles relative to a tile, set up eight at a time: edge functions and depth as planes over its
+//! pixels.
 
 use super::setup::ScreenTriangle;
 use super::{SUBPIXELS, Tile};
-use fearless_simd::{Simd, f32x8, f64x4, i32x8, prelude::*};
+use fearless_simd::{Simd, f32x8, f64x4, i32x8, mask32x8, prelude::*};
 
 /// Triangles that are set up together: filled in one by one long before they are read as packs.
 pub(super) const BLOCK: usize = 64;
@@ -10,11 +11,8 @@ pub(super) const BLOCK: usize = 64;
 /// Triangles that are worked on side by side.
 pub(super) const PACK: usize = 8;
 
-/// How many columns and rows of samples are few.
-pub(super) const FEW: usize = 5;
-
-/// Triangles with a longer side, in 1/256 pixel, are not small: products of shorter ones with places within a tile fit
-/// 32 bits.
+/// Triangles with a longer side, in 1/256 pixel, are not small: products of shorter ones with places within a
+/// tile fit 32 bits.
 const LONG: i32 = 1 << 14;
 
 /// The corners of a block of triangles, one column a number.
@@ -39,10 +37,12 @@ impl Corners {
     }
 }
 
-/// Eight triangles relative to the samples of a tile. What it says of a triangle that is not small means nothing.
+/// Eight triangles relative to the samples of a tile. What it says of a triangle that is not small means
+/// nothing.
 #[derive(Clone, Copy)]
 pub(super) struct Setups<S: Simd> {
-    /// Pixels of the tile to visit: left, top, right, bottom, inclusive; none where left > right or top > bottom.
+    /// Pixels of the tile to visit: left, top, right, bottom, inclusive; none where left > right or top >
+    /// bottom.
     pub bounds: [i32x8<S>; 4],
     /// For each edge: value at pixel (0, 0), step a column, step a row. Inside where all values are ≥ 0.
     pub edges: [[i32x8<S>; 3]; 3],
@@ -75,9 +75,9 @@ struct Octet<S: Simd> {
 }
 
 impl<S: Simd> Setups<S> {
-    /// Those of the triangles from `start` on, and the bits of those that are small.
+    /// Those of the triangles from `start` on, and which of them are small.
     #[inline(always)]
-    pub fn new(simd: S, corners: &Corners, start: usize, samples: &Samples) -> (Self, u64) {
+    pub fn new(simd: S, corners: &Corners, start: usize, samples: &Samples) -> (Self, mask32x8<S>) {
         let octet = Octet::load(simd, corners, start);
         let [left, top, right, bottom] = octet.bounds();
         let long = i32x8::splat(simd, LONG);
@@ -98,14 +98,7 @@ impl<S: Simd> Setups<S> {
         ];
         let depth_range = [least(least(z[0], z[1]), z[2]), most(most(z[0], z[1]), z[2])];
         let setups = Self { bounds, edges, depth: octet.depth_plane(z, origin), depth_range };
-        (setups, small.to_bitmask())
-    }
-
-    /// The bits of the triangles with at most [`FEW`] columns and rows of samples around them.
-    #[inline(always)]
-    pub fn few_samples(&self) -> u64 {
-        let [left, top, right, bottom] = self.bounds;
-        ((right - left).simd_lt(FEW as i32) & (bottom - top).simd_lt(FEW as i32)).to_bitmask()
+        (setups, small)
     }
 }
 

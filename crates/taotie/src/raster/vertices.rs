@@ -14,9 +14,9 @@ const PACK: usize = 8;
 /// Vertices on the screen.
 #[derive(Debug, Default)]
 pub(super) struct ScreenVertices {
-    /// x and y in 1/256 pixel, or for a vertex outside the clip volume a pair that is far from all that are inside:
-    /// triangles of vertices inside, or all outside the same planes, are the only ones whose corners lie near one
-    /// another, and the latter have no area.
+    /// x and y in 1/256 pixel, or for a vertex outside the clip volume a pair that is far from all that are
+    /// inside: triangles of vertices inside, or all outside the same planes, are the only ones whose corners
+    /// lie near one another, and the latter have no area.
     pub places: Vec<[i32; 2]>,
     /// Reversed depth, z/w; of no meaning outside.
     pub depths: Vec<f32>,

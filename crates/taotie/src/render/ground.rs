@@ -35,7 +35,7 @@ pub(super) struct Ground {
 impl Ground {
     /// The ground under a scene, which is not empty.
     pub(super) fn new(prepared: &Prepared<'_>, lighting: &Lighting, rays: CameraRays) -> Option<Self> {
-        let bounds = prepared.scene.bounds()?;
+        let bounds = prepared.bounds()?;
         let size = bounds.diagonal();
         let (middle, extent) = (bounds.center(), bounds.max - bounds.min);
         let half = REACH * 0.5 * (extent.x * extent.x + extent.z * extent.z).sqrt().max(0.2 * size);

@@ -98,7 +98,7 @@ impl<'p, 'a> Pass<'p, 'a> {
         projected.rebuild(prepared, &view, &viewport, settings.simd)?;
         let Projected { clip, opaque, layered } = projected;
         let rays = CameraRays::new(camera, [settings.width, settings.height]);
-        let size = prepared.scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
+        let size = prepared.bounds().map_or(1.0, |bounds| bounds.diagonal());
         Ok(Self {
             prepared,
             view,

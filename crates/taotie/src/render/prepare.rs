@@ -7,7 +7,7 @@ use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3, scalar};
 use crate::mesh::Mesh;
 use crate::names::Named;
-use crate::scene::{AlphaMode, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene};
+use crate::scene::{AlphaMode, Bounds, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene};
 use crate::surface::{self, SurfaceMethod};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -19,6 +19,7 @@ pub struct Prepared<'a> {
     pub(super) draws: Vec<Draw<'a>>,
     casters: OnceLock<ShadowCasters>,
     surfaces: OnceLock<Surfaces>,
+    bounds: OnceLock<Option<Bounds>>,
     warnings: Warnings,
 }
 
@@ -86,6 +87,7 @@ impl<'a> Prepared<'a> {
             draws,
             casters: OnceLock::new(),
             surfaces: OnceLock::new(),
+            bounds: OnceLock::new(),
             warnings: preparation.warnings,
         })
     }
@@ -103,6 +105,11 @@ impl<'a> Prepared<'a> {
     /// All triangles that cast shadows, sorted for rays; made when first asked for. Blended surfaces cast none.
     pub(super) fn casters(&self) -> &ShadowCasters {
         self.casters.get_or_init(|| ShadowCasters::new(&self.draws))
+    }
+
+    /// The box around all triangles; measured when first asked for.
+    pub(super) fn bounds(&self) -> Option<Bounds> {
+        *self.bounds.get_or_init(|| self.scene.bounds())
     }
 
     /// All triangles, sorted for rays; made when first asked for.

@@ -80,7 +80,7 @@ pub fn reference(
 ) -> Result<Frame> {
     reference.check()?;
     crate::image::Image::check_size(settings.width, settings.height)?;
-    let size = prepared.scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
+    let size = prepared.bounds().map_or(1.0, |bounds| bounds.diagonal());
     let camera_rays = CameraRays::new(camera, [settings.width, settings.height]);
     let tracer = Tracer {
         prepared,
