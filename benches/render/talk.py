@@ -31,7 +31,7 @@ class Session:
         )
         self.rest = b""
 
-    def ask(self, width, height, frames, png=None, patience=120.0):
+    def ask(self, width, height, frames, png=None, patience=60.0):
         """The answer, as a dictionary. Waits no more than `patience` seconds."""
         request = f"{width} {height} {frames} {png or ''}".strip()
         try:
