@@ -17,6 +17,8 @@ from cold import Cold
 
 TARGET = "bench-render"
 ROOT = os.path.dirname(os.path.dirname(cases.HERE))
+# Mesa by the processor even where there is a GPU.
+SOFTWARE = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
 # What a participant's turn takes in a round, milliseconds, as far as at least one frame allows.
 TURN = 500
 # Who takes longer than this for a frame is not asked for larger meshes, milliseconds.
@@ -30,7 +32,9 @@ def arguments():
     parser.add_argument("--page", default=os.path.join(ROOT, "docs/benchmarks.md"), help="whose section is written")
     parser.add_argument("--rounds", type=int, default=3, help="turns of each participant in each case")
     parser.add_argument("--cold-rounds", type=int, default=2, help="whole processes of each kind; 0 for none")
-    parser.add_argument("--quick", action="store_true", help="Taotie and llvmpipe at 1024², warm; the page is left alone")
+    parser.add_argument(
+        "--quick", action="store_true", help="Taotie and llvmpipe at 1024², warm; the page is left alone"
+    )
     parser.add_argument("--only", action="append", metavar="PEER", help="these peers alone; the page is left alone")
     parser.add_argument("--mesh", action="append", choices=cases.MESHES, help="these alone; the page is left alone")
     parser.add_argument("--shading", action="append", choices=cases.SHADINGS, help="likewise")
@@ -153,6 +157,7 @@ def main():
     whole = not (args.quick or args.only or args.mesh or args.shading)
     if whole:
         page.around(args.page, TARGET)  # fails now rather than after minutes
+    os.environ |= SOFTWARE
     run = Run(args, participants(args))
     made = [sys.executable, os.path.join(cases.HERE, "scene.py"), run.scene]
     measure.run(made + list(args.mesh or cases.MESHES))

@@ -91,7 +91,11 @@ def peers(folder):
         python("lavapipe.py", "lavapipe", "wgpu, lavapipe, own shaders", ("ggx",)),
         python("vtk_pbr.py", "vtk", "VTK", ("ggx",)),
         python(
-            "pyrender_osmesa.py", "pyrender", "pyrender", ("ggx",), note="a constant stands for the environment, which it lacks"
+            "pyrender_osmesa.py",
+            "pyrender",
+            "pyrender",
+            ("ggx",),
+            note="a constant stands for the environment, which it lacks",
         ),
         python(
             "mitsuba_1spp.py",

@@ -1,7 +1,6 @@
 """Whole processes from start to a written picture."""
 
 import os
-import shutil
 import statistics
 import tempfile
 
@@ -34,12 +33,13 @@ class Cold:
             for kind in (FRESH, KEPT):
                 for number in range(self.rounds):
                     for one in some:
-                        home = os.path.join(kept, one.name) if kind == KEPT else tempfile.mkdtemp(dir=kept)
-                        self.once(one, shading, kind, number, home)
-                        if kind == FRESH and number < self.rounds - 1:
-                            shutil.rmtree(home, ignore_errors=True)
-                        elif kind == FRESH:
-                            os.rename(home, os.path.join(kept, one.name))
+                        if kind == KEPT or number == 0:
+                            home = os.path.join(kept, one.name)
+                            os.makedirs(home, exist_ok=True)
+                            self.once(one, shading, kind, number, home)
+                        else:
+                            with tempfile.TemporaryDirectory() as home:
+                                self.once(one, shading, kind, number, home)
 
     def once(self, one, shading, kind, number, home):
         runs = self.runs.setdefault((shading, one.name, kind), [])

@@ -1,6 +1,8 @@
 #!/bin/sh
 # Makes the environment of `make bench-render`: install.sh PYTHON FOLDER. The peer that counts, llvmpipe, must install;
-# each of the others that does not is named and left out.
+# each of the others that does not is named and left out. What comes from the system is not installed; Debian has it in
+# libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri (llvmpipe, VTK, F3D), mesa-vulkan-drivers libvulkan1 (wgpu, Open3D),
+# libosmesa6 (pyrender), libllvm19 (Mitsuba), chromium nodejs npm (three.js).
 set -e
 python=$1 folder=$2 here=$(dirname "$0")
 "$python" -m venv "$folder"

@@ -65,8 +65,10 @@ struct Vertex {
     let gathered = textureSampleLevel(surround, clamped, reflect(-v, n), roughness * LAST_LEVEL).rgb;
     let around = s.irradiance[0].xyz * 0.282095
         + 0.488603 * (s.irradiance[1].xyz * n.y + s.irradiance[2].xyz * n.z + s.irradiance[3].xyz * n.x)
-        + 1.092548 * (s.irradiance[4].xyz * n.x * n.y + s.irradiance[5].xyz * n.y * n.z + s.irradiance[7].xyz * n.x * n.z)
-        + s.irradiance[6].xyz * (0.315392 * (3 * n.z * n.z - 1)) + s.irradiance[8].xyz * (0.546274 * (n.x * n.x - n.y * n.y));
+        + 1.092548 * (s.irradiance[4].xyz * (n.x * n.y) + s.irradiance[5].xyz * (n.y * n.z))
+        + 1.092548 * (s.irradiance[7].xyz * (n.x * n.z))
+        + s.irradiance[6].xyz * (0.315392 * (3 * n.z * n.z - 1))
+        + s.irradiance[8].xyz * (0.546274 * (n.x * n.x - n.y * n.y));
     c += (gathered * (f0 * split.x + split.y) + diffuse * max(around, vec3f(0)) * (1 / PI)) * orm.r;
     return vec4f(c, 1);
 }
@@ -88,8 +90,10 @@ def halved(texels):
 class Lavapipe:
     def __init__(self, folder, mesh):
         self.folder = folder
-        adapters = wgpu.gpu.enumerate_adapters_sync()
-        self.adapter = next(a for a in adapters if "llvmpipe" in a.info["device"])
+        adapters = [a for a in wgpu.gpu.enumerate_adapters_sync() if "llvmpipe" in a.info["device"]]
+        if not adapters:
+            raise SystemExit("there is no lavapipe here")
+        self.adapter = adapters[0]
         self.device = self.adapter.request_device_sync()
         self.queue = self.device.queue
         vessel = np.load(os.path.join(folder, f"{mesh}.npz"))
@@ -160,7 +164,9 @@ class Lavapipe:
             return
         self.size = (width, height, 1)
         attached = wgpu.TextureUsage.RENDER_ATTACHMENT
-        self.target = self.device.create_texture(size=self.size, format=TARGET, usage=attached | wgpu.TextureUsage.COPY_SRC)
+        self.target = self.device.create_texture(
+            size=self.size, format=TARGET, usage=attached | wgpu.TextureUsage.COPY_SRC
+        )
         self.depth = self.device.create_texture(size=self.size, format=DEPTH, usage=attached).create_view()
         # WebGPU's depth is in [0, 1].
         halve = np.diag([1, 1, 0.5, 1])
@@ -173,7 +179,12 @@ class Lavapipe:
         self.queue.write_buffer(self.uniforms, 0, np.concatenate(numbers).astype(np.float32))
         encoder = self.device.create_command_encoder()
         ground = tuple(view.linear(code) for code in view.BACKGROUND)
-        color = {"view": self.target.create_view(), "clear_value": (*ground, 1), "load_op": "clear", "store_op": "store"}
+        color = {
+            "view": self.target.create_view(),
+            "clear_value": (*ground, 1),
+            "load_op": "clear",
+            "store_op": "store",
+        }
         depth = {"view": self.depth, "depth_clear_value": 1.0, "depth_load_op": "clear", "depth_store_op": "discard"}
         drawing = encoder.begin_render_pass(color_attachments=[color], depth_stencil_attachment=depth)
         drawing.set_pipeline(self.pipeline)

@@ -70,7 +70,9 @@ class Pyrender:
     def about(self):
         from OpenGL.GL import GL_RENDERER, GL_VERSION, glGetString
 
-        return f"pyrender {pyrender.__version__}, {glGetString(GL_RENDERER).decode()}, {glGetString(GL_VERSION).decode()}"
+        return (
+            f"pyrender {pyrender.__version__}, {glGetString(GL_RENDERER).decode()}, {glGetString(GL_VERSION).decode()}"
+        )
 
 
 if __name__ == "__main__":

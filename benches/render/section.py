@@ -100,9 +100,9 @@ def apart(differences):
     told = " and ".join(f"{mean:.1f} for `{shading}`" for shading, mean in most.items())
     covered = max((difference["coverage"] for difference in differences.values()), default=0)
     return (
-        f"The vessel fills up to {covered:.0%} of the picture. Taotie's and llvmpipe's pictures differ over it by at most "
-        f"this many codes of 8 bits on average: {told}; Taotie takes more care of occlusion, of energy and of highlights "
-        "narrower than a pixel."
+        f"The vessel fills up to {covered:.0%} of the picture. Taotie's and llvmpipe's pictures differ over it by at "
+        f"most this many codes of 8 bits on average: {told}; Taotie takes more care of occlusion, of energy and of "
+        "highlights narrower than a pixel."
     )
 
 
@@ -116,26 +116,29 @@ def notes(run):
     told = [f"{one.title}: {one.note}." for one in run.some if one.note and run.about.get(one.name)]
     titles = {one.name: one.title for one in run.some}
     dashes = {key: why for key, (_, why) in run.slow.items()} | run.out
-    told += [f"No figures of {titles[name]} (`{shading}`) where there is a dash: {why}." for (shading, name), why in dashes.items()]
+    told += [
+        f"No figures of {titles[name]} (`{shading}`) where there is a dash: {why}."
+        for (shading, name), why in dashes.items()
+    ]
     return " ".join(told)
 
 
 ABOUT = (
-    "`make bench-render` shows a carved bronze vessel with maps of 2048² (`benches/render/scene.py`) by each program in "
-    "turn: `cook-torrance` with colours, normals and one light, `ggx` with occlusion, roughness and metal too and under "
-    "an environment. Each frame turns the object, draws it at one sample a pixel with trilinear filtering, and ends with "
-    "all pixels as 8-bit sRGB in memory. Median over the rounds, in brackets the multiple of Taotie's."
+    "`make bench-render` shows a carved bronze vessel with maps of 2048² (`benches/render/scene.py`) by each program "
+    "in turn: `cook-torrance` with colours, normals and one light, `ggx` with occlusion, roughness and metal too and "
+    "under an environment. Each frame turns the object, draws it at one sample a pixel with trilinear filtering, and "
+    "ends with all pixels as 8-bit sRGB in memory. Median over the rounds, in brackets the multiple of Taotie's."
 )
 
 ABOUT_COLD = (
     "Whole processes, from start to a written PNG of 1024×1024 with 2,048 triangles: `taotie render` and the script of "
-    "each peer. llvmpipe and lavapipe get the environment prefiltered from a file; Taotie, VTK, F3D and three.js filter "
-    "it themselves, and Taotie and F3D keep that in their caches."
+    "each peer. llvmpipe and lavapipe get the environment prefiltered from a file; Taotie, VTK, F3D and three.js "
+    "filter it themselves, and Taotie and F3D keep that in their caches."
 )
 
 ABOUT_MEMORY = (
-    "Peak memory of the processes that show frames of 1024×1024, loading included. The last row is what has to be there: "
-    "the decoded maps without smaller levels, the arrays of the mesh, 40 bytes a pixel."
+    "Peak memory of the processes that show frames of 1024×1024, loading included. The last row is what has to be "
+    "there: the decoded maps without smaller levels, the arrays of the mesh, 40 bytes a pixel."
 )
 
 COMMANDS = (

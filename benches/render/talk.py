@@ -31,7 +31,7 @@ class Session:
         )
         self.rest = b""
 
-    def ask(self, width, height, frames, png=None, patience=120.0):
+    def ask(self, width, height, frames, png=None, patience=60.0):
         """The answer, as a dictionary. Waits no more than `patience` seconds."""
         request = f"{width} {height} {frames} {png or ''}".strip()
         try:
@@ -60,7 +60,8 @@ class Session:
     def last_words(self):
         self.talk.seek(0)
         lines = self.talk.read().decode(errors="replace").strip().splitlines()
-        return lines[-1] if lines else "it ended without a word"
+        errors = [line for line in lines if "rror" in line]
+        return (errors or lines or ["it ended without a word"])[-1]
 
     def close(self):
         """Lets it end by itself, else ends it."""

@@ -45,9 +45,7 @@ def clip_from_world(width, height):
     """OpenGL's: depth in [-1, 1]."""
     scale = 1 / np.tan(np.radians(FOV) / 2)
     depth, shift = (FAR + NEAR) / (NEAR - FAR), 2 * FAR * NEAR / (NEAR - FAR)
-    projection = np.array(
-        [[scale * height / width, 0, 0, 0], [0, scale, 0, 0], [0, 0, depth, shift], [0, 0, -1, 0]]
-    )
+    projection = np.array([[scale * height / width, 0, 0, 0], [0, scale, 0, 0], [0, 0, depth, shift], [0, 0, -1, 0]])
     return projection @ np.linalg.inv(world_from_camera())
 
 
