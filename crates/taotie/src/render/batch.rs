@@ -210,6 +210,11 @@ impl Batch {
         })
     }
 
+    /// Makes room for the visibility of so many lights.
+    pub(super) fn see(&mut self, lights: usize) {
+        self.visibility.resize(lights, Column::ONE);
+    }
+
     /// Texture coordinates of an entry in the first set; zero where the mesh has none.
     pub(super) fn first_uv(&self, i: usize) -> [f32; 2] {
         self.uv_sets.first().map_or([0.0; 2], |set| [set.uv[0][i], set.uv[1][i]])

@@ -45,7 +45,7 @@ pub(super) fn gather(
     let interpolation = pass.interpolation(draw);
     let screen = Screen {
         viewport: &pass.viewport,
-        clip: &pass.clip[draw],
+        clip: &pass.kept.projected.clip[draw],
         origin: [f64::from(tile.x), f64::from(tile.y)],
     };
     interpolation.weigh(&screen, batch);
@@ -164,7 +164,9 @@ impl Interpolation<'_, '_> {
             *occlusion = 1.0 + material.occlusion_strength * (*occlusion - 1.0);
         }
         let Batch { roughness, bend, relief, .. } = batch;
-        dispatch_pack!(self.level, P, token => widen::<P>(token, roughness, [bend, relief], len));
+        if self.takes_roughness {
+            dispatch_pack!(self.level, P, token => widen::<P>(token, roughness, [bend, relief], len));
+        }
     }
 
     /// Strength and colour of a dielectric's reflection.

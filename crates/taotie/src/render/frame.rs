@@ -1,10 +1,10 @@
 //! The finished picture and its arbitrary output variables.
 
 use super::RenderSettings;
+use super::resolve::Resolve;
+use super::tiles::{TileRows, tiles_of};
 use crate::error::Result;
 use crate::image::Image;
-use crate::raster::{TILE_SIZE, Tile};
-use rayon::prelude::*;
 
 /// A finished picture.
 #[derive(Debug, Clone)]
@@ -46,11 +46,20 @@ impl Aovs {
     pub const NAMES: [&'static str; 5] = ["normals", "depth", "albedo", "uv", "triangle"];
 }
 
-/// The pixels of a tile, row by row with [`TILE_SIZE`] to a row.
-pub(super) struct TilePicture {
-    pub color: Vec<[f32; 4]>,
-    /// Normals, depth, albedo, uv, triangle; empty where not asked for.
-    pub aovs: [Vec<[f32; 4]>; 5],
+/// Where a tile of a frame is written to.
+pub(super) struct FrameTile<'f> {
+    color: TileRows<'f, [f32; 4]>,
+    /// In the order of [`Aovs::NAMES`]; none where not asked for.
+    aovs: Vec<TileRows<'f, [f32; 4]>>,
+}
+
+impl FrameTile<'_> {
+    pub(super) fn write(&mut self, resolve: &Resolve) {
+        self.color.write(&resolve.color);
+        for (rows, plane) in self.aovs.iter_mut().zip(&resolve.aovs) {
+            rows.write(plane);
+        }
+    }
 }
 
 impl Frame {
@@ -69,36 +78,19 @@ impl Frame {
         Ok(Self { color: black()?, aovs })
     }
 
-    /// Writes the pictures of tiles, which come in the order of their numbers.
-    pub(super) fn store(&mut self, pictures: &[(Tile, TilePicture)]) {
-        copy(&mut self.color, pictures, |picture| &picture.color);
-        if let Some(aovs) = &mut self.aovs {
-            let images =
-                [&mut aovs.normals, &mut aovs.depth, &mut aovs.albedo, &mut aovs.uv, &mut aovs.triangle];
-            for (plane, image) in images.into_iter().enumerate() {
-                copy(image, pictures, |picture| &picture.aovs[plane]);
+    /// Its tiles, row by row.
+    pub(super) fn tiles(&mut self) -> Vec<FrameTile<'_>> {
+        let width = self.color.width() as usize;
+        let color = tiles_of(self.color.pixels_mut(), width);
+        let mut tiles: Vec<FrameTile<'_>> =
+            color.into_iter().map(|color| FrameTile { color, aovs: Vec::new() }).collect();
+        if let Some(Aovs { normals, depth, albedo, uv, triangle }) = &mut self.aovs {
+            for image in [normals, depth, albedo, uv, triangle] {
+                for (tile, rows) in tiles.iter_mut().zip(tiles_of(image.pixels_mut(), width)) {
+                    tile.aovs.push(rows);
+                }
             }
         }
+        tiles
     }
-}
-
-/// Copies one plane of each tile, rows of pixels in parallel.
-fn copy(
-    image: &mut Image,
-    pictures: &[(Tile, TilePicture)],
-    plane: impl Fn(&TilePicture) -> &Vec<[f32; 4]> + Sync,
-) {
-    let width = image.width() as usize;
-    let bands = image.pixels_mut().par_chunks_mut(width * TILE_SIZE as usize).enumerate();
-    bands.for_each(|(band, pixels)| {
-        let top = band as u32 * TILE_SIZE;
-        let start = pictures.partition_point(|(tile, _)| tile.y < top);
-        for (tile, picture) in pictures[start..].iter().take_while(|(tile, _)| tile.y == top) {
-            let (x, across) = (tile.x as usize, tile.width as usize);
-            let rows = plane(picture).chunks_exact(TILE_SIZE as usize);
-            for (to, from) in pixels.chunks_exact_mut(width).zip(rows) {
-                to[x..x + across].copy_from_slice(&from[..across]);
-            }
-        }
-    });
 }

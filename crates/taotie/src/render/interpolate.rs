@@ -17,6 +17,8 @@ pub(super) struct Interpolation<'p, 'a> {
     pub draw: &'p Draw<'a>,
     /// Whether what is too fine for the pixel widens highlights.
     pub specular_aa: bool,
+    /// Whether anything depends on the roughness.
+    pub takes_roughness: bool,
 }
 
 /// Where the rasteriser's fragments lie.

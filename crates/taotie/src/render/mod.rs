@@ -24,10 +24,13 @@ mod point;
 mod prepare;
 mod rays;
 mod reference;
+mod renderer;
+mod resolve;
 mod settings;
 mod shadows;
 mod substance;
 mod surround;
+mod tiles;
 mod view;
 
 pub use batch::{BATCH, Batch};
@@ -37,6 +40,7 @@ pub use frame::{Aovs, Frame};
 pub use pass::Pass;
 pub use prepare::Prepared;
 pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, reference};
+pub use renderer::Renderer;
 pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, SurfaceSettings};
 
 use crate::error::Result;

@@ -254,6 +254,11 @@ impl<'a> Draw<'a> {
         }
     }
 
+    /// The numbers of its triangles over all draws.
+    pub(super) fn numbers(&self) -> std::ops::Range<u32> {
+        self.first_triangle..self.first_triangle + self.mesh.triangles().len() as u32
+    }
+
     /// Whether parts of the surface may be missing, so that visibility must ask the material.
     pub(super) fn layered(&self) -> bool {
         self.material.alpha != AlphaMode::Opaque

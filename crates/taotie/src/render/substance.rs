@@ -29,6 +29,15 @@ pub(super) fn takes_albedos(shading: Shading) -> bool {
     takes_compensation(shading) || matches!(shading, Shading::GgxPrinted | Shading::CookTorrancePrinted)
 }
 
+/// Whether what lights reflect depends on the roughness: slopes and exponents may be given instead.
+pub(super) fn takes_roughness(shading: Shading, material: &Material) -> bool {
+    match shading {
+        Shading::CookTorrance | Shading::CookTorrancePrinted => material.classic.slope.is_none(),
+        Shading::Phong | Shading::BlinnPhong => material.classic.shininess.is_none(),
+        _ => true,
+    }
+}
+
 /// The surface's parameters in every model's terms, and k_a. What the material does not author follows from the
 /// metallic-roughness values.
 #[inline(always)]

@@ -216,6 +216,7 @@ impl Tracer<'_, '_> {
             scene: self.prepared.scene,
             draw: stop.draw,
             specular_aa: false,
+            takes_roughness: true,
         };
         let batch = &mut work.batch;
         batch.len = stop.meetings.len();

@@ -1,0 +1,127 @@
+//! What a tile collects over its samples.
+
+use super::batch::{Batch, get3};
+use super::fragments::Key;
+use super::view::View;
+use crate::math::Vec3;
+use crate::raster::TILE_PIXELS;
+use crate::scene::AlphaMode;
+
+/// The pixels of a tile, row by row with [`TILE_SIZE`] to a row.
+///
+/// [`TILE_SIZE`]: crate::raster::TILE_SIZE
+#[derive(Default)]
+pub(super) struct Resolve {
+    /// Linear, premultiplied.
+    pub color: Vec<[f32; 4]>,
+    /// Normals, depth, albedo, uv, triangle; empty where not asked for.
+    pub aovs: [Vec<[f32; 4]>; 5],
+    /// What a sample adds to its pixel.
+    weight: f32,
+    /// Fragments of a sample that lie over one another.
+    layers: Vec<Shaded>,
+}
+
+/// A fragment with its colour.
+#[derive(Debug, Clone, Copy)]
+struct Shaded {
+    key: Key,
+    /// Linear RGB, not premultiplied.
+    radiance: Vec3,
+    /// How much of what is behind is covered.
+    coverage: f32,
+}
+
+impl Resolve {
+    /// Clears the tile for so many samples a pixel.
+    pub(super) fn begin(&mut self, samples: usize, aovs: bool) {
+        self.weight = 1.0 / samples as f32;
+        clear(&mut self.color);
+        for plane in &mut self.aovs {
+            if aovs {
+                clear(plane);
+            } else {
+                plane.clear();
+            }
+        }
+    }
+
+    /// Adds fragments of which each is all that is seen in its pixel.
+    pub(super) fn add_opaque(&mut self, keys: &[Key], batch: &Batch) {
+        let weight = self.weight;
+        for (i, key) in keys.iter().enumerate() {
+            let sum = &mut self.color[key.pixel as usize];
+            let [r, g, b] = get3(&batch.radiance, i).to_array();
+            *sum = [sum[0] + r * weight, sum[1] + g * weight, sum[2] + b * weight, sum[3] + weight];
+        }
+    }
+
+    /// Keeps fragments that may lie over one another until [`Self::add_layers`].
+    pub(super) fn keep(&mut self, keys: &[Key], mode: AlphaMode, batch: &Batch) {
+        self.layers.extend(keys.iter().enumerate().map(|(i, key)| Shaded {
+            key: *key,
+            radiance: get3(&batch.radiance, i),
+            coverage: coverage(mode, batch.alpha[i]),
+        }));
+    }
+
+    /// Lays what was kept of a sample over one another, far ones first, and adds it up.
+    pub(super) fn add_layers(&mut self) {
+        // At equal depth what was drawn first lies on top, as in the depth test.
+        self.layers.sort_by(|a, b| {
+            let order = |s: &Shaded| (s.key.pixel, s.key.depth.to_bits());
+            order(a).cmp(&order(b)).then(b.key.triangle.cmp(&a.key.triangle))
+        });
+        for fragments in self.layers.chunk_by(|a, b| a.key.pixel == b.key.pixel) {
+            let mut color = [0.0f32; 4];
+            for fragment in fragments {
+                let [r, g, b] = fragment.radiance.to_array();
+                let source = [r, g, b, 1.0];
+                let behind = 1.0 - fragment.coverage;
+                color = std::array::from_fn(|c| source[c] * fragment.coverage + color[c] * behind);
+            }
+            let sum = &mut self.color[fragments[0].key.pixel as usize];
+            for c in 0..4 {
+                sum[c] += color[c] * self.weight;
+            }
+        }
+        self.layers.clear();
+    }
+
+    /// Keeps in the output variables what is nearest so far and at least half there.
+    pub(super) fn note_aovs(&mut self, keys: &[Key], mode: AlphaMode, batch: &Batch, view: &View) {
+        let [normals, depth, albedo, uv, triangle] = &mut self.aovs;
+        if normals.is_empty() {
+            return;
+        }
+        for (i, key) in keys.iter().enumerate().filter(|(i, _)| coverage(mode, batch.alpha[*i]) >= 0.5) {
+            let pixel = key.pixel as usize;
+            let distance = view.depth(get3(&batch.position, i));
+            if depth[pixel][3] != 0.0 && depth[pixel][0] <= distance {
+                continue;
+            }
+            let with_one = |v: Vec3| [v.x, v.y, v.z, 1.0];
+            normals[pixel] = with_one(get3(&batch.n, i));
+            depth[pixel] = [distance, distance, distance, 1.0];
+            albedo[pixel] = with_one(get3(&batch.albedo, i));
+            let [u, v] = batch.first_uv(i);
+            uv[pixel] = [u, v, 0.0, 1.0];
+            let id = key.triangle as f32;
+            triangle[pixel] = [id, id, id, 1.0];
+        }
+    }
+}
+
+fn clear(plane: &mut Vec<[f32; 4]>) {
+    plane.clear();
+    plane.resize(TILE_PIXELS, [0.0; 4]);
+}
+
+/// How much a fragment hides of what is behind it.
+fn coverage(mode: AlphaMode, alpha: f32) -> f32 {
+    match mode {
+        AlphaMode::Opaque => 1.0,
+        AlphaMode::Mask(cutoff) => f32::from(u8::from(alpha >= cutoff)),
+        AlphaMode::Blend => alpha.clamp(0.0, 1.0),
+    }
+}
