@@ -55,7 +55,8 @@ def cold(run):
         for one in run.some:
             found = [run.cold.median(shading, one.name, kind) for kind in (FRESH, KEPT)]
             if any(found):
-                first = [run.cold.median(shading, "taotie", kind) for kind in (FRESH, KEPT)]
+                own = [run.cold.median(shading, "taotie", kind) for kind in (FRESH, KEPT)]
+                first = [None, None] if one.name == "taotie" else own
                 cells = [compared(f and f[0], t and t[0], seconds) for f, t in zip(found, first)]
                 most = max(f[1] for f in found if f)
                 rows.append([one.title, *cells, f"{most:.0f}"])
@@ -73,7 +74,9 @@ def memory(run):
         some = [one for one in run.some if any(one.name in run.mib[mesh, shading] for mesh in meshes)]
         if some:
             rows = [[one.title, *(memory_cell(run.mib[mesh, shading], one.name) for mesh in meshes)] for one in some]
-            rows.append(["maps, mesh, 40 bytes a pixel", *(f"{floor(mesh, shading):.0f}" for mesh in meshes)])
+            floors = [(floor(mesh, shading), run.mib[mesh, shading].get("taotie")) for mesh in meshes]
+            shown = [f"{least:.0f}" + (f" ({two_digits(own / least)})" if own else "") for least, own in floors]
+            rows.append(["maps, mesh, 40 bytes a pixel", *shown])
             head = [f"`{shading}`, peak MiB", *(f"{cases.MESHES[mesh]} triangles" for mesh in meshes)]
             lines += [*table(head, rows), ""]
     return [wrapped(ABOUT_MEMORY), "", *lines] if lines else []
@@ -138,7 +141,8 @@ ABOUT_COLD = (
 
 ABOUT_MEMORY = (
     "Peak memory of the processes that show frames of 1024×1024, loading included. The last row is what has to be "
-    "there: the decoded maps without smaller levels, the arrays of the mesh, 40 bytes a pixel."
+    "there: the decoded maps without smaller levels, the arrays of the mesh, 40 bytes a pixel; in brackets how many "
+    "times that Taotie takes."
 )
 
 COMMANDS = (
