@@ -15,12 +15,12 @@ use std::io::BufRead;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
-use taotie::film::{Development, ToneCurve, develop8};
-use taotie::image::{Encoding, Image};
+use taotie::film::{Development, ToneCurve};
+use taotie::image::Encoding;
 use taotie::io::{self, PngColor, PngImage, PngSamples};
 use taotie::math::{Mat4, SimdLevel, Vec3};
 use taotie::names::Named;
-use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, Pass, Prepared, RenderSettings};
+use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Renderer};
 use taotie::scene::{Camera, LightKind, Scene};
 use taotie::shade::environment::Environment;
 use taotie::shade::{Energy, Shading};
@@ -115,8 +115,9 @@ fn run(options: &Options) -> Result<()> {
     let scene = io::load_model(&options.model)?.scene;
     let camera = scene.cameras.first().ok_or_else(|| Error::invalid("model", "it has no camera"))?;
     let lighting = lighting(options, &scene)?;
-    let prepared = Prepared::new(&scene, &options.settings.surface)?;
-    let mut studio = Studio { prepared, camera, lighting, settings: options.settings.clone() };
+    let renderer = Renderer::new(&scene, &options.settings.surface)?;
+    let mut studio =
+        Studio { renderer, camera, lighting, settings: options.settings.clone(), codes: Vec::new() };
     if !options.ask {
         let RenderSettings { width, height, .. } = options.settings;
         let (frames, png) = (options.frames, options.png.clone());
@@ -152,10 +153,12 @@ fn lighting(options: &Options, scene: &Scene) -> Result<Lighting> {
 
 /// A prepared model with all that it is seen by.
 struct Studio<'a> {
-    prepared: Prepared<'a>,
+    renderer: Renderer<'a>,
     camera: &'a Camera,
     lighting: Lighting,
     settings: RenderSettings,
+    /// The last picture, 8-bit sRGB.
+    codes: Vec<[u8; 4]>,
 }
 
 impl Studio<'_> {
@@ -173,33 +176,33 @@ impl Studio<'_> {
             self.frame((WARM_UP + frame) as f64 * STEP)?;
             times.push(start.elapsed().as_secs_f64() * 1e3);
         }
-        let (color, pixels) = self.frame(0.0)?;
+        self.frame(0.0)?;
         if let Some(path) = &request.png {
-            write(path, &pixels, request)?;
+            write(path, &self.codes, request)?;
         }
-        let covered = color.pixels().iter().filter(|pixel| pixel[3] > 0.0).count();
-        let coverage = covered as f64 / pixels.len() as f64;
+        let camera = self.camera.clone();
+        let frame = self.renderer.render(&camera, &self.lighting, &self.settings, &|_| {})?;
+        let covered = frame.color.pixels().iter().filter(|pixel| pixel[3] > 0.0).count();
+        let coverage = covered as f64 / self.codes.len() as f64;
         report(&times, coverage);
         Ok(())
     }
 
-    /// The picture of the model turned by `angle` radians, in linear light and in 8-bit sRGB.
-    fn frame(&self, angle: f64) -> Result<(Image, Vec<[u8; 4]>)> {
+    /// Takes the picture of the model turned by `angle` radians.
+    fn frame(&mut self, angle: f64) -> Result<()> {
         let camera = Camera {
             world_from_view: Mat4::rotation_about(Vec3::new(0.0, 1.0, 0.0), -angle)
                 * self.camera.world_from_view,
             ..self.camera.clone()
         };
-        let frame = Pass::new(&self.prepared, &camera, &self.turned_lighting(-angle), &self.settings)?
-            .render(&|_| {})?;
         let development = Development {
             tone: ToneCurve::Linear,
             background: Some(BACKGROUND),
             simd: self.settings.simd,
             ..Development::default()
         };
-        let pixels = develop8(&frame.color, &development)?;
-        Ok((frame.color, pixels))
+        let lighting = self.turned_lighting(-angle);
+        self.renderer.develop((&camera, &lighting), &self.settings, &development, &mut self.codes)
     }
 
     fn turned_lighting(&self, angle: f64) -> Lighting {

@@ -197,11 +197,7 @@ impl Batch {
             bump: ZERO,
             dfg: Quads::ZERO,
             compensated: false,
-            surround: Surroundings {
-                specular: Quads::ZERO,
-                mean: Quads::ZERO,
-                coat: Quads::ZERO,
-            },
+            surround: Surroundings { specular: Quads::ZERO, mean: Quads::ZERO, coat: Quads::ZERO },
             v: ZERO3,
             n: ZERO3,
             albedo: ZERO3,

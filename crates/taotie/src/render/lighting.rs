@@ -1,7 +1,7 @@
 //! Radiance of each fragment: lights, surroundings and emission.
 
 use super::batch::{Batch, load, load3, splat3, store3};
-use super::point::SurfacePoint;
+use super::point::{Model, SurfacePoint};
 use super::prepare::Draw;
 use crate::math::{Pack, Vec3, dispatch_pack, scalar};
 use crate::scene::{Falloff, Light, LightKind, Material};
@@ -82,19 +82,45 @@ pub(super) struct Illumination<'a> {
     pub surrounded: bool,
 }
 
+/// The models that are compiled by themselves, since nearly all pictures show them: what the others need would cost
+/// them registers.
+const COOK_TORRANCE: u8 = 0;
+const PLAIN_GGX: u8 = 1;
+const ANY: u8 = 2;
+
 /// Fills `batch.radiance` and `batch.albedo`.
 pub(super) fn light(level: Level, illumination: &Illumination<'_>, draw: &Draw<'_>, batch: &mut Batch) {
-    dispatch_pack!(level, P, token => all_packs::<P>(token, illumination, draw, batch));
+    match Model::new(illumination.shading, draw.material) {
+        Model { shading: Shading::CookTorrance, .. } => {
+            dispatch_pack!(level, P, token => all_packs::<P, COOK_TORRANCE>(token, illumination, draw, batch));
+        }
+        Model { shading: Shading::Ggx, layered: false } => {
+            dispatch_pack!(level, P, token => all_packs::<P, PLAIN_GGX>(token, illumination, draw, batch));
+        }
+        _ => dispatch_pack!(level, P, token => all_packs::<P, ANY>(token, illumination, draw, batch)),
+    }
 }
 
 #[inline(always)]
-fn all_packs<P: Pack>(token: P::Token, illumination: &Illumination<'_>, draw: &Draw<'_>, batch: &mut Batch) {
+fn all_packs<P: Pack, const MODEL: u8>(
+    token: P::Token,
+    illumination: &Illumination<'_>,
+    draw: &Draw<'_>,
+    batch: &mut Batch,
+) {
+    let model = match MODEL {
+        COOK_TORRANCE => Model { shading: Shading::CookTorrance, layered: false },
+        PLAIN_GGX => Model { shading: Shading::Ggx, layered: false },
+        _ => Model::new(illumination.shading, draw.material),
+    };
     for i in batch.packs::<P>() {
         let [r, g, b, _] = draw.material.base_color;
         let tint: Vec3<P> = load3(token, &batch.tint, i);
         let albedo = tint.mul_elements(splat3(token, Vec3::new(r, g, b)));
-        let radiance =
-            if draw.material.unlit { albedo } else { lit_pack(token, illumination, draw.material, batch, i) };
+        let radiance = match draw.material.unlit {
+            true => albedo,
+            false => lit_pack(token, (illumination, model), draw.material, batch, i),
+        };
         store3(albedo, &mut batch.albedo, i);
         store3(radiance, &mut batch.radiance, i);
     }
@@ -103,12 +129,12 @@ fn all_packs<P: Pack>(token: P::Token, illumination: &Illumination<'_>, draw: &D
 #[inline(always)]
 fn lit_pack<P: Pack>(
     token: P::Token,
-    illumination: &Illumination<'_>,
+    (illumination, model): (&Illumination<'_>, Model),
     material: &Material,
     batch: &Batch,
     i: usize,
 ) -> Vec3<P> {
-    let surface: SurfacePoint<P> = SurfacePoint::new(token, illumination.shading, material, batch, i);
+    let surface: SurfacePoint<P> = SurfacePoint::new(token, model, material, batch, i);
     let position = load3(token, &batch.position, i);
     let ambient = splat3(token, illumination.ambient) * load(token, &batch.occlusion, i);
     let mut radiance = surface.emitted + surface.ambient.mul_elements(ambient);

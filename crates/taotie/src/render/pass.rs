@@ -259,7 +259,8 @@ impl<'p, 'a> Pass<'p, 'a> {
     ) -> Result<()> {
         let offset = self.viewport.pattern.offsets()[sample];
         raster::rasterize_opaque(&self.kept.projected.opaque, tile, offset, self.settings.simd, plane)?;
-        let layers = raster::rasterize_layers(&self.kept.projected.layered, tile, offset, self.settings.simd, plane)?;
+        let layers =
+            raster::rasterize_layers(&self.kept.projected.layered, tile, offset, self.settings.simd, plane)?;
         grouping.append(plane, |triangle| self.prepared.draw_of(triangle), keys);
         // Layers come in the order of drawing, and no draw has both.
         keys.extend(layers.iter().map(|l| Key { pixel: l.pixel, triangle: l.id, depth: l.depth }));

@@ -24,6 +24,22 @@ pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>,
     }
 }
 
+/// What is known of a model before any fragment: where it is a constant, what other models need is not even compiled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Model {
+    pub shading: Shading,
+    /// Whether there may be lacquer, fibres or stretched highlights.
+    pub layered: bool,
+}
+
+impl Model {
+    pub(super) fn new(shading: Shading, material: &Material) -> Self {
+        let layers =
+            material.clearcoat.is_some() || material.sheen.is_some() || material.anisotropy.is_some();
+        Self { shading, layered: takes_layers(shading) && layers }
+    }
+}
+
 /// Points of a surface: a pack of fragments, or one.
 pub(super) struct SurfacePoint<L> {
     pub shading: Shading,
@@ -47,14 +63,13 @@ impl<P: Pack> SurfacePoint<P> {
     #[inline(always)]
     pub(super) fn new(
         token: P::Token,
-        shading: Shading,
+        Model { shading, layered }: Model,
         material: &Material,
         batch: &Batch,
         i: usize,
     ) -> Self {
         let (substance, ambient) = substance(token, shading, material, batch, i);
         let (n, v) = (load3(token, &batch.n, i), load3(token, &batch.v, i));
-        let layered = takes_layers(shading);
         let stretched = layered && material.anisotropy.is_some();
         let stretch = stretched.then(|| {
             let tangent = load3(token, &batch.layers.stretch_tangent, i);

@@ -3,10 +3,10 @@
 
 use super::super::batch::{Batch, Column, Column3, load, load3, splat3, store3};
 use super::super::lighting::Source;
-use super::super::point::SurfacePoint;
+use super::super::point::{Model, SurfacePoint};
 use super::groove::{Groove, Grooves};
 use super::scatter::Scatter;
-use crate::math::{Pack, Vec3, dispatch_pack};
+use crate::math::{Pack, Vec3, dispatch_eight};
 use crate::scene::Material;
 use crate::shade::Shading;
 use fearless_simd::Level;
@@ -70,7 +70,7 @@ impl Exchange {
 
 /// Fills the answers for the fragments of `batch`, whose normals are known.
 pub(super) fn respond(level: Level, question: &Question<'_>, batch: &Batch, exchange: &mut Exchange) {
-    dispatch_pack!(level, P, token => all_packs::<P>(token, question, batch, exchange));
+    dispatch_eight!(level, P, token => all_packs::<P>(token, question, batch, exchange));
 }
 
 #[inline(always)]
@@ -174,7 +174,8 @@ struct Seen<P> {
 impl<P: Pack> Seen<P> {
     #[inline(always)]
     fn new(token: P::Token, question: &Question<'_>, batch: &Batch, i: usize, exchange: &Exchange) -> Self {
-        let surface = SurfacePoint::new(token, question.shading, question.material, batch, i);
+        let model = Model::new(question.shading, question.material);
+        let surface = SurfacePoint::new(token, model, question.material, batch, i);
         if !question.grooved {
             return Self { from: surface.v, surface, groove: None };
         }
