@@ -6,7 +6,7 @@ use serde_json::Value;
 use taotie::image::{Bitmap, Encoding, Texels, Texture};
 use taotie::math::Vec3;
 use taotie::shade::dfg::{self, Dfg, integrate};
-use taotie::shade::ndf::{alpha_from_divergence_ggx, divergence_ggx};
+use taotie::shade::ndf::{alpha_squared_from_divergence_ggx, divergence_ggx};
 use taotie::shade::sheen::{d_charlie, v_neubelt};
 use taotie::shade::{Angles, Stretch, coat_lobe, compensation, specular_occlusion};
 
@@ -167,8 +167,9 @@ fn divergence_of_ggx() {
         let (alpha, divergence) = (number(&row, "alpha"), number(&row, "divergence"));
         there.relative(divergence_ggx(alpha), divergence, || row.to_string());
         there.relative(f64::from(divergence_ggx(alpha as f32)), divergence, || format!("{row} in f32"));
-        back.relative(alpha_from_divergence_ggx(divergence), alpha, || row.to_string());
-        let single = f64::from(alpha_from_divergence_ggx(divergence as f32));
+        let double = alpha_squared_from_divergence_ggx(divergence).sqrt();
+        back.relative(double, alpha, || row.to_string());
+        let single = f64::from(alpha_squared_from_divergence_ggx(divergence as f32).sqrt());
         back.relative(single, alpha, || format!("{row} in f32"));
     }
     there.at_most(2e-4, "divergence");

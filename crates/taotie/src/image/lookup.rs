@@ -3,14 +3,18 @@
 use super::decode::linear_from_code;
 use super::sampler::{MipFilter, Sampler, TexelFilter, Wrap};
 use super::{Encoding, Texels, Texture};
-use crate::math::{BATCH, COLUMN, Column, Lane, Pack, Words, dispatch_pack};
+use crate::math::{BATCH, COLUMN, Column, Lane, Mask, Pack, Words, dispatch_pack};
 use fearless_simd::Level;
+use std::ops::Range;
 
 /// The most words of a texel.
 const MOST_WORDS: usize = 4;
 
-/// For each of the four texels around the points, its words.
-type Texel4 = [[Words; MOST_WORDS]; 4];
+/// The words of a texel.
+type TexelWords = [Words; MOST_WORDS];
+
+/// Of each of the four texels around the points.
+type Texel4 = [TexelWords; 4];
 
 /// Where [`BATCH`] points are looked up in textures of one size: levels, texels and weights. It serves every texture
 /// that has this size and is read by the same sampler at the same places.
@@ -35,6 +39,8 @@ struct Taps {
     level: Words,
     /// Neighbours of one level: the level, and where they end.
     runs: Vec<(usize, usize)>,
+    /// Whether no point lies between the last texel of a row and what follows by wrapping.
+    neighbours: bool,
     width: Column,
     height: Column,
     /// Top left, top right, bottom left, bottom right: indices in the level.
@@ -64,6 +70,7 @@ impl Default for Lookup {
         let taps = Taps {
             level: Words::ZERO,
             runs: Vec::new(),
+            neighbours: false,
             width: Column::ZERO,
             height: Column::ZERO,
             place: [Words::ZERO; 4],
@@ -177,11 +184,15 @@ impl Taps {
         [u, v]: [&Column; 2],
         len: usize,
     ) {
+        self.neighbours = true;
         for i in (0..len).step_by(P::LANES) {
             let smooth = P::load(token, &smooth[i..]);
             let (width, height) = (P::load(token, &self.width[i..]), P::load(token, &self.height[i..]));
             let [left, right, across] = around(sampler.wrap_u, P::load(token, &u[i..]), width, smooth);
             let [top, bottom, down] = around(sampler.wrap_v, P::load(token, &v[i..]), height, smooth);
+            // Lanes beyond `len` may say so too; that costs time alone.
+            let parted = (right - left).lt(P::splat(token, 1.0)).or(P::splat(token, 1.0).lt(right - left));
+            self.neighbours &= !parted.any();
             left.store_place(top, width, &mut self.place[0][i..]);
             right.store_place(top, width, &mut self.place[1][i..]);
             left.store_place(bottom, width, &mut self.place[2][i..]);
@@ -204,18 +215,23 @@ impl Taps {
         };
         let mut start = 0;
         for (level, end) in self.runs.iter().copied() {
-            let (texels, alpha) = (texture.level(level).texels(), !(normals && level == 0));
+            let (stored, alpha) = (texture.level(level).texels(), !(normals && level == 0));
             self.scale[start..end].fill(texture.scale(level)[0]);
-            for (place, words) in self.place.iter().zip(words.iter_mut()) {
-                let (place, [w0, w1, w2, w3]) = (&place[start..end], words);
-                let [w0, w1, w2, w3] = [w0, w1, w2, w3].map(|words| &mut words[start..end]);
-                match texels {
+            for (row, words) in words.chunks_exact_mut(2).enumerate() {
+                let [left, right] = words else { continue };
+                let row = Row {
+                    places: [&self.place[2 * row][start..end], &self.place[2 * row + 1][start..end]],
+                    neighbours: self.neighbours,
+                    alpha,
+                };
+                let span = start..end;
+                match stored {
                     Texels::U8(texels) if format == Format::Wide => {
-                        fetch_mixed(texels, alpha, place, [w0, w1])
+                        row.fetch_mixed(texels, [left, right], span)
                     }
-                    Texels::U8(texels) => fetch_codes(texels, alpha, place, w0),
-                    Texels::U16(texels) => fetch_wide(texels, alpha, place, [w0, w1]),
-                    Texels::F32(texels) => fetch_floats(texels, alpha, place, [w0, w1, w2, w3]),
+                    Texels::U8(texels) => row.fetch_codes(texels, [left, right], span),
+                    Texels::U16(texels) => row.fetch_wide(texels, [left, right], span),
+                    Texels::F32(texels) => row.fetch_floats(texels, [left, right], span),
                 }
             }
             start = end;
@@ -224,41 +240,80 @@ impl Taps {
     }
 }
 
-/// Texels of 8 bits; `alpha` says whether the fourth channel counts.
-fn fetch_codes(texels: &[[u8; 4]], alpha: bool, places: &[u32], words: &mut [u32]) {
-    let mask = if alpha { u32::MAX } else { 0x00ff_ffff };
-    for (place, word) in places.iter().zip(words) {
-        *word = texels.get(*place as usize).map_or(0, |texel| u32::from_le_bytes(*texel) & mask);
-    }
+/// The left and right texels of points in one row of texels.
+struct Row<'t> {
+    places: [&'t [u32]; 2],
+    /// Whether the right ones follow the left ones everywhere, so that both are found at once.
+    neighbours: bool,
+    /// Whether the fourth channel counts.
+    alpha: bool,
 }
 
-/// Texels of 8 bits among others of 16.
-fn fetch_mixed(texels: &[[u8; 4]], alpha: bool, places: &[u32], [low, high]: [&mut [u32]; 2]) {
-    let alpha = u32::from(alpha);
-    for ((place, low), high) in places.iter().zip(low).zip(high) {
-        let [r, g, b, a] = texels.get(*place as usize).copied().unwrap_or_default().map(u32::from);
-        (*low, *high) = (r | g << 16, b | (a * alpha) << 16);
-    }
-}
+/// What is read of the two texels of each point.
+type Pair<'w> = [&'w mut TexelWords; 2];
 
-fn fetch_wide(texels: &[[u16; 4]], alpha: bool, places: &[u32], [low, high]: [&mut [u32]; 2]) {
-    let mask = if alpha { u32::MAX } else { 0xffff };
-    for ((place, low), high) in places.iter().zip(low).zip(high) {
-        let [r, g, b, a] = texels.get(*place as usize).copied().unwrap_or_default().map(u32::from);
-        (*low, *high) = (r | g << 16, (b | a << 16) & mask);
+impl Row<'_> {
+    /// Texels of 8 bits.
+    fn fetch_codes(&self, texels: &[[u8; 4]], pair: Pair<'_>, span: Range<usize>) {
+        let mask = if self.alpha { u32::MAX } else { 0x00ff_ffff };
+        self.fetch(texels, pair, span, |texel| [u32::from_le_bytes(texel) & mask]);
     }
-}
 
-fn fetch_floats(texels: &[[f32; 4]], alpha: bool, places: &[u32], mut words: [&mut [u32]; 4]) {
-    for (i, place) in places.iter().enumerate() {
-        let mut texel = texels.get(*place as usize).copied().unwrap_or_default();
-        if !alpha {
-            texel[3] = 0.0;
+    /// Texels of 8 bits among others of 16.
+    fn fetch_mixed(&self, texels: &[[u8; 4]], pair: Pair<'_>, span: Range<usize>) {
+        let mask = if self.alpha { u32::MAX } else { 0xffff };
+        self.fetch(texels, pair, span, |[r, g, b, a]| {
+            [u32::from(r) | u32::from(g) << 16, (u32::from(b) | u32::from(a) << 16) & mask]
+        });
+    }
+
+    fn fetch_wide(&self, texels: &[[u16; 4]], pair: Pair<'_>, span: Range<usize>) {
+        let mask = if self.alpha { u32::MAX } else { 0xffff };
+        self.fetch(texels, pair, span, |[r, g, b, a]| {
+            [u32::from(r) | u32::from(g) << 16, (u32::from(b) | u32::from(a) << 16) & mask]
+        });
+    }
+
+    fn fetch_floats(&self, texels: &[[f32; 4]], pair: Pair<'_>, span: Range<usize>) {
+        self.fetch(texels, pair, span, |[r, g, b, a]| {
+            [r, g, b, if self.alpha { a } else { 0.0 }].map(f32::to_bits)
+        });
+    }
+
+    /// Writes the words of each point's texels; what is not there is zero.
+    #[inline(always)]
+    fn fetch<T: Copy + Default, const N: usize>(
+        &self,
+        texels: &[T],
+        [left, right]: Pair<'_>,
+        span: Range<usize>,
+        words: impl Fn(T) -> [u32; N],
+    ) {
+        let ([left_places, right_places], count) = (self.places, span.len());
+        let (left, right) = (columns::<N>(left, &span), columns::<N>(right, &span));
+        // As long as that, which the compiler cannot know.
+        let (left_places, right_places) = (&left_places[..count], &right_places[..count]);
+        for i in 0..count {
+            let place = left_places[i] as usize;
+            let [a, b] = match self.neighbours {
+                true => texels.get(place + 1).map_or_else(Default::default, |b| [texels[place], *b]),
+                false => {
+                    [place, right_places[i] as usize].map(|p| texels.get(p).copied().unwrap_or_default())
+                }
+            };
+            let (a, b) = (words(a), words(b));
+            for n in 0..N {
+                left[n][i] = a[n];
+                right[n][i] = b[n];
+            }
         }
-        for (words, value) in words.iter_mut().zip(texel) {
-            words[i] = value.to_bits();
-        }
     }
+}
+
+/// A part of the first columns of words.
+fn columns<'w, const N: usize>(texel: &'w mut TexelWords, span: &Range<usize>) -> [&'w mut [u32]; N] {
+    let mut words = texel.iter_mut();
+    std::array::from_fn(|_| words.next().map_or(&mut [][..], |words| &mut words[span.clone()]))
 }
 
 /// What was read, to be filtered within its level.

@@ -4,6 +4,7 @@ use super::lookups::Lookups;
 pub use crate::math::BATCH;
 pub(super) use crate::math::Column;
 use crate::math::{Aligned, MOST_LANES, Pack, Vec3};
+use crate::shade::environment::{Gatherer, Mirrors};
 
 /// Four numbers of each fragment that come together.
 pub(super) type Quads = Aligned<[f32; 4]>;
@@ -75,6 +76,8 @@ pub struct Batch {
     /// Whether light that scatters several times is given back.
     pub(super) compensated: bool,
     pub(super) surround: Surroundings,
+    pub(super) mirrors: Mirrors,
+    pub(super) gatherer: Gatherer,
     /// Unit to viewer, world space.
     pub(super) v: Column3,
     /// The shading normal: unit but for `bump-printed`.
@@ -130,15 +133,15 @@ pub(super) struct Layers {
     pub stretch_tangent: Column3,
 }
 
-/// What the environment sends to a fragment, linear RGB and a number that means nothing.
+/// What the environment sends to a fragment, linear RGB.
 #[derive(Debug, Clone)]
 pub(super) struct Surroundings {
     /// The radiance that the highlight gathers.
-    pub specular: Quads,
+    pub specular: Column3,
     /// The irradiance over π.
-    pub mean: Quads,
+    pub mean: Column3,
     /// The radiance that the lacquer's highlight gathers.
-    pub coat: Quads,
+    pub coat: Column3,
 }
 
 const ZERO: Column = Column::ZERO;
@@ -197,7 +200,9 @@ impl Batch {
             bump: ZERO,
             dfg: Quads::ZERO,
             compensated: false,
-            surround: Surroundings { specular: Quads::ZERO, mean: Quads::ZERO, coat: Quads::ZERO },
+            surround: Surroundings { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
+            mirrors: Mirrors::default(),
+            gatherer: Gatherer::default(),
             v: ZERO3,
             n: ZERO3,
             albedo: ZERO3,
@@ -257,13 +262,6 @@ pub(super) fn load<P: Pack>(token: P::Token, column: &Column, i: usize) -> P {
 #[inline(always)]
 pub(super) fn load3<P: Pack>(token: P::Token, column: &Column3, i: usize) -> Vec3<P> {
     Vec3::new(load(token, &column[0], i), load(token, &column[1], i), load(token, &column[2], i))
-}
-
-/// The first three of the numbers that a fragment has together.
-#[inline(always)]
-pub(super) fn load_rgb<P: Pack>(token: P::Token, quads: &Quads, i: usize) -> Vec3<P> {
-    let [r, g, b, _] = P::load_pixels(token, &quads[i..]);
-    Vec3::new(r, g, b)
 }
 
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! A point of a surface with everything that its reflection depends on.
 
 use super::albedos;
-use super::batch::{Batch, load, load_rgb, load3, splat3};
+use super::batch::{Batch, load, load3, splat3};
 use super::layers::{Coat, Fibres, Terminator};
 use super::normals::shade_normals;
 use super::prepare::Draw;
@@ -115,16 +115,16 @@ impl<P: Pack> SurfacePoint<P> {
     pub(super) fn surrounded(&self, token: P::Token, batch: &Batch, i: usize) -> Vec3<P> {
         let weights = shade::surround(self.shading, &self.substance, &dfg(token, batch, i));
         let occlusion: P = load(token, &batch.occlusion, i);
-        let mean = load_rgb(token, &batch.surround.mean, i) * occlusion;
+        let mean = load3(token, &batch.surround.mean, i) * occlusion;
         let n_dot_v = self.n.dot(self.v).clamp(0.0, 1.0);
         let seen = shade::specular_occlusion(n_dot_v, occlusion, self.substance.roughness);
-        let gathered = load_rgb(token, &batch.surround.specular, i) * seen;
+        let gathered = load3(token, &batch.surround.specular, i) * seen;
         let mut radiance = weights.specular.mul_elements(gathered) + weights.diffuse.mul_elements(mean);
         if let Some(fibres) = &self.fibres {
             radiance = fibres.over_mean(radiance, mean);
         }
         match &self.coat {
-            Some(coat) => coat.over_surround(radiance, load_rgb(token, &batch.surround.coat, i)),
+            Some(coat) => coat.over_surround(radiance, load3(token, &batch.surround.coat, i)),
             None => radiance,
         }
     }

@@ -1,6 +1,6 @@
 //! Relief too fine for a pixel, as roughness.
 
-use super::ndf::{MIN_ALPHA, alpha_from_divergence_ggx, divergence_ggx};
+use super::ndf::{MIN_ALPHA, alpha_squared_from_divergence_ggx, divergence_ggx};
 use crate::math::{Lane, Vec3};
 
 /// What hides within a pixel.
@@ -35,8 +35,8 @@ impl<L: Lane> Hidden<L> {
         let own = alpha * alpha;
         let map = one - (one - self.relief).max(zero).sqrt();
         let divergence = divergence_ggx(alpha);
-        let spread = alpha_from_divergence_ggx(divergence + map - divergence * map);
-        let squared = L::select(zero.lt(self.relief), own.max(spread * spread), own);
+        let squared = alpha_squared_from_divergence_ggx(divergence + map - divergence * map);
+        let squared = L::select(zero.lt(self.relief), own.max(squared), own);
         let widened = (squared + self.bend).min(one).sqrt().sqrt();
         L::select(zero.lt(self.variance()), widened, roughness)
     }

@@ -1,7 +1,7 @@
 //! The light of an environment at some roughnesses, and at all by going between them.
 
-use super::octahedron::{Octahedron, mix};
-use crate::math::scalar;
+use super::octahedron::{Octahedron, place_of};
+use crate::math::{Vec3, scalar};
 
 /// The light at one roughness.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,31 +29,33 @@ pub(super) fn alphas() -> Vec<f64> {
 }
 
 impl Levels {
-    /// The light at `roughness`, [0, 1], at a [`place_of`] a direction, linear RGB and a number that means nothing.
-    /// `mirror` tells the light itself there.
+    /// The light at `roughness`, [0, 1], in a direction. `mirror` tells the light itself there.
+    #[inline]
+    pub(super) fn at(&self, direction: Vec3, roughness: f32, mirror: impl FnOnce() -> Vec3) -> Vec3 {
+        let place = place_of(direction);
+        if let Some((below, above, share)) = self.around(roughness) {
+            return below.at(place) * (1.0 - share) + above.at(place) * share;
+        }
+        let Some(smoothest) = self.0.first() else { return mirror() };
+        let share = roughness * roughness / smoothest.alpha;
+        if share > 0.0 { mirror() * (1.0 - share) + smoothest.map.at(place) * share } else { mirror() }
+    }
+
+    /// The levels below and above `roughness`, and how much of the latter is in their mean; nothing below the smoothest.
     ///
     /// Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel, since
     /// the second derivative of a lobe by ln α is, as far as it is like the first, its negative.
-    ///
-    /// [`place_of`]: super::octahedron::place_of
     #[inline]
-    pub(super) fn at(&self, place: [f32; 2], roughness: f32, mirror: impl FnOnce() -> [f32; 4]) -> [f32; 4] {
+    pub(super) fn around(&self, roughness: f32) -> Option<(&Octahedron, &Octahedron, f32)> {
         let alpha = roughness * roughness;
         let above = self.0.partition_point(|level| level.alpha <= alpha);
-        let Some(above_level) = self.0.get(above) else { return self.roughest(place).unwrap_or_else(mirror) };
-        let high = above_level.map.at(place);
-        if above == 0 {
-            let t = alpha / above_level.alpha;
-            return if t > 0.0 { mix(mirror(), high, t) } else { mirror() };
-        }
-        let below = &self.0[above - 1];
-        let t = (alpha - below.alpha) * above_level.alpha / ((above_level.alpha - below.alpha) * alpha);
-        mix(below.map.at(place), high, t)
-    }
-
-    /// The light at roughness 1.
-    #[inline]
-    pub(super) fn roughest(&self, place: [f32; 2]) -> Option<[f32; 4]> {
-        self.0.last().map(|level| level.map.at(place))
+        let below = self.0.get(above.checked_sub(1)?)?;
+        Some(match self.0.get(above) {
+            Some(above) => {
+                let share = (alpha - below.alpha) * above.alpha / ((above.alpha - below.alpha) * alpha);
+                (&below.map, &above.map, share)
+            }
+            None => (&below.map, &below.map, 0.0),
+        })
     }
 }

@@ -5,6 +5,7 @@
 
 mod bytes;
 mod distribution;
+mod gather;
 mod irradiance;
 mod levels;
 mod octahedron;
@@ -17,6 +18,7 @@ use crate::error::Result;
 use crate::image::Image;
 use crate::math::{Lane, Vec3};
 use distribution::Distribution;
+pub(crate) use gather::{Gatherer, Mirrors};
 pub use irradiance::IrradianceHarmonics;
 use levels::Levels;
 use picture::{Picture, uv_of};
@@ -80,8 +82,7 @@ impl Environment {
     /// (`environments::levels_are_integrals_over_all_texels`).
     /// Source: Karis 2013, "Pre-Filtered Environment Map".
     pub fn specular(&self, direction: Vec3, roughness: f32) -> Vec3 {
-        let [r, g, b, _] = self.specular_at(Self::place_of(direction), direction, roughness);
-        Vec3::new(r, g, b)
+        self.levels.at(direction, roughness, || self.radiance(direction))
     }
 
     /// The irradiance on a plane with the unit normal `n`, linear RGB: π times the level of roughness 1, whose lobe is the
@@ -89,26 +90,13 @@ impl Environment {
     ///
     /// Law: within 2 % of the integral over all texels (`laws_environment::irradiance_is_the_integral_over_all_texels`).
     pub fn irradiance(&self, n: Vec3) -> Vec3 {
-        let [r, g, b, _] = self.mean_at(Self::place_of(n));
-        Vec3::new(r, g, b) * std::f32::consts::PI
+        self.levels.at(n, 1.0, || self.radiance(n)) * std::f32::consts::PI
     }
 
-    /// Where a direction of any length lies in the filtered maps, for [`Self::specular_at`] and [`Self::mean_at`].
+    /// Where a direction of any length lies in the filtered maps.
     #[inline(always)]
     pub(crate) fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
         octahedron::place_of(direction)
-    }
-
-    /// [`Self::specular`] of a direction whose place is known; the fourth number means nothing.
-    #[inline]
-    pub(crate) fn specular_at(&self, place: [f32; 2], direction: Vec3, roughness: f32) -> [f32; 4] {
-        self.levels.at(place, roughness, || with_zero(self.radiance(direction)))
-    }
-
-    /// [`Self::irradiance`] over π at a place; the fourth number means nothing.
-    #[inline]
-    pub(crate) fn mean_at(&self, place: [f32; 2]) -> [f32; 4] {
-        self.levels.roughest(place).unwrap_or_default()
     }
 
     /// The irradiance up to the second degree of spherical harmonics, for engines that take light so. On the dark side of
@@ -131,8 +119,4 @@ impl Environment {
     fn distribution(&self) -> &Distribution {
         self.distribution.get_or_init(|| Distribution::new(&self.picture))
     }
-}
-
-fn with_zero(color: Vec3) -> [f32; 4] {
-    [color.x, color.y, color.z, 0.0]
 }

@@ -77,27 +77,22 @@ impl Octahedron {
         &self.texels
     }
 
-    /// The mean of the four texels around a place, by nearness: linear RGB, and a number that means nothing.
+    /// The mean of the four texels around a place, by nearness, linear RGB.
     #[inline]
-    pub(super) fn at(&self, [u, v]: [f32; 2]) -> [f32; 4] {
-        let (x, y) = (u * self.side as f32 + 0.5, v * self.side as f32 + 0.5);
-        let (left, top) = (x as usize, y as usize);
-        let (s, t) = (x - left as f32, y - top as f32);
-        let start = top * (self.side + 2) + left;
-        let top = self.texels.between(start, s);
-        let bottom = self.texels.between(start + self.side + 2, s);
-        mix(top, bottom, t)
+    pub(super) fn at(&self, place: [f32; 2]) -> Vec3 {
+        let (start, [s, t]) = self.taps(place);
+        let row = |start: usize| self.texels.get(start) * (1.0 - s) + self.texels.get(start + 1) * s;
+        row(start) * (1.0 - t) + row(start + self.side + 2) * t
     }
-}
 
-/// From `a` to `b`, by `t`.
-#[inline]
-pub(super) fn mix(a: [f32; 4], b: [f32; 4], t: f32) -> [f32; 4] {
-    let mut mixed = [0.0; 4];
-    for c in 0..4 {
-        mixed[c] = a[c] * (1.0 - t) + b[c] * t;
+    /// The first of the four texels around a place, and how far the place is on the way to the right and to the lower
+    /// ones.
+    #[inline]
+    pub(super) fn taps(&self, [u, v]: [f32; 2]) -> (usize, [f32; 2]) {
+        let (x, y) = (u * self.side as f32 + 0.5, v * self.side as f32 + 0.5);
+        let (left, top) = (x as u32, y as u32);
+        (top as usize * (self.side + 2) + left as usize, [x - left as f32, y - top as f32])
     }
-    mixed
 }
 
 /// Which texel inside shows what a border texel does: each edge of the square is sewn to itself, turned round.
@@ -143,8 +138,7 @@ mod tests {
                 _ => {}
             }
             let d = d.normalize();
-            let [x, y, z, _] = map.at(place_of(d));
-            let found = Vec3::new(x, y, z) - Vec3::splat(2.0);
+            let found = map.at(place_of(d)) - Vec3::splat(2.0);
             assert!((found - d).length() < 0.03, "{d:?}: {found:?}");
         }
     }

@@ -65,16 +65,16 @@ impl HalfTexels {
         Vec3::new(self.float(r), self.float(g), self.float(b))
     }
 
-    /// From a texel to the next one, by `share`: linear RGB and 0; black beyond the last.
+    /// A texel as stored; black beyond the last.
     #[inline]
-    pub(super) fn between(&self, index: usize, share: f32) -> [f32; 4] {
-        let mut mean = [0.0; 4];
-        if let Some([a, b]) = self.texels.get(index..index + 2) {
-            for c in 0..4 {
-                mean[c] = self.float(a[c]) * (1.0 - share) + self.float(b[c]) * share;
-            }
-        }
-        mean
+    pub(super) fn stored(&self, index: usize) -> [u16; 4] {
+        self.texels.get(index).copied().unwrap_or_default()
+    }
+
+    /// What half floats are multiplied by whose exponent and mantissa are moved to where a float has them.
+    #[inline]
+    pub(super) fn factor(&self) -> f32 {
+        self.decode
     }
 
     /// A half float's exponent and mantissa moved to where a float has them are the same number but for 2¹¹².
