@@ -2,11 +2,11 @@
 //! an expression graph from a recorder, all through the same functions.
 #![allow(clippy::print_stderr)]
 
-use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x8, f32x16, prelude::*};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::{Add, Div, Mul, Neg, Sub};
-use taotie::math::{Lane, Mask, SimdLevel, Vec3, poly, scalar};
+use taotie::math::{Lane, Mask, Pack, SimdLevel, Vec3, poly, scalar};
 use taotie::names::Named;
 use taotie::shade::fresnel::{f_conductor, f_dielectric};
 use taotie::shade::lights::{inverse_square, range_window, spot_cone};
@@ -112,7 +112,7 @@ fn cases() -> Vec<[f32; INPUTS]> {
 #[inline(always)]
 fn packs<S: Simd>(simd: S, columns: &[Vec<f32>], results: &mut [[f32; 8]]) {
     for (pack, results) in results.chunks_mut(OUTPUTS).enumerate() {
-        let mut x = [f32x8::splat(simd, 0.0); INPUTS];
+        let mut x = [SimdBase::splat(simd, 0.0); INPUTS];
         for (x, column) in x.iter_mut().zip(columns) {
             *x = f32x8::from_slice(simd, &column[8 * pack..8 * pack + 8]);
         }
@@ -212,15 +212,13 @@ fn operations<L: Lane>(a: L, b: L, n: L) -> [L; OPERATIONS] {
     ]
 }
 
+/// Column k holds operation k of each of the operands.
 #[inline(always)]
-fn operation_packs<S: Simd>(simd: S, [a, b, n]: &[Vec<f32>; 3], results: &mut [[f32; 8]]) {
-    for (pack, results) in results.chunks_mut(OPERATIONS).enumerate() {
-        let at = 8 * pack..8 * pack + 8;
-        let a = f32x8::from_slice(simd, &a[at.clone()]);
-        let b = f32x8::from_slice(simd, &b[at.clone()]);
-        let n = f32x8::from_slice(simd, &n[at]);
-        for (result, value) in results.iter_mut().zip(operations(a, b, n)) {
-            result.copy_from_slice(value.as_slice());
+fn operation_packs<P: Pack>(token: P::Token, [a, b, n]: &[Vec<f32>; 3], results: &mut [Vec<f32>]) {
+    for i in (0..COUNT).step_by(P::LANES) {
+        let (a, b, n) = (P::load(token, &a[i..]), P::load(token, &b[i..]), P::load(token, &n[i..]));
+        for (column, value) in results.iter_mut().zip(operations(a, b, n)) {
+            value.store(&mut column[i..]);
         }
     }
 }
@@ -252,15 +250,18 @@ fn every_operation_has_the_same_bits_at_every_level() {
     assert!(levels.contains(&SimdLevel::Scalar));
     for name in levels {
         let level = name.dispatch().unwrap();
-        let mut results = vec![[0.0; 8]; COUNT / 8 * OPERATIONS];
-        dispatch!(level, simd => operation_packs(simd, &numbers, &mut results));
+        let columns = || vec![vec![0.0; COUNT]; OPERATIONS];
+        let (mut eights, mut sixteens) = (columns(), columns());
+        dispatch!(level, simd => operation_packs::<f32x8<_>>(simd, &numbers, &mut eights));
+        dispatch!(level, simd => operation_packs::<f32x16<_>>(simd, &numbers, &mut sixteens));
         for i in 0..COUNT {
             let [a, b, n] = [numbers[0][i], numbers[1][i], numbers[2][i]];
             for (k, expected) in operations(a, b, n).into_iter().enumerate() {
-                let found = results[i / 8 * OPERATIONS + k][i % 8];
-                // NaN has many bit patterns, and none of them reaches a pixel.
-                let same = expected.to_bits() == found.to_bits() || expected.is_nan() && found.is_nan();
-                assert!(same, "{}: operation {k} of {a}, {b}, {n}: {found} for {expected}", name.name());
+                for found in [eights[k][i], sixteens[k][i]] {
+                    // NaN has many bit patterns, and none of them reaches a pixel.
+                    let same = expected.to_bits() == found.to_bits() || expected.is_nan() && found.is_nan();
+                    assert!(same, "{}: operation {k} of {a}, {b}, {n}: {found} for {expected}", name.name());
+                }
             }
         }
     }

@@ -156,7 +156,7 @@ pub struct RunningArgs {
     /// Threads; all of the machine's if not given. Pixels do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
-    /// SIMD level: auto, scalar, sse2, avx2, neon. Pixels do not depend on it
+    /// SIMD level: auto, scalar, sse2, avx2, avx512, neon. Pixels do not depend on it
     #[arg(long, value_parser = options::named::<SimdLevel>, default_value = "auto")]
     pub simd: SimdLevel,
     /// Print a report as JSON

@@ -247,7 +247,7 @@ fn unknown_simd_level() {
     refused_beside_a_model(
         "render a.obj -o a.png --simd mmx",
         str![[r#"
-error: invalid value 'mmx' for '--simd <SIMD>': SIMD level `mmx`: there is none of this name; choose one of: auto, scalar, sse2, avx2, neon
+error: invalid value 'mmx' for '--simd <SIMD>': SIMD level `mmx`: there is none of this name; choose one of: auto, scalar, sse2, avx2, avx512, neon
 
 For more information, try '--help'.
 

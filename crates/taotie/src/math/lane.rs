@@ -194,16 +194,23 @@ macro_rules! packed_lane {
             fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self {
                 mask.select(if_true, if_false)
             }
-            // The instructions of x86 take the second operand where either is NaN or both are zero, as `select` does.
+            // The instructions of x86 take the second operand where either is NaN or both are zero, as `select` does;
+            // other levels need not.
             #[cfg(target_arch = "x86_64")]
             #[inline(always)]
             fn min(self, other: Self) -> Self {
-                SimdBase::min(self, other)
+                match self.token().level().as_sse2() {
+                    Some(_) => SimdBase::min(self, other),
+                    None => Self::select(self.lt(other), self, other),
+                }
             }
             #[cfg(target_arch = "x86_64")]
             #[inline(always)]
             fn max(self, other: Self) -> Self {
-                SimdBase::max(self, other)
+                match self.token().level().as_sse2() {
+                    Some(_) => SimdBase::max(self, other),
+                    None => Self::select(other.lt(self), self, other),
+                }
             }
             #[inline(always)]
             fn ldexp(self, n: Self) -> Self {
