@@ -95,7 +95,7 @@ impl Interpolation<'_, '_> {
 
     #[inline(always)]
     fn weigh_packs<P: Pack>(&self, token: P::Token, screen: &Screen<'_>, batch: &mut Batch) {
-        let spacing = P::splat(token, screen.viewport.pattern.spacing() as f32);
+        let spacing = P::splat(token, screen.viewport.pattern.spacing());
         for Run { triangle, start, end } in batch.runs.iter().copied() {
             let corners = self.vertices(triangle).map(|v| screen.clip[v as usize]);
             let triangle = PerspectiveTriangle::new(corners, screen.viewport, screen.origin);

@@ -73,10 +73,10 @@ impl Lookups {
     ) {
         let image = &scene.textures[texture.texture];
         let mut moved = self.uv;
-        for i in 0..len {
-            let [u, v] = shift(i);
-            moved[0][i] += u;
-            moved[1][i] += v;
+        let [moved_u, moved_v] = &mut moved;
+        for (i, (u, v)) in moved_u.iter_mut().zip(moved_v.iter_mut()).enumerate().take(len) {
+            let [du, dv] = shift(i);
+            (*u, *v) = (*u + du, *v + dv);
         }
         self.lookup.place(level, (image, &texture.sampler), [&moved[0], &moved[1]], &self.lod, len);
         self.lookup.read(level, image, out);

@@ -54,7 +54,7 @@ pub struct Pass<'p, 'a> {
 #[derive(Default)]
 pub(super) struct Kept {
     pub projected: Projected,
-    desks: Mutex<Vec<Box<Desk>>>,
+    desks: Mutex<Vec<Desk>>,
 }
 
 /// What drawing a tile needs.
@@ -214,23 +214,21 @@ impl<'p, 'a> Pass<'p, 'a> {
     }
 
     /// One that is free, or a new one.
-    fn desk(&self) -> Box<Desk> {
+    fn desk(&self) -> Desk {
         let free = self.desks().pop();
-        let mut desk = free.unwrap_or_else(|| {
-            Box::new(Desk {
-                plane: TilePlane::default(),
-                grouping: Grouping::default(),
-                keys: Vec::new(),
-                batch: self.batch(),
-                resolve: Resolve::default(),
-                codes: vec![[0; 4]; TILE_PIXELS],
-            })
+        let mut desk = free.unwrap_or_else(|| Desk {
+            plane: TilePlane::default(),
+            grouping: Grouping::default(),
+            keys: Vec::new(),
+            batch: self.batch(),
+            resolve: Resolve::default(),
+            codes: vec![[0; 4]; TILE_PIXELS],
         });
         desk.batch.see(self.sources.len());
         desk
     }
 
-    fn desks(&self) -> MutexGuard<'_, Vec<Box<Desk>>> {
+    fn desks(&self) -> MutexGuard<'_, Vec<Desk>> {
         self.kept.desks.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
