@@ -54,14 +54,19 @@ def smoothstep(x):
 
 
 def outline(v):
-    """Radius and its derivative by v, by a cubic Hermite spline that is level at both ends."""
-    at, radius = OUTLINE.T
-    slope = np.gradient(radius, at)
+    """Radius and its derivative by v."""
+    return spline(OUTLINE, v)
+
+
+def spline(points, v):
+    """Value and derivative at v of a cubic Hermite spline through (place, value), level at both ends."""
+    at, values = points.T
+    slope = np.gradient(values, at)
     slope[[0, -1]] = 0.0
     i = np.clip(np.searchsorted(at, v, side="right") - 1, 0, len(at) - 2)
     width = at[i + 1] - at[i]
     t = (v - at[i]) / width
-    a, b, m, n = radius[i], radius[i + 1], slope[i] * width, slope[i + 1] * width
+    a, b, m, n = values[i], values[i + 1], slope[i] * width, slope[i + 1] * width
     value = a + t * (m + t * (3 * (b - a) - 2 * m - n + t * (2 * (a - b) + m + n)))
     derivative = m + t * (2 * (3 * (b - a) - 2 * m - n) + 3 * t * (2 * (a - b) + m + n))
     return value, derivative / width

@@ -4,6 +4,7 @@ u in [0, 1] goes around, counter-clockwise as seen from above from +z; v in [0, 
 """
 
 import numpy as np
+from vessel import spline
 
 # v and radius of the outline before it is closed at both ends.
 OUTLINE = np.array(
@@ -18,21 +19,10 @@ CLOSING = 0.015
 LEAST_RADIUS = 0.01
 
 
-def smooth(v):
-    """Radius by a cubic Hermite spline through the points, level at both ends."""
-    at, radius = OUTLINE.T
-    slope = np.gradient(radius, at)
-    slope[[0, -1]] = 0.0
-    i = np.clip(np.searchsorted(at, v, side="right") - 1, 0, len(at) - 2)
-    width = at[i + 1] - at[i]
-    t = (v - at[i]) / width
-    a, b, m, n = radius[i], radius[i + 1], slope[i] * width, slope[i + 1] * width
-    return a + t * (m + t * (3 * (b - a) - 2 * m - n + t * (2 * (a - b) + m + n)))
-
-
 def radius(v):
     closed = np.sqrt(np.clip(np.minimum(v, 1 - v) / CLOSING, 0, 1))
-    return np.maximum(smooth(v) * closed, LEAST_RADIUS)
+    open_radius, _ = spline(OUTLINE, v)
+    return np.maximum(open_radius * closed, LEAST_RADIUS)
 
 
 def vessel(around, along):
