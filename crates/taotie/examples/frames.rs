@@ -7,12 +7,13 @@
 //! The model is read and prepared once. It is seen by the file's first camera under the file's lights. From frame to
 //! frame it turns by 0.01 radians about +y (camera, lights and environment go the other way), is drawn and developed
 //! to 8-bit sRGB on an opaque background, which is what a GPU's frame read back is. One line of JSON tells the times.
+//! `--keep FILE` writes the filtered environment, which `--environment` also takes.
 //! With `--ask` it waits for lines `WIDTH HEIGHT FRAMES [PNG]` and answers each so.
 
 #![allow(clippy::print_stdout, reason = "an example talks")]
 
 use std::io::BufRead;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use taotie::film::{Development, ToneCurve};
@@ -36,13 +37,16 @@ const WARM_ENOUGH: f64 = 300.0;
 /// Behind the model: about the codes 13, 13, 15.
 const BACKGROUND: Vec3 = Vec3::new(0.004_025, 0.004_025, 0.004_777);
 
-const USAGE: &str = "frames MODEL [--shading NAME] [--environment FILE] [--ambient X] [--width N] [--height N] \
-    [--frames N] [--threads N] [--simd NAME] [--plain] [--png FILE] [--ask]";
+const USAGE: &str = "frames MODEL [--shading NAME] [--environment FILE] [--keep FILE] [--ambient X] [--width N] \
+    [--height N] [--frames N] [--threads N] [--simd NAME] [--plain] [--png FILE] [--ask]";
 
 /// What is asked for.
 struct Options {
     model: PathBuf,
+    /// A picture, or what was kept of one.
     environment: Option<PathBuf>,
+    /// Where the environment is kept for another run, filtered.
+    keep: Option<PathBuf>,
     ambient: f32,
     threads: usize,
     settings: RenderSettings,
@@ -71,6 +75,7 @@ fn options(mut args: impl Iterator<Item = String>) -> Result<Options> {
     let mut options = Options {
         model: PathBuf::new(),
         environment: None,
+        keep: None,
         ambient: 0.0,
         threads: 0,
         settings: RenderSettings { samples: 1, ..RenderSettings::default() },
@@ -84,6 +89,7 @@ fn options(mut args: impl Iterator<Item = String>) -> Result<Options> {
         match arg.as_str() {
             "--shading" => settings.shading = Shading::from_name(&value()?)?,
             "--environment" => options.environment = Some(value()?.into()),
+            "--keep" => options.keep = Some(value()?.into()),
             "--ambient" => options.ambient = number(&value()?)?,
             "--width" => settings.width = number(&value()?)?,
             "--height" => settings.height = number(&value()?)?,
@@ -142,13 +148,23 @@ fn request(line: &str) -> Result<Request> {
 fn lighting(options: &Options, scene: &Scene) -> Result<Lighting> {
     let environment = match &options.environment {
         Some(path) => {
-            let picture = io::decode_environment(&io::read_bytes(path)?, path)?;
-            let environment = Arc::new(Environment::new(picture)?);
+            let environment = Arc::new(environment(path)?);
+            if let Some(path) = &options.keep {
+                std::fs::write(path, environment.to_bytes()).map_err(|e| Error::io(path, e))?;
+            }
             Some(EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: false })
         }
         None => None,
     };
     Ok(Lighting { lights: scene.lights.clone(), ambient: Vec3::splat(options.ambient), environment })
+}
+
+fn environment(path: &Path) -> Result<Environment> {
+    let bytes = io::read_bytes(path)?;
+    match Environment::from_bytes(&bytes) {
+        Ok(kept) => Ok(kept),
+        Err(_) => Environment::new(io::decode_environment(&bytes, path)?),
+    }
 }
 
 /// A prepared model with all that it is seen by.
@@ -168,28 +184,27 @@ impl Studio<'_> {
         let begun = Instant::now();
         for frame in 0..WARM_UP {
             if begun.elapsed().as_secs_f64() * 1e3 < WARM_ENOUGH {
-                self.frame(frame as f64 * STEP)?;
+                self.frame(frame as f64 * STEP, Some(BACKGROUND))?;
             }
         }
         for frame in 0..request.frames {
             let start = Instant::now();
-            self.frame((WARM_UP + frame) as f64 * STEP)?;
+            self.frame((WARM_UP + frame) as f64 * STEP, Some(BACKGROUND))?;
             times.push(start.elapsed().as_secs_f64() * 1e3);
         }
-        self.frame(0.0)?;
+        self.frame(0.0, Some(BACKGROUND))?;
         if let Some(path) = &request.png {
             write(path, &self.codes, request)?;
         }
-        let camera = self.camera.clone();
-        let frame = self.renderer.render(&camera, &self.lighting, &self.settings, &|_| {})?;
-        let covered = frame.color.pixels().iter().filter(|pixel| pixel[3] > 0.0).count();
+        self.frame(0.0, None)?;
+        let covered = self.codes.iter().filter(|code| code[3] > 0).count();
         let coverage = covered as f64 / self.codes.len() as f64;
         report(&times, coverage);
         Ok(())
     }
 
     /// Takes the picture of the model turned by `angle` radians.
-    fn frame(&mut self, angle: f64) -> Result<()> {
+    fn frame(&mut self, angle: f64, background: Option<Vec3>) -> Result<()> {
         let camera = Camera {
             world_from_view: Mat4::rotation_about(Vec3::new(0.0, 1.0, 0.0), -angle)
                 * self.camera.world_from_view,
@@ -197,12 +212,12 @@ impl Studio<'_> {
         };
         let development = Development {
             tone: ToneCurve::Linear,
-            background: Some(BACKGROUND),
+            background,
             simd: self.settings.simd,
             ..Development::default()
         };
         let lighting = self.turned_lighting(-angle);
-        self.renderer.develop((&camera, &lighting), &self.settings, &development, &mut self.codes)
+        self.renderer.develop((&camera, &lighting), &self.settings, &development, &mut self.codes, &|_| {})
     }
 
     fn turned_lighting(&self, angle: f64) -> Lighting {
@@ -229,7 +244,7 @@ impl Studio<'_> {
     }
 }
 
-fn write(path: &std::path::Path, pixels: &[[u8; 4]], request: &Request) -> Result<()> {
+fn write(path: &Path, pixels: &[[u8; 4]], request: &Request) -> Result<()> {
     let samples: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
     let samples = PngSamples::U8(&samples);
     let (width, height) = (request.width, request.height);

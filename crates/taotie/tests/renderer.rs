@@ -39,7 +39,7 @@ fn what_was_taken_before_changes_no_bit() {
                 assert!(kept.pixels() == alone.pixels(), "{name}");
             }
         }
-        renderer.develop((camera, lighting), settings, &development, &mut codes).unwrap();
+        renderer.develop((camera, lighting), settings, &development, &mut codes, &|_| {}).unwrap();
         assert!(codes == develop8(&alone.color, &development).unwrap());
     }
 }

@@ -3,10 +3,10 @@
 use super::proof::ViewFigures;
 use anyhow::Result;
 use taotie::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
-use taotie::film::{self, Development};
+use taotie::film::Development;
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
-use taotie::render::{Lighting, Pass, Prepared, RenderSettings};
+use taotie::render::{Lighting, RenderSettings, Renderer};
 use taotie::scene::{Camera, Instance, Material, Orbit, Scene, fitting_distance, three_point_rig};
 
 /// Pixels along a side of the pictures.
@@ -94,23 +94,17 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
 
 fn pictures(scene: &Scene, cameras: &[Camera], go_on: &dyn Fn(f64) -> bool) -> Result<Vec<Picture>> {
     let settings = RenderSettings { width: SIDE, height: SIDE, samples: 4, ..RenderSettings::default() };
-    let prepared = Prepared::new(scene, &settings.surface)?;
-    let mut pictures = Vec::new();
+    let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
+    let mut renderer = Renderer::new(scene, &settings.surface)?;
+    let (mut pictures, mut codes) = (Vec::new(), Vec::new());
     for (i, camera) in cameras.iter().enumerate() {
         if !go_on(i as f64 / cameras.len() as f64) {
             return Err(super::stop::Interrupted.into());
         }
         let lighting =
             Lighting { lights: three_point_rig(camera), ambient: Vec3::splat(0.15), environment: None };
-        let frame = Pass::new(&prepared, camera, &lighting, &settings)?.render(&|_| {})?;
-        pictures.push(developed(&frame.color)?);
+        renderer.develop((camera, &lighting), &settings, &development, &mut codes, &|_| {})?;
+        pictures.push(Picture::from_developed(SIDE, SIDE, &codes)?);
     }
     Ok(pictures)
-}
-
-fn developed(color: &taotie::image::Image) -> Result<Picture> {
-    let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
-    let pixels: Vec<[u8; 3]> =
-        film::develop8(color, &development)?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-    Ok(Picture::from_8bit(color.width(), color.height(), &pixels)?)
 }

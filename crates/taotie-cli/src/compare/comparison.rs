@@ -11,9 +11,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 use taotie::Warnings;
 use taotie::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
-use taotie::film::{self, Development};
+use taotie::film::Development;
 use taotie::image::Image;
-use taotie::render::{Lighting, Pass, Prepared, RenderSettings, SurfaceSettings};
+use taotie::render::{Lighting, Prepared, RenderSettings, Renderer, SurfaceSettings};
 use taotie::scene::{Camera, Scene};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
@@ -220,20 +220,18 @@ impl<'a> Studio<'a> {
     fn take(&mut self, scene: &Scene, method: Option<Method>) -> Result<Taken> {
         let start = Instant::now();
         let surface = self.surface(method);
-        let prepared = Prepared::new(scene, &surface)?;
-        self.warnings.absorb(prepared.warnings().clone());
+        let mut renderer = Renderer::new(scene, &surface)?;
+        self.warnings.absorb(renderer.prepared().warnings().clone());
         let settings = RenderSettings { surface, ..self.plan.settings.clone() };
-        let look = look::look(&prepared, &self.plan.camera, &settings)?;
+        let look = look::look(renderer.prepared(), &self.plan.camera, &settings)?;
         let normals = look.mean_normals(&look.normals)?;
         self.step();
-        let mut pictures = Vec::new();
+        let (mut pictures, mut codes) = (Vec::new(), Vec::new());
         for shading in &self.plan.shadings {
             let settings = RenderSettings { shading: *shading, ..settings.clone() };
-            let pass = Pass::new(&prepared, &self.plan.camera, &self.plan.lighting, &settings)?;
-            let frame = pass.render(&|_| {})?;
-            let pixels = film::develop8(&frame.color, &self.plan.development)?;
-            let pixels: Vec<[u8; 3]> = pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-            pictures.push((*shading, Picture::from_8bit(settings.width, settings.height, &pixels)?));
+            let seen = (&self.plan.camera, &self.plan.lighting);
+            renderer.develop(seen, &settings, &self.plan.development, &mut codes, &|_| {})?;
+            pictures.push((*shading, Picture::from_developed(settings.width, settings.height, &codes)?));
             self.step();
         }
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;

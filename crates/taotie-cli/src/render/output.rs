@@ -103,14 +103,24 @@ pub fn write_picture(
     development: &Development,
     format: PictureFormat,
 ) -> Result<()> {
-    // Nothing is seen through a picture with a background.
-    let channels = if development.background.is_some() { 3 } else { 4 };
     let texels = match format {
         PictureFormat::Exr => return write_exr(path, image),
         PictureFormat::Png8 => Texels::U8(film::develop8(image, development)?),
         PictureFormat::Png16 => Texels::U16(film::develop16(image, development)?),
     };
-    let bitmap = Bitmap::new(image.width(), image.height(), channels, texels)?;
+    write_developed(path, [image.width(), image.height()], development, texels)
+}
+
+/// Writes the pixels of a developed picture of this width and height as PNG.
+pub fn write_developed(
+    path: &Path,
+    [width, height]: [u32; 2],
+    development: &Development,
+    texels: Texels,
+) -> Result<()> {
+    // Nothing is seen through a picture with a background.
+    let channels = if development.background.is_some() { 3 } else { 4 };
+    let bitmap = Bitmap::new(width, height, channels, texels)?;
     Ok(io::write_png_bitmap(path, &bitmap, Encoding::Srgb)?)
 }
 

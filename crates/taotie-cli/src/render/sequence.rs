@@ -1,6 +1,6 @@
 //! The pictures of a run, one after another.
 
-use super::output::{self, Formats};
+use super::output::{self, Formats, PictureFormat};
 use super::plan::{Plan, Shot};
 use super::{RenderArgs, Watch};
 use crate::console::Progress;
@@ -9,9 +9,9 @@ use anyhow::{Context, Result};
 use std::path::PathBuf;
 use taotie::Warnings;
 use taotie::film::{self, Development};
-use taotie::image::Image;
+use taotie::image::{Image, Texels};
 use taotie::io::{MovingPicture, MovingSpec};
-use taotie::render::{EnvironmentLight, Frame, Pass, Prepared, RenderSettings, reference};
+use taotie::render::{EnvironmentLight, Frame, RenderSettings, Renderer, reference};
 use taotie::scene::Scene;
 
 /// What all pictures of a run have in common.
@@ -73,16 +73,16 @@ impl<'a> Sequence<'a> {
                 motion.pose(scene, seconds)?;
                 viewpoint.follow(&self.args.camera, scene)?;
             }
-            let prepared = Prepared::new(scene, &self.settings.surface)
+            let renderer = Renderer::new(scene, &self.settings.surface)
                 .with_context(|| self.args.model.display().to_string())?;
             if self.done == 0 {
-                warnings.absorb(prepared.warnings().clone());
+                warnings.absorb(renderer.prepared().warnings().clone());
             }
             self.watch.lap("prepare");
-            let stage = Stage { scene, prepared: &prepared, viewpoint: &viewpoint, progress: &progress };
+            let mut stage = Stage { scene, renderer, viewpoint: &viewpoint, progress: &progress };
             for shot in shots {
-                let frame = self.render(&stage, shot)?;
-                self.write(&frame, moving.as_mut())?;
+                let picture = self.render(&mut stage, shot)?;
+                self.write(picture, moving.as_mut())?;
             }
         }
         if let Some(picture) = moving {
@@ -106,30 +106,51 @@ impl<'a> Sequence<'a> {
         Ok(Some(MovingPicture::create(&self.args.output, &spec)?))
     }
 
-    fn render(&mut self, stage: &Stage, shot: &Shot) -> Result<Frame> {
+    fn render(&mut self, stage: &mut Stage, shot: &Shot) -> Result<Picture> {
         let environment = self.environment.as_ref();
         let lighting =
             studio::lighting(&self.args.light, environment, stage.scene, stage.viewpoint, shot.turn)?;
         let (camera, settings) = (stage.viewpoint.camera(shot.turn), &self.settings);
         let (before, count) = (self.done as f64, self.plan.shots.len() as f64);
         let progress = |part: f64| stage.progress.set((before + part) / count);
-        let frame = match self.args.integrator.reference() {
-            None => Pass::new(stage.prepared, &camera, &lighting, settings)?.render(&progress)?,
-            Some(paths) => reference(stage.prepared, &camera, &lighting, settings, &paths, &progress)?,
+        let renderer = &mut stage.renderer;
+        let picture = match self.args.integrator.reference() {
+            None if self.formats.still == PictureFormat::Png8 && !settings.aovs => {
+                let mut codes = Vec::new();
+                renderer.develop((&camera, &lighting), settings, &self.development, &mut codes, &progress)?;
+                Picture::Developed(codes)
+            }
+            None => Picture::Linear(renderer.render(&camera, &lighting, settings, &progress)?),
+            Some(paths) => {
+                let prepared = renderer.prepared();
+                Picture::Linear(reference(prepared, &camera, &lighting, settings, &paths, &progress)?)
+            }
         };
         self.watch.lap("render");
-        Ok(frame)
+        Ok(picture)
     }
 
-    fn write(&mut self, frame: &Frame, moving: Option<&mut MovingPicture>) -> Result<()> {
+    fn write(&mut self, picture: Picture, moving: Option<&mut MovingPicture>) -> Result<()> {
         let still = self.formats.still;
         let path = match self.args.motion.takes_several() {
             true => output::numbered(&self.args.output, still, self.done, self.plan.shots.len()),
             false => self.args.output.clone(),
         };
-        self.files.extend(output::write(self.args, &path, still, frame)?);
-        if let Some(picture) = moving {
-            picture.add(&self.developed(&frame.color)?)?;
+        match picture {
+            Picture::Linear(frame) => {
+                self.files.extend(output::write(self.args, &path, still, &frame)?);
+                if let Some(moving) = moving {
+                    moving.add(&self.developed(&frame.color)?)?;
+                }
+            }
+            Picture::Developed(codes) => {
+                if let Some(moving) = moving {
+                    moving.add(&codes)?;
+                }
+                let size = [self.settings.width, self.settings.height];
+                output::write_developed(&path, size, &self.development, Texels::U8(codes))?;
+                self.files.push(path);
+            }
         }
         self.done += 1;
         self.watch.lap("write");
@@ -141,10 +162,17 @@ impl<'a> Sequence<'a> {
     }
 }
 
+/// A picture that is to be written.
+enum Picture {
+    Linear(Frame),
+    /// 8 bits a channel, row by row.
+    Developed(Vec<[u8; 4]>),
+}
+
 /// A pose of the scene, ready for pictures.
 struct Stage<'a> {
     scene: &'a Scene,
-    prepared: &'a Prepared<'a>,
+    renderer: Renderer<'a>,
     viewpoint: &'a Viewpoint,
     progress: &'a Progress,
 }

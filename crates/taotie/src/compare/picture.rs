@@ -28,6 +28,15 @@ impl Picture {
         Ok(Self { width, height, pixels })
     }
 
+    /// A picture as it was developed, opaque: its fourth channel is not looked at.
+    ///
+    /// # Errors
+    /// As [`Picture::new`].
+    pub fn from_developed(width: u32, height: u32, codes: &[[u8; 4]]) -> Result<Self> {
+        let pixels: Vec<[u8; 3]> = codes.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
+        Self::from_8bit(width, height, &pixels)
+    }
+
     /// A picture from the codes of an 8-bit file, row by row from the top.
     ///
     /// # Errors

@@ -1,20 +1,14 @@
-//! Filtered lookup of many points at once: places in packs, texels one by one, and decoding and filtering in packs.
+//! Filtered lookup of many points at once: places in packs, texels one by one, decoding and filtering in packs.
 
 use super::decode::linear_from_code;
 use super::sampler::{MipFilter, Sampler, TexelFilter, Wrap};
 use super::{Encoding, Texels, Texture};
-use crate::math::{BATCH, COLUMN, Column, Lane, Mask, Pack, Words, dispatch_pack};
+use crate::math::{BATCH, COLUMN, Column, Lane, Mask, Pack, Quads, Words, dispatch_pack};
 use fearless_simd::Level;
 use std::ops::Range;
 
-/// The most words of a texel.
-const MOST_WORDS: usize = 4;
-
-/// The words of a texel.
-type TexelWords = [Words; MOST_WORDS];
-
-/// Of each of the four texels around the points.
-type Texel4 = [TexelWords; 4];
+/// What is read of the four texels around each point, as the bits of floats; see [`Format`].
+type Found = [Quads; 4];
 
 /// Where [`BATCH`] points are looked up in textures of one size: levels, texels and weights. It serves every texture
 /// that has this size and is read by the same sampler at the same places.
@@ -30,7 +24,7 @@ pub struct Lookup {
     /// Whether any point needs the coarse level.
     blended: bool,
     /// What was last read.
-    words: Texel4,
+    found: Found,
 }
 
 /// The four texels around each point, in one level.
@@ -43,25 +37,30 @@ struct Taps {
     neighbours: bool,
     width: Column,
     height: Column,
-    /// Top left, top right, bottom left, bottom right: indices in the level.
-    place: [Words; 4],
+    /// Top left and bottom left: indices in the level.
+    place: [Words; 2],
+    /// From the left texels to the right ones, modulo 2³².
+    step: Words,
     /// How far the point is on the way to the right and to the lower texels.
     across: Column,
     down: Column,
-    /// What [`Format::Wide`] texels are multiplied by.
+    /// What filtered values of [`Format::Wide`], and the fourth channel of [`Format::Codes`] and [`Format::Srgb`], are
+    /// multiplied by.
     scale: Column,
+    alpha: Column,
 }
 
-/// How the words of a texel are stored.
+/// How texels are stored, and how those around a point lie in [`Found`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Format {
-    /// Four codes of 8 bits.
+    /// Four codes of 8 bits: all four texels are the first quad.
     Codes,
     /// The same, with colour in sRGB.
     Srgb,
-    /// Two words with two codes of 16 bits each, or of 8 where the point's level has no more.
+    /// Four codes of 16 bits, or of 8 where the point's level has no more: the first quad has the upper two texels, the
+    /// second the lower two.
     Wide,
-    /// Four floats.
+    /// Four floats: a quad each.
     Floats,
 }
 
@@ -73,10 +72,12 @@ impl Default for Lookup {
             neighbours: false,
             width: Column::ZERO,
             height: Column::ZERO,
-            place: [Words::ZERO; 4],
+            place: [Words::ZERO; 2],
+            step: Words::ZERO,
             across: Column::ZERO,
             down: Column::ZERO,
             scale: Column::ZERO,
+            alpha: Column::ZERO,
         };
         Self {
             len: 0,
@@ -85,7 +86,7 @@ impl Default for Lookup {
             coarse: taps,
             share: Column::ZERO,
             blended: false,
-            words: [[Words::ZERO; MOST_WORDS]; 4],
+            found: [Quads::ZERO; 4],
         }
     }
 }
@@ -113,22 +114,15 @@ impl Lookup {
     }
 
     /// The linear RGBA values of `texture`, column by column; the last of `out`, where it has no alpha, is 1.
-    pub fn read(&mut self, level: Level, texture: &Texture, out: [&mut Column; 4]) {
+    pub fn read(&mut self, level: Level, texture: &Texture, mut out: [&mut Column; 4]) {
         let alpha = has_alpha(texture);
-        let [r, g, b, a] = out;
-        if !alpha {
-            a.fill(1.0);
-        }
-        let mut out = [r, g, b, a];
-        let channels = if alpha { 4 } else { 3 };
-        let format = self.fine.fetch(texture, &mut self.words);
-        let filter = Filter { words: &self.words, format, len: self.len };
-        dispatch_pack!(level, P, token => filter.fill::<P>(token, &self.fine, &mut out[..channels]));
+        let format = self.fine.fetch(texture, &mut self.found);
+        let filter = Filter { found: &self.found, format, alpha, len: self.len };
+        dispatch_pack!(level, P, token => filter.fill::<P>(token, &self.fine, &mut out));
         if self.blended {
-            let format = self.coarse.fetch(texture, &mut self.words);
-            let filter = Filter { words: &self.words, format, len: self.len };
-            let taps = (&self.coarse, &self.share);
-            dispatch_pack!(level, P, token => filter.blend::<P>(token, taps, &mut out[..channels]));
+            let format = self.coarse.fetch(texture, &mut self.found);
+            let filter = Filter { found: &self.found, format, alpha, len: self.len };
+            dispatch_pack!(level, P, token => filter.blend::<P>(token, (&self.coarse, &self.share), &mut out));
         }
     }
 
@@ -194,16 +188,15 @@ impl Taps {
             let parted = (right - left).lt(P::splat(token, 1.0)).or(P::splat(token, 1.0).lt(right - left));
             self.neighbours &= !parted.any();
             left.store_place(top, width, &mut self.place[0][i..]);
-            right.store_place(top, width, &mut self.place[1][i..]);
-            left.store_place(bottom, width, &mut self.place[2][i..]);
-            right.store_place(bottom, width, &mut self.place[3][i..]);
+            left.store_place(bottom, width, &mut self.place[1][i..]);
+            (right - left).store_words(&mut self.step[i..]);
             across.store(&mut self.across[i..]);
             down.store(&mut self.down[i..]);
         }
     }
 
     /// Reads the texels.
-    fn fetch(&mut self, texture: &Texture, words: &mut Texel4) -> Format {
+    fn fetch(&mut self, texture: &Texture, found: &mut Found) -> Format {
         let is_coded = |(level, _): &(usize, usize)| matches!(texture.level(*level).texels(), Texels::U8(_));
         // A texel of the finest level of a normal map has no variance, whatever its alpha says.
         let normals = texture.encoding() == Encoding::Normal;
@@ -217,22 +210,15 @@ impl Taps {
         for (level, end) in self.runs.iter().copied() {
             let (stored, alpha) = (texture.level(level).texels(), !(normals && level == 0));
             self.scale[start..end].fill(texture.scale(level)[0]);
-            for (row, words) in words.chunks_exact_mut(2).enumerate() {
-                let [left, right] = words else { continue };
-                let row = Row {
-                    places: [&self.place[2 * row][start..end], &self.place[2 * row + 1][start..end]],
-                    neighbours: self.neighbours,
-                    alpha,
-                };
-                let span = start..end;
-                match stored {
-                    Texels::U8(texels) if format == Format::Wide => {
-                        row.fetch_mixed(texels, [left, right], span)
-                    }
-                    Texels::U8(texels) => row.fetch_codes(texels, [left, right], span),
-                    Texels::U16(texels) => row.fetch_wide(texels, [left, right], span),
-                    Texels::F32(texels) => row.fetch_floats(texels, [left, right], span),
+            self.alpha[start..end].fill(if alpha { 1.0 / 255.0 } else { 0.0 });
+            let points = Points { taps: self, alpha, span: start..end };
+            match stored {
+                Texels::U8(texels) if format == Format::Wide => {
+                    points.fetch_wide(texels, found, |texel| texel.map(u16::from));
                 }
+                Texels::U8(texels) => points.fetch_codes(texels, found),
+                Texels::U16(texels) => points.fetch_wide(texels, found, |texel| texel),
+                Texels::F32(texels) => points.fetch_floats(texels, found),
             }
             start = end;
         }
@@ -240,93 +226,81 @@ impl Taps {
     }
 }
 
-/// The left and right texels of points in one row of texels.
-struct Row<'t> {
-    places: [&'t [u32]; 2],
-    /// Whether the right ones follow the left ones everywhere, so that both are found at once.
-    neighbours: bool,
+/// Points that are looked up in one level.
+struct Points<'t> {
+    taps: &'t Taps,
     /// Whether the fourth channel counts.
     alpha: bool,
+    span: Range<usize>,
 }
 
-/// What is read of the two texels of each point.
-type Pair<'w> = [&'w mut TexelWords; 2];
-
-impl Row<'_> {
+impl Points<'_> {
     /// Texels of 8 bits.
-    fn fetch_codes(&self, texels: &[[u8; 4]], pair: Pair<'_>, span: Range<usize>) {
-        let mask = if self.alpha { u32::MAX } else { 0x00ff_ffff };
-        self.fetch(texels, pair, span, |texel| [u32::from_le_bytes(texel) & mask]);
+    fn fetch_codes(&self, texels: &[[u8; 4]], found: &mut Found) {
+        let quads = &mut found[0][self.span.clone()];
+        self.each(texels, |i, four| quads[i] = four.map(|texel| f32::from_bits(u32::from_le_bytes(texel))));
     }
 
-    /// Texels of 8 bits among others of 16.
-    fn fetch_mixed(&self, texels: &[[u8; 4]], pair: Pair<'_>, span: Range<usize>) {
+    fn fetch_wide<T: Copy + Default>(&self, texels: &[T], found: &mut Found, codes: impl Fn(T) -> [u16; 4]) {
+        let [top, bottom, ..] = found;
+        let (top, bottom) = (&mut top[self.span.clone()], &mut bottom[self.span.clone()]);
         let mask = if self.alpha { u32::MAX } else { 0xffff };
-        self.fetch(texels, pair, span, |[r, g, b, a]| {
-            [u32::from(r) | u32::from(g) << 16, (u32::from(b) | u32::from(a) << 16) & mask]
-        });
+        let pair = |a, b| {
+            let ([r, g, b, a], [r2, g2, b2, a2]) = (codes(a).map(u32::from), codes(b).map(u32::from));
+            [r | g << 16, (b | a << 16) & mask, r2 | g2 << 16, (b2 | a2 << 16) & mask].map(f32::from_bits)
+        };
+        self.each(texels, |i, [a, b, c, d]| (top[i], bottom[i]) = (pair(a, b), pair(c, d)));
     }
 
-    fn fetch_wide(&self, texels: &[[u16; 4]], pair: Pair<'_>, span: Range<usize>) {
-        let mask = if self.alpha { u32::MAX } else { 0xffff };
-        self.fetch(texels, pair, span, |[r, g, b, a]| {
-            [u32::from(r) | u32::from(g) << 16, (u32::from(b) | u32::from(a) << 16) & mask]
-        });
-    }
-
-    fn fetch_floats(&self, texels: &[[f32; 4]], pair: Pair<'_>, span: Range<usize>) {
-        self.fetch(texels, pair, span, |[r, g, b, a]| {
-            [r, g, b, if self.alpha { a } else { 0.0 }].map(f32::to_bits)
-        });
-    }
-
-    /// Writes the words of each point's texels; what is not there is zero.
-    #[inline(always)]
-    fn fetch<T: Copy + Default, const N: usize>(
-        &self,
-        texels: &[T],
-        [left, right]: Pair<'_>,
-        span: Range<usize>,
-        words: impl Fn(T) -> [u32; N],
-    ) {
-        let ([left_places, right_places], count) = (self.places, span.len());
-        let (left, right) = (columns::<N>(left, &span), columns::<N>(right, &span));
-        // As long as that, which the compiler cannot know.
-        let (left_places, right_places) = (&left_places[..count], &right_places[..count]);
-        for i in 0..count {
-            let place = left_places[i] as usize;
-            let [a, b] = match self.neighbours {
-                true => texels.get(place + 1).map_or_else(Default::default, |b| [texels[place], *b]),
-                false => {
-                    [place, right_places[i] as usize].map(|p| texels.get(p).copied().unwrap_or_default())
-                }
-            };
-            let (a, b) = (words(a), words(b));
-            for n in 0..N {
-                left[n][i] = a[n];
-                right[n][i] = b[n];
+    fn fetch_floats(&self, texels: &[[f32; 4]], found: &mut Found) {
+        self.each(texels, |i, four| {
+            for (quads, [r, g, b, a]) in found.iter_mut().zip(four) {
+                quads[self.span.start + i] = [r, g, b, if self.alpha { a } else { 0.0 }];
             }
+        });
+    }
+
+    /// Calls `write` for each point with its number in the span and the four texels around it: top left, top right,
+    /// bottom left, bottom right. What is not there is zero.
+    #[inline(always)]
+    fn each<T: Copy + Default>(&self, texels: &[T], mut write: impl FnMut(usize, [T; 4])) {
+        let count = self.span.len();
+        let places = self.taps.place.each_ref().map(|places| &places[self.span.clone()]);
+        // As long as that, which the compiler cannot know.
+        let [tops, bottoms] = places.map(|places| &places[..count]);
+        let two = |place: u32| match texels.get(place as usize..place as usize + 2) {
+            Some(&[left, right]) => [left, right],
+            _ => Default::default(),
+        };
+        if self.taps.neighbours {
+            for i in 0..count {
+                let ([a, b], [c, d]) = (two(tops[i]), two(bottoms[i]));
+                write(i, [a, b, c, d]);
+            }
+            return;
+        }
+        let one = |place: u32| texels.get(place as usize).copied().unwrap_or_default();
+        for (i, step) in self.taps.step[self.span.clone()].iter().enumerate() {
+            let (top, bottom) = (tops[i], bottoms[i]);
+            let right = |place: u32| one(place.wrapping_add(*step));
+            write(i, [one(top), right(top), one(bottom), right(bottom)]);
         }
     }
 }
 
-/// A part of the first columns of words.
-fn columns<'w, const N: usize>(texel: &'w mut TexelWords, span: &Range<usize>) -> [&'w mut [u32]; N] {
-    let mut words = texel.iter_mut();
-    std::array::from_fn(|_| words.next().map_or(&mut [][..], |words| &mut words[span.clone()]))
-}
-
 /// What was read, to be filtered within its level.
 struct Filter<'w> {
-    words: &'w Texel4,
+    found: &'w Found,
     format: Format,
+    /// Whether the fourth channel may be anything but 1.
+    alpha: bool,
     len: usize,
 }
 
 impl Filter<'_> {
     /// Writes the channels at all points.
     #[inline(always)]
-    fn fill<P: Pack>(&self, token: P::Token, taps: &Taps, out: &mut [&mut Column]) {
+    fn fill<P: Pack>(&self, token: P::Token, taps: &Taps, out: &mut [&mut Column; 4]) {
         match self.format {
             Format::Codes => self.each::<P, Code, Fill>(token, (taps, &taps.across), out),
             Format::Srgb => self.each::<P, SrgbCode, Fill>(token, (taps, &taps.across), out),
@@ -337,7 +311,7 @@ impl Filter<'_> {
 
     /// Goes by `share` from what `out` holds to this level's.
     #[inline(always)]
-    fn blend<P: Pack>(&self, token: P::Token, taps: (&Taps, &Column), out: &mut [&mut Column]) {
+    fn blend<P: Pack>(&self, token: P::Token, taps: (&Taps, &Column), out: &mut [&mut Column; 4]) {
         match self.format {
             Format::Codes => self.each::<P, Code, Blend>(token, taps, out),
             Format::Srgb => self.each::<P, SrgbCode, Blend>(token, taps, out),
@@ -351,20 +325,31 @@ impl Filter<'_> {
         &self,
         token: P::Token,
         (taps, share): (&Taps, &Column),
-        out: &mut [&mut Column],
+        [r, g, b, a]: &mut [&mut Column; 4],
     ) {
-        let [top_left, top_right, bottom_left, bottom_right] = self.words;
-        for (channel, out) in out.iter_mut().enumerate() {
-            for i in (0..self.len).step_by(P::LANES) {
-                let (across, down) = (P::load(token, &taps.across[i..]), P::load(token, &taps.down[i..]));
-                let left: P = T::load(token, top_left, channel, i);
-                let top = mix(left, T::load(token, top_right, channel, i), across);
-                let left: P = T::load(token, bottom_left, channel, i);
-                let bottom = mix(left, T::load(token, bottom_right, channel, i), across);
-                let mean = mix(top, bottom, down) * T::scale(token, taps, channel, i);
-                W::lay(token, mean, share, out, i).store(&mut out[i..]);
-            }
+        for i in (0..self.len).step_by(P::LANES) {
+            let red: P = self.mean::<P, T>(token, taps, 0, i);
+            let green: P = self.mean::<P, T>(token, taps, 1, i);
+            let blue: P = self.mean::<P, T>(token, taps, 2, i);
+            let alpha = match self.alpha {
+                true => self.mean::<P, T>(token, taps, 3, i),
+                false => P::splat(token, 1.0),
+            };
+            W::lay(token, red, share, r, i).store(&mut r[i..]);
+            W::lay(token, green, share, g, i).store(&mut g[i..]);
+            W::lay(token, blue, share, b, i).store(&mut b[i..]);
+            W::lay(token, alpha, share, a, i).store(&mut a[i..]);
         }
+    }
+
+    /// The mean of a channel by nearness. What is read for one channel serves the others too.
+    #[inline(always)]
+    fn mean<P: Pack, T: Stored>(&self, token: P::Token, taps: &Taps, channel: usize, i: usize) -> P {
+        let (across, down) = (P::load(token, &taps.across[i..]), P::load(token, &taps.down[i..]));
+        let [top_left, top_right, bottom_left, bottom_right] = T::load::<P>(token, self.found, channel, i);
+        let top = mix(top_left, top_right, across);
+        let bottom = mix(bottom_left, bottom_right, across);
+        mix(top, bottom, down) * T::scale(token, taps, channel, i)
     }
 }
 
@@ -393,22 +378,24 @@ impl Way for Blend {
 
 /// A way of storing channels.
 trait Stored {
-    /// What loaded numbers are multiplied by.
+    /// What means are multiplied by.
     fn scale<P: Pack>(token: P::Token, taps: &Taps, channel: usize, i: usize) -> P;
-    /// A channel of the points from `i` on.
-    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P;
+    /// A channel of the four texels around the points from `i` on.
+    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4];
 }
 
 struct Code;
 
 impl Stored for Code {
     #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, _: &Taps, _: usize, _: usize) -> P {
-        P::splat(token, 1.0 / 255.0)
+    fn scale<P: Pack>(token: P::Token, taps: &Taps, channel: usize, i: usize) -> P {
+        if channel == 3 { P::load(token, &taps.alpha[i..]) } else { P::splat(token, 1.0 / 255.0) }
     }
     #[inline(always)]
-    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P {
-        P::load_byte(token, &words[0][i..], channel as u32)
+    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4] {
+        let [a, b, c, d] = P::load_pixels(token, &found[0][i..]);
+        let shift = 8 * channel as u32;
+        [a.field(shift, 0xff), b.field(shift, 0xff), c.field(shift, 0xff), d.field(shift, 0xff)]
     }
 }
 
@@ -416,13 +403,17 @@ struct SrgbCode;
 
 impl Stored for SrgbCode {
     #[inline(always)]
-    fn scale<P: Pack>(token: P::Token, _: &Taps, channel: usize, _: usize) -> P {
-        P::splat(token, if channel == 3 { 1.0 / 255.0 } else { 1.0 })
+    fn scale<P: Pack>(token: P::Token, taps: &Taps, channel: usize, i: usize) -> P {
+        if channel == 3 { P::load(token, &taps.alpha[i..]) } else { P::splat(token, 1.0) }
     }
     #[inline(always)]
-    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P {
-        let code = P::load_byte(token, &words[0][i..], channel as u32);
-        if channel == 3 { code } else { linear_from_code(code) }
+    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4] {
+        let codes = Code::load(token, found, channel, i);
+        if channel == 3 {
+            return codes;
+        }
+        let [a, b, c, d] = codes;
+        [linear_from_code(a), linear_from_code(b), linear_from_code(c), linear_from_code(d)]
     }
 }
 
@@ -434,8 +425,12 @@ impl Stored for WideCode {
         P::load(token, &taps.scale[i..])
     }
     #[inline(always)]
-    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P {
-        P::load_half(token, &words[channel / 2][i..], channel as u32 % 2)
+    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4] {
+        let top: [P; 4] = P::load_pixels(token, &found[0][i..]);
+        let bottom: [P; 4] = P::load_pixels(token, &found[1][i..]);
+        let (left, right, shift) = (channel / 2, channel / 2 + 2, 16 * (channel as u32 % 2));
+        let (a, b) = (top[left].field(shift, 0xffff), top[right].field(shift, 0xffff));
+        [a, b, bottom[left].field(shift, 0xffff), bottom[right].field(shift, 0xffff)]
     }
 }
 
@@ -447,8 +442,11 @@ impl Stored for Float {
         P::splat(token, 1.0)
     }
     #[inline(always)]
-    fn load<P: Pack>(token: P::Token, words: &[Words; MOST_WORDS], channel: usize, i: usize) -> P {
-        P::load_bits(token, &words[channel][i..])
+    fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4] {
+        let [a, b, c, d] = found;
+        let (a, b) = (P::load_pixels(token, &a[i..]), P::load_pixels(token, &b[i..]));
+        let (c, d) = (P::load_pixels(token, &c[i..]), P::load_pixels(token, &d[i..]));
+        [a[channel], b[channel], c[channel], d[channel]]
     }
 }
 

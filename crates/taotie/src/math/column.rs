@@ -20,6 +20,9 @@ pub type Column = Aligned<f32>;
 /// One word of each point.
 pub type Words = Aligned<u32>;
 
+/// Four numbers of each point that come together.
+pub type Quads = Aligned<[f32; 4]>;
+
 impl Column {
     /// All zero.
     pub const ZERO: Self = Self([0.0; COLUMN]);
@@ -32,7 +35,7 @@ impl Words {
     pub const ZERO: Self = Self([0; COLUMN]);
 }
 
-impl Aligned<[f32; 4]> {
+impl Quads {
     /// All zero.
     pub const ZERO: Self = Self([[0.0; 4]; COLUMN]);
 }

@@ -14,7 +14,7 @@ pub mod scalar;
 pub mod sequence;
 pub mod srgb;
 
-pub use column::{Aligned, BATCH, COLUMN, Column, Words};
+pub use column::{Aligned, BATCH, COLUMN, Column, Quads, Words};
 pub use lane::{Lane, Mask};
 pub use mat::Mat4;
 pub use pack::{MOST_LANES, Pack};

@@ -25,16 +25,12 @@ pub trait Pack: Lane {
     fn bits(mask: Self::Mask) -> u64;
     /// Writes the first [`Self::LANES`] pixels of `to`.
     fn store_pixels(channels: [Self; 4], to: &mut [[f32; 4]]);
-    /// Byte `n`, 0 to 3 from the lowest, of each of the first [`Self::LANES`] words of `from`.
-    fn load_byte(token: Self::Token, from: &[u32], n: u32) -> Self;
-    /// The lower or, with `n` of 1, the higher half of each of the first [`Self::LANES`] words of `from`.
-    fn load_half(token: Self::Token, from: &[u32], n: u32) -> Self;
-    /// The same halves as positive half floats, but for a factor of 2^112: their exponent and mantissa, moved to where
-    /// a float has them.
-    fn load_half_float(token: Self::Token, from: &[u32], n: u32) -> Self;
-    /// The first [`Self::LANES`] words of `from` as the bits of floats.
-    fn load_bits(token: Self::Token, from: &[u32]) -> Self;
-    /// Writes lanes that are integral and not negative to the first [`Self::LANES`] words of `to`.
+    /// The bits of each lane, `shift` further down and only those of `mask`, as a number.
+    fn field(self, shift: u32, mask: u32) -> Self;
+    /// The lower or, with `n` of 1, the higher half of the bits of each lane as a positive half float, but for a factor of
+    /// 2^112: its exponent and mantissa, moved to where a float has them.
+    fn half_float(self, n: u32) -> Self;
+    /// Writes integral lanes of a magnitude below 2^31, modulo 2^32, to the first [`Self::LANES`] words of `to`.
     fn store_words(self, to: &mut [u32]);
     /// Writes `row` · `width` + `self` to the first [`Self::LANES`] words of `to`, for integral lanes below 2^24; the
     /// results are below 2^32.
@@ -69,20 +65,12 @@ impl Pack for f32 {
         to[0] = channels;
     }
     #[inline(always)]
-    fn load_byte((): (), from: &[u32], n: u32) -> Self {
-        ((from[0] >> (8 * n)) & 0xff) as f32
+    fn field(self, shift: u32, mask: u32) -> Self {
+        ((self.to_bits() >> shift) & mask) as f32
     }
     #[inline(always)]
-    fn load_half((): (), from: &[u32], n: u32) -> Self {
-        ((from[0] >> (16 * n)) & 0xffff) as f32
-    }
-    #[inline(always)]
-    fn load_half_float((): (), from: &[u32], n: u32) -> Self {
-        f32::from_bits(((from[0] >> (16 * n)) & 0xffff) << 13)
-    }
-    #[inline(always)]
-    fn load_bits((): (), from: &[u32]) -> Self {
-        f32::from_bits(from[0])
+    fn half_float(self, n: u32) -> Self {
+        f32::from_bits(((self.to_bits() >> (16 * n)) & 0xffff) << 13)
     }
     #[inline(always)]
     fn store_words(self, to: &mut [u32]) {
@@ -94,7 +82,7 @@ impl Pack for f32 {
     }
 }
 
-/// A register of `$lanes` floats. Pixels are loaded and stored as those of its two halves.
+/// A register of `$lanes` floats. Pixels are stored as those of its two halves.
 macro_rules! register_pack {
     ($float:ident, $int:ident, $word:ident, $lanes:literal, $load_pixels:ident, $store_pixels:ident) => {
         impl<S: Simd> Pack for $float<S> {
@@ -114,9 +102,7 @@ macro_rules! register_pack {
             }
             #[inline(always)]
             fn load_pixels(token: S, from: &[[f32; 4]]) -> [Self; 4] {
-                let (low, high) = from[..$lanes].split_at($lanes / 2);
-                let [[r, g, b, a], [r2, g2, b2, a2]] = [$load_pixels(token, low), $load_pixels(token, high)];
-                [r.combine(r2), g.combine(g2), b.combine(b2), a.combine(a2)]
+                $load_pixels(token, &from[..$lanes])
             }
             #[inline(always)]
             fn bits(mask: Self::Mask) -> u64 {
@@ -130,26 +116,17 @@ macro_rules! register_pack {
                 $store_pixels([r2, g2, b2, a2], high);
             }
             #[inline(always)]
-            fn load_byte(token: S, from: &[u32], n: u32) -> Self {
-                let words = $word::from_slice(token, &from[..$lanes]);
-                let bytes = if n == 0 { words & 0xff } else { (words >> (8 * n)) & 0xff };
-                bytes.bitcast::<$int<S>>().to_float()
+            fn field(self, shift: u32, mask: u32) -> Self {
+                let words = self.bitcast::<$word<S>>();
+                let words = if shift == 0 { words } else { words >> shift };
+                let words = if mask == u32::MAX >> shift { words } else { words & mask };
+                words.bitcast::<$int<S>>().to_float()
             }
             #[inline(always)]
-            fn load_half(token: S, from: &[u32], n: u32) -> Self {
-                let words = $word::from_slice(token, &from[..$lanes]);
-                let halves = if n == 0 { words & 0xffff } else { words >> 16 };
-                halves.bitcast::<$int<S>>().to_float()
-            }
-            #[inline(always)]
-            fn load_half_float(token: S, from: &[u32], n: u32) -> Self {
-                let words = $word::from_slice(token, &from[..$lanes]);
+            fn half_float(self, n: u32) -> Self {
+                let words = self.bitcast::<$word<S>>();
                 let moved = if n == 0 { (words & 0xffff) << 13 } else { (words >> 16) << 13 };
                 moved.bitcast::<Self>()
-            }
-            #[inline(always)]
-            fn load_bits(token: S, from: &[u32]) -> Self {
-                $word::from_slice(token, &from[..$lanes]).bitcast::<Self>()
             }
             #[inline(always)]
             fn store_words(self, to: &mut [u32]) {
@@ -165,22 +142,32 @@ macro_rules! register_pack {
     };
 }
 
-register_pack!(f32x8, i32x8, u32x8, 8, load4, store4);
-register_pack!(f32x16, i32x16, u32x16, 16, load8, store8);
+register_pack!(f32x8, i32x8, u32x8, 8, load8, store4);
+register_pack!(f32x16, i32x16, u32x16, 16, load16, store8);
 
 #[inline(always)]
-fn load4<S: Simd>(token: S, from: &[[f32; 4]]) -> [f32x4<S>; 4] {
-    f32x4::load_four_interleaved(token, from.as_flattened())
+fn load8<S: Simd>(token: S, from: &[[f32; 4]]) -> [f32x8<S>; 4] {
+    let (low, high) = from.as_flattened().split_at(16);
+    let [r, g, b, a] = f32x4::load_four_interleaved(token, low);
+    let [r2, g2, b2, a2] = f32x4::load_four_interleaved(token, high);
+    [r.combine(r2), g.combine(g2), b.combine(b2), a.combine(a2)]
+}
+
+#[inline(always)]
+fn load16<S: Simd>(token: S, from: &[[f32; 4]]) -> [f32x16<S>; 4] {
+    let from = from.as_flattened();
+    let a: f32x16<S> = SimdBase::from_slice(token, &from[..16]);
+    let b: f32x16<S> = SimdBase::from_slice(token, &from[16..32]);
+    let c: f32x16<S> = SimdBase::from_slice(token, &from[32..48]);
+    let d: f32x16<S> = SimdBase::from_slice(token, &from[48..64]);
+    let ((even, odd), (even2, odd2)) = (a.deinterleave(b), c.deinterleave(d));
+    let ((first, third), (second, fourth)) = (even.deinterleave(even2), odd.deinterleave(odd2));
+    [first, second, third, fourth]
 }
 
 #[inline(always)]
 fn store4<S: Simd>(channels: [f32x4<S>; 4], to: &mut [[f32; 4]]) {
     f32x4::store_four_interleaved(channels, to.as_flattened_mut());
-}
-
-#[inline(always)]
-fn load8<S: Simd>(token: S, from: &[[f32; 4]]) -> [f32x8<S>; 4] {
-    f32x8::load_pixels(token, from)
 }
 
 #[inline(always)]

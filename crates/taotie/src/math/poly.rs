@@ -55,6 +55,7 @@ macro_rules! horner {
         value
     }};
 }
+pub(crate) use horner;
 
 /// e^x.
 ///

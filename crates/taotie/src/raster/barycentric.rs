@@ -9,9 +9,9 @@ use crate::math::{Lane, Mask};
 /// to (X, Y, 1). So bᵢ/w is (Pⱼ × Pₖ)·(X, Y, 1) over the determinant of the corners, a plane over the screen: Olano and
 /// Greer 1997. No clipping is needed.
 #[derive(Debug, Clone, Copy)]
-pub struct PerspectiveTriangle {
+pub struct PerspectiveTriangle<L = f32> {
     /// For each corner: value at the origin, step a pixel right, step a pixel down.
-    planes: [[f32; 3]; 3],
+    pub planes: [[L; 3]; 3],
 }
 
 /// Barycentrics at points of the screen.
@@ -40,13 +40,15 @@ impl PerspectiveTriangle {
         };
         Self { planes: normals.map(plane) }
     }
+}
 
+impl<L: Lane> PerspectiveTriangle<L> {
     /// The barycentrics at (x, y) in pixels from the origin.
     ///
     /// Vertices are snapped for coverage, so a covered sample can lie a little outside the exact triangle: its weights
     /// are brought inside. A sliver seen edge-on has no weights at all and takes the mean of its corners.
     #[inline(always)]
-    pub fn at<L: Lane>(&self, x: L, y: L) -> Barycentric<L> {
+    pub fn at(&self, x: L, y: L) -> Barycentric<L> {
         let [zero, one, third] = [x.lit(0.0), x.lit(1.0), x.lit(1.0 / 3.0)];
         let [p0, p1, p2] = self.planes;
         let (k0, k1, k2) = (plane(p0, x, y).max(zero), plane(p1, x, y).max(zero), plane(p2, x, y).max(zero));
@@ -65,18 +67,15 @@ impl PerspectiveTriangle {
 }
 
 #[inline(always)]
-fn plane<L: Lane>([c, a, b]: [f32; 3], x: L, y: L) -> L {
-    x.lit(f64::from(c)) + x * x.lit(f64::from(a)) + y * x.lit(f64::from(b))
+fn plane<L: Lane>([c, a, b]: [L; 3], x: L, y: L) -> L {
+    c + x * a + y * b
 }
 
 /// The changes of the weights over a step along which the planes change by `steps`.
 #[inline(always)]
-fn changes<L: Lane>([a, b, c]: [f32; 3], [wa, wb, wc]: [L; 3], inverse: L) -> [L; 3] {
-    let (all, a, b, c) = (wa.lit(f64::from(a + b + c)), f64::from(a), f64::from(b), f64::from(c));
-    let change_a = (wa.lit(a) - wa * all) * inverse;
-    let change_b = (wb.lit(b) - wb * all) * inverse;
-    let change_c = (wc.lit(c) - wc * all) * inverse;
-    [change_a, change_b, change_c]
+fn changes<L: Lane>([a, b, c]: [L; 3], [wa, wb, wc]: [L; 3], inverse: L) -> [L; 3] {
+    let all = a + b + c;
+    [(a - wa * all) * inverse, (b - wb * all) * inverse, (c - wc * all) * inverse]
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

@@ -1,13 +1,11 @@
 //! A few hundred fragments in columns, so that eight neighbours load as one pack.
 
+use super::corners::CornerColumns;
 use super::lookups::Lookups;
 pub use crate::math::BATCH;
 pub(super) use crate::math::Column;
-use crate::math::{Aligned, MOST_LANES, Pack, Vec3};
+use crate::math::{MOST_LANES, Pack, Quads, Vec3};
 use crate::shade::environment::{Gatherer, Mirrors};
-
-/// Four numbers of each fragment that come together.
-pub(super) type Quads = Aligned<[f32; 4]>;
 
 /// A vector of each fragment.
 pub(super) type Column3 = [Column; 3];
@@ -24,6 +22,7 @@ pub struct Batch {
     pub(super) weights: Column3,
     pub(super) d_x: Column3,
     pub(super) d_y: Column3,
+    pub(super) corners: CornerColumns,
     /// As many as the mesh has.
     pub(super) uv_sets: Vec<UvSet>,
     /// Vertex colours, where the mesh has some.
@@ -32,6 +31,9 @@ pub struct Batch {
     pub(super) bend: Column,
     pub(super) relief: Column,
     pub(super) lookups: Lookups,
+    /// The first triangle of the draw whose constants fill the columns that no texture does; none while they may hold
+    /// anything.
+    pub(super) constants_of: Option<u32>,
     /// Channels of textures that nothing needs.
     pub(super) spare: [Column; 3],
     /// World space.
@@ -156,11 +158,13 @@ impl Batch {
             weights: ZERO3,
             d_x: ZERO3,
             d_y: ZERO3,
+            corners: CornerColumns::ZERO,
             uv_sets: Vec::new(),
             color: [ZERO; 4],
             bend: ZERO,
             relief: ZERO,
             lookups: Lookups::default(),
+            constants_of: None,
             spare: [ZERO; 3],
             position: ZERO3,
             n_geom: ZERO3,
@@ -211,9 +215,10 @@ impl Batch {
         })
     }
 
-    /// Makes room for the visibility of so many lights.
-    pub(super) fn see(&mut self, lights: usize) {
+    /// Begins with a picture's tile: makes room for the visibility of so many lights, and forgets earlier materials.
+    pub(super) fn begin(&mut self, lights: usize) {
         self.visibility.resize(lights, Column::ONE);
+        self.constants_of = None;
     }
 
     /// Texture coordinates of an entry in the first set; zero where the mesh has none.

@@ -58,9 +58,11 @@ impl Interpolation<'_, '_> {
         self.interpolate(eye, batch);
         batch.lookups.forget();
         self.normal_inputs(batch);
-        self.colors_and_widths(batch);
-        self.specular(batch);
+        let fresh = batch.constants_of != Some(self.draw.first_triangle);
+        self.colors_and_widths(batch, fresh);
+        self.specular(batch, fresh);
         self.layers(batch);
+        batch.constants_of = Some(self.draw.first_triangle);
     }
 
     /// Where rays leave from, `lift` above the surface, model units.
@@ -83,23 +85,26 @@ impl Interpolation<'_, '_> {
     /// What the method of the shading normal needs from textures, and what of the surface is too fine for the pixel.
     fn normal_inputs(&self, batch: &mut Batch) {
         let len = batch.len;
-        batch.relief.fill(0.0);
         match self.draw.normal_source {
-            NormalSource::Facet | NormalSource::Smooth => {}
+            NormalSource::Facet | NormalSource::Smooth => batch.relief.fill(0.0),
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => {
                 let Batch { map: [x, y, z], relief, lookups, uv_sets, .. } = batch;
                 let at = (&uv_sets[..], len);
                 lookups.read(self.level, (self.scene, &map.texture), at, [x, y, z, relief]);
                 let squared = if self.specular_aa { map.scale * map.scale } else { 0.0 };
-                scale(relief, squared, len);
+                if squared != 1.0 {
+                    scale(relief, squared, len);
+                }
             }
             NormalSource::Bump(map, factor) => {
+                batch.relief.fill(0.0);
                 [batch.dh_du, batch.dh_dv] = self.height_derivatives(map, batch);
                 scale(&mut batch.dh_du, factor, len);
                 scale(&mut batch.dh_dv, factor, len);
             }
             NormalSource::BumpPrinted(map, _) => {
                 // The paper's g: half the difference of the grey levels (0 to 255) of the two neighbours along u.
+                batch.relief.fill(0.0);
                 let width = self.scene.textures[map.texture.texture].width() as f32;
                 [batch.dh_du, _] = self.height_derivatives(map, batch);
                 scale(&mut batch.dh_du, 255.0 / width, len);
@@ -137,31 +142,39 @@ impl Interpolation<'_, '_> {
     }
 
     /// Base colour, opacity, roughness, metalness, occlusion and emission.
-    fn colors_and_widths(&self, batch: &mut Batch) {
+    fn colors_and_widths(&self, batch: &mut Batch, fresh: bool) {
         let (material, len) = (self.draw.material, batch.len);
+        let colored = !self.draw.mesh.colors().is_empty();
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len) };
+        let mut reader =
+            Reader { interpolation: self, lookups, at: (&uv_sets[..], len), fresh: fresh || colored };
         let [r, g, b] = &mut batch.tint;
-        reader.read(&material.base_color_texture, [r, g, b, &mut batch.alpha]);
-        let [r, g, b] = &mut batch.emissive;
-        reader.read(&material.emissive_texture, [r, g, b, spare]);
+        let factors = [1.0, 1.0, 1.0, material.base_color[3]];
+        reader.read(&material.base_color_texture, [r, g, b, &mut batch.alpha], factors);
+        reader.fresh = fresh;
+        let ([r, g, b], [red, green, blue]) = (&mut batch.emissive, material.emissive);
+        reader.read(&material.emissive_texture, [r, g, b, spare], [red, green, blue, 1.0]);
         let packed = [&mut batch.occlusion, &mut batch.roughness, &mut batch.metallic, spare];
-        reader.read(&material.metallic_roughness_texture, packed);
+        let factors = [1.0, material.roughness, material.metallic, 1.0];
+        reader.read(&material.metallic_roughness_texture, packed, factors);
+        if material.metallic_roughness_texture.is_none() {
+            // What is hidden in a pixel widened it.
+            batch.roughness.fill(material.roughness);
+        }
         // Files often pack occlusion into the red channel of the same texture.
         if material.occlusion_texture != material.metallic_roughness_texture {
-            reader.read(&material.occlusion_texture, [&mut batch.occlusion, spare, spare2, spare3]);
+            reader.fresh = true;
+            reader.read(&material.occlusion_texture, [&mut batch.occlusion, spare, spare2, spare3], [1.0; 4]);
         }
-        if !self.draw.mesh.colors().is_empty() {
+        if colored {
             for (column, color) in batch.tint.iter_mut().chain([&mut batch.alpha]).zip(&batch.color) {
                 multiply(column, color, len);
             }
         }
-        scale(&mut batch.alpha, material.base_color[3], len);
-        scale(&mut batch.roughness, material.roughness, len);
-        scale(&mut batch.metallic, material.metallic, len);
-        tint(&mut batch.emissive, material.emissive, len);
-        for occlusion in &mut batch.occlusion[..len] {
-            *occlusion = 1.0 + material.occlusion_strength * (*occlusion - 1.0);
+        if material.occlusion_texture.is_some() && material.occlusion_strength != 1.0 {
+            for occlusion in &mut batch.occlusion[..len] {
+                *occlusion = 1.0 + material.occlusion_strength * (*occlusion - 1.0);
+            }
         }
         let Batch { roughness, bend, relief, .. } = batch;
         if self.takes_roughness {
@@ -170,15 +183,14 @@ impl Interpolation<'_, '_> {
     }
 
     /// Strength and colour of a dielectric's reflection.
-    fn specular(&self, batch: &mut Batch) {
+    fn specular(&self, batch: &mut Batch, fresh: bool) {
         let (specular, len) = (&self.draw.material.specular, batch.len);
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len) };
-        reader.read(&specular.factor_texture, [spare, spare2, spare3, &mut batch.specular]);
-        let [r, g, b] = &mut batch.specular_color;
-        reader.read(&specular.color_texture, [r, g, b, spare]);
-        scale(&mut batch.specular, specular.factor, len);
-        tint(&mut batch.specular_color, specular.color, len);
+        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len), fresh };
+        let factors = [1.0, 1.0, 1.0, specular.factor];
+        reader.read(&specular.factor_texture, [spare, spare2, spare3, &mut batch.specular], factors);
+        let ([r, g, b], [red, green, blue]) = (&mut batch.specular_color, specular.color);
+        reader.read(&specular.color_texture, [r, g, b, spare], [red, green, blue, 1.0]);
     }
 
     fn layers(&self, batch: &mut Batch) {
@@ -187,23 +199,22 @@ impl Interpolation<'_, '_> {
             self.coat(coat, batch);
         }
         let Batch { lookups, uv_sets, layers, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len) };
+        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len), fresh: true };
         if let Some(sheen) = &material.sheen {
-            let [r, g, b] = &mut layers.sheen_color;
-            reader.read(&sheen.color_texture, [r, g, b, spare]);
-            reader.read(&sheen.roughness_texture, [spare, spare2, spare3, &mut layers.sheen_roughness]);
-            tint(&mut layers.sheen_color, sheen.color, len);
-            scale(&mut layers.sheen_roughness, sheen.roughness, len);
+            let ([r, g, b], [red, green, blue]) = (&mut layers.sheen_color, sheen.color);
+            reader.read(&sheen.color_texture, [r, g, b, spare], [red, green, blue, 1.0]);
+            let (roughness, factors) = (&mut layers.sheen_roughness, [1.0, 1.0, 1.0, sheen.roughness]);
+            reader.read(&sheen.roughness_texture, [spare, spare2, spare3, roughness], factors);
         }
         if let Some(anisotropy) = &material.anisotropy {
             let angle = f64::from(anisotropy.rotation);
             let (sin, cos) = (scalar::sin(angle) as f32, scalar::cos(angle) as f32);
             let has_texture = anisotropy.texture.is_some();
-            reader.read(&anisotropy.texture, [spare, spare2, &mut layers.stretch, spare3]);
+            let factors = [1.0, 1.0, anisotropy.strength, 1.0];
+            reader.read(&anisotropy.texture, [spare, spare2, &mut layers.stretch, spare3], factors);
             for i in 0..len {
                 let (x, y) = (2.0 * spare[i] - 1.0, 2.0 * spare2[i] - 1.0);
                 let [x, y] = if has_texture { [x, y] } else { [1.0, 0.0] };
-                layers.stretch[i] *= anisotropy.strength;
                 layers.stretch_turn[0][i] = cos * x - sin * y;
                 layers.stretch_turn[1][i] = sin * x + cos * y;
             }
@@ -213,17 +224,17 @@ impl Interpolation<'_, '_> {
     fn coat(&self, coat: &Clearcoat, batch: &mut Batch) {
         let len = batch.len;
         let Batch { lookups, uv_sets, layers, bend, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len) };
-        reader.read(&coat.factor_texture, [&mut layers.coat, spare, spare2, spare3]);
-        reader.read(&coat.roughness_texture, [spare, &mut layers.coat_roughness, spare2, spare3]);
+        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len), fresh: true };
+        let factors = [coat.factor, 1.0, 1.0, 1.0];
+        reader.read(&coat.factor_texture, [&mut layers.coat, spare, spare2, spare3], factors);
+        let factors = [1.0, coat.roughness, 1.0, 1.0];
+        reader.read(&coat.roughness_texture, [spare, &mut layers.coat_roughness, spare2, spare3], factors);
         let mut relief = Column::ZERO;
         if let Some(map) = &coat.normal {
             let [x, y, z] = &mut layers.coat_map;
-            reader.read(&Some(map.texture), [x, y, z, &mut relief]);
-            scale(&mut relief, if self.specular_aa { map.scale * map.scale } else { 0.0 }, len);
+            let squared = if self.specular_aa { map.scale * map.scale } else { 0.0 };
+            reader.read(&Some(map.texture), [x, y, z, &mut relief], [1.0, 1.0, 1.0, squared]);
         }
-        scale(&mut layers.coat, coat.factor, len);
-        scale(&mut layers.coat_roughness, coat.roughness, len);
         let roughness = &mut layers.coat_roughness;
         dispatch_pack!(self.level, P, token => widen::<P>(token, roughness, [bend, &relief], len));
     }
@@ -234,15 +245,32 @@ struct Reader<'b, 'i, 'p, 'a> {
     interpolation: &'i Interpolation<'p, 'a>,
     lookups: &'b mut Lookups,
     at: (&'b [UvSet], usize),
+    /// Whether columns that no texture fills may hold something else than their factors.
+    fresh: bool,
 }
 
 impl Reader<'_, '_, '_, '_> {
-    /// A texture's linear values; white where there is none.
-    fn read(&mut self, texture: &Option<TextureRef>, out: [&mut Column; 4]) {
+    /// A texture's linear values times `factors`; without one it is white.
+    fn read(&mut self, texture: &Option<TextureRef>, mut out: [&mut Column; 4], factors: [f32; 4]) {
         let Interpolation { level, scene, .. } = self.interpolation;
         match texture {
-            Some(texture) => self.lookups.read(*level, (scene, texture), self.at, out),
-            None => out.into_iter().for_each(|column| column.fill(1.0)),
+            Some(texture) => {
+                self.lookups.read(
+                    *level,
+                    (scene, texture),
+                    self.at,
+                    out.each_mut().map(|column| &mut **column),
+                );
+                for (column, factor) in out.into_iter().zip(factors).filter(|(_, factor)| *factor != 1.0) {
+                    scale(column, factor, self.at.1);
+                }
+            }
+            None if self.fresh => {
+                for (column, factor) in out.into_iter().zip(factors) {
+                    column.fill(factor);
+                }
+            }
+            None => {}
         }
     }
 }
@@ -266,11 +294,5 @@ fn scale(column: &mut Column, factor: f32, len: usize) {
 fn multiply(column: &mut Column, values: &Column, len: usize) {
     for (out, value) in column[..len].iter_mut().zip(values.iter()) {
         *out *= value;
-    }
-}
-
-fn tint(columns: &mut [Column; 3], color: [f32; 3], len: usize) {
-    for (column, factor) in columns.iter_mut().zip(color) {
-        scale(column, factor, len);
     }
 }

@@ -7,6 +7,7 @@
 mod albedos;
 mod backdrop;
 mod batch;
+mod corners;
 mod follow;
 mod footprint;
 mod fragments;

@@ -224,7 +224,7 @@ impl<'p, 'a> Pass<'p, 'a> {
             resolve: Resolve::default(),
             codes: vec![[0; 4]; TILE_PIXELS],
         });
-        desk.batch.see(self.sources.len());
+        desk.batch.begin(self.sources.len());
         desk
     }
 

@@ -31,8 +31,8 @@ pub(super) struct Draw<'a> {
     /// The number of its first triangle over all draws.
     pub first_triangle: u32,
     pub normal_source: NormalSource<'a>,
-    /// World space.
-    pub positions: Vec<Vec3>,
+    /// World space; the mesh's own where nothing moves it.
+    pub positions: Cow<'a, [Vec3]>,
     /// Unit, world space.
     pub normals: Vec<Vec3>,
     /// Unit, world space, with handedness; empty unless a tangent-space map or a direction is read.
@@ -239,7 +239,10 @@ impl<'a> Draw<'a> {
     ) -> Self {
         let normal_matrix = uniform_normal_matrix(&m);
         let mirrored = m.determinant3() < 0.0;
-        let positions = mesh.positions().iter().map(|p| m.transform_point(p.to_f64()).to_f32()).collect();
+        let positions = match &*mesh {
+            Cow::Borrowed(mesh) if m == Mat4::IDENTITY => Cow::Borrowed(mesh.positions()),
+            _ => mesh.positions().iter().map(|p| m.transform_point(p.to_f64()).to_f32()).collect(),
+        };
         let normals: Vec<Vec3> = mesh.normals().iter().map(|n| unit(apply(&normal_matrix, *n))).collect();
         Self {
             mesh,

@@ -45,7 +45,7 @@ impl<'a> Renderer<'a> {
     }
 
     /// Takes a picture and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is made as
-    /// long as the picture; handed in again, nothing is allocated.
+    /// long as the picture; handed in again, nothing is allocated. `progress` as in [`Self::render`].
     ///
     /// # Errors
     /// As [`Pass::new`] and [`Pass::develop`].
@@ -55,10 +55,11 @@ impl<'a> Renderer<'a> {
         settings: &RenderSettings,
         development: &Development,
         codes: &mut Vec<[u8; 4]>,
+        progress: &dyn Fn(f64),
     ) -> Result<()> {
         self.with_pass((camera, lighting), settings, |pass| {
             codes.resize(settings.width as usize * settings.height as usize, [0; 4]);
-            pass.develop(development, codes, &|_| {})
+            pass.develop(development, codes, progress)
         })
     }
 

@@ -3,7 +3,7 @@
 //! After the header come the number of mended texels, the picture and the levels. Texels
 //! are six bytes, three half floats, after the exponent of two that they are multiplied by.
 
-use super::levels::{Level, Levels};
+use super::levels::{Level, Levels, alphas};
 use super::octahedron::Octahedron;
 use super::picture::Picture;
 use super::texels::HalfTexels;
@@ -71,7 +71,8 @@ impl Environment {
         let (width, height) = (rest.size(side)?, rest.size(side)?);
         let picture = Picture::from_texels(width, height, rest.texels(width * height)?);
         let levels = (0..rest.count(MOST_LEVELS)?).map(|_| rest.level()).collect::<Result<Vec<_>>>()?;
-        if !rest.is_at_end() || !levels.is_sorted_by(|a, b| a.alpha < b.alpha) {
+        let expected = alphas().into_iter().map(|alpha| alpha as f32);
+        if !rest.is_at_end() || !levels.iter().map(|level| level.alpha).eq(expected) {
             return Err(wrong("they contradict themselves"));
         }
         if rest.sum.finalize() != sum {
@@ -94,7 +95,7 @@ fn put_map(bytes: &mut Vec<u8>, map: &Octahedron) {
 fn put_texels(bytes: &mut Vec<u8>, texels: &HalfTexels) {
     bytes.extend(texels.exponent().to_le_bytes());
     for texel in texels.texels() {
-        bytes.extend(texel[..3].iter().flat_map(|half| half.to_le_bytes()));
+        bytes.extend(texel.iter().flat_map(|half| half.to_le_bytes()));
     }
 }
 
@@ -135,11 +136,6 @@ impl<R: Read> Rest<R> {
         self.from.read_exact(&mut [0]).is_err()
     }
 
-    fn float(&mut self) -> Result<f32> {
-        let value = f32::from_le_bytes(self.array()?);
-        if value.is_finite() { Ok(value) } else { Err(wrong("a number is none")) }
-    }
-
     fn count(&mut self, most: usize) -> Result<usize> {
         let count = usize::try_from(u64::from_le_bytes(self.array()?)).ok().filter(|count| *count <= most);
         count.ok_or_else(|| wrong("a count is too high"))
@@ -166,10 +162,7 @@ impl<R: Read> Rest<R> {
     }
 
     fn level(&mut self) -> Result<Level> {
-        let alpha = self.float()?;
-        if !(alpha > 0.0 && alpha <= 1.0) {
-            return Err(wrong("a roughness lies outside [0, 1]"));
-        }
+        let alpha = f32::from_le_bytes(self.array()?);
         Ok(Level { alpha, map: self.map()? })
     }
 

@@ -1,8 +1,10 @@
-//! What many directions see at once: texels are read one by one, and decoded and filtered in packs.
+//! What many directions see at once: levels and places are found in packs, texels read one by one, and decoded and
+//! filtered in packs.
 
 use super::Environment;
-use super::octahedron::Octahedron;
-use crate::math::{Column, Pack, Vec3, Words, dispatch_pack};
+use super::levels::{Between, Levels};
+use super::octahedron::taps;
+use crate::math::{Column, Pack, Quads, Vec3, Words, dispatch_pack};
 use fearless_simd::Level;
 
 /// Where and how rough mirrors gather light, at most [`crate::math::BATCH`] of them, in the environment's space.
@@ -27,32 +29,40 @@ impl Default for Mirrors {
 pub(crate) struct Gatherer {
     below: Taps,
     above: Taps,
+    /// The number of the level below; −1 where all are rougher.
+    number: Column,
     /// How much of the level above is in the mean.
     share: Column,
-    /// Those that are smoother than the smoothest level.
-    smooth: Vec<usize>,
 }
 
 /// The four texels around places in maps.
 #[derive(Debug, Clone)]
 struct Taps {
-    /// Top left, top right, bottom left, bottom right: two words with two half floats each.
-    words: [[Words; 2]; 4],
+    /// The numbers of the maps, their texels across, and what their half floats are multiplied by.
+    map: Words,
+    side: Column,
+    decode: Column,
+    /// The index of the top left texel.
+    place: Words,
     across: Column,
     down: Column,
-    /// What half floats are multiplied by.
-    decode: Column,
+    /// The upper and the lower two texels: of each two words with two half floats each, as the bits of floats.
+    rows: [Quads; 2],
 }
 
 impl Default for Gatherer {
     fn default() -> Self {
+        let zero = Column::ZERO;
         let taps = Taps {
-            words: [[Words::ZERO; 2]; 4],
-            across: Column::ZERO,
-            down: Column::ZERO,
-            decode: Column::ZERO,
+            map: Words::ZERO,
+            side: zero,
+            decode: zero,
+            place: Words::ZERO,
+            across: zero,
+            down: zero,
+            rows: [Quads::ZERO; 2],
         };
-        Self { below: taps.clone(), above: taps, share: Column::ZERO, smooth: Vec::new() }
+        Self { below: taps.clone(), above: taps, number: zero, share: zero }
     }
 }
 
@@ -66,20 +76,19 @@ impl Environment {
         factor: f32,
         out: &mut [Column; 3],
     ) {
-        gatherer.smooth.clear();
-        for i in 0..len {
-            let place = [mirrors.place[0][i], mirrors.place[1][i]];
-            match self.levels.around(mirrors.roughness[i]) {
-                Some((below, above, share)) => {
-                    gatherer.below.set(i, below, place);
-                    gatherer.above.set(i, above, place);
-                    gatherer.share[i] = share;
-                }
-                None => gatherer.smooth.push(i),
-            }
+        dispatch_pack!(level, P, token => gatherer.choose::<P>(token, &mirrors.roughness, len));
+        let Gatherer { below, above, number, .. } = gatherer;
+        for (i, number) in number.iter().take(len).enumerate() {
+            // As integers: −1 becomes 0.
+            let number = *number as u32 as usize;
+            below.choose(i, &self.levels, number);
+            above.choose(i, &self.levels, number + 1);
+        }
+        for taps in [below, above] {
+            taps.read(level, &self.levels, &mirrors.place, len);
         }
         dispatch_pack!(level, P, token => gatherer.mix::<P>(token, len, factor, out));
-        for i in gatherer.smooth.iter().copied() {
+        for i in (0..len).filter(|i| gatherer.number[*i] < 0.0) {
             let direction = mirrors.direction.each_ref().map(|column| column[i]);
             let light = self.specular(Vec3::from_array(direction), mirrors.roughness[i]) * factor;
             for (column, value) in out.iter_mut().zip(light.to_array()) {
@@ -97,67 +106,112 @@ impl Environment {
         factor: f32,
         out: &mut [Column; 3],
     ) {
-        let Some(roughest) = self.levels.0.last() else { return };
-        for i in 0..len {
-            gatherer.below.set(i, &roughest.map, [mirrors.place[0][i], mirrors.place[1][i]]);
-        }
-        dispatch_pack!(level, P, token => gatherer.below.fill::<P>(token, len, factor, out));
+        let (taps, roughest) = (&mut gatherer.below, self.levels.count() - 1);
+        (0..len).for_each(|i| taps.choose(i, &self.levels, roughest));
+        taps.read(level, &self.levels, &mirrors.place, len);
+        dispatch_pack!(level, P, token => taps.fill::<P>(token, len, factor, out));
     }
 }
 
 impl Gatherer {
     #[inline(always)]
+    fn choose<P: Pack>(&mut self, token: P::Token, roughness: &Column, len: usize) {
+        for i in (0..len).step_by(P::LANES) {
+            let Between { below, share } = Between::of(P::load(token, &roughness[i..]));
+            below.store(&mut self.number[i..]);
+            share.store(&mut self.share[i..]);
+        }
+    }
+
+    #[inline(always)]
     fn mix<P: Pack>(&self, token: P::Token, len: usize, factor: f32, out: &mut [Column; 3]) {
         let (one, factor) = (P::splat(token, 1.0), P::splat(token, factor));
+        let [r, g, b] = out;
         for i in (0..len).step_by(P::LANES) {
             let share = P::load(token, &self.share[i..]);
-            for (channel, out) in out.iter_mut().enumerate() {
-                let below = self.below.filtered::<P>(token, channel, i);
-                let above = self.above.filtered::<P>(token, channel, i);
-                ((below * (one - share) + above * share) * factor).store(&mut out[i..]);
-            }
+            let [below_r, below_g, below_b] = self.below.filtered::<P>(token, i);
+            let [above_r, above_g, above_b] = self.above.filtered::<P>(token, i);
+            ((below_r * (one - share) + above_r * share) * factor).store(&mut r[i..]);
+            ((below_g * (one - share) + above_g * share) * factor).store(&mut g[i..]);
+            ((below_b * (one - share) + above_b * share) * factor).store(&mut b[i..]);
         }
     }
 }
 
 impl Taps {
-    /// Reads the texels of point `i`.
-    #[inline]
-    fn set(&mut self, i: usize, map: &Octahedron, place: [f32; 2]) {
-        let (start, [across, down]) = map.taps(place);
-        let below = start + map.side() + 2;
-        for (words, index) in self.words.iter_mut().zip([start, start + 1, below, below + 1]) {
-            let [r, g, b, _] = map.texels().stored(index).map(u32::from);
-            (words[0][i], words[1][i]) = (r | g << 16, b);
+    /// Looks point `i` up in a map.
+    #[inline(always)]
+    fn choose(&mut self, i: usize, levels: &Levels, number: usize) {
+        let map = levels.numbered(number);
+        self.map[i] = number as u32;
+        self.side[i] = map.side() as f32;
+        self.decode[i] = map.texels().factor();
+    }
+
+    /// Reads the texels around the places.
+    fn read(&mut self, level: Level, levels: &Levels, places: &[Column; 2], len: usize) {
+        dispatch_pack!(level, P, token => self.find::<P>(token, places, len));
+        let (maps, places) = (&self.map[..len], &self.place[..len]);
+        let [top, bottom] = &mut self.rows;
+        let (top, bottom) = (&mut top[..len], &mut bottom[..len]);
+        for i in 0..len {
+            let (map, start) = (levels.numbered(maps[i] as usize), places[i] as usize);
+            top[i] = words(map.texels().two(start));
+            bottom[i] = words(map.texels().two(start + map.side() + 2));
         }
-        (self.across[i], self.down[i], self.decode[i]) = (across, down, map.texels().factor());
+    }
+
+    #[inline(always)]
+    fn find<P: Pack>(&mut self, token: P::Token, [u, v]: &[Column; 2], len: usize) {
+        let two = P::splat(token, 2.0);
+        for i in (0..len).step_by(P::LANES) {
+            let side = P::load(token, &self.side[i..]);
+            let (left, across) = taps(P::load(token, &u[i..]), side);
+            let (top, down) = taps(P::load(token, &v[i..]), side);
+            left.store_place(top, side + two, &mut self.place[i..]);
+            across.store(&mut self.across[i..]);
+            down.store(&mut self.down[i..]);
+        }
     }
 
     #[inline(always)]
     fn fill<P: Pack>(&self, token: P::Token, len: usize, factor: f32, out: &mut [Column; 3]) {
         let factor = P::splat(token, factor);
+        let [r, g, b] = out;
         for i in (0..len).step_by(P::LANES) {
-            for (channel, out) in out.iter_mut().enumerate() {
-                (self.filtered::<P>(token, channel, i) * factor).store(&mut out[i..]);
-            }
+            let [red, green, blue] = self.filtered::<P>(token, i);
+            (red * factor).store(&mut r[i..]);
+            (green * factor).store(&mut g[i..]);
+            (blue * factor).store(&mut b[i..]);
         }
     }
 
-    /// A channel of the means of the four texels.
+    /// The means of the four texels, linear RGB.
     #[inline(always)]
-    fn filtered<P: Pack>(&self, token: P::Token, channel: usize, i: usize) -> P {
-        let (across, down) = (P::load(token, &self.across[i..]), P::load(token, &self.down[i..]));
-        let one = P::splat(token, 1.0);
-        let top = self.texel::<P>(token, 0, channel, i) * (one - across)
-            + self.texel::<P>(token, 1, channel, i) * across;
-        let bottom = self.texel::<P>(token, 2, channel, i) * (one - across)
-            + self.texel::<P>(token, 3, channel, i) * across;
-        top * (one - down) + bottom * down
+    fn filtered<P: Pack>(&self, token: P::Token, i: usize) -> [P; 3] {
+        let top: [P; 4] = P::load_pixels(token, &self.rows[0][i..]);
+        let bottom: [P; 4] = P::load_pixels(token, &self.rows[1][i..]);
+        let red = self.mean(token, [top[0], top[2], bottom[0], bottom[2]], 0, i);
+        let green = self.mean(token, [top[0], top[2], bottom[0], bottom[2]], 1, i);
+        [red, green, self.mean(token, [top[1], top[3], bottom[1], bottom[3]], 0, i)]
     }
 
+    /// The mean of one half of four words.
     #[inline(always)]
-    fn texel<P: Pack>(&self, token: P::Token, corner: usize, channel: usize, i: usize) -> P {
-        let half = P::load_half_float(token, &self.words[corner][channel / 2][i..], channel as u32 % 2);
-        half * P::load(token, &self.decode[i..])
+    fn mean<P: Pack>(&self, token: P::Token, [a, b, c, d]: [P; 4], half: u32, i: usize) -> P {
+        let (across, down) = (P::load(token, &self.across[i..]), P::load(token, &self.down[i..]));
+        let (one, decode) = (P::splat(token, 1.0), P::load(token, &self.decode[i..]));
+        let (a, b) = (a.half_float(half) * decode, b.half_float(half) * decode);
+        let (c, d) = (c.half_float(half) * decode, d.half_float(half) * decode);
+        let top = a * (one - across) + b * across;
+        let bottom = c * (one - across) + d * across;
+        top * (one - down) + bottom * down
     }
+}
+
+/// Two texels as the bits of floats.
+#[inline(always)]
+fn words([a, b]: [[u16; 3]; 2]) -> [f32; 4] {
+    let word = |low: u16, high: u16| f32::from_bits(u32::from(low) | u32::from(high) << 16);
+    [word(a[0], a[1]), word(a[2], 0), word(b[0], b[1]), word(b[2], 0)]
 }

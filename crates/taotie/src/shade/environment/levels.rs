@@ -1,7 +1,7 @@
 //! The light of an environment at some roughnesses, and at all by going between them.
 
 use super::octahedron::{Octahedron, place_of};
-use crate::math::{Vec3, scalar};
+use crate::math::{Lane, Vec3, poly, scalar};
 
 /// The light at one roughness.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +21,13 @@ const DENSE_FROM: f64 = 0.04;
 const SPARSE: (u32, f64) = (6, 1.5);
 const DENSE: u32 = 24;
 
+/// Levels to an octave of α below and above: 1/log2 1.5 and 24/log2 25.
+const SPARSE_TO_OCTAVE: f64 = 1.709_511_291_351_454_7;
+const DENSE_TO_OCTAVE: f64 = 5.168_118_696_880_717;
+
+/// The factor from one dense level's α to the next: 25^(1/24).
+const DENSE_STEP: f64 = 1.143_529_836_082_920_2;
+
 /// The α of each level.
 pub(super) fn alphas() -> Vec<f64> {
     let sparse = (1..=SPARSE.0).rev().map(|n| DENSE_FROM * scalar::pow(SPARSE.1, -f64::from(n)));
@@ -28,34 +35,95 @@ pub(super) fn alphas() -> Vec<f64> {
     sparse.chain(dense).collect()
 }
 
+/// Between which levels a roughness lies.
+pub(super) struct Between<L> {
+    /// The number of the level below; −1 where all are rougher.
+    pub(super) below: L,
+    /// How much of the level above is in the mean.
+    pub(super) share: L,
+}
+
+impl<L: Lane> Between<L> {
+    /// Of a `roughness` in [0, 1].
+    ///
+    /// Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel, since
+    /// the second derivative of a lobe by ln α is, as far as it is like the first, its negative.
+    #[inline(always)]
+    pub(super) fn of(roughness: L) -> Self {
+        let one = roughness.lit(1.0);
+        let octaves = poly::log2((roughness * roughness * one.lit(1.0 / DENSE_FROM)).max(one.lit(1e-9)));
+        let sparse = octaves.lt(one.lit(0.0));
+        let to_octave = L::select(sparse, one.lit(SPARSE_TO_OCTAVE), one.lit(DENSE_TO_OCTAVE));
+        let position = octaves * to_octave + one.lit(f64::from(SPARSE.0));
+        let position = position.clamp(-1.0, f64::from(SPARSE.0 + DENSE));
+        let below = position.floor();
+        // 1/α falls from one level to the next by `step`, of which `left` to the roughness.
+        let step = L::select(sparse, one.lit(SPARSE.1), one.lit(DENSE_STEP));
+        let left = poly::exp2((one - (position - below)) / to_octave);
+        Self { below, share: (step - left) / (step - one) }
+    }
+}
+
 impl Levels {
     /// The light at `roughness`, [0, 1], in a direction. `mirror` tells the light itself there.
     #[inline]
     pub(super) fn at(&self, direction: Vec3, roughness: f32, mirror: impl FnOnce() -> Vec3) -> Vec3 {
         let place = place_of(direction);
-        if let Some((below, above, share)) = self.around(roughness) {
+        let Between { below, share } = Between::of(roughness);
+        if below >= 0.0 {
+            let (below, above) = (self.numbered(below as usize), self.numbered(below as usize + 1));
             return below.at(place) * (1.0 - share) + above.at(place) * share;
         }
-        let Some(smoothest) = self.0.first() else { return mirror() };
+        let smoothest = &self.0[0];
         let share = roughness * roughness / smoothest.alpha;
         if share > 0.0 { mirror() * (1.0 - share) + smoothest.map.at(place) * share } else { mirror() }
     }
 
-    /// The levels below and above `roughness`, and how much of the latter is in their mean; nothing below the smoothest.
-    ///
-    /// Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel, since
-    /// the second derivative of a lobe by ln α is, as far as it is like the first, its negative.
+    /// A level by its number; the roughest beyond the last.
     #[inline]
-    pub(super) fn around(&self, roughness: f32) -> Option<(&Octahedron, &Octahedron, f32)> {
-        let alpha = roughness * roughness;
-        let above = self.0.partition_point(|level| level.alpha <= alpha);
-        let below = self.0.get(above.checked_sub(1)?)?;
-        Some(match self.0.get(above) {
-            Some(above) => {
-                let share = (alpha - below.alpha) * above.alpha / ((above.alpha - below.alpha) * alpha);
-                (&below.map, &above.map, share)
+    pub(super) fn numbered(&self, number: usize) -> &Octahedron {
+        &self.0[number.min(self.0.len() - 1)].map
+    }
+
+    /// How many there are; at least one.
+    pub(super) fn count(&self) -> usize {
+        self.0.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The number of the level that a roughness has, with fractions.
+    fn position(roughness: f64) -> f64 {
+        let between = Between::of(roughness);
+        between.below + between.share
+    }
+
+    #[test]
+    fn a_level_is_found_by_its_own_roughness() {
+        for (number, alpha) in alphas().into_iter().enumerate() {
+            assert!(
+                (position(alpha.sqrt()) - number as f64).abs() < 1e-5,
+                "{number}: {}",
+                position(alpha.sqrt())
+            );
+        }
+        assert_eq!((Between::of(0.0f32).below, Between::of(0.05f32).below), (-1.0, -1.0));
+        let Between { below, share } = Between::of(1.0f32);
+        assert!((below + share - 30.0).abs() < 1e-4);
+        assert_eq!(Between::of(2.0f32).below, 30.0);
+    }
+
+    #[test]
+    fn between_levels_the_share_is_linear_in_the_inverse_of_alpha() {
+        for pair in alphas().windows(2) {
+            let (below, above) = (1.0 / pair[0], 1.0 / pair[1]);
+            for share in [0.1, 0.5, 0.8] {
+                let alpha = 1.0 / (below + (above - below) * share);
+                assert!((Between::of(alpha.sqrt()).share - share).abs() < 1e-5, "{pair:?} {share}");
             }
-            None => (&below.map, &below.map, 0.0),
-        })
+        }
     }
 }

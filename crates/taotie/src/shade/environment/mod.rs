@@ -28,7 +28,7 @@ pub use studio::{STUDIO_VERSION, studio};
 
 /// Version of what [`Environment::new`] makes and of the bytes that it is kept in: the same picture gives the same bits
 /// as long as it stays.
-pub const ENVIRONMENT_VERSION: u32 = 2;
+pub const ENVIRONMENT_VERSION: u32 = 3;
 
 /// Light from infinitely far all around.
 #[derive(Debug, Clone)]
@@ -57,9 +57,10 @@ impl Environment {
     ///
     /// # Errors
     /// None yet.
-    pub fn new(mut picture: Image) -> Result<Self> {
-        let mended = picture::mended(&mut picture);
-        let picture = Picture::new(&picture);
+    pub fn new(mut image: Image) -> Result<Self> {
+        let mended = picture::mended(&mut image);
+        let picture = Picture::new(&image);
+        drop(image);
         let levels = prefilter::levels(&picture);
         Ok(Self { levels, picture, distribution: OnceLock::new(), mended })
     }

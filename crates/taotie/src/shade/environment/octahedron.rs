@@ -79,20 +79,21 @@ impl Octahedron {
 
     /// The mean of the four texels around a place, by nearness, linear RGB.
     #[inline]
-    pub(super) fn at(&self, place: [f32; 2]) -> Vec3 {
-        let (start, [s, t]) = self.taps(place);
+    pub(super) fn at(&self, [u, v]: [f32; 2]) -> Vec3 {
+        let ((left, s), (top, t)) = (taps(u, self.side as f32), taps(v, self.side as f32));
+        let start = top as usize * (self.side + 2) + left as usize;
         let row = |start: usize| self.texels.get(start) * (1.0 - s) + self.texels.get(start + 1) * s;
         row(start) * (1.0 - t) + row(start + self.side + 2) * t
     }
+}
 
-    /// The first of the four texels around a place, and how far the place is on the way to the right and to the lower
-    /// ones.
-    #[inline]
-    pub(super) fn taps(&self, [u, v]: [f32; 2]) -> (usize, [f32; 2]) {
-        let (x, y) = (u * self.side as f32 + 0.5, v * self.side as f32 + 0.5);
-        let (left, top) = (x as u32, y as u32);
-        (top as usize * (self.side + 2) + left as usize, [x - left as f32, y - top as f32])
-    }
+/// The first of the two texels around the coordinate `u` of a map of `side` texels, counted with the border, and how far
+/// it is on the way to the next.
+#[inline(always)]
+pub(super) fn taps<L: Lane>(u: L, side: L) -> (L, L) {
+    let x = u * side + u.lit(0.5);
+    let first = x.floor();
+    (first, x - first)
 }
 
 /// Which texel inside shows what a border texel does: each edge of the square is sewn to itself, turned round.

@@ -12,8 +12,7 @@ pub(super) const MAX_RADIANCE: f32 = 1e9;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HalfTexels {
     exponent: i32,
-    /// The fourth number is zero: eight bytes are read at once.
-    texels: Vec<[u16; 4]>,
+    texels: Vec<[u16; 3]>,
     decode: f32,
 }
 
@@ -24,11 +23,11 @@ impl HalfTexels {
             colors.iter().flat_map(|c| &c[..3]).fold(0.0f32, |most, v| if *v > most { *v } else { most });
         let exponent = exponent_of(brightest) - 15;
         let scale = power_of_two(-exponent);
-        let texels = colors.iter().map(|[r, g, b, _]| [half(*r, scale), half(*g, scale), half(*b, scale), 0]);
+        let texels = colors.iter().map(|[r, g, b, _]| [half(*r, scale), half(*g, scale), half(*b, scale)]);
         Self::new(exponent, texels.collect())
     }
 
-    fn new(exponent: i32, texels: Vec<[u16; 4]>) -> Self {
+    fn new(exponent: i32, texels: Vec<[u16; 3]>) -> Self {
         Self { exponent, texels, decode: power_of_two(exponent + 112) as f32 }
     }
 
@@ -43,7 +42,7 @@ impl HalfTexels {
     pub(super) fn add_stored(&mut self, stored: &[[u8; 6]]) -> bool {
         let half = |low: u8, high: u8| u16::from_le_bytes([low, high]);
         let before = self.texels.len();
-        self.texels.extend(stored.iter().map(|b| [half(b[0], b[1]), half(b[2], b[3]), half(b[4], b[5]), 0]));
+        self.texels.extend(stored.iter().map(|b| [half(b[0], b[1]), half(b[2], b[3]), half(b[4], b[5])]));
         let added = self.texels[before..].as_flattened();
         added.iter().fold(true, |sound, half| sound & (*half < f16::INFINITY.to_bits()))
     }
@@ -54,21 +53,24 @@ impl HalfTexels {
     }
 
     /// The half floats as stored.
-    pub(super) fn texels(&self) -> &[[u16; 4]] {
+    pub(super) fn texels(&self) -> &[[u16; 3]] {
         &self.texels
     }
 
     /// Linear RGB.
     #[inline]
     pub(super) fn get(&self, index: usize) -> Vec3 {
-        let [r, g, b, _] = self.texels[index];
+        let [r, g, b] = self.texels[index];
         Vec3::new(self.float(r), self.float(g), self.float(b))
     }
 
-    /// A texel as stored; black beyond the last.
+    /// Two neighbours as stored; black beyond the last.
     #[inline]
-    pub(super) fn stored(&self, index: usize) -> [u16; 4] {
-        self.texels.get(index).copied().unwrap_or_default()
+    pub(super) fn two(&self, index: usize) -> [[u16; 3]; 2] {
+        match self.texels.get(index..index + 2) {
+            Some(&[a, b]) => [a, b],
+            _ => Default::default(),
+        }
     }
 
     /// What half floats are multiplied by whose exponent and mantissa are moved to where a float has them.

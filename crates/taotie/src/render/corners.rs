@@ -1,0 +1,89 @@
+//! What the corners of each fragment's triangle hold, in columns.
+
+use super::batch::{Column3, Run, load};
+use crate::math::{Column, Pack, Vec3};
+
+/// Up to four numbers of each corner, side by side with the fragments of a batch.
+///
+/// Triangles may be smaller than a pixel. Written out for each fragment, what their corners hold can be weighted in packs
+/// that go over all fragments, whichever triangles they belong to.
+#[derive(Debug, Clone)]
+pub(super) struct CornerColumns([[Column; 4]; 3]);
+
+impl CornerColumns {
+    pub(super) const ZERO: Self = Self([[Column::ZERO; 4]; 3]);
+
+    /// Writes numbers of the three corners as they are. Runs come in the order of their fragments: a pack's end may
+    /// reach over a run's.
+    #[inline(always)]
+    pub(super) fn write<P: Pack, const N: usize>(
+        &mut self,
+        token: P::Token,
+        run: Run,
+        numbers: [[f32; N]; 3],
+    ) {
+        for i in (run.start..run.end).step_by(P::LANES) {
+            for corner in 0..3 {
+                for n in 0..N {
+                    P::splat(token, numbers[corner][n]).store(&mut self.0[corner][n][i..]);
+                }
+            }
+        }
+    }
+
+    /// Writes the first corner's numbers and how far the others' are from them: two weights do then, and what is the same
+    /// at all corners stays as it is.
+    #[inline(always)]
+    pub(super) fn spread<P: Pack, const N: usize>(
+        &mut self,
+        token: P::Token,
+        run: Run,
+        [first, mut second, mut third]: [[f32; N]; 3],
+    ) {
+        for n in 0..N {
+            second[n] -= first[n];
+            third[n] -= first[n];
+        }
+        self.write::<P, N>(token, run, [first, second, third]);
+    }
+
+    /// A number as written, at the fragments from `i` on.
+    #[inline(always)]
+    pub(super) fn written<P: Pack>(&self, token: P::Token, corner: usize, n: usize, i: usize) -> P {
+        load(token, &self.0[corner][n], i)
+    }
+
+    /// The first three numbers as written.
+    #[inline(always)]
+    pub(super) fn written3<P: Pack>(&self, token: P::Token, corner: usize, i: usize) -> Vec3<P> {
+        let [x, y, z, _] = &self.0[corner];
+        Vec3::new(load(token, x, i), load(token, y, i), load(token, z, i))
+    }
+
+    /// A number that was [`Self::spread`], where the corners have these weights.
+    #[inline(always)]
+    pub(super) fn at<P: Pack>(&self, token: P::Token, weights: &Column3, n: usize, i: usize) -> P {
+        self.written::<P>(token, 0, n, i) + self.change(token, weights, n, i)
+    }
+
+    /// Its change where the weights change so.
+    #[inline(always)]
+    pub(super) fn change<P: Pack>(&self, token: P::Token, weights: &Column3, n: usize, i: usize) -> P {
+        let (second, third): (P, P) = (load(token, &weights[1], i), load(token, &weights[2], i));
+        self.written::<P>(token, 1, n, i) * second + self.written::<P>(token, 2, n, i) * third
+    }
+
+    /// The first three numbers that were [`Self::spread`], where the corners have these weights.
+    #[inline(always)]
+    pub(super) fn at3<P: Pack>(&self, token: P::Token, weights: &Column3, i: usize) -> Vec3<P> {
+        let (x, y) = (self.at(token, weights, 0, i), self.at(token, weights, 1, i));
+        Vec3::new(x, y, self.at(token, weights, 2, i))
+    }
+
+    /// Their change where the weights change so.
+    #[inline(always)]
+    pub(super) fn change3<P: Pack>(&self, token: P::Token, weights: &Column3, i: usize) -> Vec3<P> {
+        let (x, y) = (self.change(token, weights, 0, i), self.change(token, weights, 1, i));
+        Vec3::new(x, y, self.change(token, weights, 2, i))
+    }
+}
