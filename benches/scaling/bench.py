@@ -13,12 +13,16 @@ import page
 import results
 import section
 import talk
+from measured import SHADINGS
+from results import Record
 
 TARGET = "bench-scaling"
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 # What a case's turn takes in a round, milliseconds, as far as at least one frame allows; and the most frames.
 TURN, MOST_FRAMES = 500, 15
+# What takes longer than this for a frame has one turn after its first frame, milliseconds.
+TOO_LONG = 1500
 # How long an answer may take, loading included, seconds.
 PATIENCE = 300.0
 # Of larger pictures none is written.
@@ -79,34 +83,33 @@ class Run:
 
     def along(self, axis):
         """The cases of an axis in turn, in processes that stay for all rounds."""
-        sessions, frames = {}, []
+        sessions = {}
         try:
-            for point in axis.points:
-                for shading in measured.SHADINGS:
-                    record = results.Record(
-                        axis.name, point.line, shading, point.amount, point.label, point.case.side**2
-                    )
-                    self.records.append(record)
-                    self.ask(sessions, record, point.case, 1, self.picture(axis, point, shading))
-                    if not record.why:
-                        count = max(1, min(MOST_FRAMES, round(TURN / record.ms.pop())))
-                        frames.append((record, point.case, count))
-            for _ in range(self.args.rounds):
-                for record, case, count in frames:
-                    if not record.why:
+            some = [self.first(sessions, axis, point, shading) for point in axis.points for shading in SHADINGS]
+            for number in range(self.args.rounds):
+                for record, case in some:
+                    if not record.why and (number == 0 or record.median <= TOO_LONG):
+                        count = max(1, min(MOST_FRAMES, round(TURN / record.ms[0])))
                         self.ask(sessions, record, case, count)
         finally:
             for session in sessions.values():
                 session.close()
-        for record, _, _ in frames:
+        for record, _ in some:
             told(record)
 
-    def picture(self, axis, point, shading):
+    def first(self, sessions, axis, point, shading):
+        """A case with its record, which holds the time of one frame."""
+        case = point.case
+        record = Record(axis.name, point.line, shading, point.amount, point.label, case.side**2)
+        self.records.append(record)
+        self.ask(sessions, record, case, 1, self.picture(axis, case, shading))
+        return record, case
+
+    def picture(self, axis, case, shading):
         """Where the first frame goes, so that one can look whether it is right."""
-        if point.case.side > LARGEST_PICTURE:
+        if case.side > LARGEST_PICTURE:
             return None
-        line = f"{point.line} " if point.line else ""
-        name = f"{axis.name} {line}{point.label} {shading}.png".replace(" ", "-")
+        name = f"{axis.name}-{case.scene}-{case.side}-{case.threads or 'all'}-{shading}.png"
         return os.path.join(self.pictures, name)
 
     def ask(self, sessions, record, case, frames, png=None):
@@ -123,7 +126,7 @@ class Run:
                 sessions.pop(key).close()
             return
         record.ms += answer["ms"]
-        record.coverage, record.mib = answer["coverage"], answer["peak_mib"]
+        record.coverage, record.mib = answer["coverage"], record.mib or answer["peak_mib"]
 
     def command(self, case, shading):
         path = os.path.join(self.scene, f"{case.scene}-{shading}.gltf")

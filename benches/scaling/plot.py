@@ -8,6 +8,7 @@ import matplotlib
 matplotlib.use("svg")
 import matplotlib.pyplot as plt  # noqa: E402
 import results  # noqa: E402
+from matplotlib.ticker import LogLocator, NullLocator  # noqa: E402
 
 # Colours that are told apart by everyone (Okabe and Ito).
 COLORS = {"cook-torrance": "#0072b2", "ggx": "#d55e00"}
@@ -21,6 +22,8 @@ PANELS = {
 }
 # By axis, how time goes where it is in proportion: the power of the amount. Textures have none.
 POWERS = {"triangles": 1, "pixels": 1, "lights": 1, "threads": -1}
+SOLID = {"linewidth": 1.6, "marker": "o", "markersize": 4}
+DASHED = {"linewidth": 0.8, "linestyle": (0, (4, 3))}
 STYLE = {
     "svg.fonttype": "none",
     "svg.hashsalt": "scaling",
@@ -44,16 +47,12 @@ def panel(axes, name, lines):
     """One axis of what was measured."""
     axes.set(xscale="log", yscale="log", title=PANELS[name])
     labels = {}
+    first = next(line for _, line in lines)
     for (shading, line), records in lines.items():
-        there = [(r.amount, r.median) for r in records if r.median is not None]
         labels |= {r.amount: r.label for r in records}
+        there = [(r.amount, r.median) for r in records if r.median is not None]
         if there:
-            first = line == next(line for _, line in lines)
-            draw(axes, name, there, COLORS[shading], first)
-            if line:
-                axes.annotate(
-                    line, there[0], (4, 5), textcoords="offset points", fontsize=8, color=COLORS[shading]
-                )
+            draw(axes, name, there, COLORS[shading], line == first)
     axes.set_xticks(list(labels), list(labels.values()))
     axes.minorticks_off()
     axes.grid(axis="y", color=FAINT, linewidth=0.6)
@@ -67,42 +66,48 @@ def draw(axes, name, points, color, first):
         # From the end that has most to do.
         i = -1 if POWERS[name] > 0 else 0
         straight = [y[i] * (at / x[i]) ** POWERS[name] for at in (x[0], x[-1])]
-        axes.plot((x[0], x[-1]), straight, color=color, linewidth=0.8, linestyle=(0, (4, 3)), alpha=0.7)
-    axes.plot(x, y, color=color, linewidth=1.6, marker="o", markersize=4, markerfacecolor=color if first else "white")
+        axes.plot((x[0], x[-1]), straight, color=color, **DASHED)
+    axes.plot(x, y, color=color, **SOLID, markerfacecolor=color if first else "white")
 
 
 def draw_all(records):
-    names = [name for name in PANELS if results.lines(records, name)]
+    """A panel an axis; those of a row have the same height a millisecond. The legend takes the place after them."""
+    found = {name: lines for name in PANELS if (lines := results.lines(records, name))}
     plt.rcParams |= STYLE
-    columns = min(3, len(names) + 1)
-    rows = -(-(len(names) + 1) // columns)
-    figure, grid = plt.subplots(
-        rows, columns, figsize=(3.6 * columns, 2.9 * rows), sharey=True, squeeze=False, layout="constrained"
-    )
+    columns = min(3, len(found) + 1)
+    rows = -(-(len(found) + 1) // columns)
+    size = (3.6 * columns, 2.9 * rows)
+    figure, grid = plt.subplots(rows, columns, figsize=size, sharey="row", squeeze=False, layout="constrained")
     cells = grid.ravel()
-    for axes, name in zip(cells, names):
-        panel(axes, name, results.lines(records, name))
-    bounds(cells[0], [record.median for record in records if record.median is not None])
-    for row in grid:
-        row[0].set_ylabel("milliseconds a frame")
-    for axes in cells[len(names) :]:
+    for axes, (name, lines) in zip(cells, found.items()):
+        panel(axes, name, lines)
+    names = list(found)
+    for i, row in enumerate(grid):
+        here = names[i * columns : (i + 1) * columns]
+        heights(row[0], [r.median for r in records if r.axis in here and r.median is not None])
+    for axes in cells[len(found) :]:
         axes.axis("off")
-    legend(cells[len(names)])
+    legend(cells[len(found)], list(dict.fromkeys(line for _, line in found.get("threads", {}))))
     return figure
 
 
-def bounds(axes, medians):
-    """Whatever is in proportion leaves the panel rather than stretch it."""
+def heights(axes, medians):
+    """What is in proportion leaves the panel rather than stretch it."""
+    axes.set_ylabel("milliseconds a frame")
     if medians:
-        axes.set_ylim(min(medians) / 1.6, max(medians) * 1.6)
+        low, high = min(medians) / 1.3, max(medians) * 1.3
+        axes.set_ylim(low, high)
+        axes.yaxis.set_major_locator(LogLocator(subs=(1,) if high > 100 * low else (1, 2, 5)))
     axes.yaxis.set_major_formatter(lambda ms, _: f"{ms:g}")
+    axes.yaxis.set_minor_locator(NullLocator())
 
 
-def legend(axes):
-    """What the lines are, in the cell that is left."""
-    handles = [axes.plot([], [], color=color, marker="o", label=name)[0] for name, color in COLORS.items()]
-    dashed = {"color": INK, "linewidth": 0.8, "linestyle": (0, (4, 3))}
-    handles.append(axes.plot([], [], label="in proportion", **dashed)[0])
+def legend(axes, lines):
+    """What the lines are, in a cell that is left; `lines` are those of the threads."""
+    handles = [axes.plot([], [], color=color, **SOLID, label=name)[0] for name, color in COLORS.items()]
+    for line in lines[1:]:
+        handles.append(axes.plot([], [], color=INK, **SOLID, markerfacecolor="white", label=line)[0])
+    handles.append(axes.plot([], [], color=INK, **DASHED, label="in proportion")[0])
     axes.legend(handles=handles, loc="center left", frameon=False)
 
 

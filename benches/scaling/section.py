@@ -38,9 +38,11 @@ def shown(ms):
 
 def steps(line, step):
     """What `step` says of each record and the one before it; there is none before the first."""
-    pairs = zip([None, *line], line)
-    return ["–" if before is None or None in (before.median, here.median) else step(before, here, line)
-            for before, here in pairs]  # fmt: skip
+    cells = ["–"]
+    for before, here in zip(line, line[1:]):
+        lacks = before.median is None or here.median is None
+        cells.append("–" if lacks else step(before, here, line))
+    return cells
 
 
 def nanoseconds(before, here, _):
