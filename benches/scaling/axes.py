@@ -3,7 +3,7 @@
 import dataclasses
 
 import machine
-from measured import GRIDS, triangles
+from measured import GRIDS, SHADINGS, triangles
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,6 +31,7 @@ class Point:
     label: str
     case: Case
     line: str = ""
+    shadings: tuple = SHADINGS
 
 
 @dataclasses.dataclass(frozen=True)
@@ -51,6 +52,8 @@ class Axis:
 BASE = Case()
 # The vessel of few triangles, where threads have little to do before the tiles.
 COARSE = "2k"
+# The side of a picture of one tile.
+TINY = 64
 
 
 def axes():
@@ -60,7 +63,13 @@ def axes():
 
 
 def of_triangles():
-    points = (Point(triangles(mesh), short(triangles(mesh)), dataclasses.replace(BASE, mesh=mesh)) for mesh in GRIDS)
+    """Also in pictures with next to no pixels to shade."""
+    points = []
+    for mesh in GRIDS:
+        count, case = triangles(mesh), dataclasses.replace(BASE, mesh=mesh)
+        points.append(Point(count, short(count), case))
+        tiny = dataclasses.replace(case, side=TINY)
+        points.append(Point(count, short(count), tiny, f"{TINY}² pixels", SHADINGS[:1]))
     return Axis("triangles", "triangles", tuple(points))
 
 

@@ -13,7 +13,6 @@ import page
 import results
 import section
 import talk
-from measured import SHADINGS
 from results import Record
 
 TARGET = "bench-scaling"
@@ -85,7 +84,7 @@ class Run:
         """The cases of an axis in turn, in processes that stay for all rounds."""
         sessions = {}
         try:
-            some = [self.first(sessions, axis, point, shading) for point in axis.points for shading in SHADINGS]
+            some = [self.first(sessions, axis, point, shading) for point in axis.points for shading in point.shadings]
             for number in range(self.args.rounds):
                 for record, case in some:
                     if not record.why and (number == 0 or record.median <= TOO_LONG):

@@ -72,7 +72,7 @@ def draw(axes, name, points, color, first):
 
 def draw_all(records):
     """A panel an axis; those of a row have the same height a millisecond. The legend takes the place after them."""
-    found = {name: lines for name in PANELS if (lines := results.lines(records, name))}
+    found = drawn(records)
     plt.rcParams |= STYLE
     columns = min(3, len(found) + 1)
     rows = -(-(len(found) + 1) // columns)
@@ -84,20 +84,31 @@ def draw_all(records):
     names = list(found)
     for i, row in enumerate(grid):
         here = names[i * columns : (i + 1) * columns]
-        heights(row[0], [r.median for r in records if r.axis in here and r.median is not None])
+        heights(row[0], [r.median for name in here for line in found[name].values() for r in line])
     for axes in cells[len(found) :]:
         axes.axis("off")
     legend(cells[len(found)], list(dict.fromkeys(line for _, line in found.get("threads", {}))))
     return figure
 
 
+def drawn(records):
+    """The lines of each axis that are drawn: the first of each shading, and of threads all."""
+    found = {}
+    for name in PANELS:
+        lines = results.lines(records, name)
+        first = next((line for _, line in lines), "")
+        found[name] = {key: line for key, line in lines.items() if key[1] == first or name == "threads"}
+    return {name: lines for name, lines in found.items() if lines}
+
+
 def heights(axes, medians):
     """What is in proportion leaves the panel rather than stretch it."""
     axes.set_ylabel("milliseconds a frame")
+    medians = [ms for ms in medians if ms is not None]
     if medians:
         low, high = min(medians) / 1.3, max(medians) * 1.3
         axes.set_ylim(low, high)
-        axes.yaxis.set_major_locator(LogLocator(subs=(1,) if high > 100 * low else (1, 2, 5)))
+        axes.yaxis.set_major_locator(LogLocator(subs=(1,) if high > 100 * low else (1, 2, 3, 5)))
     axes.yaxis.set_major_formatter(lambda ms, _: f"{ms:g}")
     axes.yaxis.set_minor_locator(NullLocator())
 
