@@ -45,8 +45,8 @@ class Axis:
     def quick(self):
         """The same with ends and base alone."""
         amounts = [point.amount for point in self.points]
-        ends = (min(amounts), max(amounts))
-        return dataclasses.replace(self, points=tuple(p for p in self.points if p.amount in ends or p.case == BASE))
+        kept = {min(amounts), max(amounts), *(point.amount for point in self.points if point.case == BASE)}
+        return dataclasses.replace(self, points=tuple(point for point in self.points if point.amount in kept))
 
 
 BASE = Case()

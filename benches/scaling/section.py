@@ -94,7 +94,7 @@ ABOUT = (
 )
 
 COMMANDS = (
-    "make bench-scaling                          # all axes, in eight minutes or so; writes this section and its plot",
+    "make bench-scaling                          # all axes, in five minutes or so; writes this section and its plot",
     "make bench-scaling BENCH=--quick            # the ends of each axis; prints it",
     "make bench-scaling BENCH='--axis triangles' # one axis; prints it",
 )
