@@ -1,11 +1,11 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow bench bench-bake bench-render docs errors tables bless tools
+.PHONY: help test test-slow bench bench-bake bench-render bench-scaling docs errors tables bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
-		while IFS='|' read -r name what; do printf 'make %-12s %s\n' "$$name" "$$what"; done
+		while IFS='|' read -r name what; do printf 'make %-13s %s\n' "$$name" "$$what"; done
 
 test: tools ## Formatting, lints, documentation and all tests but the slow ones
 	cargo fmt --all --check
@@ -42,6 +42,16 @@ bench-render: $(RENDER_VENV)/ready ## Pictures by Taotie and by other renderers,
 
 $(RENDER_VENV)/ready: benches/render/requirements.txt benches/render/install.sh
 	sh benches/render/install.sh $(PYTHON) $(RENDER_VENV)
+	touch $@
+
+SCALING_VENV = target/bench-scaling/venv
+bench-scaling: $(SCALING_VENV)/ready ## A frame over triangles, pixels, lights, textures, threads, for docs; BENCH=--quick: fewer
+	$(if $(TAOTIE_BIN),,cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames)
+	PYTHONPATH=benches/common $(SCALING_VENV)/bin/python benches/scaling/bench.py $(if $(TAOTIE_BIN),--programs $(TAOTIE_BIN)) $(BENCH)
+
+$(SCALING_VENV)/ready: benches/scaling/requirements.txt
+	$(PYTHON) -m venv $(SCALING_VENV)
+	$(SCALING_VENV)/bin/pip install --quiet --requirement $<
 	touch $@
 
 docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, anew

@@ -42,44 +42,72 @@ def read_ply(path):
 BARE = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.6}}
 
 
-def write_glb(path, attributes, triangles, material=BARE, images=(), extra=None):
-    """One mesh with the float attributes of these names.
+class Buffer:
+    """The bytes of a glTF file, and what its JSON says of them."""
 
-    `images` are the bytes of PNG files; texture i of the material shows image i, repeated along u and clamped along v,
-    trilinear. `extra` is laid over the file's JSON: nodes beside the mesh's, which is number 0, and what they need.
-    """
-    gltf = {
+    def __init__(self):
+        self.bytes, self.views, self.accessors = bytearray(), [], []
+
+    def view(self, data, **more):
+        """The number of the bytes' view."""
+        self.views.append({"buffer": 0, "byteOffset": len(self.bytes), "byteLength": len(data), **more})
+        self.bytes.extend(data)
+        self.bytes.extend(bytes(-len(data) % 4))
+        return len(self.views) - 1
+
+    def accessor(self, array, component, target, kind):
+        """The number of the array's accessor."""
+        accessor = {"bufferView": self.view(array.tobytes(), target=target), "componentType": component, "type": kind}
+        accessor |= {"count": len(array), "min": array.min(0).tolist(), "max": array.max(0).tolist()}
+        self.accessors.append(accessor)
+        return len(self.accessors) - 1
+
+    def primitive(self, attributes, triangles):
+        """Of material 0, with the float attributes of these names."""
+        names = {
+            name: self.accessor(a.astype("<f4"), FLOAT, VERTICES, f"VEC{a.shape[1]}") for name, a in attributes.items()
+        }
+        indices = self.accessor(triangles.astype("<u4").reshape(-1, 1), U32, INDICES, "SCALAR")
+        return {"attributes": names, "indices": indices, "material": 0}
+
+
+def gltf(material, accessors, views, primitive):
+    """The JSON of one mesh, as a dictionary; it has neither textures nor buffer yet."""
+    return {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],
         "materials": [material],
-        "accessors": [],
-        "bufferViews": [],
+        "accessors": accessors,
+        "bufferViews": views,
+        "meshes": [{"primitives": [primitive]}],
     }
-    blob = bytearray()
 
-    def view(data, **more):
-        gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(data), **more})
-        blob.extend(data)
-        blob.extend(bytes(-len(blob) % 4))
-        return len(gltf["bufferViews"]) - 1
 
-    def add(array, component, target, kind):
-        accessor = {"bufferView": view(array.tobytes(), target=target), "componentType": component, "type": kind}
-        accessor |= {"count": len(array), "min": array.min(0).tolist(), "max": array.max(0).tolist()}
-        gltf["accessors"].append(accessor)
-        return len(gltf["accessors"]) - 1
+def textures(images):
+    """Texture i shows image i, repeated along u and clamped along v, trilinear; `images` are as glTF has them."""
+    if not images:
+        return {}
+    return {
+        "images": images,
+        "samplers": [{"magFilter": LINEAR, "minFilter": TRILINEAR, "wrapS": REPEAT, "wrapT": CLAMP}],
+        "textures": [{"source": i, "sampler": 0} for i in range(len(images))],
+    }
 
-    names = {name: add(a.astype("<f4"), FLOAT, VERTICES, f"VEC{a.shape[1]}") for name, a in attributes.items()}
-    indices = add(triangles.astype("<u4").reshape(-1, 1), U32, INDICES, "SCALAR")
-    gltf["meshes"] = [{"primitives": [{"attributes": names, "indices": indices, "material": 0}]}]
-    if images:
-        gltf["images"] = [{"bufferView": view(image), "mimeType": "image/png"} for image in images]
-        gltf["samplers"] = [{"magFilter": LINEAR, "minFilter": TRILINEAR, "wrapS": REPEAT, "wrapT": CLAMP}]
-        gltf["textures"] = [{"source": i, "sampler": 0} for i in range(len(images))]
-    gltf["buffers"] = [{"byteLength": len(blob)}]
-    text = json.dumps(gltf | (extra or {})).encode()
+
+def write_glb(path, attributes, triangles, material=BARE, images=(), extra=None):
+    """One mesh with the float attributes of these names.
+
+    `images` are the bytes of PNG files; texture i of the material shows image i, as `textures` says. `extra` is laid
+    over the file's JSON: nodes beside the mesh's, which is number 0, and what they need.
+    """
+    buffer = Buffer()
+    told = gltf(material, buffer.accessors, buffer.views, buffer.primitive(attributes, triangles))
+    told |= textures([{"bufferView": buffer.view(image), "mimeType": "image/png"} for image in images])
+    blob = buffer.bytes
+    told["buffers"] = [{"byteLength": len(blob)}]
+    text = json.dumps(told | (extra or {})).encode()
     text += b" " * (-len(text) % 4)
     with written(path) as file:
         file.write(struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(blob)))

@@ -7,11 +7,15 @@ import subprocess
 
 def described(program):
     """Processor, cores, memory, system and the version of the program, as one phrase."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     gib = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
     version = _printed([program, "--version"])
     system = f"{platform.system()}, Python {platform.python_version()}"
-    return f"{processor()}, {cores} cores, {gib:.0f} GiB; {system}; {version}"
+    return f"{processor()}, {cores()} cores, {gib:.0f} GiB; {system}; {version}"
+
+
+def cores():
+    """How many this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
 
 def processor():

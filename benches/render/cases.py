@@ -4,11 +4,10 @@ import dataclasses
 import os
 import sys
 
+from measured import SHADINGS, frames, light, triangles
+
 HERE = os.path.dirname(os.path.abspath(__file__))
-MESHES = {"2k": "2,048", "200k": "199,680", "2m": "2,000,000"}
-SHADINGS = ("cook-torrance", "ggx")
-# As view.py has it, which needs NumPy; this process stays small.
-AMBIENT = 0.04
+MESHES = {name: f"{triangles(name):,}" for name in ("2k", "200k", "2m")}
 SIZES = ((1024, 1024), (1920, 1080))
 
 
@@ -39,12 +38,10 @@ class Participant:
 
 def taotie(programs, name="taotie", title="Taotie", more=()):
     """`programs` is the folder that holds taotie, and frames or examples/frames."""
-    beside = os.path.join(programs, "frames")
-    frames = beside if os.path.exists(beside) else os.path.join(programs, "examples", "frames")
 
     def talks(folder, mesh, shading):
-        command = [frames, os.path.join(folder, f"{mesh}-{shading}.glb"), "--shading", shading, "--ask", *more]
-        return command + light(folder, shading, "--environment")
+        command = [frames(programs), os.path.join(folder, f"{mesh}-{shading}.glb"), "--shading", shading, "--ask"]
+        return [*command, *more, *light(folder, shading, "--environment")]
 
     def cold(folder, mesh, shading, width, height, path):
         command = [os.path.join(programs, "taotie"), "render", os.path.join(folder, f"{mesh}-{shading}.glb")]
@@ -53,11 +50,6 @@ def taotie(programs, name="taotie", title="Taotie", more=()):
         return command
 
     return Participant(name, title, SHADINGS, talks, cold)
-
-
-def light(folder, shading, option):
-    """The light beside the file's."""
-    return [option, os.path.join(folder, "environment.hdr")] if shading == "ggx" else ["--ambient", str(AMBIENT)]
 
 
 def script(command, name, title, shadings, more=(), **rest):

@@ -1,0 +1,170 @@
+"""What a frame of Taotie takes along axes of triangles, pixels, lights, textures and threads: `make bench-scaling`."""
+
+import argparse
+import os
+import shutil
+import sys
+
+import axes
+import machine
+import measure
+import measured
+import page
+import results
+import section
+import talk
+from results import Record
+
+TARGET = "bench-scaling"
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+# What a case's turn takes in a round, milliseconds, as far as at least one frame allows; and the most frames.
+TURN, MOST_FRAMES = 500, 15
+# What takes longer than this for a frame has one turn after its first frame, milliseconds.
+TOO_LONG = 1500
+# How long an answer may take, loading included, seconds.
+PATIENCE = 300.0
+# Of larger pictures none is written.
+LARGEST_PICTURE = 2048
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--programs", default=os.path.join(ROOT, "target/release"), help="where taotie and frames are")
+    parser.add_argument("--folder", default=os.path.join(ROOT, "target/bench-scaling"), help="for scenes and pictures")
+    parser.add_argument("--page", default=os.path.join(ROOT, "docs/benchmarks.md"), help="whose section is written")
+    parser.add_argument("--rounds", type=int, default=3, help="turns of each case")
+    parser.add_argument("--quick", action="store_true", help="the ends of each axis; the page is left alone")
+    known = axes.axes()
+    parser.add_argument("--axis", action="append", choices=known, help="this alone; the page is left alone")
+    args = parser.parse_args()
+    if args.rounds < 1:
+        parser.error("--rounds: at least 1")
+    if not os.access(measured.frames(args.programs), os.X_OK):
+        parser.error(f"{args.programs} holds no frames; `make bench-scaling` builds it")
+    args.axes = [axis.quick() if args.quick else axis for axis in known.values() if axis.name in (args.axis or known)]
+    return args
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def make(folder, chosen):
+    """The scenes of all cases. What cannot be made is told, and its cases fail."""
+    cases = [point.case for axis in chosen for point in axis.points]
+    parts = ["environment"]
+    parts += dict.fromkeys(f"mesh:{case.mesh}" for case in cases)
+    parts += dict.fromkeys(f"maps:{case.maps}" for case in cases)
+    parts += dict.fromkeys(f"scene:{case.mesh}:{case.maps}:{case.lights}" for case in cases)
+    for part in parts:
+        try:
+            # One process each, so that none keeps the memory of the one before.
+            measure.run([sys.executable, os.path.join(HERE, "variants.py"), folder, part])
+        except measure.Failed as failed:
+            say(f"{part} cannot be made: {str(failed).strip().splitlines()[-1]}")
+
+
+class Run:
+    """All that is measured, as it comes."""
+
+    def __init__(self, args):
+        self.args = args
+        self.scene = os.path.join(args.folder, "scene")
+        self.pictures = os.path.join(args.folder, "pictures")
+        self.records = []
+
+    def all(self):
+        shutil.rmtree(self.pictures, ignore_errors=True)
+        os.makedirs(self.pictures)
+        for axis in self.args.axes:
+            self.along(axis)
+
+    def along(self, axis):
+        """The cases of an axis in turn, in processes that stay for all rounds."""
+        sessions = {}
+        try:
+            some = [self.first(sessions, axis, point, shading) for point in axis.points for shading in point.shadings]
+            for number in range(self.args.rounds):
+                for record, case in some:
+                    if not record.why and (number == 0 or record.median <= TOO_LONG):
+                        count = max(1, min(MOST_FRAMES, round(TURN / record.ms[0])))
+                        self.ask(sessions, record, case, count)
+        finally:
+            for session in sessions.values():
+                session.close()
+        for record, _ in some:
+            told(record)
+
+    def first(self, sessions, axis, point, shading):
+        """A case with its record, which holds the time of one frame."""
+        case = point.case
+        record = Record(axis.name, point.line, shading, point.amount, point.label, case.side**2)
+        self.records.append(record)
+        self.ask(sessions, record, case, 1, self.picture(axis, case, shading))
+        return record, case
+
+    def picture(self, axis, case, shading):
+        """Where the first frame goes, so that one can look whether it is right."""
+        if case.side > LARGEST_PICTURE:
+            return None
+        name = f"{axis.name}-{case.scene}-{case.side}-{case.threads or 'all'}-{shading}.png"
+        return os.path.join(self.pictures, name)
+
+    def ask(self, sessions, record, case, frames, png=None):
+        """Takes the times of some frames; who gives no answer is not asked again."""
+        key = (case.scene, case.threads, record.shading)
+        try:
+            if key not in sessions:
+                sessions[key] = talk.Session(self.command(case, record.shading), {})
+            answer = sessions[key].ask(case.side, case.side, frames, png, PATIENCE)
+        except (talk.Silent, OSError) as failed:
+            record.why = str(failed)
+            say(f"{record.axis} {record.label} {record.shading} is left out: {record.why}")
+            if key in sessions:
+                sessions.pop(key).close()
+            return
+        record.ms += answer["ms"]
+        record.coverage, record.mib = answer["coverage"], record.mib or answer["peak_mib"]
+
+    def command(self, case, shading):
+        path = os.path.join(self.scene, f"{case.scene}-{shading}.gltf")
+        command = [measured.frames(self.args.programs), path, "--shading", shading, "--ask"]
+        command += ["--threads", str(case.threads)] if case.threads else []
+        return command + measured.light(self.scene, shading, "--environment")
+
+
+def told(record):
+    if record.median is not None:
+        what = f"{record.axis:9} {record.line:15} {record.label:>6} {record.shading:14}"
+        say(f"{what} {record.median:9.2f} ms (least {min(record.ms):.2f}, of {len(record.ms)}) {record.mib:6.0f} MiB")
+
+
+def plot(folder, records, to):
+    """Draws in a process of its own; says so where it cannot."""
+    path = os.path.join(folder, "times.json")
+    results.save(path, records)
+    measure.run([sys.executable, os.path.join(HERE, "plot.py"), path, to])
+
+
+def main():
+    args = arguments()
+    whole = not (args.quick or args.axis)
+    if whole:
+        page.around(args.page, TARGET)  # fails now rather than after minutes
+    run = Run(args)
+    make(run.scene, args.axes)
+    run.all()
+    text = section.text(machine.described(os.path.join(args.programs, "taotie")), run.records, args.axes)
+    print(text)
+    beside = os.path.dirname(args.page) if whole else args.folder
+    plot(args.folder, run.records, os.path.join(beside, section.PLOT))
+    if whole:
+        page.write(args.page, TARGET, text)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (measure.Failed, page.Unmarked, OSError) as error:
+        sys.exit(str(error))

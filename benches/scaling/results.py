@@ -1,0 +1,46 @@
+"""What was measured, and its file: JSON, from which the plot is drawn."""
+
+import dataclasses
+import json
+import statistics
+
+
+@dataclasses.dataclass
+class Record:
+    """A point of an axis under a shading: the milliseconds of all its frames, or why there are none; the part of the
+    picture that the vessel covers, and the peak memory of the process up to then, MiB."""
+
+    axis: str
+    line: str
+    shading: str
+    amount: float
+    label: str
+    pixels: int
+    ms: list = dataclasses.field(default_factory=list)
+    why: str = ""
+    coverage: float = 0.0
+    mib: float = 0.0
+
+    @property
+    def median(self):
+        """Of the frames' milliseconds; nothing where it failed."""
+        return statistics.median(self.ms) if self.ms and not self.why else None
+
+
+def lines(records, axis):
+    """The records of an axis, by shading and name of the line."""
+    found = {}
+    for record in records:
+        if record.axis == axis:
+            found.setdefault((record.shading, record.line), []).append(record)
+    return found
+
+
+def save(path, records):
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump([dataclasses.asdict(record) for record in records], file, indent=1)
+
+
+def load(path):
+    with open(path, encoding="utf-8") as file:
+        return [Record(**record) for record in json.load(file)]

@@ -1,0 +1,100 @@
+"""The section of docs/benchmarks.md."""
+
+import results
+from page import table, two_digits, wrapped
+
+PLOT = "images/scaling.svg"
+
+
+def text(machine, records, axes):
+    """The section's Markdown."""
+    lines = ["## Scaling", "", wrapped(f"{ABOUT} Measured on: {machine}."), "", f"![{ALT}]({PLOT})", ""]
+    for axis in axes:
+        lines += [*along(axis, results.lines(records, axis.name)), ""]
+    lines += notes(records)
+    return "\n".join([*lines, "The commands:", "", "```sh", *COMMANDS, "```"])
+
+
+def along(axis, lines):
+    """Milliseconds a frame, and below them what each step costs."""
+    labels = dict.fromkeys(point.label for point in axis.points)
+    rows = [[f"{named(*key)}, ms", *(shown(record.median) for record in line)] for key, line in lines.items()]
+    if axis.name in STEPS:
+        what, step = STEPS[axis.name]
+        for key, line in lines.items():
+            rows.append([f"{named(*key)}, {what}", *steps(line, step)])
+    return table([axis.title, *labels], rows)
+
+
+def named(shading, line):
+    return f"`{shading}`, {line}" if line else f"`{shading}`"
+
+
+def shown(ms):
+    if ms is None:
+        return "–"
+    return f"{ms:.2f}" if ms < 10 else f"{ms:.1f}" if ms < 100 else f"{ms:.0f}"
+
+
+def steps(line, step):
+    """What `step` says of each record and the one before it; there is none before the first."""
+    cells = ["–"]
+    for before, here in zip(line, line[1:]):
+        lacks = before.median is None or here.median is None
+        cells.append("–" if lacks else step(before, here, line))
+    return cells
+
+
+def nanoseconds(before, here, _):
+    """Of each that is more."""
+    return signed((here.median - before.median) * 1e6 / (here.amount - before.amount))
+
+
+def of_lights(_, here, line):
+    """Nanoseconds of each light beyond the first and each pixel that shows the vessel."""
+    first = line[0]
+    if first.median is None:
+        return "–"
+    return signed((here.median - first.median) * 1e6 / (here.amount - first.amount) / (here.coverage * here.pixels))
+
+
+def times_as_fast(_, here, line):
+    """As the first."""
+    return "–" if line[0].median is None else f"{line[0].median / here.median:.2f}"
+
+
+def signed(x):
+    """With two digits, also where a time shrank by chance."""
+    return "0" if x == 0 else f"{'−' if x < 0 else ''}{two_digits(abs(x))}"
+
+
+def notes(records):
+    """Why there are dashes."""
+    told = [f"No figure of {r.label} {r.axis} ({named(r.shading, r.line)}): {r.why}." for r in records if r.why]
+    return [wrapped(" ".join(told)), ""] if told else []
+
+
+# By axis: what a step is, and how it is counted.
+STEPS = {
+    "triangles": ("ns a further triangle", nanoseconds),
+    "pixels": ("ns a further pixel", nanoseconds),
+    "lights": ("ns a light beyond the first and pixel of the vessel", of_lights),
+    "threads": ("times as fast as one", times_as_fast),
+}
+
+ALT = "Milliseconds a frame over triangles, pixels, lights, texels and threads"
+
+ABOUT = (
+    "`make bench-scaling` changes one thing at a time about the vessel of `make bench-render`: 199,680 triangles, "
+    "1024² pixels, one light, maps of 2048², all threads (`benches/scaling/axes.py`). More lights are points on a ring "
+    "around it that share the intensity of one; maps of other sizes show the same. Pictures of 64² have next to no "
+    "pixels to shade: that is what the triangles alone cost. Each frame turns the object, draws it at one sample a "
+    "pixel and ends with all pixels as 8-bit sRGB in memory; `ggx` is under an environment too. "
+    "Medians of the frames of all rounds; all points of an axis take turns."
+)
+
+COMMANDS = (
+    "make bench-scaling                          # all axes, in five minutes or so; writes this section and its plot",
+    "make bench-scaling BENCH=--quick            # the ends of each axis; prints it",
+    "make bench-scaling BENCH='--axis triangles' # one axis; prints it",
+)
