@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow bench bench-bake bench-render bench-scaling docs errors tables bless tools
+.PHONY: help test test-slow bench bench-bake bench-render bench-scaling bench-fma bench-floor docs errors tables bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -43,6 +43,16 @@ bench-render: $(RENDER_VENV)/ready ## Pictures by Taotie and by other renderers,
 $(RENDER_VENV)/ready: benches/render/requirements.txt benches/render/install.sh
 	sh benches/render/install.sh $(PYTHON) $(RENDER_VENV)
 	touch $@
+
+# LLVM fuses a product and a sum wherever it finds them, which the language itself never does.
+FUSED = RUSTFLAGS="-C llvm-args=-fp-contract=fast" cargo build --release --target-dir target/fused
+bench-fma: $(RENDER_VENV)/ready ## What the bit rule costs: the same programs with fused multiply-add
+	cargo build --release -p taotie-cli && cargo build --release -p taotie --example frames
+	$(FUSED) -p taotie --example frames
+	PYTHONPATH=benches/common $(RENDER_VENV)/bin/python benches/render/bench.py --only none --also target/fused/release $(BENCH)
+
+bench-floor: ## Arithmetic and texel loads of a pixel, measured, beside a frame
+	cargo bench -p taotie --bench floor
 
 SCALING_VENV = target/bench-scaling/venv
 bench-scaling: $(SCALING_VENV)/ready ## A frame over triangles, pixels, lights, textures, threads, for docs; BENCH=--quick: fewer

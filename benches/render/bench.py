@@ -81,6 +81,9 @@ class Run:
     def all(self):
         shutil.rmtree(self.pictures, ignore_errors=True)
         os.makedirs(self.pictures)
+        for one in self.some:
+            if one.first:
+                measure.run(one.first(self.scene, self.meshes[0]))
         for mesh in self.meshes:
             for shading in self.args.shading or cases.SHADINGS:
                 self.warm(mesh, shading)

@@ -34,14 +34,24 @@ class Participant:
     environment: dict = dataclasses.field(default_factory=dict)
     # Whether its process can show pictures of one size alone.
     one_size: bool = False
+    # Makes the command of what has to be run before anything else, given the folder and a mesh.
+    first: callable = None
 
 
 def taotie(programs, name="taotie", title="Taotie", more=()):
     """`programs` is the folder that holds taotie, and frames or examples/frames."""
 
+    def kept(folder):
+        return os.path.join(folder, f"environment-{name}.kept")
+
+    def first(folder, mesh):
+        command = [frames(programs), os.path.join(folder, f"{mesh}-ggx.glb"), "--frames", "0"]
+        return [*command, *light(folder, "ggx", "--environment"), "--keep", kept(folder)]
+
     def talks(folder, mesh, shading):
         command = [frames(programs), os.path.join(folder, f"{mesh}-{shading}.glb"), "--shading", shading, "--ask"]
-        return [*command, *more, *light(folder, shading, "--environment")]
+        around = ["--environment", kept(folder)] if shading == "ggx" else light(folder, shading, "")
+        return [*command, *more, *around]
 
     def cold(folder, mesh, shading, width, height, path):
         command = [os.path.join(programs, "taotie"), "render", os.path.join(folder, f"{mesh}-{shading}.glb")]
@@ -49,7 +59,7 @@ def taotie(programs, name="taotie", title="Taotie", more=()):
         command += ["--shading", shading, "--tone", "linear", *light(folder, shading, "--env")]
         return command
 
-    return Participant(name, title, SHADINGS, talks, cold)
+    return Participant(name, title, SHADINGS, talks, cold, first=first)
 
 
 def script(command, name, title, shadings, more=(), **rest):

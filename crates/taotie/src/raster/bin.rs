@@ -110,7 +110,11 @@ impl Bins {
             })
             .collect();
         self.chunks.resize_with(parts.len(), Chunk::default);
-        self.chunks.par_iter_mut().zip(parts).for_each(|(chunk, part)| chunk.rebuild(&part, chunk_size));
+        self.chunks
+            .par_iter_mut()
+            .with_max_len(1)
+            .zip(parts)
+            .for_each(|(chunk, part)| chunk.rebuild(&part, chunk_size));
         Ok(())
     }
 

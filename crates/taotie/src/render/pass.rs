@@ -163,7 +163,7 @@ impl<'p, 'a> Pass<'p, 'a> {
         for (group, outputs) in outputs.chunks_mut(TILES_AT_ONCE).enumerate() {
             let first = group * TILES_AT_ONCE;
             let done = first + outputs.len();
-            outputs.par_iter_mut().enumerate().try_for_each(|(i, output)| -> Result<()> {
+            outputs.par_iter_mut().with_max_len(1).enumerate().try_for_each(|(i, output)| -> Result<()> {
                 let mut desk = self.desk();
                 self.tile(first + i, &mut desk)?;
                 finish(&mut desk, output);

@@ -1,0 +1,390 @@
+//! How near a frame comes to what this machine can do: `cargo bench -p taotie --bench floor`.
+//!
+//! The floor is measured in two parts. *Arithmetic*: the formulas of one pixel of `cook-torrance` with a colour map, a
+//! normal map and one lamp, from barycentric weights to the code of the picture, over packs whose inputs lie in the
+//! nearest cache, and counted by a number type that counts. *Texels*: the loads of the texels around each pixel, tile by
+//! tile, from maps as large as the frame's, and nothing else. A frame cannot take less than the longer of the two;
+//! it would take their sum if nothing overlapped. Beside them stands a frame, all on one thread.
+
+#![allow(missing_docs, clippy::print_stdout, reason = "a program that talks")]
+
+#[path = "../tests/common/scenes.rs"]
+#[allow(dead_code, reason = "the golden pictures use the rest")]
+mod scenes;
+
+use fearless_simd::{Level, Simd, f32x8, f32x16, prelude::*};
+use std::cell::Cell;
+use std::hint::black_box;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::time::Instant;
+use taotie::film::{Development, ToneCurve};
+use taotie::math::{Lane, Vec3, poly};
+use taotie::mesh::Mesh;
+use taotie::raster::PerspectiveTriangle;
+use taotie::render::{Lighting, RenderSettings, Renderer};
+use taotie::scene::{Falloff, Light, LightKind, NormalSpace};
+use taotie::shade::dfg::Dfg;
+use taotie::shade::{Angles, Hidden, Shading, Substance, bend, compensation, lights, reflect};
+use taotie::surface::tangent_normal;
+
+/// Texels across each map.
+const TEXTURE_SIZE: usize = 2048;
+/// Pixels of the timed kernel: few enough for the nearest cache.
+const PIXELS: usize = 64;
+/// Numbers of a pixel that come from elsewhere.
+const INPUTS: usize = 12;
+/// Runs of each measurement; the fastest counts.
+const RUNS: usize = 40;
+
+/// What one triangle gives all its pixels.
+struct Constants<L> {
+    planes: [[L; 3]; 3],
+    /// Positions, normals, tangents: the first corner's, and how far the others are.
+    corners: [[Vec3<L>; 3]; 3],
+    uvs: [[L; 3]; 2],
+    texels: [L; 16],
+}
+
+/// The formulas of a pixel. `at` holds its place and numbers that stand for what tables give.
+#[inline(always)]
+fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
+    let [x, y, ..] = at;
+    let (zero, one) = (x.lit(0.0), x.lit(1.0));
+    let bary = PerspectiveTriangle { planes: constants.planes }.at(x, y);
+    let mix = |[a, b, c]: [Vec3<L>; 3], w: [L; 3]| a + b * w[1] + c * w[2];
+    let change = |[_, b, c]: [Vec3<L>; 3], w: [L; 3]| b * w[1] + c * w[2];
+    let [positions, normals, tangents] = constants.corners;
+    let (position, normal) = (mix(positions, bary.weights), mix(normals, bary.weights));
+    let tangent = mix(tangents, bary.weights);
+    let hidden_bend = bend(change(normals, bary.d_x), change(normals, bary.d_y));
+    let facet = positions[1].cross(positions[2]).normalize_or(normal);
+    let v = (Vec3::new(zero, zero, x.lit(3.0)) - position).normalize_or(facet);
+
+    // The level of detail, and the places in two levels.
+    let uv = constants.uvs.map(|[a, b, c]| a + b * bary.weights[1] + c * bary.weights[2]);
+    let size = x.lit(TEXTURE_SIZE as f64);
+    let [du_dx, dv_dx] = constants.uvs.map(|[_, b, c]| (b * bary.d_x[1] + c * bary.d_x[2]) * size);
+    let [du_dy, dv_dy] = constants.uvs.map(|[_, b, c]| (b * bary.d_y[1] + c * bary.d_y[2]) * size);
+    let texels = (du_dx.squared() + dv_dx.squared()).max(du_dy.squared() + dv_dy.squared());
+    let lod = poly::log2(texels.clamp(1e-30, 1e30)) * x.lit(0.5);
+    let kept = lod.clamp(0.0, 11.0);
+    let share = kept - kept.floor();
+    let mut color = Vec3::splat(zero);
+    let mut stored = [zero; 4];
+    for level in 0..2 {
+        let size = size * x.lit(if level == 0 { 1.0 } else { 0.5 });
+        let [across, down] = uv.map(|u| {
+            let place = (u - u.floor()) * size - x.lit(0.5);
+            // The index takes as much again.
+            let first = place.floor();
+            (place - first) + (first.max(zero).min(size) - first) * zero
+        });
+        let codes = &constants.texels[8 * level..8 * level + 8];
+        let between = |a: L, b: L, c: L, d: L| {
+            let (top, bottom) = (a + (b - a) * across, c + (d - c) * across);
+            top + (bottom - top) * down
+        };
+        let colors = [0, 1, 2].map(|channel| {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|i| linear(codes[i] + at[2 + channel]));
+            between(a, b, c, d)
+        });
+        let vectors = [0, 1, 2, 3].map(|channel| {
+            let [a, b, c, d] = [4, 5, 6, 7].map(|i| codes[i] + at[5 + channel]);
+            between(a, b, c, d) * x.lit(1.0 / 255.0)
+        });
+        let blend = |a: L, b: L| if level == 0 { b } else { a + (b - a) * share };
+        let [r, g, b] = colors;
+        color = Vec3::new(blend(color.x, r), blend(color.y, g), blend(color.z, b));
+        for (stored, vector) in stored.iter_mut().zip(vectors) {
+            *stored = blend(*stored, vector);
+        }
+    }
+
+    let [sx, sy, sz, relief] = stored;
+    let map = Vec3::new(sx + sx - one, sy + sy - one, sz + sz - one);
+    let n = tangent_normal(normal, tangent, one, map);
+    let roughness = Hidden { bend: hidden_bend, relief }.widened(x.lit(0.5));
+    let dfg = Dfg { scale: at[9], bias: at[10], edge: zero, diffuse_edge: zero };
+    let substance = Substance {
+        base_color: color,
+        metallic: one,
+        roughness,
+        f0: color,
+        f90: one,
+        f82_drop: Vec3::splat(zero),
+        diffuse: Vec3::splat(zero),
+        specular: Vec3::splat(one),
+        shininess: one,
+        slope: roughness.squared(),
+        compensation: Some(compensation(&dfg, color, one, Vec3::splat(zero))),
+    };
+    let to_light = Vec3::new(one, one, one) - position;
+    let squared = to_light.dot(to_light).max(x.lit(1e-12));
+    let l = to_light * (one / squared.sqrt());
+    let reflected = reflect(Shading::CookTorrance, &substance, &Angles::new(n, v, l));
+    let radiance = reflected * lights::inverse_square(squared) + color * x.lit(0.04);
+    // The film: within [0, 1], and a place in the table of codes.
+    let code = |light: L| light.clamp(0.0, 1.0) * x.lit(4096.0);
+    Vec3::new(code(radiance.x), code(radiance.y), code(radiance.z))
+}
+
+/// A polynomial of as many terms as the renderer's.
+#[inline(always)]
+fn linear<L: Lane>(code: L) -> L {
+    let mut sum = code * code.lit(-2.96e-16) + code.lit(2.845e-13);
+    for term in [-1.241e-10, 4.61e-8, 7.686e-6, 1.347e-4, 8.766e-4] {
+        sum = sum * code + code.lit(term);
+    }
+    L::select(code.lt(code.lit(10.5)), code * code.lit(3.035e-4), sum)
+}
+
+fn constants<L: Lane>(lift: impl Fn(f32) -> L) -> Constants<L> {
+    let number = |i: usize| lift(0.1 + 0.07 * (i % 11) as f32);
+    let vector = |i: usize| Vec3::new(number(i), number(i + 3), number(i + 5));
+    let plane = |a: f32, b: f32, c: f32| [lift(a), lift(b), lift(c)];
+    Constants {
+        planes: [plane(0.3, 0.001, 0.002), plane(0.4, -0.003, 0.001), plane(0.5, 0.002, -0.003)],
+        corners: [0, 1, 2].map(|k| [vector(k), vector(k + 1), vector(k + 4)]),
+        uvs: [0, 1].map(|k| [number(k), number(k + 2), number(k + 7)]),
+        texels: std::array::from_fn(|i| lift(20.0 + 13.0 * i as f32)),
+    }
+}
+
+/// Places of pixels, and numbers for the rest.
+fn inputs() -> Vec<[f32; PIXELS]> {
+    (0..INPUTS)
+        .map(|k| std::array::from_fn(|i| if k < 2 { i as f32 } else { ((i * (k + 3)) % 17) as f32 / 17.0 }))
+        .collect()
+}
+
+macro_rules! kernel {
+    ($name:ident, $pack:ident, $lanes:literal) => {
+        /// Draws all pixels once.
+        #[inline(always)]
+        fn $name<S: Simd>(simd: S, inputs: &[[f32; PIXELS]], out: &mut [[f32; PIXELS]; 3]) {
+            let constants = constants(|value| $pack::splat(simd, value));
+            for i in (0..PIXELS).step_by($lanes) {
+                let mut at = [$pack::splat(simd, 0.0); INPUTS];
+                for (at, input) in at.iter_mut().zip(inputs) {
+                    *at = $pack::from_slice(simd, &input[i..i + $lanes]);
+                }
+                let Vec3 { x, y, z } = pixel(at, &constants);
+                for (out, value) in out.iter_mut().zip([x, y, z]) {
+                    value.store_slice(&mut out[i..i + $lanes]);
+                }
+            }
+        }
+    };
+}
+
+kernel!(draw_eights, f32x8, 8);
+kernel!(draw_sixteens, f32x16, 16);
+
+/// Nanoseconds a pixel of the formulas alone.
+fn arithmetic() -> f64 {
+    const TIMES: usize = 2000;
+    let (inputs, mut out) = (inputs(), [[0.0; PIXELS]; 3]);
+    let mut draw = || match Level::new() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(simd) => simd.vectorize(
+            #[inline(always)]
+            || draw_sixteens(simd, black_box(&inputs), &mut out),
+        ),
+        level => fearless_simd::dispatch!(level, simd => draw_eights(simd, black_box(&inputs), &mut out)),
+    };
+    fastest(TIMES * PIXELS, || (0..TIMES).for_each(|_| draw()))
+}
+
+/// Nanoseconds a pixel of loading the texels around it: in each of two maps two neighbours in two rows of two levels.
+fn texels(side: usize) -> f64 {
+    let map = |size: usize| -> Vec<[u8; 4]> { (0..size * size).map(|i| (i as u32).to_le_bytes()).collect() };
+    let maps = [map(TEXTURE_SIZE), map(TEXTURE_SIZE / 2), map(TEXTURE_SIZE), map(TEXTURE_SIZE / 2)];
+    fastest(side * side, || {
+        let mut sum = 0u64;
+        for tile in 0..(side / 64) * (side / 64) {
+            let (left, top) = (tile % (side / 64) * 64, tile / (side / 64) * 64);
+            for map in &maps {
+                let size =
+                    if map.len() == TEXTURE_SIZE * TEXTURE_SIZE { TEXTURE_SIZE } else { TEXTURE_SIZE / 2 };
+                for y in top..top + 64 {
+                    for x in left..left + 64 {
+                        let first = (y * size / side) * size + x * size / side;
+                        sum = sum.wrapping_add(pair(map, first)).wrapping_add(pair(map, first + size));
+                    }
+                }
+            }
+        }
+        black_box(sum);
+    })
+}
+
+#[inline(always)]
+fn pair(map: &[[u8; 4]], first: usize) -> u64 {
+    match map.get(first..first + 2) {
+        Some([[a, b, c, d], [e, f, g, h]]) => u64::from_le_bytes([*a, *b, *c, *d, *e, *f, *g, *h]),
+        _ => 0,
+    }
+}
+
+fn lamp() -> Light {
+    let mut lamp = scenes::directional(Vec3::new(0.0, -1.0, 0.0), 20.0);
+    (lamp.kind, lamp.falloff) =
+        (LightKind::Point { position: Vec3::new(2.0, 3.0, 2.0) }, Falloff::InverseSquare);
+    lamp
+}
+
+/// Nanoseconds a shaded pixel of a whole frame on one thread, and how many pixels are shaded.
+fn frame(side: u32) -> (f64, usize) {
+    let size = TEXTURE_SIZE as u32;
+    let mut scene = scenes::embossed_sphere_with(NormalSpace::Tangent, size, size);
+    scene.meshes = vec![Mesh::sphere(1.0, 32, 32)];
+    let material = &mut scene.materials[0];
+    (material.metallic_roughness_texture, material.occlusion_texture, material.roughness) = (None, None, 0.5);
+    let lighting = Lighting { lights: vec![lamp()], ambient: Vec3::splat(0.04), environment: None };
+    let shading = Shading::CookTorrance;
+    let settings =
+        RenderSettings { width: side, height: side, samples: 1, shading, ..RenderSettings::default() };
+    let mut renderer = Renderer::new(&scene, &settings.surface).expect("the scene is sound");
+    let development = Development { tone: ToneCurve::Linear, ..Development::default() };
+    let (camera, mut codes) = (scenes::camera(25.0, 20.0, 3.29), Vec::new());
+    let mut draw = || {
+        let seen = (&camera, &lighting);
+        renderer.develop(seen, &settings, &development, &mut codes, &|_| {}).expect("the settings are sound");
+        codes.iter().filter(|code| code[3] > 0).count()
+    };
+    let shaded = draw();
+    let time = fastest(shaded, || {
+        black_box(draw());
+    });
+    (time, shaded)
+}
+
+/// Nanoseconds of a run over its `count` pixels.
+fn fastest(count: usize, mut run: impl FnMut()) -> f64 {
+    let times = (0..RUNS).map(|_| {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64() * 1e9 / count as f64
+    });
+    times.fold(f64::INFINITY, f64::min)
+}
+
+thread_local! {
+    /// Additions and multiplications, divisions and roots, and all else.
+    static COUNTS: Cell<[u64; 3]> = const { Cell::new([0; 3]) };
+}
+
+fn count(kind: usize) {
+    COUNTS.with(|counts| {
+        let mut now = counts.get();
+        now[kind] += 1;
+        counts.set(now);
+    });
+}
+
+/// A number that counts what is done with it.
+#[derive(Debug, Clone, Copy)]
+struct Counted(f32);
+
+macro_rules! counted {
+    ($trait:ident, $method:ident, $kind:literal) => {
+        impl $trait for Counted {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                count($kind);
+                Self(self.0.$method(other.0))
+            }
+        }
+    };
+}
+
+counted!(Add, add, 0);
+counted!(Sub, sub, 0);
+counted!(Mul, mul, 0);
+counted!(Div, div, 1);
+
+impl Neg for Counted {
+    type Output = Self;
+    fn neg(self) -> Self {
+        count(2);
+        Self(-self.0)
+    }
+}
+
+impl Lane for Counted {
+    type Mask = bool;
+    fn lit(self, value: f64) -> Self {
+        Self(value as f32)
+    }
+    fn sqrt(self) -> Self {
+        count(1);
+        Self(self.0.sqrt())
+    }
+    fn abs(self) -> Self {
+        count(2);
+        Self(self.0.abs())
+    }
+    fn floor(self) -> Self {
+        count(2);
+        Self(self.0.floor())
+    }
+    fn lt(self, other: Self) -> bool {
+        count(2);
+        self.0 < other.0
+    }
+    fn le(self, other: Self) -> bool {
+        count(2);
+        self.0 <= other.0
+    }
+    fn select(mask: bool, if_true: Self, if_false: Self) -> Self {
+        count(2);
+        if mask { if_true } else { if_false }
+    }
+    fn ldexp(self, n: Self) -> Self {
+        count(2);
+        Self(self.0.ldexp(n.0))
+    }
+    fn frexp(self) -> (Self, Self) {
+        count(2);
+        let (mantissa, exponent) = self.0.frexp();
+        (Self(mantissa), Self(exponent))
+    }
+    fn min(self, other: Self) -> Self {
+        count(2);
+        Self(Lane::min(self.0, other.0))
+    }
+    fn max(self, other: Self) -> Self {
+        count(2);
+        Self(Lane::max(self.0, other.0))
+    }
+}
+
+fn counts() -> [u64; 3] {
+    let at = std::array::from_fn(|i| Counted(0.2 + 0.05 * i as f32));
+    let constants = constants(Counted);
+    COUNTS.set([0; 3]);
+    black_box(pixel(at, &constants));
+    COUNTS.get()
+}
+
+fn main() {
+    const SIDE: u32 = 1024;
+    let [sums, divisions, others] = counts();
+    let (arithmetic, texels) = (arithmetic(), texels(SIDE as usize));
+    let (frame, shaded) = frame(SIDE);
+    let floor = arithmetic.max(texels);
+    println!(
+        "one pixel of `cook-torrance`: {sums} additions and multiplications, {divisions} divisions and roots,"
+    );
+    println!("{others} comparisons, choices and roundings; 16 texels, loaded as 8 pairs");
+    println!("{:<44}{arithmetic:>8.2} ns", "arithmetic");
+    println!("{:<44}{texels:>8.2} ns", "texels");
+    println!("{:<44}{floor:>8.2} ns", "floor, if all overlaps");
+    println!("{:<44}{:>8.2} ns", "floor, if nothing overlaps", arithmetic + texels);
+    println!(
+        "{:<44}{frame:>8.2} ns, {:.1} and {:.1} times the floors",
+        format!("a frame of {shaded} shaded pixels"),
+        frame / floor,
+        frame / (arithmetic + texels)
+    );
+}
