@@ -23,9 +23,9 @@ impl CornerColumns {
         numbers: [[f32; N]; 3],
     ) {
         for i in (run.start..run.end).step_by(P::LANES) {
-            for corner in 0..3 {
-                for n in 0..N {
-                    P::splat(token, numbers[corner][n]).store(&mut self.0[corner][n][i..]);
+            for (columns, numbers) in self.0.iter_mut().zip(&numbers) {
+                for (column, number) in columns.iter_mut().zip(numbers) {
+                    P::splat(token, *number).store(&mut column[i..]);
                 }
             }
         }
