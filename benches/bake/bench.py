@@ -1,27 +1,26 @@
 """Bakes the same jobs by Taotie and by Blender in turn, and writes what it took: `make bench-bake`."""
 
-import argparse
 import json
 import os
 import statistics
 import sys
 
+import command
 import files
 import jobs
 import machine
 import measure
 import page
 import section
+from command import say
 
 TARGET = "bench-bake"
-ROOT = os.path.dirname(os.path.dirname(jobs.HERE))
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--taotie", default=os.path.join(ROOT, "target/release/taotie"), help="the program to time")
-    parser.add_argument("--folder", default=os.path.join(ROOT, "target/bench-bake"), help="for scans and maps")
-    parser.add_argument("--page", default=os.path.join(ROOT, "docs/benchmarks.md"), help="whose section is written")
+    parser = command.parser(__doc__, TARGET)
+    taotie = os.path.join(command.PROGRAMS, "taotie")
+    parser.add_argument("--taotie", default=taotie, help="the program to time")
     parser.add_argument("--rounds", type=int, help="of every job; without it 3 for scans of 1 M, 1 for larger ones")
     parser.add_argument("--quick", action="store_true", help="the jobs at 1 M once; prints and leaves the page alone")
     args = parser.parse_args()
@@ -30,10 +29,6 @@ def arguments():
     if not os.access(args.taotie, os.X_OK):
         parser.error(f"{args.taotie} is no program; build it by `cargo build --release -p taotie-cli` or name another")
     return args
-
-
-def say(text):
-    print(text, file=sys.stderr, flush=True)
 
 
 def script(name, *rest):
@@ -133,7 +128,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except (measure.Failed, page.Unmarked, OSError) as error:
-        sys.exit(str(error))
+    command.run(main)

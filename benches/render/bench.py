@@ -1,6 +1,5 @@
 """Pictures of one scene by Taotie and by other renderers in turn, and what they took: `make bench-render`."""
 
-import argparse
 import json
 import os
 import shutil
@@ -8,15 +7,16 @@ import statistics
 import sys
 
 import cases
+import command
 import machine
 import measure
 import page
 import section
 import talk
 from cold import Cold
+from command import say
 
 TARGET = "bench-render"
-ROOT = os.path.dirname(os.path.dirname(cases.HERE))
 # Mesa by the processor even where there is a GPU.
 SOFTWARE = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
 # What a participant's turn takes in a round, milliseconds, as far as at least one frame allows.
@@ -26,16 +26,16 @@ TOO_LONG = 2000
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", default=os.path.join(ROOT, "target/release"), help="where taotie and frames are")
-    parser.add_argument("--folder", default=os.path.join(ROOT, "target/bench-render"), help="for scene and pictures")
-    parser.add_argument("--page", default=os.path.join(ROOT, "docs/benchmarks.md"), help="whose section is written")
+    parser = command.parser(__doc__, TARGET)
+    parser.add_argument("--programs", default=command.PROGRAMS, help="where taotie and frames are")
     parser.add_argument("--rounds", type=int, default=3, help="turns of each participant in each case")
     parser.add_argument("--cold-rounds", type=int, default=2, help="whole processes of each kind; 0 for none")
     parser.add_argument(
         "--quick", action="store_true", help="Taotie and llvmpipe at 1024², warm; the page is left alone"
     )
-    parser.add_argument("--only", action="append", metavar="PEER", help="these peers alone; the page is left alone")
+    parser.add_argument(
+        "--only", action="append", metavar="PEER", help="these peers alone, or `none`; the page is left alone"
+    )
     parser.add_argument("--mesh", action="append", choices=cases.MESHES, help="these alone; the page is left alone")
     parser.add_argument("--shading", action="append", choices=cases.SHADINGS, help="likewise")
     parser.add_argument("--plain", action="store_true", help="also Taotie without what peers do not do")
@@ -47,10 +47,6 @@ def arguments():
     if not os.access(os.path.join(args.programs, "taotie"), os.X_OK):
         parser.error(f"{args.programs} holds no taotie; `make bench-render` builds it")
     return args
-
-
-def say(text):
-    print(text, file=sys.stderr, flush=True)
 
 
 def participants(args):
@@ -178,7 +174,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except (measure.Failed, page.Unmarked, OSError) as error:
-        sys.exit(str(error))
+    command.run(main)

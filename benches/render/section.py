@@ -13,7 +13,8 @@ def text(machine, run, differences):
     for size in cases.SIZES:
         for shading in cases.SHADINGS:
             lines += warm(run, shading, size)
-    lines += [wrapped(apart(differences)), "", *cold(run), *memory(run)]
+    lines += [wrapped(apart(differences)), ""] if differences else []
+    lines += [*cold(run), *memory(run)]
     lines += [wrapped(notes(run)), ""] if notes(run) else []
     return "\n".join([*lines, "The commands:", "", "```sh", *COMMANDS, "```"])
 
@@ -95,13 +96,13 @@ def floor(mesh, shading):
 
 
 def apart(differences):
-    """A sentence on the pictures."""
+    """A sentence on the pictures of Taotie and llvmpipe, of which there is at least one pair."""
     most = {}
     for case, difference in differences.items():
         shading = next(shading for shading in cases.SHADINGS if shading in case)
         most[shading] = max(most.get(shading, 0), difference["mean"])
     told = " and ".join(f"{mean:.1f} for `{shading}`" for shading, mean in most.items())
-    covered = max((difference["coverage"] for difference in differences.values()), default=0)
+    covered = max(difference["coverage"] for difference in differences.values())
     return (
         f"The vessel fills up to {covered:.0%} of the picture. Taotie's and llvmpipe's pictures differ over it by at "
         f"most this many codes of 8 bits on average: {told}; Taotie takes more care of occlusion, of energy and of "

@@ -1,11 +1,11 @@
 """What a frame of Taotie takes along axes of triangles, pixels, lights, textures and threads: `make bench-scaling`."""
 
-import argparse
 import os
 import shutil
 import sys
 
 import axes
+import command
 import machine
 import measure
 import measured
@@ -13,11 +13,11 @@ import page
 import results
 import section
 import talk
+from command import say
 from results import Record
 
 TARGET = "bench-scaling"
 HERE = os.path.dirname(os.path.abspath(__file__))
-ROOT = os.path.dirname(os.path.dirname(HERE))
 # What a case's turn takes in a round, milliseconds, as far as at least one frame allows; and the most frames.
 TURN, MOST_FRAMES = 500, 15
 # What takes longer than this for a frame has one turn after its first frame, milliseconds.
@@ -29,10 +29,8 @@ LARGEST_PICTURE = 2048
 
 
 def arguments():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", default=os.path.join(ROOT, "target/release"), help="where taotie and frames are")
-    parser.add_argument("--folder", default=os.path.join(ROOT, "target/bench-scaling"), help="for scenes and pictures")
-    parser.add_argument("--page", default=os.path.join(ROOT, "docs/benchmarks.md"), help="whose section is written")
+    parser = command.parser(__doc__, TARGET)
+    parser.add_argument("--programs", default=command.PROGRAMS, help="where taotie and frames are")
     parser.add_argument("--rounds", type=int, default=3, help="turns of each case")
     parser.add_argument("--quick", action="store_true", help="the ends of each axis; the page is left alone")
     known = axes.axes()
@@ -44,10 +42,6 @@ def arguments():
         parser.error(f"{args.programs} holds no frames; `make bench-scaling` builds it")
     args.axes = [axis.quick() if args.quick else axis for axis in known.values() if axis.name in (args.axis or known)]
     return args
-
-
-def say(text):
-    print(text, file=sys.stderr, flush=True)
 
 
 def make(folder, chosen):
@@ -164,7 +158,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except (measure.Failed, page.Unmarked, OSError) as error:
-        sys.exit(str(error))
+    command.run(main)

@@ -12,6 +12,7 @@ import files
 import maps
 import shape
 import surroundings
+from command import say
 from measured import GRIDS, SHADINGS
 from staging import attributes, camera_and_lights, material
 
@@ -69,10 +70,6 @@ PARTS = {"environment": environment, "mesh": mesh, "maps": maps_of, "scene": sce
 def write(path, data):
     with files.written(path) as file:
         file.write(data)
-
-
-def say(text):
-    print(text, file=sys.stderr, flush=True)
 
 
 def main(folder, parts):
