@@ -142,8 +142,8 @@ ABOUT_COLD = (
 
 ABOUT_MEMORY = (
     "Peak memory of the processes that show frames of 1024×1024, loading included; Taotie, llvmpipe and lavapipe read "
-    "the filtered environment from a file. The last row is what has to be there: the decoded maps without smaller levels, the arrays of the mesh, 40 bytes a pixel; in brackets how many "
-    "times that Taotie takes."
+    "the filtered environment from a file. The last row is what has to be there: the decoded maps without smaller "
+    "levels, the arrays of the mesh, 40 bytes a pixel; in brackets how many times that Taotie takes."
 )
 
 COMMANDS = (
