@@ -42,6 +42,11 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().filter_map(io_error).any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }
 
+/// Whether the user asked to stop.
+pub fn is_cancelled(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| matches!(cause.downcast_ref(), Some(taotie::Error::Cancelled)))
+}
+
 fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::Error> {
     match error.downcast_ref() {
         Some(taotie::Error::Io { cause, .. }) => Some(cause),
@@ -50,7 +55,7 @@ fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::
 }
 
 /// A bar that appears on a terminal once the work has taken a second.
-pub struct Progress {
+pub struct Bar {
     title: String,
     start: Instant,
     bar: OnceLock<ProgressBar>,
@@ -59,7 +64,7 @@ pub struct Progress {
 /// The bar's length: progress comes in thousandths.
 const STEPS: u64 = 1000;
 
-impl Progress {
+impl Bar {
     /// A bar that is not yet shown.
     pub fn new(title: impl Into<String>) -> Self {
         Self { title: title.into(), start: Instant::now(), bar: OnceLock::new() }
@@ -82,7 +87,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for Bar {
     fn drop(&mut self) {
         if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();

@@ -90,8 +90,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(Outcome::Fine) => ExitCode::SUCCESS,
         Ok(Outcome::Different) => ExitCode::from(1),
         Err(error) if console::is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) if error.is::<bake::Interrupted>() => {
-            console::say(&format!("taotie: {error}"));
+        Err(error) if console::is_cancelled(&error) => {
+            console::say("taotie: interrupted; no file is left");
             ExitCode::from(130)
         }
         Err(error) => {

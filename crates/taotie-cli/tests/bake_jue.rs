@@ -1,5 +1,6 @@
 //! The bronze jue at a million triangles, made light and baked: its relief is found again.
 
+use taotie::Progress;
 use taotie::bake::{
     BakeSettings, Cage, Scan, SimplifyOptions, Storage, UnwrapOptions, Verifier, bake, simplify,
     store_unit_vectors, unwrap,
@@ -31,13 +32,13 @@ fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     assert!(truth.triangles().len() > 1_000_000, "{}", truth.triangles().len());
     let scanned = scan(truth);
     let options = SimplifyOptions { triangles: 2000, ..SimplifyOptions::default() };
-    let low = simplify(scanned.mesh(), &options, &|_| true).unwrap().unwrap();
+    let low = simplify(scanned.mesh(), &options, Progress::SILENT).unwrap();
     assert!(low.reached, "{:?}", low.means);
-    let low = unwrap(&low.mesh, &UnwrapOptions { size: SIZE, padding: 4 }, &|_| true).unwrap().unwrap().mesh;
+    let low = unwrap(&low.mesh, &UnwrapOptions { size: SIZE, padding: 4 }, Progress::SILENT).unwrap().mesh;
     let low = with_frames(&low, 0, None).unwrap().0.into_owned();
     let cage = Cage::automatic(&low, &scanned);
     let settings = BakeSettings { size: [SIZE; 2], side: 1, ..BakeSettings::default() };
-    let baked = bake(&low, &cage, &scanned, &settings, &|_| true).unwrap().unwrap();
+    let baked = bake(&low, &cage, &scanned, &settings, Progress::SILENT).unwrap();
     let storage = Storage { bits: 8, dither: true };
     let bitmap = store_unit_vectors(baked.planes.size(), &baked.planes.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);

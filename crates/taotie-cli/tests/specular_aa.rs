@@ -1,6 +1,7 @@
 //! Relief finer than a pixel does not sparkle: a turntable of the demo's vessel, polished, against 64 samples a pixel.
 #![allow(clippy::print_stdout, reason = "tests say what they found")]
 
+use taotie::Progress;
 use taotie::film::{Development, develop8, develop16};
 use taotie::image::{Bitmap, Encoding, Image, Texels, Texture};
 use taotie::math::{Mat4, Vec3};
@@ -72,7 +73,7 @@ fn take(scene: &Scene, side: u32, samples: u32, specular_aa: bool) -> Vec<Image>
     let picture = |i: usize| {
         let scene = turned(scene, i as f64 * STEP);
         let prepared = Prepared::new(&scene, &settings.surface).unwrap();
-        Pass::new(&prepared, &camera, &lamp(), &settings).unwrap().render(&|_| {}).unwrap().color
+        Pass::new(&prepared, &camera, &lamp(), &settings).unwrap().render(Progress::SILENT).unwrap().color
     };
     (0..PICTURES).map(picture).collect()
 }

@@ -17,6 +17,7 @@ use std::cell::Cell;
 use std::hint::black_box;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::time::Instant;
+use taotie::Progress;
 use taotie::film::{Development, ToneCurve};
 use taotie::math::{Lane, Vec3, poly};
 use taotie::mesh::Mesh;
@@ -274,7 +275,8 @@ impl<'a> Studio<'a> {
     fn draw(&mut self) -> usize {
         let development = Development { tone: ToneCurve::Linear, ..Development::default() };
         let seen = (&self.camera, &self.lighting);
-        let drawn = self.renderer.develop(seen, &self.settings, &development, &mut self.codes, &|_| {});
+        let drawn =
+            self.renderer.develop(seen, &self.settings, &development, &mut self.codes, Progress::SILENT);
         drawn.expect("the settings are sound");
         self.codes.iter().filter(|code| code[3] > 0).count()
     }

@@ -14,6 +14,7 @@ use criterion::{
 };
 use std::hint::black_box;
 use std::time::{Duration, Instant};
+use taotie::Progress;
 use taotie::film::{Development, develop8};
 use taotie::math::Vec3;
 use taotie::raster::{Tile, TilePlane};
@@ -82,7 +83,7 @@ fn sphere(criterion: &mut Criterion, name: &str, columns: usize, rows: usize) {
     let prepared = Prepared::new(&scene, &settings.surface).expect("the scene is sound");
     let (camera, lighting) = (camera(), lighting());
     let new_pass = || Pass::new(&prepared, &camera, &lighting, &settings).expect("the settings are sound");
-    let frame = || new_pass().render(&|_| {}).expect("the picture fits");
+    let frame = || new_pass().render(Progress::SILENT).expect("the picture fits");
 
     let pass = new_pass();
     let covered = stages(&pass).fragments as f64 / f64::from(settings.width * settings.height);

@@ -16,6 +16,7 @@ use std::io::BufRead;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
+use taotie::Progress;
 use taotie::film::{Development, ToneCurve};
 use taotie::image::Encoding;
 use taotie::io::{self, PngColor, PngImage, PngSamples};
@@ -217,7 +218,13 @@ impl Studio<'_> {
             ..Development::default()
         };
         let lighting = self.turned_lighting(-angle);
-        self.renderer.develop((&camera, &lighting), &self.settings, &development, &mut self.codes, &|_| {})
+        self.renderer.develop(
+            (&camera, &lighting),
+            &self.settings,
+            &development,
+            &mut self.codes,
+            Progress::SILENT,
+        )
     }
 
     fn turned_lighting(&self, angle: f64) -> Lighting {

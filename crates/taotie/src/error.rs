@@ -54,6 +54,9 @@ pub enum Error {
         /// The limit, and what to do.
         why: String,
     },
+    /// The caller wanted the work to stop: see [`crate::progress::Progress`]. Nothing is half done.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 impl Error {

@@ -6,7 +6,7 @@
 //! L3   render          bake           io
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
-//! L0   math         error  names
+//! L0   math         error  names  progress
 //! ```
 //!
 //! `raster` and `trace` find *hits*, never colours; `shade` turns numbers into numbers and never sees a scene;
@@ -39,6 +39,7 @@ pub mod io;
 pub mod math;
 pub mod mesh;
 pub mod names;
+pub mod progress;
 pub mod raster;
 pub mod render;
 pub mod scene;
@@ -47,3 +48,4 @@ pub mod surface;
 pub mod trace;
 
 pub use error::{Error, Result, Warnings};
+pub use progress::Progress;

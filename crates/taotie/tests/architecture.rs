@@ -11,10 +11,11 @@ use std::path::{Path, PathBuf};
 
 /// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
 /// never see each other, so nobody at all sees `io` or `render`.
-const LAYERS: [(&str, u32); 15] = [
+const LAYERS: [(&str, u32); 16] = [
     // Everybody's ground: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
+    ("progress", 1),
     ("math", 2),
     ("image", 3),
     ("mesh", 3),
@@ -31,7 +32,8 @@ const LAYERS: [(&str, u32); 15] = [
 ];
 
 /// The names that the crate's root gives again, and the module that they come from.
-const RENAMED: [(&str, &str); 3] = [("Error", "error"), ("Result", "error"), ("Warnings", "error")];
+const RENAMED: [(&str, &str); 4] =
+    [("Error", "error"), ("Result", "error"), ("Warnings", "error"), ("Progress", "progress")];
 
 /// Parts of `std` that meet the system, and who may use them.
 const SYSTEM: [(&str, &[&str]); 6] = [

@@ -15,10 +15,11 @@ use taotie::bake::{Means, Simplified, SimplifyOptions, simplify};
 use taotie::io::load_model;
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
+use taotie::{Error, Progress};
 
 fn to(mesh: &Mesh, triangles: usize) -> Simplified {
     let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };
-    simplify(mesh, &options, &|_| true).unwrap().expect("nobody stops it")
+    simplify(mesh, &options, Progress::SILENT).unwrap()
 }
 
 fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
@@ -104,8 +105,9 @@ fn few_triangles_are_kept_and_nothing_is_refused() {
     let light = to(&ball, 5_000);
     assert_eq!((light.means, light.reached, light.error), (Means::Kept, true, 0.0));
     assert_eq!(light.mesh.triangles().len(), ball.triangles().len());
-    let refused =
-        |mesh: &Mesh, options: SimplifyOptions| simplify(mesh, &options, &|_| true).unwrap_err().to_string();
+    let refused = |mesh: &Mesh, options: SimplifyOptions| {
+        simplify(mesh, &options, Progress::SILENT).unwrap_err().to_string()
+    };
     let standard = SimplifyOptions::default();
     assert!(refused(&ball, SimplifyOptions { triangles: 0, ..standard }).contains("0 triangles"));
     assert!(
@@ -122,14 +124,16 @@ fn it_can_be_stopped_and_says_how_far_it_is() {
     let ball = hostile::embossed_ball(700_000);
     let options = SimplifyOptions { triangles: 1_000, ..SimplifyOptions::default() };
     for limit in [0.05, 0.3, 0.65, 0.99] {
-        assert!(simplify(&ball, &options, &|done| done < limit).unwrap().is_none(), "{limit}");
+        let until = |_: &str, done: f64| done < limit;
+        let stopped = simplify(&ball, &options, Progress::new(&until));
+        assert!(matches!(stopped, Err(Error::Cancelled)), "{limit}");
     }
     let told = std::sync::Mutex::new(Vec::new());
-    let tell = |done: f64| {
+    let tell = |_: &str, done: f64| {
         told.lock().unwrap().push(done);
         true
     };
-    assert!(simplify(&ball, &options, &tell).unwrap().is_some());
+    simplify(&ball, &options, Progress::new(&tell)).unwrap();
     let told = told.into_inner().unwrap();
     assert!(told.len() >= 5 && told.iter().all(|done| (0.0..=1.0).contains(done)), "{told:?}");
     assert_eq!(told.last(), Some(&1.0));
@@ -142,11 +146,10 @@ fn hostile_surfaces_end_near_the_number_or_say_so() {
         for wanted in [before / 2, before / 10, 1] {
             let wanted = wanted.max(1);
             let Ok(light) =
-                simplify(&mesh, &SimplifyOptions { triangles: wanted, normal_weight: 0.1 }, &|_| true)
+                simplify(&mesh, &SimplifyOptions { triangles: wanted, normal_weight: 0.1 }, Progress::SILENT)
             else {
                 continue;
             };
-            let light = light.expect("nobody stops it");
             let found = light.mesh.triangles().len();
             println!("{name}: {before} to {wanted}: {found}, {:?}, {:?}", light.means, light.notes);
             assert!(found <= before);
@@ -162,7 +165,7 @@ fn normals_as_attributes_draw_triangles_to_creases() {
     // A flat sheet with one gentle fold: with normals the fold keeps its vertices.
     let folded = hostile::sheet(60, 60, |u, v| Vec3::new(u, v, 0.02 * (u - 0.5).abs()));
     let options = SimplifyOptions { triangles: 60, normal_weight: 1.0 };
-    let light = simplify(&folded, &options, &|_| true).unwrap().unwrap();
+    let light = simplify(&folded, &options, Progress::SILENT).unwrap();
     let [_, most] = deviation(&folded, &light.mesh, 1);
     assert!(most < 1e-6, "{most}");
 }

@@ -16,9 +16,10 @@ use taotie::io::load_model;
 use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{Instance, Scene};
+use taotie::{Error, Progress};
 
 fn unwrapped(mesh: &Mesh, size: u32, padding: u32) -> Unwrapped {
-    unwrap(mesh, &UnwrapOptions { size, padding }, &|_| true).unwrap().expect("nobody stops it")
+    unwrap(mesh, &UnwrapOptions { size, padding }, Progress::SILENT).unwrap()
 }
 
 fn coverage(mesh: &Mesh, size: u32) -> Coverage {
@@ -161,9 +162,8 @@ fn hostile_meshes_end() {
     for (name, mesh) in hostile::all() {
         let start = Instant::now();
         let options = UnwrapOptions { size: 1024, padding: 2 };
-        match unwrap(&mesh, &options, &|_| true) {
+        match unwrap(&mesh, &options, Progress::SILENT) {
             Ok(result) => {
-                let result = result.expect("nobody stops it");
                 println!(
                     "{name}: {} charts, {:.2}, {:?}",
                     result.charts,
@@ -184,7 +184,7 @@ fn hostile_meshes_end() {
 #[test]
 fn what_cannot_be_is_refused() {
     let refused = |mesh: &Mesh, size, padding| {
-        unwrap(mesh, &UnwrapOptions { size, padding }, &|_| true).unwrap_err().to_string()
+        unwrap(mesh, &UnwrapOptions { size, padding }, Progress::SILENT).unwrap_err().to_string()
     };
     let ball = hostile::embossed_ball(500);
     assert!(refused(&ball, 0, 0).contains("0x0"));
@@ -198,7 +198,9 @@ fn what_cannot_be_is_refused() {
 fn it_can_be_stopped() {
     let ball = hostile::embossed_ball(2_000);
     for limit in [0.05, 0.25, 0.45, 0.6, 0.99] {
-        assert!(unwrap(&ball, &UnwrapOptions::default(), &|done| done < limit).unwrap().is_none(), "{limit}");
+        let until = |_: &str, done: f64| done < limit;
+        let stopped = unwrap(&ball, &UnwrapOptions::default(), Progress::new(&until));
+        assert!(matches!(stopped, Err(Error::Cancelled)), "{limit}");
     }
 }
 
@@ -212,7 +214,7 @@ fn scans_by_others_are_unwrapped_in_time() {
         let scan = load_model(&path).unwrap().scene.meshes.swap_remove(0);
         for triangles in [2_000, 10_000] {
             let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };
-            let light = simplify(&scan, &options, &|_| true).unwrap().expect("nobody stops it").mesh;
+            let light = simplify(&scan, &options, Progress::SILENT).unwrap().mesh;
             let options = UnwrapOptions { size: 1024, padding: 3 };
             let start = Instant::now();
             let result = unwrapped(&light, options.size, options.padding);
@@ -238,7 +240,7 @@ fn levels_share_the_map_and_have_no_crack() {
     let ball = taotie::surface::with_normals(&ball).unwrap().into_owned();
     let options = UnwrapOptions { size: 1024, padding: 4 };
     let base = unwrapped(&ball, options.size, options.padding).mesh;
-    let made = levels(&base, &[30_000, 5_000, 1_000], &|_| true).unwrap().expect("nobody stops it");
+    let made = levels(&base, &[30_000, 5_000, 1_000], Progress::SILENT).unwrap();
     assert_eq!(made[0].mesh.positions(), base.positions());
     let grid = TexelGrid { width: 1024, height: 1024, uv_set: 0, margin: options.padding };
     let drawn = Coverage::new(&base, &grid).unwrap();
@@ -295,8 +297,10 @@ fn open_edges(mesh: &Mesh) -> usize {
 #[test]
 fn levels_of_what_has_no_map_are_refused() {
     let ball = hostile::embossed_ball(500);
-    let refused = |mesh: &Mesh, counts: &[usize]| levels(mesh, counts, &|_| true).unwrap_err().to_string();
+    let refused =
+        |mesh: &Mesh, counts: &[usize]| levels(mesh, counts, Progress::SILENT).unwrap_err().to_string();
     assert!(refused(&ball, &[10]).contains("unwrap it first"));
     assert!(refused(&Mesh::sphere(1.0, 9, 9), &[10, 0]).contains("0 triangles"));
-    assert!(levels(&Mesh::sphere(1.0, 9, 9), &[10], &|_| false).unwrap().is_none());
+    let stopped = levels(&Mesh::sphere(1.0, 9, 9), &[10], Progress::new(&|_, _| false));
+    assert!(matches!(stopped, Err(Error::Cancelled)));
 }

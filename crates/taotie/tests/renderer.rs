@@ -4,6 +4,7 @@
 #[allow(dead_code, reason = "the golden pictures use the rest")]
 mod scenes;
 
+use taotie::Progress;
 use taotie::film::{Development, develop8};
 use taotie::math::Vec3;
 use taotie::render::{Lighting, RenderSettings, Renderer, render};
@@ -32,14 +33,14 @@ fn what_was_taken_before_changes_no_bit() {
     for (camera, lighting, settings) in &pictures {
         let alone = render(&scene, camera, lighting, settings).unwrap();
         assert!(alone.color.pixels().iter().any(|pixel| pixel[3] > 0.0), "nothing is seen");
-        let frame = renderer.render(camera, lighting, settings, &|_| {}).unwrap();
+        let frame = renderer.render(camera, lighting, settings, Progress::SILENT).unwrap();
         assert!(frame.color.pixels() == alone.color.pixels());
         if let (Some(kept), Some(alone)) = (&frame.aovs, &alone.aovs) {
             for ((name, kept), (_, alone)) in kept.named().into_iter().zip(alone.named()) {
                 assert!(kept.pixels() == alone.pixels(), "{name}");
             }
         }
-        renderer.develop((camera, lighting), settings, &development, &mut codes, &|_| {}).unwrap();
+        renderer.develop((camera, lighting), settings, &development, &mut codes, Progress::SILENT).unwrap();
         assert!(codes == develop8(&alone.color, &development).unwrap());
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{row, squared};
 use anyhow::Result;
+use taotie::Progress;
 use taotie::image::Image;
 use taotie::math::Vec3;
 use taotie::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, reference};
@@ -43,13 +44,13 @@ fn errors(scene: &Scene) -> Result<[f64; 4]> {
     let settings = RenderSettings { width: SIDE, height: SIDE, ..RenderSettings::default() };
     let prepared = Prepared::new(scene, &settings.surface)?;
     let paths = ReferenceSettings { spp: SPP, bounces: 0, ..ReferenceSettings::default() };
-    let truth = reference(&prepared, &camera, &lighting, &settings, &paths, &|_| {})?.color;
+    let truth = reference(&prepared, &camera, &lighting, &settings, &paths, Progress::SILENT)?.color;
     let mut errors = [0.0; 4];
     for (error, (samples, specular_aa)) in
         errors.iter_mut().zip([(1, false), (1, true), (4, false), (4, true)])
     {
         let settings = RenderSettings { samples, specular_aa, ..settings.clone() };
-        let ours = Pass::new(&prepared, &camera, &lighting, &settings)?.render(&|_| {})?.color;
+        let ours = Pass::new(&prepared, &camera, &lighting, &settings)?.render(Progress::SILENT)?.color;
         *error = relative_error(&ours, &truth);
     }
     Ok(errors)

@@ -3,6 +3,7 @@
 use super::{row, squared};
 use anyhow::{Context, Result};
 use std::path::Path;
+use taotie::Progress;
 use taotie::film::{Development, develop16};
 use taotie::image::Image;
 use taotie::io::{decode_environment, read_bytes};
@@ -82,9 +83,9 @@ fn errors(sky: &Sky, roughness: f32) -> Result<(f64, f64)> {
     };
     let prepared = Prepared::new(&scene, &settings.surface)?;
     let lighting = Lighting { environment: Some(sky.light.clone()), ..Lighting::default() };
-    let ours = Pass::new(&prepared, &camera, &lighting, &settings)?.render(&|_| {})?;
+    let ours = Pass::new(&prepared, &camera, &lighting, &settings)?.render(Progress::SILENT)?;
     let paths = ReferenceSettings { spp: SPP, bounces: 0, ..ReferenceSettings::default() };
-    let truth = reference(&prepared, &camera, &lighting, &settings, &paths, &|_| {})?;
+    let truth = reference(&prepared, &camera, &lighting, &settings, &paths, Progress::SILENT)?;
     compare(&ours.color, &truth.color)
 }
 

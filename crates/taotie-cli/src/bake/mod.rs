@@ -16,7 +16,6 @@ mod views;
 mod work;
 
 pub use args::BakeArgs;
-pub use stop::Interrupted;
 
 use crate::{Outcome, console, studio};
 use anyhow::Result;
@@ -62,7 +61,7 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     report.maps = made.textures.notes();
     report.light = light.origin.clone();
     let ended = finish(args, Parts { source, light, coarser, made }, &mut report, &mut stages);
-    if ended.as_ref().is_err_and(|error| error.is::<Interrupted>()) {
+    if ended.as_ref().is_err_and(crate::console::is_cancelled) {
         // What stands there is of this run already, and nobody has proved it.
         report.files.iter().for_each(|file| drop(std::fs::remove_file(file)));
     }

@@ -146,7 +146,8 @@ pub fn prove(subject: &Subject<'_>, source: Source, stages: &mut Stages) -> Resu
         let side = subject.size.min(MAP);
         Ok(shown.verifier(&cage, &source.scan, true).error_map([side; 2])?)
     })?;
-    let shots = stages.run("compare views", |go_on| views::take(source.scan.into_mesh(), scene, go_on))?;
+    let shots =
+        stages.run("compare views", |progress| views::take(source.scan.into_mesh(), scene, progress))?;
     let proof = Proof { views: shots.figures.clone(), ..measured };
     Ok(Proved { proof, error_map, shots })
 }

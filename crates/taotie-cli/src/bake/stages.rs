@@ -1,10 +1,11 @@
 //! The stages of a bake: progress, time, and Ctrl-C between them.
 
 use super::stop;
-use crate::console::Progress;
+use crate::console::Bar;
 use anyhow::Result;
 use serde::Serialize;
 use std::time::Instant;
+use taotie::Progress;
 
 /// A stage that is done.
 #[derive(Debug, Clone, Serialize)]
@@ -22,22 +23,18 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// Does a stage, whose work is handed a function to call with the fraction done; it says whether to go on.
+    /// Does a stage, and shows how far it is.
     ///
     /// # Errors
-    /// Those of the work, and [`stop::Interrupted`] where the user asked to stop meanwhile.
-    pub fn run<T>(
-        &mut self,
-        stage: &'static str,
-        work: impl FnOnce(&(dyn Fn(f64) -> bool + Sync)) -> Result<T>,
-    ) -> Result<T> {
+    /// Those of the work, and [`taotie::Error::Cancelled`] where the user asked to stop meanwhile.
+    pub fn run<T>(&mut self, stage: &'static str, work: impl FnOnce(Progress<'_>) -> Result<T>) -> Result<T> {
         let start = Instant::now();
-        let progress = Progress::new(stage);
-        let told = |fraction: f64| {
-            progress.set(fraction);
+        let bar = Bar::new(stage);
+        let told = |_: &str, fraction: f64| {
+            bar.set(fraction);
             stop::go_on()
         };
-        let result = work(&told);
+        let result = work(Progress::new(&told));
         stop::check()?;
         self.done.push(Stage { stage, milliseconds: start.elapsed().as_secs_f64() * 1e3 });
         result

@@ -6,11 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Set when the user asks to stop. A signal can reach nothing but what is global.
 static STOPPED: AtomicBool = AtomicBool::new(false);
 
-/// What an interrupted run ends with.
-#[derive(Debug, thiserror::Error)]
-#[error("interrupted; no file is left")]
-pub struct Interrupted;
-
 /// Makes Ctrl-C stop the work instead of the process. A second one ends the process at once.
 pub fn listen() {
     static LISTENING: OnceLock<()> = OnceLock::new();
@@ -32,7 +27,7 @@ pub fn go_on() -> bool {
 /// An error if not to go on.
 ///
 /// # Errors
-/// [`Interrupted`].
-pub fn check() -> Result<(), Interrupted> {
-    if go_on() { Ok(()) } else { Err(Interrupted) }
+/// [`taotie::Error::Cancelled`].
+pub fn check() -> taotie::Result<()> {
+    if go_on() { Ok(()) } else { Err(taotie::Error::Cancelled) }
 }

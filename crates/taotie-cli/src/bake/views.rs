@@ -2,6 +2,7 @@
 
 use super::proof::ViewFigures;
 use anyhow::Result;
+use taotie::Progress;
 use taotie::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
 use taotie::film::Development;
 use taotie::math::{Mat4, Vec3};
@@ -33,7 +34,7 @@ pub struct Shots {
 ///
 /// # Errors
 /// None but those of rendering, which a scene that was read does not cause.
-pub fn take(scan: Mesh, asset: Scene, go_on: &(dyn Fn(f64) -> bool + Sync)) -> Result<Shots> {
+pub fn take(scan: Mesh, asset: Scene, progress: Progress<'_>) -> Result<Shots> {
     let heavy = Scene {
         meshes: vec![scan],
         materials: vec![neutral()],
@@ -42,9 +43,9 @@ pub fn take(scan: Mesh, asset: Scene, go_on: &(dyn Fn(f64) -> bool + Sync)) -> R
     };
     let cameras = cameras(&heavy);
     let light = neutralised(asset);
-    let scan = pictures(&heavy, &cameras, &|done| go_on(done * 0.5))?;
+    let scan = pictures(&heavy, &cameras, progress.part(0.0, 0.5))?;
     drop(heavy);
-    let asset = pictures(&light, &cameras, &|done| go_on(0.5 + done * 0.4))?;
+    let asset = pictures(&light, &cameras, progress.part(0.5, 0.9))?;
     let mut shots = Shots { scan, asset, ..Shots::default() };
     for (i, (a, b)) in shots.scan.iter().zip(&shots.asset).enumerate() {
         let flip = compare::flip(a, b, PIXELS_PER_DEGREE)?;
@@ -92,18 +93,22 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
     (0..COUNT).map(camera).collect()
 }
 
-fn pictures(scene: &Scene, cameras: &[Camera], go_on: &dyn Fn(f64) -> bool) -> Result<Vec<Picture>> {
+fn pictures(scene: &Scene, cameras: &[Camera], progress: Progress<'_>) -> Result<Vec<Picture>> {
     let settings = RenderSettings { width: SIDE, height: SIDE, samples: 4, ..RenderSettings::default() };
     let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
     let mut renderer = Renderer::new(scene, &settings.surface)?;
     let (mut pictures, mut codes) = (Vec::new(), Vec::new());
     for (i, camera) in cameras.iter().enumerate() {
-        if !go_on(i as f64 / cameras.len() as f64) {
-            return Err(super::stop::Interrupted.into());
-        }
+        let [from, to] = [i, i + 1].map(|views| views as f64 / cameras.len() as f64);
         let lighting =
             Lighting { lights: three_point_rig(camera), ambient: Vec3::splat(0.15), environment: None };
-        renderer.develop((camera, &lighting), &settings, &development, &mut codes, &|_| {})?;
+        renderer.develop(
+            (camera, &lighting),
+            &settings,
+            &development,
+            &mut codes,
+            progress.part(from, to),
+        )?;
         pictures.push(Picture::from_developed(SIDE, SIDE, &codes)?);
     }
     Ok(pictures)

@@ -4,7 +4,6 @@ use super::args::{Auto, BakeArgs};
 use super::memory::{self, Need};
 use super::provenance;
 use super::stages::Stages;
-use super::stop::Interrupted;
 use super::textures::{Kept, Textures};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
@@ -216,9 +215,7 @@ impl Light {
 /// Those of simplification.
 pub fn simplified(source: &Source, triangles: u32, stages: &mut Stages) -> Result<Simplified> {
     let options = SimplifyOptions { triangles: triangles as usize, ..SimplifyOptions::default() };
-    stages.run("simplify", |go_on| {
-        bake::simplify(source.scan.mesh(), &options, go_on)?.ok_or_else(|| Interrupted.into())
-    })
+    stages.run("simplify", |progress| Ok(bake::simplify(source.scan.mesh(), &options, progress)?))
 }
 
 /// What simplification left out, and whether it went as far as was wanted.
@@ -236,8 +233,7 @@ pub fn note_simplified(simplified: &Simplified, triangles: u32, warnings: &mut W
 
 fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, stages: &mut Stages) -> Result<Mesh> {
     let options = UnwrapOptions { size, padding: (size / 512).clamp(2, 16) };
-    let unwrapped = stages
-        .run("unwrap", |go_on| bake::unwrap(mesh, &options, go_on)?.ok_or_else(|| Interrupted.into()))?;
+    let unwrapped = stages.run("unwrap", |progress| Ok(bake::unwrap(mesh, &options, progress)?))?;
     origin.charts = Some(unwrapped.charts);
     Ok(unwrapped.mesh)
 }
@@ -291,9 +287,8 @@ pub fn bake_maps(
             Auto::Given(texels) => Some(texels),
         },
     };
-    let Baked { planes, counts } = stages.run("bake", |go_on| {
-        bake::bake(&light.mesh, &cage, scan, &settings, go_on)?.ok_or_else(|| Interrupted.into())
-    })?;
+    let Baked { planes, counts } =
+        stages.run("bake", |progress| Ok(bake::bake(&light.mesh, &cage, scan, &settings, progress)?))?;
     let textures = stages.run("store", |_| Textures::new(&planes, args, light.material.metallic))?;
     Ok(Made { textures, counts, cage })
 }
@@ -322,9 +317,8 @@ pub fn levels(
         return Ok(Vec::new());
     }
     let counts: Vec<usize> = args.lods.iter().map(|count| *count as usize).collect();
-    let levels = stages.run("levels of detail", |go_on| {
-        bake::levels(&light.mesh, &counts, go_on)?.ok_or_else(|| Interrupted.into())
-    })?;
+    let levels =
+        stages.run("levels of detail", |progress| Ok(bake::levels(&light.mesh, &counts, progress)?))?;
     let all = light.mesh.triangles().len();
     for (wanted, level) in counts.iter().zip(&levels) {
         let got = level.mesh.triangles().len();

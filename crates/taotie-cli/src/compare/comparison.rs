@@ -5,11 +5,10 @@ use super::matching::Matching;
 use super::method::Method;
 use super::points::PointChoice;
 use super::relief::{Reason, Relief};
-use crate::console::Progress;
+use crate::console::Bar;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
 use std::time::Instant;
-use taotie::Warnings;
 use taotie::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
 use taotie::film::Development;
 use taotie::image::Image;
@@ -17,6 +16,7 @@ use taotie::render::{Lighting, Prepared, RenderSettings, Renderer, SurfaceSettin
 use taotie::scene::{Camera, Scene};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
+use taotie::{Progress, Warnings};
 
 /// What is compared.
 pub struct Subject {
@@ -181,7 +181,7 @@ fn covered(image: &Image) -> f64 {
 /// Takes one picture after the other.
 struct Studio<'a> {
     plan: &'a Plan,
-    progress: Progress,
+    progress: Bar,
     steps: usize,
     done: usize,
     warnings: Warnings,
@@ -192,7 +192,7 @@ impl<'a> Studio<'a> {
         let surfaces = plan.methods.len() + usize::from(with_reference);
         // A look and a picture for each shading, and then measuring each picture.
         let steps = surfaces * (1 + 2 * plan.shadings.len());
-        Self { plan, progress: Progress::new("compare"), steps, done: 0, warnings: Warnings::default() }
+        Self { plan, progress: Bar::new("compare"), steps, done: 0, warnings: Warnings::default() }
     }
 
     fn step(&mut self) {
@@ -230,7 +230,7 @@ impl<'a> Studio<'a> {
         for shading in &self.plan.shadings {
             let settings = RenderSettings { shading: *shading, ..settings.clone() };
             let seen = (&self.plan.camera, &self.plan.lighting);
-            renderer.develop(seen, &settings, &self.plan.development, &mut codes, &|_| {})?;
+            renderer.develop(seen, &settings, &self.plan.development, &mut codes, Progress::SILENT)?;
             pictures.push((*shading, Picture::from_developed(settings.width, settings.height, &codes)?));
             self.step();
         }

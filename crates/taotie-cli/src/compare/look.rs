@@ -1,11 +1,11 @@
 //! What a camera sees of a surface before any light.
 
 use rayon::prelude::*;
-use taotie::Result;
 use taotie::image::Image;
 use taotie::math::Vec3;
 use taotie::render::{GrazingNormals, Lighting, Pass, Prepared, RenderSettings};
 use taotie::scene::Camera;
+use taotie::{Progress, Result};
 
 /// Neighbouring samples whose depths differ by more than this many of their sizes see a silhouette, or a surface slanted
 /// by more than 76°.
@@ -52,7 +52,7 @@ pub fn look(prepared: &Prepared<'_>, camera: &Camera, settings: &RenderSettings)
         grazing_normals,
         ..settings.clone()
     };
-    let frame = Pass::new(prepared, camera, &Lighting::default(), &settings)?.render(&|_| {})?;
+    let frame = Pass::new(prepared, camera, &Lighting::default(), &settings)?.render(Progress::SILENT)?;
     let aovs = frame.aovs.expect("output variables were asked for");
     Ok(Look { normals: aovs.normals, depth: aovs.depth, uv: aovs.uv, per_side })
 }

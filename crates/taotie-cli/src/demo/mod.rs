@@ -8,7 +8,7 @@ mod stage;
 mod truth;
 
 use crate::compare::Report;
-use crate::console::{self, Progress};
+use crate::console::{self, Bar};
 use crate::jue;
 use crate::studio::in_pool;
 use anyhow::Result;
@@ -74,7 +74,7 @@ fn demo(args: &DemoArgs) -> Result<Demo> {
     let object_scene = gallery::with_object_map(&scene);
     let mut files = export::write(&args.out, &scene)?;
     files.push(glb::write_pouring(&args.out, &scene)?);
-    let progress = Progress::new("pictures");
+    let progress = Bar::new("pictures");
     let (sheet, made) = gallery::write_sheet(args, [&object_scene, &scene], &|done| progress.set(done))?;
     files.push(sheet);
     files.push(gallery::write_large(args, &scene)?);
@@ -83,7 +83,7 @@ fn demo(args: &DemoArgs) -> Result<Demo> {
     if args.high {
         files.push(glb::write_high(&args.out, &high)?);
     }
-    let progress = Progress::new("moving surface");
+    let progress = Bar::new("moving surface");
     let (moving, written) =
         moving::write(args, [&object_scene, &scene], &high.meshes[0], &|done| progress.set(done))?;
     files.extend(written);

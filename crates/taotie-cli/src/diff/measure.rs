@@ -2,7 +2,7 @@
 
 use super::args::{DiffArgs, Metric};
 use super::subject::{Content, Subject};
-use crate::console::Progress;
+use crate::console::Bar;
 use crate::spread::Spread;
 use anyhow::{Result, bail};
 use serde::Serialize;
@@ -48,7 +48,7 @@ pub fn measure(args: &DiffArgs, subject: &Subject) -> Result<Measured> {
 }
 
 fn pictures(args: &DiffArgs, a: &Picture, b: &Picture) -> Result<Measured> {
-    let progress = Progress::new("diff");
+    let progress = Bar::new("diff");
     let mut measured = Measured::default();
     let asked = |metric| args.metric.is_none_or(|asked| asked == metric);
     if asked(Metric::Rmse) {

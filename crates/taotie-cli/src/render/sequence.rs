@@ -3,16 +3,16 @@
 use super::output::{self, Formats, PictureFormat};
 use super::plan::{Plan, Shot};
 use super::{RenderArgs, Watch};
-use crate::console::Progress;
+use crate::console::Bar;
 use crate::studio::{self, Motion, Viewpoint};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
-use taotie::Warnings;
 use taotie::film::{self, Development};
 use taotie::image::{Image, Texels};
 use taotie::io::{MovingPicture, MovingSpec};
 use taotie::render::{EnvironmentLight, Frame, RenderSettings, Renderer, reference};
 use taotie::scene::Scene;
+use taotie::{Progress, Warnings};
 
 /// What all pictures of a run have in common.
 pub struct Sequence<'a> {
@@ -67,7 +67,7 @@ impl<'a> Sequence<'a> {
         let mut moving = self.moving_picture()?;
         let count = self.plan.shots.len();
         let title = if count > 1 { format!("{count} pictures") } else { "render".into() };
-        let progress = Progress::new(title);
+        let bar = Bar::new(title);
         for shots in self.plan.shots.chunk_by(|a, b| a.seconds == b.seconds) {
             if let (Some(motion), Some(seconds)) = (motion, shots[0].seconds) {
                 motion.pose(scene, seconds)?;
@@ -79,7 +79,7 @@ impl<'a> Sequence<'a> {
                 warnings.absorb(renderer.prepared().warnings().clone());
             }
             self.watch.lap("prepare");
-            let mut stage = Stage { scene, renderer, viewpoint: &viewpoint, progress: &progress };
+            let mut stage = Stage { scene, renderer, viewpoint: &viewpoint, bar: &bar };
             for shot in shots {
                 let picture = self.render(&mut stage, shot)?;
                 self.write(picture, moving.as_mut())?;
@@ -112,18 +112,23 @@ impl<'a> Sequence<'a> {
             studio::lighting(&self.args.light, environment, stage.scene, stage.viewpoint, shot.turn)?;
         let (camera, settings) = (stage.viewpoint.camera(shot.turn), &self.settings);
         let (before, count) = (self.done as f64, self.plan.shots.len() as f64);
-        let progress = |part: f64| stage.progress.set((before + part) / count);
+        let bar = stage.bar;
+        let told = |_: &str, part: f64| {
+            bar.set((before + part) / count);
+            true
+        };
+        let progress = Progress::new(&told);
         let renderer = &mut stage.renderer;
         let picture = match self.args.integrator.reference() {
             None if self.formats.still == PictureFormat::Png8 && !settings.aovs => {
                 let mut codes = Vec::new();
-                renderer.develop((&camera, &lighting), settings, &self.development, &mut codes, &progress)?;
+                renderer.develop((&camera, &lighting), settings, &self.development, &mut codes, progress)?;
                 Picture::Developed(codes)
             }
-            None => Picture::Linear(renderer.render(&camera, &lighting, settings, &progress)?),
+            None => Picture::Linear(renderer.render(&camera, &lighting, settings, progress)?),
             Some(paths) => {
                 let prepared = renderer.prepared();
-                Picture::Linear(reference(prepared, &camera, &lighting, settings, &paths, &progress)?)
+                Picture::Linear(reference(prepared, &camera, &lighting, settings, &paths, progress)?)
             }
         };
         self.watch.lap("render");
@@ -174,5 +179,5 @@ struct Stage<'a> {
     scene: &'a Scene,
     renderer: Renderer<'a>,
     viewpoint: &'a Viewpoint,
-    progress: &'a Progress,
+    bar: &'a Bar,
 }

@@ -3,6 +3,7 @@
 use super::simplify::{Frame, adapter, compact, is_near, triples};
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, MeshData};
+use crate::progress::Progress;
 use meshopt::SimplifyOptions as Choices;
 use rayon::prelude::*;
 
@@ -28,15 +29,9 @@ pub struct Level {
 /// Vertices are those of the mesh, so all levels share its maps; where charts meet both sides lose the same vertices,
 /// so no level has a crack. Uvs in the first set weigh as positions do.
 ///
-/// `go_on` is called with the part done, 0 to 1, from any thread; where it returns `false` the result is `None`.
-///
 /// # Errors
-/// [`Error::Invalid`] where the mesh has no uvs or a count is 0.
-pub fn levels(
-    mesh: &Mesh,
-    counts: &[usize],
-    go_on: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Option<Vec<Level>>> {
+/// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh has no uvs or a count is 0.
+pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<Vec<Level>> {
     let Some(uvs) = mesh.uvs().first() else {
         return Err(Error::invalid("a mesh for levels of detail", "it has no uvs; unwrap it first"));
     };
@@ -47,16 +42,14 @@ pub fn levels(
     let points: Vec<[f32; 3]> = mesh.positions().iter().map(|p| frame.scaled(*p)).collect();
     let places: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
     let level = |(i, count): (usize, &usize)| {
-        if !go_on(i as f64 / counts.len() as f64) {
-            return Ok(None);
-        }
+        progress.at(i as f64 / counts.len() as f64)?;
         let (triangles, error) = fewer(mesh, &points, &places, *count);
         let reached = is_near(triangles.len(), *count) || triangles.len() < *count;
-        let level = Level { mesh: with_triangles(mesh, triangles)?, error: error * frame.extent, reached };
-        Ok(Some(level))
+        Ok(Level { mesh: with_triangles(mesh, triangles)?, error: error * frame.extent, reached })
     };
-    let levels: Result<Option<Vec<Level>>> = counts.par_iter().enumerate().map(level).collect();
-    Ok(levels?.filter(|_| go_on(1.0)))
+    let levels = counts.par_iter().enumerate().map(level).collect::<Result<_>>()?;
+    progress.at(1.0)?;
+    Ok(levels)
 }
 
 fn fewer(mesh: &Mesh, points: &[[f32; 3]], places: &[[f32; 2]], count: usize) -> (Vec<[u32; 3]>, f64) {

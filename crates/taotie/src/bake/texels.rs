@@ -13,11 +13,12 @@ use super::sky::{Outlook, Sky};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::Mesh;
+use crate::progress::Progress;
 use crate::scene::NormalSpace;
 use crate::shade::Hidden;
 use crate::surface::tangent_space_normal;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How maps are baked.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,19 +99,18 @@ pub struct Baked {
     pub counts: BakeCounts,
 }
 
-/// Bakes `scan` onto `low`, which has uvs, normals and tangents, as in [`crate::surface::with_frames`]. `go_on` is told
-/// the fraction done, from any thread, and says whether to go on; where it declines, the result is `None`.
+/// Bakes `scan` onto `low`, which has uvs, normals and tangents, as in [`crate::surface::with_frames`].
 ///
 /// # Errors
-/// [`Error::Invalid`] where the mesh lacks uvs, normals or tangents, or a setting is out of range; [`Error::Limit`] where
+/// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh lacks uvs, normals or tangents, or a setting is out of range; [`Error::Limit`] where
 /// uvs span too many copies of the map.
 pub fn bake(
     low: &Mesh,
     cage: &Cage,
     scan: &Scan,
     settings: &BakeSettings,
-    go_on: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Option<Baked>> {
+    progress: Progress<'_>,
+) -> Result<Baked> {
     check(low, settings)?;
     let layout = Layout::new(low, settings.size, settings.side)?;
     let wants = |kind| settings.maps.has(kind);
@@ -123,30 +123,21 @@ pub fn bake(
         settings,
     };
     let mut planes = Planes::new(settings.size, settings.maps);
-    let (done, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let done = AtomicUsize::new(0);
     let bands = job.layout.band_count();
     let counts = planes
         .bands(BAND)
         .into_par_iter()
         .enumerate()
         .map(|(band, planes)| {
-            if stopped.load(Ordering::Relaxed) {
-                return BakeCounts::default();
-            }
             let counts = job.band(band, planes);
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            if !go_on(done as f64 / bands as f64) {
-                stopped.store(true, Ordering::Relaxed);
-            }
-            counts
+            progress.at(done as f64 / bands as f64).map(|()| counts)
         })
-        .reduce(BakeCounts::default, BakeCounts::and);
-    if stopped.into_inner() {
-        return Ok(None);
-    }
+        .try_reduce(BakeCounts::default, |a, b| Ok(a.and(b)))?;
     let counts = BakeCounts { flat: job.layout.flat, ..counts };
     fill(&mut planes, settings.dilation);
-    Ok(Some(Baked { planes, counts }))
+    Ok(Baked { planes, counts })
 }
 
 fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {

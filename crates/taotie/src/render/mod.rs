@@ -45,6 +45,7 @@ pub use renderer::Renderer;
 pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, SurfaceSettings};
 
 use crate::error::Result;
+use crate::progress::Progress;
 use crate::scene::{Camera, Scene};
 
 /// Prepares `scene` and takes one picture of it.
@@ -58,5 +59,5 @@ pub fn render(
     settings: &RenderSettings,
 ) -> Result<Frame> {
     let prepared = Prepared::new(scene, &settings.surface)?;
-    Pass::new(&prepared, camera, lighting, settings)?.render(&|_| {})
+    Pass::new(&prepared, camera, lighting, settings)?.render(Progress::SILENT)
 }

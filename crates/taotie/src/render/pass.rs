@@ -22,6 +22,7 @@ use super::view::View;
 use crate::error::{Error, Result};
 use crate::film::{Developer, Development};
 use crate::math::Vec3;
+use crate::progress::Progress;
 use crate::raster::{self, SamplePattern, TILE_PIXELS, Tile, TilePlane, Viewport};
 use crate::scene::Camera;
 use fearless_simd::Level;
@@ -116,11 +117,11 @@ impl<'p, 'a> Pass<'p, 'a> {
         })
     }
 
-    /// Draws all tiles. `progress` is called from one thread with the fraction done, now and then.
+    /// Draws all tiles.
     ///
     /// # Errors
-    /// Where the picture cannot be allocated as asked.
-    pub fn render(&self, progress: &dyn Fn(f64)) -> Result<Frame> {
+    /// [`Error::Cancelled`]; where the picture cannot be allocated as asked.
+    pub fn render(&self, progress: Progress<'_>) -> Result<Frame> {
         let mut frame = Frame::new(&self.settings)?;
         self.draw(frame.tiles(), progress, |desk, tile| tile.write(&desk.resolve))?;
         Ok(frame)
@@ -130,12 +131,12 @@ impl<'p, 'a> Pass<'p, 'a> {
     /// `codes` takes the picture as [`crate::film::develop8`] would give it.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] where `codes` has not as many pixels as the picture; as [`Developer::new`].
+    /// [`Error::Cancelled`]; [`Error::Invalid`] where `codes` has not as many pixels as the picture; as [`Developer::new`].
     pub fn develop(
         &self,
         development: &Development,
         codes: &mut [[u8; 4]],
-        progress: &dyn Fn(f64),
+        progress: Progress<'_>,
     ) -> Result<()> {
         let (width, height) = (self.viewport.width as usize, self.viewport.height as usize);
         if codes.len() != width * height {
@@ -153,7 +154,7 @@ impl<'p, 'a> Pass<'p, 'a> {
     fn draw<O: Send>(
         &self,
         mut outputs: Vec<O>,
-        progress: &dyn Fn(f64),
+        progress: Progress<'_>,
         finish: impl Fn(&mut Desk, &mut O) + Sync,
     ) -> Result<()> {
         if self.settings.shadows {
@@ -170,7 +171,7 @@ impl<'p, 'a> Pass<'p, 'a> {
                 self.desks().push(desk);
                 Ok(())
             })?;
-            progress(done as f64 / total as f64);
+            progress.at(done as f64 / total as f64)?;
         }
         Ok(())
     }

@@ -5,6 +5,7 @@ use super::prepare::Prepared;
 use super::{Frame, Lighting, RenderSettings, SurfaceSettings};
 use crate::error::Result;
 use crate::film::Development;
+use crate::progress::Progress;
 use crate::scene::{Camera, Scene};
 
 /// Takes pictures of one scene and keeps what does not change between them: vertices in world space, tangents, the tree
@@ -30,7 +31,7 @@ impl<'a> Renderer<'a> {
         &self.prepared
     }
 
-    /// Takes a picture in linear light. `progress` is called from one thread with the fraction done, now and then.
+    /// Takes a picture in linear light.
     ///
     /// # Errors
     /// As [`Pass::new`] and [`Pass::render`].
@@ -39,13 +40,13 @@ impl<'a> Renderer<'a> {
         camera: &Camera,
         lighting: &Lighting,
         settings: &RenderSettings,
-        progress: &dyn Fn(f64),
+        progress: Progress<'_>,
     ) -> Result<Frame> {
         self.with_pass((camera, lighting), settings, |pass| pass.render(progress))
     }
 
     /// Takes a picture and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is made as
-    /// long as the picture; handed in again, nothing is allocated. `progress` as in [`Self::render`].
+    /// long as the picture; handed in again, nothing is allocated.
     ///
     /// # Errors
     /// As [`Pass::new`] and [`Pass::develop`].
@@ -55,7 +56,7 @@ impl<'a> Renderer<'a> {
         settings: &RenderSettings,
         development: &Development,
         codes: &mut Vec<[u8; 4]>,
-        progress: &dyn Fn(f64),
+        progress: Progress<'_>,
     ) -> Result<()> {
         self.with_pass((camera, lighting), settings, |pass| {
             codes.resize(settings.width as usize * settings.height as usize, [0; 4]);

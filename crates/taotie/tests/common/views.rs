@@ -4,6 +4,7 @@
 use super::scenes;
 use std::path::Path;
 use std::sync::Arc;
+use taotie::Progress;
 use taotie::film::{Development, develop8};
 use taotie::image::{Encoding, Image};
 use taotie::io::{PngColor, PngImage, PngSamples, write_png};
@@ -40,7 +41,7 @@ impl View {
 
     pub fn traced(&self, tracing: &ReferenceSettings) -> Frame {
         let prepared = Prepared::new(&self.scene, &self.settings.surface).unwrap();
-        reference(&prepared, &self.camera, &self.lighting, &self.settings, tracing, &|_| {}).unwrap()
+        reference(&prepared, &self.camera, &self.lighting, &self.settings, tracing, Progress::SILENT).unwrap()
     }
 }
 

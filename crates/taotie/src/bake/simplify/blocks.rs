@@ -1,6 +1,8 @@
 //! Large surfaces made lighter block by block, so that neither memory nor one thread is the limit.
 
 use super::part::{Part, adapter, triples};
+use crate::error::Result;
+use crate::progress::Progress;
 use meshopt::SimplifyOptions as Choices;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -17,17 +19,12 @@ const OF_MANY: usize = 16;
 const MOST: usize = 3_000_000;
 
 /// The part with fewer triangles, and the error in parts of the unit cube; unchanged where it is small enough.
-/// `None` where `go_on` said no.
-pub(super) fn lighten(
-    part: Part,
-    wanted: usize,
-    go_on: &(dyn Fn(f64) -> bool + Sync),
-) -> Option<(Part, f32)> {
+pub(super) fn lighten(part: Part, wanted: usize, progress: Progress<'_>) -> Result<(Part, f32)> {
     let total = part.triangles.len();
     let left = wanted.saturating_mul(FOR_ONE).max(total / OF_MANY).clamp(LEAST, MOST);
     let left = left.max(wanted.saturating_add(wanted / 4));
     if total < left.saturating_mul(2) {
-        return Some((part, 0.0));
+        return Ok((part, 0.0));
     }
     let locks = shared_vertices(&part);
     let (done, blocks) = (AtomicUsize::new(0), total.div_ceil(BLOCK));
@@ -35,13 +32,13 @@ pub(super) fn lighten(
         let target = (block.len() as u128 * left as u128 / total as u128) as usize;
         let result = lighter_block(&part, block, &locks, target);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        go_on(done as f64 / blocks as f64).then_some(result)
+        progress.at(done as f64 / blocks as f64).map(|()| result)
     };
     let lighter: Vec<(Vec<[u32; 3]>, f32)> =
-        part.triangles.par_chunks(BLOCK).map(lighter).collect::<Option<_>>()?;
+        part.triangles.par_chunks(BLOCK).map(lighter).collect::<Result<_>>()?;
     let error = lighter.iter().fold(0.0, |most: f32, (_, error)| most.max(*error));
     let triangles = lighter.into_iter().flat_map(|(triangles, _)| triangles).collect();
-    Some((Part { triangles, ..part }.compacted(), error))
+    Ok((Part { triangles, ..part }.compacted(), error))
 }
 
 /// Which vertices triangles of more than one block have.

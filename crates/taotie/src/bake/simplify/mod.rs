@@ -7,6 +7,7 @@ mod whole;
 
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
+use crate::progress::Progress;
 use crate::surface::vertex_normals;
 use part::Part;
 pub(super) use part::{Frame, adapter, compact, triples};
@@ -68,19 +69,12 @@ pub struct Simplified {
 /// those of [`vertex_normals`]. Large surfaces are first made lighter block by block, in parallel; the result does
 /// not depend on the number of threads.
 ///
-/// `go_on` is called with the part done, 0 to 1, now and then and from any thread; where it returns `false` the
-/// result is `None`.
-///
 /// # Errors
-/// [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh has no triangle with
+/// [`Error::Cancelled`]; [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh has no triangle with
 /// three corners, or none is left since so few are wanted.
 ///
 /// Source: Garland and Heckbert 1997, "Surface simplification using quadric error metrics", as meshoptimizer does it.
-pub fn simplify(
-    mesh: &Mesh,
-    options: &SimplifyOptions,
-    go_on: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Option<Simplified>> {
+pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) -> Result<Simplified> {
     check(options)?;
     let mut notes = Warnings::default();
     let (part, frame) = weld::weld(mesh, &mut notes);
@@ -90,16 +84,9 @@ pub fn simplify(
             "it has no triangle with three different corners; check the file",
         ));
     }
-    if !go_on(0.1) {
-        return Ok(None);
-    }
-    let Some((part, in_blocks)) = blocks::lighten(part, options.triangles, &|done| go_on(0.1 + 0.6 * done))
-    else {
-        return Ok(None);
-    };
-    if !go_on(0.7) {
-        return Ok(None);
-    }
+    progress.at(0.1)?;
+    let (part, in_blocks) = blocks::lighten(part, options.triangles, progress.part(0.1, 0.7))?;
+    progress.at(0.7)?;
     let reduced = whole::reduce(&part, options);
     let found = reduced.triangles.len();
     if found == 0 {
@@ -112,7 +99,8 @@ pub fn simplify(
     let means = if in_blocks > 0.0 { reduced.means.max(Means::Collapsed) } else { reduced.means };
     let mesh = finish(mesh, &part, reduced.triangles)?;
     let reached = whole::is_near(found, options.triangles) || means == Means::Kept;
-    Ok(go_on(1.0).then_some(Simplified { mesh, error, means, reached, notes }))
+    progress.at(1.0)?;
+    Ok(Simplified { mesh, error, means, reached, notes })
 }
 
 fn check(options: &SimplifyOptions) -> Result<()> {

@@ -5,6 +5,7 @@ use super::flatten::bounds;
 use super::mask::{Mask, corner, turned};
 use super::pack::{Field, Placement, pack};
 use crate::error::{Error, Result};
+use crate::progress::Progress;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
@@ -78,25 +79,21 @@ struct Fit {
 
 /// Packs charts at rising and falling scales: on a coarse field in several orders, then on a fine one in the best.
 /// `guess` is the first scale, in maps a unit.
-///
-/// `go_on` is called with the part done; `None` where it returns `false`.
 pub(super) fn lay_out(
     laid: &[Laid],
     options: &UnwrapOptions,
     guess: f64,
-    go_on: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Option<Layout>> {
+    progress: Progress<'_>,
+) -> Result<Layout> {
     let fine = if laid.len() > MANY { FINE_FOR_MANY } else { FINE };
     let least = FOR_ONE * (laid.len() as f64).sqrt();
     let [coarse, fine] = [COARSE, fine].map(|wanted| Cells::new(options, wanted.max(least)));
     let search = Search { laid, cells: &coarse, orders: &ORDERS, tries: TRIES[0] };
-    let found = search.run(guess * f64::from(options.size), &|done| go_on(0.5 * done));
-    let Some(rough) = found else { return Ok(None) };
+    let rough = search.run(guess * f64::from(options.size), progress.part(0.0, 0.5))?;
     let (scale, order) =
         rough.map_or((guess * f64::from(options.size), 0), |fit| (fit.scale * 1.02, fit.order));
     let search = Search { laid, cells: &fine, orders: &[order], tries: TRIES[1] };
-    let Some(found) = search.run(scale, &|done| go_on(0.5 + 0.5 * done)) else { return Ok(None) };
-    let fit = found.ok_or_else(|| {
+    let fit = search.run(scale, progress.part(0.5, 1.0))?.ok_or_else(|| {
         Error::limit(
             format!("a mesh of {} charts on a map of {} texels a side", laid.len(), options.size),
             format!(
@@ -105,7 +102,7 @@ pub(super) fn lay_out(
             ),
         )
     })?;
-    Ok(Some(layout(laid, &fit, &fine, options)))
+    Ok(layout(laid, &fit, &fine, options))
 }
 
 /// A search for the largest scale on one field.
@@ -117,16 +114,14 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The largest scale found, if any; `None` where `go_on` said no. `start` is in texels a unit.
-    fn run(&self, start: f64, go_on: &dyn Fn(f64) -> bool) -> Option<Option<Fit>> {
+    /// Returns the largest scale found, if any. `start` is in texels a unit.
+    fn run(&self, start: f64, progress: Progress<'_>) -> Result<Option<Fit>> {
         let (width, side) = (f64::from(self.cells.field.width), f64::from(self.cells.side));
         // A chart that is longer than the field fits in no turn.
         let mut fails = 0.9999 * width / longest_side(self.laid);
         let (mut scale, mut best, mut fits) = ((start / side).min(0.999 * fails), None, 0.0);
         for attempt in 0..MOST_TRIES {
-            if !go_on(attempt.min(self.tries) as f64 / (self.tries + 1) as f64) {
-                return None;
-            }
+            progress.at(attempt.min(self.tries) as f64 / (self.tries + 1) as f64)?;
             let packed = packed(self.laid, scale, &self.cells.field, self.orders);
             let rows = packed.as_ref().map_or(3.0 * width, |(_, rows, _)| f64::from(*rows));
             match packed.filter(|_| rows <= width) {
@@ -142,7 +137,7 @@ impl Search<'_> {
             }
             scale = next(scale * (width / rows).sqrt(), [fits, fails], attempt);
         }
-        Some(best)
+        Ok(best)
     }
 }
 

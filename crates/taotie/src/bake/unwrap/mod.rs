@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
+use crate::progress::Progress;
 use flatten::{Chart, Measure};
 use layout::Layout;
 use merge::{Limits, Merger};
@@ -76,40 +77,31 @@ pub struct Unwrapped {
 /// kept within a factor of 2 but for single steep triangles. No chart lies over itself or another one on the map of
 /// this size. The result depends neither on the order of vertices nor on the number of threads.
 ///
-/// `go_on` is called with the part done, 0 to 1, now and then; where it returns `false` the result is `None`.
-///
 /// # Errors
-/// [`Error::Invalid`] where the map is empty or all padding, or no triangle has an area; [`Error::Limit`] where it is
+/// [`Error::Cancelled`]; [`Error::Invalid`] where the map is empty or all padding, or no triangle has an area; [`Error::Limit`] where it is
 /// larger than [`Image::MAX_SIDE`] or the mesh has so many charts that their padding fills it.
-pub fn unwrap(
-    mesh: &Mesh,
-    options: &UnwrapOptions,
-    go_on: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<Option<Unwrapped>> {
+pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> Result<Unwrapped> {
     check(options)?;
     let topology = Topology::new(mesh);
     let surface: f64 = topology.areas.iter().sum();
     if !(0..topology.len()).any(|t| topology.is_flat_enough(t)) {
         return Err(Error::invalid("the mesh to unwrap", "it has no triangle with an area; check the file"));
     }
-    if !go_on(0.1) {
-        return Ok(None);
-    }
-    let Some((labels, axes)) = charted(&topology, surface, go_on) else { return Ok(None) };
+    progress.at(0.1)?;
+    let (labels, axes) = charted(&topology, surface, progress)?;
     let scale = (COVER / surface).sqrt();
     let measure = Measure { density: FINER * f64::from(options.size) * scale, longest: LONGEST / scale };
     let mut charts = flat_charts(&topology, &labels, &axes, &measure);
-    if !go_on(0.5) {
-        return Ok(None);
-    }
+    progress.at(0.5)?;
     for round in 0..ROUNDS {
         let laid: Vec<Vec<[[f64; 2]; 3]>> = charts.par_iter().map(|chart| chart.laid(&topology)).collect();
-        let done = |done: f64| go_on(1.0 - 0.5 * (1.0 - done) / f64::from(round + 1));
-        let Some(layout) = layout::lay_out(&laid, options, scale, &done)? else { return Ok(None) };
+        let attempt = progress.part(1.0 - 0.5 / f64::from(round + 1), 1.0);
+        let layout = layout::lay_out(&laid, options, scale, attempt)?;
         let unwrapped = cut(mesh, &topology, &charts, &layout, options)?;
         let overlaps = overlaps(&unwrapped, options.size)?;
         if overlaps.is_empty() {
-            return Ok(go_on(1.0).then_some(unwrapped));
+            progress.at(1.0)?;
+            return Ok(unwrapped);
         }
         charts = without_overlaps(&topology, charts, &overlaps, &measure);
     }
@@ -169,21 +161,15 @@ fn check(options: &UnwrapOptions) -> Result<()> {
 }
 
 /// The chart of each triangle and the axis of each chart.
-fn charted(
-    topology: &Topology,
-    surface: f64,
-    go_on: &(dyn Fn(f64) -> bool + Sync),
-) -> Option<(Vec<u32>, Vec<Vec3<f64>>)> {
+fn charted(topology: &Topology, surface: f64, progress: Progress<'_>) -> Result<(Vec<u32>, Vec<Vec3<f64>>)> {
     let (labels, count) = patches::patches(topology);
-    if !go_on(0.3) {
-        return None;
-    }
+    progress.at(0.3)?;
     let mut merger = Merger::new(topology, &labels, count);
     merger.join(&WIDE);
     merger.join(&Limits { small: CRUMB * surface, ..CRUMBS });
     let (mut labels, axes) = merger.charts(&labels);
     borders::shorten(topology, &mut labels, &axes, &WIDE);
-    Some((labels, axes))
+    Ok((labels, axes))
 }
 
 fn flat_charts(topology: &Topology, labels: &[u32], axes: &[Vec3<f64>], measure: &Measure) -> Vec<Chart> {

@@ -34,6 +34,7 @@ use super::settings::{Lighting, RenderSettings};
 use super::view::View;
 use crate::error::Result;
 use crate::math::Vec3;
+use crate::progress::Progress;
 use crate::scene::Camera;
 use fearless_simd::Level;
 use rayon::prelude::*;
@@ -64,11 +65,10 @@ struct Tracer<'t, 'a> {
 /// Of `settings`, the number of samples and `specular_aa` are not read, since many paths average what is too fine for a
 /// pixel. Without shadows lights shine through everything, as in the rasteriser; environment and surfaces always throw
 /// shadows. [`Lighting::ambient`] is reflected at every surface. Cameras see single-sided surfaces from their front; light meets both sides of all. The
-/// frame's output variables show the first path of each pixel. `progress` is called from one thread with the fraction
-/// done, now and then.
+/// frame's output variables show the first path of each pixel.
 ///
 /// # Errors
-/// [`crate::Error::Invalid`] or [`crate::Error::Limit`] for a size, camera or number of paths that cannot be,
+/// [`crate::Error::Cancelled`]; [`crate::Error::Invalid`] or [`crate::Error::Limit`] for a size, camera or number of paths that cannot be,
 /// [`crate::Error::Unsupported`] for a SIMD level that the processor lacks.
 pub fn reference(
     prepared: &Prepared<'_>,
@@ -76,7 +76,7 @@ pub fn reference(
     lighting: &Lighting,
     settings: &RenderSettings,
     reference: &ReferenceSettings,
-    progress: &dyn Fn(f64),
+    progress: Progress<'_>,
 ) -> Result<Frame> {
     reference.check()?;
     crate::image::Image::check_size(settings.width, settings.height)?;
@@ -101,7 +101,7 @@ pub fn reference(
 }
 
 impl Tracer<'_, '_> {
-    fn picture(&self, progress: &dyn Fn(f64)) -> Result<Frame> {
+    fn picture(&self, progress: Progress<'_>) -> Result<Frame> {
         let mut frame = Frame::new(self.settings)?;
         let patches = patch::patches(self.settings);
         // How many there are between two reports changes no pixel.
@@ -113,7 +113,7 @@ impl Tracer<'_, '_> {
                 picture.store(patch, &mut frame);
             }
             done += part.len();
-            progress(done as f64 / patches.len() as f64);
+            progress.at(done as f64 / patches.len() as f64)?;
         }
         Ok(frame)
     }
