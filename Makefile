@@ -75,7 +75,7 @@ tables: ## Computes the tables of directional albedos anew
 	cargo run --release -p xtask -- tables
 
 bless: ## Takes the pictures and outputs of today for right; look at the difference before you commit it
-	TAOTIE_BLESS=1 cargo test -p taotie --test golden
+	TAOTIE_BLESS=1 cargo test -p taotie --test render golden::
 	SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli
 
 # What `make test` needs beside cargo, installed where missing: parts of the toolchain, a browser for report pages and

@@ -2,7 +2,7 @@
 
 Writes compare_oracle.json beside itself: `python3 tests/oracle/compare_oracle.py` (needs flip-evaluator, which is
 NVIDIA's own code, and scikit-image). The pictures are made by integer arithmetic here and once more in
-`crates/taotie/tests/oracle_compare.rs`; the sums of their codes show that both are the same.
+`crates/taotie/tests/oracle/compare.rs`; the sums of their codes show that both are the same.
 
     stride   of the FLIP maps' pixels every stride-th is listed
     cases    list of {name, width, height, sums of a and b, rmse, psnr (null: infinite), ssim,

@@ -1,4 +1,4 @@
-"""Reflectance values for `crates/taotie/tests/oracle_shade.rs`, in double precision.
+"""Reflectance values for `crates/taotie/tests/oracle/shade.rs`, in double precision.
 
 Written from the papers named at each function; textbook forms, angles and complex numbers where the renderer
 uses rearranged ones. Writes `shade_oracle.json` beside this file:

@@ -14,7 +14,7 @@ use taotie::image::Bitmap;
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// The mean angle, degrees, that storing normals in 8 bits alone makes (`laws_bake::eight_bits_cost_a_sixth_of_a_degree`).
+/// The mean angle, degrees, that storing normals in 8 bits alone makes (`laws::bake::eight_bits_cost_a_sixth_of_a_degree`).
 const FLOOR_OF_8_BITS: f64 = 0.17;
 
 /// What came of a comparison.

@@ -14,7 +14,7 @@ use crate::math::{Lane, Mask, Vec3, poly};
 /// p' = 1 − 0.24² / (p − 0.52);  g = 1 / (0.15 (p − p') + 1);  c ← mix(p', c p'/p, g)
 /// ```
 ///
-/// Laws: colours with one channel at zero and none above 0.76 stay; no channel order changes (`laws_film`).
+/// Laws: colours with one channel at zero and none above 0.76 stay; no channel order changes (`laws::film`).
 /// Source: Khronos PBR Neutral tone mapper, specification 1.0 (2024).
 #[inline(always)]
 pub fn neutral<L: Lane>(rgb: Vec3<L>) -> Vec3<L> {

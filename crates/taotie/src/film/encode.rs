@@ -4,7 +4,7 @@ use crate::math::{Lane, poly};
 
 /// The sRGB-encoded value of a linear one, both in [0, 1]: IEC 61966-2-1.
 ///
-/// `f32`: within 3e-7, so 1e-4 of an 8-bit code and 0.02 of a 16-bit one (`laws_film::encoding_is_close`).
+/// `f32`: within 3e-7, so 1e-4 of an 8-bit code and 0.02 of a 16-bit one (`laws::film::encoding_is_close`).
 #[inline(always)]
 pub fn srgb_from_linear<L: Lane>(linear: L) -> L {
     let power = poly::pow(linear, linear.lit(1.0 / 2.4));

@@ -35,7 +35,7 @@ impl<L: Lane> Stretch<L> {
     /// D(h) = 1 / (π α_t α_b ((t·h/α_t)² + (b·h/α_b)² + (n·h)²)²),
     /// V = 1/2 / (n·l |(α_t t·v, α_b b·v, n·v)| + n·v |(α_t t·l, α_b b·l, n·l)|)
     ///
-    /// Law: the isotropic lobe where both widths are equal; ∫ D n·h dh = 1 (`laws_energy`).
+    /// Law: the isotropic lobe where both widths are equal; ∫ D n·h dh = 1 (`laws::energy`).
     /// Source: Heitz 2014, eq. 85 and 86, height-correlated by eq. 99.
     #[inline(always)]
     pub fn lobe(&self, a: &Angles<L>, v: Vec3<L>, l: Vec3<L>) -> L {

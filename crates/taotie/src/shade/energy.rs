@@ -36,7 +36,7 @@ impl crate::names::Named for Energy {
 /// coloured again, so that a white metal returns all of it. transmitted = 1 − max(gain · albedo), over the channels, so
 /// that a white dielectric returns all of it too, and no colour more than it gets.
 ///
-/// Law: a white furnace returns 1 within 1 % at roughness 0.1 to 1 (`laws_energy`).
+/// Law: a white furnace returns 1 within 1 % at roughness 0.1 to 1 (`laws::energy`).
 /// Source: Turquin 2019, "Practical multiple scattering compensation for microfacet models", eq. 16; the diffuse share
 /// as in Jakob et al. 2014 and glTF viewers.
 #[inline(always)]

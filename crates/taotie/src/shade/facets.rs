@@ -31,7 +31,7 @@ impl<L: Lane> Facets<L> {
     /// For the unit normals of the surface and of its map.
     ///
     /// Law: the facets' areas 1/cos θ and tan θ, times their normals, add up to `g`
-    /// (`laws_facets::the_mean_normal_is_the_surface_s`).
+    /// (`laws::facets::the_mean_normal_is_the_surface_s`).
     #[inline(always)]
     pub fn new(g: Vec3<L>, mapped: Vec3<L>) -> Self {
         let one = g.x.lit(1.0);
@@ -56,7 +56,7 @@ impl<L: Lane> Facets<L> {
     ///
     /// G₁ = min(1, (w·g)⁺ / ((w·p)⁺/cos θ + tan θ (w·t)⁺))
     ///
-    /// Law: λ and G₁ make the seen area that of the flat surface (`laws_facets::the_seen_area_is_that_of_the_surface`).
+    /// Law: λ and G₁ make the seen area that of the flat surface (`laws::facets::the_seen_area_is_that_of_the_surface`).
     #[inline(always)]
     pub fn escape(&self, w: Vec3<L>) -> L {
         (self.cos * positive(w.dot(self.g)) / self.seen(w)).min(w.x.lit(1.0))
@@ -75,7 +75,7 @@ impl<L: Lane> Facets<L> {
     /// facet reflects of both to the mirrored viewer, by [`Self::share_of_mirror`], and for the rest to the true one, is
     /// all. Light that meets the mirror coming and going is kept, which the paper leaves out.
     ///
-    /// Law: reciprocity; a white matt facet reflects cos θ of the light, whatever the viewer (`laws_facets`).
+    /// Law: reciprocity; a white matt facet reflects cos θ of the light, whatever the viewer (`laws::facets`).
     #[inline(always)]
     pub fn ways(&self, l: Vec3<L>) -> [(Vec3<L>, L); 2] {
         let zero = l.x.lit(0.0);

@@ -17,7 +17,7 @@ pub fn pow5<L: Lane>(x: L) -> L {
 /// F = F0 + (1 − F0)(1 − v·h)⁵
 ///
 /// `f0` linear RGB in [0, 1]; `v_dot_h` in [0, 1].
-/// Law: F0 at v·h = 1, 1 at v·h = 0 (`laws_shade::schlick_ends`).
+/// Law: F0 at v·h = 1, 1 at v·h = 0 (`laws::shade::schlick_ends`).
 /// Source: Schlick 1994, eq. 15. The seed paper's eq. 6 prints the exponent 2.
 #[inline(always)]
 pub fn f_schlick<L: Lane>(f0: Vec3<L>, v_dot_h: L) -> Vec3<L> {
@@ -29,7 +29,7 @@ pub fn f_schlick<L: Lane>(f0: Vec3<L>, v_dot_h: L) -> Vec3<L> {
 /// F = F0 + (F90 − F0)(1 − v·h)⁵
 ///
 /// `f0`, `f90` linear RGB in [0, 1]; `v_dot_h` in [0, 1].
-/// Law: F0 at v·h = 1, F90 at v·h = 0 (`laws_shade::schlick_ends`).
+/// Law: F0 at v·h = 1, F90 at v·h = 0 (`laws::shade::schlick_ends`).
 /// Source: Schlick 1994, eq. 15, with the F90 of Lagarde and de Rousiers 2014.
 #[inline(always)]
 pub fn f_schlick_f90<L: Lane>(f0: Vec3<L>, f90: Vec3<L>, v_dot_h: L) -> Vec3<L> {
@@ -41,7 +41,7 @@ pub fn f_schlick_f90<L: Lane>(f0: Vec3<L>, f90: Vec3<L>, v_dot_h: L) -> Vec3<L> 
 /// a = (F_schlick(1/7) − F82) / (1/7 · (6/7)⁶)
 ///
 /// `f0`, `f82` linear RGB in [0, 1]. Zero where `f82` is what Schlick gives.
-/// Law: `laws_shade::f82_passes_through_both_points`.
+/// Law: `laws::shade::f82_passes_through_both_points`.
 /// Source: Lazányi and Szirmay-Kalos 2005, eq. 4; Kutz, Hašan and Edmondson 2021 fix it by the colour at 82°.
 #[inline(always)]
 pub fn f82_drop<L: Lane>(f0: Vec3<L>, f82: Vec3<L>) -> Vec3<L> {
@@ -55,7 +55,7 @@ pub fn f82_drop<L: Lane>(f0: Vec3<L>, f82: Vec3<L>) -> Vec3<L> {
 ///
 /// `f0` linear RGB in [0, 1]; `f90` in [0, 1], 1 for metals; `drop` is a, from [`f82_drop`]; `v_dot_h` in [0, 1]. The bounds act only where a
 /// strong `drop` would pull the curve out of what a reflectance can be.
-/// Law: `laws_shade::f82_passes_through_both_points`.
+/// Law: `laws::shade::f82_passes_through_both_points`.
 /// Source: Kutz, Hašan and Edmondson 2021 (F82-tint), as in the OpenPBR Surface specification.
 #[inline(always)]
 pub fn f_f82<L: Lane>(f0: Vec3<L>, f90: L, drop: Vec3<L>, v_dot_h: L) -> Vec3<L> {
@@ -77,7 +77,7 @@ pub(super) fn lazanyi<L: Lane>(mu: L) -> L {
 ///
 /// `cos_theta` in [0, 1], taken as at least 1e-6 so that grazing incidence on η = 1 divides by no zero;
 /// `eta` = index behind over index before the surface, above 0. 1 beyond the critical angle.
-/// Law: ((η − 1)/(η + 1))² at cos θ = 1 (`laws_shade::exact_fresnel_limits`).
+/// Law: ((η − 1)/(η + 1))² at cos θ = 1 (`laws::shade::exact_fresnel_limits`).
 /// Source: Born and Wolf, Principles of Optics, §1.5.2, eq. 21a.
 #[inline(always)]
 pub fn f_dielectric<L: Lane>(cos_theta: L, eta: L) -> L {
@@ -98,7 +98,7 @@ pub fn f_dielectric<L: Lane>(cos_theta: L, eta: L) -> L {
 ///
 /// `cos_theta` in [0, 1]; `eta` above 0, `k` at least 0, both relative to the medium before the surface.
 /// Law: ((η − 1)² + k²)/((η + 1)² + k²) at cos θ = 1; the dielectric's value at k = 0
-/// (`laws_shade::exact_fresnel_limits`).
+/// (`laws::shade::exact_fresnel_limits`).
 /// Source: Born and Wolf, Principles of Optics, §14.2 (13.4 in older editions).
 #[inline(always)]
 pub fn f_conductor<L: Lane>(cos_theta: L, eta: L, k: L) -> L {

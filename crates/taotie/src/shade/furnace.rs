@@ -69,8 +69,8 @@ impl Furnace {
     /// ∫ reflect(l) dl over the hemisphere; lights are taken at the mirror directions of half vectors, dl = 4 v·h dh.
     ///
     /// `n_dot_v` in (0, 1]. By default its relative error is below 5e-5 for slopes and α of at least 0.01 and n·v of at
-    /// least 0.1 (`laws_shade::albedos_are_as_exact_as_stated`).
-    /// Law: 1 − ln 2 for a white metal of `ggx` with roughness 1, along the normal (`laws_shade::white_furnace_of_ggx`).
+    /// least 0.1 (`laws::shade::albedos_are_as_exact_as_stated`).
+    /// Law: 1 − ln 2 for a white metal of `ggx` with roughness 1, along the normal (`laws::shade::white_furnace_of_ggx`).
     /// Source: Heitz 2014, §5.1.
     pub fn directional_albedo(self, shading: Shading, s: &Substance<f64>, n_dot_v: f64) -> Vec3<f64> {
         let n = Vec3::new(0.0, 0.0, 1.0);

@@ -24,7 +24,7 @@ pub fn inverse_square<L: Lane>(distance_squared: L) -> L {
 /// w = max(min(1 − (d/range)⁴, 1), 0)
 ///
 /// `distance_squared` d² at least 0, in squared model units; `range` above 0, in model units.
-/// Law: 1 at d = 0, 0 from the range on, falling between (`laws_shade::light_falloff`).
+/// Law: 1 at d = 0, 0 from the range on, falling between (`laws::shade::light_falloff`).
 /// Source: glTF extension KHR_lights_punctual, "Range Property".
 #[inline(always)]
 pub fn range_window<L: Lane>(distance_squared: L, range: L) -> L {
@@ -38,7 +38,7 @@ pub fn range_window<L: Lane>(distance_squared: L, range: L) -> L {
 ///
 /// `cos_angle` between the axis and the direction from the light to the point, [−1, 1];
 /// `cos_inner` ≥ `cos_outer`, the cosines of the angles from the axis where the light begins to fade and ends.
-/// Law: 1 inside the inner cone, 0 outside the outer, falling between (`laws_shade::light_falloff`).
+/// Law: 1 inside the inner cone, 0 outside the outer, falling between (`laws::shade::light_falloff`).
 /// Source: glTF extension KHR_lights_punctual, "Inner and Outer Cone Angles": the reference code squares.
 #[inline(always)]
 pub fn spot_cone<L: Lane>(cos_angle: L, cos_inner: L, cos_outer: L) -> L {

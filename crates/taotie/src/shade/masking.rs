@@ -9,7 +9,7 @@ use crate::math::Lane;
 /// G = min(1, 2 n·h n·v / v·h, 2 n·h n·l / v·h)
 ///
 /// `n_dot_l`, `n_dot_v`, `n_dot_h` in [0, 1]; `v_dot_h` in (0, 1].
-/// Law: G ≤ 1, symmetric in n·l and n·v (`laws_shade::masking_is_a_share`).
+/// Law: G ≤ 1, symmetric in n·l and n·v (`laws::shade::masking_is_a_share`).
 /// Source: Cook and Torrance 1982, §4, after Torrance and Sparrow 1967; the seed paper's eq. 8.
 #[inline(always)]
 pub fn g_v_cavity<L: Lane>(n_dot_l: L, n_dot_v: L, n_dot_h: L, v_dot_h: L) -> L {
@@ -23,7 +23,7 @@ pub fn g_v_cavity<L: Lane>(n_dot_l: L, n_dot_v: L, n_dot_h: L, v_dot_h: L) -> L 
 ///
 /// `n_dot_l` in [0, 1], `n_dot_v` in (0, 1]; `alpha` in [1e-3, 1].
 /// Law: with [`super::ndf::d_ggx`] and F = 1 the reflected energy is at most 1 and tends to 1 with α → 0
-/// (`laws_shade::white_furnace_of_ggx`).
+/// (`laws::shade::white_furnace_of_ggx`).
 /// Source: Heitz 2014, eq. 99; the form of Lagarde and de Rousiers 2014, listing 2.
 #[inline(always)]
 pub fn v_smith_ggx<L: Lane>(n_dot_l: L, n_dot_v: L, alpha: L) -> L {
@@ -39,7 +39,7 @@ pub fn v_smith_ggx<L: Lane>(n_dot_l: L, n_dot_v: L, alpha: L) -> L {
 /// g(x) = x / (k + (1 − k) x)
 ///
 /// `cosine` x in [0, 1]; `k` in (0, 1].
-/// Law: 0 at 0, 1 at 1 (`laws_shade::masking_is_a_share`).
+/// Law: 0 at 0, 1 at 1 (`laws::shade::masking_is_a_share`).
 /// Source: Schlick 1994, eq. 19, with the k of Karis 2013.
 #[inline(always)]
 pub fn g1_schlick_ggx<L: Lane>(cosine: L, k: L) -> L {
@@ -51,7 +51,7 @@ pub fn g1_schlick_ggx<L: Lane>(cosine: L, k: L) -> L {
 /// V = g(n·l) g(n·v) / (4 n·l n·v) with g of [`g1_schlick_ggx`], the cosines cancelled
 ///
 /// `n_dot_l`, `n_dot_v` in [0, 1]; `k` in (0, 1], from [`k_for_lights`] or [`k_for_environment`].
-/// Law: 4 n·l n·v V ≤ 1 (`laws_shade::masking_is_a_share`).
+/// Law: 4 n·l n·v V ≤ 1 (`laws::shade::masking_is_a_share`).
 /// Source: Karis 2013, "Specular G".
 #[inline(always)]
 pub fn v_schlick_ggx<L: Lane>(n_dot_l: L, n_dot_v: L, k: L) -> L {

@@ -28,7 +28,7 @@ pub fn alpha_from_roughness<L: Lane>(roughness: L) -> L {
 /// α² = 2/(s + 2)
 ///
 /// `shininess` at least 0; α in (0, 1].
-/// Law: inverse of [`shininess_from_alpha`] (`laws_shade::shininess_and_alpha_are_inverse`).
+/// Law: inverse of [`shininess_from_alpha`] (`laws::shade::shininess_and_alpha_are_inverse`).
 /// Source: Walter et al. 2007, §5.2.
 #[inline(always)]
 pub fn alpha_from_shininess<L: Lane>(shininess: L) -> L {
@@ -40,7 +40,7 @@ pub fn alpha_from_shininess<L: Lane>(shininess: L) -> L {
 /// s = 2/α² − 2
 ///
 /// `alpha` in (0, 1]; s at least 0.
-/// Law: inverse of [`alpha_from_shininess`] (`laws_shade::shininess_and_alpha_are_inverse`).
+/// Law: inverse of [`alpha_from_shininess`] (`laws::shade::shininess_and_alpha_are_inverse`).
 /// Source: Walter et al. 2007, §5.2.
 #[inline(always)]
 pub fn shininess_from_alpha<L: Lane>(alpha: L) -> L {
@@ -53,7 +53,7 @@ pub fn shininess_from_alpha<L: Lane>(alpha: L) -> L {
 /// D(h) = exp(−tan²θ_h / m²) / (π m² cos⁴θ_h), that is exp(((n·h)² − 1)/(m² (n·h)²)) / (π m² (n·h)⁴)
 ///
 /// `n_dot_h` and `sin2_h` in [0, 1]; `slope` m above 0, taken as at least 1e-3.
-/// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws_shade::ndf_is_normalised`).
+/// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws::shade::ndf_is_normalised`).
 /// Source: Cook and Torrance 1982, eq. 5 with today's 1/π; Walter et al. 2007, eq. 25. The seed paper's eq. 7 has no 1/π.
 #[inline(always)]
 pub fn d_beckmann<L: Lane>(n_dot_h: L, sin2_h: L, slope: L) -> L {
@@ -68,7 +68,7 @@ pub fn d_beckmann<L: Lane>(n_dot_h: L, sin2_h: L, slope: L) -> L {
 /// D(h) = α² / (π ((n·h)² (α² − 1) + 1)²), computed as α² / (π ((n·h)² α² + sin²θ_h)²)
 ///
 /// `n_dot_h` and `sin2_h` in [0, 1]; `alpha` in [[`MIN_ALPHA`], 1].
-/// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws_shade::ndf_is_normalised`).
+/// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws::shade::ndf_is_normalised`).
 /// Source: Walter et al. 2007, eq. 33.
 #[inline(always)]
 pub fn d_ggx<L: Lane>(n_dot_h: L, sin2_h: L, alpha: L) -> L {
@@ -82,7 +82,7 @@ pub fn d_ggx<L: Lane>(n_dot_h: L, sin2_h: L, alpha: L) -> L {
 /// D(h) = (s + 2)/(2π) (n·h)^s
 ///
 /// `n_dot_h` in [0, 1]; `shininess` s at least 0.
-/// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws_shade::ndf_is_normalised`).
+/// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws::shade::ndf_is_normalised`).
 /// Source: Blinn 1977; Walter et al. 2007, eq. 30.
 #[inline(always)]
 pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
@@ -96,7 +96,7 @@ pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
 /// two polynomials, within 1.5e-4 of it.
 ///
 /// `alpha` in [[`MIN_ALPHA`], 1].
-/// Law: the integral (`oracle_light::divergence_of_ggx`).
+/// Law: the integral (`oracle::light::divergence_of_ggx`).
 #[inline(always)]
 pub fn divergence_ggx<L: Lane>(alpha: L) -> L {
     const ABOVE: [f64; 6] = [5.073_94, 5_316.18, 465_089.0, 4_210_460.0, 553_456.0, -156_759.0];
@@ -111,7 +111,7 @@ pub fn divergence_ggx<L: Lane>(alpha: L) -> L {
 ///
 /// `divergence` at least that of [`MIN_ALPHA`]. With r² = 3 · divergence, α/r is a fraction of two polynomials, within
 /// 6e-5.
-/// Law: its root undoes [`divergence_ggx`] within 2e-4 (`oracle_light::divergence_of_ggx`).
+/// Law: its root undoes [`divergence_ggx`] within 2e-4 (`oracle::light::divergence_of_ggx`).
 #[inline(always)]
 pub fn alpha_squared_from_divergence_ggx<L: Lane>(divergence: L) -> L {
     let root = (divergence * divergence.lit(3.0)).clamp(0.0, 1.0).sqrt();

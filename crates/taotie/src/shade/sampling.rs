@@ -31,7 +31,7 @@ pub fn azimuth<L: Lane>(u: L) -> [L; 2] {
 
 /// A direction of the hemisphere with a density in proportion to its cosine, [`cosine_pdf`].
 ///
-/// Law: histogram (`laws_sampling::directions_follow_their_densities`).
+/// Law: histogram (`laws::sampling::directions_follow_their_densities`).
 /// Source: Malley's method, in Pharr, Jakob and Humphreys 2023, *Physically Based Rendering*, §A.5.3.
 #[inline(always)]
 pub fn cosine_direction<L: Lane>(u: [L; 2]) -> Vec3<L> {
@@ -48,7 +48,7 @@ pub fn cosine_pdf<L: Lane>(n_dot_l: L) -> L {
 
 /// A direction of the hemisphere, all equally likely: the density is 1/(2π).
 ///
-/// Law: histogram (`laws_sampling::directions_follow_their_densities`).
+/// Law: histogram (`laws::sampling::directions_follow_their_densities`).
 /// Source: Archimedes; Pharr, Jakob and Humphreys 2023, §A.5.2.
 #[inline(always)]
 pub fn uniform_direction<L: Lane>(u: [L; 2]) -> Vec3<L> {
@@ -64,8 +64,8 @@ pub fn uniform_direction<L: Lane>(u: [L; 2]) -> Vec3<L> {
 /// sampled evenly.
 ///
 /// `v` unit, to the viewer, v.z above 0; `alpha` along x and y, each in [[`MIN_ALPHA`], 1].
-/// Law: histogram, and the weight G₂/G₁ (`laws_sampling::directions_follow_their_densities`,
-/// `laws_sampling::weights_of_visible_normals_are_shadowing_alone`).
+/// Law: histogram, and the weight G₂/G₁ (`laws::sampling::directions_follow_their_densities`,
+/// `laws::sampling::weights_of_visible_normals_are_shadowing_alone`).
 /// Source: Dupuy and Benyoub 2023, "Sampling visible GGX normals with spherical caps", listing 3.
 #[inline(always)]
 pub fn ggx_visible_normal<L: Lane>(v: Vec3<L>, alpha: [L; 2], u: [L; 2]) -> Vec3<L> {
@@ -84,7 +84,7 @@ pub fn ggx_visible_normal<L: Lane>(v: Vec3<L>, alpha: [L; 2], u: [L; 2]) -> Vec3
 /// The density of the directions `l` that [`ggx_visible_normal`] mirrors the viewer to, D_v(h) / (4 v·h) = G₁(v) D(h) /
 /// (4 n·v); 0 where h points down.
 ///
-/// Law: integrates to 1 over the sphere (`laws_sampling::densities_integrate_to_one`).
+/// Law: integrates to 1 over the sphere (`laws::sampling::densities_integrate_to_one`).
 /// Source: Heitz 2018, "Sampling the GGX distribution of visible normals", eq. 3 and 17; D and G₁ of Heitz 2014, eq. 85
 /// and 86.
 #[inline(always)]
@@ -142,7 +142,7 @@ impl<L: Lane> Lobes<L> {
     /// wider skirts than GGX.
     ///
     /// `n_dot_v` in (0, 1].
-    /// Law: sampled albedos agree with the quadrature (`laws_sampling::the_furnace_by_sampling_is_that_by_quadrature`).
+    /// Law: sampled albedos agree with the quadrature (`laws::sampling::the_furnace_by_sampling_is_that_by_quadrature`).
     #[inline(always)]
     pub fn of(shading: Shading, s: &Substance<L>, n_dot_v: L) -> Self {
         let (zero, one) = (n_dot_v.lit(0.0), n_dot_v.lit(1.0));
@@ -183,7 +183,7 @@ impl<L: Lane> Lobes<L> {
 
     /// The density with which [`Self::direction`] gives `l` (unit) for the same viewer.
     ///
-    /// Law: integrates to 1 (`laws_sampling::densities_integrate_to_one`).
+    /// Law: integrates to 1 (`laws::sampling::densities_integrate_to_one`).
     #[inline(always)]
     pub fn pdf(&self, v: Vec3<L>, l: Vec3<L>) -> L {
         let (zero, one) = (l.z.lit(0.0), l.z.lit(1.0));

@@ -8,7 +8,7 @@ use crate::math::{Lane, Vec3};
 ///
 /// `n` unit; heights in model units; u and v are any two parameters: uvs, or the pixels of the screen. Zero where
 /// the derivatives of position span no area.
-/// Law: the gradient of a linear ramp tilts a plane exactly (`laws_maps::bump_of_a_ramp_is_the_tilted_plane`).
+/// Law: the gradient of a linear ramp tilts a plane exactly (`laws::maps::bump_of_a_ramp_is_the_tilted_plane`).
 /// Source: Mikkelsen 2020, "Surface gradient–based bump mapping framework", JCGT 9(3), eq. 4.
 #[inline(always)]
 pub fn surface_gradient<L: Lane>(n: Vec3<L>, dp_du: Vec3<L>, dp_dv: Vec3<L>, dh_du: L, dh_dv: L) -> Vec3<L> {

@@ -29,7 +29,7 @@ pub fn decode_object_normal<L: Lane>(rgb: Vec3<L>) -> Vec3<L> {
 
 /// The linear colour in [0, 1] that stores the unit vector `n`, green up: (n + 1) / 2.
 ///
-/// Law: decoding it gives `n` back within the quantum of the channel (`laws_maps::decode_undoes_encode`).
+/// Law: decoding it gives `n` back within the quantum of the channel (`laws::maps::decode_undoes_encode`).
 #[inline(always)]
 pub fn encode_normal<L: Lane>(n: Vec3<L>) -> Vec3<L> {
     let half = n.x.lit(0.5);
@@ -41,7 +41,7 @@ pub fn encode_normal<L: Lane>(n: Vec3<L>) -> Vec3<L> {
 /// `n` and `t` are interpolated between vertices and *not* normalised, as MikkTSpace demands: bakers invert
 /// exactly this. `n` itself where the sum is zero.
 ///
-/// Laws: (0, 0, 1) gives `n`; a tilted map is a tilted frame (`laws_maps`).
+/// Laws: (0, 0, 1) gives `n`; a tilted map is a tilted frame (`laws::maps`).
 /// Source: Mikkelsen 2008, "Simulation of wrinkled surfaces revisited"; glTF 2.0 §3.7.2.1.
 #[inline(always)]
 pub fn tangent_normal<L: Lane>(n: Vec3<L>, t: Vec3<L>, handedness: L, map: Vec3<L>) -> Vec3<L> {
@@ -55,7 +55,7 @@ pub fn tangent_normal<L: Lane>(n: Vec3<L>, t: Vec3<L>, handedness: L, map: Vec3<
 /// The frame is taken as it is interpolated, neither unit nor orthogonal, and inverted exactly (Cramer's rule); its
 /// transpose would be off by as much as the frame is from orthonormal. (0, 0, 1) where the frame spans no volume.
 ///
-/// Law: `tangent_normal` gives the direction of `v` back (`laws_maps::tangent_space_has_a_true_inverse`).
+/// Law: `tangent_normal` gives the direction of `v` back (`laws::maps::tangent_space_has_a_true_inverse`).
 #[inline(always)]
 pub fn tangent_space_normal<L: Lane>(n: Vec3<L>, t: Vec3<L>, handedness: L, v: Vec3<L>) -> Vec3<L> {
     let b = n.cross(t) * handedness;

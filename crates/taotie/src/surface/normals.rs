@@ -24,7 +24,7 @@ pub fn facet_normal(corners: [Vec3; 3]) -> Option<Vec3> {
 /// smooth. Triangles without area are passed over. Where the sum cancels, the vertex takes the normal of its
 /// first triangle; where there is none, (0, 0, 1).
 ///
-/// Law: independent of how a flat polygon is split into triangles (`laws_surface::normals_ignore_the_triangulation`).
+/// Law: independent of how a flat polygon is split into triangles (`laws::surface::normals_ignore_the_triangulation`).
 /// Source: Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets".
 pub fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
     let places = weld::by_position(mesh.positions());

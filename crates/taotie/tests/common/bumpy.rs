@@ -1,7 +1,5 @@
 //! Models to be written: a sphere with every vertex attribute, and bitmaps of every slot.
 
-#![allow(dead_code, reason = "each test uses a part")]
-
 use taotie::image::{Bitmap, Texels};
 use taotie::math::{Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};

@@ -1,6 +1,4 @@
 //! How far points lie from a surface: exact, by a grid of cells, and not by the library's own rays.
-#![allow(dead_code)]
-
 use std::collections::HashMap;
 use taotie::math::Vec3;
 use taotie::mesh::Mesh;

@@ -1,6 +1,4 @@
 //! Spheres that each show one finish of a surface, and a sky with a lamp in it.
-#![allow(dead_code)]
-
 use crate::scenes::{embossed_sphere, instance, plain, texture};
 use crate::skies::equirect;
 use std::f64::consts::TAU;

@@ -1,7 +1,5 @@
 //! Small glTF files made for a test, and what every reader promises about what it read.
 
-#![allow(dead_code, reason = "each test uses a part")]
-
 use std::path::Path;
 use taotie::image::Encoding;
 use taotie::io::{Loaded, load_model};

@@ -1,6 +1,4 @@
 //! Surfaces that break what is written for tidy ones.
-#![allow(dead_code)]
-
 use crate::random::Random;
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};

@@ -1,6 +1,4 @@
 //! Pictures by others beside ours, on a page.
-#![allow(dead_code, reason = "each test uses a part")]
-
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use taotie::image::{Encoding, Image, Texels};

@@ -1,7 +1,6 @@
 //! Pseudo-random numbers and directions that are the same on every run.
-#![allow(dead_code)]
 
-use taotie::math::{Vec3, scalar};
+use taotie::math::Vec3;
 
 /// A linear congruential generator; the number is its seed.
 pub struct Random(pub u64);
@@ -22,9 +21,4 @@ impl Random {
     pub fn unit(&mut self) -> Vec3<f64> {
         self.vector().normalize()
     }
-}
-
-/// The angle between two vectors, radians; good to the last digits for small angles too.
-pub fn angle(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
-    scalar::atan2(a.cross(b).length(), a.dot(b))
 }

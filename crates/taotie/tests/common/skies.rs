@@ -1,6 +1,4 @@
 //! Environments made by code, and integrals over an environment's picture by adding up all of its texels.
-#![allow(dead_code)]
-
 use crate::random::Random;
 use std::f64::consts::{PI, TAU};
 use taotie::image::Image;
@@ -12,11 +10,6 @@ pub fn direction(u: f64, v: f64) -> Vec3<f64> {
     let (azimuth, polar) = ((u - 0.5) * TAU, v * PI);
     let ring = scalar::sin(polar);
     Vec3::new(ring * scalar::cos(azimuth), scalar::cos(polar), ring * scalar::sin(azimuth))
-}
-
-/// The place of a direction.
-pub fn uv(d: Vec3<f64>) -> [f64; 2] {
-    [scalar::atan2(d.z, d.x) / TAU + 0.5, scalar::acos(d.y.clamp(-1.0, 1.0)) / PI]
 }
 
 /// The solid angle of a texel in row `y` of a picture `width` wide and half as high.
@@ -56,15 +49,6 @@ pub fn texels(image: &Image) -> impl Iterator<Item = (Vec3<f64>, Vec3<f64>, f64)
         let d = direction((x as f64 + 0.5) / width as f64, (y as f64 + 0.5) / height as f64);
         (d, Vec3::new(*r, *g, *b).to_f64(), solid_angle(width, y))
     })
-}
-
-/// ∫ L (n·l)⁺ dl over all texels.
-pub fn brute_irradiance(image: &Image, n: Vec3<f64>) -> Vec3<f64> {
-    let mut sum = Vec3::splat(0.0);
-    for (l, light, angle) in texels(image) {
-        sum += light * (n.dot(l).max(0.0) * angle);
-    }
-    sum
 }
 
 /// All texels of a picture, to be added up.

@@ -1,6 +1,4 @@
 //! What renderers are asked to show.
-#![allow(dead_code)]
-
 use super::scenes;
 use std::path::Path;
 use std::sync::Arc;

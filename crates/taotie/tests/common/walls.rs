@@ -1,6 +1,4 @@
 //! A large wall of which all pixels are alike, so that pixels are independent samples of one number.
-#![allow(dead_code, clippy::print_stderr)]
-
 use super::scenes;
 use super::views::{View, surrounding};
 use taotie::image::Image;

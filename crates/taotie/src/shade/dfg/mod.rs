@@ -51,7 +51,7 @@ impl<L: Lane> Dfg<L> {
 /// Of the GGX lobe.
 ///
 /// `n_dot_v` and `roughness` in [0, 1]; α is the square of the roughness.
-/// Law: within 0.5 % of the quadrature (`laws_energy::tables_are_exact_between_their_nodes`).
+/// Law: within 0.5 % of the quadrature (`laws::energy::tables_are_exact_between_their_nodes`).
 /// Source: Karis 2013, "Real Shading in Unreal Engine 4", the second factor of the split sum; computed by quadrature.
 pub fn of_ggx(n_dot_v: f32, roughness: f32) -> Dfg<f32> {
     from_array(bilinear(&ggx::TABLE, n_dot_v, roughness))
@@ -60,7 +60,7 @@ pub fn of_ggx(n_dot_v: f32, roughness: f32) -> Dfg<f32> {
 /// Of the Cook-Torrance lobe: Beckmann's distribution between V-shaped cavities.
 ///
 /// `n_dot_v` in [0, 1]; `slope` at least 0, beyond 1 taken as 1.
-/// Law: within 0.5 % of the quadrature (`laws_energy::tables_are_exact_between_their_nodes`).
+/// Law: within 0.5 % of the quadrature (`laws::energy::tables_are_exact_between_their_nodes`).
 pub fn of_cook_torrance(n_dot_v: f32, slope: f32) -> Dfg<f32> {
     from_array(bilinear(&cook_torrance::TABLE, n_dot_v, slope.max(0.0).sqrt()))
 }
@@ -71,7 +71,7 @@ pub fn of_cook_torrance(n_dot_v: f32, slope: f32) -> Dfg<f32> {
 /// roughness below 0.3.
 ///
 /// `n_dot_v` and `roughness` in [0, 1].
-/// Law: within 1 % of the quadrature (`laws_energy::fibres_reflect_what_their_table_says_and_no_more_than_arrives`).
+/// Law: within 1 % of the quadrature (`laws::energy::fibres_reflect_what_their_table_says_and_no_more_than_arrives`).
 pub fn of_sheen(n_dot_v: f32, roughness: f32) -> f32 {
     bilinear(&sheen::TABLE, n_dot_v, roughness)[0]
 }

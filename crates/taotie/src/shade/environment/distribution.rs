@@ -14,7 +14,7 @@ const FLOOR: f64 = 0.02;
 /// brightest that filtered lookup within the cell finds.
 ///
 /// Law: samples fall as the density says, which integrates to 1; radiance / density is bounded
-/// (`laws_environment`).
+/// (`laws::environment`).
 /// Source: Pharr, Jakob and Humphreys 2023, §12.5.2; constant in solid angle instead of in uv.
 #[derive(Debug, Clone)]
 pub(super) struct Distribution {

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 /// The irradiance as a polynomial of degree 2 in the normal: what spherical harmonics up to l = 2 give, with all
 /// constants multiplied in. In the order 1, y, z, x, xy, yz, 3z² − 1, xz, x² − y².
 ///
-/// Law: exact for light of the second degree (`laws_environment::irradiance_of_light_of_the_second_degree_is_exact`).
+/// Law: exact for light of the second degree (`laws::environment::irradiance_of_light_of_the_second_degree_is_exact`).
 /// Source: Ramamoorthi and Hanrahan 2001, eq. 7, 8 and 10.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IrradianceHarmonics(pub [Vec3; 9]);

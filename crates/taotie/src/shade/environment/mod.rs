@@ -89,7 +89,7 @@ impl Environment {
     /// The irradiance on a plane with the unit normal `n`, linear RGB: π times the level of roughness 1, whose lobe is the
     /// cosine.
     ///
-    /// Law: within 2 % of the integral over all texels (`laws_environment::irradiance_is_the_integral_over_all_texels`).
+    /// Law: within 2 % of the integral over all texels (`laws::environment::irradiance_is_the_integral_over_all_texels`).
     pub fn irradiance(&self, n: Vec3) -> Vec3 {
         self.levels.at(n, 1.0, || self.radiance(n)) * std::f32::consts::PI
     }

@@ -66,7 +66,7 @@ const PANELS: [Panel; 4] = [
 /// An equirectangular picture of the studio, linear and grey, so that what it lights keeps its colour.
 ///
 /// Law: its bits are those of [`STUDIO_VERSION`], and its irradiance is what its exposure says
-/// (`laws_environment::the_studio_*`).
+/// (`laws::environment::the_studio_*`).
 pub fn studio() -> Image {
     let height = WIDTH / 2;
     let mut image = Image::new(WIDTH, height, [1.0; 4]).expect("the size is allowed");

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_1_PI;
 /// f · n·l = ρ/π · n·l
 ///
 /// ρ is the base colour, whatever `metallic` says.
-/// Law: reflects exactly ρ of the light (`laws_shade::lambert_reflects_its_colour`).
+/// Law: reflects exactly ρ of the light (`laws::shade::lambert_reflects_its_colour`).
 /// Source: Lambert 1760.
 #[inline(always)]
 pub(super) fn lambert<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
@@ -21,7 +21,7 @@ pub(super) fn lambert<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
 /// L = k_d n·l + k_s ((r·v)⁺)^s
 ///
 /// Ambient light is the caller's.
-/// Law: none of the physical ones (`laws_shade::unphysical_models_earn_their_names`).
+/// Law: none of the physical ones (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: Phong 1975; the seed paper's eq. 1, 3 and §1.2.
 #[inline(always)]
 pub(super) fn phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
@@ -34,7 +34,7 @@ pub(super) fn phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
 ///
 /// The factor is a handy approximation: where C_diff + C_spec = 1, up to 7.5 % more light is reflected than arrives
 /// (s = 9, seen along the normal).
-/// Law: reciprocity; energy ≤ 1.0755 (`laws_shade::physical_models_stay_within_energy`).
+/// Law: reciprocity; energy ≤ 1.0755 (`laws::shade::physical_models_stay_within_energy`).
 /// Source: Blinn 1977; normalisation of Akenine-Möller, Haines and Hoffman, Real-Time Rendering, 3rd ed., eq. 7.49.
 #[inline(always)]
 pub(super) fn blinn_phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
@@ -47,7 +47,7 @@ pub(super) fn blinn_phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
 ///
 /// L = C_diff n·l + C_spec (n·h)^s
 ///
-/// Law: none of the physical ones (`laws_shade::unphysical_models_earn_their_names`).
+/// Law: none of the physical ones (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: Blinn 1977; the article's first formula.
 #[inline(always)]
 pub(super) fn blinn_phong_classic<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {

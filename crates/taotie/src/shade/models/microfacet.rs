@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_1_PI;
 /// f · n·l = k_d/π · n·l + k_s D_beckmann G_v_cavity F / (4 n·v), the n·l of the denominator cancelled
 ///
 /// `diffuse` is k_d times the surface's colour, `specular` is k_s. Ambient light is the caller's.
-/// Law: reciprocity; energy ≤ 1 where k_d + k_s ≤ 1 (`laws_shade`).
+/// Law: reciprocity; energy ≤ 1 where k_d + k_s ≤ 1 (`laws::shade`).
 /// Source: Cook and Torrance 1982, eq. 1–5, with 4 for their π (Torrance and Sparrow 1967; Walter et al. 2007, eq. 20).
 #[inline(always)]
 pub(super) fn cook_torrance<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
@@ -33,8 +33,8 @@ pub(super) fn cook_torrance<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L>
 /// over all angles); and a rough metal loses light, 1 − ln 2 of it remain at roughness 1 along the normal. With
 /// compensation F in the highlight is multiplied by its gain and 1 − F gives way to what is transmitted: both white
 /// surfaces then return exactly what arrives.
-/// Law: reciprocity, energy ≤ 1 for metals, white furnace (`laws_shade::white_furnace_of_ggx`, `laws_energy`,
-/// `laws_shade::a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only`).
+/// Law: reciprocity, energy ≤ 1 for metals, white furnace (`laws::shade::white_furnace_of_ggx`, `laws::energy`,
+/// `laws::shade::a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only`).
 /// Source: glTF 2.0 specification, appendix B.3; Walter et al. 2007; Heitz 2014; Turquin 2019.
 #[inline(always)]
 pub(super) fn ggx<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {

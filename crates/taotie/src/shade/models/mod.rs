@@ -12,7 +12,7 @@ use crate::math::{Lane, Vec3};
 /// That is f · (n·l)⁺ for the physical models and the printed expression for the others. Zero where n·l ≤ 0, but
 /// for `ggx-printed`, whose diffuse part has no n·l at all. Finite for every substance in the ranges that
 /// [`Substance`] states and any [`Angles::new`].
-/// Law: reciprocity and energy of the physical models (`laws_shade`), every value (`oracle_shade`).
+/// Law: reciprocity and energy of the physical models (`laws::shade`), every value (`oracle::shade`).
 #[inline(always)]
 pub fn reflect<L: Lane>(shading: Shading, s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
     match shading {

@@ -18,7 +18,7 @@ const MIN_N_DOT_L: f64 = 1e-6;
 /// Against [`super::microfacet::cook_torrance`]: the Fresnel exponent is 2 instead of 5; the highlight lacks the
 /// factor n·l of the irradiance and is four times as strong; the diffuse part lacks 1/π. (D without 1/π and F/π
 /// are the right 1/π in another place.) Ambient light is the caller's.
-/// Law: neither reciprocal nor within energy (`laws_shade::unphysical_models_earn_their_names`).
+/// Law: neither reciprocal nor within energy (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: the seed paper's eq. 1–8.
 #[inline(always)]
 pub(super) fn cook_torrance_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
@@ -36,7 +36,7 @@ pub(super) fn cook_torrance_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) ->
 /// L = (C_diff/π + (m + 8)/(8π) C_spec (n·h)⁵) n·l
 ///
 /// The exponent is 5 whatever m = `shininess` says, so a higher m is brighter instead of sharper.
-/// Law: not within energy for large m (`laws_shade::unphysical_models_earn_their_names`).
+/// Law: not within energy for large m (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: the article's shader `Custom/BlinnPhong`.
 #[inline(always)]
 pub(super) fn blinn_phong_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
@@ -56,7 +56,7 @@ pub(super) fn blinn_phong_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> V
 /// turned away from the light is lit. The shader stores F, k_d and k_s in scalars, which keeps the **first channel
 /// of F0 alone**: so do we, and the highlight is grey. The bits of its half floats are not imitated. α is at
 /// least 1e-3, since the shader's D is 0/0 at roughness 0.
-/// Law: neither reciprocal nor dark at n·l = 0 (`laws_shade::unphysical_models_earn_their_names`).
+/// Law: neither reciprocal nor dark at n·l = 0 (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: the article's shader `Custom/BRDF`.
 #[inline(always)]
 pub(super) fn ggx_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {

@@ -1,0 +1,54 @@
+//! Why relief of a moving surface is stored in tangent space: the demo's vessel pours, and its normals are compared with
+//! those of its relief as geometry.
+
+use taotie::compare::Summary;
+use taotie::image::{Encoding, Texture};
+use taotie::scene::{NormalSpace, Orbit, Scene};
+use taotie_cli::jue::pour::{Eye, POURED, Pouring, Truth, angular_errors};
+use taotie_cli::jue::{displaced_mesh, object_normal_map, scene};
+
+const MAPS: u32 = 2048;
+/// Half as fine as the finest lines.
+const FINEST: f64 = 0.0004;
+
+fn in_object_space(mut scene: Scene) -> Scene {
+    for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
+        map.space = NormalSpace::Object;
+        scene.textures[map.texture.texture] = Texture::new(object_normal_map(MAPS), Encoding::Normal);
+    }
+    scene
+}
+
+/// The whole vessel from the front.
+fn eye(scene: &Scene) -> Eye {
+    let bounds = scene.bounds().unwrap();
+    let orbit = Orbit {
+        azimuth: 24f64.to_radians(),
+        elevation: 15f64.to_radians(),
+        distance: 0.4,
+        target: bounds.center(),
+        fov_y: 26f64.to_radians(),
+    };
+    Eye { camera: orbit.camera(bounds.diagonal()), side: 720 }
+}
+
+#[test]
+fn object_space_normals_fail_on_a_moving_surface_and_tangent_space_normals_do_not() {
+    let at_rest = scene(MAPS);
+    let (displaced, eye) = (displaced_mesh(FINEST), eye(&at_rest));
+    let truths = [0.0, POURED].map(|seconds| Truth::at(&displaced, seconds).unwrap());
+    let errors = |scene: Scene| -> [Summary; 2] {
+        let errors = angular_errors(&mut Pouring::new(scene).unwrap(), &truths, &eye).unwrap();
+        println!("{:?} to {:?}", errors[0], errors[1]);
+        assert!(errors.iter().all(|e| e.count > 50_000), "the vessel fills the picture");
+        errors
+    };
+    let object = errors(in_object_space(at_rest.clone()));
+    let tangent = errors(at_rest);
+    // At rest the two say the same; what is left there is resolution and facets.
+    assert!((object[0].mean - tangent[0].mean).abs() < 1.0 && tangent[0].mean < 8.0);
+    let grown = |e: &[Summary; 2]| e[1].mean - e[0].mean;
+    println!("object space grows by {:.2}°, tangent space by {:.2}°", grown(&object), grown(&tangent));
+    assert!(grown(&object) > 10.0, "normals that stand still under a surface turned by 45°");
+    assert!(grown(&tangent).abs() < 1.0, "normals that go with the surface");
+}

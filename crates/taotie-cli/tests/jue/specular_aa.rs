@@ -1,0 +1,210 @@
+//! Relief finer than a pixel does not sparkle: a turntable of the demo's vessel, polished, against 64 samples a pixel.
+
+use taotie::Progress;
+use taotie::film::{Development, develop8, develop16};
+use taotie::image::{Bitmap, Encoding, Image, Texels, Texture};
+use taotie::math::{Mat4, Vec3};
+use taotie::mesh::Mesh;
+use taotie::render::{Lighting, Pass, Prepared, RenderSettings, render};
+use taotie::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
+use taotie_cli::jue;
+
+/// Pictures of the turntable, and the angle between two.
+const PICTURES: usize = 12;
+const STEP: f64 = 0.3;
+
+/// The vessel with its normal map, of one polished metal.
+fn polished_vessel() -> Scene {
+    let mut scene = jue::scene(1024);
+    for material in &mut scene.materials {
+        *material = Material {
+            base_color: [0.95, 0.75, 0.5, 1.0],
+            metallic: 1.0,
+            roughness: 0.2,
+            normal: material.normal,
+            ..Material::default()
+        };
+    }
+    scene
+}
+
+fn camera(scene: &Scene) -> Camera {
+    let bounds = scene.bounds().unwrap();
+    let [azimuth, elevation, fov_y] = [24.0f64, 15.0, 26.0].map(f64::to_radians);
+    let orbit = Orbit { azimuth, elevation, distance: 0.55, target: bounds.center(), fov_y };
+    orbit.camera(bounds.diagonal())
+}
+
+fn lamp() -> Lighting {
+    let kind = LightKind::Directional { direction: Vec3::new(-0.5, -0.6, -0.62).normalize() };
+    let lamp = Light { name: String::new(), kind, color: Vec3::splat(2.0), falloff: Falloff::None };
+    Lighting { lights: vec![lamp], ..Lighting::default() }
+}
+
+fn turned(scene: &Scene, degrees: f64) -> Scene {
+    let mut turned = scene.clone();
+    for instance in &mut turned.instances {
+        instance.world_from_object =
+            Mat4::rotation_about(Vec3::new(0.0, 1.0, 0.0), degrees.to_radians()) * instance.world_from_object;
+    }
+    turned
+}
+
+fn halved(image: &Image) -> Image {
+    let (width, height) = (image.width() / 2, image.height() / 2);
+    let mut half = Image::new(width, height, [0.0; 4]).unwrap();
+    for (i, mean) in half.pixels_mut().iter_mut().enumerate() {
+        let (x, y) = (i as u32 % width * 2, i as u32 / width * 2);
+        for pixel in [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| image.pixel(x + dx, y + dy)) {
+            for (mean, value) in mean.iter_mut().zip(pixel) {
+                *mean += value / 4.0;
+            }
+        }
+    }
+    half
+}
+
+/// The turntable's pictures at `side` × `side` pixels, developed: display values in [0, 1], and linear ones.
+fn take(scene: &Scene, side: u32, samples: u32, specular_aa: bool) -> Vec<Image> {
+    let camera = camera(scene);
+    let settings =
+        RenderSettings { width: side, height: side, samples, specular_aa, ..RenderSettings::default() };
+    let picture = |i: usize| {
+        let scene = turned(scene, i as f64 * STEP);
+        let prepared = Prepared::new(&scene, &settings.surface).unwrap();
+        Pass::new(&prepared, &camera, &lamp(), &settings).unwrap().render(Progress::SILENT).unwrap().color
+    };
+    (0..PICTURES).map(picture).collect()
+}
+
+/// 64 samples a pixel.
+fn truth(scene: &Scene, side: u32) -> Vec<Image> {
+    take(scene, side * 2, 16, false).iter().map(halved).collect()
+}
+
+/// Luminance as shown, [0, 1].
+fn shown(image: &Image) -> Vec<f64> {
+    let development = Development { background: Some(Vec3::splat(0.0)), ..Development::default() };
+    let codes = develop16(image, &development).unwrap();
+    codes.iter().map(|[r, g, b, _]| luminance([*r, *g, *b].map(|v| f64::from(v) / 65535.0))).collect()
+}
+
+fn linear(image: &Image) -> Vec<f64> {
+    image.pixels().iter().map(|[r, g, b, _]| luminance([*r, *g, *b].map(f64::from))).collect()
+}
+
+fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// How pictures of a turntable differ from the truth.
+#[derive(Debug)]
+struct Figures {
+    /// The root of the mean variance over time of (picture − truth).
+    flicker: f64,
+    /// The root of the mean square of (picture − truth).
+    error: f64,
+    /// Mean of the pictures over mean of the truth, where the truth is bright.
+    highlights: f64,
+    /// Mean of the pictures over mean of the truth.
+    mean: f64,
+}
+
+fn compare(pictures: &[Vec<f64>], truths: &[Vec<f64>], covered: &[usize]) -> Figures {
+    let count = pictures.len() as f64;
+    let (mut variance, mut square, mut sums, mut bright) = (0.0, 0.0, [0.0; 2], [0.0; 2]);
+    let mut ranked: Vec<f64> = covered.iter().map(|p| truths[0][*p]).collect();
+    ranked.sort_by(f64::total_cmp);
+    let threshold = ranked[ranked.len() * 9 / 10];
+    for &p in covered {
+        let errors: Vec<f64> = pictures.iter().zip(truths).map(|(a, b)| a[p] - b[p]).collect();
+        let mean = errors.iter().sum::<f64>() / count;
+        variance += errors.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / count;
+        square += errors.iter().map(|e| e * e).sum::<f64>() / count;
+        for (a, b) in pictures.iter().zip(truths) {
+            sums[0] += a[p];
+            sums[1] += b[p];
+            if b[p] > threshold {
+                bright[0] += a[p];
+                bright[1] += b[p];
+            }
+        }
+    }
+    let pixels = covered.len() as f64;
+    Figures {
+        flicker: (variance / pixels).sqrt(),
+        error: (square / pixels).sqrt(),
+        highlights: bright[0] / bright[1],
+        mean: sums[0] / sums[1],
+    }
+}
+
+fn covered(truths: &[Image]) -> Vec<usize> {
+    (0..truths[0].pixels().len()).filter(|i| truths.iter().all(|t| t.pixels()[*i][3] == 1.0)).collect()
+}
+
+/// The figures of luminance by `of`.
+fn figures(pictures: &[Image], truths: &[Image], of: fn(&Image) -> Vec<f64>) -> Figures {
+    let every = |images: &[Image]| images.iter().map(of).collect::<Vec<_>>();
+    compare(&every(pictures), &every(truths), &covered(truths))
+}
+
+#[test]
+fn polished_relief_sparkles_less_and_is_nearer_to_the_truth() {
+    let scene = polished_vessel();
+    let side = std::env::var("TAOTIE_SIDE").map_or(256, |side| side.parse().expect("pixels"));
+    let truths = truth(&scene, side);
+    let [off, on] = [false, true].map(|specular_aa| take(&scene, side, 1, specular_aa));
+    for (name, pictures) in [("off", &off), ("on", &on)] {
+        println!("{name}, linear: {:?}", figures(pictures, &truths, linear));
+        println!("{name}, shown: {:?}", figures(pictures, &truths, shown));
+    }
+    let [off, on] = [off, on].map(|pictures| figures(&pictures, &truths, linear));
+    let variance = |f: &Figures| f.flicker * f.flicker;
+    // Measured: 0.22 of the variance, 0.60 of the error; 0.71 of the light where the truth is brightest, off 0.69.
+    assert!(variance(&on) < 0.5 * variance(&off), "{on:?} {off:?}");
+    assert!(on.error < 0.7 * off.error, "{on:?} {off:?}");
+    // Without it a third of the light is lost. With it a third too much comes: facets that would be hidden or turned
+    // away are not known to a mean and its length.
+    assert!((on.mean - 1.0).abs() < 0.4 && off.mean < 0.8, "{on:?} {off:?}");
+    assert!(on.highlights > off.highlights, "{on:?} {off:?}");
+}
+
+/// The greatest difference of codes of 255 between a picture with and without.
+fn greatest_difference(scene: &Scene, camera: &Camera, lighting: &Lighting) -> u8 {
+    let picture = |specular_aa| {
+        let settings =
+            RenderSettings { width: 128, height: 128, samples: 1, specular_aa, ..RenderSettings::default() };
+        let image = render(scene, camera, lighting, &settings).unwrap().color;
+        assert!(linear(&image).iter().any(|light| *light > 1.0), "a highlight is in the picture");
+        develop8(&image, &Development::default()).unwrap()
+    };
+    let (off, on) = (picture(false), picture(true));
+    let pairs = off.as_flattened().iter().zip(on.as_flattened());
+    pairs.map(|(off, on)| off.abs_diff(*on)).max().unwrap()
+}
+
+/// A patch of a sphere whose radius is a thousand pixels, with a flat normal map.
+#[test]
+fn flat_maps_and_gentle_bends_are_left_alone() {
+    let flat = Bitmap::new(64, 64, 3, Texels::U8(vec![[128, 128, 255, 255]; 64 * 64])).unwrap();
+    let mut scene = polished_vessel();
+    let normal = scene.materials[0].normal.map(|mut map| {
+        map.texture.texture = 0;
+        map
+    });
+    scene.materials[0].normal = normal;
+    scene.textures = vec![Texture::new(flat, Encoding::Normal)];
+    scene.meshes = vec![Mesh::sphere(1.0, 96, 48)];
+    scene.instances.truncate(1);
+    scene.instances[0].world_from_object = Mat4::IDENTITY;
+    let orbit = Orbit { azimuth: 0.5, elevation: 0.3, distance: 3.4, target: Vec3::splat(0.0), fov_y: 0.05 };
+    let camera = orbit.camera(2.0);
+    let back = camera.world_from_view.axis(2).to_f32();
+    let kind = LightKind::Directional { direction: -back };
+    let lamp = Light { name: String::new(), kind, color: Vec3::splat(0.3), falloff: Falloff::None };
+    let lighting = Lighting { lights: vec![lamp], ..Lighting::default() };
+    let difference = greatest_difference(&scene, &camera, &lighting);
+    println!("{difference} of 255");
+    assert!(difference <= 1, "{difference}");
+}

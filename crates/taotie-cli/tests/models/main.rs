@@ -1,0 +1,12 @@
+//! The command on scans and models by others, on broken files, and its demo.
+
+#[path = "../../../taotie/tests/common/mod.rs"]
+mod common;
+#[path = "../../../taotie/tests/common/files.rs"]
+mod files;
+#[path = "../../../taotie/tests/common/validator.rs"]
+mod validator;
+
+mod bake_scans;
+mod demo;
+mod models_by_others;

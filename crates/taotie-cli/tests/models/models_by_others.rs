@@ -1,0 +1,138 @@
+//! Models and broken files by others: a picture, or one line that names the file.
+
+use crate::common::data_folder;
+use crate::files::{all_files_below, files_below};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+use taotie::image::Texels;
+use taotie::io::read_bitmap;
+use tempfile::TempDir;
+
+/// What any file may take.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// How a run ended: the exit code, `None` where it was killed or crashed, and stderr.
+struct Ending {
+    code: Option<i32>,
+    stderr: String,
+}
+
+/// Runs the command in `folder` and kills it after [`LONGEST`]. Output goes to files, so that no pipe can fill up.
+fn run(folder: &Path, arguments: &[&Path]) -> Ending {
+    let create = |name: &str| File::create(folder.join(name)).expect("the folder can be written to");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_taotie"))
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(create("stdout"))
+        .stderr(create("stderr"))
+        .spawn()
+        .expect("the command starts");
+    let start = Instant::now();
+    let code = loop {
+        if let Some(status) = child.try_wait().expect("the command can be waited for") {
+            break status.code();
+        }
+        if start.elapsed() > LONGEST {
+            child.kill().expect("the command can be killed");
+            child.wait().expect("the command ends");
+            break None;
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    };
+    let stderr = std::fs::read(folder.join("stderr")).expect("the folder is readable");
+    Ending { code, stderr: String::from_utf8_lossy(&stderr).into_owned() }
+}
+
+const SMALL: [&str; 6] = ["--size", "64x64", "--samples", "1", "--background", "transparent"];
+
+fn render(folder: &Path, model: &Path, more: &[&Path]) -> Ending {
+    let picture = folder.join("out.png");
+    let _ = std::fs::remove_file(&picture);
+    let fixed = ["render".as_ref(), model, "-o".as_ref(), &picture];
+    let arguments: Vec<&Path> =
+        fixed.into_iter().chain(SMALL.iter().map(Path::new)).chain(more.iter().copied()).collect();
+    run(folder, &arguments)
+}
+
+/// Whether anything can be seen in the transparent picture.
+fn shows_something(picture: &Path) -> bool {
+    let bitmap = read_bitmap(picture).expect("the picture can be read");
+    matches!(bitmap.texels(), Texels::U8(texels) if texels.iter().any(|texel| texel[3] > 0))
+}
+
+/// Whether the only line is an error that names the file.
+fn is_one_line_about(stderr: &str, file: &Path) -> bool {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    stderr.lines().count() == 1 && stderr.starts_with("taotie: error: ") && stderr.contains(&*name)
+}
+
+/// What is wrong with how a model was rendered.
+fn fault(folder: &Path, model: &Path, ending: &Ending) -> Option<String> {
+    let right = match ending.code {
+        Some(0) => shows_something(&folder.join("out.png")),
+        Some(2) => is_one_line_about(&ending.stderr, model) && !folder.join("out.png").exists(),
+        _ => false,
+    };
+    let name = model.display();
+    (!right).then(|| format!("{name}: exit code {:?}\n{}", ending.code, ending.stderr))
+}
+
+/// What no file at all may do.
+fn crash(file: &Path, ending: &Ending) -> Option<String> {
+    let right = matches!(ending.code, Some(0 | 2)) && !ending.stderr.contains("panicked");
+    (!right).then(|| format!("{}: exit code {:?}\n{}", file.display(), ending.code, ending.stderr))
+}
+
+fn none(faults: &[String]) {
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}
+
+fn temporary() -> TempDir {
+    tempfile::tempdir().expect("temporary folders can be made")
+}
+
+#[test]
+fn every_sample_asset_renders_or_says_why_not() {
+    let Some(data) = data_folder("khronos-gltf-sample-assets") else { return };
+    let folder = temporary();
+    let models = files_below(&data, &["gltf", "glb", "obj"]);
+    assert!(!models.is_empty(), "{} holds no model", data.display());
+    let check = |model: &PathBuf| fault(folder.path(), model, &render(folder.path(), model, &[]));
+    none(&models.iter().filter_map(check).collect::<Vec<_>>());
+}
+
+#[test]
+fn every_broken_model_ends_in_a_picture_or_one_line() {
+    let Some(data) = data_folder("malformed-and-odd-inputs") else { return };
+    let folder = temporary();
+    let mut faults = Vec::new();
+    for model in files_below(&data, &["gltf", "glb", "obj", "ply", "stl"]) {
+        let ending = render(folder.path(), &model, &[]);
+        let lines = ending.code == Some(2) && !is_one_line_about(&ending.stderr, &model);
+        faults.extend(lines.then(|| format!("{}: not one line:\n{}", model.display(), ending.stderr)));
+        faults.extend(crash(&model, &ending));
+        faults.extend(crash(&model, &run(folder.path(), &["inspect".as_ref(), &model])));
+    }
+    none(&faults);
+}
+
+#[test]
+fn every_broken_file_can_be_given_as_a_model_or_a_texture() {
+    let Some(data) = data_folder("malformed-and-odd-inputs") else { return };
+    let folder = temporary();
+    let model = folder.path().join("a.obj");
+    std::fs::write(&model, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+        .expect("the folder can be written to");
+    let mut faults = Vec::new();
+    for file in all_files_below(&data) {
+        let as_texture = render(folder.path(), &model, &["--normal-map".as_ref(), &file]);
+        faults.extend(crash(&file, &as_texture));
+        let lines = as_texture.code == Some(2) && !is_one_line_about(&as_texture.stderr, &file);
+        faults.extend(lines.then(|| format!("{}: not one line:\n{}", file.display(), as_texture.stderr)));
+        faults.extend(crash(&file, &render(folder.path(), &file, &[])));
+    }
+    none(&faults);
+}

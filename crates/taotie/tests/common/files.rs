@@ -1,0 +1,26 @@
+//! The files of the test data by others.
+
+use std::path::{Path, PathBuf};
+
+/// Every file below `folder` whose extension, in lower case, is one of `extensions`; sorted.
+pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
+    let wanted = |path: &PathBuf| {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+        extension.is_some_and(|e| extensions.contains(&e.as_str()))
+    };
+    all_files_below(folder).into_iter().filter(wanted).collect()
+}
+
+/// Every file below `folder`; sorted.
+pub fn all_files_below(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut waiting = vec![folder.to_path_buf()];
+    while let Some(folder) = waiting.pop() {
+        for entry in std::fs::read_dir(&folder).expect("the folder is readable") {
+            let path = entry.expect("the folder is readable").path();
+            if path.is_dir() { waiting.push(path) } else { found.push(path) }
+        }
+    }
+    found.sort();
+    found
+}

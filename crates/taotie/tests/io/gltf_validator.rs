@@ -1,0 +1,91 @@
+//! The Khronos validator finds no fault in what is written as glTF.
+
+use crate::bumpy;
+use crate::validator;
+use taotie::io::{GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, Provenance, write_gltf};
+use taotie::mesh::Mesh;
+
+/// What the validator tells of sound files: extensions that it does not know, what only they use, and attributes that
+/// no texture needs.
+const KNOWN: [&str; 3] = ["UNSUPPORTED_EXTENSION", "UNUSED_OBJECT", "UNUSED_MESH_TANGENT"];
+
+/// Writes and validates; whether the validator was there.
+fn check(asset: &GltfAsset, format: &GltfFormat) -> bool {
+    let folder = tempfile::tempdir().unwrap();
+    ["m.glb", "a m.gltf"].iter().all(|name| {
+        let path = folder.path().join(name);
+        write_gltf(&path, asset, format).unwrap();
+        let Some(infos) = validator::assert_valid(&path) else { return false };
+        let unknown: Vec<_> = infos.iter().filter(|i| !KNOWN.iter().any(|k| i.starts_with(k))).collect();
+        assert!(unknown.is_empty(), "{unknown:#?}");
+        true
+    })
+}
+
+fn level(mesh: &Mesh) -> GltfLevel<'_> {
+    GltfLevel { mesh, coverage: None }
+}
+
+#[test]
+fn every_kind_of_file_is_valid() {
+    let maps = (bumpy::colors(16), bumpy::orm(16), bumpy::normals(16, 2), bumpy::deep_normals(16, 2));
+    let plain = GltfMaterial {
+        name: "clay",
+        base_color_map: Some((&maps.0).into()),
+        metallic_roughness_map: Some((&maps.1).into()),
+        occlusion_map: Some((&maps.1).into()),
+        normal_map: Some((&maps.2).into()),
+        ..GltfMaterial::default()
+    };
+    let deep = GltfMaterial { normal_map: Some((&maps.3).into()), ..plain };
+    let (fine, coarse, large) = (bumpy::sphere(24, 12), bumpy::sphere(12, 6), bumpy::sheet(257, 257));
+    let one = [level(&fine)];
+    let several =
+        [GltfLevel { mesh: &fine, coverage: Some(0.5) }, GltfLevel { mesh: &coarse, coverage: Some(0.1) }];
+    let large = [level(&large)];
+    let xmp = Provenance { source: "jug.ply", sha256: "00", tool: "a tool", parameters: "" }.extend(None);
+    let cases: [(&[GltfLevel], GltfMaterial); 5] = [
+        (&one, GltfMaterial::default()),
+        (&one, plain),
+        (&one, deep),
+        (&several, plain),
+        (&large, GltfMaterial::default()),
+    ];
+    for (levels, material) in cases {
+        for (meshopt, images) in [
+            (false, GltfImages::Png),
+            (true, GltfImages::Png),
+            (false, GltfImages::WebP),
+            (true, GltfImages::Ktx2),
+        ] {
+            let asset = GltfAsset {
+                name: "ball",
+                levels,
+                material,
+                copyright: Some("© nobody"),
+                xmp: Some(&xmp),
+                ..GltfAsset::default()
+            };
+            if !check(&asset, &GltfFormat { images, meshopt }) {
+                return;
+            }
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "ACCESSOR_INDEX_OOB")]
+fn a_fault_is_found() {
+    let (folder, mesh) = (tempfile::tempdir().unwrap(), bumpy::sheet(5, 5));
+    let path = folder.path().join("m.gltf");
+    write_gltf(&path, &GltfAsset { levels: &[level(&mesh)], ..GltfAsset::default() }, &GltfFormat::default())
+        .unwrap();
+    let numbers = folder.path().join("m.bin");
+    let mut bytes = std::fs::read(&numbers).unwrap();
+    // The last index lies at the end; this one names vertex 255.
+    let end = bytes.len() - 2;
+    bytes[end] = 255;
+    std::fs::write(&numbers, bytes).unwrap();
+    // Where there is no validator nothing can be found.
+    assert!(validator::assert_valid(&path).is_some(), "skipped: ACCESSOR_INDEX_OOB");
+}

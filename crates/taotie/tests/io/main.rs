@@ -1,0 +1,28 @@
+//! Reading and writing of meshes, glTF and pictures: sound files, odd files, broken files.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests say what they found")]
+
+#[path = "../common/bumpy.rs"]
+mod bumpy;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/damage.rs"]
+mod damage;
+#[path = "../common/files.rs"]
+mod files;
+#[path = "../common/gltf.rs"]
+mod gltf;
+#[path = "../common/validator.rs"]
+mod validator;
+
+mod animation;
+mod geometry;
+mod gltf_materials;
+mod gltf_packed;
+mod gltf_packed_write;
+mod gltf_pictures;
+mod gltf_read;
+mod gltf_textures;
+mod gltf_validator;
+mod gltf_write;
+mod mutations;
+mod scans;

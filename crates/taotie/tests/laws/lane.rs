@@ -1,0 +1,583 @@
+//! One formula, many machines: the same bits in `f32` and at every SIMD level, derivatives from a dual number and
+//! an expression graph from a recorder, all through the same functions.
+
+use fearless_simd::{Level, Simd, dispatch, f32x8, f32x16, prelude::*};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+use taotie::math::{Lane, Mask, Pack, SimdLevel, Vec3, poly, scalar};
+use taotie::names::Named;
+use taotie::shade::fresnel::{f_conductor, f_dielectric};
+use taotie::shade::lights::{inverse_square, range_window, spot_cone};
+use taotie::shade::{Angles, Shading, Substance, reflect};
+
+/// n, v, l, base colour, f0, f82 drop, diffuse, specular; metallic, roughness, shininess, slope.
+const INPUTS: usize = 28;
+const ROUGHNESS: usize = 25;
+const SHININESS: usize = 26;
+/// Nine models of three channels, then the other functions.
+const OUTPUTS: usize = 27 + 10;
+
+#[inline(always)]
+fn vector<L: Lane>(x: &[L; INPUTS], at: usize) -> Vec3<L> {
+    Vec3::new(x[3 * at], x[3 * at + 1], x[3 * at + 2])
+}
+
+#[inline(always)]
+fn shade<L: Lane>(shading: Shading, x: &[L; INPUTS]) -> Vec3<L> {
+    let s = Substance {
+        base_color: vector(x, 3),
+        metallic: x[24],
+        roughness: x[ROUGHNESS],
+        f0: vector(x, 4),
+        f90: x[24],
+        f82_drop: vector(x, 5),
+        diffuse: vector(x, 6),
+        specular: vector(x, 7),
+        shininess: x[SHININESS],
+        slope: x[27],
+        compensation: None,
+    };
+    reflect(shading, &s, &Angles::new(vector(x, 0), vector(x, 1), vector(x, 2)))
+}
+
+#[inline(always)]
+fn evaluate<L: Lane>(x: &[L; INPUTS]) -> [L; OUTPUTS] {
+    let mut out = [x[0]; OUTPUTS];
+    for (i, (_, shading)) in Shading::NAMES.iter().enumerate() {
+        let [r, g, b] = shade(*shading, x).to_array();
+        (out[3 * i], out[3 * i + 1], out[3 * i + 2]) = (r, g, b);
+    }
+    let wide = x[3] * x[0].lit(120.0);
+    out[27] = poly::exp(wide);
+    out[28] = poly::exp2(wide);
+    out[29] = poly::ln(x[9] * x[SHININESS]);
+    out[30] = poly::log2(x[9] * x[SHININESS]);
+    out[31] = poly::pow(x[9], wide);
+    out[32] = f_dielectric(x[9], x[10] + x[11]);
+    out[33] = f_conductor(x[9], x[10], x[SHININESS]);
+    out[34] = inverse_square(x[10]);
+    out[35] = range_window(x[10], x[11]);
+    out[36] = spot_cone(x[0], x[10], x[11]);
+    out
+}
+
+/// Numbers in [0, 1) that look random and never change.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn direction(&mut self) -> [f64; 3] {
+        let z = 2.0 * self.next() - 1.0;
+        let (r, phi) = ((1.0 - z * z).sqrt(), std::f64::consts::TAU * self.next());
+        [r * scalar::cos(phi), r * scalar::sin(phi), z]
+    }
+
+    /// Inputs of [`evaluate`]: n, v, l on the sphere, everything else in its range; every fourth near a mirror
+    /// direction, every sixteenth with values at the ends of their ranges.
+    fn inputs(&mut self, i: usize) -> [f64; INPUTS] {
+        let mut x = [0.0; INPUTS];
+        let (n, v, mut l) = (self.direction(), self.direction(), self.direction());
+        if i.is_multiple_of(4) {
+            let n_dot_v: f64 = (0..3).map(|k| n[k] * v[k]).sum();
+            l = std::array::from_fn(|k| 2.0 * n_dot_v * n[k] - v[k] + 1e-3 * l[k]);
+        }
+        if i % 64 == 1 {
+            l = v.map(|c| -c);
+        }
+        x[0..3].copy_from_slice(&n);
+        x[3..6].copy_from_slice(&v);
+        x[6..9].copy_from_slice(&l);
+        x[9..26].fill_with(|| self.next());
+        (x[SHININESS], x[27]) = (500.0 * self.next(), self.next());
+        if i % 16 == 3 {
+            x[24..28].fill_with(|| if self.next() < 0.5 { 0.0 } else { 1.0 });
+        }
+        x
+    }
+}
+
+const COUNT: usize = 8192;
+
+fn cases() -> Vec<[f32; INPUTS]> {
+    let mut random = Random(20_250_615);
+    (0..COUNT).map(|i| random.inputs(i).map(|x| x as f32)).collect()
+}
+
+#[inline(always)]
+fn packs<S: Simd>(simd: S, columns: &[Vec<f32>], results: &mut [[f32; 8]]) {
+    for (pack, results) in results.chunks_mut(OUTPUTS).enumerate() {
+        let mut x = [SimdBase::splat(simd, 0.0); INPUTS];
+        for (x, column) in x.iter_mut().zip(columns) {
+            *x = f32x8::from_slice(simd, &column[8 * pack..8 * pack + 8]);
+        }
+        for (result, value) in results.iter_mut().zip(evaluate(&x)) {
+            result.copy_from_slice(value.as_slice());
+        }
+    }
+}
+
+/// Runs `packs` at a level of vector instructions; false for emulated packs.
+///
+/// [`f32x8`] without vector instructions is eight numbers an operation: all nine models take a compiler more than
+/// a minute that way, so only the operations themselves are compared there, of which the models are made.
+fn formulas_run(level: Level, columns: &[Vec<f32>], results: &mut [[f32; 8]]) -> bool {
+    match level {
+        #[cfg(target_arch = "x86_64")]
+        Level::Sse2(simd) => simd.vectorize(
+            #[inline(always)]
+            || packs(simd, columns, results),
+        ),
+        #[cfg(target_arch = "x86_64")]
+        Level::Sse4_2(simd) => simd.vectorize(
+            #[inline(always)]
+            || packs(simd, columns, results),
+        ),
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(simd) => simd.vectorize(
+            #[inline(always)]
+            || packs(simd, columns, results),
+        ),
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(simd) => simd.vectorize(
+            #[inline(always)]
+            || packs(simd, columns, results),
+        ),
+        #[cfg(target_arch = "aarch64")]
+        Level::Neon(simd) => simd.vectorize(
+            #[inline(always)]
+            || packs(simd, columns, results),
+        ),
+        _ => return false,
+    }
+    true
+}
+
+#[test]
+fn every_simd_level_has_the_bits_of_one_number_at_a_time() {
+    let cases = cases();
+    let columns: Vec<Vec<f32>> = (0..INPUTS).map(|k| cases.iter().map(|case| case[k]).collect()).collect();
+    for name in SimdLevel::available() {
+        let mut results = vec![[0.0; 8]; COUNT / 8 * OUTPUTS];
+        if !formulas_run(name.dispatch().unwrap(), &columns, &mut results) {
+            eprintln!("{}: operations only", name.name());
+            continue;
+        }
+        for (i, case) in cases.iter().enumerate() {
+            for (k, expected) in evaluate(case).iter().enumerate() {
+                let found = results[i / 8 * OUTPUTS + k][i % 8];
+                let same = expected.to_bits() == found.to_bits();
+                assert!(same, "{}: case {i}, output {k}: {found} for {expected}", name.name());
+            }
+        }
+        eprintln!("{}: {} equal numbers", name.name(), COUNT * OUTPUTS);
+    }
+}
+
+const OPERATIONS: usize = 20;
+
+/// Every operation of [`Lane`]; `a` above 0 where the operation asks for it, `n` an exponent.
+#[inline(always)]
+fn operations<L: Lane>(a: L, b: L, n: L) -> [L; OPERATIONS] {
+    let (zero, one, positive) = (a.lit(0.0), a.lit(1.0), a.abs());
+    let (less, at_most) = (a.lt(b), a.le(b));
+    let (mantissa, exponent) = positive.frexp();
+    let choose = |mask| L::select(mask, one, zero);
+    [
+        a + b,
+        a - b,
+        a * b,
+        a / b,
+        -a,
+        positive.sqrt(),
+        positive,
+        n.floor(),
+        choose(less),
+        choose(at_most),
+        choose(less.and(at_most)),
+        choose(less.or(at_most)),
+        choose(less.not()),
+        L::select(less, a, b),
+        mantissa.ldexp(n.floor()),
+        mantissa,
+        exponent,
+        a.min(b),
+        a.max(b),
+        a.clamp(-0.5, 0.5),
+    ]
+}
+
+/// Column k holds operation k of each of the operands.
+#[inline(always)]
+fn operation_packs<P: Pack>(token: P::Token, [a, b, n]: &[Vec<f32>; 3], results: &mut [Vec<f32>]) {
+    for i in (0..COUNT).step_by(P::LANES) {
+        let (a, b, n) = (P::load(token, &a[i..]), P::load(token, &b[i..]), P::load(token, &n[i..]));
+        for (column, value) in results.iter_mut().zip(operations(a, b, n)) {
+            value.store(&mut column[i..]);
+        }
+    }
+}
+
+/// Numbers of every size with both signs, equal pairs among them, and signed zeros and infinities.
+fn operands() -> [Vec<f32>; 3] {
+    let mut random = Random(4);
+    let mut any = |_| {
+        let special = [0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, 1.0, f32::MIN_POSITIVE];
+        match (random.next() * 40.0) as usize {
+            i @ 0..6 => special[i],
+            6..20 => (random.next() * 4.0 - 2.0) as f32,
+            _ => {
+                let bits = (random.next() * f64::from(u32::MAX)) as u32;
+                Some(f32::from_bits(bits)).filter(|x| !x.is_nan()).unwrap_or(3.0)
+            }
+        }
+    };
+    let a: Vec<f32> = (0..COUNT).map(&mut any).collect();
+    let b = (0..COUNT).map(|i| if i.is_multiple_of(7) { a[i] } else { -any(i) }).collect();
+    let n = (0..COUNT).map(|_| (random.next() * 253.9 - 126.0) as f32).collect();
+    [a, b, n]
+}
+
+#[test]
+fn every_operation_has_the_same_bits_at_every_level() {
+    let numbers = operands();
+    let levels = SimdLevel::available();
+    assert!(levels.contains(&SimdLevel::Scalar));
+    for name in levels {
+        let level = name.dispatch().unwrap();
+        let columns = || vec![vec![0.0; COUNT]; OPERATIONS];
+        let (mut eights, mut sixteens) = (columns(), columns());
+        dispatch!(level, simd => operation_packs::<f32x8<_>>(simd, &numbers, &mut eights));
+        dispatch!(level, simd => operation_packs::<f32x16<_>>(simd, &numbers, &mut sixteens));
+        for i in 0..COUNT {
+            let [a, b, n] = [numbers[0][i], numbers[1][i], numbers[2][i]];
+            for (k, expected) in operations(a, b, n).into_iter().enumerate() {
+                for found in [eights[k][i], sixteens[k][i]] {
+                    // NaN has many bit patterns, and none of them reaches a pixel.
+                    let same = expected.to_bits() == found.to_bits() || expected.is_nan() && found.is_nan();
+                    assert!(same, "{}: operation {k} of {a}, {b}, {n}: {found} for {expected}", name.name());
+                }
+            }
+        }
+    }
+}
+
+// A dual number: a value and its derivative by one variable.
+
+#[derive(Debug, Clone, Copy)]
+struct Dual {
+    value: f64,
+    slope: f64,
+}
+
+impl Dual {
+    fn new(value: f64, slope: f64) -> Self {
+        Self { value, slope }
+    }
+}
+
+impl Add for Dual {
+    type Output = Self;
+    fn add(self, o: Self) -> Self {
+        Self::new(self.value + o.value, self.slope + o.slope)
+    }
+}
+
+impl Sub for Dual {
+    type Output = Self;
+    fn sub(self, o: Self) -> Self {
+        Self::new(self.value - o.value, self.slope - o.slope)
+    }
+}
+
+impl Mul for Dual {
+    type Output = Self;
+    fn mul(self, o: Self) -> Self {
+        Self::new(self.value * o.value, self.slope * o.value + self.value * o.slope)
+    }
+}
+
+impl Div for Dual {
+    type Output = Self;
+    fn div(self, o: Self) -> Self {
+        let value = self.value / o.value;
+        Self::new(value, (self.slope - value * o.slope) / o.value)
+    }
+}
+
+impl Neg for Dual {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::new(-self.value, -self.slope)
+    }
+}
+
+impl Lane for Dual {
+    type Mask = bool;
+    fn lit(self, value: f64) -> Self {
+        Self::new(value, 0.0)
+    }
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        Self::new(root, if root > 0.0 { 0.5 * self.slope / root } else { 0.0 })
+    }
+    fn abs(self) -> Self {
+        if self.value < 0.0 { -self } else { self }
+    }
+    fn floor(self) -> Self {
+        Self::new(self.value.floor(), 0.0)
+    }
+    fn lt(self, other: Self) -> bool {
+        self.value < other.value
+    }
+    fn le(self, other: Self) -> bool {
+        self.value <= other.value
+    }
+    fn select(mask: bool, if_true: Self, if_false: Self) -> Self {
+        if mask { if_true } else { if_false }
+    }
+    fn ldexp(self, n: Self) -> Self {
+        Self::new(self.value.ldexp(n.value), self.slope.ldexp(n.value))
+    }
+    fn frexp(self) -> (Self, Self) {
+        let (mantissa, exponent) = self.value.frexp();
+        // The exponent reaches beyond what ldexp takes.
+        (Self::new(mantissa, self.slope * (mantissa / self.value)), Self::new(exponent, 0.0))
+    }
+}
+
+/// The derivative by input `by`, from duals and from a central difference of `step`.
+fn derivatives(shading: Shading, x: &[f64; INPUTS], by: usize, step: f64) -> [(f64, f64); 3] {
+    let mut duals = x.map(|value| Dual::new(value, 0.0));
+    duals[by].slope = 1.0;
+    let (mut low, mut high) = (*x, *x);
+    (low[by], high[by]) = (x[by] - step, x[by] + step);
+    let (dual, low, high) = (shade(shading, &duals), shade(shading, &low), shade(shading, &high));
+    let difference = (high - low) / (2.0 * step);
+    [(dual.x.slope, difference.x), (dual.y.slope, difference.y), (dual.z.slope, difference.z)]
+}
+
+#[test]
+fn dual_numbers_differentiate_the_models() {
+    let mut random = Random(5);
+    let plan = [
+        (Shading::Ggx, ROUGHNESS, 1e-5),
+        (Shading::GgxPrinted, ROUGHNESS, 1e-5),
+        (Shading::CookTorrance, 27, 1e-4),
+        (Shading::Phong, SHININESS, 1e-2),
+        (Shading::BlinnPhong, SHININESS, 1e-2),
+    ];
+    for (shading, by, step) in plan {
+        let mut compared = 0;
+        for i in 0..1000 {
+            let mut x = random.inputs(4 * i + 2);
+            (x[ROUGHNESS], x[SHININESS], x[27]) =
+                (0.1 + 0.8 * x[ROUGHNESS], 1.0 + x[SHININESS] / 10.0, 0.2 + x[27]);
+            for (dual, difference) in derivatives(shading, &x, by, step) {
+                let error = (dual - difference).abs();
+                assert!(error <= 1e-4 * difference.abs() + 1e-6, "{}: {dual}, {difference}", shading.name());
+                compared += usize::from(difference.abs() > 1e-3);
+            }
+        }
+        assert!(compared > 100, "{}: {compared} derivatives that tell anything", shading.name());
+    }
+}
+
+// A recorder: every operation becomes a node of a graph.
+
+#[derive(Debug, Clone, Copy)]
+enum Node {
+    Input(usize),
+    Constant(f64),
+    One(&'static str, usize),
+    Two(&'static str, usize, usize),
+    Select(usize, usize, usize),
+}
+
+type Graph = RefCell<Vec<Node>>;
+
+/// A number or a truth value of the formula being recorded.
+#[derive(Clone, Copy)]
+struct Recorder<'g> {
+    graph: &'g Graph,
+    at: usize,
+}
+
+impl<'g> Recorder<'g> {
+    fn push(graph: &'g Graph, node: Node) -> Self {
+        graph.borrow_mut().push(node);
+        Self { graph, at: graph.borrow().len() - 1 }
+    }
+    fn one(self, name: &'static str) -> Self {
+        Self::push(self.graph, Node::One(name, self.at))
+    }
+    fn two(self, name: &'static str, other: Self) -> Self {
+        Self::push(self.graph, Node::Two(name, self.at, other.at))
+    }
+}
+
+impl Add for Recorder<'_> {
+    type Output = Self;
+    fn add(self, o: Self) -> Self {
+        self.two("+", o)
+    }
+}
+
+impl Sub for Recorder<'_> {
+    type Output = Self;
+    fn sub(self, o: Self) -> Self {
+        self.two("-", o)
+    }
+}
+
+impl Mul for Recorder<'_> {
+    type Output = Self;
+    fn mul(self, o: Self) -> Self {
+        self.two("*", o)
+    }
+}
+
+impl Div for Recorder<'_> {
+    type Output = Self;
+    fn div(self, o: Self) -> Self {
+        self.two("/", o)
+    }
+}
+
+impl Neg for Recorder<'_> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.one("neg")
+    }
+}
+
+impl Mask for Recorder<'_> {
+    fn and(self, other: Self) -> Self {
+        self.two("and", other)
+    }
+    fn or(self, other: Self) -> Self {
+        self.two("or", other)
+    }
+    fn not(self) -> Self {
+        self.one("not")
+    }
+    /// Unknown while recording; `true` keeps what a formula would skip.
+    fn any(self) -> bool {
+        true
+    }
+}
+
+impl Lane for Recorder<'_> {
+    type Mask = Self;
+    fn lit(self, value: f64) -> Self {
+        Self::push(self.graph, Node::Constant(value))
+    }
+    fn sqrt(self) -> Self {
+        self.one("sqrt")
+    }
+    fn abs(self) -> Self {
+        self.one("abs")
+    }
+    fn floor(self) -> Self {
+        self.one("floor")
+    }
+    fn lt(self, other: Self) -> Self {
+        self.two("<", other)
+    }
+    fn le(self, other: Self) -> Self {
+        self.two("<=", other)
+    }
+    fn select(mask: Self, if_true: Self, if_false: Self) -> Self {
+        Self::push(mask.graph, Node::Select(mask.at, if_true.at, if_false.at))
+    }
+    fn ldexp(self, n: Self) -> Self {
+        self.two("ldexp", n)
+    }
+    fn frexp(self) -> (Self, Self) {
+        (self.one("mantissa"), self.one("exponent"))
+    }
+}
+
+/// The values of all nodes; truth is 1, falsehood 0.
+fn play(graph: &[Node], inputs: &[f64]) -> Vec<f64> {
+    let mut values: Vec<f64> = Vec::with_capacity(graph.len());
+    for node in graph {
+        let value = match *node {
+            Node::Input(i) => inputs[i],
+            Node::Constant(value) => value,
+            Node::One(name, a) => play_one(name, values[a]),
+            Node::Two(name, a, b) => play_two(name, values[a], values[b]),
+            Node::Select(mask, a, b) => values[if values[mask] != 0.0 { a } else { b }],
+        };
+        values.push(value);
+    }
+    values
+}
+
+fn play_one(name: &str, a: f64) -> f64 {
+    match name {
+        "neg" => -a,
+        "not" => 1.0 - a,
+        "sqrt" => a.sqrt(),
+        "abs" => a.abs(),
+        "floor" => a.floor(),
+        "mantissa" => a.frexp().0,
+        "exponent" => a.frexp().1,
+        _ => panic!("unknown operation {name}"),
+    }
+}
+
+fn play_two(name: &str, a: f64, b: f64) -> f64 {
+    match name {
+        "+" => a + b,
+        "-" => a - b,
+        "*" => a * b,
+        "/" => a / b,
+        "<" => f64::from(a < b),
+        "<=" => f64::from(a <= b),
+        "and" => a * b,
+        "or" => a.max(b),
+        "ldexp" => a.ldexp(b),
+        _ => panic!("unknown operation {name}"),
+    }
+}
+
+/// How often the graph does what.
+fn tally(graph: &[Node]) -> BTreeMap<&'static str, usize> {
+    let mut counts = BTreeMap::new();
+    for node in graph {
+        let name = match node {
+            Node::Input(_) | Node::Constant(_) => continue,
+            Node::One(name, _) | Node::Two(name, ..) => name,
+            Node::Select(..) => "select",
+        };
+        *counts.entry(name).or_default() += 1;
+    }
+    counts
+}
+
+#[test]
+fn a_recorder_writes_the_models_down_and_they_play_back() {
+    let mut random = Random(11);
+    for (name, shading) in Shading::NAMES.iter().copied() {
+        let graph = Graph::default();
+        let inputs = std::array::from_fn(|i| Recorder::push(&graph, Node::Input(i)));
+        let outputs = shade(shading, &inputs).to_array().map(|output| output.at);
+        let nodes = graph.borrow();
+        let counts = tally(&nodes);
+        eprintln!("{name}: {} operations {counts:?}", counts.values().sum::<usize>());
+        assert!(counts["*"] > 10 && counts["+"] > 5, "{name}: {counts:?}");
+        for i in 0..200 {
+            let x = random.inputs(i);
+            let played = play(&nodes, &x);
+            let direct = shade(shading, &x).to_array();
+            for (at, direct) in outputs.iter().zip(direct) {
+                assert_eq!(played[*at].to_bits(), direct.to_bits(), "{name}: case {i}");
+            }
+        }
+    }
+}

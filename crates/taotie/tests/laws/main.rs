@@ -1,0 +1,32 @@
+//! Laws that hold whatever the values: reciprocity, energy, normalisation, frames, what a bake keeps.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests say what they found")]
+
+#[path = "../common/angle.rs"]
+mod angle;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/distance.rs"]
+mod distance;
+#[path = "../common/files.rs"]
+mod files;
+#[path = "../common/hostile.rs"]
+mod hostile;
+#[path = "../common/random.rs"]
+mod random;
+#[path = "../common/skies.rs"]
+mod skies;
+
+mod bake;
+mod bake_scan;
+mod energy;
+mod environment;
+mod facets;
+mod film;
+mod lane;
+mod maps;
+mod names;
+mod sampling;
+mod shade;
+mod simplify;
+mod surface;
+mod unwrap;

@@ -1,0 +1,37 @@
+//! Pictures: the golden ones, against the reference renderer, against closed forms, against pictures by others.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "tests say what they found")]
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/files.rs"]
+mod files;
+#[path = "../common/finishes.rs"]
+mod finishes;
+#[path = "../common/ktx.rs"]
+mod ktx;
+#[path = "../common/pictures.rs"]
+mod pictures;
+#[path = "../common/random.rs"]
+mod random;
+#[path = "../common/scenes.rs"]
+mod scenes;
+#[path = "../common/skies.rs"]
+mod skies;
+#[path = "../common/views.rs"]
+mod views;
+#[path = "../common/walls.rs"]
+mod walls;
+
+mod asset_generator;
+mod environments;
+mod fidelity;
+mod fill_rule;
+mod golden;
+mod ground;
+mod normal_tangent;
+mod reference;
+mod reference_light;
+mod reference_normals;
+mod relief_light;
+mod renderer;
+mod white_room;
