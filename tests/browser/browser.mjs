@@ -33,6 +33,13 @@ export async function go(page, name) {
     await page.waitForFunction(() => [...document.images].every((image) => image.complete));
 }
 
+// A page from disk in a window of this size.
+export async function open(browser, name, size) {
+    const page = await newPage(browser, size);
+    await go(page, name);
+    return page;
+}
+
 // Fails where the page asked for anything but itself and what lies within it, or where the browser complained.
 export function assertQuiet(page) {
     const { requests, complaints } = heard.get(page);
@@ -42,9 +49,9 @@ export function assertQuiet(page) {
     assert.deepEqual(requests.filter((url) => !url.startsWith("data:") && !isPage(url)), []);
 }
 
-// Waits until the page has been drawn, and for a scroll of it to be over.
+// Waits until what was done to the page has been drawn.
 export function settle(page) {
-    return page.evaluate(() => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 250))));
+    return page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }
 
 // Left, top, width and height of the first such element in the window, which is scrolled to it.
@@ -113,12 +120,22 @@ export async function touch(page, fingers) {
     await settle(page);
 }
 
+// The compressed pixels of a PNG, which may be in several chunks.
+function pixelData(png) {
+    const chunks = [];
+    for (let at = 8, length; at < png.length; at += 12 + length) {
+        length = png.readUInt32BE(at);
+        if (png.toString("latin1", at + 4, at + 8) === "IDAT") chunks.push(png.subarray(at + 8, at + 8 + length));
+    }
+    return Buffer.concat(chunks);
+}
+
 // The colour of a point of the window. No filter of PNG changes a picture's first pixel, so one pixel needs no decoder.
 export async function colorAt(page, [x, y]) {
     const clip = { x: Math.floor(x), y: Math.floor(y), width: 1, height: 1 };
     const png = await page.screenshot({ clip, caret: "initial" });
-    assert([2, 6].includes(png[25]), "a screenshot is RGB or RGBA");
-    return [...inflateSync(png.subarray(png.indexOf("IDAT") + 4)).subarray(1, 4)];
+    const [, red, green, blue] = inflateSync(pixelData(png));
+    return [red, green, blue];
 }
 
 export const isSame = (a, b) => a.every((value, i) => Math.abs(value - b[i]) <= 3);

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, test } from "node:test";
-import { assertQuiet, click, colorAt, complaints, drag, go, hover, isSame, launch, newPage, place, settle } from "./browser.mjs";
+import { assertQuiet, click, colorAt, complaints, drag, go, hover, isSame, launch, newPage, open, place, settle } from "./browser.mjs";
 
 const WIPE = ".wipe .frame";
 
@@ -12,14 +12,8 @@ const NASTY = "</script><img src=x onerror=\"document.title='pwned'\">";
 const browser = await launch(["--disable-gpu"]);
 after(() => browser.close());
 
-async function open(name, size) {
-    const page = await newPage(browser, size);
-    await go(page, name);
-    return page;
-}
-
 test("text is text, and nothing is asked of the network", async () => {
-    const page = await open("full.html", [1200, 900]);
+    const page = await open(browser, "full.html", [1200, 900]);
     assert.equal(await page.title(), NASTY);
     assert.equal(await page.locator("h1").textContent(), NASTY);
     const sources = await page.evaluate(() => [...document.images].map((image) => image.src));
@@ -29,7 +23,7 @@ test("text is text, and nothing is asked of the network", async () => {
     // The browser itself refuses whatever a script that came in by mistake would try.
     await page.evaluate(async () => {
         await fetch("http://127.0.0.1:9/").catch((error) => error);
-        document.body.append(Object.assign(new Image(), { src: "http://127.0.0.1:9/x.png" }));
+        await Object.assign(new Image(), { src: "http://127.0.0.1:9/x.png" }).decode().catch((error) => error);
         document.body.insertAdjacentHTML("beforeend", "<b onclick='document.title = 1'>x</b>");
         document.querySelector("b").click();
     });
@@ -42,7 +36,7 @@ test("text is text, and nothing is asked of the network", async () => {
 const column = (page, nth) => page.locator(`td:nth-child(${nth})`).allTextContents();
 
 test("tables are sorted and copied", async () => {
-    const page = await open("full.html", [1200, 900]);
+    const page = await open(browser, "full.html", [1200, 900]);
     const written = ['b, "quoted"', "none", "a10", "a9"];
     assert.deepEqual(await column(page, 1), written);
     assert.deepEqual(await column(page, 2), ["9.50", "–", "−12.00", "12\u{202f}345.68"]);
@@ -80,7 +74,7 @@ async function ratio(page) {
 }
 
 test("histograms switch and are read together", async () => {
-    const page = await open("full.html", [1200, 900]);
+    const page = await open(browser, "full.html", [1200, 900]);
     const linear = await ratio(page);
     assert(Math.abs(linear - 2) < 0.01, `1000 against 500: ${linear}`);
     await click(page, ".histogram input");
@@ -111,7 +105,7 @@ test("little or nothing to show is no error", async () => {
 });
 
 test("every width has room for the page", async () => {
-    const page = await open("full.html", [1800, 1000]);
+    const page = await open(browser, "full.html", [1800, 1000]);
     for (const width of [1800, 1200, 1000, 700, 400, 320]) {
         await page.setViewportSize({ width, height: 900 });
         await settle(page);
@@ -128,7 +122,7 @@ test("every width has room for the page", async () => {
 });
 
 test("a comparison opens from disk, and its wipe works", async () => {
-    const page = await open("compared/report.html", [1200, 900]);
+    const page = await open(browser, "compared/report.html", [1200, 900]);
     const [x, y, width, height] = await place(page, WIPE);
     const at = (share) => [x + share * width, y + height / 2];
     const seen = () => colorAt(page, [x + 0.4 * width, y + 0.3 * height]);

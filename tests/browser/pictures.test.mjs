@@ -2,19 +2,13 @@
 
 import assert from "node:assert/strict";
 import { after, test } from "node:test";
-import { assertColor, assertQuiet, click, drag, go, key, launch, newPage, place, pointOf, touch, wheel } from "./browser.mjs";
+import { assertColor, assertQuiet, click, drag, key, launch, open, place, pointOf, touch, wheel } from "./browser.mjs";
 
 const [RED, GREEN, BLUE, GREY] = [[200, 30, 30], [30, 160, 60], [40, 60, 200], [128, 128, 128]];
 const WIPE = ".wipe .frame";
 
 const browser = await launch(["--disable-gpu"]);
 after(() => browser.close());
-
-async function open(name, size) {
-    const page = await newPage(browser, size);
-    await go(page, name);
-    return page;
-}
 
 // Points of the wipe by their share of the width, low enough to be clear of the knob.
 async function assertWipe(page, colors) {
@@ -24,7 +18,7 @@ async function assertWipe(page, colors) {
 const handle = (page, property) => page.locator(".handle").evaluate((handle, name) => handle[name], property);
 
 test("the wipe uncovers what a hand asks for", async () => {
-    const page = await open("wipe.html", [1200, 900]);
+    const page = await open(browser, "wipe.html", [1200, 900]);
     await assertWipe(page, [[0.1, RED], [0.4, RED], [0.6, BLUE], [0.9, BLUE]]);
     const [x, y, width, height] = await place(page, WIPE);
     const at = (share) => [x + share * width, y + height / 2];
@@ -74,7 +68,7 @@ async function partSeen(page) {
 const WHOLE = [0, 0, 1, 1];
 
 test("all pictures zoom and move in step", async () => {
-    const page = await open("views.html", [1200, 900]);
+    const page = await open(browser, "views.html", [1200, 900]);
     assertNear(await partSeen(page), WHOLE, 5e-4);
     // Over the second of the small ones, three quarters across and one down.
     const pointer = await pointOf(page, "figure:nth-child(2) .frame", [0.75, 0.25]);
@@ -110,7 +104,7 @@ test("all pictures zoom and move in step", async () => {
 });
 
 test("two fingers zoom, and a page that scrolls goes on", async () => {
-    const page = await open("long.html", [420, 800]);
+    const page = await open(browser, "long.html", [420, 800]);
     const [x, y, width, height] = await place(page, WIPE);
     const at = (u, v) => [x + u * width, y + v * height];
     await touch(page, [[at(0.4, 0.2), at(0.2, 0.2)], [at(0.6, 0.2), at(0.8, 0.2)]]);
@@ -135,7 +129,7 @@ async function chosen(page) {
 }
 
 test("what is chosen stays chosen by its label", async () => {
-    const page = await open("views.html", [1200, 900]);
+    const page = await open(browser, "views.html", [1200, 900]);
     assert.deepEqual(await chosen(page), ["first", "red", "blue"]);
     await click(page, "figure:nth-child(3) [aria-label='Show blue on the left']");
     await click(page, "figure:nth-child(2) [aria-label='Show green on the right']");

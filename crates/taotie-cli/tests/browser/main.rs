@@ -31,5 +31,5 @@ fn report_pages_do_what_a_hand_asks_for() {
     let folder = empty_folder("report-pages");
     pages::write_all(&folder);
     pages::compare(&folder);
-    node.run(&["--test", "--test-reporter=spec"], &folder);
+    node.run(&["--test", "--test-reporter=spec", "--test-concurrency=2"], &folder);
 }
