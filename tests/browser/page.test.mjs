@@ -2,7 +2,8 @@
 
 import assert from "node:assert/strict";
 import { after, test } from "node:test";
-import { assertQuiet, click, colorAt, complaints, drag, go, hover, isSame, launch, newPage, open, place, settle } from "./browser.mjs";
+import { assertQuiet, click, colorAt, complaints, drag, go, hover } from "./browser.mjs";
+import { isSame, launch, newPage, open, place, settle } from "./browser.mjs";
 
 const WIPE = ".wipe .frame";
 

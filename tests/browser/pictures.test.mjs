@@ -124,7 +124,8 @@ test("two fingers zoom, and a page that scrolls goes on", async () => {
 
 // The view that is chosen, and the labels of its left and right.
 async function chosen(page) {
-    const selectors = ["[role=tab][aria-selected=true]", ".view:not([hidden]) .tag.left", ".view:not([hidden]) .tag.right"];
+    const view = ".view:not([hidden])";
+    const selectors = ["[role=tab][aria-selected=true]", `${view} .tag.left`, `${view} .tag.right`];
     return Promise.all(selectors.map((selector) => page.locator(selector).textContent()));
 }
 

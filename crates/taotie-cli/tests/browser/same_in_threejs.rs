@@ -21,7 +21,7 @@ use taotie_cli::jue;
 /// How far a FLIP may be above the measured one, as a factor: another Chromium rounds colours otherwise.
 const SLACK: f64 = 1.05;
 
-/// What is looked at from everywhere here: azimuth, elevation and field of view.
+/// The orbit from which all models are looked at, at the distance of the vessel.
 fn orbit(scene: &Scene) -> Orbit {
     let [azimuth, elevation, fov_y] = [24.0f64, 15.0, 26.0].map(f64::to_radians);
     let target = scene.bounds().unwrap().center();
@@ -56,7 +56,7 @@ fn materials(scene: &Scene) -> [GltfMaterial<'_>; 2] {
     [clay, bronze]
 }
 
-/// A material, how it is stored, and the mean FLIP.
+/// A material, how it is stored, and the mean FLIP that was measured.
 struct Case<'a> {
     name: &'a str,
     material: GltfMaterial<'a>,
@@ -114,7 +114,7 @@ fn write_picture(path: &Path, picture: &Picture) {
     write_png(path, &image).unwrap();
 }
 
-/// The pair of a scan and a light mesh of the data.
+/// A scan and a low-poly mesh of the data.
 #[test]
 fn what_bake_writes_looks_the_same() {
     let Some(data) = common::data_folder("odedstein-meshes") else { return };

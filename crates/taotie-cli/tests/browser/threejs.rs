@@ -16,7 +16,7 @@ use taotie::shade::Energy;
 /// sample's size.
 const FINER: usize = 4;
 
-/// From where a model is looked at, by what light.
+/// A camera, a light, and the size of the picture.
 pub struct View {
     /// In perspective.
     pub camera: Camera,
@@ -28,7 +28,7 @@ pub struct View {
     pub size: [u32; 2],
 }
 
-/// What three.js makes of `model.glb` in a folder, on black and without tone curve.
+/// Returns three.js's picture of `model.glb` in a folder, on black and without tone curve.
 pub fn three(node: &Node, folder: &Path, view: &View) -> Picture {
     std::fs::write(folder.join("view.json"), json_of(view).to_string()).unwrap();
     node.run(&["three.mjs"], folder);
@@ -74,7 +74,7 @@ fn srgb_from_linear(v: f64) -> f64 {
     if v <= 0.0031308 { v * 12.92 } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }
 }
 
-/// What we make of the same.
+/// Returns our picture of the same.
 pub fn ours(folder: &Path, view: &View) -> Picture {
     let scene = load_model(&folder.join("model.glb")).unwrap().scene;
     let kind = LightKind::Directional { direction: view.direction };
