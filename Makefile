@@ -79,23 +79,24 @@ bless: ## Takes the pictures and outputs of today for right; look at the differe
 	SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli
 
 # What `make test` needs beside cargo, installed where missing: parts of the toolchain, a browser for report pages and
-# three.js, and npm's packages for written glTF. `BROWSER=/path/to/chrome` names a browser that is elsewhere.
-VALIDATOR = tests/validator
+# three.js, and npm's packages that lead it and that check glTF. `BROWSER=/path/to/chrome` names a browser elsewhere.
+PACKAGES = tests/validator/node_modules/gltf-validator tests/browser/node_modules/playwright-core
+INSTALL = npm ci --no-audit --no-fund --prefix
 BROWSERS = chromium chromium-browser google-chrome google-chrome-stable
 tools:
 	@cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
 	@cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 	@for name in $(BROWSERS); do command -v $$name >/dev/null && exit; done; \
 	test -x "$$BROWSER" || $(MAKE) --no-print-directory browser
-	@test -d $(VALIDATOR)/node_modules/three || $(MAKE) --no-print-directory packages
+	@for folder in $(PACKAGES); do test -d $$folder || exec $(MAKE) --no-print-directory packages; done
 
 .PHONY: browser
 browser:
 	@as=$$(test "$$(id -u)" = 0 || echo sudo); \
 	{ command -v apt-get && $$as apt-get update && $$as apt-get install -y chromium; } >/dev/null || \
-	echo "Install Chromium or Chrome, or name it in BROWSER: without it the report page's tests are skipped." >&2
+	echo "Install Chromium or Chrome, or name it in BROWSER: without it the tests of report pages and three.js are skipped." >&2
 
 .PHONY: packages
 packages:
-	@{ command -v npm && npm ci --prefix $(VALIDATOR) --no-audit --no-fund; } >/dev/null || \
-	echo "Install node and npm: without them the tests of written glTF that ask the Khronos validator and three.js are skipped." >&2
+	@{ command -v npm && $(INSTALL) tests/validator && $(INSTALL) tests/browser; } >/dev/null || \
+	echo "Install node and npm: without them the tests of the Khronos validator, report pages and three.js are skipped." >&2

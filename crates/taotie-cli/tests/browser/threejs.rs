@@ -1,9 +1,7 @@
 //! The same GLB under the same camera and light, drawn by three.js in a browser and by us.
 
-use crate::browser::open_webgl;
-use crate::browser::server::{Content, serve};
-use crate::validator::packages;
-use serde_json::json;
+use crate::node::Node;
+use serde_json::{Value, json};
 use std::path::Path;
 use taotie::compare::Picture;
 use taotie::film::{Development, ToneCurve, develop8};
@@ -18,7 +16,7 @@ use taotie::shade::Energy;
 /// sample's size.
 const FINER: usize = 4;
 
-/// From where a model is looked at, by what light.
+/// A camera, a light, and the size of the picture.
 pub struct View {
     /// In perspective.
     pub camera: Camera,
@@ -30,9 +28,18 @@ pub struct View {
     pub size: [u32; 2],
 }
 
-/// What three.js makes of a GLB on black, without tone curve; `None` where the test has to be skipped.
-pub fn three(glb: &Path, view: &View) -> Option<Picture> {
-    let packages = packages("three")?;
+/// Returns three.js's picture of `model.glb` in a folder, on black and without tone curve.
+pub fn three(node: &Node, folder: &Path, view: &View) -> Picture {
+    std::fs::write(folder.join("view.json"), json_of(view).to_string()).unwrap();
+    node.run(&["three.mjs"], folder);
+    let path = folder.join("three.png");
+    let bitmap = decode_bitmap(&read_bytes(&path).unwrap(), "three.js", &path).unwrap();
+    let Texels::U8(texels) = bitmap.texels() else { panic!("a canvas has 8 bits") };
+    averaged(texels, view.size)
+}
+
+/// The view as `three.html` reads it.
+fn json_of(view: &View) -> Value {
     let Projection::Perspective { fov_y, near, .. } = view.camera.projection else {
         panic!("the view is in perspective")
     };
@@ -42,22 +49,7 @@ pub fn three(glb: &Path, view: &View) -> Option<Picture> {
     let from = (view.direction * -1.0).to_array();
     let light = json!({ "from": from, "color": [view.irradiance, view.irradiance, view.irradiance] });
     let fine = view.size.map(|side| side as usize * FINER);
-    let json = json!({ "size": fine, "camera": camera, "light": light });
-    let address = serve(vec![
-        ("/three.html", Content::Path(packages.join("three.html"))),
-        ("/three", Content::Path(packages.join("node_modules/three"))),
-        ("/model.glb", Content::Bytes(read_bytes(glb).unwrap())),
-        ("/view.json", Content::Bytes(json.to_string().into_bytes())),
-    ]);
-    let mut tab = open_webgl(&format!("{address}/three.html"), view.size)?;
-    tab.until("typeof window.picture === 'string'");
-    assert_eq!(tab.complaints(), [""; 0]);
-    let picture = tab.value("window.picture");
-    let (_, data) = picture.as_str().unwrap().split_once(',').unwrap();
-    let png = base64::Engine::decode(&base64::engine::general_purpose::STANDARD, data).unwrap();
-    let bitmap = decode_bitmap(&png, "three.js", Path::new("three.js")).unwrap();
-    let Texels::U8(texels) = bitmap.texels() else { panic!("a canvas has 8 bits") };
-    Some(averaged(texels, view.size))
+    json!({ "size": fine, "camera": camera, "light": light })
 }
 
 /// Means of squares of pixels, in linear light.
@@ -82,9 +74,9 @@ fn srgb_from_linear(v: f64) -> f64 {
     if v <= 0.0031308 { v * 12.92 } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }
 }
 
-/// What we make of it.
-pub fn ours(glb: &Path, view: &View) -> Picture {
-    let scene = load_model(glb).unwrap().scene;
+/// Returns our picture of the same.
+pub fn ours(folder: &Path, view: &View) -> Picture {
+    let scene = load_model(&folder.join("model.glb")).unwrap().scene;
     let kind = LightKind::Directional { direction: view.direction };
     let light =
         Light { name: String::new(), kind, color: Vec3::splat(view.irradiance), falloff: Falloff::None };

@@ -1,0 +1,38 @@
+//! Pages in a real browser: the report page as a hand and an eye meet it, and written GLBs as three.js draws them.
+//!
+//! Rust writes the pages and models, node leads the browser by the scripts of `tests/browser`. What they work on stays
+//! in `target/tmp`: `report-pages` and `same-in-threejs`.
+#![allow(clippy::print_stdout, reason = "tests say what they found and why they are skipped")]
+
+#[allow(dead_code)]
+#[path = "../../../taotie/tests/common/mod.rs"]
+mod common;
+mod node;
+mod pages;
+mod same_in_threejs;
+mod threejs;
+
+use node::Node;
+use std::path::{Path, PathBuf};
+
+/// An empty folder of this name that outlives the test.
+fn empty_folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    // It is missing at first.
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("the target folder is writable");
+    folder
+}
+
+/// The assertions are in the scripts.
+#[test]
+fn report_pages_do_what_a_hand_asks_for() {
+    let Some(node) = Node::find() else { return };
+    let folder = empty_folder("report-pages");
+    pages::write_all(&folder);
+    pages::compare(&folder);
+    let options = ["--test", "--test-reporter=spec", "--test-concurrency=2"];
+    // Named, since node is content where it finds no test.
+    let scripts = ["pictures.test.mjs", "page.test.mjs"];
+    node.run(&[options.as_slice(), &scripts].concat(), &folder);
+}

@@ -1,0 +1,138 @@
+//! A GLB that we wrote looks the same in three.js as here.
+//!
+//! Each case states the mean FLIP of the object that was measured with Chromium 156 and SwiftShader.
+
+use crate::node::Node;
+use crate::threejs::{View, ours, three};
+use crate::{common, empty_folder};
+use std::path::Path;
+use std::process::Command;
+use taotie::compare::{PIXELS_PER_DEGREE, Picture, flip};
+use taotie::image::Encoding;
+use taotie::io::{
+    GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, PngColor, PngImage, PngSamples, load_model,
+    write_gltf, write_png,
+};
+use taotie::math::Vec3;
+use taotie::scene::{Orbit, Scene, fitting_distance};
+use taotie::surface::{TangentMethod, with_tangents};
+use taotie_cli::jue;
+
+/// How far a FLIP may be above the measured one, as a factor: another Chromium rounds colours otherwise.
+const SLACK: f64 = 1.05;
+
+/// The orbit from which all models are looked at, at the distance of the vessel.
+fn orbit(scene: &Scene) -> Orbit {
+    let [azimuth, elevation, fov_y] = [24.0f64, 15.0, 26.0].map(f64::to_radians);
+    let target = scene.bounds().unwrap().center();
+    Orbit { azimuth, elevation, distance: 0.55, target, fov_y }
+}
+
+fn view(scene: &Scene, orbit: &Orbit) -> View {
+    View {
+        camera: orbit.camera(scene.bounds().unwrap().diagonal() / 2.0),
+        direction: Vec3::new(-0.5, -0.6, -0.62).normalize(),
+        irradiance: 3.0,
+        size: [512, 512],
+    }
+}
+
+/// The vessel in clay and in bronze.
+fn materials(scene: &Scene) -> [GltfMaterial<'_>; 2] {
+    let [color, orm, normal] = [0, 1, 2].map(|i| scene.textures[i].bitmap());
+    let clay = GltfMaterial {
+        roughness: 0.5,
+        base_color_map: Some(color.into()),
+        normal_map: Some(normal.into()),
+        ..GltfMaterial::default()
+    };
+    let bronze = GltfMaterial {
+        metallic: 1.0,
+        roughness: 1.0,
+        metallic_roughness_map: Some(orm.into()),
+        occlusion_map: Some(orm.into()),
+        ..clay
+    };
+    [clay, bronze]
+}
+
+/// A material, how it is stored, and the mean FLIP that was measured.
+struct Case<'a> {
+    name: &'a str,
+    material: GltfMaterial<'a>,
+    format: GltfFormat,
+    measured: f64,
+}
+
+#[test]
+fn the_vessel_looks_the_same() {
+    let Some(node) = Node::find() else { return };
+    let scene = jue::scene(1024);
+    let view = view(&scene, &orbit(&scene));
+    let mesh = with_tangents(&scene.meshes[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
+    let [clay, bronze] = materials(&scene);
+    let plain = GltfFormat::default();
+    let webp = GltfFormat { images: GltfImages::WebP, ..plain };
+    let packed = GltfFormat { images: GltfImages::Ktx2, meshopt: true };
+    let cases = [
+        Case { name: "clay", material: clay, format: plain, measured: 0.0258 },
+        Case { name: "bronze", material: bronze, format: plain, measured: 0.0444 },
+        Case { name: "webp", material: clay, format: webp, measured: 0.0257 },
+        Case { name: "packed", material: bronze, format: packed, measured: 0.0481 },
+    ];
+    for case in cases {
+        let folder = empty_folder(&format!("same-in-threejs/{}", case.name));
+        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let asset = GltfAsset { levels: &levels, material: case.material, ..GltfAsset::default() };
+        write_gltf(&folder.join("model.glb"), &asset, &case.format).unwrap();
+        assert_same(&node, &folder, &view, case.measured);
+    }
+}
+
+/// Fails where the mean FLIP of the object between the two pictures of a folder's `model.glb` is above what was
+/// `measured` by more than [`SLACK`].
+fn assert_same(node: &Node, folder: &Path, view: &View, measured: f64) {
+    let [theirs, ours] = [three(node, folder, view), ours(folder, view)];
+    write_picture(&folder.join("three-averaged.png"), &theirs);
+    write_picture(&folder.join("ours.png"), &ours);
+    let error = flip(&theirs, &ours, PIXELS_PER_DEGREE).unwrap();
+    let seen: Vec<bool> = theirs.pixels().iter().map(|pixel| pixel.iter().any(|v| *v > 0.0)).collect();
+    let mean = error.within(&seen).unwrap().summary().unwrap().mean;
+    println!("{}: mean FLIP of the object {mean:.5}", folder.display());
+    assert!(mean < measured * SLACK, "{}: mean FLIP {mean}, once {measured}", folder.display());
+}
+
+fn write_picture(path: &Path, picture: &Picture) {
+    let bytes: Vec<u8> = picture.pixels().as_flattened().iter().map(|v| (v * 255.0).round() as u8).collect();
+    let image = PngImage {
+        width: picture.width(),
+        height: picture.height(),
+        color: PngColor::Rgb,
+        samples: PngSamples::U8(&bytes),
+        encoding: Encoding::Srgb,
+    };
+    write_png(path, &image).unwrap();
+}
+
+/// A scan and a low-poly mesh of the data.
+#[test]
+fn what_bake_writes_looks_the_same() {
+    let Some(data) = common::data_folder("odedstein-meshes") else { return };
+    let Some(node) = Node::find() else { return };
+    let folder = empty_folder("same-in-threejs/baked");
+    let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
+        .arg("bake")
+        .arg(data.join("koala/koala.obj"))
+        .arg("--low")
+        .arg(data.join("koala/koala_low_resolution.obj"))
+        .arg("-o")
+        .arg(folder.join("model.glb"))
+        .args(["--size", "1024", "--maps", "normal,ao", "--ao-rays", "16", "--no-verify"])
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let scene = load_model(&folder.join("model.glb")).unwrap().scene;
+    let mut orbit = orbit(&scene);
+    orbit.distance = fitting_distance(&orbit, 1.0, 0.9, scene.corners());
+    assert_same(&node, &folder, &view(&scene, &orbit), 0.0086);
+}

@@ -1,0 +1,147 @@
+// Chromium, and what a hand does and an eye sees in its pages. BROWSER names the program, FOLDER what it looks at.
+
+import assert from "node:assert/strict";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+import { inflateSync } from "node:zlib";
+import { chromium } from "playwright-core";
+
+export const folder = process.env.FOLDER;
+
+export const launch = (args) => chromium.launch({ executablePath: process.env.BROWSER, args });
+
+// Requests and complaints of each page.
+const heard = new WeakMap();
+
+// Exceptions and whatever else the browser complained about.
+export const complaints = (page) => heard.get(page).complaints;
+
+// A page that notes what it asks for and what is wrong with it.
+export async function newPage(browser, [width, height]) {
+    const page = await browser.newPage({ viewport: { width, height } });
+    const [requests, complaints] = [[], []];
+    heard.set(page, { requests, complaints });
+    page.on("request", (request) => requests.push(request.url()));
+    page.on("pageerror", (error) => complaints.push(String(error)));
+    page.on("console", (message) => complaints.push(message.text()));
+    return page;
+}
+
+// Loads a page from disk.
+export async function go(page, name) {
+    await page.goto(pathToFileURL(path.join(folder, name)).href);
+    await page.waitForFunction(() => [...document.images].every((image) => image.complete));
+}
+
+// A page from disk in a window of this size.
+export async function open(browser, name, size) {
+    const page = await newPage(browser, size);
+    await go(page, name);
+    return page;
+}
+
+// Fails where the page asked for anything but itself and what lies within it, or where the browser complained.
+export function assertQuiet(page) {
+    const { requests, complaints } = heard.get(page);
+    assert.deepEqual(complaints, []);
+    const isPage = (url) => url.startsWith("file:") && url.endsWith(".html");
+    assert(requests.some(isPage), "nothing was watched");
+    assert.deepEqual(requests.filter((url) => !url.startsWith("data:") && !isPage(url)), []);
+}
+
+// Waits until what was done to the page has been drawn.
+export function settle(page) {
+    return page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+}
+
+// Left, top, width and height of the first such element in the window, which is scrolled to it.
+export async function place(page, selector) {
+    const element = page.locator(selector).first();
+    await element.evaluate((element) => element.scrollIntoView({ block: "center" }));
+    await settle(page);
+    const { x, y, width, height } = await element.boundingBox();
+    return [x, y, width, height];
+}
+
+// The point of an element at these fractions of its width and height.
+export async function pointOf(page, selector, [u, v]) {
+    const [x, y, width, height] = await place(page, selector);
+    return [x + u * width, y + v * height];
+}
+
+// Presses the mouse at one point, moves it in steps to another and lets it go.
+export async function drag(page, from, to) {
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(...to, { steps: 5 });
+    await page.mouse.up();
+    await settle(page);
+}
+
+// Clicks the middle of the first such element, `clickCount` times in a row.
+export async function click(page, selector, clickCount = 1) {
+    await page.mouse.click(...(await pointOf(page, selector, [0.5, 0.5])), { clickCount });
+    await settle(page);
+}
+
+// Moves the mouse without a button.
+export async function hover(page, at) {
+    await page.mouse.move(...at);
+    await settle(page);
+}
+
+// Turns the wheel at a point; negative is away from the hand.
+export async function wheel(page, at, delta) {
+    await page.mouse.move(...at);
+    await page.mouse.wheel(0, delta);
+    await settle(page);
+}
+
+// Presses and releases a key by its name, such as `ArrowLeft`.
+export async function key(page, name) {
+    await page.keyboard.press(name);
+    await settle(page);
+}
+
+// Fingers that touch the screen, move together in steps, and leave it: pairs of where from and where to. Playwright
+// itself has but a tap of one finger.
+export async function touch(page, fingers) {
+    const devtools = await page.context().newCDPSession(page);
+    const send = (type, touchPoints) => devtools.send("Input.dispatchTouchEvent", { type, touchPoints });
+    const at = (share) =>
+        fingers.map(([from, to]) => ({
+            x: from[0] + (to[0] - from[0]) * share,
+            y: from[1] + (to[1] - from[1]) * share,
+        }));
+    await devtools.send("Emulation.setTouchEmulationEnabled", { enabled: true, maxTouchPoints: 5 });
+    await send("touchStart", at(0));
+    for (let step = 1; step <= 8; step++) await send("touchMove", at(step / 8));
+    await send("touchEnd", []);
+    await settle(page);
+}
+
+// The compressed pixels of a PNG, which may be in several chunks.
+function pixelData(png) {
+    const chunks = [];
+    for (let at = 8, length; at < png.length; at += 12 + length) {
+        length = png.readUInt32BE(at);
+        if (png.toString("latin1", at + 4, at + 8) === "IDAT") chunks.push(png.subarray(at + 8, at + 8 + length));
+    }
+    return Buffer.concat(chunks);
+}
+
+// The colour of a point of the window. No filter of PNG changes a picture's first pixel, so one pixel needs no decoder.
+export async function colorAt(page, [x, y]) {
+    const clip = { x: Math.floor(x), y: Math.floor(y), width: 1, height: 1 };
+    const png = await page.screenshot({ clip, caret: "initial" });
+    const [, red, green, blue] = inflateSync(pixelData(png));
+    return [red, green, blue];
+}
+
+export const isSame = (a, b) => a.every((value, i) => Math.abs(value - b[i]) <= 3);
+
+// Fails unless a point, in fractions of an element, has this colour.
+export async function assertColor(page, selector, [u, v], wanted) {
+    const found = await colorAt(page, await pointOf(page, selector, [u, v]));
+    assert(isSame(found, wanted), `${selector} at ${u}, ${v}: ${found} instead of ${wanted}`);
+}
