@@ -7,7 +7,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use taotie::image::Encoding;
 use taotie::io::{PngColor, PngImage, PngSamples};
-use taotie_cli::report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View, html};
+use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View, html};
 use tempfile::TempDir;
 
 const RED: [u8; 3] = [200, 30, 30];

@@ -4,11 +4,11 @@ use super::proof::{BIN_WIDTH, Proof, Proved, ViewFigures};
 use super::report::Report;
 use super::textures::Textures;
 use crate::compare::{developed, heat_of_angles, heat_of_flip, legend};
-use crate::report::{Cell, Column, Fact, Page, Picture, Section, Series, Tone, View};
-use crate::sheet::Sheet;
 use anyhow::Result;
 use taotie::compare::ColorMap;
 use taotie::io;
+use taotie_report::sheet::Sheet;
+use taotie_report::{Cell, Column, Fact, Page, Picture, Section, Series, Tone, View};
 
 /// Pixels along a side of the pictures of maps.
 const MAP: usize = 1024;
@@ -169,7 +169,7 @@ fn angles(proof: &Proof) -> Section {
     let mut columns = vec![Column::words("normals of")];
     columns.extend(figures.map(|figure| Column::numbers(figure, "°")));
     let rows = [("the asset", &proof.angles), ("its mesh without the map", &proof.without_map)];
-    let row = |(name, spread): (&str, &Option<crate::spread::Spread>)| {
+    let row = |(name, spread): (&str, &Option<taotie_report::spread::Spread>)| {
         let spread = spread.as_ref()?;
         let numbers = [spread.mean, spread.median, spread.p95, spread.max];
         Some([Cell::text(name)].into_iter().chain(numbers.map(|v| Cell::number(v, 3))).collect())

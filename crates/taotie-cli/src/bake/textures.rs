@@ -1,7 +1,6 @@
 //! Baked maps as textures of an asset, and as files beside it.
 
 use super::args::BakeArgs;
-use crate::sheet::Sheet;
 use crate::studio::Space;
 use anyhow::Result;
 use serde::Serialize;
@@ -13,6 +12,7 @@ use taotie::io::{self, GltfImage, GltfMaterial};
 use taotie::math::srgb::srgb_from_linear;
 use taotie::names::Named;
 use taotie::scene::{Material, Scene};
+use taotie_report::sheet::Sheet;
 
 /// What goes into the asset.
 #[derive(Default)]

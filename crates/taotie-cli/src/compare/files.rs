@@ -1,8 +1,6 @@
 //! The pictures of a comparison as files.
 
 use super::comparison::{Comparison, Taken};
-use crate::heat_map::HeatMap;
-use crate::sheet::{Cell, GROUND, Sheet};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use taotie::compare::{ColorMap, Field, Picture};
@@ -11,6 +9,8 @@ use taotie::io;
 use taotie::math::{Vec3, srgb};
 use taotie::names::Named;
 use taotie::surface::encode_normal;
+use taotie_report::heat_map::HeatMap;
+use taotie_report::sheet::{Cell, GROUND, Sheet};
 
 /// The longest side of a picture on the contact sheet, pixels.
 const CELL: usize = 320;

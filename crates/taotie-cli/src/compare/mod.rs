@@ -113,7 +113,7 @@ pub fn write(
     let report = Report::new(comparison, plan, subject)?;
     files.write_text("report.json", &serde_json::to_string_pretty(&report)?)?;
     let page = page::page(destination.title, &report, comparison, files.heat_top)?;
-    files.write_text("report.html", &crate::report::html(&page))?;
+    files.write_text("report.html", &taotie_report::html(&page))?;
     Ok((report, files.written))
 }
 

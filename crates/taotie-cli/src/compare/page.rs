@@ -3,12 +3,12 @@
 use super::comparison::{Comparison, Taken};
 use super::files;
 use super::report::{self, MethodReport, Report};
-use crate::report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
-use crate::sheet::Sheet;
-use crate::spread::Spread;
 use anyhow::Result;
 use taotie::compare::ColorMap;
 use taotie::io;
+use taotie_report::sheet::Sheet;
+use taotie_report::spread::Spread;
+use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
 
 /// Colours of a legend.
 const STOPS: u32 = 32;

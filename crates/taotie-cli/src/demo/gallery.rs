@@ -4,7 +4,6 @@ use super::DemoArgs;
 use super::stage::{self, Stage};
 use crate::jue;
 use crate::render::{PictureFormat, write_picture};
-use crate::sheet::{Cell, Sheet};
 use anyhow::Result;
 use serde_json::json;
 use std::path::PathBuf;
@@ -17,6 +16,7 @@ use taotie::render::{RenderSettings, SurfaceSettings};
 use taotie::scene::{NormalSpace, Scene};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
+use taotie_report::sheet::{Cell, Sheet};
 
 /// Pixels along a side of the large picture.
 const LARGE: u32 = 1400;

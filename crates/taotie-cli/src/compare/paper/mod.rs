@@ -14,7 +14,6 @@ mod text;
 mod words;
 
 use crate::console;
-use crate::report;
 use anyhow::Result;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -47,7 +46,7 @@ pub fn run(json: bool, out: Option<&Path>) -> Result<()> {
 fn write(folder: &Path, study: &Study) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).map_err(|error| taotie::Error::io(folder, error))?;
     let files = ["paper.html", "paper.json"].map(|name| folder.join(name));
-    taotie::io::write_text(&files[0], &report::html(&page::of(study)))?;
+    taotie::io::write_text(&files[0], &taotie_report::html(&page::of(study)))?;
     taotie::io::write_text(&files[1], &format!("{}\n", document(study)?))?;
     Ok(files.into())
 }

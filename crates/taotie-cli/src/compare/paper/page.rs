@@ -6,7 +6,7 @@ use super::misprints::Misprint;
 use super::printed::{ANGLES, NORMALS};
 use super::study::{Row, Study};
 use super::words;
-use crate::report::{Cell, Column, Fact, Page, Section, Tone};
+use taotie_report::{Cell, Column, Fact, Page, Section, Tone};
 
 /// The page.
 pub fn of(study: &Study) -> Page {

@@ -6,7 +6,7 @@ use super::misprints::{AXES, Misprint};
 use super::printed::{ANGLES, NORMALS};
 use super::study::{Row, Study};
 use super::words;
-use crate::table::Table;
+use taotie_report::table::Table;
 
 /// The whole study.
 pub fn of(study: &Study) -> String {

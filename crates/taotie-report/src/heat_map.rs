@@ -1,7 +1,6 @@
 //! A picture of numbers as colours, with its scale below.
 
-use crate::sheet::{NOTE, Sheet, TITLE};
-use noto_sans_mono_bitmap::RasterHeight;
+use crate::sheet::{Line, NOTE, Sheet, TITLE, TextSize};
 use taotie::compare::{ColorMap, Field, heat};
 
 /// Where nothing was compared.
@@ -13,7 +12,7 @@ const GAP: usize = 12;
 /// The height of the scale's bar.
 const BAR: usize = 14;
 /// The size of its labels.
-const LETTERS: RasterHeight = RasterHeight::Size16;
+const LETTERS: TextSize = TextSize::Small;
 /// The least width, so that the scale can be read.
 const LEAST: usize = 260;
 
@@ -32,22 +31,22 @@ pub struct HeatMap<'a> {
 }
 
 impl HeatMap<'_> {
-    /// The picture without its scale.
+    /// Draws the picture without its scale.
     pub fn plain(&self) -> Sheet {
         let (width, height) = (self.field.width() as usize, self.field.height() as usize);
         Sheet { width, height, pixels: heat(self.field, self.top, self.map, NOTHING) }
     }
 
-    /// The picture above its scale.
+    /// Draws the picture above its scale.
     pub fn with_scale(&self) -> Sheet {
         self.above_scale(&self.plain())
     }
 
-    /// Any picture above the scale.
+    /// Lays any picture above the scale.
     pub fn above_scale(&self, picture: &Sheet) -> Sheet {
         let mut sheet = Sheet::blank(picture.width.max(LEAST), picture.height + FOOT);
         let left = (sheet.width - picture.width) / 2;
-        for (y, row) in picture.pixels.chunks(picture.width).enumerate() {
+        for (y, row) in picture.pixels.chunks(picture.width.max(1)).enumerate() {
             sheet.paste(row, [left, y]);
         }
         self.draw_scale(&mut sheet, picture.height);
@@ -65,8 +64,9 @@ impl HeatMap<'_> {
         let beyond = self.field.values().iter().any(|value| *value > self.top);
         let top = format!("{}{}{}", number(self.top), self.unit, if beyond { "+" } else { "" });
         let mut label = |text: &str, place: fn(usize, usize) -> usize, color| {
-            let taken = Sheet::text_width(text, LETTERS).min(room);
-            sheet.write(text, [GAP + place(room, taken), y + GAP + BAR + 6], LETTERS, color, taken);
+            let taken = LETTERS.width(text).min(room);
+            let line = Line { text, size: LETTERS, color, room: taken };
+            sheet.write(&line, [GAP + place(room, taken), y + GAP + BAR + 6]);
         };
         label(&bottom, |_, _| 0, NOTE);
         label(self.title, |room, taken| (room - taken) / 2, TITLE);

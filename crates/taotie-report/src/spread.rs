@@ -1,9 +1,9 @@
-//! What many numbers come to, for people and for machines.
+//! Mean, quantiles and maximum of many numbers, for people and for machines.
 
 use serde::Serialize;
 use taotie::compare::Summary;
 
-/// What the numbers of a field come to, in its unit.
+/// Mean, quantiles and maximum of a field, in its unit.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Spread {
     /// How many pixels have a number.
@@ -34,7 +34,7 @@ impl From<Summary> for Spread {
 }
 
 impl Spread {
-    /// All numbers with so many digits behind the point.
+    /// Returns all numbers with so many digits behind the point.
     pub fn text(&self, digits: usize, unit: &str) -> String {
         let number = |value: f64| format!("{value:.digits$}{unit}");
         let Self { mean, median, quartiles: [first, third], p95, max, .. } = *self;

@@ -7,13 +7,13 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table with these titles; those that start with `>` head columns that stand to the right.
+    /// Makes a table with these titles; those that start with `>` head columns that stand to the right.
     pub fn new(titles: &[&str]) -> Self {
         let titles_alone = titles.iter().map(|title| title.trim_start_matches('>').to_owned());
         Self { rows: vec![titles_alone.collect()], ..Self::untitled(titles) }
     }
 
-    /// A table without titles; `>` makes a column stand to the right.
+    /// Makes a table without titles; `>` makes a column stand to the right.
     pub fn untitled(columns: &[&str]) -> Self {
         Self { right: columns.iter().map(|column| column.starts_with('>')).collect(), rows: Vec::new() }
     }
@@ -23,7 +23,7 @@ impl Table {
         self.rows.push(cells.into());
     }
 
-    /// The lines, each after `indent` spaces and without spaces at the end.
+    /// Returns the lines, each after `indent` spaces and without spaces at the end.
     pub fn lines(&self, indent: usize) -> String {
         let widths: Vec<usize> = (0..self.right.len()).map(|column| self.width(column)).collect();
         self.rows.iter().map(|row| self.line(row, &widths, indent)).collect()

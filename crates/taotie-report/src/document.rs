@@ -1,6 +1,6 @@
 //! The page's data, style and script in one document.
 
-use super::Page;
+use crate::Page;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
@@ -23,7 +23,7 @@ const SCRIPT: [&str; 12] = [
     include_str!("page/main.js"),
 ];
 
-/// The page as one HTML document, which asks for nothing else.
+/// Writes the page as one HTML document, which fetches nothing else.
 pub fn html(page: &Page) -> String {
     let style = plain_line_ends(STYLE);
     let script = plain_line_ends(&SCRIPT.concat());
@@ -65,7 +65,7 @@ fn data(page: &Page) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Fact, View};
+    use crate::{Fact, View};
 
     const NASTY: &str = "</script><img src=x onerror=alert(1)><!--<script>{policy}&amp;";
 

@@ -1,4 +1,4 @@
-//! What a page holds. Serialised, it is what `page/main.js` documents and reads.
+//! The data of a page. Serialised, it is what `page/main.js` documents and reads.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -16,7 +16,7 @@ pub struct Page {
     pub facts: Vec<Fact>,
     /// Pictures, a tab for each view.
     pub views: Vec<View>,
-    /// What follows the pictures, in order.
+    /// Text, tables and histograms below the pictures, in order.
     pub sections: Vec<Section>,
     /// At the end: who made the page of what.
     pub footer: String,
@@ -25,14 +25,14 @@ pub struct Page {
 /// A name and what goes with it.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Fact {
-    /// What is told.
+    /// The quantity.
     pub name: String,
-    /// What it is, with its unit.
+    /// Its value, with its unit.
     pub value: String,
 }
 
 impl Fact {
-    /// A fact.
+    /// Makes a fact.
     pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self { name: name.into(), value: value.into() }
     }
@@ -43,18 +43,18 @@ impl Fact {
 pub struct View {
     /// The tab: "ggx", "normals", "angular error". No two views of a page share it.
     pub name: String,
-    /// What is seen.
+    /// A line on what is seen.
     pub note: String,
     /// The pictures. The first and the last lie left and right of the handle until others are chosen.
     pub pictures: Vec<Picture>,
-    /// What the colours mean.
+    /// The meaning of the colours.
     pub legend: Option<Legend>,
 }
 
 /// A picture.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Picture {
-    /// What it shows, such as a method. The same label in other views means the same thing: it stays chosen from
+    /// Its subject, such as a method. The same label in other views means the same thing: it stays chosen from
     /// view to view. No two pictures of a view share it.
     pub label: String,
     /// Below the label.
@@ -64,7 +64,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Pixels across and down as the file's header says; zeros where it is no PNG.
+    /// Returns the pixels across and down as the file's header says; zeros where it is no PNG.
     pub fn size(&self) -> [u32; 2] {
         let word = |at: usize| self.png.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes);
         match (self.png.starts_with(b"\x89PNG\r\n\x1a\n"), word(16), word(20)) {
@@ -118,7 +118,7 @@ pub enum Section {
         title: String,
         /// Above the table.
         note: String,
-        /// What stands in each column.
+        /// The columns.
         columns: Vec<Column>,
         /// As many cells as there are columns.
         rows: Vec<Vec<Cell>>,
@@ -135,7 +135,7 @@ pub enum Section {
         bin_width: f64,
         /// Whether the last bin holds everything above it too.
         last_is_open: bool,
-        /// What was counted.
+        /// The counts, a panel each.
         series: Vec<Series>,
     },
 }
@@ -152,12 +152,12 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column of words.
+    /// Makes a column of words.
     pub fn words(name: impl Into<String>) -> Self {
         Self { name: name.into(), unit: String::new(), numeric: false }
     }
 
-    /// A column of numbers in this unit, which may be empty.
+    /// Makes a column of numbers in this unit, which may be empty.
     pub fn numbers(name: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { name: name.into(), unit: unit.into(), numeric: true }
     }
@@ -178,7 +178,7 @@ pub enum Cell {
     },
     /// A judgement.
     Mark {
-        /// What is shown.
+        /// The text shown.
         text: String,
         /// How it is shown.
         tone: Tone,
@@ -188,12 +188,12 @@ pub enum Cell {
 }
 
 impl Cell {
-    /// Words.
+    /// Makes a cell of words.
     pub fn text(text: impl Into<String>) -> Self {
         Self::Text(text.into())
     }
 
-    /// A number with so many decimals.
+    /// Makes a number with so many decimals.
     pub fn number(value: f64, digits: usize) -> Self {
         Self::Number { value: Some(value), digits }
     }
@@ -214,7 +214,7 @@ pub enum Tone {
 /// Counts of a histogram.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Series {
-    /// What was counted.
+    /// The thing counted.
     pub label: String,
     /// How many values fell into each bin.
     pub counts: Vec<u64>,
