@@ -9,7 +9,6 @@ mod console;
 mod demo;
 mod diff;
 mod inspect;
-pub mod jue;
 mod materials;
 mod normals;
 mod options;

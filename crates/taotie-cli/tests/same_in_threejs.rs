@@ -20,7 +20,7 @@ use taotie::io::{
 use taotie::math::Vec3;
 use taotie::scene::{Orbit, fitting_distance};
 use taotie::surface::{TangentMethod, with_tangents};
-use taotie_cli::jue;
+use taotie_study::jue;
 use threejs::View;
 
 /// Keeps the pictures where somebody wants to look at them.

@@ -2,7 +2,6 @@
 
 use super::DemoArgs;
 use super::stage::{self, Stage};
-use crate::jue;
 use crate::render::{PictureFormat, write_picture};
 use anyhow::Result;
 use serde_json::json;
@@ -17,6 +16,7 @@ use taotie::scene::{NormalSpace, Scene};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 use taotie_report::sheet::{Cell, Sheet};
+use taotie_study::jue;
 
 /// Pixels along a side of the large picture.
 const LARGE: u32 = 1400;

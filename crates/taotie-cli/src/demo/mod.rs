@@ -9,13 +9,13 @@ mod truth;
 
 use crate::compare::Report;
 use crate::console::{self, Progress};
-use crate::jue;
 use crate::studio::in_pool;
 use anyhow::Result;
 use clap::Args;
 use gallery::Made;
 use serde_json::json;
 use std::path::PathBuf;
+use taotie_study::jue;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -4,7 +4,6 @@
 use super::DemoArgs;
 use super::stage::{self, Stage};
 use super::truth::with_relief;
-use crate::jue::pour::{Eye, POURED, Pouring, RULE, TIP_DEG, Truth, angular_errors};
 use anyhow::Result;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -14,6 +13,7 @@ use taotie::mesh::Mesh;
 use taotie::scene::Scene;
 use taotie_report::sheet::{Cell, Sheet};
 use taotie_report::spread::Spread;
+use taotie_study::jue::pour::{Eye, POURED, Pouring, RULE, TIP_DEG, Truth, angular_errors};
 
 /// Pixels along a side of the pictures that errors are measured in.
 const SIDE: u32 = 640;

@@ -18,8 +18,8 @@ pub fn write(folder: &Path, scene: &Scene) -> Result<PathBuf> {
 mod tests {
     use super::*;
     use crate::demo::{export, truth};
-    use crate::jue;
     use taotie::io;
+    use taotie_study::jue;
 
     #[test]
     fn the_file_holds_the_mesh() {

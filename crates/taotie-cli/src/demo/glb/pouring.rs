@@ -1,6 +1,5 @@
 //! The pouring vessel with its skin and animation.
 
-use crate::jue::pour;
 use anyhow::Result;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -9,6 +8,7 @@ use taotie::math::Mat4;
 use taotie::mesh::deform::Binding;
 use taotie::scene::Scene;
 use taotie::scene::animation::{Node, RigData, Sampler, Transform};
+use taotie_study::jue::pour;
 
 /// The number of the rig's first node in the file.
 const FIRST: usize = 1;
@@ -106,9 +106,9 @@ fn animation(draft: &mut GltfDraft, data: &RigData) -> Value {
 mod tests {
     use super::*;
     use crate::demo::export;
-    use crate::jue;
     use taotie::io;
     use taotie::scene::Material;
+    use taotie_study::jue;
 
     #[test]
     fn the_file_moves_as_the_vessel_does() {

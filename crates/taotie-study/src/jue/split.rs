@@ -2,8 +2,8 @@
 //!
 //! Every decision belongs to an edge and looks at nothing but that edge, so that neighbours agree without asking.
 
-use super::DEPTH;
-use super::displaced::{Patch, Point, WHOLE, Weights};
+use super::patch::{Patch, Point, WHOLE, Weights};
+use super::relief::DEPTH;
 use std::collections::HashMap;
 
 /// Longest edge where the surface only bends as the low mesh does, metres.

@@ -6,17 +6,13 @@
 
 use super::atlas;
 use super::builder::{Builder, ROUND, Smooth};
-use taotie::math::{Vec2, Vec3, scalar};
+use super::rings::{COLUMNS, ellipse, ring_point};
+use taotie::math::{Vec2, Vec3};
 
-/// Columns once around.
-pub(super) const COLUMNS: usize = 16;
 /// Outside and bottom.
 const OUTSIDE: Smooth = ROUND;
 /// Lip and inside.
 const INSIDE: Smooth = Smooth(1);
-/// Height and half axes along x and z of the four rings of the belly.
-const RINGS: [[f64; 3]; 4] =
-    [[0.0875, 0.0240, 0.0208], [0.1000, 0.0322, 0.0280], [0.1190, 0.0342, 0.0293], [0.1400, 0.0330, 0.0283]];
 /// The lowest point of the outside and of the inside.
 const POLES: [f64; 2] = [0.0798, 0.0875];
 /// Row 4 for columns 0 to 8: the tail's keel, the rim, then half of the spout's section. z is mirrored beyond.
@@ -56,29 +52,6 @@ const FLOOR_MIDDLE: [f64; 3] = [0.0715, 0.1630, 0.0];
 const TAIL_FLOOR: [f64; 3] = [-0.0455, 0.1665, 0.0];
 /// Height and half axes of the inside's ring.
 const INNER_RING: [f64; 3] = [0.1400, 0.0296, 0.0252];
-
-/// The point of column `j` on ring `i`.
-pub(super) fn ring_point(i: usize, j: usize) -> Vec3<f64> {
-    ellipse(RINGS[i], j)
-}
-
-fn ellipse([y, a, b]: [f64; 3], j: usize) -> Vec3<f64> {
-    let (sin, cos) = eighths(j);
-    Vec3::new(-a * cos, y, b * sin)
-}
-
-/// Sine and cosine of j/16 of a turn, mirror-symmetric to the last bit.
-fn eighths(j: usize) -> (f64, f64) {
-    let j = j % COLUMNS;
-    let quarter = |k: usize| scalar::sin(std::f64::consts::PI * k as f64 / 8.0);
-    let sin = |j: usize| match j {
-        0..=4 => quarter(j),
-        5..=8 => quarter(8 - j),
-        9..=12 => -quarter(j - 8),
-        _ => -quarter(16 - j),
-    };
-    (if j.is_multiple_of(8) { 0.0 } else { sin(j) }, if j % 8 == 4 { 0.0 } else { sin((j + 4) % COLUMNS) })
-}
 
 /// The entry of a table of columns 0 to 8 (or `first` to 8) for any column.
 fn mirrored(table: &[[f64; 3]], first: usize, j: usize) -> Vec3<f64> {

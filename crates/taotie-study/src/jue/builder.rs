@@ -1,7 +1,7 @@
 //! Collects vertices and triangles and makes a mesh with smooth normals from them.
 
 use super::normals::vertex_normals;
-use taotie::math::{Vec2, Vec3, scalar};
+use taotie::math::{Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
 
 /// Which faces share their normals: two vertices at the same place do so where their group is the same.
@@ -101,12 +101,4 @@ impl Builder {
             .find(|j| self.groups[*j] == self.groups[i] && self.positions[*j] == self.positions[i])
             .unwrap_or(i)
     }
-}
-
-/// The angles of a triangle, radians.
-pub(super) fn corner_angles(corners: [Vec3<f64>; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| {
-        let (p, q, r) = (corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]);
-        scalar::acos((q - p).normalize().dot((r - p).normalize()).clamp(-1.0, 1.0))
-    })
 }

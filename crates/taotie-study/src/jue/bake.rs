@@ -1,7 +1,9 @@
 //! The maps of the low mesh: height, tangent-space normals, colour and the rest.
 
-use super::displaced::{Rounded, Welds};
-use super::{DEPTH, patina};
+use super::relief::{DEPTH, height};
+use super::rounded::Rounded;
+use super::welds::Welds;
+use super::{atlas, patina};
 use rayon::prelude::*;
 use taotie::bake::{Storage, TexelGrid, TexelSurface, store_normals};
 use taotie::image::{Bitmap, Image, Texels as Stored};
@@ -24,7 +26,7 @@ impl Bake {
     pub fn new(mesh: &Mesh, size: u32) -> Self {
         let surface = laid_out(mesh, size);
         let middle = |i: u32| (i as f32 + 0.5) / size as f32;
-        let heights = surface.map(0.0, |x, y, _| super::height(middle(x), middle(y)));
+        let heights = surface.map(0.0, |x, y, _| height(middle(x), middle(y)));
         Self { surface, heights }
     }
 
@@ -87,7 +89,7 @@ impl Bake {
         let size = self.surface.coverage().width() as usize;
         // The radii follow from what a texel measures on the belly, so that every size shows the same vessel.
         let radius = |millimetres: f64| {
-            ((millimetres * 1e-3 * super::atlas::STRIP_SCALE * size as f64 + 0.5) as usize).max(1)
+            ((millimetres * 1e-3 * atlas::STRIP_SCALE * size as f64 + 0.5) as usize).max(1)
         };
         let near = blurred(&self.heights, size, radius(0.55));
         let wide = blurred(&self.heights, size, radius(2.2));
@@ -125,7 +127,7 @@ impl Corners {
     fn new(size: u32) -> Self {
         let side = size as usize + 1;
         let at = |i: usize| i as f32 / size as f32;
-        let heights = (0..side * side).into_par_iter().map(|i| super::height(at(i % side), at(i / side)));
+        let heights = (0..side * side).into_par_iter().map(|i| height(at(i % side), at(i / side)));
         Self { size: size as usize, heights: heights.collect() }
     }
 

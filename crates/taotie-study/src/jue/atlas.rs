@@ -14,7 +14,7 @@
 //!
 //! The belly has most of the room: 5 uv units a metre, 0.1 mm a texel at 2048.
 
-use super::vessel;
+use super::rings;
 use taotie::math::Vec2;
 
 /// uv units a metre on the belly strip; patterns there are drawn in millimetres of this nominal scale.
@@ -59,8 +59,8 @@ pub(super) const LEG_INNER: [Vec2<f64>; 3] =
 
 /// The u of column `j` (0 ..= 16) of the strip: proportional to arc length around the belly.
 pub(super) fn strip_u(j: usize) -> f64 {
-    let lengths: Vec<f64> = (0..vessel::COLUMNS)
-        .map(|k| (vessel::ring_point(2, k + 1) - vessel::ring_point(2, k)).length())
+    let lengths: Vec<f64> = (0..rings::COLUMNS)
+        .map(|k| (rings::ring_point(2, k + 1) - rings::ring_point(2, k)).length())
         .collect();
     let total: f64 = lengths.iter().sum();
     STRIP_LEFT + STRIP_WIDTH * lengths[..j].iter().sum::<f64>() / total

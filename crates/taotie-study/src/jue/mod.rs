@@ -3,40 +3,34 @@
 mod atlas;
 mod bake;
 mod builder;
+mod curves;
 mod displaced;
 mod ground;
 mod limbs;
 mod mask;
 mod noise;
 mod normals;
+mod patch;
 mod patina;
 pub mod pour;
 mod profile;
 mod relief;
+mod rings;
+mod rounded;
 mod split;
 mod strokes;
 mod vessel;
+mod welds;
+
+pub use relief::{DEPTH, height};
 
 use bake::Bake;
-use relief::Relief;
-use std::sync::LazyLock;
 use taotie::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
 use taotie::math::Mat4;
 use taotie::mesh::Mesh;
 use taotie::scene::{
     GreenChannel, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
 };
-
-/// The height of 1 of [`height`] above the low mesh, metres.
-pub const DEPTH: f64 = 0.0012;
-
-/// The drawings behind [`height`], prepared once.
-static RELIEF: LazyLock<Relief> = LazyLock::new(Relief::new);
-
-/// The relief at a uv in [0, 1]², as a fraction of [`DEPTH`] in [0, 1]. Continuous, and 0 at the border of every chart.
-pub fn height(u: f32, v: f32) -> f32 {
-    RELIEF.height(u, v)
-}
 
 /// The low mesh: 251 vertices, metres, standing on y = 0 with its spout along +x and its handle towards −z.
 ///

@@ -1,7 +1,6 @@
 //! Vertex normals that let a coarse mesh shade as the round surface it stands for.
 
-use super::builder::corner_angles;
-use taotie::math::Vec3;
+use taotie::math::{Vec3, scalar};
 
 /// How strongly a normal is held to the mean of its faces, against one edge's wish.
 const HOLD: f64 = 0.8;
@@ -75,10 +74,17 @@ fn settled(mean: Vec3<f64>, edges: &[(usize, Vec3<f64>)], normals: &[Vec3<f64>])
     solution.normalize_or(mean)
 }
 
+/// The angles of a triangle, radians.
+fn corner_angles(corners: [Vec3<f64>; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let (p, q, r) = (corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]);
+        scalar::acos((q - p).normalize().dot((r - p).normalize()).clamp(-1.0, 1.0))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::math::scalar;
 
     /// A band about an ellipse with half axes 2 and 1, its columns unevenly spaced.
     #[test]

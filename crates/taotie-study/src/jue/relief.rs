@@ -4,7 +4,11 @@ use super::atlas;
 use super::ground::{belly_thunder, blade, leaf_distance, ringlets, thunder};
 use super::mask::{HALF_WIDTH, HEIGHT, Mask};
 use super::profile::{bump, plateau, smooth};
+use std::sync::LazyLock;
 use taotie::math::{Vec2, scalar};
+
+/// The height of 1 of [`height`] above the low mesh, metres.
+pub const DEPTH: f64 = 0.0012;
 
 /// Where the mask's panel begins above the strip's lower edge, nominal millimetres.
 const PANEL_BOTTOM: f32 = 14.2;
@@ -15,9 +19,18 @@ const BLADES: f32 = PANEL_BOTTOM + HEIGHT + 5.6;
 /// Half the width of a flange.
 const FLANGE: f32 = 1.35;
 
+/// The drawings behind [`height`], prepared once.
+static RELIEF: LazyLock<Relief> = LazyLock::new(Relief::new);
+
+/// Returns the relief at a uv in [0, 1]², as a fraction of [`DEPTH`] in [0, 1]. It is continuous, and 0 at the border
+/// of every chart.
+pub fn height(u: f32, v: f32) -> f32 {
+    RELIEF.height(u, v)
+}
+
 /// The height field.
 #[derive(Debug)]
-pub(super) struct Relief {
+struct Relief {
     mask: Mask,
 }
 
