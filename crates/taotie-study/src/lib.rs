@@ -7,3 +7,4 @@
 //! ```
 
 pub mod jue;
+pub mod paper;

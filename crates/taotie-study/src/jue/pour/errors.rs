@@ -1,6 +1,8 @@
 //! How far the normals of a light vessel are from the truth, at rest and poured.
 
-use super::{POURED, Pouring, Truth};
+use super::pouring::Pouring;
+use super::rig::POURED;
+use super::truth::Truth;
 use rayon::prelude::*;
 use taotie::compare::{Summary, angular_error};
 use taotie::image::Image;
@@ -9,7 +11,7 @@ use taotie::render::{Aovs, Lighting, RenderSettings, render};
 use taotie::scene::{Camera, Scene};
 use taotie::{Error, Result};
 
-/// What is measured, in words.
+/// The rule of measurement in words.
 pub const RULE: &str = "angle between the normal drawn and that of the displaced mesh under the same skin at the same uv, \
     its normal taken from the moved surface; over the pixels of triangles whose corners all move by a millimetre or \
     more, seen by a camera that goes with the cup, so that the same surface is seen at rest and poured";
@@ -26,7 +28,7 @@ pub struct Eye {
     pub side: u32,
 }
 
-/// The angular errors of a vessel with a normal map, at rest and poured, degrees; [`RULE`] says over which pixels.
+/// Returns the angular errors of a vessel with a normal map, at rest and poured, degrees; [`RULE`] says over which pixels.
 /// `truths` are those of the two moments.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! The displaced mesh moved as the light one is.
 
-use super::{binding, rig};
+use super::rig::{binding, rig};
 use rayon::prelude::*;
 use taotie::Result;
 use taotie::bake::UvLookup;
@@ -19,7 +19,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// The displaced mesh `rest` at a moment.
+    /// Moves the displaced mesh `rest` to a moment.
     ///
     /// Its normals do not come from the skin: at each vertex two pairs of near points of the tangent plane are moved as
     /// the skin moves them, and the normal is perpendicular to where they lie then. So it feels how the surface is
@@ -33,12 +33,12 @@ impl Truth {
         Ok(Self { lookup: UvLookup::new(&scene)?, scene })
     }
 
-    /// Its mesh.
+    /// Returns its mesh.
     pub fn mesh(&self) -> &Mesh {
         &self.scene.meshes[0]
     }
 
-    /// The unit normal of the place with this uv, where there is one.
+    /// Returns the unit normal of the place with this uv, where there is one.
     pub fn normal(&self, uv: Vec2) -> Option<Vec3> {
         self.lookup.at(uv).map(|(_, normal)| normal)
     }
@@ -82,7 +82,8 @@ fn probes(rest: &Mesh) -> [Vec<Vec3>; 4] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{POURED, Pouring, follows};
+    use super::super::pouring::Pouring;
+    use super::super::rig::{POURED, follows};
     use super::*;
     use crate::jue::{displaced_mesh, scene};
     use taotie::compare::angle_deg;

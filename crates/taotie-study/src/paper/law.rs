@@ -4,6 +4,7 @@
 //! g, half the difference of two grey levels and so a multiple of one half. It is taken to be the one with which most
 //! of the row's nine numbers agree; what does not is a misprint.
 
+use super::angles::angle_of_raise;
 use super::printed::{Normal, SCALES};
 use super::range::Range;
 use serde::Serialize;
@@ -14,7 +15,7 @@ const GREYS: i64 = 255;
 /// The unit of both axes that the bump moves along.
 const ALONG: [i64; 3] = [1, 1, 0];
 
-/// What the law makes of a row.
+/// The law of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Fit {
     /// Half the central grey difference.
@@ -27,12 +28,12 @@ pub struct Fit {
     pub normals: [[Number; 3]; 3],
 }
 
-/// A printed number and what the others of its row say of it.
+/// A printed number, and the range that the others of its row leave for it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Number {
     /// As printed.
     pub printed: f64,
-    /// What the law leaves for it.
+    /// The range that the law leaves for it.
     pub range: [f64; 2],
     /// The middle of that, with its decimals cut.
     pub recomputed: f64,
@@ -52,6 +53,12 @@ impl Fit {
             agreeing: agreeing(&numbers),
             normals: numbers,
         }
+    }
+
+    /// Returns the ranges that the law leaves for θ1 and θ2, degrees.
+    pub fn angles(&self) -> [[f64; 2]; 2] {
+        let n1 = self.normals[0].map(|number| number.range);
+        [1, 2].map(|which| angle_of_raise(n1, SCALES[which] as f64 * self.g / 255.0))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Everything that is found out about the two tables.
 
-use super::angles::{Angle, angle_of_raise, angles};
+use super::angles::{Angle, angles};
 use super::law::Fit;
 use super::misprints::Misprint;
-use super::printed::{Normal, Printed, ROWS, SCALES};
+use super::printed::{Normal, Printed, ROWS};
 use serde::Serialize;
 use taotie::compare::angle_deg;
 use taotie::math::Vec3;
@@ -13,11 +13,11 @@ use taotie::math::Vec3;
 pub struct Study {
     /// Row by row.
     pub rows: Vec<Row>,
-    /// What is printed wrong.
+    /// The misprints.
     pub misprints: Vec<Misprint>,
     /// How many of Table 3's numbers follow from Table 2.
     pub agreeing: Agreeing,
-    /// What the paper concludes from the tables, and what they say.
+    /// The conclusion that the tables bear, which is not the paper's.
     pub conclusion: Conclusion,
 }
 
@@ -26,7 +26,7 @@ pub struct Study {
 pub struct Row {
     /// Its number, from 1.
     pub row: usize,
-    /// What the law makes of N1, N2 and N3.
+    /// The law of N1, N2 and N3.
     pub law: Fit,
     /// N4 as printed, which cannot be recomputed.
     pub n4: Normal,
@@ -73,13 +73,19 @@ pub struct Distance {
     pub bump_5_is_nearer: usize,
 }
 
+impl Default for Study {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Study {
     /// Studies the paper's tables.
     pub fn new() -> Self {
         let fits: Vec<Fit> = ROWS.iter().map(fit).collect();
         let misprints = misprints(&fits);
         let corrected = corrected(&misprints);
-        let rows: Vec<Row> = fits.iter().zip(ROWS.iter().zip(&corrected)).enumerate().map(row).collect();
+        let rows: Vec<Row> = (0..ROWS.len()).map(|i| Row::new(i, &fits[i], &corrected[i])).collect();
         let agreeing = Agreeing {
             of: 3 * ROWS.len(),
             as_printed: agreeing(&ROWS),
@@ -96,22 +102,19 @@ fn fit(row: &Printed) -> Fit {
     Fit::new([n1, n2, n3])
 }
 
-fn row((i, (law, (printed, corrected))): (usize, (&Fit, (&Printed, &Printed)))) -> Row {
-    let ranges = by_law(law);
-    Row {
-        row: i + 1,
-        law: *law,
-        n4: printed.normals[3],
-        angles_as_printed: angles(printed),
-        angles_corrected: angles(corrected),
-        explained: [0, 1].map(|which| Angle::new(printed.angles[which], ranges[which]).agrees),
+impl Row {
+    /// Looks at row `i`, counted from 0.
+    fn new(i: usize, law: &Fit, corrected: &Printed) -> Self {
+        let (printed, ranges) = (&ROWS[i], law.angles());
+        Self {
+            row: i + 1,
+            law: *law,
+            n4: printed.normals[3],
+            angles_as_printed: angles(printed),
+            angles_corrected: angles(corrected),
+            explained: [0, 1].map(|which| Angle::new(printed.angles[which], ranges[which]).agrees),
+        }
     }
-}
-
-/// What the law leaves for θ1 and θ2.
-fn by_law(law: &Fit) -> [[f64; 2]; 2] {
-    let n1 = law.normals[0].map(|number| number.range);
-    [1, 2].map(|which| angle_of_raise(n1, SCALES[which] as f64 * law.g / 255.0))
 }
 
 /// Those of Table 2, then those of Table 3 that remain.
@@ -121,11 +124,10 @@ fn misprints(fits: &[Fit]) -> Vec<Misprint> {
     let mut found: Vec<Misprint> = numbered().flat_map(normal).collect();
     let rows = corrected(&found);
     for (number, fit) in numbered() {
-        let off = angles(&rows[number - 1]).into_iter().zip(by_law(fit)).enumerate();
-        let off = off.filter(|(_, (angle, _))| !angle.agrees);
-        found.extend(
-            off.map(|(which, (angle, range))| Misprint::of_angle(number, which, &angle, range, fit.g)),
-        );
+        // θ3 belongs to N4, of which the law says nothing.
+        let off =
+            angles(&rows[number - 1]).into_iter().take(2).enumerate().filter(|(_, angle)| !angle.agrees);
+        found.extend(off.map(|(which, angle)| Misprint::of_angle(number, which, &angle, fit)));
     }
     found
 }

@@ -1,4 +1,4 @@
-//! What is printed wrong, what must stand there, and why.
+//! Numbers that are printed wrong, what must stand there, and why.
 
 use super::angles::{Angle, cut};
 use super::law::{Fit, Number};
@@ -14,11 +14,11 @@ pub struct Misprint {
     pub row: usize,
     /// The number, such as `N2.y`; a whole normal where more than one of its numbers is wrong.
     pub cell: String,
-    /// What is printed.
+    /// The numbers as printed.
     pub printed: Vec<f64>,
-    /// What must stand there.
+    /// The numbers that must stand there.
     pub corrected: Vec<f64>,
-    /// How that is known.
+    /// The reason for the correction.
     pub reason: String,
     #[serde(skip)]
     place: Place,
@@ -33,7 +33,7 @@ enum Place {
 
 impl Misprint {
     /// Puts it right.
-    pub fn correct(&self, rows: &mut [Printed]) {
+    pub(super) fn correct(&self, rows: &mut [Printed]) {
         let row = &mut rows[self.row - 1];
         match self.place {
             Place::Normal(which, normal) => row.normals[which] = normal,
@@ -41,8 +41,8 @@ impl Misprint {
         }
     }
 
-    /// The misprint of a normal, if it is one. `fit` is its row's.
-    pub fn of_normal(row: usize, which: usize, fit: &Fit) -> Option<Self> {
+    /// Returns the misprint of a normal, if it is one. `fit` is its row's.
+    pub(super) fn of_normal(row: usize, which: usize, fit: &Fit) -> Option<Self> {
         let numbers = &fit.normals[which];
         let wrong: Vec<usize> = (0..3).filter(|axis| !numbers[*axis].agrees).collect();
         let corrected = numbers.map(|number| number.recomputed);
@@ -61,8 +61,10 @@ impl Misprint {
         })
     }
 
-    /// The misprint of an angle that the row's corrected normals contradict; `range` is what the law leaves for it.
-    pub fn of_angle(row: usize, which: usize, angle: &Angle, [low, high]: [f64; 2], g: f64) -> Self {
+    /// Returns the misprint of θ1 or θ2 (`which` is 0 or 1) that the row's corrected normals contradict. `fit` is its
+    /// row's.
+    pub(super) fn of_angle(row: usize, which: usize, angle: &Angle, fit: &Fit) -> Self {
+        let ([low, high], g) = (fit.angles()[which], fit.g);
         let corrected = cut((low + high) / 2.0);
         let (name, other) = (ANGLES[which], NORMALS[which + 1]);
         let reason = format!(

@@ -6,25 +6,25 @@ use serde::Serialize;
 use taotie::compare::angle_deg;
 use taotie::math::Vec3;
 
-/// A printed angle and what the printed normals say of it.
+/// A printed angle, and the range that the printed normals leave for it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Angle {
     /// As printed, degrees.
     pub printed: f64,
-    /// What normals that are printed so may enclose, degrees.
+    /// The range that normals printed so may enclose, degrees.
     pub range: [f64; 2],
     /// Whether some of that is printed as the paper prints it.
     pub agrees: bool,
 }
 
 impl Angle {
-    /// An angle that normals leave this range for.
-    pub fn new(printed: f64, range: [f64; 2]) -> Self {
+    /// Makes an angle that normals leave this range for.
+    pub(super) fn new(printed: f64, range: [f64; 2]) -> Self {
         let [low, high] = range.map(cut);
         Self { printed, range, agrees: (low..=high).contains(&printed) }
     }
 
-    /// The smallest and the largest angle that may be printed.
+    /// Returns the smallest and the largest angle that may be printed.
     pub fn prints(&self) -> [f64; 2] {
         self.range.map(cut)
     }

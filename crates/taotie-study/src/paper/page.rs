@@ -8,35 +8,37 @@ use super::study::{Row, Study};
 use super::words;
 use taotie_report::{Cell, Column, Fact, Page, Section, Tone};
 
-/// The page.
-pub fn of(study: &Study) -> Page {
-    let counts = study.agreeing;
-    Page {
-        title: words::title().into(),
-        subtitle: words::SOURCE.into(),
-        facts: vec![
-            Fact::new(
-                "angles that follow from Table 2 as printed",
-                format!("{} of {}", counts.as_printed, counts.of),
-            ),
-            Fact::new("once misprints are corrected", format!("{} of {}", counts.corrected, counts.of)),
-            Fact::new("misprints", study.misprints.len().to_string()),
-            Fact::new(
-                "mean angle of bump 5 to the paper's method",
-                mean(study.conclusion.corrected.mean_bump_5),
-            ),
-            Fact::new("mean angle of bump 50 to it", mean(study.conclusion.corrected.mean_bump_50)),
-        ],
-        views: Vec::new(),
-        sections: vec![
-            Section::Text { title: "How".into(), paragraphs: words::preface().split_off(1) },
-            Section::Text { title: words::CONCLUSION.into(), paragraphs: words::conclusion(study) },
-            misprints(study),
-            law(study),
-            normals(study),
-            angles(study),
-        ],
-        footer: format!("Made by taotie {}: `taotie compare --paper`.", env!("CARGO_PKG_VERSION")),
+impl Study {
+    /// Returns the study as a page.
+    pub fn page(&self) -> Page {
+        let counts = self.agreeing;
+        Page {
+            title: words::title().into(),
+            subtitle: words::SOURCE.into(),
+            facts: vec![
+                Fact::new(
+                    "angles that follow from Table 2 as printed",
+                    format!("{} of {}", counts.as_printed, counts.of),
+                ),
+                Fact::new("once misprints are corrected", format!("{} of {}", counts.corrected, counts.of)),
+                Fact::new("misprints", self.misprints.len().to_string()),
+                Fact::new(
+                    "mean angle of bump 5 to the paper's method",
+                    mean(self.conclusion.corrected.mean_bump_5),
+                ),
+                Fact::new("mean angle of bump 50 to it", mean(self.conclusion.corrected.mean_bump_50)),
+            ],
+            views: Vec::new(),
+            sections: vec![
+                Section::Text { title: "How".into(), paragraphs: words::preface().split_off(1) },
+                Section::Text { title: words::CONCLUSION.into(), paragraphs: words::conclusion(self) },
+                misprints(self),
+                law(self),
+                normals(self),
+                angles(self),
+            ],
+            footer: format!("Made by taotie {}: `taotie compare --paper`.", env!("CARGO_PKG_VERSION")),
+        }
     }
 }
 

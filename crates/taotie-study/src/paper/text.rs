@@ -8,17 +8,19 @@ use super::study::{Row, Study};
 use super::words;
 use taotie_report::table::Table;
 
-/// The whole study.
-pub fn of(study: &Study) -> String {
-    let sections = [
-        (words::title().to_string(), lines(&words::preface())),
-        (words::LAW.to_string(), laws(&study.rows)),
-        (words::TABLE_2.to_string(), normals(&study.rows)),
-        (words::TABLE_3.to_string(), angles(study)),
-        (words::MISPRINTS.to_string(), study.misprints.iter().map(misprint).collect()),
-        (words::CONCLUSION.to_string(), lines(&words::conclusion(study))),
-    ];
-    sections.map(|(title, lines)| format!("{title}\n{lines}")).join("\n")
+impl Study {
+    /// Returns the whole study for a terminal: sections of aligned lines.
+    pub fn text(&self) -> String {
+        let sections = [
+            (words::title().to_string(), lines(&words::preface())),
+            (words::LAW.to_string(), laws(&self.rows)),
+            (words::TABLE_2.to_string(), normals(&self.rows)),
+            (words::TABLE_3.to_string(), angles(self)),
+            (words::MISPRINTS.to_string(), self.misprints.iter().map(misprint).collect()),
+            (words::CONCLUSION.to_string(), lines(&words::conclusion(self))),
+        ];
+        sections.map(|(title, lines)| format!("{title}\n{lines}")).join("\n")
+    }
 }
 
 /// Paragraphs, wrapped.
