@@ -123,7 +123,7 @@ pub enum Section {
         /// As many cells as there are columns.
         rows: Vec<Vec<Cell>>,
     },
-    /// How often values occur, a panel for each series on common axes.
+    /// Counts of values, a panel for each series on common axes.
     Histogram {
         /// Heading.
         title: String,
@@ -180,7 +180,7 @@ pub enum Cell {
     Mark {
         /// The text shown.
         text: String,
-        /// How it is shown.
+        /// Its tone.
         tone: Tone,
         /// Why; numbered and told below the table. May be empty.
         why: String,
@@ -199,7 +199,7 @@ impl Cell {
     }
 }
 
-/// How a [`Cell::Mark`] is meant.
+/// The meaning of a [`Cell::Mark`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
@@ -216,7 +216,7 @@ pub enum Tone {
 pub struct Series {
     /// The thing counted.
     pub label: String,
-    /// How many values fell into each bin.
+    /// The number of values in each bin.
     pub counts: Vec<u64>,
 }
 

@@ -6,7 +6,7 @@ use taotie::compare::Summary;
 /// Mean, quantiles and maximum of a field, in its unit.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Spread {
-    /// How many pixels have a number.
+    /// The number of pixels that have a number.
     pub count: usize,
     /// The arithmetic mean.
     pub mean: f64,

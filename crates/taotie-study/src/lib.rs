@@ -6,5 +6,6 @@
 //! assert_eq!(mesh.positions().len(), 251);
 //! ```
 
+pub mod demo;
 pub mod jue;
 pub mod paper;

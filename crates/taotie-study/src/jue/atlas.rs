@@ -42,7 +42,7 @@ pub(super) const INSIDE_CENTER: Vec2<f64> = Vec2::new(0.728, 0.112);
 pub(super) const POST_CENTERS: [Vec2<f64>; 2] = [Vec2::new(0.690, 0.360), Vec2::new(0.690, 0.500)];
 /// Half the side of a post's chart.
 pub(super) const POST_RADIUS: f64 = 0.056;
-/// How much of a post's chart its cap fills.
+/// The part of a post's chart that its cap fills.
 pub(super) const CAP_FRACTION: f64 = 0.47;
 /// The middle of the handle's chart.
 pub(super) const HANDLE_CENTER: Vec2<f64> = Vec2::new(0.846, 0.470);

@@ -131,7 +131,7 @@ impl Corners {
         Self { size: size as usize, heights: heights.collect() }
     }
 
-    /// How the height changes with u and with v over a texel, metres.
+    /// Returns how the height changes with u and with v over a texel, metres.
     fn slopes(&self, x: u32, y: u32) -> [f64; 2] {
         let at = |dx: usize, dy: usize| {
             let corner = (y as usize + dy) * (self.size + 1) + x as usize + dx;

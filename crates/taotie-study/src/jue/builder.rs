@@ -4,7 +4,7 @@ use super::normals::vertex_normals;
 use taotie::math::{Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
 
-/// Which faces share their normals: two vertices at the same place do so where their group is the same.
+/// A group of faces that share their normals: two vertices at the same place do so where their group is the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Smooth(pub u32);
 

@@ -31,7 +31,8 @@ pub(super) fn curves(mesh: &Mesh, welds: &Welds) -> HashMap<(u32, u32), Curve> {
         .collect()
 }
 
-/// How far a curve's control point may leave its chord, metres: long edges, such as the spout's, stay nearly straight.
+/// The farthest that a curve's control point may leave its chord, metres: long edges, such as the spout's, stay nearly
+/// straight.
 const LARGEST_BEND: f64 = 0.0022;
 
 /// A third of the way `d` along a curve whose end has these normals on its two sides.

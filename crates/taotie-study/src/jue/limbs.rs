@@ -8,7 +8,7 @@ use taotie::math::{Vec2, Vec3, scalar};
 const LEG_TWELFTHS: [f64; 3] = [9.0, 1.0, 5.0];
 /// Half width, distance from the axis and height of a leg's outer face at its three stations.
 const LEG_OUTER: [[f64; 3]; 3] = [[0.0082, 0.0264, 0.1015], [0.0066, 0.0325, 0.0520], [0.0, 0.0430, 0.0]];
-/// How much nearer to the axis the leg under the handle stands, where the oval is narrow.
+/// The distance by which the leg under the handle stands nearer to the axis, where the oval is narrow.
 const LEG_INSET: [f64; 3] = [0.0025, 0.0, 0.0];
 /// Distance from the axis and height of a leg's inner ridge.
 const LEG_RIDGE: [[f64; 2]; 2] = [[0.0120, 0.0890], [0.0235, 0.0520]];

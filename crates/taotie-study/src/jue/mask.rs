@@ -23,7 +23,7 @@ const LEG: usize = 9;
 const QUILL: usize = 10;
 const PARTS: usize = 11;
 
-/// How high each part stands and how far inside its edge a contour is engraved (0: none).
+/// The height of each part, and how far inside its edge a contour is engraved (0: none).
 const LEVELS: [[f32; 2]; PARTS] = [
     [0.66, 0.95], // shield
     [0.78, 0.0],  // nose

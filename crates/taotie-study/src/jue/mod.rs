@@ -87,6 +87,27 @@ pub fn scene(size: u32) -> Scene {
     Scene { meshes: vec![mesh], materials: vec![material()], textures, instances, ..Scene::default() }
 }
 
+/// Returns `scene`, as [`scene`] makes it, with the relief as an object-space map of `size` × `size` texels.
+pub fn with_object_map(scene: &Scene, size: u32) -> Scene {
+    let mut scene = scene.clone();
+    scene.textures.push(Texture::new(object_normal_map(size), Encoding::Normal));
+    let index = scene.textures.len() - 1;
+    for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
+        map.texture.texture = index;
+        map.space = NormalSpace::Object;
+    }
+    scene
+}
+
+/// Returns `scene`, as [`scene`] makes it, with its relief as geometry, which `mesh` has, and in no map.
+pub fn with_relief(scene: &Scene, mesh: Mesh) -> Scene {
+    let mut scene = Scene { meshes: vec![mesh], ..scene.clone() };
+    for material in &mut scene.materials {
+        (material.normal, material.height) = (None, None);
+    }
+    scene
+}
+
 /// Factors of one everywhere: the textures say it all.
 fn material() -> Material {
     let texture = |texture| TextureRef {

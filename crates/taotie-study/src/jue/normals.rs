@@ -2,7 +2,7 @@
 
 use taotie::math::{Vec3, scalar};
 
-/// How strongly a normal is held to the mean of its faces, against one edge's wish.
+/// The weight that holds a normal to the mean of its faces, against one edge's wish.
 const HOLD: f64 = 0.8;
 /// Sweeps over all vertices; the last ones change nothing that matters.
 const SWEEPS: usize = 60;

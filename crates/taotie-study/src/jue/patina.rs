@@ -1,4 +1,4 @@
-//! What three thousand years in the ground made of the metal: green carbonates in the recesses, red cuprite around
+//! The work of three thousand years in the ground on the metal: green carbonates in the recesses, red cuprite around
 //! them, brown tarnish on the plain, and bare bronze where hands and cloths have rubbed.
 
 use super::noise::fractal;
@@ -11,7 +11,7 @@ static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
     (0..=65535u32).map(|i| (srgb::srgb_from_linear(f64::from(i) / 65535.0) * 255.0 + 0.5) as u8).collect()
 });
 
-/// What decides the look of a texel.
+/// A texel's place, which decides its look.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     /// Where on the vessel, metres.
@@ -20,9 +20,9 @@ pub(super) struct Place {
     pub normal: Vec3,
     /// Relief, [0, 1].
     pub height: f32,
-    /// How much lower it lies than what is within half a millimetre; negative on ridges.
+    /// Depth below what is within half a millimetre; negative on ridges.
     pub cavity: f32,
-    /// How much lower it lies than what is within two millimetres.
+    /// Depth below what is within two millimetres.
     pub wide_cavity: f32,
 }
 
@@ -106,7 +106,7 @@ pub(super) fn surface(place: &Place) -> Surface {
     Surface { color, occlusion: occlusion(place), roughness: roughness.clamp(0.2, 0.95), metallic }
 }
 
-/// How much of the sky a place sees: less in furrows, far less deep in the cup.
+/// Returns the part of the sky that a place sees: less in furrows, far less deep in the cup.
 fn occlusion(place: &Place) -> f32 {
     let p = place.position;
     let furrow = 0.55 * smooth(place.cavity * 3.0) + 0.30 * smooth(place.wide_cavity * 1.6);

@@ -3,7 +3,7 @@
 /// A brush stroke through points (x, y, radius), smoothed by a Catmull–Rom spline, and the part it belongs to.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stroke {
-    /// Which part of the drawing; strokes of one part flow into each other.
+    /// The part of the drawing; strokes of one part flow into each other.
     pub part: usize,
     /// x, y and radius.
     pub points: &'static [[f32; 3]],

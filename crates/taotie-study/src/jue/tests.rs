@@ -1,4 +1,4 @@
-//! What must hold of the low mesh, its atlas and its maps.
+//! Laws of the low mesh, its atlas and its maps.
 
 use super::*;
 use std::collections::HashMap;
@@ -107,7 +107,7 @@ fn proportions_are_those_of_a_shang_jue() {
     assert!(bounds.max.x > -bounds.min.x, "the spout is longer than the tail");
 }
 
-/// Which triangles cover the middle of each texel, by their number.
+/// Returns the triangles that cover the middle of each texel, by their number.
 fn coverage(mesh: &Mesh, size: usize) -> Vec<Vec<usize>> {
     let mut texels = vec![Vec::new(); size * size];
     for (i, triangle) in mesh.triangles().iter().enumerate() {

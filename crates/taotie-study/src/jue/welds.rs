@@ -1,10 +1,10 @@
-//! Which vertices of a mesh coincide.
+//! Vertices of a mesh that coincide.
 
 use std::collections::HashMap;
 use taotie::math::Vec3;
 use taotie::mesh::Mesh;
 
-/// How the vertices of the low mesh coincide.
+/// The vertices of a mesh that coincide.
 pub(super) struct Welds {
     /// For each vertex, the first at the same place.
     place: Vec<u32>,

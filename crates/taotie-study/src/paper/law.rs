@@ -92,7 +92,7 @@ fn along_axis(printed: [f64; 3], shifts: [i64; 3], half_greys: i64) -> [Number; 
     })
 }
 
-/// What most of three ranges have in common; of equals, the first.
+/// Returns the range that most of three have in common; of equals, the first.
 fn largest_agreement([a, b, c]: [Range; 3]) -> Range {
     let all = a.and(b).and_then(|ab| ab.and(c));
     all.or(a.and(b)).or(a.and(c)).or(b.and(c)).unwrap_or(a)

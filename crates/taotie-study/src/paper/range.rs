@@ -1,4 +1,4 @@
-//! What a number may have been before its decimals were cut.
+//! The range of numbers that are printed as one, since the paper cuts decimals.
 
 /// Units of a [`Range`] to one: fine enough for four decimals and for half a grey level in 255.
 const UNITS: i64 = 10_000 * 2 * 255;

@@ -15,7 +15,7 @@ pub struct Study {
     pub rows: Vec<Row>,
     /// The misprints.
     pub misprints: Vec<Misprint>,
-    /// How many of Table 3's numbers follow from Table 2.
+    /// Counts of Table 3's numbers that follow from Table 2.
     pub agreeing: Agreeing,
     /// The conclusion that the tables bear, which is not the paper's.
     pub conclusion: Conclusion,
@@ -51,7 +51,7 @@ pub struct Agreeing {
     pub explained_by_the_law: usize,
 }
 
-/// How far N2 and N3 lie from N4, the paper's own method.
+/// The distances of N2 and N3 from N4, the paper's own method.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Conclusion {
     /// With the corrected numbers.
@@ -141,7 +141,7 @@ fn corrected(misprints: &[Misprint]) -> [Printed; 10] {
     rows
 }
 
-/// How many angles follow from the normals.
+/// Counts the angles that follow from the normals.
 fn agreeing(rows: &[Printed]) -> usize {
     rows.iter().flat_map(angles).filter(|angle| angle.agrees).count()
 }

@@ -1,4 +1,4 @@
-//! What is said of the tables, on the terminal and on the page alike.
+//! The words on the tables, in text and page alike.
 
 use super::angles::Angle;
 use super::misprints::Misprint;
@@ -25,7 +25,7 @@ pub const SOURCE: &str = "Guo Huifang and Wang Junxiu, \"Analysis and applicatio
     normal mapping technology in bronze wares\", Intelligent Computer and Applications 15(6), 2025, pp. 122–126, \
     doi:10.20169/j.issn.2095-2163.24121501";
 
-/// What is compared, and when two numbers agree.
+/// Says what is compared, and when two numbers agree.
 pub fn preface() -> Vec<String> {
     vec![
         format!("{SOURCE}."),
@@ -40,7 +40,7 @@ pub fn preface() -> Vec<String> {
     ]
 }
 
-/// How many angles agree.
+/// Says how many angles agree.
 pub fn counts(study: &Study) -> String {
     let counts = study.agreeing;
     format!(
@@ -55,7 +55,7 @@ pub fn counts(study: &Study) -> String {
     )
 }
 
-/// What the corrected tables say of the paper's methods.
+/// Says what follows from the corrected tables for the paper's methods.
 pub fn conclusion(study: &Study) -> Vec<String> {
     let (corrected, points) = (study.conclusion.corrected, study.rows.len());
     let [n1, n3, n4] = study.conclusion.lengths;
@@ -103,7 +103,7 @@ pub fn prints(angle: &Angle) -> String {
     }
 }
 
-/// What is printed and what must be, with the decimals of its table.
+/// Returns the printed numbers and the right ones, with the decimals of their table.
 pub fn numbers(misprint: &Misprint) -> (String, String) {
     let decimals = if misprint.table == 2 { 4 } else { 2 };
     let told = |numbers: &[f64]| match numbers {

@@ -1,4 +1,4 @@
-//! How far the normals of a light vessel are from the truth, at rest and poured.
+//! The errors of a low-poly vessel's normals against the truth, at rest and poured.
 
 use super::pouring::Pouring;
 use super::rig::POURED;
@@ -28,8 +28,8 @@ pub struct Eye {
     pub side: u32,
 }
 
-/// Returns the angular errors of a vessel with a normal map, at rest and poured, degrees; [`RULE`] says over which pixels.
-/// `truths` are those of the two moments.
+/// Returns the angular errors of a vessel with a normal map, at rest and poured, degrees; [`RULE`] says over which
+/// pixels. `truths` are those of the two moments.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the camera sees nothing that moves.
@@ -49,7 +49,7 @@ fn nothing_seen() -> Error {
     Error::invalid("angular errors", "the camera sees nothing that moves")
 }
 
-/// For each triangle of the light mesh, whether it moves.
+/// For each triangle of the low mesh, whether it moves.
 fn moved(vessel: &mut Pouring) -> Result<Vec<bool>> {
     let mesh = |scene: &Scene| scene.meshes[0].clone();
     let (rest, poured) = (mesh(vessel.at(0.0)?), mesh(vessel.at(POURED)?));
@@ -61,7 +61,7 @@ fn moved(vessel: &mut Pouring) -> Result<Vec<bool>> {
 }
 
 impl Pouring {
-    /// What a camera that goes with the cup sees at a moment.
+    /// Draws what a camera that goes with the cup sees at a moment.
     fn seen_from(&mut self, eye: &Eye, seconds: f64) -> Result<Aovs> {
         let mut camera = eye.camera.clone();
         camera.world_from_view = self.motion(seconds)? * camera.world_from_view;

@@ -10,7 +10,7 @@ use taotie::scene::animation::{
 /// The time at which the cup is tipped farthest, seconds; at twice that it is upright again.
 pub const POURED: f64 = 1.0;
 
-/// How far it is tipped then, degrees.
+/// The angle by which it is tipped then, degrees.
 pub const TIP_DEG: f64 = 45.0;
 
 /// The node that is the cup's joint.

@@ -1,4 +1,4 @@
-//! The displaced mesh moved as the light one is.
+//! The displaced mesh moved as the low one is.
 
 use super::rig::{binding, rig};
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use taotie::mesh::deform::skin;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{Instance, Scene};
 
-/// How far from a point its surface is probed, metres: small against the bend, large against rounding.
+/// The distance from a point at which its surface is probed, metres: small against the bend, large against rounding.
 const STEP: f32 = 1e-4;
 
 /// A vessel with its relief as geometry at a moment of its pouring.

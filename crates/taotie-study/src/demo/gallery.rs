@@ -1,29 +1,24 @@
 //! The jue by every surface method and every shading model, and once large.
 
-use super::DemoArgs;
+use super::output::Output;
 use super::stage::{self, Stage};
-use crate::render::{PictureFormat, write_picture};
-use anyhow::Result;
-use serde_json::json;
-use std::path::PathBuf;
+use super::vessel::Vessel;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
-use taotie::film;
-use taotie::image::{Encoding, Image, Texture};
-use taotie::io;
 use taotie::names::Named;
 use taotie::render::{RenderSettings, SurfaceSettings};
-use taotie::scene::{NormalSpace, Scene};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
+use taotie::{Result, io};
 use taotie_report::sheet::{Cell, Sheet};
-use taotie_study::jue;
 
 /// Pixels along a side of the large picture.
 const LARGE: u32 = 1400;
 /// Pictures in a row of the contact sheet.
 const COLUMNS: usize = 4;
 
-/// One picture of the contact sheet.
+/// A picture of the contact sheet to be made.
 struct Picture {
     title: String,
     note: &'static str,
@@ -32,68 +27,67 @@ struct Picture {
     shading: Shading,
 }
 
-/// A picture that was made.
+/// A picture of the contact sheet that was made.
+#[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Made {
-    picture: Picture,
-    milliseconds: f64,
+    /// Its title on the sheet.
+    pub title: String,
+    /// The name of its [`SurfaceMethod`].
+    pub surface: &'static str,
+    /// The name of its [`Shading`].
+    pub shading: &'static str,
+    /// The factor of its bump, where that is not the material's.
+    pub bump_scale: Option<f32>,
+    /// The time that it took.
+    pub milliseconds: f64,
 }
 
 impl Made {
-    /// As a line of the table.
-    pub fn line(&self) -> String {
-        let Picture { title, surface, shading, .. } = &self.picture;
-        let (surface, shading) = (surface.name(), shading.name());
-        format!("{title:<22} {surface:<15} {shading:<22} {:>8.0}", self.milliseconds)
-    }
-
-    /// As JSON.
-    pub fn json(&self) -> serde_json::Value {
-        json!({
-            "title": self.picture.title,
-            "surface": self.picture.surface.name(),
-            "shading": self.picture.shading.name(),
-            "bump_scale": self.picture.bump_scale,
-            "milliseconds": self.milliseconds,
-        })
+    fn new(picture: Picture, start: Instant) -> Self {
+        let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+        let Picture { title, surface, bump_scale, shading, .. } = picture;
+        Self { title, surface: surface.name(), shading: shading.name(), bump_scale, milliseconds }
     }
 }
 
-/// Makes every picture of the contact sheet and writes it; `object_scene` is `scene` with its object-space map.
+/// Makes every picture of the contact sheet and writes `sheet.png`; `progress` is told the fraction done.
 ///
 /// # Errors
 /// Those of rendering and writing.
 pub fn write_sheet(
-    args: &DemoArgs,
-    [object_scene, scene]: [&Scene; 2],
+    vessel: &Vessel,
+    output: &Output<'_>,
     progress: &dyn Fn(f64),
 ) -> Result<(PathBuf, Vec<Made>)> {
-    let cup = Stage::cup(scene);
+    let cup = Stage::cup(vessel.scene())?;
     let pictures = pictures();
     let steps = pictures.len() as f64;
     let (mut cells, mut made) = (Vec::new(), Vec::new());
     for (i, picture) in pictures.into_iter().enumerate() {
         progress(i as f64 / steps);
-        let scene = if picture.surface == SurfaceMethod::ObjectNormal { object_scene } else { scene };
+        let in_object_space = picture.surface == SurfaceMethod::ObjectNormal;
+        let scene = if in_object_space { vessel.object_scene() } else { vessel.scene() };
         let start = Instant::now();
-        let image = cup.take(scene, &settings(&picture, args.size, 4))?;
-        let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-        cells.push(cell(&picture, &image)?);
-        made.push(Made { picture, milliseconds });
+        let image = cup.take(scene, &settings(&picture, output.side, 4))?;
+        let (title, note) = (picture.title.clone(), picture.note.into());
+        made.push(Made::new(picture, start));
+        cells.push(Cell { title, note, pixels: stage::pixels(&image)? });
     }
-    let path = args.out.join("sheet.png");
-    let sheet = Sheet::new(&cells, [args.size as usize; 2], COLUMNS);
+    let path = output.folder.join("sheet.png");
+    let sheet = Sheet::new(&cells, [output.side as usize; 2], COLUMNS);
     io::write_png(&path, &sheet.png())?;
     Ok((path, made))
 }
 
-/// Makes the large picture of the whole vessel and writes it.
+/// Makes the large picture of the whole vessel and writes `jue.png`.
 ///
 /// # Errors
 /// Those of rendering and writing.
-pub fn write_large(args: &DemoArgs, scene: &Scene) -> Result<PathBuf> {
-    let path = args.out.join("jue.png");
-    let image = Stage::whole(scene).take(scene, &Stage::settings(LARGE, 16))?;
-    write_picture(&path, &image, &stage::development(), PictureFormat::Png8)?;
+pub fn write_large(vessel: &Vessel, folder: &Path) -> Result<PathBuf> {
+    let path = folder.join("jue.png");
+    let image = Stage::whole(vessel.scene())?.take(vessel.scene(), &Stage::settings(LARGE, 16))?;
+    stage::write_picture(&path, &image)?;
     Ok(path)
 }
 
@@ -143,22 +137,4 @@ fn describe(shading: Shading) -> &'static str {
         Shading::BlinnPhongPrinted => "as the article's shader",
         Shading::GgxPrinted => "as the article's shader",
     }
-}
-
-/// The same scene with the relief as an object-space map.
-pub fn with_object_map(scene: &Scene) -> Scene {
-    let mut scene = scene.clone();
-    scene.textures.push(Texture::new(jue::object_normal_map(scene.textures[0].width()), Encoding::Normal));
-    let index = scene.textures.len() - 1;
-    for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
-        map.texture.texture = index;
-        map.space = NormalSpace::Object;
-    }
-    scene
-}
-
-fn cell(picture: &Picture, image: &Image) -> Result<Cell> {
-    let pixels = film::develop8(image, &stage::development())?;
-    let pixels = pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
-    Ok(Cell { title: picture.title.clone(), note: picture.note.into(), pixels })
 }

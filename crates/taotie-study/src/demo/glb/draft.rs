@@ -1,17 +1,11 @@
-//! The vessel as GLB files, their textures beside them as [`super::export`] writes them.
-
-mod high;
-mod pouring;
-
-pub use high::write as write_high;
-pub use pouring::write as write_pouring;
+//! The common part of both files: the mesh with its material.
 
 use taotie::Result;
 use taotie::io::{GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfLevel, GltfMaterial};
 use taotie::mesh::Mesh;
 
-/// The vessel with the texture files of its scene; `normals` names that of its relief.
-fn draft(mesh: &Mesh, normals: Option<&str>) -> Result<GltfDraft> {
+/// Begins a file of the vessel with the texture files of its scene; `normals` names that of its relief.
+pub(super) fn draft(mesh: &Mesh, normals: Option<&str>) -> Result<GltfDraft> {
     let levels = [GltfLevel { mesh, coverage: None }];
     let asset =
         GltfAsset { name: "jue", levels: &levels, material: material(normals), ..GltfAsset::default() };

@@ -1,14 +1,15 @@
 //! The pouring vessel with its skin and animation.
 
-use anyhow::Result;
+use super::draft::draft;
+use crate::demo::vessel::Vessel;
+use crate::jue::pour;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use taotie::Result;
 use taotie::io::GltfDraft;
 use taotie::math::Mat4;
 use taotie::mesh::deform::Binding;
-use taotie::scene::Scene;
 use taotie::scene::animation::{Node, RigData, Sampler, Transform};
-use taotie_study::jue::pour;
 
 /// The number of the rig's first node in the file.
 const FIRST: usize = 1;
@@ -17,11 +18,10 @@ const FIRST: usize = 1;
 ///
 /// # Errors
 /// Those of writing.
-pub fn write(folder: &Path, scene: &Scene) -> Result<PathBuf> {
+pub fn write(folder: &Path, vessel: &Vessel) -> Result<PathBuf> {
     let path = folder.join("jue-pouring.glb");
-    let mesh = &scene.meshes[0];
-    let mut draft = super::draft(mesh, Some("jue_normal.png"))?;
-    let rig = pour::rig(mesh);
+    let mut draft = draft(vessel.mesh(), Some("jue_normal.png"))?;
+    let rig = pour::rig(vessel.mesh());
     add_rig(&mut draft, rig.data());
     draft.write_glb(&path)?;
     Ok(path)
@@ -108,14 +108,14 @@ mod tests {
     use crate::demo::export;
     use taotie::io;
     use taotie::scene::Material;
-    use taotie_study::jue;
 
     #[test]
     fn the_file_moves_as_the_vessel_does() {
         let folder = tempfile::tempdir().unwrap();
-        let scene = jue::scene(64);
-        export::write(folder.path(), &scene).unwrap();
-        let mut loaded = io::load_model(&write(folder.path(), &scene).unwrap()).unwrap();
+        let vessel = Vessel::new(64);
+        let scene = vessel.scene();
+        export::write(folder.path(), &vessel).unwrap();
+        let mut loaded = io::load_model(&write(folder.path(), &vessel).unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         let (read, ours) = (&loaded.scene.materials[0], &scene.materials[0]);
         let look = |m: &Material| (m.base_color, m.metallic, m.roughness, m.occlusion_strength);
@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(read.normal, ours.normal);
         let rig = loaded.rig.unwrap();
         assert_eq!((rig.animations()[0].name.as_str(), rig.animations()[0].seconds()), ("pour", 2.0));
-        let own = pour::rig(&scene.meshes[0]);
+        let own = pour::rig(vessel.mesh());
         for seconds in [0.0, 0.3, pour::POURED, 1.7] {
             let mut expected = scene.clone();
             own.pose(&mut expected, 0, seconds).unwrap();

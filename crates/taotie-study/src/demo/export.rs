@@ -1,22 +1,25 @@
 //! The jue as files, so that the other subcommands have something to try.
 
-use anyhow::Result;
+use super::vessel::Vessel;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use taotie::image::{Texels, Texture};
 use taotie::io::{self, PngColor, PngImage, PngSamples};
 use taotie::mesh::Mesh;
-use taotie::scene::Scene;
+use taotie::{Error, Result};
 
 /// Names of the jue's textures in the order of its scene, without extension.
 const MAPS: [&str; 4] = ["color", "orm", "normal", "height"];
 
 /// Writes `jue.obj`, `jue.mtl` and the maps into `folder`; returns the files.
-pub fn write(folder: &Path, scene: &Scene) -> Result<Vec<PathBuf>> {
+///
+/// # Errors
+/// [`Error::Io`] where one cannot be written.
+pub fn write(folder: &Path, vessel: &Vessel) -> Result<Vec<PathBuf>> {
     let mut files = vec![folder.join("jue.obj"), folder.join("jue.mtl")];
-    io::write_text(&files[0], &obj(&scene.meshes[0]))?;
+    io::write_text(&files[0], &obj(vessel.mesh()))?;
     io::write_text(&files[1], &mtl())?;
-    for (name, texture) in MAPS.iter().zip(&scene.textures) {
+    for (name, texture) in MAPS.iter().zip(&vessel.scene().textures) {
         let path = folder.join(format!("jue_{name}.png"));
         write_map(&path, texture)?;
         files.push(path);
@@ -65,7 +68,10 @@ fn write_map(path: &Path, texture: &Texture) -> Result<()> {
             let samples: Vec<u16> = texels.iter().flat_map(|t| &t[..channels]).copied().collect();
             write(PngSamples::U16(&samples))?;
         }
-        Texels::F32(_) => anyhow::bail!("{}: float maps are not exported", path.display()),
+        Texels::F32(_) => {
+            let why = format!("{}: PNG holds 8 or 16 bits", path.display());
+            return Err(Error::unsupported("exporting a float map", why));
+        }
     }
     Ok(())
 }
