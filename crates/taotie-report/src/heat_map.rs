@@ -30,7 +30,17 @@ pub struct HeatMap<'a> {
     pub top: f32,
 }
 
-impl HeatMap<'_> {
+impl<'a> HeatMap<'a> {
+    /// Shows angular errors, degrees, in colours up to `top`.
+    pub fn of_angles(field: &'a Field, top: f32) -> Self {
+        Self { field, title: "angular error", unit: "°", map: ColorMap::Viridis, top }
+    }
+
+    /// Shows FLIP in its authors' colours.
+    pub fn of_flip(field: &'a Field) -> Self {
+        Self { field, title: "FLIP", unit: "", map: ColorMap::Magma, top: 1.0 }
+    }
+
     /// Draws the picture without its scale.
     pub fn plain(&self) -> Sheet {
         let (width, height) = (self.field.width() as usize, self.field.height() as usize);

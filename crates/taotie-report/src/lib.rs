@@ -21,6 +21,8 @@
 mod data;
 mod document;
 pub mod heat_map;
+mod images;
+mod picture;
 pub mod sheet;
 pub mod spread;
 pub mod table;

@@ -260,18 +260,6 @@ fn range(kind: MapKind, planes: &Planes, plane: &[f32]) -> [f32; 2] {
     if high > low { [low, high] } else { [low, low + 1.0] }
 }
 
-/// A picture of a map for people to look at.
-pub fn preview(bitmap: &Bitmap, side: usize) -> Sheet {
-    let step = (bitmap.width().max(bitmap.height()) as usize).div_ceil(side).max(1);
-    let (width, height) = (bitmap.width() as usize / step, bitmap.height() as usize / step);
-    let code = |i: usize| {
-        let at = i / width * step * bitmap.width() as usize + i % width * step;
-        let [r, g, b, _] = bitmap.stored(at);
-        [r, g, b].map(|v| (v * 255.0 + 0.5) as u8)
-    };
-    Sheet { width, height, pixels: (0..width * height).map(code).collect() }
-}
-
 /// Where rays missed, as a picture: amber took the closest point, red found nothing.
 fn missed(planes: &Planes) -> Option<Sheet> {
     const SIDE: usize = 1024;

@@ -30,9 +30,6 @@ use std::path::{Path, PathBuf};
 use taotie::render::{RenderSettings, SurfaceSettings};
 use taotie::scene::Scene;
 
-pub use files::{developed, heat_of_angles, heat_of_flip};
-pub use page::legend;
-
 /// Where a comparison is written to, and how.
 pub struct Destination<'a> {
     /// The folder; made if it is not there.
