@@ -41,3 +41,22 @@ impl Study {
         Ok(files.into())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_files_hold_the_study_and_a_folder_that_cannot_be_made_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let study = Study::new();
+        let files = study.write(&folder.path().join("made")).unwrap();
+        let [page, json] = [0, 1].map(|i| std::fs::read_to_string(&files[i]).unwrap());
+        assert!(page.contains("<title>Guo and Wang 2025, Tables 2 and 3, recomputed</title>"));
+        let read: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!((read["schema"].as_u64(), read["source"].as_str()), (Some(1), Some(words::SOURCE)));
+        assert_eq!(read["misprints"].as_array().unwrap().len(), study.misprints.len());
+        let error = study.write(&files[0].join("below")).unwrap_err().to_string();
+        assert!(error.contains("paper.html"), "{error}");
+    }
+}
