@@ -8,18 +8,12 @@ mod compare;
 mod console;
 mod demo;
 mod diff;
-mod heat_map;
 mod inspect;
-pub mod jue;
 mod materials;
 mod normals;
 mod options;
 mod render;
-pub mod report;
-mod sheet;
-mod spread;
 mod studio;
-mod table;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;

@@ -30,7 +30,7 @@ const GROUND: f32 = 0.055;
 /// # Errors
 /// None that is known: the scene is made by code.
 pub fn all() -> Result<Vec<(&'static str, Picture)>> {
-    let scene = taotie_cli::jue::scene(MAPS);
+    let scene = taotie_study::jue::scene(MAPS);
     let camera = camera(&scene);
     let lighting = Lighting { lights: three_point_rig(&camera), ..Lighting::default() };
     let take = |(name, shading)| Ok((name, picture(&scene, &camera, &lighting, shading)?));

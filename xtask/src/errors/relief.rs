@@ -7,7 +7,7 @@ use taotie::image::Image;
 use taotie::math::Vec3;
 use taotie::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, reference};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, from_view};
-use taotie_cli::jue;
+use taotie_study::jue;
 
 const ROUGHNESS: [f32; 5] = [0.15, 0.25, 0.4, 0.6, 0.9];
 

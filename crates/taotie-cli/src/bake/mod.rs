@@ -170,7 +170,7 @@ fn prove(args: &BakeArgs, parts: Parts, report: &mut Report, stages: &mut Stages
     report.stages = stages.done().to_vec();
     let [html, json] = ["report.html", "report.json"].map(|kind| args.output.with_extension(kind));
     report.files.extend([html.clone(), json.clone()]);
-    io::write_text(&html, &crate::report::html(&page::page(report, &proved, &made.textures)?))?;
+    io::write_text(&html, &taotie_report::html(&page::page(report, &proved, &made.textures)?))?;
     io::write_text(&json, &serde_json::to_string_pretty(report)?)?;
     Ok(())
 }

@@ -3,12 +3,11 @@
 use super::proof::{BIN_WIDTH, Proof, Proved, ViewFigures};
 use super::report::Report;
 use super::textures::Textures;
-use crate::compare::{developed, heat_of_angles, heat_of_flip, legend};
-use crate::report::{Cell, Column, Fact, Page, Picture, Section, Series, Tone, View};
-use crate::sheet::Sheet;
 use anyhow::Result;
 use taotie::compare::ColorMap;
-use taotie::io;
+use taotie_report::heat_map::HeatMap;
+use taotie_report::sheet::Sheet;
+use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View};
 
 /// Pixels along a side of the pictures of maps.
 const MAP: usize = 1024;
@@ -63,25 +62,25 @@ fn views(proof: &Proof, proved: &Proved, textures: &Textures) -> Result<Vec<View
             note: "Scan and asset of one grey material in the same light, and what an observer sees of the difference."
                 .into(),
             pictures: vec![
-                picture("scan", "", &developed(scan))?,
-                picture("FLIP", "", &heat_of_flip(flip).plain())?,
-                picture("asset", &seen(&figures), &developed(asset))?,
+                Picture::new("scan", "", &Sheet::developed(scan))?,
+                Picture::new("FLIP", "", &HeatMap::of_flip(flip).plain())?,
+                Picture::new("asset", seen(&figures), &Sheet::developed(asset))?,
             ],
-            legend: Some(legend("FLIP", "", 1.0, ColorMap::Magma)),
+            legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)),
         });
     }
-    let mut maps = vec![picture("error", "", &heat_of_angles(&proved.error_map, TOP).plain())?];
+    let mut maps = vec![Picture::new("error", "", &HeatMap::of_angles(&proved.error_map, TOP).plain())?];
     let inside = [("normal", &textures.normal), ("albedo", &textures.color), ("orm", &textures.orm)];
     for (name, bitmap) in inside {
         if let Some(bitmap) = bitmap {
-            maps.push(picture(name, "", &super::textures::preview(bitmap, MAP))?);
+            maps.push(Picture::new(name, "", &Sheet::preview(bitmap, MAP))?);
         }
     }
     for beside in &textures.beside {
-        maps.push(picture(beside.note.map, "", &super::textures::preview(&beside.bitmap, MAP))?);
+        maps.push(Picture::new(beside.note.map, "", &Sheet::preview(&beside.bitmap, MAP))?);
     }
     let note = "Degrees between the normals of asset and scan on the map; and the maps themselves.";
-    let scale = Some(legend("Angular error", "°", f64::from(TOP), ColorMap::Viridis));
+    let scale = Some(Legend::new("Angular error", "°", f64::from(TOP), ColorMap::Viridis));
     views.extend(sized(&maps).into_iter().enumerate().map(|(i, pictures)| View {
         name: if i == 0 { "maps".into() } else { format!("maps {}", i + 1) },
         note: note.into(),
@@ -93,7 +92,7 @@ fn views(proof: &Proof, proved: &Proved, textures: &Textures) -> Result<Vec<View
             name: "misses".into(),
             note: "Texels whose rays missed the scan: amber took the closest point of it, red found nothing."
                 .into(),
-            pictures: vec![picture("misses", "", missed)?],
+            pictures: vec![Picture::new("misses", "", missed)?],
             legend: None,
         });
     }
@@ -114,10 +113,6 @@ fn sized(pictures: &[Picture]) -> Vec<Vec<Picture>> {
 
 fn seen(figures: &ViewFigures) -> String {
     format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim)
-}
-
-fn picture(label: &str, note: &str, sheet: &Sheet) -> Result<Picture> {
-    Ok(Picture { label: label.into(), note: note.into(), png: io::encode_png(&sheet.png())? })
 }
 
 fn sections(report: &Report, proof: &Proof) -> Vec<Section> {
@@ -169,7 +164,7 @@ fn angles(proof: &Proof) -> Section {
     let mut columns = vec![Column::words("normals of")];
     columns.extend(figures.map(|figure| Column::numbers(figure, "°")));
     let rows = [("the asset", &proof.angles), ("its mesh without the map", &proof.without_map)];
-    let row = |(name, spread): (&str, &Option<crate::spread::Spread>)| {
+    let row = |(name, spread): (&str, &Option<taotie_report::spread::Spread>)| {
         let spread = spread.as_ref()?;
         let numbers = [spread.mean, spread.median, spread.p95, spread.max];
         Some([Cell::text(name)].into_iter().chain(numbers.map(|v| Cell::number(v, 3))).collect())

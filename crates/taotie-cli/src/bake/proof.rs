@@ -3,7 +3,6 @@
 use super::stages::Stages;
 use super::views::{self, Shots};
 use super::work::Source;
-use crate::spread::Spread;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -13,6 +12,7 @@ use taotie::image::{Encoding, Texture};
 use taotie::io;
 use taotie::mesh::Mesh;
 use taotie::scene::{NormalSpace, Scene};
+use taotie_report::spread::Spread;
 
 /// Points of the light mesh at which normals are compared.
 const POINTS: usize = 200_000;

@@ -83,7 +83,7 @@ pub struct Met {
 impl Requirement {
     /// Holds the requirement against what was measured; what could not be measured is not met.
     pub fn against(&self, proof: &Proof) -> Met {
-        let angle = |of: fn(&crate::spread::Spread) -> f64| proof.angles.as_ref().map(of);
+        let angle = |of: fn(&taotie_report::spread::Spread) -> f64| proof.angles.as_ref().map(of);
         let value = match self.figure {
             Figure::MeanAngle => angle(|spread| spread.mean),
             Figure::P95Angle => angle(|spread| spread.p95),

@@ -1,7 +1,6 @@
 //! Baked maps as textures of an asset, and as files beside it.
 
 use super::args::BakeArgs;
-use crate::sheet::Sheet;
 use crate::studio::Space;
 use anyhow::Result;
 use serde::Serialize;
@@ -13,6 +12,7 @@ use taotie::io::{self, GltfImage, GltfMaterial};
 use taotie::math::srgb::srgb_from_linear;
 use taotie::names::Named;
 use taotie::scene::{Material, Scene};
+use taotie_report::sheet::Sheet;
 
 /// What goes into the asset.
 #[derive(Default)]
@@ -258,18 +258,6 @@ fn range(kind: MapKind, planes: &Planes, plane: &[f32]) -> [f32; 2] {
         _ => [*least, *most],
     };
     if high > low { [low, high] } else { [low, low + 1.0] }
-}
-
-/// A picture of a map for people to look at.
-pub fn preview(bitmap: &Bitmap, side: usize) -> Sheet {
-    let step = (bitmap.width().max(bitmap.height()) as usize).div_ceil(side).max(1);
-    let (width, height) = (bitmap.width() as usize / step, bitmap.height() as usize / step);
-    let code = |i: usize| {
-        let at = i / width * step * bitmap.width() as usize + i % width * step;
-        let [r, g, b, _] = bitmap.stored(at);
-        [r, g, b].map(|v| (v * 255.0 + 0.5) as u8)
-    };
-    Sheet { width, height, pixels: (0..width * height).map(code).collect() }
 }
 
 /// Where rays missed, as a picture: amber took the closest point, red found nothing.

@@ -30,9 +30,6 @@ use std::path::{Path, PathBuf};
 use taotie::render::{RenderSettings, SurfaceSettings};
 use taotie::scene::Scene;
 
-pub use files::{developed, heat_of_angles, heat_of_flip};
-pub use page::legend;
-
 /// Where a comparison is written to, and how.
 pub struct Destination<'a> {
     /// The folder; made if it is not there.
@@ -113,7 +110,7 @@ pub fn write(
     let report = Report::new(comparison, plan, subject)?;
     files.write_text("report.json", &serde_json::to_string_pretty(&report)?)?;
     let page = page::page(destination.title, &report, comparison, files.heat_top)?;
-    files.write_text("report.html", &crate::report::html(&page))?;
+    files.write_text("report.html", &taotie_report::html(&page))?;
     Ok((report, files.written))
 }
 

@@ -1,17 +1,13 @@
 //! `report.html`: the comparison as a page that opens from disk.
 
 use super::comparison::{Comparison, Taken};
-use super::files;
 use super::report::{self, MethodReport, Report};
-use crate::report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
-use crate::sheet::Sheet;
-use crate::spread::Spread;
 use anyhow::Result;
 use taotie::compare::ColorMap;
-use taotie::io;
-
-/// Colours of a legend.
-const STOPS: u32 = 32;
+use taotie_report::heat_map::HeatMap;
+use taotie_report::sheet::Sheet;
+use taotie_report::spread::Spread;
+use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
 
 /// The page of a comparison.
 ///
@@ -51,28 +47,25 @@ fn facts(report: &Report) -> Vec<Fact> {
 fn views(report: &Report, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
     let mut views = Vec::new();
     for (i, shading) in report.methods[0].pictures.iter().map(|picture| picture.shading).enumerate() {
-        let developed = |taken: &Taken| Some(files::developed(&taken.pictures[i].1));
+        let developed = |taken: &Taken| Some(Sheet::developed(&taken.pictures[i].1));
         let note = format!("Each surface under the shading model {shading}, in the same light.");
         views.push(view(shading.into(), note, comparison, &developed)?);
         let flip = |taken: &Taken| {
-            taken
-                .difference
-                .as_ref()
-                .map(|difference| files::heat_of_flip(&difference.pictures[i].flip).plain())
+            taken.difference.as_ref().map(|difference| HeatMap::of_flip(&difference.pictures[i].flip).plain())
         };
         let note = format!("What an observer would see of the difference from {}.", report.against);
         let view = view(format!("{shading}: FLIP"), note, comparison, &flip)?;
-        views.push(View { legend: Some(legend("FLIP", "", 1.0, ColorMap::Magma)), ..view });
+        views.push(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view });
     }
-    let normals = |taken: &Taken| Some(files::colored(&taken.normals));
+    let normals = |taken: &Taken| Some(Sheet::of_normals(&taken.normals));
     let note = "Shading normals in world space as colours, (n + 1) / 2.";
     views.push(view("normals".into(), note.into(), comparison, &normals)?);
     let errors = |taken: &Taken| {
-        taken.difference.as_ref().map(|difference| files::heat_of_angles(&difference.angles, top).plain())
+        taken.difference.as_ref().map(|difference| HeatMap::of_angles(&difference.angles, top).plain())
     };
     let note = format!("Angle between the shading normal and that of {}.", report.against);
     let view = view("angular error".into(), note, comparison, &errors)?;
-    let legend = legend("Angular error", "°", f64::from(top), ColorMap::Viridis);
+    let legend = Legend::new("Angular error", "°", f64::from(top), ColorMap::Viridis);
     views.push(View { legend: Some(legend), ..view });
     Ok(views)
 }
@@ -85,17 +78,10 @@ fn view(
 ) -> Result<View> {
     let mut pictures = Vec::new();
     for taken in &comparison.taken {
-        let Some(pixels) = pixels(taken) else { continue };
-        let png = io::encode_png(&pixels.png())?;
-        pictures.push(Picture { label: taken.id(), note: taken.what(), png });
+        let Some(sheet) = pixels(taken) else { continue };
+        pictures.push(Picture::new(taken.id(), taken.what(), &sheet)?);
     }
     Ok(View { name, note, pictures, legend: None })
-}
-
-/// A scale of colours from 0 to `top`.
-pub fn legend(title: &str, unit: &str, top: f64, map: ColorMap) -> Legend {
-    let stops = (0..STOPS).map(|i| map.color(f64::from(i) / f64::from(STOPS - 1))).collect();
-    Legend { title: title.into(), unit: unit.into(), top, stops }
 }
 
 fn sections(report: &Report) -> Vec<Section> {

@@ -3,7 +3,6 @@
 use super::comparison::{Comparison, Plan, Taken};
 use super::{look, points};
 use crate::console;
-use crate::spread::Spread;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -12,6 +11,7 @@ use taotie::image::Image;
 use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::scene::{Falloff, Light, LightKind, Projection};
+use taotie_report::spread::Spread;
 
 /// Version of `report.json`.
 pub const SCHEMA: u32 = 1;

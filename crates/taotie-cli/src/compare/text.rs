@@ -1,8 +1,8 @@
 //! What a comparison prints.
 
 use super::report::{MethodReport, Report, figures};
-use crate::spread::Spread;
-use crate::table::Table;
+use taotie_report::spread::Spread;
+use taotie_report::table::Table;
 
 /// The angular errors, each shading's picture errors, and what was not drawn.
 pub fn of(report: &Report) -> String {

@@ -1,21 +1,17 @@
 //! `taotie demo`: the built-in bronze by every surface method and every shading model, and measured against the truth.
 
-mod export;
-mod gallery;
-mod glb;
-mod moving;
-mod stage;
 mod truth;
 
 use crate::compare::Report;
 use crate::console::{self, Bar};
-use crate::jue;
 use crate::studio::in_pool;
 use anyhow::Result;
 use clap::Args;
-use gallery::Made;
 use serde_json::json;
 use std::path::PathBuf;
+use taotie_study::demo::gallery::{self, Made};
+use taotie_study::demo::{Output, Vessel, export, glb, moving};
+use taotie_study::jue;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -50,7 +46,7 @@ pub struct DemoArgs {
 /// Texels along a side of the jue's maps.
 const MAPS: u32 = 2048;
 
-/// What was made.
+/// The files that were made, and their figures.
 struct Demo {
     files: Vec<PathBuf>,
     made: Vec<Made>,
@@ -70,37 +66,42 @@ pub fn run(args: &DemoArgs) -> Result<()> {
 }
 
 fn demo(args: &DemoArgs) -> Result<Demo> {
-    let scene = jue::scene(MAPS);
-    let object_scene = gallery::with_object_map(&scene);
-    let mut files = export::write(&args.out, &scene)?;
-    files.push(glb::write_pouring(&args.out, &scene)?);
-    let progress = Bar::new("pictures");
-    let (sheet, made) = gallery::write_sheet(args, [&object_scene, &scene], &|done| progress.set(done))?;
+    let vessel = Vessel::new(MAPS);
+    let output = Output { folder: &args.out, side: args.size };
+    let mut files = export::write(&args.out, &vessel)?;
+    files.push(glb::write_pouring(&args.out, &vessel)?);
+    let bar = Bar::new("pictures");
+    let (sheet, made) = gallery::write_sheet(&vessel, &output, &|done| bar.set(done))?;
     files.push(sheet);
-    files.push(gallery::write_large(args, &scene)?);
-    drop(progress);
-    let high = truth::with_relief(&scene, jue::displaced_mesh(jue::FINEST));
+    files.push(gallery::write_large(&vessel, &args.out)?);
+    drop(bar);
+    let high = jue::displaced_mesh(jue::FINEST);
     if args.high {
         files.push(glb::write_high(&args.out, &high)?);
     }
-    let progress = Bar::new("moving surface");
-    let (moving, written) =
-        moving::write(args, [&object_scene, &scene], &high.meshes[0], &|done| progress.set(done))?;
-    files.extend(written);
-    drop(progress);
-    let (comparison, written) = truth::write(args, &scene, high)?;
+    let bar = Bar::new("moving surface");
+    let (moving, sheet) = moving::write(&vessel, &high, &output, &|done| bar.set(done))?;
+    files.push(sheet);
+    drop(bar);
+    let high = jue::with_relief(vessel.scene(), high);
+    let (comparison, written) = truth::write(&args.out, vessel.scene(), high)?;
     files.extend(written);
     Ok(Demo { files, made, comparison, moving })
+}
+
+fn line_of(made: &Made) -> String {
+    let Made { title, surface, shading, milliseconds, .. } = made;
+    format!("{title:<22} {surface:<15} {shading:<22} {milliseconds:>8.0}")
 }
 
 impl Demo {
     fn print(&self) -> Result<()> {
         console::result(&format!("{:<22} {:<15} {:<22} {:>8}", "picture", "surface", "shading", "ms"))?;
         for made in &self.made {
-            console::result(&made.line())?;
+            console::result(&line_of(made))?;
         }
         console::result("")?;
-        for line in truth::lines(&self.comparison).into_iter().chain(moving::lines(&self.moving)) {
+        for line in truth::lines(&self.comparison).into_iter().chain(self.moving.lines()) {
             console::result(&line)?;
         }
         console::result("")?;
@@ -115,7 +116,7 @@ impl Demo {
             "schema": SCHEMA,
             "version": env!("CARGO_PKG_VERSION"),
             "files": self.files,
-            "pictures": self.made.iter().map(Made::json).collect::<Vec<_>>(),
+            "pictures": self.made,
             "comparison": self.comparison,
             "moving": self.moving,
         })

@@ -1,27 +1,26 @@
 //! The jue's methods measured against its relief as geometry.
 
-use super::DemoArgs;
-use super::stage::{self, Stage};
 use crate::compare::{
     self, Comparison, Destination, Matching, Method, Plan, PointChoice, Report, Subject, SubjectReport,
 };
 use anyhow::Result;
-use std::path::PathBuf;
-use taotie::mesh::Mesh;
+use std::path::{Path, PathBuf};
 use taotie::scene::Scene;
 use taotie::shade::Shading;
+use taotie_study::demo::stage::{self, Stage};
 
 /// Pixels along a side of the comparison's pictures.
 const SIDE: u32 = 560;
 /// The angle at the top of the heat maps' scale, degrees.
 const HEAT_TOP_DEG: f64 = 30.0;
 
-/// Compares the methods on the cup with the displaced mesh `reference`; writes the report into a folder of its own.
+/// Compares the methods on the cup with the displaced mesh `reference`; writes the report into a folder of its own
+/// below `out`.
 ///
 /// # Errors
 /// Those of rendering and writing.
-pub fn write(args: &DemoArgs, scene: &Scene, reference: Scene) -> Result<(Report, Vec<PathBuf>)> {
-    let Stage { camera, lighting } = Stage::cup(scene);
+pub fn write(out: &Path, scene: &Scene, reference: Scene) -> Result<(Report, Vec<PathBuf>)> {
+    let Stage { camera, lighting } = Stage::cup(scene)?;
     let plan = Plan {
         methods: Method::defaults(),
         shadings: vec![Shading::Ggx],
@@ -44,18 +43,9 @@ pub fn write(args: &DemoArgs, scene: &Scene, reference: Scene) -> Result<(Report
     };
     let mut pair = Subject { scene: scene.clone(), reference: Some(reference) };
     let comparison = Comparison::take(&mut pair, &plan)?;
-    let folder = args.out.join("comparison");
+    let folder = out.join("comparison");
     let destination = Destination { folder: &folder, title: "A bronze jue of 251 vertices" };
     compare::write(&comparison, &plan, &subject, &destination)
-}
-
-/// The same bronze with its relief as geometry, which `mesh` has.
-pub fn with_relief(scene: &Scene, mesh: Mesh) -> Scene {
-    let mut scene = Scene { meshes: vec![mesh], ..scene.clone() };
-    for material in &mut scene.materials {
-        (material.normal, material.height) = (None, None);
-    }
-    scene
 }
 
 /// The errors of three methods, and why they stand in this order.

@@ -2,11 +2,11 @@
 
 use super::args::{DiffArgs, Metric};
 use super::subject::{Content, Subject};
-use crate::heat_map::HeatMap;
 use anyhow::Result;
 use std::path::Path;
 use taotie::compare::{self, ColorMap, Field, Picture};
 use taotie::io;
+use taotie_report::heat_map::HeatMap;
 
 /// A field with how it is to be shown.
 struct Shown {

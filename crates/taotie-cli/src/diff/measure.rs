@@ -3,10 +3,10 @@
 use super::args::{DiffArgs, Metric};
 use super::subject::{Content, Subject};
 use crate::console::Bar;
-use crate::spread::Spread;
 use anyhow::{Result, bail};
 use serde::Serialize;
 use taotie::compare::{self, Field, Picture, SSIM_WINDOW};
+use taotie_report::spread::Spread;
 
 /// What was measured; `None` where it does not apply or was not asked for.
 #[derive(Debug, Default, Serialize)]

@@ -5,7 +5,7 @@ use super::mesh::{MeshReport, Normals};
 use super::normal_map::NormalMapReport;
 use super::report::{AnimationReport, Counts, Extent, Named, Report};
 use super::tangents::TangentHealth;
-use crate::table::Table;
+use taotie_report::table::Table;
 
 /// The longest name that is shown whole, in characters.
 const NAME: usize = 40;

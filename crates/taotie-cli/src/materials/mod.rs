@@ -3,7 +3,6 @@
 mod swatches;
 
 use crate::console;
-use crate::table::Table;
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
@@ -11,6 +10,7 @@ use std::path::PathBuf;
 use taotie::math::Vec3;
 use taotie::scene::{Material, PRESETS, Preset, preset};
 use taotie::shade::fresnel::{COS_82, f_schlick};
+use taotie_report::table::Table;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;

@@ -1,6 +1,5 @@
 //! A sphere of each preset in the built-in studio.
 
-use crate::sheet::{Cell, Sheet};
 use anyhow::Result;
 use std::path::Path;
 use std::sync::Arc;
@@ -11,6 +10,7 @@ use taotie::mesh::Mesh;
 use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
 use taotie::scene::{Instance, Material, Orbit, PRESETS, Scene, preset};
 use taotie::shade::environment::{Environment, studio};
+use taotie_report::sheet::{Cell, Sheet};
 
 /// Spheres in a row.
 const COLUMNS: usize = 4;

@@ -4,11 +4,11 @@ use super::args::NormalsArgs;
 use super::convert::Converted;
 use super::input::{Input, space_name};
 use crate::console;
-use crate::spread::Spread;
 use serde::Serialize;
 use std::fmt::Write;
 use taotie::Warnings;
 use taotie::scene::GreenChannel;
+use taotie_report::spread::Spread;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;

@@ -7,7 +7,7 @@ mod plan;
 mod sequence;
 
 pub use args::RenderArgs;
-pub use output::{PictureFormat, check_place, write_picture};
+pub use output::check_place;
 
 use crate::console;
 use crate::studio::{self, Motion, in_pool};

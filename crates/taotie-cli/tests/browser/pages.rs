@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 use taotie::image::Encoding;
 use taotie::io::{PngColor, PngImage, PngSamples, encode_png};
-use taotie_cli::report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View, html};
+use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View, html};
 
 const RED: [u8; 3] = [200, 30, 30];
 const GREEN: [u8; 3] = [30, 160, 60];

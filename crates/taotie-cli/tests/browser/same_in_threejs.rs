@@ -16,7 +16,7 @@ use taotie::io::{
 use taotie::math::Vec3;
 use taotie::scene::{Orbit, Scene, fitting_distance};
 use taotie::surface::{TangentMethod, with_tangents};
-use taotie_cli::jue;
+use taotie_study::jue;
 
 /// How far a FLIP may be above the measured one, as a factor: another Chromium rounds colours otherwise.
 const SLACK: f64 = 1.05;

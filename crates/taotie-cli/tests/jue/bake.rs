@@ -10,7 +10,7 @@ use taotie::math::Mat4;
 use taotie::mesh::Mesh;
 use taotie::scene::{Instance, Material, NormalSpace, Scene};
 use taotie::surface::with_frames;
-use taotie_cli::jue;
+use taotie_study::jue;
 
 fn scan(mesh: Mesh) -> Scan {
     let scene = Scene {

@@ -4,8 +4,8 @@
 use taotie::compare::Summary;
 use taotie::image::{Encoding, Texture};
 use taotie::scene::{NormalSpace, Orbit, Scene};
-use taotie_cli::jue::pour::{Eye, POURED, Pouring, Truth, angular_errors};
-use taotie_cli::jue::{displaced_mesh, object_normal_map, scene};
+use taotie_study::jue::pour::{Eye, POURED, Pouring, Truth, angular_errors};
+use taotie_study::jue::{displaced_mesh, object_normal_map, scene};
 
 const MAPS: u32 = 2048;
 /// Half as fine as the finest lines.

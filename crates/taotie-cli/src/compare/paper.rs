@@ -1,0 +1,26 @@
+//! `taotie compare --paper`: the tables of Guo and Wang 2025, recomputed.
+
+use crate::console;
+use anyhow::Result;
+use std::path::Path;
+use taotie_study::paper::Study;
+
+/// Prints the study as text or JSON; with `out`, writes it to that folder.
+///
+/// # Errors
+/// Where the folder cannot be made or written to.
+pub fn run(json: bool, out: Option<&Path>) -> Result<()> {
+    let study = Study::new();
+    let files = out.map(|folder| study.write(folder)).transpose()?.unwrap_or_default();
+    if json {
+        return console::result(&study.json());
+    }
+    console::result(study.text().trim_end())?;
+    if !files.is_empty() {
+        console::result("")?;
+    }
+    for file in &files {
+        console::result(&format!("wrote {}", file.display()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,247 @@
+//! The data of a page. Serialised, it is what `page/main.js` documents and reads.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
+
+/// A page.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Page {
+    /// Heading, and the name of the window.
+    pub title: String,
+    /// Below the heading; may be empty, as every text here.
+    pub subtitle: String,
+    /// A compact list below that.
+    pub facts: Vec<Fact>,
+    /// Pictures, a tab for each view.
+    pub views: Vec<View>,
+    /// Text, tables and histograms below the pictures, in order.
+    pub sections: Vec<Section>,
+    /// At the end: who made the page of what.
+    pub footer: String,
+}
+
+/// A name and what goes with it.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Fact {
+    /// The quantity.
+    pub name: String,
+    /// Its value, with its unit.
+    pub value: String,
+}
+
+impl Fact {
+    /// Makes a fact.
+    pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { name: name.into(), value: value.into() }
+    }
+}
+
+/// Pictures of one size that can be laid over one another.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct View {
+    /// The tab: "ggx", "normals", "angular error". No two views of a page share it.
+    pub name: String,
+    /// A line on what is seen.
+    pub note: String,
+    /// The pictures. The first and the last lie left and right of the handle until others are chosen.
+    pub pictures: Vec<Picture>,
+    /// The meaning of the colours.
+    pub legend: Option<Legend>,
+}
+
+/// A picture.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Picture {
+    /// Its subject, such as a method. The same label in other views means the same thing: it stays chosen from
+    /// view to view. No two pictures of a view share it.
+    pub label: String,
+    /// Below the label.
+    pub note: String,
+    /// The PNG file.
+    pub png: Vec<u8>,
+}
+
+impl Picture {
+    /// Returns the pixels across and down as the file's header says; zeros where it is no PNG.
+    pub fn size(&self) -> [u32; 2] {
+        let word = |at: usize| self.png.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes);
+        match (self.png.starts_with(b"\x89PNG\r\n\x1a\n"), word(16), word(20)) {
+            (true, Some(width), Some(height)) => [width, height],
+            _ => [0, 0],
+        }
+    }
+}
+
+/// The file as a `data:` URI, and the size, which the page needs before the picture is decoded.
+impl Serialize for Picture {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let [width, height] = self.size();
+        let mut fields = serializer.serialize_struct("Picture", 5)?;
+        fields.serialize_field("label", &self.label)?;
+        fields.serialize_field("note", &self.note)?;
+        fields.serialize_field("png", &format!("data:image/png;base64,{}", STANDARD.encode(&self.png)))?;
+        fields.serialize_field("width", &width)?;
+        fields.serialize_field("height", &height)?;
+        fields.end()
+    }
+}
+
+/// A scale of colours.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Legend {
+    /// The quantity.
+    pub title: String,
+    /// Its unit, such as "°".
+    pub unit: String,
+    /// The value of the last colour; the first stands for 0.
+    pub top: f64,
+    /// sRGB colours at equal steps from 0 to `top`.
+    pub stops: Vec<[u8; 3]>,
+}
+
+/// A part of the page below the pictures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Section {
+    /// Prose.
+    Text {
+        /// Heading.
+        title: String,
+        /// Plain text.
+        paragraphs: Vec<String>,
+    },
+    /// A table; a click on a column sorts it.
+    Table {
+        /// Heading.
+        title: String,
+        /// Above the table.
+        note: String,
+        /// The columns.
+        columns: Vec<Column>,
+        /// As many cells as there are columns.
+        rows: Vec<Vec<Cell>>,
+    },
+    /// Counts of values, a panel for each series on common axes.
+    Histogram {
+        /// Heading.
+        title: String,
+        /// Above the panels.
+        note: String,
+        /// Unit of the values.
+        unit: String,
+        /// Bin i holds the values in [i · `bin_width`, (i + 1) · `bin_width`).
+        bin_width: f64,
+        /// Whether the last bin holds everything above it too.
+        last_is_open: bool,
+        /// The counts, a panel each.
+        series: Vec<Series>,
+    },
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Column {
+    /// Heading.
+    pub name: String,
+    /// Unit of the numbers below.
+    pub unit: String,
+    /// Numbers stand at the right.
+    pub numeric: bool,
+}
+
+impl Column {
+    /// Makes a column of words.
+    pub fn words(name: impl Into<String>) -> Self {
+        Self { name: name.into(), unit: String::new(), numeric: false }
+    }
+
+    /// Makes a column of numbers in this unit, which may be empty.
+    pub fn numbers(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { name: name.into(), unit: unit.into(), numeric: true }
+    }
+}
+
+/// A cell of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Cell {
+    /// Words.
+    Text(String),
+    /// A number.
+    Number {
+        /// `None`, and every value that is not finite, is shown as missing.
+        value: Option<f64>,
+        /// Decimals shown.
+        digits: usize,
+    },
+    /// A judgement.
+    Mark {
+        /// The text shown.
+        text: String,
+        /// Its tone.
+        tone: Tone,
+        /// Why; numbered and told below the table. May be empty.
+        why: String,
+    },
+}
+
+impl Cell {
+    /// Makes a cell of words.
+    pub fn text(text: impl Into<String>) -> Self {
+        Self::Text(text.into())
+    }
+
+    /// Makes a number with so many decimals.
+    pub fn number(value: f64, digits: usize) -> Self {
+        Self::Number { value: Some(value), digits }
+    }
+}
+
+/// The meaning of a [`Cell::Mark`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Tone {
+    /// As it should be.
+    Good,
+    /// Not as it should be.
+    Bad,
+    /// Put right.
+    Changed,
+}
+
+/// Counts of a histogram.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Series {
+    /// The thing counted.
+    pub label: String,
+    /// The number of values in each bin.
+    pub counts: Vec<u64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{json, to_value};
+
+    #[test]
+    fn cells_are_written_as_the_script_reads_them() {
+        let mark = Cell::Mark { text: "1".into(), tone: Tone::Changed, why: String::new() };
+        assert_eq!(to_value(Cell::text("a")).unwrap(), json!({ "text": "a" }));
+        assert_eq!(
+            to_value(Cell::number(f64::NAN, 2)).unwrap(),
+            json!({ "number": { "value": null, "digits": 2 } })
+        );
+        assert_eq!(to_value(mark).unwrap(), json!({ "mark": { "text": "1", "tone": "changed", "why": "" } }));
+    }
+
+    #[test]
+    fn what_is_no_png_has_no_size() {
+        let png = |bytes: &[u8]| Picture { png: bytes.to_vec(), ..Picture::default() }.size();
+        assert_eq!(png(b""), [0, 0]);
+        assert_eq!(png(&[9; 40]), [0, 0]);
+        assert_eq!(png(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x02\0\0\x01"), [0, 0]);
+        assert_eq!(png(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x02\0\0\x01\x03"), [2, 259]);
+    }
+}

@@ -1,0 +1,108 @@
+//! The page's data, style and script in one document.
+
+use crate::Page;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use sha2::{Digest, Sha256};
+
+const STYLE: &str = include_str!("page.css");
+
+/// The script in parts; the last one begins.
+const SCRIPT: [&str; 12] = [
+    "\"use strict\";\n",
+    include_str!("page/dom.js"),
+    include_str!("page/numbers.js"),
+    include_str!("page/lens.js"),
+    include_str!("page/gestures.js"),
+    include_str!("page/wipe.js"),
+    include_str!("page/legend.js"),
+    include_str!("page/view.js"),
+    include_str!("page/viewer.js"),
+    include_str!("page/table.js"),
+    include_str!("page/histogram.js"),
+    include_str!("page/main.js"),
+];
+
+/// Writes the page as one HTML document, which fetches nothing else.
+pub fn html(page: &Page) -> String {
+    let style = plain_line_ends(STYLE);
+    let script = plain_line_ends(&SCRIPT.concat());
+    format!(
+        include_str!("page.html"),
+        policy = policy(&style, &script),
+        version = env!("CARGO_PKG_VERSION"),
+        title = escaped(&page.title),
+        style = style,
+        data = data(page),
+        script = script,
+    )
+}
+
+/// A browser sees no carriage return, and would not find its hash.
+fn plain_line_ends(text: &str) -> String {
+    text.replace('\r', "")
+}
+
+/// Only this style sheet, this script and pictures within the page; no connection of any kind.
+fn policy(style: &str, script: &str) -> String {
+    let [style, script] = [style, script].map(|text| STANDARD.encode(Sha256::digest(text)));
+    format!(
+        "default-src 'none'; img-src data:; style-src 'sha256-{style}'; script-src 'sha256-{script}'; \
+         base-uri 'none'; form-action 'none'"
+    )
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+/// JSON without any `<`, so that nothing in it can end the element around it or open a comment.
+fn data(page: &Page) -> String {
+    let json = serde_json::to_string(page).expect("the page has only text keys");
+    json.replace('<', "\\u003c")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Fact, View};
+
+    const NASTY: &str = "</script><img src=x onerror=alert(1)><!--<script>{policy}&amp;";
+
+    fn nasty() -> Page {
+        let fact = Fact::new(NASTY, NASTY);
+        let view = View { name: NASTY.into(), ..View::default() };
+        Page { title: NASTY.into(), facts: vec![fact], views: vec![view], ..Page::default() }
+    }
+
+    #[test]
+    fn no_text_breaks_out_of_its_place() {
+        let document = html(&nasty());
+        assert_eq!(document.matches("<script").count(), 2);
+        assert_eq!(document.matches("</script>").count(), 2);
+        assert_eq!(document.matches("<style>").count(), 1);
+        assert_eq!(document.matches("<title>").count(), 1);
+        assert!(!document.contains("<img") && !document.contains("<!--"));
+        assert!(document.contains("<title>&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;&lt;!--&lt;script&gt;{policy}&amp;amp;</title>"));
+    }
+
+    #[test]
+    fn the_data_come_back_as_they_went_in() {
+        let document = html(&nasty());
+        let (_, rest) = document.split_once("id=\"data\">").unwrap();
+        let (json, _) = rest.split_once("</script>").unwrap();
+        let read: serde_json::Value = serde_json::from_str(json).unwrap();
+        assert_eq!(read, serde_json::to_value(nasty()).unwrap());
+        assert_eq!(read["facts"][0]["name"], NASTY);
+    }
+
+    #[test]
+    fn style_and_script_name_no_other_place() {
+        let own = [STYLE.into(), SCRIPT.concat().replace("http://www.w3.org/2000/svg", "")].concat();
+        for word in
+            ["://", "url(", "@import", "fetch(", "XMLHttp", "eval(", "innerHTML", "insertAdjacent", "</"]
+        {
+            assert!(!own.contains(word), "{word}");
+        }
+    }
+}

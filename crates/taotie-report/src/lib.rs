@@ -1,0 +1,31 @@
+//! Reports as one offline HTML file: images to be compared by wipe and zoom, tables and histograms; and the contact
+//! sheets, heat maps and text tables beside it.
+//!
+//! A [`Page`] knows nothing of its subject. [`html`] makes one document of it, which opens from disk and fetches
+//! nothing: its content security policy names the style sheet and the script by their SHA-256, so nothing in the data
+//! can run.
+//!
+//! ```
+//! use taotie_report::{Cell, Column, Page, Section, html};
+//!
+//! let errors = Section::Table {
+//!     title: "Errors".into(),
+//!     note: String::new(),
+//!     columns: vec![Column::words("method"), Column::numbers("mean", "°")],
+//!     rows: vec![vec![Cell::text("tangent-normal"), Cell::number(1.84, 2)]],
+//! };
+//! let page = Page { title: "A jue".into(), sections: vec![errors], ..Page::default() };
+//! assert!(html(&page).contains("<title>A jue</title>"));
+//! ```
+
+mod data;
+mod document;
+pub mod heat_map;
+mod images;
+mod picture;
+pub mod sheet;
+pub mod spread;
+pub mod table;
+
+pub use data::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View};
+pub use document::html;

@@ -1,0 +1,45 @@
+//! Sheets and colour maps as parts of a page.
+
+use crate::data::{Legend, Picture};
+use crate::sheet::Sheet;
+use taotie::compare::ColorMap;
+use taotie::{Result, io};
+
+/// Colours of a legend.
+const STOPS: u32 = 32;
+
+impl Picture {
+    /// Encodes a sheet as a picture of a page.
+    ///
+    /// # Errors
+    /// [`taotie::Error::Invalid`] where the sheet has no pixels.
+    pub fn new(label: impl Into<String>, note: impl Into<String>, sheet: &Sheet) -> Result<Self> {
+        Ok(Self { label: label.into(), note: note.into(), png: io::encode_png(&sheet.png())? })
+    }
+}
+
+impl Legend {
+    /// Makes a scale of colours from 0 to `top`.
+    pub fn new(title: &str, unit: &str, top: f64, map: ColorMap) -> Self {
+        let stops = (0..STOPS).map(|i| map.color(f64::from(i) / f64::from(STOPS - 1))).collect();
+        Self { title: title.into(), unit: unit.into(), top, stops }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sheet_keeps_its_size_and_one_without_pixels_is_an_error() {
+        let picture = Picture::new("a", "b", &Sheet::blank(5, 3)).unwrap();
+        assert_eq!((picture.size(), picture.label.as_str(), picture.note.as_str()), ([5, 3], "a", "b"));
+        assert!(Picture::new("a", "b", &Sheet::blank(0, 3)).is_err());
+    }
+
+    #[test]
+    fn a_legend_runs_from_the_first_colour_to_the_last() {
+        let stops = Legend::new("error", "°", 10.0, ColorMap::Gray).stops;
+        assert_eq!((stops.len(), stops[0], stops[31]), (32, [0; 3], [255; 3]));
+    }
+}

@@ -1,0 +1,197 @@
+//! Contact sheets: labelled pictures side by side.
+
+use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use taotie::image::Encoding;
+use taotie::io::{PngColor, PngImage, PngSamples};
+
+/// Room between pictures and at the border, pixels.
+const GAP: usize = 16;
+/// Room for a label of two lines under a picture.
+const LABEL: usize = 52;
+
+/// Behind everything.
+pub const GROUND: [u8; 3] = [24, 25, 27];
+/// The colour of first lines.
+pub const TITLE: [u8; 3] = [236, 230, 216];
+/// The colour of second lines.
+pub const NOTE: [u8; 3] = [150, 152, 156];
+
+/// A picture with its label.
+pub struct Cell {
+    /// First line.
+    pub title: String,
+    /// Second line, smaller.
+    pub note: String,
+    /// sRGB pixels, row by row from the top.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+/// The size of letters, which are all of one width.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TextSize {
+    /// 16 pixels high.
+    Small,
+    /// 20 pixels high.
+    Large,
+}
+
+impl TextSize {
+    fn raster(self) -> RasterHeight {
+        match self {
+            Self::Small => RasterHeight::Size16,
+            Self::Large => RasterHeight::Size20,
+        }
+    }
+
+    /// Returns the width of a letter with the space after it, pixels.
+    fn advance(self) -> usize {
+        get_raster_width(FontWeight::Regular, self.raster())
+    }
+
+    /// Returns how many pixels `text` takes across.
+    pub fn width(self, text: &str) -> usize {
+        text.chars().count() * self.advance()
+    }
+}
+
+/// A line of text to be written on a sheet.
+pub struct Line<'a> {
+    /// The letters; those that the font lacks leave a space.
+    pub text: &'a str,
+    /// Their size.
+    pub size: TextSize,
+    /// Their sRGB colour.
+    pub color: [u8; 3],
+    /// Pixels after which the line is cut off.
+    pub room: usize,
+}
+
+/// An 8-bit sRGB picture.
+pub struct Sheet {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// Row by row from the top.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+impl Sheet {
+    /// Makes an empty sheet.
+    pub fn blank(width: usize, height: usize) -> Self {
+        Self { width, height, pixels: vec![GROUND; width * height] }
+    }
+
+    /// Lays out pictures of one width and height in rows of `columns`, at least one.
+    pub fn new(cells: &[Cell], size: [usize; 2], columns: usize) -> Self {
+        let columns = columns.max(1);
+        let [across, down] = size;
+        let rows = cells.len().div_ceil(columns);
+        let width = GAP + columns * (across + GAP);
+        let height = GAP + rows * (down + LABEL + GAP);
+        let mut sheet = Self::blank(width, height);
+        for (i, cell) in cells.iter().enumerate() {
+            let x = GAP + (i % columns) * (across + GAP);
+            let y = GAP + (i / columns) * (down + LABEL + GAP);
+            sheet.place(cell, size, [x, y]);
+        }
+        sheet
+    }
+
+    fn place(&mut self, cell: &Cell, [across, down]: [usize; 2], [x, y]: [usize; 2]) {
+        for (row, pixels) in cell.pixels.chunks(across.max(1)).enumerate() {
+            self.paste(pixels, [x, y + row]);
+        }
+        let title = Line { text: &cell.title, size: TextSize::Large, color: TITLE, room: across };
+        let note = Line { text: &cell.note, size: TextSize::Small, color: NOTE, room: across };
+        self.write(&title, [x, y + down + 6]);
+        self.write(&note, [x, y + down + 29]);
+    }
+
+    /// Returns the picture as it is written to a file.
+    pub fn png(&self) -> PngImage<'_> {
+        PngImage {
+            width: self.width as u32,
+            height: self.height as u32,
+            color: PngColor::Rgb,
+            samples: PngSamples::U8(self.pixels.as_flattened()),
+            encoding: Encoding::Srgb,
+        }
+    }
+
+    /// Lays a row of pixels from `at` to the right; what lies beyond the sheet is left out.
+    pub fn paste(&mut self, row: &[[u8; 3]], at: [usize; 2]) {
+        for (pixel, color) in self.row_from(at).iter_mut().zip(row) {
+            *pixel = *color;
+        }
+    }
+
+    /// Writes a line from its top left corner `at`; what lies beyond the sheet is left out.
+    pub fn write(&mut self, line: &Line<'_>, [x, y]: [usize; 2]) {
+        let advance = line.size.advance();
+        for (i, letter) in line.text.chars().take(line.room / advance).enumerate() {
+            let glyph = get_raster(letter, FontWeight::Regular, line.size.raster());
+            let rows = glyph.iter().flat_map(|glyph| glyph.rows()).enumerate();
+            for (row, inks) in rows {
+                let pixels = self.row_from([x + i * advance, y + row]).iter_mut();
+                for (pixel, ink) in pixels.zip(inks.iter()) {
+                    *pixel = std::array::from_fn(|c| mix(pixel[c], line.color[c], *ink));
+                }
+            }
+        }
+    }
+
+    /// The pixels of a row from `at` to the right border; none where `at` lies beyond the sheet.
+    fn row_from(&mut self, [x, y]: [usize; 2]) -> &mut [[u8; 3]] {
+        let row = self.pixels.chunks_mut(self.width.max(1)).nth(y).unwrap_or_default();
+        row.get_mut(x..).unwrap_or_default()
+    }
+}
+
+fn mix(below: u8, above: u8, ink: u8) -> u8 {
+    let ink = u32::from(ink);
+    ((u32::from(below) * (255 - ink) + u32::from(above) * ink + 127) / 255) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_lie_in_rows_with_their_labels() {
+        let cell = |grey| Cell { title: "ab".into(), note: String::new(), pixels: vec![[grey; 3]; 64] };
+        let sheet = Sheet::new(&[cell(10), cell(20), cell(30)], [8, 8], 2);
+        let at = |x: usize, y: usize| sheet.pixels[y * sheet.width + x];
+        assert_eq!((sheet.width, sheet.height), (3 * GAP + 16, 3 * GAP + 2 * (8 + LABEL)));
+        assert_eq!([at(GAP, GAP), at(2 * GAP + 8, GAP)], [[10; 3], [20; 3]]);
+        assert_eq!(at(GAP, 2 * GAP + 8 + LABEL), [30; 3]);
+        assert_eq!(at(0, 0), GROUND);
+    }
+
+    #[test]
+    fn what_lies_beyond_the_sheet_is_left_out() {
+        let mut sheet = Sheet::blank(8, 2);
+        sheet.paste(&[[9; 3]; 4], [6, 1]);
+        sheet.paste(&[[9; 3]; 4], [0, 2]);
+        sheet.paste(&[[9; 3]; 4], [8, 0]);
+        let painted: Vec<usize> = (0..16).filter(|i| sheet.pixels[*i] == [9; 3]).collect();
+        assert_eq!(painted, [14, 15]);
+        let line = Line { text: "gg", size: TextSize::Large, color: [255; 3], room: 99 };
+        sheet.write(&line, [4, 1]);
+        assert_eq!(Sheet::new(&[], [0, 0], 0).pixels.len(), 2 * GAP * GAP);
+    }
+
+    #[test]
+    fn labels_leave_ink_and_stay_within_their_cell() {
+        let cell =
+            Cell { title: "tangent-normal".repeat(9), note: "x".into(), pixels: vec![[0; 3]; 64 * 64] };
+        let sheet = Sheet::new(&[cell], [64, 64], 1);
+        let inked: Vec<usize> = sheet.pixels[(GAP + 64) * sheet.width..]
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| **p != GROUND)
+            .map(|(i, _)| i % sheet.width)
+            .collect();
+        assert!(inked.len() > 50 && inked.iter().all(|x| (GAP..GAP + 64).contains(x)));
+    }
+}

@@ -1,0 +1,64 @@
+//! Aligned columns of text.
+
+/// Rows of cells under titles. Columns of numbers stand to the right.
+pub struct Table {
+    right: Vec<bool>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Makes a table with these titles; those that start with `>` head columns that stand to the right.
+    pub fn new(titles: &[&str]) -> Self {
+        let titles_alone = titles.iter().map(|title| title.trim_start_matches('>').to_owned());
+        Self { rows: vec![titles_alone.collect()], ..Self::untitled(titles) }
+    }
+
+    /// Makes a table without titles; `>` makes a column stand to the right.
+    pub fn untitled(columns: &[&str]) -> Self {
+        Self { right: columns.iter().map(|column| column.starts_with('>')).collect(), rows: Vec::new() }
+    }
+
+    /// Adds a row, which has as many cells as there are columns.
+    pub fn row<const N: usize>(&mut self, cells: [String; N]) {
+        self.rows.push(cells.into());
+    }
+
+    /// Returns the lines, each after `indent` spaces and without spaces at the end.
+    pub fn lines(&self, indent: usize) -> String {
+        let widths: Vec<usize> = (0..self.right.len()).map(|column| self.width(column)).collect();
+        self.rows.iter().map(|row| self.line(row, &widths, indent)).collect()
+    }
+
+    /// As [`Table::lines`]; nothing at all where there are only titles.
+    pub fn filled_lines(&self, indent: usize) -> String {
+        if self.rows.len() > 1 { self.lines(indent) } else { String::new() }
+    }
+
+    fn width(&self, column: usize) -> usize {
+        let cells = self.rows.iter().map(|row| row[column].chars().count());
+        cells.max().unwrap_or(0)
+    }
+
+    fn line(&self, row: &[String], widths: &[usize], indent: usize) -> String {
+        let cell = |column: usize| {
+            let (text, width) = (&row[column], widths[column]);
+            if self.right[column] { format!("{text:>width$}") } else { format!("{text:<width$}") }
+        };
+        let cells: Vec<String> = (0..row.len()).map(cell).collect();
+        format!("{:indent$}{}\n", "", cells.join("  ").trim_end())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_aligned() {
+        let mut table = Table::new(&["name", ">count"]);
+        table.row(["a".into(), "1,000,000".into()]);
+        table.row(["düne".into(), "7".into()]);
+        assert_eq!(Table::new(&["name"]).filled_lines(1), "");
+        assert_eq!(table.filled_lines(1), " name      count\n a     1,000,000\n düne          7\n");
+    }
+}

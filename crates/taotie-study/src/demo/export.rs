@@ -1,0 +1,77 @@
+//! The jue as files, so that the other subcommands have something to try.
+
+use super::vessel::Vessel;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use taotie::image::{Texels, Texture};
+use taotie::io::{self, PngColor, PngImage, PngSamples};
+use taotie::mesh::Mesh;
+use taotie::{Error, Result};
+
+/// Names of the jue's textures in the order of its scene, without extension.
+const MAPS: [&str; 4] = ["color", "orm", "normal", "height"];
+
+/// Writes `jue.obj`, `jue.mtl` and the maps into `folder`; returns the files.
+///
+/// # Errors
+/// [`Error::Io`] where one cannot be written.
+pub fn write(folder: &Path, vessel: &Vessel) -> Result<Vec<PathBuf>> {
+    let mut files = vec![folder.join("jue.obj"), folder.join("jue.mtl")];
+    io::write_text(&files[0], &obj(vessel.mesh()))?;
+    io::write_text(&files[1], &mtl())?;
+    for (name, texture) in MAPS.iter().zip(&vessel.scene().textures) {
+        let path = folder.join(format!("jue_{name}.png"));
+        write_map(&path, texture)?;
+        files.push(path);
+    }
+    Ok(files)
+}
+
+/// The mesh as OBJ, whose uv origin is bottom left and whose indices begin at 1.
+fn obj(mesh: &Mesh) -> String {
+    let mut text = String::from("# The built-in jue, 251 vertices\nmtllib jue.mtl\nusemtl jue\n");
+    for p in mesh.positions() {
+        let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
+    }
+    for uv in &mesh.uvs()[0] {
+        let _ = writeln!(text, "vt {} {}", uv.x, 1.0 - uv.y);
+    }
+    for n in mesh.normals() {
+        let _ = writeln!(text, "vn {} {} {}", n.x, n.y, n.z);
+    }
+    for triangle in mesh.triangles() {
+        let [a, b, c] = triangle.map(|i| i + 1);
+        let _ = writeln!(text, "f {a}/{a}/{a} {b}/{b}/{b} {c}/{c}/{c}");
+    }
+    text
+}
+
+/// The same file for roughness and metalness says that it is packed as glTF packs them.
+fn mtl() -> String {
+    "newmtl jue\nKd 1 1 1\nmap_Kd jue_color.png\nmap_Pr jue_orm.png\nmap_Pm jue_orm.png\nnorm jue_normal.png\n".into()
+}
+
+fn write_map(path: &Path, texture: &Texture) -> Result<()> {
+    let bitmap = texture.bitmap();
+    let channels = if bitmap.channels() == 1 { 1 } else { 3 };
+    let color = if channels == 1 { PngColor::Grey } else { PngColor::Rgb };
+    let encoding = texture.encoding();
+    let (width, height) = (bitmap.width(), bitmap.height());
+    let write =
+        |samples: PngSamples<'_>| io::write_png(path, &PngImage { width, height, color, samples, encoding });
+    match bitmap.texels() {
+        Texels::U8(texels) => {
+            let samples: Vec<u8> = texels.iter().flat_map(|t| &t[..channels]).copied().collect();
+            write(PngSamples::U8(&samples))?;
+        }
+        Texels::U16(texels) => {
+            let samples: Vec<u16> = texels.iter().flat_map(|t| &t[..channels]).copied().collect();
+            write(PngSamples::U16(&samples))?;
+        }
+        Texels::F32(_) => {
+            let why = format!("{}: PNG holds 8 or 16 bits", path.display());
+            return Err(Error::unsupported("exporting a float map", why));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! The jue by every surface method and every shading model, and once large.
+
+use super::output::Output;
+use super::stage::{self, Stage};
+use super::vessel::Vessel;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use taotie::names::Named;
+use taotie::render::{RenderSettings, SurfaceSettings};
+use taotie::shade::Shading;
+use taotie::surface::SurfaceMethod;
+use taotie::{Result, io};
+use taotie_report::sheet::{Cell, Sheet};
+
+/// Pixels along a side of the large picture.
+const LARGE: u32 = 1400;
+/// Pictures in a row of the contact sheet.
+const COLUMNS: usize = 4;
+
+/// A picture of the contact sheet to be made.
+struct Picture {
+    title: String,
+    note: &'static str,
+    surface: SurfaceMethod,
+    bump_scale: Option<f32>,
+    shading: Shading,
+}
+
+/// A picture of the contact sheet that was made.
+#[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
+pub struct Made {
+    /// Its title on the sheet.
+    pub title: String,
+    /// The name of its [`SurfaceMethod`].
+    pub surface: &'static str,
+    /// The name of its [`Shading`].
+    pub shading: &'static str,
+    /// The factor of its bump, where that is not the material's.
+    pub bump_scale: Option<f32>,
+    /// The time that it took.
+    pub milliseconds: f64,
+}
+
+impl Made {
+    fn new(picture: Picture, start: Instant) -> Self {
+        let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+        let Picture { title, surface, bump_scale, shading, .. } = picture;
+        Self { title, surface: surface.name(), shading: shading.name(), bump_scale, milliseconds }
+    }
+}
+
+/// Makes every picture of the contact sheet and writes `sheet.png`; `progress` is told the fraction done.
+///
+/// # Errors
+/// Those of rendering and writing.
+pub fn write_sheet(
+    vessel: &Vessel,
+    output: &Output<'_>,
+    progress: &dyn Fn(f64),
+) -> Result<(PathBuf, Vec<Made>)> {
+    let cup = Stage::cup(vessel.scene())?;
+    let pictures = pictures();
+    let steps = pictures.len() as f64;
+    let (mut cells, mut made) = (Vec::new(), Vec::new());
+    for (i, picture) in pictures.into_iter().enumerate() {
+        progress(i as f64 / steps);
+        let in_object_space = picture.surface == SurfaceMethod::ObjectNormal;
+        let scene = if in_object_space { vessel.object_scene() } else { vessel.scene() };
+        let start = Instant::now();
+        let image = cup.take(scene, &settings(&picture, output.side, 4))?;
+        let (title, note) = (picture.title.clone(), picture.note.into());
+        made.push(Made::new(picture, start));
+        cells.push(Cell { title, note, pixels: stage::pixels(&image)? });
+    }
+    let path = output.folder.join("sheet.png");
+    let sheet = Sheet::new(&cells, [output.side as usize; 2], COLUMNS);
+    io::write_png(&path, &sheet.png())?;
+    Ok((path, made))
+}
+
+/// Makes the large picture of the whole vessel and writes `jue.png`.
+///
+/// # Errors
+/// Those of rendering and writing.
+pub fn write_large(vessel: &Vessel, folder: &Path) -> Result<PathBuf> {
+    let path = folder.join("jue.png");
+    let image = Stage::whole(vessel.scene())?.take(vessel.scene(), &Stage::settings(LARGE, 16))?;
+    stage::write_picture(&path, &image)?;
+    Ok(path)
+}
+
+fn settings(picture: &Picture, side: u32, samples: u32) -> RenderSettings {
+    let surface =
+        SurfaceSettings { method: Some(picture.surface), tangents: None, bump_scale: picture.bump_scale };
+    RenderSettings { shading: picture.shading, surface, ..Stage::settings(side, samples) }
+}
+
+/// Surface methods under `ggx`, then shading models on the tangent-space map.
+fn pictures() -> Vec<Picture> {
+    let surface = |title: &str, note, surface, bump_scale| Picture {
+        title: title.into(),
+        note,
+        surface,
+        bump_scale,
+        shading: Shading::Ggx,
+    };
+    let mut pictures = vec![
+        surface("facet", "one normal a triangle", SurfaceMethod::Facet, None),
+        surface("smooth", "interpolated vertex normals", SurfaceMethod::Smooth, None),
+        surface("bump", "height map, surface gradient", SurfaceMethod::Bump, None),
+        surface("bump-printed 5", "the paper's bump, factor 5", SurfaceMethod::BumpPrinted, Some(5.0)),
+        surface("bump-printed 50", "the paper's bump, factor 50", SurfaceMethod::BumpPrinted, Some(50.0)),
+        surface("object-normal", "object-space normal map", SurfaceMethod::ObjectNormal, None),
+        surface("tangent-normal", "tangent-space normal map", SurfaceMethod::TangentNormal, None),
+    ];
+    pictures.extend(Shading::NAMES.iter().map(|(name, shading)| Picture {
+        title: (*name).into(),
+        note: describe(*shading),
+        surface: SurfaceMethod::TangentNormal,
+        bump_scale: None,
+        shading: *shading,
+    }));
+    pictures
+}
+
+fn describe(shading: Shading) -> &'static str {
+    match shading {
+        Shading::Lambert => "diffuse alone",
+        Shading::Phong => "mirrored light, 1975",
+        Shading::BlinnPhong => "half vector, normalised",
+        Shading::BlinnPhongClassic => "half vector, not normalised",
+        Shading::CookTorrance => "Beckmann microfacets, 1982",
+        Shading::Ggx => "GGX microfacets, glTF 2.0",
+        Shading::CookTorrancePrinted => "as the paper prints it",
+        Shading::BlinnPhongPrinted => "as the article's shader",
+        Shading::GgxPrinted => "as the article's shader",
+    }
+}

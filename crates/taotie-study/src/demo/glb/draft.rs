@@ -1,0 +1,29 @@
+//! The common part of both files: the mesh with its material.
+
+use taotie::Result;
+use taotie::io::{GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfLevel, GltfMaterial};
+use taotie::mesh::Mesh;
+
+/// Begins a file of the vessel with the texture files of its scene; `normals` names that of its relief.
+pub(super) fn draft(mesh: &Mesh, normals: Option<&str>) -> Result<GltfDraft> {
+    let levels = [GltfLevel { mesh, coverage: None }];
+    let asset =
+        GltfAsset { name: "jue", levels: &levels, material: material(normals), ..GltfAsset::default() };
+    GltfDraft::new(&asset, &GltfFormat::default())
+}
+
+/// As the scene of the vessel has it.
+fn material(normals: Option<&str>) -> GltfMaterial<'_> {
+    let orm = Some(GltfImage::File("jue_orm.png"));
+    GltfMaterial {
+        name: "excavated bronze",
+        metallic: 1.0,
+        roughness: 1.0,
+        base_color_map: Some(GltfImage::File("jue_color.png")),
+        metallic_roughness_map: orm,
+        occlusion_map: orm,
+        occlusion_strength: 0.7,
+        normal_map: normals.map(GltfImage::File),
+        ..GltfMaterial::default()
+    }
+}

@@ -1,0 +1,41 @@
+//! The vessel with its relief as geometry.
+
+use super::draft::draft;
+use std::path::{Path, PathBuf};
+use taotie::Result;
+use taotie::mesh::Mesh;
+
+/// Writes `mesh`, the vessel with its relief as geometry, to `jue-high.glb` in `folder`; returns the file.
+///
+/// # Errors
+/// Those of writing.
+pub fn write(folder: &Path, mesh: &Mesh) -> Result<PathBuf> {
+    let path = folder.join("jue-high.glb");
+    draft(mesh, None)?.write_glb(&path)?;
+    Ok(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::Vessel;
+    use crate::demo::export;
+    use crate::jue;
+    use taotie::io;
+
+    #[test]
+    fn the_file_holds_the_mesh() {
+        let folder = tempfile::tempdir().unwrap();
+        export::write(folder.path(), &Vessel::new(64)).unwrap();
+        let ours = &jue::displaced_mesh(0.004);
+        let loaded = io::load_model(&write(folder.path(), ours).unwrap()).unwrap();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        let read = &loaded.scene.meshes[0];
+        assert_eq!(read.positions(), ours.positions());
+        assert_eq!((read.uvs(), read.triangles()), (ours.uvs(), ours.triangles()));
+        // The reader makes normals unit to the last bit.
+        let mut normals = read.normals().iter().zip(ours.normals());
+        assert!(normals.all(|(a, b)| (*a - *b).length() < 1e-6));
+        assert!(loaded.scene.materials[0].normal.is_none());
+    }
+}

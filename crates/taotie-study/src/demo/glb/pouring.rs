@@ -1,0 +1,136 @@
+//! The pouring vessel with its skin and animation.
+
+use super::draft::draft;
+use crate::demo::vessel::Vessel;
+use crate::jue::pour;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use taotie::Result;
+use taotie::io::GltfDraft;
+use taotie::math::Mat4;
+use taotie::mesh::deform::Binding;
+use taotie::scene::animation::{Node, RigData, Sampler, Transform};
+
+/// The number of the rig's first node in the file.
+const FIRST: usize = 1;
+
+/// Writes `jue-pouring.glb` into `folder`; returns the file.
+///
+/// # Errors
+/// Those of writing.
+pub fn write(folder: &Path, vessel: &Vessel) -> Result<PathBuf> {
+    let path = folder.join("jue-pouring.glb");
+    let mut draft = draft(vessel.mesh(), Some("jue_normal.png"))?;
+    let rig = pour::rig(vessel.mesh());
+    add_rig(&mut draft, rig.data());
+    draft.write_glb(&path)?;
+    Ok(path)
+}
+
+/// Hangs the mesh, which is node 0, on the rig, whose nodes come after it.
+fn add_rig(draft: &mut GltfDraft, data: &RigData) {
+    let skin = &data.skins[0];
+    if let Some(binding) = &data.deformed[0].shape.binding {
+        add_binding(draft, binding);
+    }
+    let binds: Vec<[f32; 16]> = skin.inverse_bind_matrices.iter().map(columns).collect();
+    let binds = draft.floats(&binds);
+    let animation = animation(draft, data);
+    let nodes: Vec<Value> = (0..data.nodes.len()).map(|i| node(&data.nodes, i)).collect();
+    let json = &mut draft.json;
+    json["nodes"][0]["skin"] = 0.into();
+    if let Some(all) = json["nodes"].as_array_mut() {
+        all.extend(nodes);
+    }
+    json["scenes"] = json!([{ "nodes": [FIRST, 0] }]);
+    let joints: Vec<usize> = skin.joints.iter().map(|joint| FIRST + joint).collect();
+    json["skins"] = json!([{ "joints": joints, "inverseBindMatrices": binds }]);
+    json["animations"] = json!([animation]);
+}
+
+/// glTF counts joints and weights by fours; joints that a vertex does not follow are joint 0.
+fn add_binding(draft: &mut GltfDraft, binding: &Binding) {
+    let vertices = binding.weights.len() / binding.per_vertex;
+    let followed = |vertex: usize, k: usize| {
+        let at = (k < binding.per_vertex).then_some(vertex * binding.per_vertex + k)?;
+        (binding.weights[at] > 0.0).then(|| (binding.joints[at] as u8, binding.weights[at]))
+    };
+    let fours = |vertex: usize| [0, 1, 2, 3].map(|k| followed(vertex, k).unwrap_or_default());
+    let joints: Vec<[u8; 4]> = (0..vertices).map(|vertex| fours(vertex).map(|(joint, _)| joint)).collect();
+    let weights: Vec<[f32; 4]> =
+        (0..vertices).map(|vertex| fours(vertex).map(|(_, weight)| weight)).collect();
+    let added = [("JOINTS_0", draft.bytes(&joints)), ("WEIGHTS_0", draft.floats(&weights))];
+    for (name, accessor) in added {
+        draft.mark_vertices(accessor);
+        draft.json["meshes"][0]["primitives"][0]["attributes"][name] = accessor.into();
+    }
+}
+
+fn columns(m: &Mat4) -> [f32; 16] {
+    std::array::from_fn(|i| m.columns[i / 4][i % 4] as f32)
+}
+
+fn node(nodes: &[Node], index: usize) -> Value {
+    let below = (0..nodes.len()).filter(|i| nodes[*i].parent == Some(index));
+    let children: Vec<usize> = below.map(|i| FIRST + i).collect();
+    let mut node = json!({ "name": if index == 0 { "foot" } else { "cup" } });
+    if let Transform::Parts { translation, .. } = nodes[index].local {
+        node["translation"] = json!(translation.to_array());
+    }
+    if !children.is_empty() {
+        node["children"] = json!(children);
+    }
+    node
+}
+
+fn animation(draft: &mut GltfDraft, data: &RigData) -> Value {
+    let animation = &data.animations[0];
+    let mut sampler = |sampler: &Sampler| {
+        let times: Vec<[f32; 1]> = sampler.times().iter().map(|time| [*time]).collect();
+        json!({
+            "input": draft.bounded_floats(&times),
+            "output": draft.floats(sampler.values().as_chunks::<4>().0),
+            "interpolation": "CUBICSPLINE",
+        })
+    };
+    let samplers: Vec<Value> = animation.samplers.iter().map(&mut sampler).collect();
+    let channels: Vec<Value> = animation
+        .channels
+        .iter()
+        .map(|c| json!({ "sampler": c.sampler, "target": { "node": FIRST + c.node, "path": "rotation" } }))
+        .collect();
+    json!({ "name": animation.name, "channels": channels, "samplers": samplers })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::export;
+    use taotie::io;
+    use taotie::scene::Material;
+
+    #[test]
+    fn the_file_moves_as_the_vessel_does() {
+        let folder = tempfile::tempdir().unwrap();
+        let vessel = Vessel::new(64);
+        let scene = vessel.scene();
+        export::write(folder.path(), &vessel).unwrap();
+        let mut loaded = io::load_model(&write(folder.path(), &vessel).unwrap()).unwrap();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        let (read, ours) = (&loaded.scene.materials[0], &scene.materials[0]);
+        let look = |m: &Material| (m.base_color, m.metallic, m.roughness, m.occlusion_strength);
+        assert_eq!(look(read), look(ours));
+        assert_eq!(read.normal, ours.normal);
+        let rig = loaded.rig.unwrap();
+        assert_eq!((rig.animations()[0].name.as_str(), rig.animations()[0].seconds()), ("pour", 2.0));
+        let own = pour::rig(vessel.mesh());
+        for seconds in [0.0, 0.3, pour::POURED, 1.7] {
+            let mut expected = scene.clone();
+            own.pose(&mut expected, 0, seconds).unwrap();
+            rig.pose(&mut loaded.scene, 0, seconds).unwrap();
+            let positions = loaded.scene.corners().zip(expected.corners());
+            let farthest = positions.map(|(p, q)| (p - q).length()).fold(0.0, f64::max);
+            assert!(farthest < 1e-6, "{farthest} metres at {seconds} seconds");
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! The demo's files: the vessel as models, its pictures by every surface method and shading model, and the figures of
+//! its pouring.
+//!
+//! ```no_run
+//! use std::path::Path;
+//! use taotie_study::demo::{Output, Vessel, export, gallery};
+//!
+//! let vessel = Vessel::new(2048);
+//! let output = Output { folder: Path::new("."), side: 360 };
+//! export::write(output.folder, &vessel)?;
+//! let (sheet, pictures) = gallery::write_sheet(&vessel, &output, &|_done| ())?;
+//! assert_eq!(pictures.len(), 16);
+//! # Ok::<(), taotie::Error>(())
+//! ```
+
+pub mod export;
+pub mod gallery;
+pub mod glb;
+pub mod moving;
+mod output;
+pub mod stage;
+mod vessel;
+
+pub use output::Output;
+pub use vessel::Vessel;

@@ -1,0 +1,239 @@
+//! The maps of the low mesh: height, tangent-space normals, colour and the rest.
+
+use super::relief::{DEPTH, height};
+use super::rounded::Rounded;
+use super::welds::Welds;
+use super::{atlas, patina};
+use rayon::prelude::*;
+use taotie::bake::{Storage, TexelGrid, TexelSurface, store_normals};
+use taotie::image::{Bitmap, Image, Texels as Stored};
+use taotie::math::{Vec2, Vec3};
+use taotie::mesh::Mesh;
+use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::surface::{
+    Relief, ReliefBase, TangentMethod, relief_normal, tangent_space_normal, with_tangents,
+};
+
+/// Heights sampled at texel middles, and the atlas they belong to.
+#[derive(Debug)]
+pub(super) struct Bake {
+    surface: TexelSurface,
+    heights: Vec<f32>,
+}
+
+impl Bake {
+    /// Samples the relief for maps of `size` × `size`.
+    pub fn new(mesh: &Mesh, size: u32) -> Self {
+        let surface = laid_out(mesh, size);
+        let middle = |i: u32| (i as f32 + 0.5) / size as f32;
+        let heights = surface.map(0.0, |x, y, _| height(middle(x), middle(y)));
+        Self { surface, heights }
+    }
+
+    /// The height map, 16 bits; 1 is [`DEPTH`].
+    pub fn height_map(&self) -> Bitmap {
+        let grey = |h: &f32| {
+            let h = (h * 65535.0 + 0.5) as u16;
+            [h, h, h, u16::MAX]
+        };
+        self.bitmap(1, Stored::U16(self.heights.par_iter().map(grey).collect()))
+    }
+
+    /// The tangent-space normal map, green up, 16 bits.
+    pub fn normal_map(&self) -> Bitmap {
+        stored(&self.tangent_normals(), NormalSpace::Tangent)
+    }
+
+    /// The object-space normal map, 16 bits.
+    pub fn object_normal_map(&self) -> Bitmap {
+        stored(&self.normals([0.0; 4], |_, n| n), NormalSpace::Object)
+    }
+
+    /// Where the frame between a tip's corners is so skewed that a normal lies behind it, the map stays flat.
+    fn tangent_normals(&self) -> Image {
+        const FLAT: Vec3<f64> = Vec3::new(0.0, 0.0, 1.0);
+        self.normals([0.0, 0.0, 1.0, 0.0], |frame, n| {
+            let stored = tangent_space_normal(frame.normal, frame.tangent, 1.0, n);
+            if stored.z > 0.0 { stored } else { FLAT }
+        })
+    }
+
+    /// The normals of the rounded mesh displaced along its interpolated normals, Q = B + h n: Q_u × Q_v, turned by
+    /// `store`. Margins go on as the border of the chart is; away from charts stands `fill`.
+    fn normals(&self, fill: [f32; 4], store: impl Fn(&Frame, Vec3<f64>) -> Vec3<f64> + Sync) -> Image {
+        let (mesh, coverage) = (self.surface.mesh(), self.surface.coverage());
+        let welds = Welds::new(mesh);
+        let rounded = Rounded::new(mesh, &welds);
+        let size = coverage.width();
+        let corners = Corners::new(size);
+        let normals = self.surface.map(fill, |x, y, point| {
+            let Some(triangle) = coverage.triangle(x, y) else { return fill };
+            let triangle = triangle as usize;
+            let [u, v] = [x, y].map(|i| (f64::from(i) + 0.5) / f64::from(size));
+            let weights = rounded.weights(triangle, Vec2::new(u, v));
+            let frame = Frame::new(mesh, triangle, weights);
+            let dp = rounded.by_uv(triangle, weights);
+            let base = ReliefBase { n: frame.normal, dp, dn: point.normal_by_uv };
+            let height = f64::from(self.heights[(y * size + x) as usize]) * DEPTH;
+            let [by_u, by_v] = corners.slopes(x, y);
+            let n = store(&frame, displaced_normal(base, Relief { height, by_u, by_v })).to_f32();
+            [n.x, n.y, n.z, 1.0]
+        });
+        let mut image = Image::new(size, size, [0.0; 4]).expect("the map has a size");
+        image.pixels_mut().copy_from_slice(&normals);
+        image
+    }
+
+    /// Colour (to be decoded as sRGB), and occlusion, roughness and metallic in red, green and blue; 8 bits.
+    pub fn material_maps(&self) -> [Bitmap; 2] {
+        let size = self.surface.coverage().width() as usize;
+        // The radii follow from what a texel measures on the belly, so that every size shows the same vessel.
+        let radius = |millimetres: f64| {
+            ((millimetres * 1e-3 * atlas::STRIP_SCALE * size as f64 + 0.5) as usize).max(1)
+        };
+        let near = blurred(&self.heights, size, radius(0.55));
+        let wide = blurred(&self.heights, size, radius(2.2));
+        let fill = patina::Surface::default();
+        let surfaces = self.surface.map(fill, |x, y, point| {
+            let i = y as usize * size + x as usize;
+            let h = self.heights[i];
+            patina::surface(&patina::Place {
+                position: point.position.to_f32(),
+                normal: point.normal.to_f32(),
+                height: h,
+                cavity: near[i] - h,
+                wide_cavity: wide[i] - h,
+            })
+        });
+        let colors = surfaces.par_iter().map(patina::Surface::srgb).collect();
+        let orm = surfaces.par_iter().map(patina::Surface::orm).collect();
+        [self.bitmap(3, Stored::U8(colors)), self.bitmap(3, Stored::U8(orm))]
+    }
+
+    fn bitmap(&self, channels: u8, texels: Stored) -> Bitmap {
+        let size = self.surface.coverage().width();
+        Bitmap::new(size, size, channels, texels).expect("the texels were made for this size")
+    }
+}
+
+/// Heights at the corners of texels: the slopes between them are those of the texel's own ground, while differences of
+/// neighbouring texels blur lines that are few texels wide.
+struct Corners {
+    size: usize,
+    heights: Vec<f32>,
+}
+
+impl Corners {
+    fn new(size: u32) -> Self {
+        let side = size as usize + 1;
+        let at = |i: usize| i as f32 / size as f32;
+        let heights = (0..side * side).into_par_iter().map(|i| height(at(i % side), at(i / side)));
+        Self { size: size as usize, heights: heights.collect() }
+    }
+
+    /// Returns how the height changes with u and with v over a texel, metres.
+    fn slopes(&self, x: u32, y: u32) -> [f64; 2] {
+        let at = |dx: usize, dy: usize| {
+            let corner = (y as usize + dy) * (self.size + 1) + x as usize + dx;
+            f64::from(self.heights[corner])
+        };
+        let [a, b, c, d] = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+        let scale = 0.5 * self.size as f64 * DEPTH;
+        [(b + d - a - c) * scale, (c + d - a - b) * scale]
+    }
+}
+
+/// Normal and tangent between the corners of a triangle, not normalised. No chart of the vessel is mirrored.
+struct Frame {
+    normal: Vec3<f64>,
+    tangent: Vec3<f64>,
+}
+
+impl Frame {
+    fn new(mesh: &Mesh, triangle: usize, weights: [f64; 3]) -> Self {
+        let corners = mesh.triangles()[triangle].map(|i| i as usize);
+        let blend = |of: &dyn Fn(usize) -> Vec3| {
+            let [a, b, c] = corners.map(|i| of(i).to_f64());
+            a * weights[0] + b * weights[1] + c * weights[2]
+        };
+        let tangent = |i: usize| {
+            let [x, y, z, _] = mesh.tangents()[i];
+            Vec3::new(x, y, z)
+        };
+        Self { normal: blend(&|i| mesh.normals()[i]), tangent: blend(&tangent) }
+    }
+}
+
+/// The least cosine between the rounded mesh's normal and the interpolated one: at tips the rounding folds over.
+const FOLDED: f64 = 0.1;
+
+/// The unit normal of the surface `base.dp` displaced by `relief` along the interpolated normal. Where that surface
+/// folds over, its facets are left out, as in [`relief_normal`].
+fn displaced_normal(base: ReliefBase<f64>, relief: Relief<f64>) -> Vec3<f64> {
+    let length = base.n.length();
+    let n = base.n / length;
+    let [q_u, q_v] = [(0, relief.by_u), (1, relief.by_v)].map(|(k, slope)| {
+        let turned = (base.dn[k] - n * n.dot(base.dn[k])) / length;
+        base.dp[k] + turned * relief.height + n * slope
+    });
+    // v points down the map, so this points outward.
+    let q = q_v.cross(q_u).normalize_or(n);
+    if base.dp[1].cross(base.dp[0]).normalize_or(n).dot(n) < FOLDED || q.dot(n) < FOLDED {
+        return relief_normal(base, relief);
+    }
+    q
+}
+
+/// The mesh with its tangents on a map of `size` × `size`, charts grown by 1/128 of a side.
+pub(super) fn laid_out(mesh: &Mesh, size: u32) -> TexelSurface {
+    let grid = TexelGrid { width: size, height: size, uv_set: 0, margin: (size / 128).max(2) };
+    TexelSurface::new(with_frames(mesh), &grid).expect("the vessel has uvs, and its maps can be made")
+}
+
+fn stored(normals: &Image, space: NormalSpace) -> Bitmap {
+    let storage = Storage { bits: 16, dither: false };
+    store_normals(normals, space, GreenChannel::Up, storage).expect("16 bits can be stored").bitmap
+}
+
+/// The mesh with the tangents that renderers of glTF take where a file has none.
+pub(super) fn with_frames(mesh: &Mesh) -> Mesh {
+    with_tangents(mesh, 0, TangentMethod::MikkTSpace).expect("the vessel has normals and uvs").mesh
+}
+
+/// The mean over a square of side 2 · `radius` + 1, borders continued.
+fn blurred(values: &[f32], size: usize, radius: usize) -> Vec<f32> {
+    let rows = transposed_row_means(values, size, radius);
+    transposed_row_means(&rows, size, radius)
+}
+
+/// Running means along the rows, written as columns.
+fn transposed_row_means(values: &[f32], size: usize, radius: usize) -> Vec<f32> {
+    let mut means = vec![0.0; values.len()];
+    let scale = 1.0 / (2 * radius + 1) as f32;
+    means.par_chunks_mut(size).zip(values.par_chunks(size)).for_each(|(out, row)| {
+        let at = |i: isize| row[i.clamp(0, size as isize - 1) as usize];
+        let r = radius as isize;
+        let mut sum: f32 = (-r..=r).map(at).sum();
+        for (i, mean) in out.iter_mut().enumerate() {
+            *mean = sum * scale;
+            sum += at(i as isize + r + 1) - at(i as isize - r);
+        }
+    });
+    transposed(&means, size)
+}
+
+fn transposed(values: &[f32], size: usize) -> Vec<f32> {
+    const TILE: usize = 32;
+    let mut turned = vec![0.0; values.len()];
+    turned.par_chunks_mut(size * TILE).enumerate().for_each(|(band, rows)| {
+        let height = rows.len() / size;
+        for x0 in (0..size).step_by(TILE) {
+            for y in 0..height {
+                for x in x0..(x0 + TILE).min(size) {
+                    rows[y * size + x] = values[x * size + band * TILE + y];
+                }
+            }
+        }
+    });
+    turned
+}

@@ -1,0 +1,61 @@
+//! The edges of a mesh as cubic curves that touch the planes of its vertex normals.
+
+use super::welds::Welds;
+use std::collections::HashMap;
+use taotie::math::Vec3;
+use taotie::mesh::Mesh;
+
+/// The control points of an edge's curve, from the smaller place to the larger.
+pub(super) type Curve = [Vec3<f64>; 4];
+
+/// Makes the curve of every edge, by the places of its ends.
+pub(super) fn curves(mesh: &Mesh, welds: &Welds) -> HashMap<(u32, u32), Curve> {
+    let mut sides: HashMap<(u32, u32), Vec<[Vec3<f64>; 2]>> = HashMap::new();
+    let normal = |i: u32| mesh.normals()[i as usize].to_f64();
+    for [a, b, c] in mesh.triangles() {
+        for (from, to) in [(*a, *b), (*b, *c), (*c, *a)] {
+            let (p, q) = welds.ordered(from, to);
+            sides.entry(welds.edge(p, q)).or_default().push([normal(p), normal(q)]);
+        }
+    }
+    let position = |i: u32| mesh.positions()[i as usize].to_f64();
+    sides
+        .into_iter()
+        .map(|((a, b), sides)| {
+            let (p, q) = (position(a), position(b));
+            let (first, last) = (sides[0], sides[sides.len() - 1]);
+            let out = handle(q - p, first[0], last[0]);
+            let back = handle(p - q, first[1], last[1]);
+            ((a, b), [p, p + out, q + back, q])
+        })
+        .collect()
+}
+
+/// The farthest that a curve's control point may leave its chord, metres: long edges, such as the spout's, stay nearly
+/// straight.
+const LARGEST_BEND: f64 = 0.0022;
+
+/// A third of the way `d` along a curve whose end has these normals on its two sides.
+///
+/// Where they agree the way is bent into the tangent plane; at a crease into both planes, along their intersection.
+/// Where that leads elsewhere, at tips and corners, the way stays straight.
+fn handle(d: Vec3<f64>, n: Vec3<f64>, m: Vec3<f64>) -> Vec3<f64> {
+    let crease = n.cross(m);
+    let tangent = if crease.length() < 1e-6 {
+        d - n * n.dot(d)
+    } else {
+        let along = crease.normalize();
+        let reach = along.dot(d);
+        let wayward = reach.abs() < 0.88 * d.length() || crease.length() < 0.3;
+        if wayward { d } else { along * reach }
+    };
+    let bend = (tangent - d) / 3.0;
+    let length = bend.length();
+    d / 3.0 + if length > LARGEST_BEND { bend * (LARGEST_BEND / length) } else { bend }
+}
+
+/// Returns the point at `t` of a curve. De Casteljau would do; the Bernstein sum is symmetric and short.
+pub(super) fn bezier([a, b, c, d]: &Curve, t: f64) -> Vec3<f64> {
+    let s = 1.0 - t;
+    *a * (s * s * s) + *b * (3.0 * s * s * t) + *c * (3.0 * s * t * t) + *d * (t * t * t)
+}

@@ -1,0 +1,198 @@
+//! A triangle of the low mesh as a cubic patch, and points of it raised by the relief.
+
+use super::curves::{Curve, bezier};
+use super::relief::DEPTH;
+use super::welds::Welds;
+use taotie::math::{Vec2, Vec3};
+use taotie::mesh::Mesh;
+
+/// The weights of a patch's corners in parts of [`WHOLE`], which they sum to: halving stays exact.
+pub(super) type Weights = [u32; 3];
+
+/// One, in parts.
+pub(super) const WHOLE: u32 = 1 << 16;
+
+/// A point of the displaced surface: where in its patch, position, uv, and the unit normal.
+pub(super) struct Point {
+    pub weights: Weights,
+    pub position: Vec3<f64>,
+    pub uv: Vec2,
+    pub normal: Vec3<f64>,
+}
+
+/// A point of the rounded surface before it is raised; the normal is not normalised.
+pub(super) struct Base {
+    pub position: Vec3<f64>,
+    normal: Vec3<f64>,
+    uv: Vec2,
+}
+
+/// A normal, not normalised, and a uv between corners.
+struct Blend {
+    normal: Vec3<f64>,
+    uv: Vec2,
+}
+
+/// A cubic patch over a triangle of a mesh.
+pub(super) struct Patch<'a> {
+    pub mesh: &'a Mesh,
+    pub welds: &'a Welds,
+    pub corners: [u32; 3],
+    /// The curves from corner `i` to corner `i + 1`, in canonical direction.
+    pub curves: [Curve; 3],
+}
+
+/// Half the length over which slopes are measured, metres: small against the finest lines, large against rounding.
+const DELTA: f64 = 8e-6;
+
+impl Patch<'_> {
+    /// Returns the point with these weights, raised by the relief.
+    pub fn point(&self, weights: Weights, height: &impl Fn(f32, f32) -> f32) -> Point {
+        let middle = self.middle();
+        let surface = |w: [f64; 3]| raised(self.inside(w, middle), height);
+        let w = weights.map(|w| f64::from(w) / f64::from(WHOLE));
+        let (position, uv) = match edge_of(weights) {
+            Some((i, k)) => raised(self.on_edge(i, k), height),
+            None => surface(w),
+        };
+        Point { weights, position, uv, normal: self.normal(w, |w| surface(w).0) }
+    }
+
+    /// Returns the uv with these weights; the same bits from both sides of an edge.
+    pub fn uv(&self, weights: Weights) -> Vec2 {
+        let w = weights.map(|w| f64::from(w) / f64::from(WHOLE));
+        match edge_of(weights) {
+            Some((i, k)) => self.on_edge(i, k).uv,
+            None => self.between(w).uv,
+        }
+    }
+
+    /// Returns how far apart two points of the flat triangle are, metres; the same bits from both sides of an edge.
+    pub fn distance(&self, a: Weights, b: Weights) -> f64 {
+        if let Some(opposite) = (0..3).find(|corner| a[*corner] == 0 && b[*corner] == 0) {
+            let edge = (opposite + 1) % 3;
+            let (from, to) = self.welds.ordered(self.corners[edge], self.corners[(edge + 1) % 3]);
+            let position = |v: u32| self.mesh.positions()[v as usize].to_f64();
+            let part = f64::from(a[edge].abs_diff(b[edge])) / f64::from(WHOLE);
+            return (position(to) - position(from)).length() * part;
+        }
+        let difference = (0..3).fold(Vec3::splat(0.0), |sum: Vec3<f64>, i| {
+            sum + self.position(i) * ((f64::from(a[i]) - f64::from(b[i])) / f64::from(WHOLE))
+        });
+        difference.length()
+    }
+
+    /// The unit normal of `surface` by differences over [`DELTA`].
+    fn normal(&self, w: [f64; 3], surface: impl Fn([f64; 3]) -> Vec3<f64>) -> Vec3<f64> {
+        let along = |i: usize| {
+            let step = DELTA / (self.position(i) - self.position(0)).length();
+            let moved = |step: f64| {
+                let mut moved = w;
+                moved[0] -= step;
+                moved[i] += step;
+                surface(moved)
+            };
+            moved(step) - moved(-step)
+        };
+        along(1).cross(along(2)).normalize_or(Vec3::splat(0.0))
+    }
+
+    /// The point `k` steps of [`WHOLE`] along the edge from corner `i`; the same bits from both sides.
+    fn on_edge(&self, i: usize, k: u32) -> Base {
+        let (from, to) = (self.corners[i], self.corners[(i + 1) % 3]);
+        let (a, b) = self.welds.ordered(from, to);
+        let k = if a == from { k } else { WHOLE - k };
+        let [s, t] = [WHOLE - k, k].map(|k| f64::from(k) / f64::from(WHOLE));
+        self.blend(&[(a, s), (b, t)]).at(bezier(&self.curves[i], t))
+    }
+
+    /// Returns what names the point `k` steps along the edge from corner `i` from both sides, and a corner from all.
+    pub fn edge_key(&self, i: usize, k: u32) -> (u32, u32, u32) {
+        let [a, b] = [self.corners[i], self.corners[(i + 1) % 3]].map(|v| self.welds.smooth[v as usize]);
+        match k {
+            0 => (a, a, 0),
+            WHOLE => (b, b, 0),
+            _ if a < b => (a, b, k),
+            _ => (b, a, WHOLE - k),
+        }
+    }
+
+    /// Returns a point inside the patch by the weights of its corners and its [`Patch::middle`].
+    pub fn inside(&self, w: [f64; 3], middle: Vec3<f64>) -> Base {
+        let mut p = middle * (6.0 * w[0] * w[1] * w[2]);
+        for i in 0..3 {
+            let next = (i + 1) % 3;
+            let [near, far] = self.handles(i);
+            p += self.position(i) * (w[i] * w[i] * w[i]);
+            p += (near * w[i] + far * w[next]) * (3.0 * w[i] * w[next]);
+        }
+        self.between(w).at(p)
+    }
+
+    /// Returns the middle control point: the mean of the edges' ones, moved half as far again from the corners' mean.
+    pub fn middle(&self) -> Vec3<f64> {
+        let (mut handles, mut corners) = (Vec3::splat(0.0), Vec3::splat(0.0));
+        for i in 0..3 {
+            let [near, far] = self.handles(i);
+            handles += near + far;
+            corners += self.position(i);
+        }
+        let mean = handles / 6.0;
+        mean + (mean - corners / 3.0) * 0.5
+    }
+
+    /// The inner control points of the edge from corner `i`, the one near that corner first.
+    fn handles(&self, i: usize) -> [Vec3<f64>; 2] {
+        let [_, p, q, _] = self.curves[i];
+        let (first, _) = self.welds.ordered(self.corners[i], self.corners[(i + 1) % 3]);
+        if first == self.corners[i] { [p, q] } else { [q, p] }
+    }
+
+    fn position(&self, i: usize) -> Vec3<f64> {
+        self.mesh.positions()[self.corners[i] as usize].to_f64()
+    }
+
+    /// Normal and uv between the corners.
+    fn between(&self, w: [f64; 3]) -> Blend {
+        let [a, b, c] = self.corners;
+        self.blend(&[(a, w[0]), (b, w[1]), (c, w[2])])
+    }
+
+    /// Normal and uv as a renderer interpolates them.
+    fn blend(&self, weights: &[(u32, f64)]) -> Blend {
+        let (mut normal, mut u, mut v) = (Vec3::splat(0.0), 0.0, 0.0);
+        for (i, w) in weights {
+            let i = *i as usize;
+            let uv = self.mesh.uvs()[0][i];
+            normal += self.mesh.normals()[i].to_f64() * *w;
+            u += f64::from(uv.x) * w;
+            v += f64::from(uv.y) * w;
+        }
+        Blend { normal, uv: Vec2::new(u as f32, v as f32) }
+    }
+}
+
+impl Blend {
+    fn at(self, position: Vec3<f64>) -> Base {
+        Base { position, normal: self.normal, uv: self.uv }
+    }
+}
+
+/// A point of a patch raised by the relief, and its uv.
+fn raised(base: Base, height: &impl Fn(f32, f32) -> f32) -> (Vec3<f64>, Vec2) {
+    let h = f64::from(height(base.uv.x, base.uv.y)) * DEPTH;
+    (base.position + base.normal.normalize_or(Vec3::splat(0.0)) * h, base.uv)
+}
+
+/// Returns the edge that a point lies on, as its first corner and the steps of [`WHOLE`] from there.
+pub(super) fn edge_of([a, b, c]: Weights) -> Option<(usize, u32)> {
+    if c == 0 {
+        Some((0, b))
+    } else if a == 0 {
+        Some((1, c))
+    } else if b == 0 {
+        Some((2, a))
+    } else {
+        None
+    }
+}

@@ -1,0 +1,84 @@
+//! The errors of a low-poly vessel's normals against the truth, at rest and poured.
+
+use super::pouring::Pouring;
+use super::rig::POURED;
+use super::truth::Truth;
+use rayon::prelude::*;
+use taotie::compare::{Summary, angular_error};
+use taotie::image::Image;
+use taotie::math::Vec2;
+use taotie::render::{Aovs, Lighting, RenderSettings, render};
+use taotie::scene::{Camera, Scene};
+use taotie::{Error, Result};
+
+/// The rule of measurement in words.
+pub const RULE: &str = "angle between the normal drawn and that of the displaced mesh under the same skin at the same uv, \
+    its normal taken from the moved surface; over the pixels of triangles whose corners all move by a millimetre or \
+    more, seen by a camera that goes with the cup, so that the same surface is seen at rest and poured";
+
+/// A corner that moves less stands still, metres.
+const MOVED: f32 = 0.001;
+
+/// From where normals are looked at.
+#[derive(Debug, Clone)]
+pub struct Eye {
+    /// The camera at rest; it goes with the cup.
+    pub camera: Camera,
+    /// Pixels along a side.
+    pub side: u32,
+}
+
+/// Returns the angular errors of a vessel with a normal map, at rest and poured, degrees; [`RULE`] says over which
+/// pixels. `truths` are those of the two moments.
+///
+/// # Errors
+/// [`Error::Invalid`] where the camera sees nothing that moves.
+pub fn angular_errors(vessel: &mut Pouring, truths: &[Truth; 2], eye: &Eye) -> Result<[Summary; 2]> {
+    let moved = moved(vessel)?;
+    let mut error_at = |seconds: f64, truth: &Truth| {
+        let seen = vessel.seen_from(eye, seconds)?;
+        let of_interest = |pixel: &[f32; 4]| pixel[3] > 0.0 && moved[pixel[0] as usize];
+        let keep: Vec<bool> = seen.triangle.pixels().iter().map(of_interest).collect();
+        let error = angular_error(&seen.normals, &normals_of(truth, &seen))?.within(&keep)?.summary();
+        error.ok_or_else(nothing_seen)
+    };
+    Ok([error_at(0.0, &truths[0])?, error_at(POURED, &truths[1])?])
+}
+
+fn nothing_seen() -> Error {
+    Error::invalid("angular errors", "the camera sees nothing that moves")
+}
+
+/// For each triangle of the low mesh, whether it moves.
+fn moved(vessel: &mut Pouring) -> Result<Vec<bool>> {
+    let mesh = |scene: &Scene| scene.meshes[0].clone();
+    let (rest, poured) = (mesh(vessel.at(0.0)?), mesh(vessel.at(POURED)?));
+    let moves = |t: usize| {
+        let mut pairs = rest.corners(t).into_iter().zip(poured.corners(t));
+        pairs.all(|(p, q)| (q - p).length() >= MOVED)
+    };
+    Ok((0..rest.triangles().len()).map(moves).collect())
+}
+
+impl Pouring {
+    /// Draws what a camera that goes with the cup sees at a moment.
+    fn seen_from(&mut self, eye: &Eye, seconds: f64) -> Result<Aovs> {
+        let mut camera = eye.camera.clone();
+        camera.world_from_view = self.motion(seconds)? * camera.world_from_view;
+        let (width, height) = (eye.side, eye.side);
+        let settings = RenderSettings { width, height, samples: 1, aovs: true, ..RenderSettings::default() };
+        let frame = render(self.at(seconds)?, &camera, &Lighting::default(), &settings)?;
+        frame.aovs.ok_or_else(nothing_seen)
+    }
+}
+
+/// The normals of the truth at the uvs seen.
+fn normals_of(truth: &Truth, seen: &Aovs) -> Image {
+    let mut normals = seen.uv.clone();
+    normals.pixels_mut().par_iter_mut().for_each(|pixel| {
+        let [u, v, _, covered] = *pixel;
+        let found = (covered > 0.0).then(|| truth.normal(Vec2::new(u, v))).flatten();
+        *pixel = found.map_or([0.0; 4], |n| [n.x, n.y, n.z, 1.0]);
+    });
+    normals
+}

@@ -1,0 +1,40 @@
+//! Vertices of a mesh that coincide.
+
+use std::collections::HashMap;
+use taotie::math::Vec3;
+use taotie::mesh::Mesh;
+
+/// The vertices of a mesh that coincide.
+pub(super) struct Welds {
+    /// For each vertex, the first at the same place.
+    place: Vec<u32>,
+    /// For each vertex, the first at the same place with the same normal.
+    pub smooth: Vec<u32>,
+}
+
+impl Welds {
+    /// Compares positions and normals to the last bit.
+    pub fn new(mesh: &Mesh) -> Self {
+        let bits = |v: &Vec3| v.to_array().map(|c| (c + 0.0).to_bits());
+        let (mut places, mut normals) = (HashMap::new(), HashMap::new());
+        let pairs = mesh.positions().iter().zip(mesh.normals()).enumerate();
+        let (place, smooth) = pairs
+            .map(|(i, (p, n))| {
+                let i = i as u32;
+                (*places.entry(bits(p)).or_insert(i), *normals.entry((bits(p), bits(n))).or_insert(i))
+            })
+            .unzip();
+        Self { place, smooth }
+    }
+
+    /// Returns the name of an edge, the same from both sides: the places of its ends, the smaller first.
+    pub fn edge(&self, a: u32, b: u32) -> (u32, u32) {
+        let (a, b) = self.ordered(a, b);
+        (self.place[a as usize], self.place[b as usize])
+    }
+
+    /// Returns the corners of an edge, the smaller place first.
+    pub fn ordered(&self, a: u32, b: u32) -> (u32, u32) {
+        if self.place[a as usize] < self.place[b as usize] { (a, b) } else { (b, a) }
+    }
+}

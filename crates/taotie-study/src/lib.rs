@@ -1,0 +1,11 @@
+//! The object and the numbers that Taotie is shown on: a bronze *jue* made by code alone, with its demo pictures, and
+//! the tables of Guo and Wang 2025 recomputed.
+//!
+//! ```
+//! let mesh = taotie_study::jue::low_mesh();
+//! assert_eq!(mesh.positions().len(), 251);
+//! ```
+
+pub mod demo;
+pub mod jue;
+pub mod paper;

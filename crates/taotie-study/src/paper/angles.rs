@@ -1,0 +1,92 @@
+//! Table 3: angles between normals whose decimals were cut.
+
+use super::printed::{Normal, Printed};
+use super::range::Range;
+use serde::Serialize;
+use taotie::compare::angle_deg;
+use taotie::math::Vec3;
+
+/// A printed angle, and the range that the printed normals leave for it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Angle {
+    /// As printed, degrees.
+    pub printed: f64,
+    /// The range that normals printed so may enclose, degrees.
+    pub range: [f64; 2],
+    /// Whether some of that is printed as the paper prints it.
+    pub agrees: bool,
+}
+
+impl Angle {
+    /// Makes an angle that normals leave this range for.
+    pub(super) fn new(printed: f64, range: [f64; 2]) -> Self {
+        let [low, high] = range.map(cut);
+        Self { printed, range, agrees: (low..=high).contains(&printed) }
+    }
+
+    /// Returns the smallest and the largest angle that may be printed.
+    pub fn prints(&self) -> [f64; 2] {
+        self.range.map(cut)
+    }
+}
+
+/// Decimals after the second are cut, as the paper does.
+pub fn cut(degrees: f64) -> f64 {
+    (degrees * 100.0).floor() / 100.0
+}
+
+/// θ1, θ2 and θ3 of a row, from its normals.
+pub fn angles(row: &Printed) -> [Angle; 3] {
+    let [n1, others @ ..] = row.normals.map(box_of);
+    std::array::from_fn(|i| {
+        let pairs = corners(n1).flat_map(|a| corners(others[i]).map(move |b| angle_deg(a, b)));
+        Angle::new(row.angles[i], extremes(pairs))
+    })
+}
+
+/// The ends of an angle between N1 in a box of numbers and the same raised along x and y by `raise`.
+pub fn angle_of_raise(n1: [[f64; 2]; 3], raise: f64) -> [f64; 2] {
+    let raised = |n: Vec3<f64>| n + Vec3::new(raise, raise, 0.0);
+    extremes(corners(n1).map(|n| angle_deg(n, raised(n))))
+}
+
+fn box_of(normal: Normal) -> [[f64; 2]; 3] {
+    normal.map(|component| Range::of(component).ends())
+}
+
+/// The corners of a box, between which an angle hardly bends: it is 0.0001 wide.
+fn corners([x, y, z]: [[f64; 2]; 3]) -> impl Iterator<Item = Vec3<f64>> {
+    (0..8).map(move |i| Vec3::new(x[i & 1], y[i >> 1 & 1], z[i >> 2]))
+}
+
+fn extremes(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::printed::ROWS;
+    use super::*;
+
+    #[test]
+    fn an_angle_is_known_to_two_hundredths() {
+        for row in &ROWS {
+            for angle in angles(row) {
+                let width = angle.range[1] - angle.range[0];
+                assert!(width > 0.0 && width < 0.02, "{angle:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn decimals_are_cut() {
+        assert_eq!([cut(27.989), cut(27.98), cut(0.0)], [27.98, 27.98, 0.0]);
+    }
+
+    #[test]
+    fn a_raise_of_nothing_is_no_angle() {
+        let n = [[0.5, 0.5001], [-0.6, -0.5999], [0.6, 0.6001]];
+        assert_eq!(angle_of_raise(n, 0.0), [0.0, 0.0]);
+        assert!(angle_of_raise(n, 0.1)[0] > 5.0);
+    }
+}

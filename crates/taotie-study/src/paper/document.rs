@@ -1,0 +1,62 @@
+//! The study as files: a page for people, JSON for machines.
+
+use super::study::Study;
+use super::words;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use taotie::{Error, Result, io};
+
+/// Version of the JSON.
+const SCHEMA: u32 = 1;
+
+/// The JSON document.
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: u32,
+    version: &'static str,
+    source: &'static str,
+    law: &'static str,
+    #[serde(flatten)]
+    study: &'a Study,
+}
+
+impl Study {
+    /// Returns the study as JSON, without an end of line.
+    pub fn json(&self) -> String {
+        let law = "N = N1 + s · (g/255) · (1, 1, 0), s = 5 for N2 and 50 for N3";
+        let version = env!("CARGO_PKG_VERSION");
+        let document = Document { schema: SCHEMA, version, source: words::SOURCE, law, study: self };
+        serde_json::to_string_pretty(&document).expect("the study has only text keys")
+    }
+
+    /// Writes `paper.html` and `paper.json` to `folder`, which is made if it is not there; returns the files.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the folder cannot be made or written to.
+    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>> {
+        std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+        let files = ["paper.html", "paper.json"].map(|name| folder.join(name));
+        io::write_text(&files[0], &taotie_report::html(&self.page()))?;
+        io::write_text(&files[1], &format!("{}\n", self.json()))?;
+        Ok(files.into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_files_hold_the_study_and_a_folder_that_cannot_be_made_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let study = Study::new();
+        let files = study.write(&folder.path().join("made")).unwrap();
+        let [page, json] = [0, 1].map(|i| std::fs::read_to_string(&files[i]).unwrap());
+        assert!(page.contains("<title>Guo and Wang 2025, Tables 2 and 3, recomputed</title>"));
+        let read: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!((read["schema"].as_u64(), read["source"].as_str()), (Some(1), Some(words::SOURCE)));
+        assert_eq!(read["misprints"].as_array().unwrap().len(), study.misprints.len());
+        let error = study.write(&files[0].join("below")).unwrap_err().to_string();
+        assert!(error.contains("paper.html"), "{error}");
+    }
+}

@@ -1,0 +1,146 @@
+//! The law that N1, N2 and N3 follow, found from the printed numbers alone.
+//!
+//! N2 and N3 are n + s · (g/255) · (1, 1, 0) with s = 5 and 50: [`taotie::surface::bump_printed`]. Each row has one
+//! g, half the difference of two grey levels and so a multiple of one half. It is taken to be the one with which most
+//! of the row's nine numbers agree; what does not is a misprint.
+
+use super::angles::angle_of_raise;
+use super::printed::{Normal, SCALES};
+use super::range::Range;
+use serde::Serialize;
+
+/// The largest difference of grey levels.
+const GREYS: i64 = 255;
+
+/// The unit of both axes that the bump moves along.
+const ALONG: [i64; 3] = [1, 1, 0];
+
+/// The law of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Fit {
+    /// Half the central grey difference.
+    pub g: f64,
+    /// 255/s · (N − N1) by x and y of N2, then of N3: what g would be if that number were right.
+    pub estimates: [f64; 4],
+    /// The numbers of N1, N2, N3 that agree, of nine.
+    pub agreeing: usize,
+    /// x, y and z of N1, N2 and N3.
+    pub normals: [[Number; 3]; 3],
+}
+
+/// A printed number, and the range that the others of its row leave for it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Number {
+    /// As printed.
+    pub printed: f64,
+    /// The range that the law leaves for it.
+    pub range: [f64; 2],
+    /// The middle of that, with its decimals cut.
+    pub recomputed: f64,
+    /// Whether some number in the range is printed so.
+    pub agrees: bool,
+}
+
+impl Fit {
+    /// Finds the law of a row.
+    pub fn new(normals: [Normal; 3]) -> Self {
+        let half_greys = (-GREYS..=GREYS).max_by_key(|half| agreeing(&numbers(normals, *half)));
+        let half_greys = half_greys.expect("there are grey levels");
+        let numbers = numbers(normals, half_greys);
+        Self {
+            g: half_greys as f64 / 2.0,
+            estimates: estimates(normals),
+            agreeing: agreeing(&numbers),
+            normals: numbers,
+        }
+    }
+
+    /// Returns the ranges that the law leaves for θ1 and θ2, degrees.
+    pub fn angles(&self) -> [[f64; 2]; 2] {
+        let n1 = self.normals[0].map(|number| number.range);
+        [1, 2].map(|which| angle_of_raise(n1, SCALES[which] as f64 * self.g / 255.0))
+    }
+}
+
+fn estimates([n1, n2, n3]: [Normal; 3]) -> [f64; 4] {
+    let by = |n: Normal, scale: i64, axis: usize| (n[axis] - n1[axis]) * 255.0 / scale as f64;
+    [by(n2, SCALES[1], 0), by(n2, SCALES[1], 1), by(n3, SCALES[2], 0), by(n3, SCALES[2], 1)]
+}
+
+fn agreeing(numbers: &[[Number; 3]; 3]) -> usize {
+    numbers.iter().flatten().filter(|number| number.agrees).count()
+}
+
+/// Every number of N1, N2 and N3, for a g of `half_greys`/2.
+fn numbers(normals: [Normal; 3], half_greys: i64) -> [[Number; 3]; 3] {
+    let axes: [[Number; 3]; 3] = std::array::from_fn(|axis| {
+        let printed = normals.map(|normal| normal[axis]);
+        let shifts = SCALES.map(|scale| scale * ALONG[axis]);
+        along_axis(printed, shifts, half_greys)
+    });
+    std::array::from_fn(|normal| std::array::from_fn(|axis| axes[axis][normal]))
+}
+
+/// One component of N1, N2 and N3. The most of them that agree say what the component of the unbumped normal is.
+fn along_axis(printed: [f64; 3], shifts: [i64; 3], half_greys: i64) -> [Number; 3] {
+    let bases: [Range; 3] = std::array::from_fn(|i| Range::of(printed[i]).raised(-shifts[i], half_greys));
+    let base = largest_agreement(bases);
+    std::array::from_fn(|i| {
+        let range = base.raised(shifts[i], half_greys);
+        let agrees = range.and(Range::of(printed[i])).is_some();
+        Number { printed: printed[i], range: range.ends(), recomputed: range.printed(), agrees }
+    })
+}
+
+/// Returns the range that most of three have in common; of equals, the first.
+fn largest_agreement([a, b, c]: [Range; 3]) -> Range {
+    let all = a.and(b).and_then(|ab| ab.and(c));
+    all.or(a.and(b)).or(a.and(c)).or(b.and(c)).unwrap_or(a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::printed::ROWS;
+    use super::*;
+    use taotie::math::Vec3;
+    use taotie::surface::bump_printed;
+
+    fn row([n1, n2, n3, _]: [Normal; 4]) -> [Normal; 3] {
+        [n1, n2, n3]
+    }
+
+    #[test]
+    fn one_g_fits_both_columns_and_no_other_does_as_well() {
+        for printed in ROWS {
+            let normals = row(printed.normals);
+            let fit = Fit::new(normals);
+            let score = |half| agreeing(&numbers(normals, half));
+            let rivals = (-GREYS..=GREYS).filter(|half| *half as f64 / 2.0 != fit.g).map(score).max();
+            assert!(rivals < Some(fit.agreeing - 1), "{fit:?} against {rivals:?}");
+            assert!(fit.agreeing >= 7, "{fit:?}");
+        }
+    }
+
+    #[test]
+    fn it_is_the_librarys_printed_bump() {
+        for printed in ROWS {
+            let fit = Fit::new(row(printed.normals));
+            let n1 = fit.normals[0].map(|number| (number.range[0] + number.range[1]) / 2.0);
+            for (scale, numbers) in [(5.0, fit.normals[1]), (50.0, fit.normals[2])] {
+                let bumped = bump_printed(Vec3::from_array(n1), scale, fit.g).to_array();
+                for (number, ours) in numbers.iter().zip(bumped) {
+                    assert!((number.range[0]..=number.range[1]).contains(&ours), "{ours} {number:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rounding_would_not_explain_the_table() {
+        // Row 5, N3.x: 0.5242 ± 0.00005 − 50 · 3/255 is −0.0640 ± 0.0001 at most, and −0.0639 is printed.
+        let [n1, _, n3, _] = ROWS[4].normals;
+        let off = n3[0] - (n1[0] - 50.0 * 3.0 / 255.0);
+        assert!(off > 1e-4 + 1e-5, "{off}");
+        assert!(Fit::new(row(ROWS[4].normals)).normals[2][0].agrees);
+    }
+}

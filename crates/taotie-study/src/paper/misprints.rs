@@ -1,0 +1,115 @@
+//! Numbers that are printed wrong, what must stand there, and why.
+
+use super::angles::{Angle, cut};
+use super::law::{Fit, Number};
+use super::printed::{ANGLES, NORMALS, Normal, Printed};
+use serde::Serialize;
+
+/// A misprint of the journal, or of the copy that this was transcribed from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Misprint {
+    /// The table, 2 or 3.
+    pub table: u32,
+    /// The row, from 1.
+    pub row: usize,
+    /// The number, such as `N2.y`; a whole normal where more than one of its numbers is wrong.
+    pub cell: String,
+    /// The numbers as printed.
+    pub printed: Vec<f64>,
+    /// The numbers that must stand there.
+    pub corrected: Vec<f64>,
+    /// The reason for the correction.
+    pub reason: String,
+    #[serde(skip)]
+    place: Place,
+}
+
+/// Where in a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Normal(usize, Normal),
+    Angle(usize, f64),
+}
+
+impl Misprint {
+    /// Puts it right.
+    pub(super) fn correct(&self, rows: &mut [Printed]) {
+        let row = &mut rows[self.row - 1];
+        match self.place {
+            Place::Normal(which, normal) => row.normals[which] = normal,
+            Place::Angle(which, angle) => row.angles[which] = angle,
+        }
+    }
+
+    /// Returns the misprint of a normal, if it is one. `fit` is its row's.
+    pub(super) fn of_normal(row: usize, which: usize, fit: &Fit) -> Option<Self> {
+        let numbers = &fit.normals[which];
+        let wrong: Vec<usize> = (0..3).filter(|axis| !numbers[*axis].agrees).collect();
+        let corrected = numbers.map(|number| number.recomputed);
+        let pick = |of: fn(&Number) -> f64| match wrong.as_slice() {
+            [axis] => vec![of(&numbers[*axis])],
+            _ => numbers.iter().map(of).collect(),
+        };
+        Some(Self {
+            table: 2,
+            row,
+            cell: cell_name(which, &wrong)?,
+            printed: pick(|number| number.printed),
+            corrected: pick(|number| number.recomputed),
+            reason: reason_of_normal(fit, which, &wrong),
+            place: Place::Normal(which, corrected),
+        })
+    }
+
+    /// Returns the misprint of θ1 or θ2 (`which` is 0 or 1) that the row's corrected normals contradict. `fit` is its
+    /// row's.
+    pub(super) fn of_angle(row: usize, which: usize, angle: &Angle, fit: &Fit) -> Self {
+        let ([low, high], g) = (fit.angles()[which], fit.g);
+        let corrected = cut((low + high) / 2.0);
+        let (name, other) = (ANGLES[which], NORMALS[which + 1]);
+        let reason = format!(
+            "N1 and {other} follow the law with g = {g} in every number, and enclose {low:.3}° to {high:.3}°"
+        );
+        Self {
+            table: 3,
+            row,
+            cell: name.into(),
+            printed: vec![angle.printed],
+            corrected: vec![corrected],
+            reason,
+            place: Place::Angle(which, corrected),
+        }
+    }
+}
+
+/// `N2.y`, or `N2` where more than one number is wrong; `None` where none is.
+fn cell_name(which: usize, wrong: &[usize]) -> Option<String> {
+    match wrong {
+        [] => None,
+        [axis] => Some(format!("{}.{}", NORMALS[which], AXES[*axis])),
+        _ => Some(NORMALS[which].into()),
+    }
+}
+
+/// The components' names.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
+
+fn reason_of_normal(fit: &Fit, which: usize, wrong: &[usize]) -> String {
+    let numbers = &fit.normals[which];
+    let leaves: Vec<String> = wrong
+        .iter()
+        .map(|axis| {
+            let [low, high] = numbers[*axis].range;
+            format!("{} between {low:.5} and {high:.5}", AXES[*axis])
+        })
+        .collect();
+    let law = format!("g = {} explains {} of the row's 9 numbers and leaves", fit.g, fit.agreeing);
+    let slip =
+        if moved_left(numbers) { "; y and z are printed a column too far left, and x is lost" } else { "" };
+    format!("{law} {}{slip}", leaves.join(" and "))
+}
+
+/// Whether y stands in x's place and z in y's.
+fn moved_left([x, y, z]: &[Number; 3]) -> bool {
+    x.printed == y.recomputed && y.printed == z.recomputed
+}

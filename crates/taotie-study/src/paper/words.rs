@@ -1,0 +1,116 @@
+//! The words on the tables, in text and page alike.
+
+use super::angles::Angle;
+use super::misprints::Misprint;
+use super::study::{Distance, Study};
+
+/// The headings.
+pub const LAW: &str = "The law of N2 and N3: n + s · (g/255) · (1, 1, 0), with s = 5 and 50";
+/// As [`LAW`].
+pub const TABLE_2: &str = "Table 2, normals at ten points of the jue";
+/// As [`LAW`].
+pub const TABLE_3: &str = "Table 3, their angles in degrees";
+/// As [`LAW`].
+pub const MISPRINTS: &str = "Misprints, of the journal or of the copy that was transcribed";
+/// As [`LAW`].
+pub const CONCLUSION: &str = "What follows";
+
+/// The study's title.
+pub fn title() -> &'static str {
+    "Guo and Wang 2025, Tables 2 and 3, recomputed"
+}
+
+/// The paper.
+pub const SOURCE: &str = "Guo Huifang and Wang Junxiu, \"Analysis and application of Physically-Based Rendering (PBR) \
+    normal mapping technology in bronze wares\", Intelligent Computer and Applications 15(6), 2025, pp. 122–126, \
+    doi:10.20169/j.issn.2095-2163.24121501";
+
+/// Says what is compared, and when two numbers agree.
+pub fn preface() -> Vec<String> {
+    vec![
+        format!("{SOURCE}."),
+        "The paper cuts decimals: four of a normal, two of an angle. So a printed number stands for a range, and it \
+         agrees with others where some numbers in their ranges would be printed so. Angles are \
+         arccos(a·b / (|a||b|))."
+            .into(),
+        "In each row g is found: the multiple of one half, since it is half the difference of two grey levels, with \
+         which most of the row's numbers agree. N4 cannot be recomputed: neither the mesh nor its textures were \
+         published."
+            .into(),
+    ]
+}
+
+/// Says how many angles agree.
+pub fn counts(study: &Study) -> String {
+    let counts = study.agreeing;
+    format!(
+        "{} of {} printed angles follow from Table 2 as printed, {} once {} misprints are corrected. From N1 and g \
+         alone the law gives {} of the {} angles θ1 and θ2 as printed.",
+        counts.as_printed,
+        counts.of,
+        counts.corrected,
+        study.misprints.len(),
+        counts.explained_by_the_law,
+        2 * study.rows.len(),
+    )
+}
+
+/// Says what follows from the corrected tables for the paper's methods.
+pub fn conclusion(study: &Study) -> Vec<String> {
+    let (corrected, points) = (study.conclusion.corrected, study.rows.len());
+    let [n1, n3, n4] = study.conclusion.lengths;
+    vec![
+        format!(
+            "{} at {} of {points} points, {:.1}° against {:.1}° on average (as printed: {} points, {:.1}° and \
+             {:.1}°). The paper says of its Figure 8 that bump 5 is far from its own method and bump 50 much the \
+             same: Tables 2 and 3 do not bear that out.",
+            nearer(&corrected),
+            most(&corrected, points),
+            corrected.mean_bump_5,
+            corrected.mean_bump_50,
+            study.conclusion.as_printed.bump_5_is_nearer,
+            study.conclusion.as_printed.mean_bump_5,
+            study.conclusion.as_printed.mean_bump_50,
+        ),
+        format!(
+            "The bump of the paper moves the normal along (1, 1, 0) of the object, whatever way the surface faces, \
+             and does not normalise it: N1 is {:.3} to {:.3} long, N3 up to {:.2}, and N4 {:.2} to {:.2}.",
+            n1[0], n1[1], n3[1], n4[0], n4[1]
+        ),
+    ]
+}
+
+fn nearer(distance: &Distance) -> &'static str {
+    match distance.mean_bump_5 < distance.mean_bump_50 {
+        true => "Bump 5 lies nearer to the paper's own method (N4) than bump 50:",
+        false => "Bump 50 lies nearer to the paper's own method (N4) than bump 5:",
+    }
+}
+
+/// The points at which the nearer one is nearer.
+fn most(distance: &Distance, points: usize) -> usize {
+    match distance.mean_bump_5 < distance.mean_bump_50 {
+        true => distance.bump_5_is_nearer,
+        false => points - distance.bump_5_is_nearer,
+    }
+}
+
+/// The angles that may be printed: one, or from one to another.
+pub fn prints(angle: &Angle) -> String {
+    match angle.prints() {
+        [low, high] if low == high => format!("{low:.2}"),
+        [low, high] => format!("{low:.2} to {high:.2}"),
+    }
+}
+
+/// Returns the printed numbers and the right ones, with the decimals of their table.
+pub fn numbers(misprint: &Misprint) -> (String, String) {
+    let decimals = if misprint.table == 2 { 4 } else { 2 };
+    let told = |numbers: &[f64]| match numbers {
+        [one] => format!("{one:.decimals$}"),
+        some => {
+            format!("({})", some.iter().map(|v| format!("{v:.decimals$}")).collect::<Vec<_>>().join(", "))
+        }
+    };
+    (told(&misprint.printed), told(&misprint.corrected))
+}
