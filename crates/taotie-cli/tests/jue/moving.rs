@@ -40,15 +40,16 @@ fn object_space_normals_fail_on_a_moving_surface_and_tangent_space_normals_do_no
     let errors = |scene: Scene| -> [Summary; 2] {
         let errors = angular_errors(&mut Pouring::new(scene).unwrap(), &truths, &eye).unwrap();
         println!("{:?} to {:?}", errors[0], errors[1]);
-        assert!(errors.iter().all(|e| e.count > 50_000), "the vessel fills the picture");
+        assert!(errors.iter().all(|e| e.count > 130_000), "the vessel fills the picture");
         errors
     };
     let object = errors(in_object_space(at_rest.clone()));
     let tangent = errors(at_rest);
-    // At rest the two say the same; what is left there is resolution and facets.
-    assert!((object[0].mean - tangent[0].mean).abs() < 1.0 && tangent[0].mean < 8.0);
+    // At rest the two say the same; what is left there is resolution and facets. Measured: 6.05° and 6.36°.
+    assert!((object[0].mean - tangent[0].mean).abs() < 0.35 && tangent[0].mean < 6.5);
     let grown = |e: &[Summary; 2]| e[1].mean - e[0].mean;
     println!("object space grows by {:.2}°, tangent space by {:.2}°", grown(&object), grown(&tangent));
-    assert!(grown(&object) > 10.0, "normals that stand still under a surface turned by 45°");
-    assert!(grown(&tangent).abs() < 1.0, "normals that go with the surface");
+    // Measured: 21.39° and 0.47°, of 138,207 pixels.
+    assert!((21.0..21.8).contains(&grown(&object)), "normals that stand still under a surface turned by 45°");
+    assert!((0.0..0.55).contains(&grown(&tangent)), "normals that go with the surface");
 }

@@ -12,6 +12,8 @@ use taotie_study::jue;
 /// Pictures of the turntable, and the angle between two.
 const PICTURES: usize = 12;
 const STEP: f64 = 0.3;
+/// Pixels across and down.
+const SIDE: u32 = 256;
 
 /// The vessel with its normal map, of one polished metal.
 fn polished_vessel() -> Scene {
@@ -152,22 +154,23 @@ fn figures(pictures: &[Image], truths: &[Image], of: fn(&Image) -> Vec<f64>) -> 
 #[test]
 fn polished_relief_sparkles_less_and_is_nearer_to_the_truth() {
     let scene = polished_vessel();
-    let side = std::env::var("TAOTIE_SIDE").map_or(256, |side| side.parse().expect("pixels"));
-    let truths = truth(&scene, side);
-    let [off, on] = [false, true].map(|specular_aa| take(&scene, side, 1, specular_aa));
-    for (name, pictures) in [("off", &off), ("on", &on)] {
-        println!("{name}, linear: {:?}", figures(pictures, &truths, linear));
-        println!("{name}, shown: {:?}", figures(pictures, &truths, shown));
-    }
-    let [off, on] = [off, on].map(|pictures| figures(&pictures, &truths, linear));
+    let truths = truth(&scene, SIDE);
+    let pictures = [false, true].map(|specular_aa| take(&scene, SIDE, 1, specular_aa));
+    let [off, on] = [&pictures[0], &pictures[1]].map(|pictures| figures(pictures, &truths, linear));
+    let [off_shown, on_shown] =
+        [&pictures[0], &pictures[1]].map(|pictures| figures(pictures, &truths, shown));
+    println!("linear: {off:?} off, {on:?} on\nshown: {off_shown:?} off, {on_shown:?} on");
     let variance = |f: &Figures| f.flicker * f.flicker;
-    // Measured: 0.22 of the variance, 0.60 of the error; 0.71 of the light where the truth is brightest, off 0.69.
-    assert!(variance(&on) < 0.5 * variance(&off), "{on:?} {off:?}");
-    assert!(on.error < 0.7 * off.error, "{on:?} {off:?}");
-    // Without it a third of the light is lost. With it a third too much comes: facets that would be hidden or turned
-    // away are not known to a mean and its length.
-    assert!((on.mean - 1.0).abs() < 0.4 && off.mean < 0.8, "{on:?} {off:?}");
-    assert!(on.highlights > off.highlights, "{on:?} {off:?}");
+    // Measured: 0.220 of the variance, 0.595 of the error; 0.732 of the light where the truth is brightest, off 0.710.
+    assert!(variance(&on) < 0.24 * variance(&off), "{on:?} {off:?}");
+    assert!(on.error < 0.62 * off.error, "{on:?} {off:?}");
+    assert!(on.highlights > off.highlights + 0.015, "{on:?} {off:?}");
+    // Without it a quarter of the light is lost, measured 0.718. With it two fifths too much come, measured 1.394:
+    // facets that would be hidden or turned away are not known to a mean and its length.
+    assert!((0.70..0.74).contains(&off.mean) && (1.0..1.42).contains(&on.mean), "{on:?} {off:?}");
+    // A display shows that excess where it was dark, and cuts the sparkle that is gone. Measured: flicker of 0.0815 for
+    // 0.0762, error of 0.2096 for 0.1461.
+    assert!(on_shown.flicker < 0.084 && on_shown.error < 0.215, "{on_shown:?} {off_shown:?}");
 }
 
 /// The greatest difference of codes of 255 between a picture with and without.

@@ -1,10 +1,12 @@
 //! `taotie bake` on real scans: pairs of heavy and light meshes, and scans alone. What is written is proved by the
 //! command itself and once more here, against meshes read anew.
 
-use crate::common::data_folder;
-use crate::files::files_below;
+use crate::common::absent;
+use crate::files::data_files;
 use crate::validator;
 use serde_json::Value;
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -26,35 +28,39 @@ fn number(report: &Value, path: &str) -> f64 {
     report.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {report}"))
 }
 
-/// Folders of the data with their OBJ files: the heavy ones first.
-fn objects() -> Vec<Vec<PathBuf>> {
-    let Some(folder) = data_folder("odedstein-meshes") else { return Vec::new() };
-    let mut folders: Vec<PathBuf> = files_below(&folder, &["obj"])
-        .iter()
-        .filter_map(|file| file.parent().map(Path::to_path_buf))
-        .collect();
-    folders.dedup();
+/// Folders of the data that hold `count` OBJ files, and these: the heavy ones first.
+fn objects(count: usize) -> Vec<Vec<PathBuf>> {
+    let mut folders = BTreeMap::<PathBuf, Vec<PathBuf>>::new();
+    for file in data_files("odedstein-meshes", &["obj"]) {
+        folders.entry(file.parent().expect("a folder").to_path_buf()).or_default().push(file);
+    }
     let size = |path: &PathBuf| std::fs::metadata(path).map_or(0, |data| data.len());
-    folders
-        .iter()
-        .map(|folder| {
-            let mut files = files_below(folder, &["obj"]);
-            files.sort_by_key(|file| std::cmp::Reverse(size(file)));
-            files
-        })
-        .collect()
+    folders.values_mut().for_each(|files| files.sort_by_key(|file| Reverse(size(file))));
+    let found: Vec<_> = folders.into_values().filter(|files| files.len() == count).collect();
+    if found.is_empty() {
+        absent(&format!("no folder of odedstein-meshes holds {count} OBJ files"));
+    }
+    found
+}
+
+/// Asserts that the proof finds the bake near its scan. Measured on five, at worst: a mean of 0.58° and a median of 0.16°, where the light
+/// mesh alone has 13 times the mean; 1.8e-5 of the texels missed.
+fn assert_near(report: &Value, what: &str) {
+    let [mean, median] = ["mean", "median"].map(|of| number(report, &format!("/proof/angles/{of}")));
+    let plain = number(report, "/proof/without_map/mean");
+    println!("{what}: mean {mean:.4}°, median {median:.4}°, without the map {plain:.4}°");
+    // Eight bits alone cost a sixth of a degree.
+    assert!(mean < 1.0 && median < 0.3 && mean < plain / 8.0, "{what}: {report}");
+    assert!(number(report, "/proof/missed_texels") < 1e-4, "{what}");
 }
 
 #[test]
-fn pairs_are_baked_within_two_degrees_and_nearly_without_a_miss() {
-    let objects = objects();
-    for pair in objects.iter().filter(|files| files.len() == 2) {
+fn pairs_are_baked_within_a_degree_and_nearly_without_a_miss() {
+    for pair in objects(2) {
         let folder = tempfile::tempdir().unwrap();
         let [high, low] = [&pair[0], &pair[1]].map(|path| path.to_str().expect("a path of text"));
         let report = bake(&[high, "--low", low, "-o", "out.glb", "--size", "1024"], folder.path());
-        assert!(number(&report, "/proof/angles/mean") < 2.0, "{high}: {report}");
-        assert!(number(&report, "/proof/missed_texels") < 0.001, "{high}");
-        assert!(number(&report, "/proof/angles/mean") < number(&report, "/proof/without_map/mean") / 4.0);
+        assert_near(&report, high);
         // That a scan came in facets is worth telling, and no fault of the pair.
         let is_fault = |warning: &&Value| !warning["what"].as_str().unwrap_or_default().contains("smoothed");
         let faults: Vec<&Value> = report["warnings"].as_array().unwrap().iter().filter(is_fault).collect();
@@ -64,7 +70,8 @@ fn pairs_are_baked_within_two_degrees_and_nearly_without_a_miss() {
         let packed = ["--low", low, "-o", "packed.glb", "--size", "1024", "--meshopt"];
         let packed = bake(&[&[high][..], &packed].concat(), folder.path());
         let [plain, packed] = [&report, &packed].map(|report| number(report, "/proof/angles/mean"));
-        assert!((packed - plain).abs() < 0.1, "{high}: {packed}° packed, {plain}° plain");
+        // Measured: 0.0011°.
+        assert!((packed - plain).abs() < 0.01, "{high}: {packed}° packed, {plain}° plain");
         let low = taotie::io::load_model(low.as_ref()).unwrap().scene;
         let out = taotie::io::load_model(&folder.path().join("out.glb")).unwrap().scene;
         assert!(same_triangles(&low.meshes[0], &out.meshes[0]), "the light mesh stays as it is");
@@ -73,16 +80,16 @@ fn pairs_are_baked_within_two_degrees_and_nearly_without_a_miss() {
 
 #[test]
 fn scans_alone_are_made_light_unwrapped_and_baked() {
-    for files in objects().iter().filter(|files| files.len() == 1) {
+    for files in objects(1) {
         let folder = tempfile::tempdir().unwrap();
         let high = files[0].to_str().expect("a path of text");
         let report = bake(&[high, "-o", "out.glb", "--triangles", "4000", "--size", "1024"], folder.path());
-        assert!(number(&report, "/proof/angles/mean") < 2.0, "{high}: {report}");
-        assert!(number(&report, "/proof/missed_texels") < 0.001, "{high}");
-        assert!(number(&report, "/proof/hausdorff_of_diagonal") < 0.02, "{high}");
-        assert!(number(&report, "/proof/uv_use") > 0.4, "{high}");
+        assert_near(&report, high);
+        // Measured at worst: 0.0029 of the diagonal, 0.679 of the map, all of the triangles.
+        assert!(number(&report, "/proof/hausdorff_of_diagonal") < 0.006, "{high}");
+        assert!(number(&report, "/proof/uv_use") > 0.6, "{high}");
         let triangles = number(&report, "/triangles/0");
-        assert!((3800.0..=4000.0).contains(&triangles), "{high}: {triangles}");
+        assert!((3960.0..=4000.0).contains(&triangles), "{high}: {triangles}");
         validator::assert_valid(&folder.path().join("out.glb"));
         for file in report["files"].as_array().unwrap() {
             assert!(folder.path().join(file.as_str().unwrap()).is_file(), "{file}");

@@ -1,49 +1,28 @@
 //! Models and broken files by others: a picture, or one line that names the file.
 
 use crate::common::data_folder;
-use crate::files::{all_files_below, files_below};
-use std::fs::File;
+use crate::files::{all_files_below, data_files};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 use taotie::image::Texels;
 use taotie::io::read_bitmap;
 use tempfile::TempDir;
 
-/// What any file may take.
-const LONGEST: Duration = Duration::from_secs(20);
-
-/// How a run ended: the exit code, `None` where it was killed or crashed, and stderr.
+/// How a run ended: the exit code, `None` where it crashed, and stderr.
 struct Ending {
     code: Option<i32>,
     stderr: String,
 }
 
-/// Runs the command in `folder` and kills it after [`LONGEST`]. Output goes to files, so that no pipe can fill up.
+/// Runs the command in `folder`.
 fn run(folder: &Path, arguments: &[&Path]) -> Ending {
-    let create = |name: &str| File::create(folder.join(name)).expect("the folder can be written to");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_taotie"))
+    let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
         .args(arguments)
         .current_dir(folder)
         .stdin(Stdio::null())
-        .stdout(create("stdout"))
-        .stderr(create("stderr"))
-        .spawn()
+        .output()
         .expect("the command starts");
-    let start = Instant::now();
-    let code = loop {
-        if let Some(status) = child.try_wait().expect("the command can be waited for") {
-            break status.code();
-        }
-        if start.elapsed() > LONGEST {
-            child.kill().expect("the command can be killed");
-            child.wait().expect("the command ends");
-            break None;
-        }
-        std::thread::sleep(Duration::from_millis(2));
-    };
-    let stderr = std::fs::read(folder.join("stderr")).expect("the folder is readable");
-    Ending { code, stderr: String::from_utf8_lossy(&stderr).into_owned() }
+    Ending { code: run.status.code(), stderr: String::from_utf8_lossy(&run.stderr).into_owned() }
 }
 
 const SMALL: [&str; 6] = ["--size", "64x64", "--samples", "1", "--background", "transparent"];
@@ -96,20 +75,17 @@ fn temporary() -> TempDir {
 
 #[test]
 fn every_sample_asset_renders_or_says_why_not() {
-    let Some(data) = data_folder("khronos-gltf-sample-assets") else { return };
     let folder = temporary();
-    let models = files_below(&data, &["gltf", "glb", "obj"]);
-    assert!(!models.is_empty(), "{} holds no model", data.display());
+    let models = data_files("khronos-gltf-sample-assets", &["gltf", "glb", "obj"]);
     let check = |model: &PathBuf| fault(folder.path(), model, &render(folder.path(), model, &[]));
     none(&models.iter().filter_map(check).collect::<Vec<_>>());
 }
 
 #[test]
 fn every_broken_model_ends_in_a_picture_or_one_line() {
-    let Some(data) = data_folder("malformed-and-odd-inputs") else { return };
     let folder = temporary();
     let mut faults = Vec::new();
-    for model in files_below(&data, &["gltf", "glb", "obj", "ply", "stl"]) {
+    for model in data_files("malformed-and-odd-inputs", &["gltf", "glb", "obj", "ply", "stl"]) {
         let ending = render(folder.path(), &model, &[]);
         let lines = ending.code == Some(2) && !is_one_line_about(&ending.stderr, &model);
         faults.extend(lines.then(|| format!("{}: not one line:\n{}", model.display(), ending.stderr)));

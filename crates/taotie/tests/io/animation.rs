@@ -1,7 +1,7 @@
 //! Moving models: files by others pose and move, and small files made here move as glTF 2.0 says.
 
 use crate::common::data_folder;
-use crate::files::files_below;
+use crate::files::data_files;
 use crate::gltf::{Maker, TRIANGLE, load, triangle, v, warned};
 use taotie::io::Loaded;
 use taotie::math::{Mat4, Vec3};
@@ -20,8 +20,7 @@ fn greatest_way(a: &Scene, b: &Scene) -> f64 {
 fn animated_models_by_others_move() {
     let mut moved = 0;
     for sub in ["khronos-gltf-sample-assets", "gltf-asset-generator", "polyhaven-models"] {
-        let Some(folder) = data_folder(sub) else { continue };
-        for path in files_below(&folder, &["gltf", "glb"]) {
+        for path in data_files(sub, &["gltf", "glb"]) {
             let Ok(Loaded { scene, rig: Some(rig), warnings, .. }) = load(&path) else { continue };
             assert!(warnings.iter().all(|(what, _)| !what.contains("left out")), "{}", path.display());
             for (i, animation) in rig.animations().iter().enumerate() {

@@ -1,7 +1,6 @@
 //! What holds of normal maps that are made from heights, from one another, and in fewer bits.
 
-use crate::common;
-use crate::files::files_below;
+use crate::files::data_files;
 use crate::random::Random;
 use std::path::Path;
 use taotie::bake::*;
@@ -119,10 +118,7 @@ fn object_space_normals_are_those_of_the_tube() {
 /// The law, on the maps that xNormal baked.
 #[test]
 fn object_space_and_back_on_every_statue() {
-    let Some(folder) = common::data_folder("threedscans-keijiro") else { return };
-    let models = files_below(&folder, &["obj"]);
-    assert!(!models.is_empty(), "{} holds no statue", folder.display());
-    for model in models {
+    for model in data_files("threedscans-keijiro", &["obj"]) {
         let statue = Statue::read(&model);
         let error = summary(&round_trip(&statue.surface, &statue.tangent, PLAIN[1]));
         let coverage = statue.surface.coverage();

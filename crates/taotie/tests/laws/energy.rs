@@ -53,7 +53,8 @@ fn tables(shading: Shading, roughness: f64, n_dot_v: f64) -> Dfg<f64> {
 
 #[test]
 fn tables_are_exact_between_their_nodes() {
-    let mut worst = [0.0f64; 3];
+    let mut worst = [[0.0f64; 4]; 2];
+    let mut worst_sheen = 0.0f64;
     for roughness in [0.04, 0.12, 0.25, 0.38, 0.52, 0.69, 0.81, 0.97] {
         for n_dot_v in [0.02, 0.07, 0.19, 0.33, 0.52, 0.74, 0.93, 1.0] {
             let slope = roughness * roughness;
@@ -63,15 +64,19 @@ fn tables_are_exact_between_their_nodes() {
             ];
             for (k, (table, exact)) in pairs.into_iter().enumerate() {
                 let got = [table.scale, table.bias, table.edge, table.diffuse_edge];
-                for (got, exact) in got.into_iter().zip(exact) {
-                    worst[k] = worst[k].max((got - exact).abs());
+                for (worst, (got, exact)) in worst[k].iter_mut().zip(got.into_iter().zip(exact)) {
+                    *worst = worst.max((got - exact).abs());
                 }
             }
             let sheen = f64::from(dfg::of_sheen(n_dot_v as f32, roughness as f32));
-            worst[2] = worst[2].max((sheen - integrate::sheen(n_dot_v, roughness)).abs());
+            worst_sheen = worst_sheen.max((sheen - integrate::sheen(n_dot_v, roughness)).abs());
         }
     }
-    assert!(worst.iter().all(|worst| *worst < 5e-3), "{worst:?}");
+    // Scale and bias reach 1 and 0.9, the edges 0.054 and 0.027, sheen 2. Measured: 1.25e-3, 1.38e-3, 7.4e-5, 2.8e-6 of
+    // GGX, 6.5e-4, 1.88e-3, 9.5e-5, 2.8e-6 of Cook-Torrance, 4.5e-3 of sheen.
+    let most = [[1.4e-3, 1.5e-3, 8.5e-5, 3.2e-6], [7.5e-4, 2.1e-3, 1.1e-4, 3.2e-6]];
+    let within = worst.as_flattened().iter().zip(most.as_flattened()).all(|(worst, most)| worst < most);
+    assert!(within && worst_sheen < 5e-3, "{worst:?} {worst_sheen}");
 }
 
 #[test]

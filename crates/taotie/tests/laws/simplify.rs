@@ -1,8 +1,7 @@
 //! What holds of surfaces made light: their number, their place, their border, and that threads do not matter.
 
-use crate::common;
 use crate::distance::deviation;
-use crate::files::files_below;
+use crate::files::data_files;
 use crate::hostile;
 use taotie::bake::{Means, Simplified, SimplifyOptions, simplify};
 use taotie::io::load_model;
@@ -165,10 +164,7 @@ fn normals_as_attributes_draw_triangles_to_creases() {
 
 #[test]
 fn scans_by_others_keep_their_shape() {
-    let Some(folder) = common::data_folder("odedstein-meshes") else { return };
-    let files = files_below(&folder, &["obj"]);
-    assert!(!files.is_empty(), "{} holds no model", folder.display());
-    for path in files {
+    for path in data_files("odedstein-meshes", &["obj"]) {
         let mesh = load_model(&path).unwrap().scene.meshes.swap_remove(0);
         for (wanted, mean, most) in [(2_000, 1.5e-3, 1.5e-2), (10_000, 4e-4, 5e-3)] {
             let light = to(&mesh, wanted);

@@ -1,9 +1,7 @@
 //! What holds of unwrapped meshes: nothing overlaps, charts keep their distance, areas keep their size, every mesh ends.
 
-use crate::common;
-use crate::files::files_below;
+use crate::files::data_files;
 use crate::hostile;
-use std::time::{Duration, Instant};
 use taotie::bake::{
     Coverage, SimplifyOptions, TexelGrid, UnwrapOptions, Unwrapped, UvLookup, levels, simplify, unwrap,
 };
@@ -155,16 +153,10 @@ fn attributes_are_kept_and_split() {
 #[test]
 fn hostile_meshes_end() {
     for (name, mesh) in hostile::all() {
-        let start = Instant::now();
         let options = UnwrapOptions { size: 1024, padding: 2 };
         match unwrap(&mesh, &options, Progress::SILENT) {
             Ok(result) => {
-                println!(
-                    "{name}: {} charts, {:.2}, {:?}",
-                    result.charts,
-                    result.utilisation,
-                    start.elapsed()
-                );
+                println!("{name}: {} charts, {:.2}", result.charts, result.utilisation);
                 check(name, &mesh, &result, options);
             }
             Err(error) => {
@@ -172,7 +164,6 @@ fn hostile_meshes_end() {
                 assert!(["line", "far away"].contains(&name), "{name}: {error}");
             }
         }
-        assert!(start.elapsed() < Duration::from_secs(60), "{name}");
     }
 }
 
@@ -200,31 +191,24 @@ fn it_can_be_stopped() {
 }
 
 #[test]
-fn scans_by_others_are_unwrapped_in_time() {
-    let Some(folder) = common::data_folder("odedstein-meshes") else { return };
-    let files = files_below(&folder, &["obj"]);
-    assert!(!files.is_empty(), "{} holds no model", folder.display());
-    for path in files {
+fn scans_by_others_are_unwrapped() {
+    for path in data_files("odedstein-meshes", &["obj"]) {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
         let scan = load_model(&path).unwrap().scene.meshes.swap_remove(0);
         for triangles in [2_000, 10_000] {
             let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };
             let light = simplify(&scan, &options, Progress::SILENT).unwrap().mesh;
             let options = UnwrapOptions { size: 1024, padding: 3 };
-            let start = Instant::now();
             let result = unwrapped(&light, options.size, options.padding);
-            let took = start.elapsed();
             check(&name, &light, &result, options);
             let stretches = stretches(&result, options.size);
             let far: f64 =
                 stretches.iter().filter(|(_, s)| !(0.5..2.0).contains(s)).map(|(part, _)| part).sum();
             println!(
-                "{name} {triangles}: {} charts, {:.3} covered, {far:.4} beyond 2, {took:?}",
+                "{name} {triangles}: {} charts, {:.3} covered, {far:.4} beyond 2",
                 result.charts, result.utilisation
             );
             assert!(result.charts < 200 && result.utilisation > 0.5 && far < 0.03, "{name}");
-            // Three seconds on an idle machine of two cores.
-            assert!(took < Duration::from_secs(15), "{name}: {took:?}");
         }
     }
 }

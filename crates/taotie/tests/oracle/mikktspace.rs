@@ -1,6 +1,6 @@
 //! Tangents against those of the MikkTSpace reference, corner by corner.
 
-use crate::common;
+use crate::common::data_folder;
 use serde_json::Value;
 use std::path::Path;
 use taotie::math::{Vec2, Vec3};
@@ -9,7 +9,7 @@ use taotie::surface::{TangentMethod, Tangented, with_tangents};
 
 #[test]
 fn mikktspace_vectors() {
-    let Some(folder) = common::data_folder("mikktspace-vectors") else { return };
+    let Some(folder) = data_folder("mikktspace-vectors") else { return };
     let index: Value = serde_json::from_slice(&std::fs::read(folder.join("index.json")).unwrap()).unwrap();
     let entries = index.as_array().unwrap();
     assert!(!entries.is_empty());

@@ -1,6 +1,6 @@
 //! Reflectance against values that NumPy computed in double precision from the papers (`tests/oracle/`).
 
-use crate::common;
+use crate::common::data_folder;
 use serde_json::Value;
 use taotie::math::{Lane, Vec3, poly};
 use taotie::names::Named;
@@ -280,7 +280,7 @@ fn metal_presets_follow_from_measured_indices() {
 
 #[test]
 fn metal_presets_agree_with_the_shared_table() {
-    let Some(folder) = common::data_folder("material-constants") else { return };
+    let Some(folder) = data_folder("material-constants") else { return };
     let text = std::fs::read_to_string(folder.join("f0-linear-srgb.json")).unwrap();
     let table: Value = serde_json::from_str(&text).unwrap();
     let oracle = read("metals_oracle.json");

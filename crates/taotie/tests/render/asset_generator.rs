@@ -6,8 +6,8 @@
 //! relief must be lit from above in all of them. `target/asset-generator/` has a page with ours, theirs and the difference.
 //! Points and lines are not drawn, so cases of nothing else are left out.
 
-use crate::common;
-use crate::files::all_files_below;
+use crate::common::absent;
+use crate::files::data_files;
 use crate::pictures;
 use crate::pictures::{Picture, Row};
 use serde_json::Value;
@@ -204,14 +204,16 @@ fn judge(case: &Case, all: &[&Case]) -> Option<String> {
 
 #[test]
 fn every_case_looks_like_its_own_sample_image() {
-    let Some(folder) = common::data_folder("gltf-asset-generator") else { return };
-    let manifests = all_files_below(&folder);
-    let manifests = manifests.iter().filter(|path| path.file_name().is_some_and(|n| n == "Manifest.json"));
+    let mut manifests = data_files("gltf-asset-generator", &["json"]);
+    manifests.retain(|path| path.file_name().is_some_and(|n| n == "Manifest.json"));
+    if manifests.is_empty() {
+        return absent("no Manifest.json lies in gltf-asset-generator");
+    }
     let environment = Arc::new(Environment::new(hall()).unwrap());
     let light = EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: false };
     let lighting = Lighting { environment: Some(light), ..Lighting::default() };
     let mut cases = Vec::new();
-    for manifest in manifests {
+    for manifest in &manifests {
         let facts: Value = serde_json::from_slice(&std::fs::read(manifest).unwrap()).unwrap();
         let folder = manifest.parent().expect("a file lies in a folder");
         let models = facts["models"].as_array().expect("a manifest lists models");

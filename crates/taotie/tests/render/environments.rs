@@ -1,15 +1,14 @@
 //! Environments by others: what is made of them against integrals over all of their texels, and against what Filament's
 //! `cmgen` published.
 
-use crate::common;
-use crate::files::files_below;
+use crate::common::absent;
+use crate::files::{data_files, files_below};
 use crate::ktx;
 use crate::random::Random;
 use crate::skies;
 use crate::skies::Texels;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 use taotie::image::Image;
 use taotie::math::{Vec3, scalar};
 use taotie::shade::environment::Environment;
@@ -27,13 +26,11 @@ fn read(path: &Path) -> Image {
 /// `TAOTIE_DIRECTIONS` sets how many directions are looked at.
 #[test]
 fn levels_are_integrals_over_all_texels() {
-    let Some(folder) = common::data_folder("environments") else { return };
     let count = std::env::var("TAOTIE_DIRECTIONS").map_or(24, |n| n.parse().expect("a number"));
-    for path in files_below(&folder, &["hdr", "exr"]) {
+    for path in data_files("environments", &["hdr", "exr"]) {
         let image = read(&path);
-        let start = Instant::now();
         let environment = Environment::new(image.clone()).expect("it is an environment");
-        eprintln!("{}: {} ms", path.display(), start.elapsed().as_millis());
+        eprintln!("{}:", path.display());
         let texels = Texels::new(&image);
         for directions in skies::directions(&environment, count, &mut Random(12)) {
             let errors = skies::specular_errors(&environment, &texels, &directions, &ROUGHNESSES);
@@ -45,19 +42,21 @@ fn levels_are_integrals_over_all_texels() {
     }
 }
 
-/// Environments of which `cmgen`'s results lie in a folder of their name: the environment, and that folder.
+/// Environments of which `cmgen`'s results lie beside them in a folder of their name: the environment, and that folder.
 fn published() -> Vec<(Environment, PathBuf)> {
-    let Some(folder) = common::data_folder("environments") else { return Vec::new() };
-    let pictures = files_below(&folder, &["hdr"]);
-    let found = pictures.into_iter().filter_map(|path| {
+    let of = |path: PathBuf| {
         let name = path.file_name()?.to_string_lossy().into_owned();
-        let folders = std::fs::read_dir(&folder).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
-        let results = folders
+        let beside = std::fs::read_dir(path.parent()?).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+        let results = beside
             .filter(|f| f.is_dir())
             .find(|f| f.file_name().is_some_and(|folder| name.starts_with(&*folder.to_string_lossy())))?;
         Some((Environment::new(read(&path)).expect("it is an environment"), results))
-    });
-    found.collect()
+    };
+    let found: Vec<_> = data_files("environments", &["hdr"]).into_iter().filter_map(of).collect();
+    if found.is_empty() {
+        absent("no environment has results of cmgen in a folder of its name");
+    }
+    found
 }
 
 /// A direction of theirs in our space: their +z is our +x.
@@ -106,7 +105,9 @@ fn irradiance_is_what_another_program_published() {
 #[test]
 fn levels_are_what_another_program_published() {
     for (environment, folder) in published() {
-        for path in files_below(&folder, &["ktx"]) {
+        let files = files_below(&folder, &["ktx"]);
+        assert!(!files.is_empty(), "{} holds no level", folder.display());
+        for path in files {
             let cubes = ktx::cubes(&std::fs::read(&path).expect("it is readable"));
             for (n, cube) in cubes.iter().enumerate() {
                 let roughness = 1.0 - (1.0 - n as f64 / (cubes.len() - 1) as f64).sqrt();

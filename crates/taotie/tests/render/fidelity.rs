@@ -4,7 +4,7 @@
 //! the accepted renderers lie from `model-viewer`'s picture. Ours may lie no farther than the median of them. Whatever the
 //! outcome, `target/fidelity/index.html` shows ours, theirs and the difference.
 
-use crate::common;
+use crate::common::data_folder;
 use crate::pictures;
 use crate::pictures::{Picture, Row};
 use serde_json::Value;
@@ -56,7 +56,7 @@ impl Scenario<'_> {
     fn file(&self, key: &str) -> PathBuf {
         let name = self.facts[key].as_str().unwrap_or_else(|| panic!("{}: {key}", self.name));
         let above = self.folder.parent().unwrap_or(self.folder);
-        let default = common::data_folder("").unwrap_or_default();
+        let default = data_folder("").unwrap_or_default();
         let places = [above.join(name), self.folder.join(name), default.join(name)];
         places.into_iter().find(|place| place.exists()).unwrap_or_else(|| above.join(name))
     }
@@ -161,7 +161,7 @@ fn speck() -> Scene {
 
 #[test]
 fn scenes_lie_within_the_consensus_of_other_renderers() {
-    let Some(folder) = common::data_folder("khronos-render-fidelity-goldens") else { return };
+    let Some(folder) = data_folder("khronos-render-fidelity-goldens") else { return };
     let text = std::fs::read(folder.join("scenarios.json")).unwrap();
     let all: Value = serde_json::from_slice(&text).unwrap();
     let defaults = &all["defaults"];

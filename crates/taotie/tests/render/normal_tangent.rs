@@ -1,8 +1,8 @@
 //! Khronos' NormalTangentTest: cells of real relief stand beside cells that have it as a normal map, in several
 //! orientations. Seen head-on, both must have the same normals; a turned or mirrored tangent frame would show.
 
-use crate::common;
-use crate::files::files_below;
+use crate::common::absent;
+use crate::files::data_files;
 use taotie::image::Image;
 use taotie::math::{Vec3, scalar};
 use taotie::render::{Lighting, RenderSettings, render};
@@ -59,12 +59,10 @@ fn angles(image: &Image, left: (u32, u32), right: (u32, u32), rows: (u32, u32)) 
 
 #[test]
 fn mapped_relief_has_the_normals_of_real_relief_in_every_orientation() {
-    let Some(folder) = common::data_folder("khronos-gltf-sample-assets") else { return };
-    let mut models = files_below(&folder, &["gltf", "glb"]);
+    let mut models = data_files("khronos-gltf-sample-assets", &["gltf", "glb"]);
     models.retain(|path| path.file_stem().is_some_and(|stem| stem == "NormalTangentTest"));
     let Some(model) = models.pop() else {
-        println!("skipped: NormalTangentTest is not among the models");
-        return;
+        return absent("NormalTangentTest is not among the models");
     };
     let image = normals(&model);
     let seen = |x: u32, y: u32| image.pixel(x, y)[3] != 0.0;

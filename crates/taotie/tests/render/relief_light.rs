@@ -2,6 +2,7 @@
 
 use crate::finishes::{metal, polished_bosses, sphere};
 use crate::scenes;
+use crate::skies::equirect;
 use std::sync::{Arc, LazyLock};
 use taotie::image::{Encoding, Image};
 use taotie::math::Vec3;
@@ -16,6 +17,14 @@ static WHITE: LazyLock<Arc<Environment>> =
 fn white_sky() -> Lighting {
     let light =
         EnvironmentLight { environment: WHITE.clone(), rotation: 0.0, intensity: 1.0, visible: false };
+    Lighting { environment: Some(light), ..Lighting::default() }
+}
+
+/// Light from the half of all directions behind the camera, by the cosine.
+fn sky_behind_the_camera() -> Lighting {
+    let image = equirect(64, |d| Vec3::splat(d.z.max(0.0)));
+    let environment = Environment::new(image).unwrap().into();
+    let light = EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: false };
     Lighting { environment: Some(light), ..Lighting::default() }
 }
 
@@ -85,8 +94,8 @@ fn occlusion_takes_of_reflections_what_lagarde_says() {
     }
 }
 
-/// Pixels near the silhouette that are darker than half of what the surface without its map shows there.
-fn fringe(image: &Image, smooth: &Image) -> usize {
+/// The light of each pixel near the silhouette as a share of what the surface without its map shows there, rising.
+fn fringe(image: &Image, smooth: &Image) -> Vec<f32> {
     let light = |p: [f32; 4]| p[0] + p[1] + p[2];
     let near = |x: u32, y: u32| {
         let (dx, dy) = (f64::from(x) - 47.5, f64::from(y) - 47.5);
@@ -97,29 +106,38 @@ fn fringe(image: &Image, smooth: &Image) -> usize {
         };
         image.pixel(x, y)[3] == 1.0 && outside(4.0)
     };
-    let all = (0..96 * 96).map(|i| (i % 96, i / 96));
-    all.filter(|(x, y)| near(*x, *y))
-        .filter(|(x, y)| light(image.pixel(*x, *y)) < 0.5 * light(smooth.pixel(*x, *y)))
-        .count()
+    let all = (0..96 * 96).map(|i| (i % 96, i / 96)).filter(|(x, y)| near(*x, *y));
+    let mut shares: Vec<f32> =
+        all.map(|(x, y)| light(image.pixel(x, y)) / light(smooth.pixel(x, y))).collect();
+    shares.sort_by(f32::total_cmp);
+    shares
 }
 
 #[test]
 fn softened_normals_have_no_black_fringe() {
-    let rough = |scale: f32| {
-        let mut scene = polished_bosses(scale, 0.6);
-        scene.materials[0].metallic = 0.0;
+    let rough = |metallic: f32| {
+        let mut scene = polished_bosses(3.0, 0.6);
+        scene.materials[0].metallic = metallic;
         scene
     };
-    let mut smooth = rough(1.0);
-    smooth.materials[0].normal = None;
-    for (what, lighting) in [("lamp", lamp(0.0)), ("sky", white_sky())] {
-        let bumpy = rough(3.0);
+    // Kept normals that point away from the viewer see a lamp or a sky behind the camera no more. Measured, as shares
+    // of the smooth surface's light: under the lamp 84 of 964 pixels kept are black, softened none is below 0.644;
+    // under the sky the darkest has 0.358 and 0.785, and what a metal mirrors 0.00007 and 0.2516.
+    let cases = [
+        ("lamp", 0.0, lamp(0.0), [0.0, 0.63]),
+        ("sky", 0.0, sky_behind_the_camera(), [0.37, 0.77]),
+        ("mirrored sky", 1.0, sky_behind_the_camera(), [1e-4, 0.24]),
+    ];
+    for (what, metallic, lighting, [dark, light]) in cases {
+        let bumpy = rough(metallic);
+        let mut smooth = bumpy.clone();
+        smooth.materials[0].normal = None;
         let plain = soft(&smooth, &lighting);
         let [kept, softened] = [GrazingNormals::Keep, GrazingNormals::Soften]
             .map(|way| fringe(&picture(&bumpy, &lighting, way), &plain));
-        eprintln!("{what}: {kept} dark pixels kept, {softened} softened");
-        // Measured: 364 and 64 under the lamp, none under an even sky.
-        assert!(4 * softened <= kept, "{what}: {softened} for {kept}");
+        eprintln!("{what}: of {} the darkest {} kept, {} softened", kept.len(), kept[0], softened[0]);
+        assert!(kept[0] <= dark, "{what}: {} is dark no more: the case shows nothing", kept[0]);
+        assert!(softened[0] >= light, "{what}: {} is left", softened[0]);
     }
 }
 
