@@ -1,7 +1,11 @@
 //! Readers of option values that several subcommands share.
 
+use anyhow::anyhow;
+use std::fmt::Display;
+use taotie::Error;
 use taotie::math::Vec3;
 use taotie::names::Named;
+use taotie::studio::parse;
 
 /// A value by its name; the error lists the names.
 pub fn named<T: Named>(value: &str) -> Result<T, String> {
@@ -29,37 +33,38 @@ pub fn switch(text: &str) -> Result<bool, String> {
 
 /// A finite number.
 pub fn number(value: &str) -> Result<f64, String> {
-    value
-        .trim()
-        .parse::<f64>()
-        .ok()
-        .filter(|v| v.is_finite())
-        .ok_or_else(|| format!("`{value}` is not a number"))
+    parse::number(value).map_err(reason)
 }
 
 /// Finite numbers parted by commas.
 pub fn numbers(value: &str) -> Result<Vec<f64>, String> {
-    value.split(',').map(number).collect()
+    parse::numbers(value).map_err(reason)
 }
 
 /// Exactly three numbers parted by commas.
 pub fn vector(value: &str) -> Result<Vec3<f64>, String> {
-    match numbers(value)?.as_slice() {
-        [x, y, z] => Ok(Vec3::new(*x, *y, *z)),
-        other => Err(format!("three numbers are needed, such as 0,1,0, not {}", other.len())),
-    }
+    parse::vector(value).map_err(reason)
 }
 
 /// A colour as CSS writes it, or one number for grey, as linear RGB.
 pub fn color(value: &str) -> Result<Vec3, String> {
-    if let Ok(grey) = number(value) {
-        return Ok(Vec3::splat(grey as f32));
+    parse::color(value).map_err(reason)
+}
+
+/// Why a value cannot be used, without its name: who asked says which option it is.
+fn reason(error: Error) -> String {
+    match error {
+        Error::Invalid { why, .. } => why,
+        other => other.to_string(),
     }
-    let css = csscolorparser::parse(value).map_err(|_| {
-        format!("`{value}` is no colour; write a CSS colour such as #d0c8b0 or a linear grey such as 0.5")
-    })?;
-    let linear = |v: f32| taotie::math::srgb::linear_from_srgb(f64::from(v)) as f32;
-    Ok(Vec3::new(linear(css.r), linear(css.g), linear(css.b)))
+}
+
+/// The error of a value that cannot be used, by the option that gave it.
+pub fn under(option: impl Display, error: Error) -> anyhow::Error {
+    match error {
+        Error::Invalid { why, .. } => anyhow!("{option}: {why}"),
+        other => other.into(),
+    }
 }
 
 #[cfg(test)]
@@ -75,11 +80,10 @@ mod tests {
     }
 
     #[test]
-    fn colors_are_linear() {
-        let grey = color("#808080").unwrap();
-        assert!((grey.x - 0.2158).abs() < 1e-3);
-        assert_eq!(color("0.25").unwrap(), Vec3::splat(0.25));
-        assert!(color("mauve-ish").is_err());
+    fn why_a_value_is_refused_is_told_without_its_name() {
+        assert_eq!(number("a"), Err("`a` is not a number".into()));
+        let error = Error::invalid("vector", "three numbers are needed");
+        assert_eq!(under("--target", error).to_string(), "--target: three numbers are needed");
     }
 
     #[test]

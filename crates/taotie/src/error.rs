@@ -84,6 +84,24 @@ impl Error {
     pub fn limit(what: impl Into<String>, why: impl Into<String>) -> Self {
         Self::Limit { what: what.into(), why: why.into() }
     }
+
+    /// Returns the same error with the place before it, such as the file that holds the wrong value. Errors that name
+    /// their file already stay as they are.
+    ///
+    /// ```
+    /// let error = taotie::Error::invalid("roughness", "it must lie between 0 and 1");
+    /// assert_eq!(error.within("m.toml").to_string(), "m.toml: roughness: it must lie between 0 and 1");
+    /// ```
+    #[must_use]
+    pub fn within(self, place: impl std::fmt::Display) -> Self {
+        let placed = |what: String| format!("{place}: {what}");
+        match self {
+            Self::Invalid { what, why } => Self::Invalid { what: placed(what), why },
+            Self::Unsupported { what, why } => Self::Unsupported { what: placed(what), why },
+            Self::Limit { what, why } => Self::Limit { what: placed(what), why },
+            named @ (Self::Io { .. } | Self::Parse { .. } | Self::Cancelled) => named,
+        }
+    }
 }
 
 /// Things that were wrong but could still be drawn, each counted once a kind, in order of first sight.

@@ -3,6 +3,7 @@
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
 //! ```text
+//! L4   studio          inspection
 //! L3   render          bake           io
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
@@ -14,17 +15,15 @@
 //! scene gives the same bits at every SIMD level and with any number of threads.
 //!
 //! ```no_run
-//! use taotie::render::{Lighting, RenderSettings, render};
-//! use taotie::scene::{Orbit, fitting_distance, three_point_rig};
+//! use taotie::render::{RenderSettings, render};
+//! use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
 //!
 //! # fn main() -> taotie::Result<()> {
 //! let scene = taotie::io::load_model("model.glb".as_ref())?.scene;
-//! let target = scene.bounds().expect("a scene that was read has triangles").center();
-//! let mut orbit = Orbit { azimuth: 0.4, elevation: 0.2, distance: 0.0, target, fov_y: 0.5 };
-//! orbit.distance = fitting_distance(&orbit, 1.0, 0.9, scene.corners());
-//! let camera = orbit.camera(orbit.distance / 2.0);
-//! let lighting = Lighting { lights: three_point_rig(&camera), ..Lighting::default() };
-//! let frame = render(&scene, &camera, &lighting, &RenderSettings::default())?;
+//! let framing = Framing { size: [1024, 1024], all_around: false };
+//! let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &scene)?;
+//! let lighting = LightOptions::default().lighting(None, &scene, viewpoint.at(0.0));
+//! let frame = render(&scene, &viewpoint.at(0.0).camera(), &lighting, &RenderSettings::default())?;
 //! println!("{:?}", frame.color.pixel(512, 512));
 //! # Ok(())
 //! # }
@@ -35,6 +34,7 @@ pub mod compare;
 pub mod error;
 pub mod film;
 pub mod image;
+pub mod inspection;
 pub mod io;
 pub mod math;
 pub mod mesh;
@@ -44,6 +44,7 @@ pub mod raster;
 pub mod render;
 pub mod scene;
 pub mod shade;
+pub mod studio;
 pub mod surface;
 pub mod trace;
 

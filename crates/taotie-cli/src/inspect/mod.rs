@@ -1,22 +1,19 @@
 //! `taotie inspect`: what is in a model and what is wrong with it.
 //!
-//! A [`Report`] is made once; the text and the JSON are two ways to print it.
+//! The library's [`Inspection`] is made once; the text and the JSON are two ways to print it.
 
-mod hints;
-mod layers;
-mod material;
-mod mesh;
-mod normal_map;
-mod report;
-mod tangents;
 mod text;
-mod uvs;
+mod words;
 
 use crate::console;
 use anyhow::Result;
 use clap::Args;
-use report::Report;
+use serde::Serialize;
 use std::path::PathBuf;
+use taotie::inspection::Inspection;
+
+/// Version of the JSON that `--json` prints.
+const SCHEMA: u32 = 3;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -41,10 +38,31 @@ pub struct InspectArgs {
     pub json: bool,
 }
 
+/// An inspection as it is told.
+#[derive(Debug, Serialize)]
+struct Report {
+    /// [`SCHEMA`].
+    schema: u32,
+    /// Of the program.
+    version: &'static str,
+    /// The path asked for.
+    model: String,
+    #[serde(flatten)]
+    inspection: Inspection,
+    /// What to try.
+    hints: Vec<String>,
+}
+
 /// Runs the subcommand.
 pub fn run(args: &InspectArgs) -> Result<()> {
-    let loaded = taotie::io::load_model(&args.model)?;
-    let report = Report::new(&args.model, &loaded);
+    let inspection = Inspection::of(&taotie::io::load_model(&args.model)?);
+    let report = Report {
+        schema: SCHEMA,
+        version: env!("CARGO_PKG_VERSION"),
+        model: args.model.display().to_string(),
+        hints: inspection.hints().iter().filter_map(words::hint).collect(),
+        inspection,
+    };
     match args.json {
         true => console::result(&serde_json::to_string_pretty(&report)?),
         false => console::result(text::of(&report).trim_end()),

@@ -1,19 +1,21 @@
 //! The report for people: sections of aligned lines.
 
-use super::material::{MaterialReport, TextureReport};
-use super::mesh::{MeshReport, Normals};
-use super::normal_map::NormalMapReport;
-use super::report::{AnimationReport, Counts, Extent, Named, Report};
-use super::tangents::TangentHealth;
+use super::{Report, words};
+use taotie::inspection::{
+    AnimationReport, Counts, Extent, Inspection, Listed, MaterialReport, MeshReport, NormalMapReport,
+    Normals, TangentHealth, TextureReport,
+};
+use taotie::surface::GreenVerdict;
 use taotie_report::table::Table;
 
 /// The longest name that is shown whole, in characters.
 const NAME: usize = 40;
 
 /// The whole report.
-pub fn of(report: &Report) -> String {
+pub fn of(told: &Report) -> String {
+    let report = &told.inspection;
     let sections = [
-        ("", head(report)),
+        ("", head(&told.model, report)),
         ("Counts", counts(&report.counts)),
         ("Meshes", meshes(&report.meshes)),
         ("Uv sets", uv_sets(&report.meshes)),
@@ -26,7 +28,7 @@ pub fn of(report: &Report) -> String {
         ("Extensions", extensions(report)),
         ("Missing files", report.missing_files.iter().map(|file| format!("  {}\n", clean(file))).collect()),
         ("Warnings", warnings(report)),
-        ("Hints", report.hints.iter().map(|hint| format!("  {}\n", clean(hint))).collect()),
+        ("Hints", told.hints.iter().map(|hint| format!("  {}\n", clean(hint))).collect()),
     ];
     let filled = sections.into_iter().filter(|(_, lines)| !lines.is_empty());
     let titled =
@@ -34,18 +36,18 @@ pub fn of(report: &Report) -> String {
     titled.collect::<Vec<_>>().join("\n")
 }
 
-fn head(report: &Report) -> String {
+fn head(model: &str, report: &Inspection) -> String {
     let mut table = Table::untitled(&["", ""]);
     let mut row = |key: &str, value: String| table.row([key.into(), value]);
-    row("model", clean(&report.model));
-    row("format", report.format.into());
+    row("model", clean(model));
+    row("format", report.format.clone());
     for (key, value) in [("generator", &report.generator), ("copyright", &report.copyright)] {
         if let Some(value) = value {
             row(key, clean(value));
         }
     }
     match &report.bounds {
-        Some(Extent { min, max, size }) => {
+        Some(Extent { min, max, size, .. }) => {
             row("bounds", format!("{} to {}", numbers(min), numbers(max)));
             row("size", size.map(number).join(" × "));
         }
@@ -170,7 +172,7 @@ fn material(index: usize, material: &MaterialReport) -> String {
 fn factors(material: &MaterialReport) -> String {
     let alpha = match material.alpha_cutoff {
         Some(cutoff) => format!("mask at {cutoff}"),
-        None => material.alpha_mode.into(),
+        None => material.alpha_mode.clone(),
     };
     let mut parts = vec![
         format!("base colour {}", numbers(&material.base_color.map(f64::from))),
@@ -193,7 +195,7 @@ fn factors(material: &MaterialReport) -> String {
         [("shininess", classic.shininess), ("slope", classic.slope), ("height scale", material.height_scale)];
     let given = scalars.into_iter().filter_map(|(key, value)| Some((key, value?)));
     parts.extend(given.map(|(key, value)| format!("{key} {value}")));
-    parts.extend(material.layers.words());
+    parts.extend(words::layers(&material.layers));
     if material.unlit {
         parts.push("unlit".into());
     }
@@ -205,11 +207,11 @@ fn textures(textures: &[TextureReport]) -> String {
     for texture in textures {
         let channels = ["", "grey", "grey + alpha", "RGB", "RGBA"][usize::from(texture.channels.min(4))];
         table.row([
-            texture.role.into(),
+            texture.role.clone(),
             clean(&texture.file),
             format!("{}×{}", texture.width, texture.height),
             format!("{}-bit {channels}", texture.bits),
-            if texture.encoding == "srgb" { "sRGB".into() } else { texture.encoding.into() },
+            if texture.encoding == "srgb" { "sRGB".into() } else { texture.encoding.clone() },
             format!("uv {}", texture.uv_set),
         ]);
     }
@@ -218,13 +220,12 @@ fn textures(textures: &[TextureReport]) -> String {
 
 fn normal_map(map: &NormalMapReport) -> String {
     let pixels = &map.pixels;
-    let kind = match pixels.kind_by_pixels {
-        "none" => "no normal map".into(),
-        kind => format!("{kind}-space"),
-    };
+    let kind = words::kind(pixels.kind_by_pixels);
     let green = match (pixels.green_by_pixels, pixels.green_confidence) {
-        (Some("unclear"), _) => ", green unclear".into(),
-        (Some(green), Some(sure)) => format!(", green {green} ({} sure)", percent(f64::from(sure))),
+        (Some(GreenVerdict::Unclear), _) => ", green unclear".into(),
+        (Some(green), Some(sure)) => {
+            format!(", green {} ({} sure)", words::verdict(green), percent(f64::from(sure)))
+        }
         _ => String::new(),
     };
     let invalid = pixels
@@ -233,16 +234,16 @@ fn normal_map(map: &NormalMapReport) -> String {
     format!(
         "normal map by its pixels: {kind}{green}{}; drawn as {}-space, green {}, scale {}",
         invalid.unwrap_or_default(),
-        map.space,
-        map.green,
+        words::space(map.space),
+        words::green(map.green),
         map.scale
     )
 }
 
-fn named(all: &[Named]) -> String {
+fn named(all: &[Listed]) -> String {
     let mut table = Table::untitled(&[">", "", ""]);
     for (index, one) in all.iter().enumerate() {
-        table.row([index.to_string(), one.kind.into(), short(&one.name)]);
+        table.row([index.to_string(), one.kind.clone(), short(&one.name)]);
     }
     table.lines(2)
 }
@@ -261,7 +262,7 @@ fn animations(all: &[AnimationReport]) -> String {
     table.filled_lines(2)
 }
 
-fn extensions(report: &Report) -> String {
+fn extensions(report: &Inspection) -> String {
     let mut table = Table::untitled(&["", ""]);
     for name in &report.extensions_used {
         let required = report.extensions_required.contains(name);
@@ -270,7 +271,7 @@ fn extensions(report: &Report) -> String {
     table.lines(2)
 }
 
-fn warnings(report: &Report) -> String {
+fn warnings(report: &Inspection) -> String {
     let mut table = Table::untitled(&[">", ""]);
     for warning in &report.warnings {
         table.row([format!("{}×", thousands(warning.count)), clean(&warning.what)]);

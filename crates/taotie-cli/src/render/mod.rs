@@ -12,7 +12,7 @@ pub use output::check_place;
 use crate::console;
 use crate::studio::{self, Motion, in_pool};
 use anyhow::Result;
-use sequence::Sequence;
+use sequence::Shooting;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -63,8 +63,7 @@ fn render(args: &RenderArgs) -> Result<Report> {
     let mut settings = args.settings();
     let motion = match args.motion.animates() {
         true => {
-            let choice = args.motion.animation.as_deref();
-            let motion = Motion::choose(loaded.rig.take(), choice, &args.model)?;
+            let motion = args.motion.choose(loaded.rig.take(), &args.model)?;
             let (motion, surface) =
                 motion.bind_tangents(&mut loaded.scene, &settings.surface, &mut warnings)?;
             settings.surface = surface;
@@ -74,7 +73,7 @@ fn render(args: &RenderArgs) -> Result<Report> {
     };
     watch.lap("prepare");
     let plan = args.motion.plan(motion.as_ref().map_or(0.0, Motion::seconds))?;
-    let mut sequence = Sequence::new(args, settings, &plan, watch)?.within(environment);
+    let mut sequence = Shooting::new(args, settings, &plan, watch)?.within(environment);
     let files = sequence.take(&mut loaded.scene, motion.as_ref(), &mut warnings)?;
     let animation = motion.map(|motion| motion.name());
     let triangles = loaded.scene.triangle_count();

@@ -3,21 +3,10 @@
 use super::RenderArgs;
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
-use taotie::film::{self, Development, ToneCurve};
-use taotie::image::{Bitmap, Encoding, Image, Texels};
-use taotie::io::{self, ExrLayer, MovingFormat};
+use taotie::film::{Development, ToneCurve};
+use taotie::image::Image;
+use taotie::io::{MovingFormat, PictureFormat, write_picture};
 use taotie::render::Frame;
-
-/// How a picture is stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PictureFormat {
-    /// sRGB, 8 bits a channel.
-    Png8,
-    /// sRGB, 16 bits a channel.
-    Png16,
-    /// Linear float.
-    Exr,
-}
 
 /// How the pictures of a run are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,19 +42,17 @@ impl Formats {
     }
 }
 
-impl PictureFormat {
-    fn extension(self) -> &'static str {
-        match self {
-            Self::Png8 | Self::Png16 => "png",
-            Self::Exr => "exr",
-        }
+fn extension(format: PictureFormat) -> &'static str {
+    match format {
+        PictureFormat::Png8 | PictureFormat::Png16 => "png",
+        PictureFormat::Exr => "exr",
     }
 }
 
 /// `turn.gif` becomes `turn.007.png`.
 pub fn numbered(path: &Path, format: PictureFormat, index: usize, count: usize) -> PathBuf {
     let digits = (count.saturating_sub(1)).to_string().len().max(3);
-    path.with_extension(format!("{index:0digits$}.{}", format.extension()))
+    path.with_extension(format!("{index:0digits$}.{}", extension(format)))
 }
 
 /// Refuses, before any work is done, a path that is a folder or lies in none.
@@ -87,47 +74,13 @@ pub fn write(args: &RenderArgs, path: &Path, format: PictureFormat, frame: &Fram
     let named = frame.aovs.iter().flat_map(|aovs| aovs.named());
     for (name, image) in named.filter(|(name, _)| args.aovs.iter().any(|asked| asked == name)) {
         let exact = path.with_extension(format!("{name}.exr"));
-        write_exr(&exact, image)?;
+        write_picture(&exact, image, &Development::default(), PictureFormat::Exr)?;
         let visible = path.with_extension(format!("{name}.png"));
         let development = Development { tone: ToneCurve::Linear, background: None, ..Development::default() };
         write_picture(&visible, &to_look_at(name, image), &development, PictureFormat::Png8)?;
         files.extend([exact, visible]);
     }
     Ok(files)
-}
-
-/// Writes a linear picture, developed unless it is stored linear.
-pub fn write_picture(
-    path: &Path,
-    image: &Image,
-    development: &Development,
-    format: PictureFormat,
-) -> Result<()> {
-    let texels = match format {
-        PictureFormat::Exr => return write_exr(path, image),
-        PictureFormat::Png8 => Texels::U8(film::develop8(image, development)?),
-        PictureFormat::Png16 => Texels::U16(film::develop16(image, development)?),
-    };
-    write_developed(path, [image.width(), image.height()], development, texels)
-}
-
-/// Writes the pixels of a developed picture of this width and height as PNG.
-pub fn write_developed(
-    path: &Path,
-    [width, height]: [u32; 2],
-    development: &Development,
-    texels: Texels,
-) -> Result<()> {
-    // Nothing is seen through a picture with a background.
-    let channels = if development.background.is_some() { 3 } else { 4 };
-    let bitmap = Bitmap::new(width, height, channels, texels)?;
-    Ok(io::write_png_bitmap(path, &bitmap, Encoding::Srgb)?)
-}
-
-fn write_exr(path: &Path, image: &Image) -> Result<()> {
-    let samples: Vec<f32> = image.pixels().iter().flatten().copied().collect();
-    let layer = ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples: &samples };
-    Ok(io::write_exr(path, (image.width(), image.height()), &[layer])?)
 }
 
 /// An output variable brought into [0, 1], so that its PNG shows something.

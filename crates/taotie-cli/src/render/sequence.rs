@@ -1,7 +1,6 @@
 //! The pictures of a run, one after another.
 
-use super::output::{self, Formats, PictureFormat};
-use super::plan::{Plan, Shot};
+use super::output::{self, Formats};
 use super::{RenderArgs, Watch};
 use crate::console::Bar;
 use crate::studio::{self, Motion, Viewpoint};
@@ -9,18 +8,19 @@ use anyhow::{Context, Result};
 use std::path::PathBuf;
 use taotie::film::{self, Development};
 use taotie::image::{Image, Texels};
-use taotie::io::{MovingPicture, MovingSpec};
+use taotie::io::{MovingPicture, MovingSpec, PictureFormat, write_developed};
 use taotie::render::{EnvironmentLight, Frame, RenderSettings, Renderer, reference};
 use taotie::scene::Scene;
+use taotie::studio::{Sequence, Shot};
 use taotie::{Progress, Warnings};
 
 /// What all pictures of a run have in common.
-pub struct Sequence<'a> {
+pub struct Shooting<'a> {
     args: &'a RenderArgs,
     settings: RenderSettings,
     formats: Formats,
     development: Development,
-    plan: &'a Plan,
+    plan: &'a Sequence,
     environment: Option<EnvironmentLight>,
     /// Where the time went.
     pub watch: Watch,
@@ -29,9 +29,14 @@ pub struct Sequence<'a> {
     files: Vec<PathBuf>,
 }
 
-impl<'a> Sequence<'a> {
+impl<'a> Shooting<'a> {
     /// The pictures of `plan`.
-    pub fn new(args: &'a RenderArgs, settings: RenderSettings, plan: &'a Plan, watch: Watch) -> Result<Self> {
+    pub fn new(
+        args: &'a RenderArgs,
+        settings: RenderSettings,
+        plan: &'a Sequence,
+        watch: Watch,
+    ) -> Result<Self> {
         let development = args.film.development(args.running.simd)?;
         let formats = Formats::of(args)?;
         Ok(Self {
@@ -153,7 +158,7 @@ impl<'a> Sequence<'a> {
                     moving.add(&codes)?;
                 }
                 let size = [self.settings.width, self.settings.height];
-                output::write_developed(&path, size, &self.development, Texels::U8(codes))?;
+                write_developed(&path, size, &self.development, Texels::U8(codes))?;
                 self.files.push(path);
             }
         }

@@ -1,16 +1,21 @@
 //! Options that say how a model is seen, shared by the subcommands that take pictures of one.
 
 use crate::options;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::{ArgAction, Args, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
+use taotie::Warnings;
 use taotie::film::{Development, ToneCurve};
 use taotie::math::{SimdLevel, Vec3};
 use taotie::names::Named;
-use taotie::render::{GrazingNormals, RenderSettings};
+use taotie::render::{EnvironmentLight, GrazingNormals, RenderSettings};
 use taotie::scene::{GreenChannel, NormalSpace};
 use taotie::shade::Energy;
+use taotie::studio::{
+    CameraOptions, EnvironmentOptions, EnvironmentSource, LightOptions, LightSpec, MapOptions,
+    MaterialOptions,
+};
 use taotie::surface::TangentMethod;
 
 /// What the surface is made of.
@@ -201,6 +206,22 @@ impl From<Green> for GreenChannel {
 }
 
 impl MaterialArgs {
+    /// The materials asked for. `height_scale` is the height of white in model units, where it was asked for.
+    pub fn options(&self, height_scale: Option<f64>) -> MaterialOptions {
+        let maps = MapOptions {
+            base_color: self.base_color_map.clone(),
+            normal: self.normal_map.clone(),
+            normal_space: self.normal_space.into(),
+            green: self.green.into(),
+            height: self.height_map.clone(),
+            height_scale: height_scale.map(|scale| scale as f32),
+            occlusion: self.occlusion_map.clone(),
+            ..MapOptions::default()
+        };
+        let (variant, material) = (self.variant.clone(), self.material.clone());
+        MaterialOptions { variant, material, maps, green: self.green.into() }
+    }
+
     /// What was asked for, for reports; absent where nothing was.
     pub fn json(&self) -> serde_json::Value {
         json!({
@@ -216,7 +237,95 @@ impl MaterialArgs {
     }
 }
 
+impl LightArgs {
+    /// What can be refused before any work is done.
+    pub fn check(&self) -> Result<()> {
+        if self.show_env && self.environment_name().is_none() {
+            bail!(
+                "--show-env: there is no environment to be seen; name one by --env studio or --env FILE.hdr"
+            );
+        }
+        if !(self.env_intensity >= 0.0 && self.env_intensity.is_finite()) {
+            bail!("--env-intensity {}: it must be 0 or more", self.env_intensity);
+        }
+        if !self.env_rotate_deg.is_finite() {
+            bail!("--env-rotate-deg {}: write an angle in degrees", self.env_rotate_deg);
+        }
+        Ok(())
+    }
+
+    /// The studio or a file; `None` where there is to be none.
+    fn environment_name(&self) -> Option<&str> {
+        self.env.as_deref().filter(|name| EnvironmentSource::named(name).is_some())
+    }
+
+    /// Reads the environment asked for and filters it, or takes it from the cache.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn environment(&self, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
+        let options = EnvironmentOptions {
+            source: self.env.as_deref().and_then(EnvironmentSource::named),
+            rotation: self.env_rotate_deg.to_radians(),
+            intensity: self.env_intensity,
+            visible: self.show_env,
+        };
+        options.load(warnings).context("--env")
+    }
+
+    /// What was asked for, for reports; null where there is none.
+    pub fn environment_json(&self) -> serde_json::Value {
+        match self.environment_name() {
+            None => serde_json::Value::Null,
+            Some(name) => json!({
+                "name": name,
+                "rotate_deg": self.env_rotate_deg,
+                "intensity": self.env_intensity,
+                "seen": self.show_env,
+            }),
+        }
+    }
+
+    /// The lights asked for.
+    ///
+    /// # Errors
+    /// That a light cannot be read.
+    pub fn options(&self) -> Result<LightOptions> {
+        let light = |line: &String| {
+            line.parse::<LightSpec>()
+                .map_err(|error| options::under(format_args!("--light \"{line}\""), error))
+        };
+        let lights = self.lights.iter().map(light).collect::<Result<_>>()?;
+        Ok(LightOptions { lights, ambient: self.ambient })
+    }
+}
+
 impl CameraArgs {
+    /// The camera asked for.
+    ///
+    /// # Errors
+    /// That the orbit has too few or too many numbers.
+    pub fn options(&self) -> Result<CameraOptions> {
+        let framed = CameraOptions {
+            name: self.camera.clone(),
+            target: self.target,
+            fov_y: self.fov_deg.to_radians(),
+            ..CameraOptions::default()
+        };
+        let (degrees, distance) = match self.orbit.as_deref() {
+            None => return Ok(framed),
+            Some([azimuth, elevation]) => ([*azimuth, *elevation], None),
+            Some([azimuth, elevation, distance]) if *distance > 0.0 => {
+                ([*azimuth, *elevation], Some(*distance))
+            }
+            Some(_) => bail!(
+                "--orbit: write AZIMUTH,ELEVATION or AZIMUTH,ELEVATION,DISTANCE with a distance above 0"
+            ),
+        };
+        let [azimuth, elevation] = degrees.map(f64::to_radians);
+        Ok(CameraOptions { azimuth, elevation, distance, ..framed })
+    }
+
     /// What can be refused before any work is done.
     pub fn check(&self) -> Result<()> {
         if !(self.fov_deg > 0.0 && self.fov_deg < 180.0) {

@@ -1,23 +1,54 @@
-//! How a model is seen: its material, its light, where it is seen from, and how that becomes a picture. What
-//! subcommands that take pictures of a user's model have in common.
+//! How a model is seen, as options of the command: its material, its light, where it is seen from, and how that becomes
+//! a picture. The subcommands that take pictures of a user's model have them in common; the work is done by
+//! [`taotie::studio`].
 
 mod args;
-mod cache;
-mod camera;
-mod environment;
-mod lights;
-mod material;
-mod model;
-mod motion;
+mod viewpoint;
 
 pub use args::{CameraArgs, FilmArgs, Green, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs, Space};
-pub use camera::{Framing, Viewpoint};
-pub use lights::lighting;
-pub use material::apply_choice;
-pub use model::load;
-pub use motion::Motion;
+pub use taotie::studio::{Framing, Motion};
+pub use viewpoint::Viewpoint;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
+use std::path::Path;
+use taotie::io::Loaded;
+use taotie::render::{EnvironmentLight, Lighting};
+use taotie::scene::Scene;
+use taotie::studio::MaterialFile;
+
+/// Reads a model, chooses the variant asked for, and gives its materials what the options ask for. `height_scale` is
+/// the height of white in model units, where it was asked for.
+pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>) -> Result<Loaded> {
+    let loaded = taotie::studio::load(path, &args.options(height_scale));
+    loaded.map_err(|error| of_material(args.material.as_deref(), error))
+}
+
+/// Puts a preset or what a TOML file asks for into every material of the scene.
+pub fn apply_choice(choice: &str, scene: &mut Scene) -> Result<()> {
+    let applied = MaterialFile::choose(choice).and_then(|file| file.apply(scene));
+    applied.map_err(|error| of_material(Some(choice), error))
+}
+
+/// An unknown material by the option that named it.
+fn of_material(choice: Option<&str>, error: taotie::Error) -> anyhow::Error {
+    match (choice, error) {
+        (Some(choice), taotie::Error::Invalid { what, why }) if what == format!("material {choice}") => {
+            anyhow!("--material {choice}: {why}")
+        }
+        (_, error) => error.into(),
+    }
+}
+
+/// The light on a scene after it has turned by `turn` radians on a turntable.
+pub fn lighting(
+    args: &LightArgs,
+    environment: Option<&EnvironmentLight>,
+    scene: &Scene,
+    viewpoint: &Viewpoint,
+    turn: f64,
+) -> Result<Lighting> {
+    Ok(args.options()?.lighting(environment, scene, viewpoint.at(turn)))
+}
 
 /// Runs `work` on `threads` threads, or on all of the machine's.
 pub fn in_pool<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {

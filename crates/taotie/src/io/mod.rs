@@ -1,6 +1,7 @@
 //! Files in and out: models, textures and pictures. The only module that meets paths and sRGB-encoded numbers.
 
 mod bitmap;
+pub(crate) mod cache;
 mod environment;
 mod file;
 mod gltf;
@@ -17,13 +18,15 @@ mod xmp;
 pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
 
 pub use bitmap::{decode_bitmap, read_bitmap};
+pub use cache::cache_folder;
 pub use environment::decode_environment;
 pub use file::read as read_bytes;
 pub use variants::Variants;
 pub use write::{
     ExrLayer, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, MovingFormat,
-    MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_glb, encode_png, write_bytes,
-    write_exr, write_gltf, write_png, write_png_bitmap, write_text,
+    MovingPicture, MovingSpec, PictureFormat, PngColor, PngImage, PngSamples, encode_glb, encode_png,
+    write_bytes, write_developed, write_exr, write_gltf, write_picture, write_png, write_png_bitmap,
+    write_text,
 };
 pub use xmp::Provenance;
 

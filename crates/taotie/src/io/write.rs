@@ -3,6 +3,7 @@
 mod exr;
 mod gltf;
 mod moving;
+mod picture;
 mod png;
 
 pub use exr::{ExrLayer, write_exr};
@@ -10,6 +11,7 @@ pub use gltf::{
     GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, encode_glb, write_gltf,
 };
 pub use moving::{MovingFormat, MovingPicture, MovingSpec};
+pub use picture::{PictureFormat, write_developed, write_picture};
 pub use png::{PngColor, PngImage, PngSamples, encode_png, write_png, write_png_bitmap};
 
 use crate::error::{Error, Result};

@@ -4,6 +4,8 @@ mod column;
 mod lane;
 mod mat;
 mod pack;
+#[cfg(feature = "serde")]
+mod serial;
 mod simd;
 mod vec;
 

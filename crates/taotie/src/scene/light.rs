@@ -44,6 +44,7 @@ pub enum LightKind {
 
 /// How the irradiance of a point or spot light falls with the distance d.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Falloff {
     /// E = I / d².
     #[default]

@@ -49,6 +49,7 @@ impl UvTransform {
 
 /// Which way the green channel of a normal map points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GreenChannel {
     /// +Y, towards decreasing v (up in the picture): OpenGL and glTF.
     #[default]
@@ -59,6 +60,7 @@ pub enum GreenChannel {
 
 /// In which space a normal map's vectors are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalSpace {
     /// Relative to tangent, bitangent and normal.
     #[default]

@@ -6,17 +6,20 @@ use rayon::prelude::*;
 
 /// What a texture seems to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalMapKind {
     /// Unit vectors that nearly all have z > 0.
     Tangent,
     /// Unit vectors in all directions.
     Object,
     /// Not unit vectors.
+    #[cfg_attr(feature = "serde", serde(rename = "none"))]
     No,
 }
 
 /// Which way a normal map's green channel points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GreenVerdict {
     /// +Y: OpenGL, glTF.
     Up,

@@ -1,15 +1,16 @@
-//! What a material is made of.
+//! The factors and textures of a material.
 
 use super::layers::{self, LayersReport};
 use super::normal_map::{NormalMapReport, Pixels};
-use serde::Serialize;
+use crate::image::Encoding;
+use crate::io::Loaded;
+use crate::scene::{AlphaMode, Classic, Material, TextureRef};
 use std::collections::HashMap;
-use taotie::image::Encoding;
-use taotie::io::Loaded;
-use taotie::scene::{AlphaMode, Classic, Material, TextureRef};
 
-/// What a material is made of.
-#[derive(Debug, Serialize)]
+/// A material: its factors, its textures, and what is known about its normal map.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct MaterialReport {
     /// As in the file; may be empty.
     pub name: String,
@@ -21,13 +22,13 @@ pub struct MaterialReport {
     pub roughness: f32,
     /// Reflectance at normal incidence, linear RGB, where the file states it.
     pub f0: Option<[f32; 3]>,
-    /// What extensions of glTF add.
-    #[serde(flatten)]
+    /// The layers that extensions of glTF add.
+    #[cfg_attr(feature = "serde", serde(flatten))]
     pub layers: LayersReport,
     /// Emitted radiance, linear RGB.
     pub emissive: [f32; 3],
     /// `opaque`, `mask` or `blend`.
-    pub alpha_mode: &'static str,
+    pub alpha_mode: String,
     /// Of `mask`.
     pub alpha_cutoff: Option<f32>,
     /// Whether back faces are drawn.
@@ -38,16 +39,18 @@ pub struct MaterialReport {
     pub occlusion_strength: f32,
     /// The height of white of the height map, model units.
     pub height_scale: Option<f32>,
-    /// What the classic models take.
+    /// The parameters of the classic models.
     pub classic: ClassicReport,
-    /// What it reads.
+    /// The textures that it reads.
     pub textures: Vec<TextureReport>,
-    /// What is known about the normal map.
+    /// The normal map: how it is drawn, and what its pixels say.
     pub normal_map: Option<NormalMapReport>,
 }
 
 /// Parameters of the classic models where the file states them.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct ClassicReport {
     /// k_a, linear RGB.
     pub ambient: Option<[f32; 3]>,
@@ -62,11 +65,13 @@ pub struct ClassicReport {
 }
 
 /// A texture in its role.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct TextureReport {
     /// `base-color`, `metallic-roughness`, `normal`, `height`, `occlusion`, `emissive`, `specular`, `specular-color`,
     /// `clearcoat`, `clearcoat-roughness`, `clearcoat-normal`, `anisotropy`, `sheen-color` or `sheen-roughness`.
-    pub role: &'static str,
+    pub role: String,
     /// The file or name.
     pub file: String,
     /// Texels across.
@@ -78,13 +83,13 @@ pub struct TextureReport {
     /// Channels in the file, 1 to 4.
     pub channels: u8,
     /// `srgb` or `linear`.
-    pub encoding: &'static str,
+    pub encoding: String,
     /// Which uv set of the mesh.
     pub uv_set: usize,
 }
 
 /// Reports about materials, looking at the pixels of each normal map once.
-pub struct Materials<'a> {
+pub(super) struct Materials<'a> {
     loaded: &'a Loaded,
     pixels: HashMap<usize, Pixels>,
 }
@@ -114,7 +119,7 @@ impl<'a> Materials<'a> {
             f0: material.f0,
             layers: LayersReport::new(material),
             emissive: material.emissive,
-            alpha_mode,
+            alpha_mode: alpha_mode.into(),
             alpha_cutoff,
             double_sided: material.double_sided,
             unlit: material.unlit,
@@ -142,19 +147,19 @@ impl<'a> Materials<'a> {
         used.map(|(role, texture)| self.texture(role, &texture)).collect()
     }
 
-    fn texture(&self, role: &'static str, used: &TextureRef) -> TextureReport {
+    fn texture(&self, role: &str, used: &TextureRef) -> TextureReport {
         let texture = &self.loaded.scene.textures[used.texture];
         let name = self.loaded.texture_names.get(used.texture).cloned();
         TextureReport {
-            role,
+            role: role.into(),
             file: name.unwrap_or_else(|| format!("texture {}", used.texture)),
             width: texture.width(),
             height: texture.height(),
             bits: texture.bitmap().bits(),
             channels: texture.bitmap().channels(),
             encoding: match texture.encoding() {
-                Encoding::Srgb => "srgb",
-                Encoding::Linear | Encoding::Normal => "linear",
+                Encoding::Srgb => "srgb".into(),
+                Encoding::Linear | Encoding::Normal => "linear".into(),
             },
             uv_set: used.uv_set,
         }

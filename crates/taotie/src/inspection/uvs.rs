@@ -1,12 +1,13 @@
 //! How sound a uv set is.
 
-use serde::Serialize;
-use taotie::math::Vec2;
-use taotie::mesh::Mesh;
-use taotie::surface::uv_derivatives;
+use crate::math::Vec2;
+use crate::mesh::Mesh;
+use crate::surface::uv_derivatives;
 
-/// How sound a uv set is.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// The faults of a uv set.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct UvHealth {
     /// The fraction of triangles with a corner outside [0, 1].
     pub outside: f64,
@@ -21,7 +22,7 @@ const MARGIN: f32 = 1e-4;
 
 impl UvHealth {
     /// Of the uv set `set` of `mesh`.
-    pub fn of(mesh: &Mesh, set: usize) -> Self {
+    pub(super) fn of(mesh: &Mesh, set: usize) -> Self {
         let (mut outside, mut degenerate, mut mirrored) = (0, 0, 0);
         for (index, triangle) in mesh.triangles().iter().enumerate() {
             let uvs = triangle.map(|i| mesh.uvs()[set][i as usize]);
@@ -48,8 +49,8 @@ fn fraction(part: usize, all: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::math::Vec3;
-    use taotie::mesh::MeshData;
+    use crate::math::Vec3;
+    use crate::mesh::MeshData;
 
     #[test]
     fn counts_each_fault() {

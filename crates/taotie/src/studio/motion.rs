@@ -1,46 +1,54 @@
-//! The animation of a model that was asked for.
+//! An animation of a model.
 
-use anyhow::{Result, bail};
-use std::path::Path;
-use taotie::Warnings;
-use taotie::render::{SurfaceSettings, bind_tangents};
-use taotie::scene::Scene;
-use taotie::scene::animation::{Animation, Rig};
+use crate::error::{Error, Result, Warnings};
+use crate::render::{SurfaceSettings, bind_tangents};
+use crate::scene::Scene;
+use crate::scene::animation::{Animation, Rig};
 
 /// Moments of an animation at which it must fit into the picture.
 const MOMENTS: u32 = 24;
 
 /// A rig and which of its animations moves it.
+///
+/// ```no_run
+/// use taotie::studio::Motion;
+///
+/// let mut loaded = taotie::io::load_model("walking.glb".as_ref())?;
+/// let motion = Motion::choose(loaded.rig.take(), Some("Walk"))?;
+/// motion.pose(&mut loaded.scene, motion.seconds() / 2.0)?;
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug)]
 pub struct Motion {
     rig: Rig,
     animation: usize,
 }
 
 impl Motion {
-    /// The animation of `model` asked for by name, or by number from 0; the first where nothing was said.
+    /// Chooses an animation by name, or by number from 0; the first where `choice` is none.
     ///
     /// # Errors
-    /// That there is none, or none of that name; the text lists those that there are.
-    pub fn choose(rig: Option<Rig>, choice: Option<&str>, model: &Path) -> Result<Self> {
+    /// [`Error::Invalid`] where there is none, or none of that name; the text lists those that there are.
+    pub fn choose(rig: Option<Rig>, choice: Option<&str>) -> Result<Self> {
         let Some(rig) = rig.filter(|rig| !rig.animations().is_empty()) else {
-            let path = model.display();
-            bail!("{path}: it has no animation; leave out --animation, --time, --frames and --fps");
+            return Err(Error::invalid("animation", "the file has none"));
         };
         let animations = rig.animations();
         let animation = match choice {
             None => 0,
-            Some(name) => match number_of(animations, name) {
-                Some(animation) => animation,
-                None => {
-                    let names = names(animations).join(", ");
-                    bail!("--animation {name}: the file has no such animation; it has: {names}");
-                }
-            },
+            Some(name) => number_of(animations, name).ok_or_else(|| {
+                let names = names(animations).join(", ");
+                let why = format!("the file has no such animation; it has: {names}");
+                Error::invalid(format!("animation {name}"), why)
+            })?,
         };
         Ok(Self { rig, animation })
     }
 
     /// Makes tangents follow the surface; returns the settings for pictures of it. Brings the scene to rest.
+    ///
+    /// # Errors
+    /// As [`bind_tangents`].
     pub fn bind_tangents(
         self,
         scene: &mut Scene,
@@ -62,11 +70,17 @@ impl Motion {
     }
 
     /// Brings the scene to a moment.
+    ///
+    /// # Errors
+    /// As [`Rig::pose`].
     pub fn pose(&self, scene: &mut Scene, seconds: f64) -> Result<()> {
-        Ok(self.rig.pose(scene, self.animation, seconds)?)
+        self.rig.pose(scene, self.animation, seconds)
     }
 
     /// Shows `see` the scene at even moments from the animation's beginning to its end.
+    ///
+    /// # Errors
+    /// As [`Motion::pose`].
     pub fn tour(&self, scene: &mut Scene, mut see: impl FnMut(&Scene)) -> Result<()> {
         for moment in 0..MOMENTS {
             self.pose(scene, self.seconds() * f64::from(moment) / f64::from(MOMENTS - 1))?;

@@ -1,13 +1,13 @@
 //! How sound the tangents of a file are, and how near to MikkTSpace's.
 
-use super::mesh::is_unit;
-use serde::Serialize;
-use taotie::math::{Vec3, scalar};
-use taotie::mesh::Mesh;
-use taotie::surface::{TangentMethod, uv_derivatives, with_tangents};
+use crate::math::{Vec3, scalar};
+use crate::mesh::Mesh;
+use crate::surface::{TangentMethod, uv_derivatives, with_tangents};
 
-/// How sound the tangents of a file are.
-#[derive(Debug, Serialize)]
+/// The faults of the tangents that a mesh has in its file.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct TangentHealth {
     /// Vertices whose tangent is more than 1 % from unit length.
     pub not_unit: usize,
@@ -20,24 +20,29 @@ pub struct TangentHealth {
 }
 
 /// Tangents against MikkTSpace's, over the corners of triangles that have uv area.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Agreement {
     /// The uv set of the normal map.
     pub uv_set: usize,
-    /// Mean angle.
+    /// Mean angle, degrees.
     pub mean_degrees: f64,
-    /// Greatest angle.
+    /// Greatest angle, degrees.
     pub max_degrees: f64,
     /// Corners with the other handedness.
     pub other_handedness: usize,
 }
+
+/// How far from one the length of a direction may be.
+const UNIT_MARGIN: f32 = 0.01;
 
 /// The sine of 1°.
 const PERPENDICULAR_MARGIN: f32 = 0.017_45;
 
 impl TangentHealth {
     /// Of the tangents that `mesh` has, if any. `uv_set` is that of its normal map.
-    pub fn of(mesh: &Mesh, uv_set: Option<usize>) -> Option<Self> {
+    pub(super) fn of(mesh: &Mesh, uv_set: Option<usize>) -> Option<Self> {
         if mesh.tangents().is_empty() {
             return None;
         }
@@ -50,6 +55,11 @@ impl TangentHealth {
             mikktspace: uv_set.and_then(|set| Agreement::of(mesh, set)),
         })
     }
+}
+
+/// Whether `v` has unit length within [`UNIT_MARGIN`].
+pub(super) fn is_unit(v: Vec3) -> bool {
+    (v.length() - 1.0).abs() <= UNIT_MARGIN
 }
 
 fn direction([x, y, z, _]: &[f32; 4]) -> Vec3 {
@@ -102,8 +112,8 @@ fn angle(a: Vec3, b: Vec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::math::Vec2;
-    use taotie::mesh::MeshData;
+    use crate::math::Vec2;
+    use crate::mesh::MeshData;
 
     fn square(tangents: [[f32; 4]; 4]) -> Mesh {
         let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];

@@ -1,6 +1,6 @@
-//! What need not be made twice: files in the user's cache folder, bounded in size.
+//! Files in the user's cache folder, bounded in size: things that need not be made twice.
 //!
-//! `TAOTIE_CACHE_DIR` names another folder. Nothing here can fail: what cannot be read or written is made anew.
+//! Nothing here can fail: what cannot be read or written is made anew.
 
 use directories::ProjectDirs;
 use std::fs::{self, File};
@@ -11,9 +11,9 @@ use std::time::SystemTime;
 /// The most bytes that the folder holds; what was used longest ago goes first.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// The file `name`, if it is there. Opening counts as use.
-pub fn open(name: &str) -> Option<File> {
-    let path = folder()?.join(name);
+/// Opens the file `name`, if it is there. Opening counts as use.
+pub(crate) fn open(name: &str) -> Option<File> {
+    let path = cache_folder()?.join(name);
     let file = File::open(&path).ok()?;
     if let Ok(file) = File::options().append(true).open(&path) {
         let _ = file.set_modified(SystemTime::now());
@@ -22,14 +22,23 @@ pub fn open(name: &str) -> Option<File> {
 }
 
 /// Leaves the file `name`, whole or not at all.
-pub fn write(name: &str, bytes: &[u8]) {
-    if let Some(folder) = folder() {
+pub(crate) fn write(name: &str, bytes: &[u8]) {
+    if let Some(folder) = cache_folder() {
         let _ = write_in(&folder, name, bytes);
         make_room(&folder, MOST_BYTES);
     }
 }
 
-fn folder() -> Option<PathBuf> {
+/// Returns the folder of what need not be made twice, such as filtered environments: the one that the environment
+/// variable `TAOTIE_CACHE_DIR` names, else one in the user's cache folder; `None` where the system has no such folder.
+/// It may be absent, and can be removed at any time.
+///
+/// ```
+/// if let Some(folder) = taotie::io::cache_folder() {
+///     println!("{}", folder.display());
+/// }
+/// ```
+pub fn cache_folder() -> Option<PathBuf> {
     if let Some(folder) = std::env::var_os("TAOTIE_CACHE_DIR") {
         return Some(PathBuf::from(folder));
     }

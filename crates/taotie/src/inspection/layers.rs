@@ -1,25 +1,28 @@
-//! What glTF's extensions add to a material.
+//! The layers that glTF's extensions add to a material.
 
-use serde::Serialize;
-use taotie::scene::{Material, TextureRef};
+use crate::scene::{Material, TextureRef};
 
-/// What glTF's extensions add to a material.
-#[derive(Debug, Serialize)]
+/// The layers that glTF's extensions add to a material.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct LayersReport {
     /// Index of refraction of the dielectric part.
     pub ior: f32,
     /// The strength of the dielectric part's reflection.
     pub specular: SpecularReport,
-    /// A clear lacquer.
+    /// A clearcoat.
     pub clearcoat: Option<ClearcoatReport>,
-    /// Stretched highlights.
+    /// Anisotropic highlights.
     pub anisotropy: Option<AnisotropyReport>,
-    /// Fibres.
+    /// A sheen of fibres.
     pub sheen: Option<SheenReport>,
 }
 
 /// The strength of the dielectric part's reflection.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct SpecularReport {
     /// [0, 1].
     pub factor: f32,
@@ -27,8 +30,10 @@ pub struct SpecularReport {
     pub color: [f32; 3],
 }
 
-/// A clear lacquer.
-#[derive(Debug, Serialize)]
+/// A clearcoat.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct ClearcoatReport {
     /// [0, 1].
     pub factor: f32,
@@ -38,8 +43,10 @@ pub struct ClearcoatReport {
     pub normal_scale: Option<f32>,
 }
 
-/// Stretched highlights.
-#[derive(Debug, Serialize)]
+/// Anisotropic highlights.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct AnisotropyReport {
     /// [0, 1].
     pub strength: f32,
@@ -47,8 +54,10 @@ pub struct AnisotropyReport {
     pub rotation_deg: f64,
 }
 
-/// Fibres.
-#[derive(Debug, Serialize)]
+/// A sheen of fibres.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct SheenReport {
     /// Linear RGB.
     pub color: [f32; 3],
@@ -57,8 +66,7 @@ pub struct SheenReport {
 }
 
 impl LayersReport {
-    /// Of `material`.
-    pub fn new(material: &Material) -> Self {
+    pub(super) fn new(material: &Material) -> Self {
         let specular = &material.specular;
         Self {
             ior: material.ior,
@@ -75,40 +83,10 @@ impl LayersReport {
             sheen: material.sheen.map(|sheen| SheenReport { color: sheen.color, roughness: sheen.roughness }),
         }
     }
-
-    /// What differs from a plain material, in words.
-    pub fn words(&self) -> Vec<String> {
-        let mut words = Vec::new();
-        if self.ior != 1.5 {
-            words.push(format!("ior {}", self.ior));
-        }
-        if self.specular.factor != 1.0 {
-            words.push(format!("specular factor {}", self.specular.factor));
-        }
-        if self.specular.color != [1.0; 3] {
-            words.push(format!("specular colour {}", color(self.specular.color)));
-        }
-        if let Some(ClearcoatReport { factor, roughness, normal_scale }) = &self.clearcoat {
-            let normal =
-                normal_scale.map(|scale| format!(" and normal map scale {scale}")).unwrap_or_default();
-            words.push(format!("clearcoat {factor} with roughness {roughness}{normal}"));
-        }
-        if let Some(AnisotropyReport { strength, rotation_deg }) = &self.anisotropy {
-            words.push(format!("anisotropy {strength} at {rotation_deg:.1}°"));
-        }
-        if let Some(sheen) = &self.sheen {
-            words.push(format!("sheen {} with roughness {}", color(sheen.color), sheen.roughness));
-        }
-        words
-    }
-}
-
-fn color(color: [f32; 3]) -> String {
-    color.map(|v| v.to_string()).join(" ")
 }
 
 /// The textures of the layers in their roles.
-pub fn textures(material: &Material) -> impl Iterator<Item = (&'static str, Option<TextureRef>)> {
+pub(super) fn textures(material: &Material) -> impl Iterator<Item = (&'static str, Option<TextureRef>)> {
     let specular = &material.specular;
     let (coat, sheen) = (material.clearcoat, material.sheen);
     let roles = [

@@ -1,30 +1,30 @@
-//! The report: counts, extent, and what meshes, materials and warnings have to tell.
+//! The inspection of a model: counts, extent, meshes, materials and warnings.
 
+use super::hints::{self, Hint};
 use super::material::{MaterialReport, Materials};
-use super::mesh::MeshReport;
-use super::{hints, mesh};
-use serde::Serialize;
-use std::path::Path;
-use taotie::Warnings;
-use taotie::io::Loaded;
-use taotie::render::{Prepared, SurfaceSettings};
-use taotie::scene::animation::Animation;
-use taotie::scene::{Camera, Light, LightKind, Projection, Scene};
+use super::mesh::{self, MeshReport};
+use crate::error::Warnings;
+use crate::io::Loaded;
+use crate::render::{Prepared, SurfaceSettings};
+use crate::scene::animation::Animation;
+use crate::scene::{Camera, Light, LightKind, Projection, Scene};
 
-/// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 3;
-
-/// What is in a model and what is wrong with it.
-#[derive(Debug, Serialize)]
-pub struct Report {
-    /// [`SCHEMA`].
-    pub schema: u32,
-    /// Of the program.
-    pub version: &'static str,
-    /// The path asked for.
-    pub model: String,
+/// The content of a model and what is wrong with it.
+///
+/// ```no_run
+/// use taotie::inspection::Inspection;
+///
+/// let inspection = Inspection::of(&taotie::io::load_model("statue.glb".as_ref())?);
+/// let broken = inspection.meshes.iter().filter(|mesh| mesh.zero_area_triangles > 0);
+/// println!("{} of {} meshes have triangles without area", broken.count(), inspection.counts.meshes);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Inspection {
     /// `glTF`, `GLB`, `OBJ`, `PLY` or `STL`.
-    pub format: &'static str,
+    pub format: String,
     /// The program that wrote the file.
     pub generator: Option<String>,
     /// The rights notice.
@@ -38,9 +38,9 @@ pub struct Report {
     /// In the order of the file.
     pub materials: Vec<MaterialReport>,
     /// The file's lights.
-    pub lights: Vec<Named>,
+    pub lights: Vec<Listed>,
     /// The file's cameras.
-    pub cameras: Vec<Named>,
+    pub cameras: Vec<Listed>,
     /// The file's animations.
     pub animations: Vec<AnimationReport>,
     /// Names of the sets of materials that the file offers.
@@ -51,14 +51,14 @@ pub struct Report {
     pub extensions_used: Vec<String>,
     /// glTF extensions that the file requires.
     pub extensions_required: Vec<String>,
-    /// What would be ignored or put right when the model is rendered.
+    /// Things that would be ignored or put right when the model is rendered.
     pub warnings: Vec<Counted>,
-    /// What to try.
-    pub hints: Vec<String>,
 }
 
 /// How many of each there are.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Counts {
     /// Meshes; each primitive of glTF and each material of an OBJ file counts as one.
     pub meshes: usize,
@@ -83,7 +83,9 @@ pub struct Counts {
 }
 
 /// An axis-aligned box in world space, model units.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Extent {
     /// The corner of least coordinates.
     pub min: [f64; 3],
@@ -94,45 +96,48 @@ pub struct Extent {
 }
 
 /// A light or camera.
-#[derive(Debug, Serialize)]
-pub struct Named {
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Listed {
     /// As in the file; may be empty.
     pub name: String,
     /// Its form, such as `spot` or `perspective`.
-    pub kind: &'static str,
+    pub kind: String,
 }
 
 /// An animation.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct AnimationReport {
     /// As in the file; may be empty.
     pub name: String,
     /// The time of its last keyframe.
     pub seconds: f64,
-    /// What it moves: channels that can be used.
+    /// Its channels that can be used.
     pub channels: usize,
     /// The keyframes of all channels.
     pub keyframes: usize,
 }
 
 /// A warning.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Counted {
-    /// What was wrong.
+    /// The thing that was wrong.
     pub what: String,
     /// How often.
     pub count: usize,
 }
 
-impl Report {
-    /// The report about a model that was read from `path`.
-    pub fn new(path: &Path, loaded: &Loaded) -> Self {
+impl Inspection {
+    /// Inspects a model that was read.
+    pub fn of(loaded: &Loaded) -> Self {
         let scene = &loaded.scene;
-        let mut report = Self {
-            schema: SCHEMA,
-            version: env!("CARGO_PKG_VERSION"),
-            model: path.display().to_string(),
-            format: loaded.format,
+        Self {
+            format: loaded.format.into(),
             generator: loaded.generator.clone(),
             copyright: loaded.copyright.clone(),
             counts: Counts::new(loaded),
@@ -147,10 +152,12 @@ impl Report {
             extensions_used: loaded.extensions_used.clone(),
             extensions_required: loaded.extensions_required.clone(),
             warnings: warnings(loaded),
-            hints: Vec::new(),
-        };
-        report.hints = hints::of(&report);
-        report
+        }
+    }
+
+    /// Returns what will not look as meant.
+    pub fn hints(&self) -> Vec<Hint> {
+        hints::of(&self.materials, &self.meshes)
     }
 }
 
@@ -196,24 +203,24 @@ impl Extent {
     }
 }
 
-fn named_light(light: &Light) -> Named {
+fn named_light(light: &Light) -> Listed {
     let kind = match light.kind {
         LightKind::Point { .. } => "point",
         LightKind::Directional { .. } => "directional",
         LightKind::Spot { .. } => "spot",
     };
-    Named { name: light.name.clone(), kind }
+    Listed { name: light.name.clone(), kind: kind.into() }
 }
 
-fn named_camera(camera: &Camera) -> Named {
+fn named_camera(camera: &Camera) -> Listed {
     let kind = match camera.projection {
         Projection::Perspective { .. } => "perspective",
         Projection::Orthographic { .. } => "orthographic",
     };
-    Named { name: camera.name.clone(), kind }
+    Listed { name: camera.name.clone(), kind: kind.into() }
 }
 
-/// What reading noted, and what rendering would note.
+/// Everything that reading noted and that rendering would note.
 fn warnings(loaded: &Loaded) -> Vec<Counted> {
     let mut all: Warnings = loaded.warnings.clone();
     match Prepared::new(&loaded.scene, &SurfaceSettings::default()) {

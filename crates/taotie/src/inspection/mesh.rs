@@ -1,16 +1,17 @@
-//! What a mesh holds and how sound it is.
+//! How sound a mesh is.
 
-use super::tangents::TangentHealth;
+use super::tangents::{TangentHealth, is_unit};
 use super::uvs::UvHealth;
-use serde::Serialize;
+use crate::io::Loaded;
+use crate::math::Vec3;
+use crate::mesh::Mesh;
+use crate::scene::{NormalSpace, Scene};
 use std::collections::BTreeSet;
-use taotie::io::Loaded;
-use taotie::math::Vec3;
-use taotie::mesh::Mesh;
-use taotie::scene::{NormalSpace, Scene};
 
-/// What a mesh holds and how sound it is.
-#[derive(Debug, Serialize)]
+/// A mesh: how much it holds and how sound it is.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct MeshReport {
     /// As in the file, else its number.
     pub name: String,
@@ -34,9 +35,9 @@ pub struct MeshReport {
     pub materials: Vec<usize>,
 }
 
-/// What normals a mesh has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+/// The kind of normals that a mesh has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Normals {
     /// None; smooth ones are made from the faces.
     Missing,
@@ -46,11 +47,8 @@ pub enum Normals {
     Smooth,
 }
 
-/// How far from one the length of a direction may be.
-pub const UNIT_MARGIN: f32 = 0.01;
-
 /// Reports about all meshes, in order.
-pub fn reports(loaded: &Loaded) -> Vec<MeshReport> {
+pub(super) fn reports(loaded: &Loaded) -> Vec<MeshReport> {
     let meshes = loaded.scene.meshes.iter().enumerate();
     meshes.map(|(index, mesh)| report(loaded, index, mesh)).collect()
 }
@@ -84,11 +82,6 @@ fn mapped_uv_set(scene: &Scene, materials: &[usize]) -> Option<usize> {
     maps.filter(|map| map.space == NormalSpace::Tangent).map(|map| map.texture.uv_set).next()
 }
 
-/// Whether `v` has unit length within [`UNIT_MARGIN`].
-pub fn is_unit(v: Vec3) -> bool {
-    (v.length() - 1.0).abs() <= UNIT_MARGIN
-}
-
 impl Normals {
     fn of(mesh: &Mesh) -> Self {
         if mesh.normals().is_empty() {
@@ -112,7 +105,7 @@ fn is_flat(mesh: &Mesh, triangle: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::mesh::MeshData;
+    use crate::mesh::MeshData;
 
     fn triangle(normals: Vec<Vec3>) -> Mesh {
         let positions = vec![Vec3::default(), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];

@@ -1,0 +1,96 @@
+//! Layers of materials and hints in words.
+
+use taotie::inspection::{AnisotropyReport, ClearcoatReport, Hint, LayersReport};
+use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::surface::{GreenVerdict, NormalMapKind};
+
+/// What to try; `None` for a hint that this program knows no option for.
+pub fn hint(hint: &Hint) -> Option<String> {
+    Some(match hint {
+        Hint::NoNormalMap { material } => {
+            format!("the normal map of '{material}' is no normal map by its pixels")
+        }
+        Hint::OtherSpace { material, drawn, by_pixels } => {
+            let (drawn, kind) = (space(*drawn), space(*by_pixels));
+            format!(
+                "the normal map of '{material}' is {kind}-space by its pixels but drawn as {drawn}-space; \
+                 give it as --normal-map FILE --normal-space {kind}"
+            )
+        }
+        Hint::OtherGreen { material, drawn, by_pixels } => {
+            let (drawn, found) = (green(*drawn), green(*by_pixels));
+            format!(
+                "the normal map of '{material}' is green-{found} by its pixels but drawn green-{drawn}; \
+                 try --green {found}"
+            )
+        }
+        Hint::FarFromMikkTSpace { mesh, mean_degrees } => format!(
+            "the tangents of '{mesh}' are {mean_degrees:.1} degrees from MikkTSpace's on average; \
+             if the map was baked for MikkTSpace, try --tangents mikktspace"
+        ),
+        _ => return None,
+    })
+}
+
+/// The space of a normal map.
+pub fn space(space: NormalSpace) -> &'static str {
+    match space {
+        NormalSpace::Tangent => "tangent",
+        NormalSpace::Object => "object",
+    }
+}
+
+/// The green direction of a normal map.
+pub fn green(green: GreenChannel) -> &'static str {
+    match green {
+        GreenChannel::Up => "up",
+        GreenChannel::Down => "down",
+    }
+}
+
+/// The kind of a normal map.
+pub fn kind(kind: NormalMapKind) -> &'static str {
+    match kind {
+        NormalMapKind::Tangent => "tangent-space",
+        NormalMapKind::Object => "object-space",
+        NormalMapKind::No => "no normal map",
+    }
+}
+
+/// The green direction that pixels say.
+pub fn verdict(verdict: GreenVerdict) -> &'static str {
+    match verdict {
+        GreenVerdict::Up => "up",
+        GreenVerdict::Down => "down",
+        GreenVerdict::Unclear => "unclear",
+    }
+}
+
+/// What differs from a plain material.
+pub fn layers(layers: &LayersReport) -> Vec<String> {
+    let mut words = Vec::new();
+    if layers.ior != 1.5 {
+        words.push(format!("ior {}", layers.ior));
+    }
+    if layers.specular.factor != 1.0 {
+        words.push(format!("specular factor {}", layers.specular.factor));
+    }
+    if layers.specular.color != [1.0; 3] {
+        words.push(format!("specular colour {}", color(layers.specular.color)));
+    }
+    if let Some(ClearcoatReport { factor, roughness, normal_scale, .. }) = &layers.clearcoat {
+        let normal = normal_scale.map(|scale| format!(" and normal map scale {scale}")).unwrap_or_default();
+        words.push(format!("clearcoat {factor} with roughness {roughness}{normal}"));
+    }
+    if let Some(AnisotropyReport { strength, rotation_deg, .. }) = &layers.anisotropy {
+        words.push(format!("anisotropy {strength} at {rotation_deg:.1}°"));
+    }
+    if let Some(sheen) = &layers.sheen {
+        words.push(format!("sheen {} with roughness {}", color(sheen.color), sheen.roughness));
+    }
+    words
+}
+
+fn color(color: [f32; 3]) -> String {
+    color.map(|v| v.to_string()).join(" ")
+}

@@ -1,0 +1,65 @@
+//! Where the picture is taken from; what is wrong is told by the option that asked for it.
+
+use super::CameraArgs;
+use crate::options;
+use anyhow::{Error, Result, bail};
+use taotie::scene::{Camera, Scene};
+use taotie::studio::{self, Framing, Motion, View};
+
+/// A camera that can be turned about the vertical through its target.
+pub struct Viewpoint(studio::Viewpoint);
+
+impl Viewpoint {
+    /// The camera asked for: one of the file by name, an orbit, else the object framed.
+    pub fn choose(args: &CameraArgs, framing: Framing, scene: &Scene) -> Result<Self> {
+        check(args, scene)?;
+        let chosen = studio::Viewpoint::choose(&args.options()?, framing, scene);
+        chosen.map(Self).map_err(|error| of_option(args, error))
+    }
+
+    /// As [`Viewpoint::choose`], framing all that the object fills in the course of its motion.
+    pub fn choose_moving(
+        args: &CameraArgs,
+        framing: Framing,
+        scene: &mut Scene,
+        motion: &Motion,
+    ) -> Result<Self> {
+        check(args, scene)?;
+        let chosen = studio::Viewpoint::choose_moving(&args.options()?, framing, scene, motion);
+        chosen.map(Self).map_err(|error| of_option(args, error))
+    }
+
+    /// Goes with a camera of the file that moves, where such a one was asked for.
+    pub fn follow(&mut self, args: &CameraArgs, scene: &Scene) -> Result<()> {
+        self.0.follow(&args.options()?, scene).map_err(|error| of_option(args, error))
+    }
+
+    /// The view after the object has turned by `turn` radians, as if it stood on a turntable.
+    pub fn at(&self, turn: f64) -> View<'_> {
+        self.0.at(turn)
+    }
+
+    /// The camera after the object has turned by `turn` radians.
+    pub fn camera(&self, turn: f64) -> Camera {
+        self.at(turn).camera()
+    }
+}
+
+fn check(args: &CameraArgs, scene: &Scene) -> Result<()> {
+    if scene.triangle_count() == 0 {
+        bail!("the model has no triangle to look at");
+    }
+    match &args.camera {
+        Some(name) if scene.cameras.is_empty() => {
+            bail!("--camera {name}: the file has no camera; use --orbit")
+        }
+        _ => Ok(()),
+    }
+}
+
+fn of_option(args: &CameraArgs, error: taotie::Error) -> Error {
+    match &args.camera {
+        Some(name) => options::under(format_args!("--camera {name}"), error),
+        None => error.into(),
+    }
+}

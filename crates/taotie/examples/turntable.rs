@@ -1,0 +1,39 @@
+//! Pictures of a model from all around: `cargo run --release --example turntable -- model.glb turn 36`.
+//!
+//! Without a model a sphere turns. The pictures are `turn.000.png`, `turn.001.png` and so on.
+
+use std::path::{Path, PathBuf};
+use taotie::film::Development;
+use taotie::io::{self, PictureFormat};
+use taotie::mesh::Mesh;
+use taotie::render::{RenderSettings, Renderer};
+use taotie::scene::{Instance, Material, Scene};
+use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
+use taotie::{Progress, Result, math::Mat4};
+
+/// Takes `count` pictures, `size` pixels wide and high; returns their files.
+pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<Vec<PathBuf>> {
+    let framing = Framing { size: [size; 2], all_around: true };
+    let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, scene)?;
+    let settings = RenderSettings { width: size, height: size, ..RenderSettings::default() };
+    let mut renderer = Renderer::new(scene, &settings.surface)?;
+    let pictures = viewpoint.turn(count).enumerate().map(|(index, view)| {
+        let lighting = LightOptions::default().lighting(None, scene, view);
+        let frame = renderer.render(&view.camera(), &lighting, &settings, Progress::SILENT)?;
+        let path = output.with_extension(format!("{index:03}.png"));
+        io::write_picture(&path, &frame.color, &Development::default(), PictureFormat::Png8)?;
+        Ok(path)
+    });
+    pictures.collect()
+}
+
+/// Reads the arguments: a model, where pictures go, and how many.
+pub fn main() -> Result<()> {
+    let [model, output, count] = [1, 2, 3].map(|place| std::env::args().nth(place));
+    let ball = Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY };
+    let (meshes, materials) = (vec![Mesh::sphere(1.0, 96, 48)], vec![Material::default()]);
+    let sphere = Scene { meshes, materials, instances: vec![ball], ..Scene::default() };
+    let scene = model.map_or(Ok(sphere), |model| Ok(io::load_model(model.as_ref())?.scene))?;
+    let count = count.and_then(|count| count.parse().ok()).unwrap_or(12);
+    turntable(&scene, count, 512, output.as_deref().unwrap_or("turn").as_ref()).map(drop)
+}

@@ -1,0 +1,60 @@
+//! The kind of a normal map: as it is drawn, and as its pixels say.
+
+use crate::image::Bitmap;
+use crate::scene::{GreenChannel, NormalMap, NormalSpace};
+use crate::surface::{GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};
+
+/// A normal map: how it is drawn, and what its pixels say.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct NormalMapReport {
+    /// Multiplies x and y.
+    pub scale: f32,
+    /// The space it is drawn in.
+    pub space: NormalSpace,
+    /// The green direction it is drawn with.
+    pub green: GreenChannel,
+    /// The guess from its pixels.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub pixels: Pixels,
+}
+
+/// The guess about a normal map from its pixels.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Pixels {
+    /// Its kind.
+    pub kind_by_pixels: NormalMapKind,
+    /// Its green direction; `None` unless it is a tangent-space map.
+    pub green_by_pixels: Option<GreenVerdict>,
+    /// How sure the green direction is, [0, 1]; 0 where unclear.
+    pub green_confidence: Option<f32>,
+    /// Texels that cannot be tangent-space normals; `None` unless it is such a map.
+    pub invalid_texels: Option<usize>,
+    /// How many texels there are.
+    pub texels: usize,
+}
+
+impl NormalMapReport {
+    /// About `map`, of which `pixels` are.
+    pub(super) fn new(map: &NormalMap, pixels: Pixels) -> Self {
+        Self { scale: map.scale, space: map.space, green: map.green, pixels }
+    }
+}
+
+impl Pixels {
+    /// Of a texture that is used as a normal map.
+    pub(super) fn of(bitmap: &Bitmap) -> Self {
+        let kind = is_normal_map(bitmap);
+        let guess = (kind == NormalMapKind::Tangent).then(|| green_direction(bitmap));
+        Self {
+            kind_by_pixels: kind,
+            green_by_pixels: guess.map(|guess| guess.verdict),
+            green_confidence: guess.map(|guess| guess.confidence),
+            invalid_texels: guess.map(|_| invalid_texels(bitmap)),
+            texels: bitmap.texels().len(),
+        }
+    }
+}

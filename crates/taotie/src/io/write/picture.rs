@@ -1,0 +1,67 @@
+//! Pictures in linear light, developed for the eye or stored as they are.
+
+use super::{ExrLayer, write_exr, write_png_bitmap};
+use crate::error::Result;
+use crate::film::{Development, develop8, develop16};
+use crate::image::{Bitmap, Encoding, Image, Texels};
+use std::path::Path;
+
+/// How a picture is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// PNG, sRGB, 8 bits a channel.
+    Png8,
+    /// PNG, sRGB, 16 bits a channel.
+    Png16,
+    /// OpenEXR, linear float; nothing is developed.
+    Exr,
+}
+
+/// Writes a picture in linear light, developed unless it is stored linear.
+///
+/// ```no_run
+/// use taotie::film::Development;
+/// use taotie::image::Image;
+/// use taotie::io::{PictureFormat, write_picture};
+///
+/// let grey = Image::new(64, 64, [0.2, 0.2, 0.2, 1.0])?;
+/// write_picture("grey.png".as_ref(), &grey, &Development::default(), PictureFormat::Png16)?;
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// Those of the development, and [`crate::Error::Io`] where the file cannot be written.
+pub fn write_picture(
+    path: &Path,
+    image: &Image,
+    development: &Development,
+    format: PictureFormat,
+) -> Result<()> {
+    let texels = match format {
+        PictureFormat::Exr => {
+            let samples: Vec<f32> = image.pixels().iter().flatten().copied().collect();
+            let layer = ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples: &samples };
+            return write_exr(path, (image.width(), image.height()), &[layer]);
+        }
+        PictureFormat::Png8 => Texels::U8(develop8(image, development)?),
+        PictureFormat::Png16 => Texels::U16(develop16(image, development)?),
+    };
+    write_developed(path, [image.width(), image.height()], development, texels)
+}
+
+/// Writes the pixels of a developed picture of this width and height as PNG: without alpha where `development` puts a
+/// background behind it.
+///
+/// # Errors
+/// [`crate::Error::Invalid`] where the size does not fit the texels, [`crate::Error::Io`] where the file cannot be
+/// written.
+pub fn write_developed(
+    path: &Path,
+    [width, height]: [u32; 2],
+    development: &Development,
+    texels: Texels,
+) -> Result<()> {
+    // Nothing is seen through a picture with a background.
+    let channels = if development.background.is_some() { 3 } else { 4 };
+    write_png_bitmap(path, &Bitmap::new(width, height, channels, texels)?, Encoding::Srgb)
+}

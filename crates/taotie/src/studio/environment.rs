@@ -1,0 +1,153 @@
+//! Light from all around: the built-in studio or a file, turned, scaled, and cached when it is filtered.
+
+use crate::error::{Error, Result, Warnings};
+use crate::image::Image;
+use crate::io::{cache, decode_environment, read_bytes};
+use crate::render::EnvironmentLight;
+use crate::shade::environment::{ENVIRONMENT_VERSION, Environment, STUDIO_VERSION, studio};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The names of the built-in studio and of no environment.
+const STUDIO: &str = "studio";
+const NONE: &str = "none";
+
+/// Where light from all around comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum EnvironmentSource {
+    /// The studio that is built in.
+    Studio,
+    /// An equirectangular picture, `.hdr` or `.exr`.
+    File(PathBuf),
+}
+
+impl EnvironmentSource {
+    /// Returns the source of this name: `studio`, a file's path, or none for `none`.
+    ///
+    /// ```
+    /// use taotie::studio::EnvironmentSource;
+    ///
+    /// assert_eq!(EnvironmentSource::named("studio"), Some(EnvironmentSource::Studio));
+    /// assert_eq!(EnvironmentSource::named("none"), None);
+    /// assert_eq!(EnvironmentSource::named("sky.hdr"), Some(EnvironmentSource::File("sky.hdr".into())));
+    /// ```
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            NONE => None,
+            STUDIO => Some(Self::Studio),
+            file => Some(Self::File(file.into())),
+        }
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Self::Studio => STUDIO.into(),
+            Self::File(path) => path.display().to_string(),
+        }
+    }
+
+    fn environment(&self) -> Result<Environment> {
+        match self {
+            Self::Studio => cached(&format!("studio-{STUDIO_VERSION}"), || Ok(studio())),
+            Self::File(path) => read(path),
+        }
+    }
+}
+
+/// Light from all around as it is asked for.
+///
+/// ```
+/// use taotie::Warnings;
+/// use taotie::studio::EnvironmentOptions;
+///
+/// let light = EnvironmentOptions::default().load(&mut Warnings::default())?;
+/// assert!(light.is_none());
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct EnvironmentOptions {
+    /// Its picture; `None` for no light from all around.
+    pub source: Option<EnvironmentSource>,
+    /// Radians by which it is turned about +y, counter-clockwise as seen from above.
+    pub rotation: f64,
+    /// Multiplies its radiance, at least 0.
+    pub intensity: f64,
+    /// Whether it is seen where nothing stands before it.
+    pub visible: bool,
+}
+
+impl Default for EnvironmentOptions {
+    fn default() -> Self {
+        Self { source: None, rotation: 0.0, intensity: 1.0, visible: false }
+    }
+}
+
+impl EnvironmentOptions {
+    /// Reads the picture and filters it, or takes it from the cache, which lies in [`crate::io::cache_folder`]. Texels
+    /// that no light can have are mended and counted.
+    ///
+    /// # Errors
+    /// Those of the file, and [`Error::Invalid`] for an option out of range.
+    pub fn load(&self, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
+        self.check()?;
+        let Some(source) = &self.source else { return Ok(None) };
+        let environment = source.environment()?;
+        let mended = environment.mended_texels();
+        let what = "texels that no light can have (negative, infinite, not a number): mended";
+        warnings.note(format!("{}: {what}", source.name()), mended);
+        Ok(Some(EnvironmentLight {
+            environment: Arc::new(environment),
+            rotation: self.rotation,
+            intensity: self.intensity as f32,
+            visible: self.visible,
+        }))
+    }
+
+    fn check(&self) -> Result<()> {
+        if !(self.intensity >= 0.0 && self.intensity.is_finite()) {
+            return Err(Error::invalid(format!("intensity {}", self.intensity), "it must be 0 or more"));
+        }
+        if !self.rotation.is_finite() {
+            return Err(Error::invalid(
+                format!("rotation {}", self.rotation),
+                "it must be finite, in radians",
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn read(path: &Path) -> Result<Environment> {
+    let bytes = read_bytes(path)?;
+    let hash: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    cached(&hash, || decode_environment(&bytes, path))
+}
+
+/// The filtered environment of this name from the cache; else made of its picture, and left there.
+fn cached(name: &str, picture: impl FnOnce() -> Result<Image>) -> Result<Environment> {
+    let key = format!("{name}-{ENVIRONMENT_VERSION}.env");
+    if let Some(environment) = cache::open(&key).and_then(|file| Environment::read(file).ok()) {
+        return Ok(environment);
+    }
+    let environment = Environment::new(picture()?)?;
+    cache::write(&key, &environment.to_bytes());
+    Ok(environment)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_out_of_range_is_refused() {
+        let refused = |options: EnvironmentOptions| options.load(&mut Warnings::default()).is_err();
+        assert!(refused(EnvironmentOptions { intensity: -1.0, ..EnvironmentOptions::default() }));
+        assert!(refused(EnvironmentOptions { intensity: f64::NAN, ..EnvironmentOptions::default() }));
+        assert!(refused(EnvironmentOptions { rotation: f64::INFINITY, ..EnvironmentOptions::default() }));
+        let source = Some(EnvironmentSource::File("nowhere.hdr".into()));
+        assert!(refused(EnvironmentOptions { source, ..EnvironmentOptions::default() }));
+    }
+}

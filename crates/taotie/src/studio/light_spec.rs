@@ -1,0 +1,254 @@
+//! A light as one line of text says it.
+
+use super::parse;
+use super::viewpoint::View;
+use crate::error::{Error, Result};
+use crate::math::Vec3;
+use crate::scene::{Falloff, Light, LightKind, from_view};
+use std::collections::BTreeMap;
+use std::str::FromStr;
+
+/// Strength, and full angle of a spot in degrees, where nothing is said.
+const DEFAULT_STRENGTH: f64 = 3.0;
+const DEFAULT_ANGLE: f64 = 30.0;
+
+/// A light that stands in the studio: it keeps its place before the camera while a turntable turns the object.
+///
+/// It is read from a line of text: `point at=X,Y,Z`, `spot at=X,Y,Z toward=X,Y,Z angle=DEGREES inner=DEGREES`,
+/// `directional from=AZIMUTH,ELEVATION` (degrees, relative to the view) or `directional toward=X,Y,Z`, each with
+/// `strength=`, `color=` and `falloff=none|inverse-square`.
+///
+/// ```
+/// use taotie::studio::{LightForm, LightSpec};
+///
+/// let lamp: LightSpec = "point at=1,2,3 strength=2".parse()?;
+/// assert_eq!(lamp.color.to_array(), [2.0; 3]);
+/// assert!("point strength=2".parse::<LightSpec>().is_err());
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LightSpec {
+    /// Its form.
+    pub form: LightForm,
+    /// Linear RGB strength: intensity in W/sr (candela) for points and spots, irradiance (lux) for directions.
+    pub color: Vec3,
+    /// How the strength of points and spots falls with distance.
+    pub falloff: Falloff,
+}
+
+/// The form of a light that stands in the studio. Places are those of the world before the object turns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum LightForm {
+    /// Shines from a position in all directions.
+    Point {
+        /// World space.
+        position: Vec3,
+    },
+    /// Shines from a position within a cone.
+    Spot {
+        /// World space.
+        position: Vec3,
+        /// Unit direction of the cone's axis, world space.
+        direction: Vec3,
+        /// Angle from the axis up to which the light is full, radians, in [0, `outer`).
+        inner: f64,
+        /// Angle from the axis from which there is no light, radians, at most π/2.
+        outer: f64,
+    },
+    /// Shines from infinitely far.
+    Directional {
+        /// Unit direction in which the light travels, world space.
+        direction: Vec3,
+    },
+    /// Shines from infinitely far, from a place beside the viewer.
+    FromView {
+        /// Radians to the right of the viewer.
+        azimuth: f64,
+        /// Radians above the viewer.
+        elevation: f64,
+    },
+}
+
+impl LightSpec {
+    /// Returns the light as it shines on the scene in this view.
+    pub fn light(&self, view: View<'_>) -> Light {
+        let world = view.world_from_studio();
+        let place = |p: Vec3| world.transform_point(p.to_f64()).to_f32();
+        let turn = |d: Vec3| world.transform_vector(d.to_f64()).to_f32();
+        let kind = match self.form {
+            LightForm::Point { position } => LightKind::Point { position: place(position) },
+            LightForm::Spot { position, direction, inner, outer } => LightKind::Spot {
+                position: place(position),
+                direction: turn(direction),
+                inner: inner as f32,
+                outer: outer as f32,
+            },
+            LightForm::Directional { direction } => LightKind::Directional { direction: turn(direction) },
+            LightForm::FromView { azimuth, elevation } => {
+                let direction = -from_view(&view.front(), azimuth, elevation);
+                LightKind::Directional { direction: turn(direction) }
+            }
+        };
+        Light { name: String::new(), kind, color: self.color, falloff: self.falloff }
+    }
+}
+
+impl FromStr for LightSpec {
+    type Err = Error;
+
+    /// # Errors
+    /// [`Error::Invalid`] that names the line, the word and what it should be.
+    fn from_str(line: &str) -> Result<Self> {
+        let in_line = |error: Error| Error::invalid(format!("light \"{line}\""), reason(error));
+        Words::new(line).and_then(Words::spec).map_err(in_line)
+    }
+}
+
+/// Why a value cannot be used, after the word that holds it.
+fn reason(error: Error) -> String {
+    match error {
+        Error::Invalid { what, why } if what.is_empty() => why,
+        other => other.to_string(),
+    }
+}
+
+/// An error about the line as a whole.
+fn wrong(why: impl Into<String>) -> Error {
+    Error::invalid("", why)
+}
+
+/// The words of a light: `KIND key=value key=value`.
+struct Words<'a> {
+    kind: &'a str,
+    values: BTreeMap<&'a str, &'a str>,
+}
+
+impl<'a> Words<'a> {
+    fn new(line: &'a str) -> Result<Self> {
+        let mut words = line.split_whitespace();
+        let kind = words.next().ok_or_else(|| wrong("it is empty; start with point, spot or directional"))?;
+        let mut values = BTreeMap::new();
+        for word in words {
+            let (key, value) =
+                word.split_once('=').ok_or_else(|| wrong(format!("`{word}` is not key=value")))?;
+            values.insert(key, value);
+        }
+        Ok(Self { kind, values })
+    }
+
+    fn spec(mut self) -> Result<LightSpec> {
+        let form = match self.kind {
+            "point" => LightForm::Point { position: self.position()? },
+            "spot" => self.spot()?,
+            "directional" => self.directional()?,
+            other => {
+                let choice = "choose point, spot or directional";
+                return Err(wrong(format!("there is no light of the kind `{other}`; {choice}")));
+            }
+        };
+        let strength = self.take("strength", parse::number)?.unwrap_or(DEFAULT_STRENGTH);
+        let color = self.take("color", parse::color)?.unwrap_or(Vec3::splat(1.0));
+        let falloff = self.take("falloff", falloff)?.unwrap_or_default();
+        if let Some((key, _)) = self.values.first_key_value() {
+            return Err(wrong(format!("a {} light has no `{key}`", self.kind)));
+        }
+        if strength < 0.0 {
+            return Err(Error::invalid("strength", "it must not be below 0"));
+        }
+        Ok(LightSpec { form, color: color * strength as f32, falloff })
+    }
+
+    fn position(&mut self) -> Result<Vec3> {
+        Ok(self.need("at", parse::vector)?.to_f32())
+    }
+
+    fn spot(&mut self) -> Result<LightForm> {
+        let position = self.position()?;
+        let toward = self.need("toward", parse::vector)?;
+        let direction = unit(toward - position.to_f64())?;
+        let outer = self.take("angle", parse::number)?.unwrap_or(DEFAULT_ANGLE);
+        let inner = self.take("inner", parse::number)?.unwrap_or(outer * 0.8);
+        if !(outer > 0.0 && outer <= 90.0 && inner >= 0.0 && inner < outer) {
+            return Err(wrong("angle must lie in (0, 90] degrees and inner in [0, angle)"));
+        }
+        let [inner, outer] = [inner, outer].map(f64::to_radians);
+        Ok(LightForm::Spot { position, direction, inner, outer })
+    }
+
+    /// From a place relative to the view, or in a world direction.
+    fn directional(&mut self) -> Result<LightForm> {
+        if let Some(toward) = self.take("toward", parse::vector)? {
+            return Ok(LightForm::Directional { direction: unit(toward)? });
+        }
+        match self.need("from", parse::numbers)?.as_slice() {
+            [azimuth, elevation] => {
+                Ok(LightForm::FromView { azimuth: azimuth.to_radians(), elevation: elevation.to_radians() })
+            }
+            _ => Err(Error::invalid("from", "write AZIMUTH,ELEVATION in degrees, such as from=-60,20")),
+        }
+    }
+
+    fn take<T>(&mut self, key: &str, read: impl Fn(&str) -> Result<T>) -> Result<Option<T>> {
+        let value = self.values.remove(key);
+        value.map(|value| read(value).map_err(|error| of_key(key, error))).transpose()
+    }
+
+    fn need<T>(&mut self, key: &str, read: impl Fn(&str) -> Result<T>) -> Result<T> {
+        self.take(key, read)?.ok_or_else(|| wrong(format!("a {} light needs {key}=", self.kind)))
+    }
+}
+
+/// The error of a value, under its key.
+fn of_key(key: &str, error: Error) -> Error {
+    match error {
+        Error::Invalid { why, .. } => Error::invalid(key, why),
+        other => other,
+    }
+}
+
+fn falloff(value: &str) -> Result<Falloff> {
+    match value {
+        "none" => Ok(Falloff::None),
+        "inverse-square" => Ok(Falloff::InverseSquare),
+        _ => Err(wrong(format!("there is no falloff `{value}`; choose none or inverse-square"))),
+    }
+}
+
+fn unit(toward: Vec3<f64>) -> Result<Vec3> {
+    if toward.length() == 0.0 {
+        return Err(Error::invalid("toward", "the direction has no length"));
+    }
+    Ok(toward.normalize().to_f32())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_every_kind() {
+        let point: LightSpec = "point at=1,2,3 strength=2 color=0.5 falloff=none".parse().unwrap();
+        assert_eq!(point.form, LightForm::Point { position: Vec3::new(1.0, 2.0, 3.0) });
+        assert_eq!((point.color, point.falloff), (Vec3::splat(1.0), Falloff::None));
+        let beside: LightSpec = "directional from=90,0".parse().unwrap();
+        assert_eq!(beside.form, LightForm::FromView { azimuth: 90f64.to_radians(), elevation: 0.0 });
+        let down: LightSpec = "directional toward=0,-2,0".parse().unwrap();
+        assert_eq!(down.form, LightForm::Directional { direction: Vec3::new(0.0, -1.0, 0.0) });
+        let spot: LightSpec = "spot at=0,1,0 toward=0,0,0 angle=20".parse().unwrap();
+        assert!(matches!(spot.form, LightForm::Spot { outer, .. } if outer == 20f64.to_radians()));
+    }
+
+    #[test]
+    fn says_what_is_wrong() {
+        let why = |line: &str| line.parse::<LightSpec>().unwrap_err().to_string();
+        assert_eq!(why(""), "light \"\": it is empty; start with point, spot or directional");
+        assert!(why("sun from=0,0").contains("point, spot or directional"));
+        assert!(why("point").contains("at="));
+        assert!(why("point at=0,0").contains(": at: three numbers"));
+        assert!(why("point at=0,0,0 bright=3").contains("bright"));
+        assert!(why("spot at=0,0,0 toward=0,0,0").contains("toward: the direction has no length"));
+        assert!(why("directional from=1").contains("from: write AZIMUTH"));
+    }
+}

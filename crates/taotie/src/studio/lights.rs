@@ -1,0 +1,119 @@
+//! The light on a scene: the lights asked for, else the file's, else key, fill and rim.
+
+use super::light_spec::LightSpec;
+use super::viewpoint::View;
+use crate::math::Vec3;
+use crate::render::{EnvironmentLight, Lighting};
+use crate::scene::{Light, Scene, three_point_rig};
+
+/// Ambient radiance where no light is named: a dim room.
+const ROOM: f32 = 0.12;
+
+/// The lights asked for; by default those of the file, else key, fill and rim in a dim room.
+///
+/// ```
+/// use taotie::studio::LightOptions;
+///
+/// let raking = LightOptions { lights: vec!["directional from=-75,10 strength=4".parse()?], ..LightOptions::default() };
+/// assert_eq!(raking.lights.len(), 1);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct LightOptions {
+    /// Lights that stand still with the camera while a turntable turns the object; the file's turn with it.
+    pub lights: Vec<LightSpec>,
+    /// Radiance from all around, linear RGB; `None` for none where lights or an environment are named, else a dim room.
+    pub ambient: Option<Vec3>,
+}
+
+impl LightOptions {
+    /// Returns the light on `scene` in this view. The environment stands still with the camera; beside it only the
+    /// lights asked for and the file's shine.
+    pub fn lighting(
+        &self,
+        environment: Option<&EnvironmentLight>,
+        scene: &Scene,
+        view: View<'_>,
+    ) -> Lighting {
+        let lit = environment.is_some() || !self.lights.is_empty() || !scene.lights.is_empty();
+        let ambient = self.ambient.unwrap_or(Vec3::splat(if lit { 0.0 } else { ROOM }));
+        let turned = |light: &EnvironmentLight| EnvironmentLight {
+            rotation: light.rotation - view.angle(),
+            ..light.clone()
+        };
+        let lights = if lit { self.named(scene, view) } else { three_point_rig(&view.camera()) };
+        Lighting { lights, ambient, environment: environment.map(turned) }
+    }
+
+    fn named(&self, scene: &Scene, view: View<'_>) -> Vec<Light> {
+        match self.lights.is_empty() {
+            true => scene.lights.clone(),
+            false => self.lights.iter().map(|spec| spec.light(view)).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::viewpoint::{CameraOptions, Framing, Viewpoint};
+    use super::*;
+    use crate::math::Mat4;
+    use crate::mesh::Mesh;
+    use crate::scene::{Instance, LightKind, Material};
+    use std::f64::consts::FRAC_PI_2;
+
+    fn ball() -> (Scene, Viewpoint) {
+        let scene = Scene {
+            meshes: vec![Mesh::sphere(1.0, 16, 8)],
+            materials: vec![Material::default()],
+            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+            ..Scene::default()
+        };
+        let front = CameraOptions { azimuth: 0.0, elevation: 0.0, ..CameraOptions::default() };
+        let framing = Framing { size: [9, 9], all_around: false };
+        let viewpoint = Viewpoint::choose(&front, framing, &scene).unwrap();
+        (scene, viewpoint)
+    }
+
+    fn direction(light: &Light) -> Vec3 {
+        let LightKind::Directional { direction } = light.kind else { panic!("not directional") };
+        direction
+    }
+
+    #[test]
+    fn lights_asked_for_stand_still_with_the_camera() {
+        let (scene, viewpoint) = ball();
+        let options = LightOptions {
+            lights: vec!["directional from=90,0".parse().unwrap()],
+            ..LightOptions::default()
+        };
+        let shines = |turn| direction(&options.lighting(None, &scene, viewpoint.at(turn)).lights[0]);
+        assert!((shines(0.0) - Vec3::new(-1.0, 0.0, 0.0)).length() < 1e-6);
+        assert!((shines(FRAC_PI_2) - Vec3::new(0.0, 0.0, -1.0)).length() < 1e-6, "{:?}", shines(FRAC_PI_2));
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn options_survive_json() {
+        let line = "spot at=0,1,0 toward=0,0,0 angle=20 falloff=none";
+        let ambient = Some(Vec3::splat(0.5));
+        let options = LightOptions { lights: vec![line.parse().unwrap()], ambient };
+        let json = serde_json::to_string(&options).unwrap();
+        assert!(
+            json.contains(r#""position":[0.0,1.0,0.0]"#) && json.contains(r#""falloff":"none""#),
+            "{json}"
+        );
+        assert_eq!(serde_json::from_str::<LightOptions>(&json).unwrap(), options);
+        assert_eq!(serde_json::from_str::<LightOptions>("{}").unwrap(), LightOptions::default());
+    }
+
+    #[test]
+    fn a_dim_room_where_nothing_is_named() {
+        let (scene, viewpoint) = ball();
+        let lighting = LightOptions::default().lighting(None, &scene, viewpoint.at(0.0));
+        assert_eq!((lighting.lights.len(), lighting.ambient), (3, Vec3::splat(ROOM)));
+        let dark = LightOptions { ambient: Some(Vec3::default()), ..LightOptions::default() };
+        assert_eq!(dark.lighting(None, &scene, viewpoint.at(0.0)).ambient, Vec3::default());
+    }
+}

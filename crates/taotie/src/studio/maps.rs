@@ -1,0 +1,108 @@
+//! Maps from files, put on every material of a scene.
+
+use super::change::Change;
+use crate::error::Result;
+use crate::image::{Encoding, Sampler, Texture};
+use crate::io;
+use crate::scene::{GreenChannel, HeightMap, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use std::path::{Path, PathBuf};
+
+/// Height of white where nothing says otherwise, as a fraction of the model's size.
+const DEFAULT_HEIGHT: f64 = 0.01;
+
+/// Maps for every material of a scene: paths of pictures. Maps that are not named stay.
+///
+/// ```
+/// use taotie::scene::GreenChannel;
+/// use taotie::studio::MapOptions;
+///
+/// let maps = MapOptions { normal: Some("dx.png".into()), green: GreenChannel::Down, ..MapOptions::default() };
+/// assert_eq!((maps.normal_scale, maps.height), (1.0, None));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct MapOptions {
+    /// Base colour, sRGB.
+    pub base_color: Option<PathBuf>,
+    /// Roughness in green and metallic in blue, linear.
+    pub metallic_roughness: Option<PathBuf>,
+    /// A normal map.
+    pub normal: Option<PathBuf>,
+    /// Multiplies x and y of the normal map.
+    pub normal_scale: f32,
+    /// The space that the normal map is written in.
+    pub normal_space: NormalSpace,
+    /// The way that green points in the normal map.
+    pub green: GreenChannel,
+    /// A height map, white is high.
+    pub height: Option<PathBuf>,
+    /// The height of white, model units; `None` for a hundredth of the model's size.
+    pub height_scale: Option<f32>,
+    /// Occlusion in red, linear.
+    pub occlusion: Option<PathBuf>,
+    /// Emitted light, sRGB.
+    pub emissive: Option<PathBuf>,
+}
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        Self {
+            base_color: None,
+            metallic_roughness: None,
+            normal: None,
+            normal_scale: 1.0,
+            normal_space: NormalSpace::Tangent,
+            green: GreenChannel::Up,
+            height: None,
+            height_scale: None,
+            occlusion: None,
+            emissive: None,
+        }
+    }
+}
+
+impl MapOptions {
+    /// Reads the maps and puts them on every material of `scene`.
+    ///
+    /// # Errors
+    /// Those of the files.
+    pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        self.load(scene)?.apply(scene);
+        Ok(())
+    }
+
+    /// Adds the maps to the textures of `scene`; returns what becomes of its materials.
+    pub(super) fn load(&self, scene: &mut Scene) -> Result<Change> {
+        let size = scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
+        let mut load = |path: &Option<PathBuf>, encoding| {
+            path.as_ref().map(|path| load_texture(scene, path, encoding)).transpose()
+        };
+        Ok(Change {
+            reflectance: None,
+            base_color: load(&self.base_color, Encoding::Srgb)?,
+            metallic_roughness: load(&self.metallic_roughness, Encoding::Linear)?,
+            normal: load(&self.normal, Encoding::Normal)?.map(|texture| NormalMap {
+                texture,
+                scale: self.normal_scale,
+                space: self.normal_space,
+                green: self.green,
+            }),
+            height: load(&self.height, Encoding::Linear)?.map(|texture| HeightMap {
+                texture,
+                scale: self.height_scale.unwrap_or((size * DEFAULT_HEIGHT) as f32),
+            }),
+            occlusion: load(&self.occlusion, Encoding::Linear)?,
+            emissive: load(&self.emissive, Encoding::Srgb)?,
+        })
+    }
+}
+
+fn load_texture(scene: &mut Scene, path: &Path, encoding: Encoding) -> Result<TextureRef> {
+    scene.textures.push(Texture::new(io::read_bitmap(path)?, encoding));
+    Ok(TextureRef {
+        texture: scene.textures.len() - 1,
+        uv_set: 0,
+        sampler: Sampler::default(),
+        transform: UvTransform::default(),
+    })
+}

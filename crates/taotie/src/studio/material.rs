@@ -1,0 +1,56 @@
+//! The materials asked for: a variant, a preset or a TOML file, and maps.
+
+use super::maps::MapOptions;
+use super::material_file::MaterialFile;
+use crate::error::Result;
+use crate::scene::{GreenChannel, Scene};
+
+/// The materials asked for; by default they stay as the file says.
+///
+/// ```
+/// use taotie::scene::{Material, Scene};
+/// use taotie::studio::MaterialOptions;
+///
+/// let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+/// let bronze = MaterialOptions { material: Some("bronze".into()), ..MaterialOptions::default() };
+/// bronze.apply(&mut scene)?;
+/// assert_eq!(scene.materials[0].metallic, 1.0);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct MaterialOptions {
+    /// A variant of the file: one of the sets of materials that it offers. [`super::load`] chooses it.
+    pub variant: Option<String>,
+    /// A preset's name, or a TOML file's path; see [`MaterialFile`].
+    pub material: Option<String>,
+    /// Maps for every material.
+    pub maps: MapOptions,
+    /// `Down` makes green point down in every normal map, the file's own among them; `Up` leaves each as it is.
+    pub green: GreenChannel,
+}
+
+impl MaterialOptions {
+    /// Puts the material and the maps on every material of `scene`.
+    ///
+    /// # Errors
+    /// As [`MaterialFile::choose`] and [`MaterialFile::apply`], and those of the maps.
+    pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        if let Some(choice) = &self.material {
+            MaterialFile::choose(choice)?.apply(scene)?;
+        }
+        self.maps.apply(scene)?;
+        if self.green == GreenChannel::Down {
+            point_down(scene);
+        }
+        Ok(())
+    }
+}
+
+/// Makes green point down in every normal map.
+fn point_down(scene: &mut Scene) {
+    for material in &mut scene.materials {
+        let coat = material.clearcoat.as_mut().and_then(|coat| coat.normal.as_mut());
+        material.normal.iter_mut().chain(coat).for_each(|map| map.green = GreenChannel::Down);
+    }
+}

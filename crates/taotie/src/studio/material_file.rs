@@ -1,0 +1,286 @@
+//! Materials as TOML files write them.
+
+use super::change::Change;
+use super::maps::MapOptions;
+use crate::error::{Error, Result};
+use crate::io;
+use crate::scene::{AlphaMode, GreenChannel, Material, NormalSpace, PRESETS, Scene, preset};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// A material as a TOML file writes it: factors, a preset to start from, and a table `[maps]`. Colours are linear RGB;
+/// paths are relative to the file.
+///
+/// ```
+/// use taotie::scene::{Material, Scene};
+/// use taotie::studio::MaterialFile;
+///
+/// let old_bronze = MaterialFile::parse("preset = 'bronze'\nroughness = 0.6", "old_bronze.toml".as_ref())?;
+/// let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+/// old_bronze.apply(&mut scene)?;
+/// assert_eq!(scene.materials[0].roughness, 0.6);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MaterialFile {
+    /// Start from a preset.
+    preset: Option<String>,
+    base_color: Option<[f32; 3]>,
+    alpha: Option<f32>,
+    metallic: Option<f32>,
+    roughness: Option<f32>,
+    f0: Option<[f32; 3]>,
+    f82: Option<[f32; 3]>,
+    ambient: Option<[f32; 3]>,
+    diffuse: Option<[f32; 3]>,
+    specular: Option<[f32; 3]>,
+    shininess: Option<f32>,
+    slope: Option<f32>,
+    emissive: Option<[f32; 3]>,
+    alpha_mode: Option<AlphaName>,
+    alpha_cutoff: Option<f32>,
+    double_sided: Option<bool>,
+    unlit: Option<bool>,
+    maps: MapNames,
+}
+
+/// The `[maps]` table.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct MapNames {
+    base_color: Option<PathBuf>,
+    metallic_roughness: Option<PathBuf>,
+    normal: Option<PathBuf>,
+    normal_scale: Option<f32>,
+    normal_space: Option<SpaceName>,
+    green: Option<GreenName>,
+    height: Option<PathBuf>,
+    height_scale: Option<f32>,
+    occlusion: Option<PathBuf>,
+    emissive: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum AlphaName {
+    Opaque,
+    Mask,
+    Blend,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SpaceName {
+    Tangent,
+    Object,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum GreenName {
+    Up,
+    Down,
+}
+
+/// The line and what was wrong, in one line.
+fn parse_error(path: &Path, text: &str, error: &toml::de::Error) -> Error {
+    let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+    Error::parse(path, format!("line {line}"), error.message().replace('\n', " "))
+}
+
+fn unknown_preset() -> String {
+    let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+    format!("there is no preset of this name; name a .toml file or choose one of: {}", names.join(", "))
+}
+
+impl MaterialFile {
+    /// Returns the preset of this name, or reads the TOML file at this path.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where `choice` is neither; the text lists the presets. As [`MaterialFile::parse`].
+    pub fn choose(choice: &str) -> Result<Self> {
+        if preset(choice).is_some() {
+            return Ok(Self { preset: Some(choice.to_string()), ..Self::default() });
+        }
+        let path = Path::new(choice);
+        if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("toml")) {
+            return Err(Error::invalid(format!("material {choice}"), unknown_preset()));
+        }
+        let text = String::from_utf8(io::read_bytes(path)?).map_err(|error| {
+            let at = format!("byte {}", error.utf8_error().valid_up_to());
+            Error::parse(path, at, "it is not text in UTF-8")
+        })?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads the text of a file. Maps are relative to the folder of `path`, which errors name.
+    ///
+    /// # Errors
+    /// [`Error::Parse`] where it is no TOML or says what no material has, [`Error::Invalid`] for a value out of range.
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+        let mut file: Self = toml::from_str(text).map_err(|error| parse_error(path, text, &error))?;
+        file.maps.lie_in(path.parent().unwrap_or(Path::new("")));
+        file.check().map_err(|error| error.within(path.display()))?;
+        Ok(file)
+    }
+
+    /// Puts the material on every material of `scene`; their relief and occlusion stay where it names none.
+    ///
+    /// # Errors
+    /// Those of the maps, and [`Error::Invalid`] for an unknown preset.
+    pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        self.change(scene)?.apply(scene);
+        Ok(())
+    }
+
+    /// Ranges, so that shading cannot be given nonsense.
+    fn check(&self) -> Result<()> {
+        let unit = [
+            ("metallic", self.metallic),
+            ("roughness", self.roughness),
+            ("alpha", self.alpha),
+            ("alpha_cutoff", self.alpha_cutoff),
+        ];
+        for (name, value) in unit {
+            if value.is_some_and(|v| !(0.0..=1.0).contains(&v)) {
+                return Err(Error::invalid(name, "it must lie between 0 and 1"));
+            }
+        }
+        if self.shininess.is_some_and(|s| !(s >= 0.0 && s.is_finite())) {
+            return Err(Error::invalid("shininess", "it must be 0 or more"));
+        }
+        if self.slope.is_some_and(|s| !(s > 0.0 && s.is_finite())) {
+            return Err(Error::invalid("slope", "it must be above 0"));
+        }
+        let colors = [
+            ("base_color", self.base_color),
+            ("f0", self.f0),
+            ("f82", self.f82),
+            ("ambient", self.ambient),
+            ("diffuse", self.diffuse),
+            ("specular", self.specular),
+            ("emissive", self.emissive),
+        ];
+        for (name, color) in colors {
+            if color.is_some_and(|c| c.iter().any(|v| !(*v >= 0.0 && v.is_finite()))) {
+                return Err(Error::invalid(name, "its numbers must be 0 or more"));
+            }
+        }
+        Ok(())
+    }
+
+    fn change(&self, scene: &mut Scene) -> Result<Change> {
+        let mut material = match &self.preset {
+            Some(name) => {
+                Some(preset(name).ok_or_else(|| Error::invalid(format!("preset {name}"), unknown_preset()))?)
+            }
+            None => None,
+        };
+        if self.authors_reflectance() {
+            let target = material.get_or_insert_with(Material::default);
+            self.write_into(target);
+        }
+        let maps = self.maps.options().load(scene)?;
+        Ok(Change { reflectance: material, ..maps })
+    }
+
+    fn authors_reflectance(&self) -> bool {
+        let colors =
+            [self.base_color, self.f0, self.f82, self.ambient, self.diffuse, self.specular, self.emissive];
+        let numbers =
+            [self.alpha, self.metallic, self.roughness, self.shininess, self.slope, self.alpha_cutoff];
+        colors.iter().any(Option::is_some)
+            || numbers.iter().any(Option::is_some)
+            || self.alpha_mode.is_some()
+            || self.double_sided.is_some()
+            || self.unlit.is_some()
+    }
+
+    fn write_into(&self, material: &mut Material) {
+        let [r, g, b, a] = material.base_color;
+        let [r, g, b] = self.base_color.unwrap_or([r, g, b]);
+        material.base_color = [r, g, b, self.alpha.unwrap_or(a)];
+        material.metallic = self.metallic.unwrap_or(material.metallic);
+        material.roughness = self.roughness.unwrap_or(material.roughness);
+        material.f0 = self.f0.or(material.f0);
+        material.f82 = self.f82.or(material.f82);
+        material.emissive = self.emissive.unwrap_or(material.emissive);
+        material.double_sided = self.double_sided.unwrap_or(material.double_sided);
+        material.unlit = self.unlit.unwrap_or(material.unlit);
+        let classic = &mut material.classic;
+        classic.ambient = self.ambient.or(classic.ambient);
+        classic.diffuse = self.diffuse.or(classic.diffuse);
+        classic.specular = self.specular.or(classic.specular);
+        classic.shininess = self.shininess.or(classic.shininess);
+        classic.slope = self.slope.or(classic.slope);
+        material.alpha = match self.alpha_mode {
+            Some(AlphaName::Opaque) => AlphaMode::Opaque,
+            Some(AlphaName::Mask) => AlphaMode::Mask(self.alpha_cutoff.unwrap_or(0.5)),
+            Some(AlphaName::Blend) => AlphaMode::Blend,
+            None => material.alpha,
+        };
+    }
+}
+
+impl MapNames {
+    /// Makes paths relative to `folder`.
+    fn lie_in(&mut self, folder: &Path) {
+        let names = [
+            &mut self.base_color,
+            &mut self.metallic_roughness,
+            &mut self.normal,
+            &mut self.height,
+            &mut self.occlusion,
+            &mut self.emissive,
+        ];
+        for name in names.into_iter().flatten() {
+            *name = folder.join(&*name);
+        }
+    }
+
+    fn options(&self) -> MapOptions {
+        MapOptions {
+            base_color: self.base_color.clone(),
+            metallic_roughness: self.metallic_roughness.clone(),
+            normal: self.normal.clone(),
+            normal_scale: self.normal_scale.unwrap_or(1.0),
+            normal_space: match self.normal_space {
+                Some(SpaceName::Object) => NormalSpace::Object,
+                _ => NormalSpace::Tangent,
+            },
+            green: match self.green {
+                Some(GreenName::Down) => GreenChannel::Down,
+                _ => GreenChannel::Up,
+            },
+            height: self.height.clone(),
+            height_scale: self.height_scale,
+            occlusion: self.occlusion.clone(),
+            emissive: self.emissive.clone(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(text: &str) -> String {
+        MaterialFile::parse(text, Path::new("a/m.toml")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_with_its_place() {
+        assert!(refused("roughness = 0.5\nshinyness = 3").starts_with("a/m.toml: line 2: unknown field"));
+        assert_eq!(refused("roughness = 2"), "a/m.toml: roughness: it must lie between 0 and 1");
+        assert_eq!(refused("slope = 0.0"), "a/m.toml: slope: it must be above 0");
+        assert_eq!(refused("f0 = [0, 0, -1]"), "a/m.toml: f0: its numbers must be 0 or more");
+        assert!(MaterialFile::choose("unobtainium").unwrap_err().to_string().contains("bronze-patina"));
+    }
+
+    #[test]
+    fn maps_lie_beside_the_file() {
+        let file = MaterialFile::parse("maps = { normal = 'n.png' }", Path::new("a/m.toml")).unwrap();
+        assert_eq!(file.maps.options().normal, Some(PathBuf::from("a/n.png")));
+    }
+}

@@ -1,0 +1,44 @@
+//! How a model is seen: its materials, its light, where it is seen from, and which pictures are taken of it.
+//!
+//! Options are plain structs: `Default` with fields set by hand. Angles are radians and lengths model units.
+//!
+//! ```no_run
+//! use taotie::render::{RenderSettings, render};
+//! use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
+//!
+//! # fn main() -> taotie::Result<()> {
+//! let bronze = MaterialOptions { material: Some("bronze".into()), ..MaterialOptions::default() };
+//! let scene = studio::load("vessel.glb".as_ref(), &bronze)?.scene;
+//! let framing = Framing { size: [800, 600], all_around: false };
+//! let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &scene)?;
+//! let view = viewpoint.at(0.0);
+//! let lighting = LightOptions::default().lighting(None, &scene, view);
+//! let settings = RenderSettings { width: 800, height: 600, ..RenderSettings::default() };
+//! let frame = render(&scene, &view.camera(), &lighting, &settings)?;
+//! # Ok(())
+//! # }
+//! ```
+
+mod change;
+mod environment;
+mod light_spec;
+mod lights;
+mod maps;
+mod material;
+mod material_file;
+mod model;
+mod motion;
+pub mod parse;
+mod sequence;
+mod viewpoint;
+
+pub use environment::{EnvironmentOptions, EnvironmentSource};
+pub use light_spec::{LightForm, LightSpec};
+pub use lights::LightOptions;
+pub use maps::MapOptions;
+pub use material::MaterialOptions;
+pub use material_file::MaterialFile;
+pub use model::load;
+pub use motion::Motion;
+pub use sequence::{Sequence, Shot};
+pub use viewpoint::{CameraOptions, Framing, View, Viewpoint};

@@ -1,0 +1,32 @@
+//! The model to be seen.
+
+use super::material::MaterialOptions;
+use crate::error::{Error, Result};
+use crate::io::{self, Loaded};
+use std::path::Path;
+
+/// Reads a model, chooses the variant asked for, and gives its materials what the options ask for.
+///
+/// ```no_run
+/// use taotie::studio::{self, MaterialOptions};
+///
+/// let clay = MaterialOptions { material: Some("clay".into()), ..MaterialOptions::default() };
+/// let scene = studio::load("vessel.glb".as_ref(), &clay)?.scene;
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// The reader's, those of the maps and the material, and [`Error::Invalid`] where all triangles lie in one point.
+pub fn load(path: &Path, options: &MaterialOptions) -> Result<Loaded> {
+    let mut loaded = io::load_model(path)?;
+    if loaded.scene.bounds().is_some_and(|bounds| bounds.diagonal() == 0.0) {
+        let why = "all its triangles lie in one point; there is nothing to see";
+        return Err(Error::invalid(path.display().to_string(), why));
+    }
+    if let Some(variant) = &options.variant {
+        let chosen = loaded.variants.apply(variant, &mut loaded.scene);
+        chosen.map_err(|error| error.within(path.display()))?;
+    }
+    options.apply(&mut loaded.scene)?;
+    Ok(loaded)
+}

@@ -1,0 +1,83 @@
+//! Numbers, vectors and colours as people write them.
+//!
+//! ```
+//! use taotie::math::Vec3;
+//! use taotie::studio::parse;
+//!
+//! assert_eq!(parse::number(" 2.5 ")?, 2.5);
+//! assert_eq!(parse::numbers("1,-2")?, [1.0, -2.0]);
+//! assert_eq!(parse::vector("0,1,0")?, Vec3::new(0.0, 1.0, 0.0));
+//! assert_eq!(parse::color("0.25")?, Vec3::splat(0.25));
+//! assert!(parse::color("#d0c8b0").is_ok() && parse::color("mauve-ish").is_err());
+//! # Ok::<(), taotie::Error>(())
+//! ```
+
+use crate::error::{Error, Result};
+use crate::math::{Vec3, srgb};
+
+/// Reads a finite number.
+///
+/// # Errors
+/// [`Error::Invalid`] where it is none.
+pub fn number(text: &str) -> Result<f64> {
+    let number = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
+    number.ok_or_else(|| Error::invalid("number", format!("`{text}` is not a number")))
+}
+
+/// Reads finite numbers separated by commas.
+///
+/// # Errors
+/// As [`number`].
+pub fn numbers(text: &str) -> Result<Vec<f64>> {
+    text.split(',').map(number).collect()
+}
+
+/// Reads exactly three numbers separated by commas.
+///
+/// # Errors
+/// As [`number`], and where there are more or fewer.
+pub fn vector(text: &str) -> Result<Vec3<f64>> {
+    match numbers(text)?.as_slice() {
+        [x, y, z] => Ok(Vec3::new(*x, *y, *z)),
+        other => {
+            let why = format!("three numbers are needed, such as 0,1,0, not {}", other.len());
+            Err(Error::invalid("vector", why))
+        }
+    }
+}
+
+/// Reads a colour as CSS writes it, or one linear number for grey. Returns linear RGB.
+///
+/// # Errors
+/// [`Error::Invalid`] where it is neither.
+pub fn color(text: &str) -> Result<Vec3> {
+    if let Ok(grey) = number(text) {
+        return Ok(Vec3::splat(grey as f32));
+    }
+    let css = csscolorparser::parse(text).map_err(|_| {
+        let advice = "write a CSS colour such as #d0c8b0 or a linear grey such as 0.5";
+        Error::invalid("color", format!("`{text}` is no colour; {advice}"))
+    })?;
+    let linear = |v: f32| srgb::linear_from_srgb(f64::from(v)) as f32;
+    Ok(Vec3::new(linear(css.r), linear(css.g), linear(css.b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colors_are_linear() {
+        let grey = color("#808080").unwrap();
+        assert!((grey.x - 0.2158).abs() < 1e-3);
+        assert_eq!(color("0.25").unwrap(), Vec3::splat(0.25));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let why = |error: Error| error.to_string();
+        assert!(why(color("mauve-ish").unwrap_err()).contains("`mauve-ish` is no colour"));
+        assert!(why(vector("1,2").unwrap_err()).contains("not 2"));
+        assert!(number("inf").is_err() && numbers("1,,2").is_err());
+    }
+}

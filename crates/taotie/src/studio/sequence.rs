@@ -1,0 +1,144 @@
+//! Which pictures are taken: one, those of a turn, or those of an animation.
+
+use super::viewpoint::part_of_turn;
+use crate::error::{Error, Result};
+
+/// How long a turn of the turntable lasts where no rate is asked for, seconds.
+const TURN_SECONDS: f64 = 4.0;
+
+/// Seconds between pictures of an animation that has no length.
+const STILL_SECONDS: f64 = 1.0 / 24.0;
+
+/// The pictures to take, in order.
+///
+/// ```
+/// use taotie::studio::Sequence;
+///
+/// let turn = Sequence::turntable(36, None, Some(24.0))?;
+/// assert_eq!((turn.shots.len(), turn.seconds), (36, 1.5));
+/// assert_eq!(Sequence::animation(2.0, Some(4), None)?.times(), [0.0, 0.5, 1.0, 1.5]);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Sequence {
+    /// At least one.
+    pub shots: Vec<Shot>,
+    /// How long they last as a moving picture, seconds.
+    pub seconds: f64,
+}
+
+/// A picture to be taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Shot {
+    /// How far the turntable has turned, radians; see [`super::Viewpoint::at`].
+    pub turn: f64,
+    /// The time of the animation, seconds; `None` for the model at rest.
+    pub seconds: Option<f64>,
+}
+
+impl Sequence {
+    /// The most pictures of a sequence.
+    pub const MOST: u32 = 9999;
+
+    /// One picture at a time of the animation in seconds, or of the model at rest.
+    pub fn still(time: Option<f64>) -> Self {
+        Self { shots: vec![Shot { turn: 0.0, seconds: time }], seconds: 0.0 }
+    }
+
+    /// `count` pictures around the object at one time of its animation, seconds, or at rest; `rate` of them a second,
+    /// or all of them in four seconds.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where `count` is 0 or above [`Sequence::MOST`], or `rate` is not above 0.
+    pub fn turntable(count: u32, time: Option<f64>, rate: Option<f64>) -> Result<Self> {
+        check(count, rate)?;
+        let shots = (0..count).map(|i| Shot { turn: part_of_turn(i, count), seconds: time });
+        let seconds = rate.map_or(TURN_SECONDS, |rate| f64::from(count) / rate);
+        Ok(Self { shots: shots.collect(), seconds })
+    }
+
+    /// Pictures of an animation that lasts `length` seconds, from its beginning to just before its end: `count` of them,
+    /// `rate` a second, or both; one where neither is given.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where `rate` is not above 0, or there are none or more than [`Sequence::MOST`] pictures.
+    pub fn animation(length: f64, count: Option<u32>, rate: Option<f64>) -> Result<Self> {
+        let (count, step) = match (count, rate) {
+            (None, None) => (1, 0.0),
+            (Some(count), Some(rate)) => (count, 1.0 / rate),
+            (Some(count), None) if length > 0.0 => (count, length / f64::from(count)),
+            (Some(count), None) => (count, STILL_SECONDS),
+            (None, Some(rate)) => (needed(length, rate)?, 1.0 / rate),
+        };
+        check(count, rate)?;
+        let shots = (0..count).map(|i| Shot { turn: 0.0, seconds: Some(f64::from(i) * step) });
+        Ok(Self { shots: shots.collect(), seconds: f64::from(count) * step })
+    }
+
+    /// The time of the animation in each picture, seconds; none where the model is at rest.
+    pub fn times(&self) -> Vec<f64> {
+        self.shots.iter().filter_map(|shot| shot.seconds).collect()
+    }
+}
+
+fn check(count: u32, rate: Option<f64>) -> Result<()> {
+    if !(1..=Sequence::MOST).contains(&count) {
+        return Err(Error::invalid(
+            format!("{count} pictures"),
+            format!("1 to {} can be taken", Sequence::MOST),
+        ));
+    }
+    match rate.filter(|rate| !(*rate > 0.0 && rate.is_finite())) {
+        Some(rate) => Err(Error::invalid(format!("rate {rate}"), "it must be finite and above 0")),
+        None => Ok(()),
+    }
+}
+
+/// How many pictures at a rate begin before an animation ends.
+fn needed(length: f64, rate: f64) -> Result<u32> {
+    const MOST: u32 = Sequence::MOST;
+    // A length that is stored in 32 bits may lie a hair above a whole number of pictures.
+    let count = (length * rate - 1e-4).ceil().max(1.0);
+    if count > f64::from(MOST) {
+        let why = format!("the animation lasts {length} seconds, which is {count} pictures; {MOST} at most");
+        return Err(Error::invalid(format!("rate {rate}"), why));
+    }
+    Ok(count as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn times(length: f64, count: Option<u32>, rate: Option<f64>) -> Vec<f64> {
+        Sequence::animation(length, count, rate).unwrap().times()
+    }
+
+    #[test]
+    fn turns_are_even_and_last_as_long_as_asked() {
+        let turn = Sequence::turntable(4, Some(1.5), None).unwrap();
+        assert_eq!(turn.shots[1], Shot { turn: TAU / 4.0, seconds: Some(1.5) });
+        assert_eq!((turn.shots.len(), turn.seconds), (4, TURN_SECONDS));
+        assert_eq!(Sequence::turntable(4, None, Some(8.0)).unwrap().seconds, 0.5);
+        assert!(Sequence::turntable(0, None, None).is_err());
+        assert!(Sequence::turntable(4, None, Some(0.0)).is_err());
+    }
+
+    #[test]
+    fn animations_begin_at_the_start_and_stop_before_the_end() {
+        assert_eq!(times(2.0, Some(4), None), [0.0, 0.5, 1.0, 1.5]);
+        assert_eq!(times(1.1, None, Some(4.0)), [0.0, 0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(times(f64::from(1.000_000_1f32), None, Some(4.0)).len(), 4);
+        assert_eq!(times(9.0, Some(2), Some(4.0)), [0.0, 0.25]);
+        assert_eq!(times(0.0, None, Some(4.0)), [0.0]);
+        assert_eq!(times(0.0, Some(2), None), [0.0, STILL_SECONDS]);
+        assert_eq!(Sequence::animation(2.0, Some(4), None).unwrap().seconds, 2.0);
+        assert!(Sequence::animation(11.0, None, Some(1000.0)).is_err());
+        assert!(Sequence::animation(1.0, None, Some(f64::NAN)).is_err());
+    }
+}

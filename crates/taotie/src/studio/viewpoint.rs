@@ -1,0 +1,310 @@
+//! Where a picture is taken from.
+
+use super::motion::Motion;
+use crate::error::{Error, Result};
+use crate::math::{Mat4, Vec3};
+use crate::scene::{Bounds, Camera, Orbit, Scene, fitting_distance};
+use std::f64::consts::{PI, TAU};
+
+/// Directions from which an object that turns must fit.
+const TURNS: u32 = 24;
+
+/// How much of the picture a framed object fills.
+const FILL: f64 = 0.9;
+
+/// Azimuth, elevation and vertical angle of view where nothing is said, degrees: a little from the side and from above.
+const DEFAULT_DEGREES: [f64; 3] = [25.0, 15.0, 30.0];
+
+/// Where a model is looked at from: a camera of its file, else an orbit, by default as far away as frames the object.
+///
+/// ```
+/// use taotie::studio::CameraOptions;
+///
+/// let from_the_left = CameraOptions { azimuth: -0.8, ..CameraOptions::default() };
+/// assert_eq!(from_the_left.distance, None);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct CameraOptions {
+    /// A camera of the file by name, or a nameless one by its number from 0; the orbit is not read then.
+    pub name: Option<String>,
+    /// Radians to the right of the front, which is +z.
+    pub azimuth: f64,
+    /// Radians above the horizon.
+    pub elevation: f64,
+    /// From the target, model units, above 0; `None` frames the object.
+    pub distance: Option<f64>,
+    /// The point looked at, world space; `None` for the object's middle.
+    pub target: Option<Vec3<f64>>,
+    /// Full vertical angle of view, radians, in (0, π).
+    pub fov_y: f64,
+}
+
+impl Default for CameraOptions {
+    fn default() -> Self {
+        let [azimuth, elevation, fov_y] = DEFAULT_DEGREES.map(f64::to_radians);
+        Self { name: None, azimuth, elevation, distance: None, target: None, fov_y }
+    }
+}
+
+impl CameraOptions {
+    fn check(&self) -> Result<()> {
+        let numbers = [("azimuth", self.azimuth), ("elevation", self.elevation)];
+        if let Some((name, value)) = numbers.iter().find(|(_, value)| !value.is_finite()) {
+            return Err(Error::invalid(format!("{name} {value}"), "it must be a finite angle in radians"));
+        }
+        if !(self.fov_y > 0.0 && self.fov_y < PI) {
+            return Err(Error::invalid(
+                format!("fov_y {}", self.fov_y),
+                "it must lie between 0 and π radians",
+            ));
+        }
+        if let Some(distance) = self.distance.filter(|distance| !(*distance > 0.0 && distance.is_finite())) {
+            return Err(Error::invalid(format!("distance {distance}"), "it must be finite and above 0"));
+        }
+        let target = self.target.unwrap_or_default();
+        if !target.to_array().iter().all(|v| v.is_finite()) {
+            return Err(Error::invalid("target", "its coordinates must be finite"));
+        }
+        Ok(())
+    }
+
+    fn named(&self, scene: &Scene) -> Result<Option<Camera>> {
+        self.name.as_ref().map(|name| named(scene, name)).transpose()
+    }
+}
+
+/// How much of the object has to fit into the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Framing {
+    /// Width and height of the picture, pixels, above 0.
+    pub size: [u32; 2],
+    /// Whether the object must fit wherever a turntable has turned it to, so that the picture does not jump.
+    pub all_around: bool,
+}
+
+impl Framing {
+    fn distance(self, scene: &Scene, orbit: &Orbit) -> f64 {
+        let aspect = f64::from(self.size[0]) / f64::from(self.size[1]);
+        let turns = if self.all_around { TURNS } else { 1 };
+        let around = (0..turns).map(|i| TAU * f64::from(i) / f64::from(turns));
+        let distances = around.map(|turn| {
+            let turned = Orbit { azimuth: orbit.azimuth + turn, ..*orbit };
+            fitting_distance(&turned, aspect, FILL, scene.corners())
+        });
+        distances.fold(0.0, f64::max)
+    }
+}
+
+/// A camera that can be turned about the vertical through its target.
+///
+/// ```
+/// use taotie::mesh::Mesh;
+/// use taotie::scene::{Instance, Material, Scene};
+/// use taotie::studio::{CameraOptions, Framing, Viewpoint};
+///
+/// let scene = Scene {
+///     meshes: vec![Mesh::sphere(1.0, 32, 16)],
+///     materials: vec![Material::default()],
+///     instances: vec![Instance { mesh: 0, material: 0, world_from_object: taotie::math::Mat4::IDENTITY }],
+///     ..Scene::default()
+/// };
+/// let framing = Framing { size: [256, 256], all_around: true };
+/// let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &scene)?;
+/// let cameras: Vec<_> = viewpoint.turn(12).map(|view| view.camera()).collect();
+/// assert_eq!(cameras.len(), 12);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Viewpoint {
+    camera: Camera,
+    pivot: Vec3<f64>,
+}
+
+impl Viewpoint {
+    /// Chooses the camera asked for.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for an option out of range, a name that no camera of the scene has (the text lists those that
+    /// there are), or a scene without triangles.
+    pub fn choose(options: &CameraOptions, framing: Framing, scene: &Scene) -> Result<Self> {
+        let bounds = scene.bounds().ok_or_else(nothing_to_see)?;
+        Chosen { options, named: options.named(scene)?, bounds }
+            .viewpoint(|orbit| Ok(framing.distance(scene, orbit)))
+    }
+
+    /// Chooses as [`Viewpoint::choose`] and frames all that the object fills in the course of its motion, so that every
+    /// picture is taken from the same place. Leaves the scene at the end of the motion.
+    ///
+    /// # Errors
+    /// As [`Viewpoint::choose`] and [`Motion::pose`].
+    pub fn choose_moving(
+        options: &CameraOptions,
+        framing: Framing,
+        scene: &mut Scene,
+        motion: &Motion,
+    ) -> Result<Self> {
+        let mut all: Option<Bounds> = None;
+        motion.tour(scene, |posed| all = united(all, posed.bounds()))?;
+        let bounds = all.ok_or_else(nothing_to_see)?;
+        Chosen { options, named: options.named(scene)?, bounds }.viewpoint(|orbit| {
+            let mut distance = 0.0;
+            motion.tour(scene, |posed| distance = framing.distance(posed, orbit).max(distance))?;
+            Ok(distance)
+        })
+    }
+
+    /// Goes with a camera of the file that moves, where such a one was asked for.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where `scene` has no camera of that name.
+    pub fn follow(&mut self, options: &CameraOptions, scene: &Scene) -> Result<()> {
+        if let Some(camera) = options.named(scene)? {
+            self.camera = camera;
+        }
+        Ok(())
+    }
+
+    /// Returns the view after the object has turned by `turn` radians, as if it stood on a turntable.
+    pub fn at(&self, turn: f64) -> View<'_> {
+        View { viewpoint: self, turn }
+    }
+
+    /// Returns `count` views at even steps of a whole turn, from the front.
+    pub fn turn(&self, count: u32) -> impl Iterator<Item = View<'_>> {
+        (0..count).map(move |i| self.at(part_of_turn(i, count)))
+    }
+}
+
+/// How far a turntable has turned at picture `i` of `count`, radians.
+pub(super) fn part_of_turn(i: u32, count: u32) -> f64 {
+    TAU * f64::from(i) / f64::from(count)
+}
+
+/// A viewpoint while a turntable turns the object; see [`Viewpoint::at`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View<'a> {
+    viewpoint: &'a Viewpoint,
+    turn: f64,
+}
+
+impl View<'_> {
+    /// How far the object has turned, radians.
+    pub fn angle(&self) -> f64 {
+        self.turn
+    }
+
+    /// Returns the camera: it goes around the object, which stands still in the scene.
+    pub fn camera(&self) -> Camera {
+        let mut camera = self.viewpoint.camera.clone();
+        camera.world_from_view = self.world_from_studio() * camera.world_from_view;
+        camera
+    }
+
+    /// Returns the camera before the object turned.
+    pub fn front(&self) -> Camera {
+        self.viewpoint.at(0.0).camera()
+    }
+
+    /// The transform that keeps things fixed to the camera while the object turns.
+    pub fn world_from_studio(&self) -> Mat4 {
+        let (up, pivot) = (Vec3::new(0.0, 1.0, 0.0), self.viewpoint.pivot);
+        Mat4::translation(pivot) * Mat4::rotation_about(up, -self.turn) * Mat4::translation(-pivot)
+    }
+}
+
+/// A choice of camera for an object within `bounds`.
+struct Chosen<'a> {
+    options: &'a CameraOptions,
+    /// The camera of the file.
+    named: Option<Camera>,
+    bounds: Bounds,
+}
+
+impl Chosen<'_> {
+    /// The camera of the file, else an orbit, by default at the distance that `fit` finds.
+    fn viewpoint(self, fit: impl FnOnce(&Orbit) -> Result<f64>) -> Result<Viewpoint> {
+        self.options.check()?;
+        let CameraOptions { azimuth, elevation, distance, target, fov_y, .. } = *self.options;
+        let pivot = target.unwrap_or(self.bounds.center());
+        if let Some(camera) = self.named {
+            return Ok(Viewpoint { camera, pivot });
+        }
+        let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target: pivot, fov_y };
+        orbit.distance = distance.map_or_else(|| fit(&orbit), Ok)?;
+        let reach = self.bounds.diagonal() / 2.0 + (pivot - self.bounds.center()).length();
+        Ok(Viewpoint { camera: orbit.camera(reach), pivot })
+    }
+}
+
+fn nothing_to_see() -> Error {
+    Error::invalid("scene", "there is no triangle to look at")
+}
+
+fn united(a: Option<Bounds>, b: Option<Bounds>) -> Option<Bounds> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.united(&b)),
+        (one, other) => one.or(other),
+    }
+}
+
+fn named(scene: &Scene, name: &str) -> Result<Camera> {
+    if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
+        return Ok(camera.clone());
+    }
+    // Nameless cameras can be chosen by number.
+    if let Some(camera) = name.parse::<usize>().ok().and_then(|index| scene.cameras.get(index)) {
+        return Ok(camera.clone());
+    }
+    let title = |(i, c): (usize, &Camera)| if c.name.is_empty() { i.to_string() } else { c.name.clone() };
+    let names: Vec<String> = scene.cameras.iter().enumerate().map(title).collect();
+    let why = match names.is_empty() {
+        true => "the file has no camera; look from an orbit".into(),
+        false => format!("the file has no such camera; it has: {}", names.join(", ")),
+    };
+    Err(Error::invalid(format!("camera {name}"), why))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+    use crate::scene::{Instance, Material};
+
+    const SQUARE: Framing = Framing { size: [64, 64], all_around: false };
+
+    fn ball() -> Scene {
+        Scene {
+            meshes: vec![Mesh::sphere(1.0, 16, 8)],
+            materials: vec![Material::default()],
+            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn a_turntable_keeps_its_distance_and_looks_at_the_object() {
+        let options = CameraOptions { distance: Some(4.0), ..CameraOptions::default() };
+        let viewpoint = Viewpoint::choose(&options, SQUARE, &ball()).unwrap();
+        for view in viewpoint.turn(5) {
+            let camera = view.camera().world_from_view;
+            let target = camera.transform_point(Vec3::new(0.0, 0.0, -4.0));
+            assert!(target.length() < 1e-6, "{target:?} after {}", view.angle());
+        }
+        assert_eq!(viewpoint.turn(4).nth(1).unwrap().angle(), TAU / 4.0);
+    }
+
+    #[test]
+    fn what_cannot_be_seen_or_is_out_of_range_is_refused() {
+        let why = |options: CameraOptions, scene: &Scene| {
+            Viewpoint::choose(&options, SQUARE, scene).unwrap_err().to_string()
+        };
+        let options = CameraOptions::default;
+        assert!(why(options(), &Scene::default()).contains("no triangle"));
+        assert!(why(CameraOptions { fov_y: 4.0, ..options() }, &ball()).contains("π"));
+        assert!(why(CameraOptions { azimuth: f64::NAN, ..options() }, &ball()).contains("azimuth"));
+        assert!(why(CameraOptions { distance: Some(0.0), ..options() }, &ball()).contains("distance"));
+        assert!(why(CameraOptions { name: Some("a".into()), ..options() }, &ball()).contains("no camera"));
+    }
+}

@@ -1,0 +1,51 @@
+//! The example `turntable` takes pictures of an object that turns before a camera that stands still.
+
+#[path = "../examples/turntable.rs"]
+mod turntable;
+
+use taotie::image::{Bitmap, Texels};
+use taotie::math::{Mat4, Vec3};
+use taotie::mesh::{Mesh, MeshData};
+use taotie::scene::{Instance, Material, Scene};
+
+/// Its `main` reads arguments, which a test has none of.
+const _: fn() -> taotie::Result<()> = turntable::main;
+
+/// A square in the plane z = 0.
+fn square() -> Scene {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let mesh = Mesh::new(MeshData {
+        positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).into(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..MeshData::default()
+    });
+    Scene {
+        meshes: vec![mesh.expect("the square is sound")],
+        materials: vec![Material { double_sided: true, ..Material::default() }],
+        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+        ..Scene::default()
+    }
+}
+
+/// How many pixels show something.
+fn covered(bitmap: &Bitmap) -> usize {
+    let Texels::U8(texels) = bitmap.texels() else { panic!("8 bits were written") };
+    texels.iter().filter(|texel| texel[3] > 0).count()
+}
+
+#[test]
+fn a_square_is_seen_narrow_and_wide_and_never_touches_the_frame() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let files = turntable::turntable(&square(), 8, 24, &folder.path().join("turn")).expect("it turns");
+    let names: Vec<_> = files.iter().filter_map(|file| file.file_name()?.to_str()).collect();
+    assert_eq!((names.len(), names[7]), (8, "turn.007.png"));
+    let pictures: Vec<Bitmap> =
+        files.iter().map(|file| taotie::io::read_bitmap(file).expect("it is a PNG")).collect();
+    let counts: Vec<usize> = pictures.iter().map(covered).collect();
+    let (most, least) = (counts.iter().max().expect("eight"), counts.iter().min().expect("eight"));
+    assert!(*least > 0 && most > &(2 * least), "{counts:?}");
+    for picture in &pictures {
+        let edge = (0..24 * 24).filter(|i| [0, 23].contains(&(i % 24)) || [0, 23].contains(&(i / 24)));
+        assert!(edge.into_iter().all(|i| picture.stored(i)[3] == 0.0), "{counts:?}");
+    }
+}
