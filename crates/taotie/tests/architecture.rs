@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
-/// never see each other, so nobody at all sees `io` or `render`.
-const LAYERS: [(&str, u32); 16] = [
+/// never see each other.
+const LAYERS: [(&str, u32); 18] = [
     // Everybody's ground: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
@@ -29,6 +29,8 @@ const LAYERS: [(&str, u32); 16] = [
     ("render", 5),
     ("bake", 5),
     ("io", 5),
+    ("normal_map", 6),
+    ("comparison", 7),
 ];
 
 /// The names that the crate's root gives again, and the module that they come from.

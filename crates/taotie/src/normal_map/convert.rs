@@ -3,7 +3,8 @@
 //! All work on pictures of vectors: x, y and z, and a fourth channel that is 1 where there is a normal. Where there is
 //! none the vector is what padding should hold.
 
-use super::{Heights, SurfacePoint, TexelSurface};
+use super::heights::Heights;
+use crate::bake::{SurfacePoint, TexelSurface};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Image};
 use crate::math::Vec3;
