@@ -53,24 +53,15 @@ pub fn run(args: &CompareArgs) -> Result<()> {
 fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<(Report, Vec<PathBuf>)> {
     let mut loaded = studio::load(model, &args.material, args.bump_scale)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
-    let reference = match &args.reference {
-        Some(path) => {
-            Some(reference::load(path, args.material.material.as_deref(), &loaded.scene, &mut warnings)?)
-        }
-        None => None,
-    };
+    let reference = args.reference.as_deref();
+    let reference = reference
+        .map(|path| reference::load(path, args.material.material.as_deref(), &loaded.scene, &mut warnings))
+        .transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
     let environment = args.light.environment(&mut warnings)?;
-    let options = ComparisonOptions {
-        methods: args.methods(),
-        shadings: args.shadings(),
-        points: args.points.clone(),
-        matching: args.matching,
-        camera: Some(viewpoint.camera(0.0)),
-        lighting: Some(studio::lighting(&args.light, environment.as_ref(), &loaded.scene, &viewpoint, 0.0)?),
-        settings: settings(args),
-        development: args.film.development(args.running.simd)?,
-    };
+    let lighting = studio::lighting(&args.light, environment.as_ref(), &loaded.scene, &viewpoint, 0.0)?;
+    let camera = viewpoint.camera(0.0);
+    let options = ComparisonOptions { camera: Some(camera), lighting: Some(lighting), ..options(args)? };
     let name = model.display().to_string();
     let reference_name = args.reference.as_ref().map(|path| path.display().to_string());
     let mut subject = Subject::new(&name, &loaded.scene);
@@ -82,12 +73,28 @@ fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<(Rep
     comparison.warnings = warnings;
     console::say_warnings(&comparison.warnings);
     let title = model.file_name().unwrap_or_default().to_string_lossy();
-    let echoes = Echoes {
+    write(&comparison, &echoes(args), &Destination { folder: output, title: &title })
+}
+
+/// All options but camera and light.
+fn options(args: &CompareArgs) -> Result<ComparisonOptions> {
+    Ok(ComparisonOptions {
+        methods: args.methods(),
+        shadings: args.shadings(),
+        points: args.points.clone(),
+        matching: args.matching,
+        settings: settings(args),
+        development: args.film.development(args.running.simd)?,
+        ..ComparisonOptions::default()
+    })
+}
+
+fn echoes(args: &CompareArgs) -> Echoes {
+    Echoes {
         material: args.material.json(),
         environment: args.light.environment_json(),
         heat_top_deg: args.heat_top_deg,
-    };
-    write(&comparison, &echoes, &Destination { folder: output, title: &title })
+    }
 }
 
 /// Compares under a progress bar.
@@ -114,7 +121,7 @@ pub fn write(
 ) -> Result<(Report, Vec<PathBuf>)> {
     let mut files = Files::new(destination.folder, echoes.heat_top_deg as f32)?;
     files.write(comparison)?;
-    let report = Report::new(comparison.report(), &comparison.warnings, echoes)?;
+    let report = Report::new(comparison.report(), echoes)?;
     files.write_text("report.json", &serde_json::to_string_pretty(&report)?)?;
     let page = page::page(destination.title, &report, comparison, files.heat_top)?;
     files.write_text("report.html", &crate::report::html(&page))?;

@@ -49,11 +49,11 @@ fn facts(report: &Report) -> Vec<Fact> {
 
 fn views(report: &Report, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
     let mut views = Vec::new();
-    for (i, shading) in report.methods[0].pictures.iter().map(|picture| picture.shading.as_str()).enumerate()
-    {
+    for (i, picture) in report.methods[0].pictures.iter().enumerate() {
+        let shading = &picture.shading;
         let developed = |surface: &RenderedSurface| Some(files::developed(&surface.pictures[i].1));
         let note = format!("Each surface under the shading model {shading}, in the same light.");
-        views.push(view(shading.into(), note, comparison, &developed)?);
+        views.push(view(shading.clone(), note, comparison, &developed)?);
         let flip = |surface: &RenderedSurface| {
             surface
                 .difference
@@ -127,8 +127,8 @@ fn error_table(report: &Report) -> Section {
     Section::Table {
         title: "Angular error".into(),
         note: format!(
-            "Against {}, over all pixels with a corresponding point there ({:.2} % of the samples have none), and inner: over \
-             those away from silhouettes.",
+            "Against {}, over all pixels with a corresponding point there ({:.2} % of the samples have none), and inner: \
+             over those away from silhouettes.",
             report.against,
             report.unmatched * 100.0
         ),
@@ -192,7 +192,7 @@ fn picture_table(report: &Report, i: usize) -> Section {
     }
 }
 
-/// The paper's Table 2 on this model.
+/// Table 2 of Guo and Wang 2025 on this model.
 fn normals_table(report: &Report) -> Section {
     let mut columns = point_columns();
     for method in &report.methods {
@@ -214,7 +214,7 @@ fn normals_table(report: &Report) -> Section {
     }
 }
 
-/// The paper's Table 3 on this model.
+/// Table 3 of Guo and Wang 2025 on this model.
 fn angles_table(report: &Report) -> Section {
     let first = &report.methods[0].method;
     let mut columns = point_columns();

@@ -1,11 +1,11 @@
 //! `report.json`: the library's report with what the command line adds.
 
-use crate::console;
 use serde::Serialize;
 use serde_json::{Value, json};
-use taotie::Warnings;
 use taotie::compare::Summary;
-use taotie::comparison::{self, MethodReport, PointReport, Rules, SkippedMethod, SubjectReport};
+use taotie::comparison::{
+    self, CountedWarning, MethodReport, PointReport, Rules, SkippedMethod, SubjectReport,
+};
 
 /// Version of `report.json`.
 pub const SCHEMA: u32 = 1;
@@ -38,7 +38,7 @@ pub struct Report {
     /// What was derived from other maps.
     pub notes: Vec<String>,
     /// What could not be drawn as asked.
-    pub warnings: Value,
+    pub warnings: Vec<CountedWarning>,
 }
 
 /// What was asked on the command line and is no business of the library's, for the report.
@@ -56,7 +56,7 @@ impl Report {
     ///
     /// # Errors
     /// Where a parameter cannot be written as JSON, which all can.
-    pub fn new(report: comparison::Report, warnings: &Warnings, echoes: &Echoes) -> serde_json::Result<Self> {
+    pub fn new(report: comparison::Report, echoes: &Echoes) -> serde_json::Result<Self> {
         let mut parameters = serde_json::to_value(&report.parameters)?;
         parameters["material"] = echoes.material.clone();
         parameters["environment"] = echoes.environment.clone();
@@ -74,7 +74,7 @@ impl Report {
             skipped: report.skipped,
             points: report.points,
             notes: report.notes,
-            warnings: console::json_warnings(warnings),
+            warnings: report.warnings,
         })
     }
 

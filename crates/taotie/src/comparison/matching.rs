@@ -23,7 +23,7 @@ pub enum Matching {
 }
 
 impl Named for Matching {
-    const WHAT: &'static str = "way to match places";
+    const WHAT: &'static str = "way to find corresponding points";
     const NAMES: &'static [(&'static str, Self)] =
         &[("normal", Self::Normal), ("uv", Self::Uv), ("pixel", Self::Pixel)];
 }
@@ -37,13 +37,13 @@ impl Matching {
         match self {
             Self::Normal => {
                 "each covered sample shows a point of the model; along the interpolated vertex normal there, both ways \
-                 and at most 2 % of the model's diagonal, lies the point of the reference that it stands for, if that \
-                 faces the same way"
+                 and at most 2 % of the model's diagonal, lies the corresponding point of the reference, if that faces \
+                 the same way"
             }
             Self::Uv => {
-                "each covered sample shows a point of the model; it stands for the reference's point of the same uv"
+                "each covered sample shows a point of the model; the reference's point of the same uv corresponds to it"
             }
-            Self::Pixel => "pixel by pixel, although the two meshes may show different places there",
+            Self::Pixel => "pixel by pixel, although the two meshes may show different points there",
         }
     }
 

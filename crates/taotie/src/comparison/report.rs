@@ -59,7 +59,7 @@ pub struct CountedWarning {
 pub struct MethodReport {
     /// Its name with the factor, or `reference`.
     pub method: String,
-    /// Describes it in a few words.
+    /// What it does, in a few words.
     pub what: String,
     /// Time for all its pictures.
     pub milliseconds: f64,
@@ -218,7 +218,7 @@ fn point_report(pixel: [u32; 2], comparison: &Comparison) -> PointReport {
     let truth = normal_at(&comparison.truth, pixel);
     let angle = |a: Option<Vec3>, b: Option<Vec3>| Some(compare::angle_deg(a?.to_f64(), b?.to_f64()));
     let normals = comparison.surfaces.iter().enumerate().map(|(i, surface)| {
-        // The reference's is that of the same place, not of the same pixel.
+        // The reference's is that of the corresponding point, not of the same pixel.
         let seen = if surface.method.is_some() { &surface.normals } else { &comparison.truth };
         let normal = normal_at(seen, pixel);
         PointNormal {

@@ -25,8 +25,8 @@ pub struct Rules {
 impl Rules {
     pub(super) fn new(matching: Matching, points: &SamplePoints) -> Self {
         Self {
-            angles: "degrees between a method's shading normal and the true one at the same place, each the mean over \
-                     the pixel's samples"
+            angles: "degrees between a method's shading normal and the true one at the corresponding point, each the mean \
+                     over the pixel's samples"
                 .into(),
             places: matching.rule().into(),
             silhouettes: look::INNER_RULE.into(),
