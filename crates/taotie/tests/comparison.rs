@@ -53,10 +53,12 @@ fn what_cannot_be_compared_is_refused() {
     let scene = ball();
     let factor = Method { surface: SurfaceMethod::Smooth, factor: Some(5.0) };
     let transparent = Development::default();
+    let endless = RenderSettings { width: u32::MAX, height: u32::MAX, ..RenderSettings::default() };
     let wrong = [
         (ComparisonOptions { methods: Vec::new(), ..options() }, "at least one"),
         (ComparisonOptions { methods: vec![factor], ..options() }, "only bump and bump-printed"),
         (ComparisonOptions { methods: vec![SurfaceMethod::Bump.into()], ..options() }, "none of the methods"),
+        (ComparisonOptions { settings: endless, ..options() }, "4294967295"),
         (ComparisonOptions { development: transparent, ..options() }, "before a background"),
         (ComparisonOptions { points: SamplePoints::Pixels(vec![[64, 0]]), ..options() }, "64,0"),
     ];

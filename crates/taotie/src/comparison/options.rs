@@ -5,6 +5,7 @@ use super::method::Method;
 use super::sample_points::SamplePoints;
 use crate::error::{Error, Result};
 use crate::film::Development;
+use crate::image::Image;
 use crate::math::{Vec3, srgb};
 use crate::render::{Lighting, RenderSettings};
 use crate::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
@@ -65,6 +66,7 @@ impl ComparisonOptions {
     /// Refuses what cannot be compared.
     pub(super) fn check(&self) -> Result<()> {
         let refuse = |what: &str, why: &str| Err(Error::invalid(what, why));
+        Image::check_size(self.settings.width, self.settings.height)?;
         if self.methods.is_empty() || self.shadings.is_empty() {
             return refuse(
                 "a comparison of nothing",
@@ -78,7 +80,7 @@ impl ComparisonOptions {
         if self.development.background.is_none() {
             return refuse(
                 "a transparent background",
-                "pictures are compared before a background; give a color",
+                "pictures are compared before a background; give a colour",
             );
         }
         match self.points.outside([self.settings.width, self.settings.height]) {
