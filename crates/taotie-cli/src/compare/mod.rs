@@ -25,7 +25,7 @@ use taotie::render::{RenderSettings, SurfaceSettings};
 pub use files::{developed, heat_of_angles, heat_of_flip};
 pub use page::legend;
 
-/// Where a comparison is written to, and how.
+/// The place that a comparison is written to.
 pub struct Destination<'a> {
     /// The folder; made if it is not there.
     pub folder: &'a Path,

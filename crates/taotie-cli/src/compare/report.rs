@@ -19,9 +19,9 @@ pub struct Report {
     pub kind: &'static str,
     /// Version of the program.
     pub version: &'static str,
-    /// What was compared.
+    /// Names and sizes of model and reference.
     pub subject: SubjectReport,
-    /// What the errors are measured against: `reference`, or the first method.
+    /// The surface that errors are measured against: `reference`, or the first method.
     pub against: String,
     /// Camera, light, film and whatever else the pictures depend on.
     pub parameters: Value,
@@ -35,15 +35,15 @@ pub struct Report {
     pub skipped: Vec<SkippedMethod>,
     /// Normals at sample points.
     pub points: Vec<PointReport>,
-    /// What was derived from other maps.
+    /// Notes on maps that were derived from others.
     pub notes: Vec<String>,
-    /// What could not be drawn as asked.
+    /// Whatever could not be drawn as asked, counted.
     pub warnings: Vec<CountedWarning>,
 }
 
-/// What was asked on the command line and is no business of the library's, for the report.
+/// Options of the command line that the library does not know, for the report.
 pub struct Echoes {
-    /// What was asked of the materials; null where nothing was.
+    /// The options of materials; null where there are none.
     pub material: Value,
     /// The environment; null where there is none.
     pub environment: Value,

@@ -1,4 +1,4 @@
-//! What a comparison prints.
+//! The text that a comparison prints.
 
 use super::report::{Report, figures};
 use crate::table::Table;

@@ -1,4 +1,4 @@
-//! What came of a comparison, for people and for machines.
+//! The report on two files, for people and for machines.
 
 use super::Files;
 use super::args::DiffArgs;
@@ -17,7 +17,7 @@ const SCHEMA: u32 = 1;
 /// The mean angle, degrees, that storing normals in 8 bits alone makes (`laws_bake::eight_bits_cost_a_sixth_of_a_degree`).
 const FLOOR_OF_8_BITS: f64 = 0.17;
 
-/// What came of a comparison.
+/// The report on two files.
 #[derive(Serialize)]
 pub struct Report {
     schema: u32,

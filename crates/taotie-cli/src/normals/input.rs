@@ -1,4 +1,4 @@
-//! What is converted: its kind and its green, as they are said to be or by the pixels.
+//! The map that is converted: its content and its green, as options or its pixels say.
 
 use super::args::{From, NormalsArgs};
 use crate::console;

@@ -1,4 +1,4 @@
-//! What came of a conversion, for people and for machines.
+//! The report on a conversion, for people and for machines.
 
 use super::args::NormalsArgs;
 use super::input::{content_name, space_name};
@@ -13,7 +13,7 @@ use taotie::scene::GreenChannel;
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// What came of a conversion.
+/// The report on a conversion.
 #[derive(Serialize)]
 pub struct Report {
     schema: u32,

@@ -42,9 +42,9 @@ pub struct Comparison {
     pub inner: Vec<bool>,
     /// The pixels whose normals are listed.
     pub points: Vec<[u32; 2]>,
-    /// What could not be drawn as asked.
+    /// Whatever could not be drawn as asked, counted.
     pub warnings: Warnings,
-    /// What was derived from other maps.
+    /// Notes on maps that were derived from others.
     pub notes: Vec<String>,
 }
 
@@ -121,7 +121,7 @@ impl Truth {
     }
 }
 
-/// What surfaces are measured against, and where.
+/// The normals that surfaces are measured against, and the pixels away from silhouettes.
 struct Expected<'a> {
     normals: &'a Image,
     inner: &'a [bool],

@@ -25,7 +25,7 @@ pub(super) struct Look {
     pub(super) depth: Image,
     /// As [`crate::render::Aovs::uv`].
     pub(super) uv: Image,
-    /// Where they are seen from.
+    /// The camera that sees them.
     pub(super) camera: Camera,
     per_side: u32,
 }

@@ -28,7 +28,7 @@ impl Named for Matching {
         &[("normal", Self::Normal), ("uv", Self::Uv), ("pixel", Self::Pixel)];
 }
 
-/// How far the reference may lie from the model, as a fraction of the model's diagonal.
+/// The greatest distance between reference and model, as a fraction of the model's diagonal.
 const REACH: f64 = 0.02;
 
 impl Matching {

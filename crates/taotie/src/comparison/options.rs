@@ -22,7 +22,7 @@ pub struct ComparisonOptions {
     pub points: SamplePoints,
     /// Which point of the reference corresponds to a point of the model.
     pub matching: Matching,
-    /// Where all pictures are taken from; `None` fits the model into the picture, seen a little from the side and from
+    /// The camera of all pictures; `None` fits the model into the picture, seen a little from the side and from
     /// above.
     pub camera: Option<Camera>,
     /// The light of all pictures; `None` for the model's own lights, else key, fill and rim.
@@ -49,7 +49,7 @@ impl Default for ComparisonOptions {
     }
 }
 
-/// Where a model is looked at from: to the right and from above.
+/// The direction that a model is looked at from: to the right and from above.
 const DEFAULT_ORBIT_DEG: [f64; 2] = [25.0, 15.0];
 /// The full vertical angle of view.
 const DEFAULT_FOV_DEG: f64 = 30.0;

@@ -33,7 +33,7 @@ pub struct Parameters {
     pub energy: String,
     /// Whether relief too fine for the pixel widens highlights.
     pub specular_aa: bool,
-    /// What becomes of mapped normals at grazing angles.
+    /// The way with mapped normals at grazing angles.
     pub grazing_normals: String,
     /// The camera.
     pub camera: CameraParameters,
@@ -97,7 +97,7 @@ pub enum ProjectionParameters {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct LightParameters {
-    /// Where it stands or where it comes from.
+    /// Kind, place and direction.
     #[cfg_attr(feature = "serde", serde(flatten))]
     pub kind: LightKindParameters,
     /// Its strength, linear RGB.
@@ -114,17 +114,17 @@ pub struct LightParameters {
 pub enum LightKindParameters {
     /// Shines all around.
     Point {
-        /// Where it stands.
+        /// Its place.
         position: [f32; 3],
     },
     /// Comes from infinitely far.
     Directional {
-        /// Where the light travels to, unit.
+        /// The direction that the light travels in, unit.
         direction: [f32; 3],
     },
     /// Shines into a cone.
     Spot {
-        /// Where it stands.
+        /// Its place.
         position: [f32; 3],
         /// The axis of the cone, unit.
         direction: [f32; 3],

@@ -19,7 +19,7 @@ pub(super) struct Relief {
     converted: HashMap<usize, usize>,
     /// How tangents are made, if not as the renderer chooses.
     tangents: Option<TangentMethod>,
-    /// What was derived, for the report.
+    /// Notes on derived maps, for the report.
     notes: Vec<String>,
 }
 
@@ -36,7 +36,7 @@ impl Relief {
         }
     }
 
-    /// What was derived so far.
+    /// Returns notes on the maps derived so far.
     pub(super) fn notes(&self) -> &[String] {
         &self.notes
     }

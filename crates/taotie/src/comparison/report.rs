@@ -21,7 +21,7 @@ pub const HISTOGRAM_BINS: usize = 60;
 pub struct Report {
     /// Names and sizes of model and reference.
     pub subject: SubjectReport,
-    /// What the errors are measured against: `reference`, or the first method.
+    /// The surface that errors are measured against: `reference`, or the first method.
     pub against: String,
     /// Camera, light, film and whatever else the pictures depend on.
     pub parameters: Parameters,
@@ -35,9 +35,9 @@ pub struct Report {
     pub skipped: Vec<SkippedMethod>,
     /// Normals at sample points.
     pub points: Vec<PointReport>,
-    /// What was derived from other maps.
+    /// Notes on maps that were derived from others.
     pub notes: Vec<String>,
-    /// What could not be drawn as asked.
+    /// Whatever could not be drawn as asked, counted.
     pub warnings: Vec<CountedWarning>,
 }
 
@@ -48,7 +48,7 @@ pub struct Report {
 pub struct CountedWarning {
     /// How often it was seen.
     pub count: usize,
-    /// What was wrong.
+    /// The fault.
     pub what: String,
 }
 
@@ -59,7 +59,7 @@ pub struct CountedWarning {
 pub struct MethodReport {
     /// Its name with the factor, or `reference`.
     pub method: String,
-    /// What it does, in a few words.
+    /// A description in a few words.
     pub what: String,
     /// Time for all its pictures.
     pub milliseconds: f64,

@@ -74,7 +74,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Gives materials of a reference that say nothing the factors of the model's first, so that both are of one stuff.
+/// Gives materials of a reference that say nothing the factors of the model's first, so that both are of one material.
 pub fn dress_reference(reference: &mut Scene, model: &Scene) {
     let Some(first) = model.materials.first() else { return };
     for material in &mut reference.materials {

@@ -56,7 +56,7 @@ pub struct PictureDifference {
 pub struct SkippedMethod {
     /// The method, as [`Method::id`] writes it.
     pub method: String,
-    /// What is lacking, and what to do.
+    /// The map that is lacking, and what to do.
     pub reason: String,
 }
 

@@ -56,7 +56,7 @@ pub struct Conversion {
     pub stored: Field,
     /// The angle between the source's normals and those that come back from the map, degrees; where the space changed.
     pub round_trip: Option<Field>,
-    /// What the map cannot hold.
+    /// Normals that the map cannot hold, counted.
     pub warnings: Warnings,
 }
 

@@ -15,9 +15,9 @@ use crate::surface::{
 };
 use rayon::prelude::*;
 
-/// What padding of a tangent-space map holds: no relief.
+/// The padding of a tangent-space map: no relief.
 const FLAT: [f32; 4] = [0.0, 0.0, 1.0, 0.0];
-/// What padding of an object-space map holds: grey, which no normal is.
+/// The padding of an object-space map: grey, which no normal is.
 const NOTHING: [f32; 4] = [0.0; 4];
 
 /// The vectors that a normal map stores, not normalised, green turned up.

@@ -13,12 +13,12 @@ pub enum MapContent {
     Normals(NormalSpace),
 }
 
-/// A map with what its numbers mean.
+/// A map to be converted.
 #[derive(Debug, Clone)]
 pub struct MapSource {
     /// The texels as they are stored.
     pub bitmap: Bitmap,
-    /// What they hold.
+    /// The meaning of its numbers.
     pub content: MapContent,
     /// Which way green points; read for tangent-space normals alone.
     pub green: GreenChannel,

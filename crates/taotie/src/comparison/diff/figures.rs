@@ -6,7 +6,7 @@ use crate::compare::{self, Field, Picture, SSIM_WINDOW, Summary};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 
-/// What was measured; `None` where it does not apply or was not asked for.
+/// The metrics of two images; `None` where one does not apply or was not asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -61,7 +61,7 @@ pub struct DiffOptions {
     pub metric: Option<Metric>,
     /// The meaning of the numbers.
     pub encoding: Encoding,
-    /// What transparent images are laid over, linear RGB in [0, 1].
+    /// The colour that transparent images are laid over, linear RGB in [0, 1].
     pub background: Vec3,
     /// How fine pixels are in the eye of the viewer that FLIP assumes.
     pub pixels_per_degree: f64,

@@ -19,9 +19,9 @@ pub struct NamedBitmap<'a> {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ImagePair {
-    /// What is compared.
+    /// The colours or normals.
     pub content: ImageContent,
-    /// What was put right and counted.
+    /// Faults that were put right, counted.
     pub warnings: Warnings,
 }
 
