@@ -3,7 +3,8 @@
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
 //! ```text
-//! L4   studio          inspection
+//! L5   comparison
+//! L4   normal_map     studio         inspection
 //! L3   render          bake           io
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
@@ -31,6 +32,7 @@
 
 pub mod bake;
 pub mod compare;
+pub mod comparison;
 pub mod error;
 pub mod film;
 pub mod image;
@@ -39,6 +41,7 @@ pub mod io;
 pub mod math;
 pub mod mesh;
 pub mod names;
+pub mod normal_map;
 pub mod progress;
 pub mod raster;
 pub mod render;

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
 /// never see each other.
-const LAYERS: [(&str, u32); 18] = [
+const LAYERS: [(&str, u32); 20] = [
     // Everybody's ground: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
@@ -29,8 +29,10 @@ const LAYERS: [(&str, u32); 18] = [
     ("render", 5),
     ("bake", 5),
     ("io", 5),
+    ("normal_map", 6),
     ("studio", 6),
     ("inspection", 6),
+    ("comparison", 7),
 ];
 
 /// The names that the crate's root gives again, and the module that they come from.

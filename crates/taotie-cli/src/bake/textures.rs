@@ -6,11 +6,12 @@ use anyhow::Result;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use taotie::bake::{MapKind, Planes, Storage, Texel, store_codes, store_unit_vectors};
+use taotie::bake::{MapKind, Planes, Texel};
 use taotie::image::{Bitmap, Encoding};
 use taotie::io::{self, GltfImage, GltfMaterial};
 use taotie::math::srgb::srgb_from_linear;
 use taotie::names::Named;
+use taotie::normal_map::{Storage, store_codes, store_unit_vectors};
 use taotie::scene::{Material, Scene};
 use taotie_report::sheet::Sheet;
 

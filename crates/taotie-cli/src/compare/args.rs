@@ -1,13 +1,12 @@
 //! The options of `taotie compare`.
 
-use super::matching::Matching;
-use super::method::{self, Method};
-use super::points::{self, PointChoice};
+use super::{method, points};
 use crate::options;
 use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
+use taotie::comparison::{Matching, Method, SamplePoints};
 use taotie::shade::Shading;
 
 const EXAMPLES: &str = "\
@@ -33,15 +32,15 @@ pub struct CompareArgs {
     /// Recomputes Tables 2 and 3 of Guo and Wang 2025 instead, says which numbers are misprints, and what follows
     #[arg(long, conflicts_with_all = ["model", "reference"])]
     pub paper: bool,
-    /// Methods parted by commas: facet, smooth, bump, bump-printed, object-normal, tangent-normal. `bump:5` raises
+    /// Methods separated by commas: facet, smooth, bump, bump-printed, object-normal, tangent-normal. `bump:5` raises
     /// white by 5 texels, `bump-printed:5` is the paper's factor, `bump` takes the material's height. If not given:
     /// smooth, bump, bump:5, bump:50, bump-printed:5, bump-printed:50, object-normal, tangent-normal
     #[arg(long = "method", value_name = "LIST", value_delimiter = ',', value_parser = method::parse)]
     pub methods: Vec<Method>,
-    /// Places whose normals are told: how many, or pixels as X,Y;X,Y
+    /// Sample points whose normals are listed: how many, or pixels as X,Y;X,Y
     #[arg(long, value_name = "N|PIXELS", value_parser = points::parse, default_value = "10")]
-    pub points: PointChoice,
-    /// Which place of the reference a place of the model is compared with: the one along its vertex normal, as bakers
+    pub points: SamplePoints,
+    /// Which point of the reference corresponds to a point of the model: the one along its vertex normal, as bakers
     /// look it up (normal), the one of the same uv, for meshes that share them (uv), or the one at the same pixel (pixel)
     #[arg(long = "match", value_name = "HOW", value_parser = options::named::<Matching>, default_value = "normal")]
     pub matching: Matching,
@@ -49,7 +48,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30")]
     pub heat_top_deg: f64,
 
-    /// Reflectance models parted by commas: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
+    /// Reflectance models separated by commas: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
     /// cook-torrance-printed, blinn-phong-printed, ggx-printed
     #[arg(long = "shading", value_name = "LIST", value_delimiter = ',', value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
     pub shadings: Vec<Shading>,
@@ -86,7 +85,11 @@ impl CompareArgs {
         if !(self.heat_top_deg > 0.0 && self.heat_top_deg <= 180.0) {
             bail!("--heat-top-deg {}: the angle must lie above 0 and at most 180", self.heat_top_deg);
         }
-        self.points.check(self.size)
+        if let Some([x, y]) = self.points.outside(self.size) {
+            let [width, height] = self.size;
+            bail!("--points: pixel {x},{y} lies outside the picture of {width}×{height}");
+        }
+        Ok(())
     }
 
     /// The methods to compare, each once.

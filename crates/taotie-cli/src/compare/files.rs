@@ -1,8 +1,8 @@
 //! The pictures of a comparison as files.
 
-use super::comparison::{Comparison, Taken};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
+use taotie::comparison::{Comparison, RenderedSurface};
 use taotie::io;
 use taotie::names::Named;
 use taotie_report::heat_map::HeatMap;
@@ -35,20 +35,20 @@ impl Files {
     /// # Errors
     /// Where one cannot be written.
     pub fn write(&mut self, comparison: &Comparison) -> Result<()> {
-        for taken in &comparison.taken {
-            for (shading, picture) in &taken.pictures {
-                self.write_png(&taken.file_name(shading.name()), &Sheet::developed(picture))?;
+        for surface in &comparison.surfaces {
+            for (shading, picture) in &surface.pictures {
+                self.write_png(&surface.picture_name(*shading), &Sheet::developed(picture))?;
             }
-            self.write_png(&taken.file_name("normals"), &Sheet::of_normals(&taken.normals))?;
-            let Some(difference) = &taken.difference else { continue };
+            self.write_png(&surface.file_name("normals"), &Sheet::of_normals(&surface.normals))?;
+            let Some(difference) = &surface.difference else { continue };
             let heat = HeatMap::of_angles(&difference.angles, self.heat_top).with_scale();
-            self.write_png(&taken.file_name("error"), &heat)?;
-            for ((shading, _), difference) in taken.pictures.iter().zip(&difference.pictures) {
-                let name = taken.file_name(&format!("{}.flip", shading.name()));
-                self.write_png(&name, &HeatMap::of_flip(&difference.flip).with_scale())?;
+            self.write_png(&surface.file_name("error"), &heat)?;
+            for ((shading, _), difference) in surface.pictures.iter().zip(&difference.pictures) {
+                let flip = HeatMap::of_flip(&difference.flip).with_scale();
+                self.write_png(&surface.flip_name(*shading), &flip)?;
             }
         }
-        self.write_png(Path::new("sheet.png"), &self.sheet(comparison))
+        self.write_png("sheet.png", &self.sheet(comparison))
     }
 
     /// Writes text into the folder.
@@ -62,7 +62,7 @@ impl Files {
         Ok(())
     }
 
-    fn write_png(&mut self, name: &Path, picture: &Sheet) -> Result<()> {
+    fn write_png(&mut self, name: &str, picture: &Sheet) -> Result<()> {
         let path = self.folder.join(name);
         io::write_png(&path, &picture.png())?;
         self.written.push(path);
@@ -71,34 +71,34 @@ impl Files {
 
     /// A column for each surface: its pictures, its normals, its error.
     fn sheet(&self, comparison: &Comparison) -> Sheet {
-        let taken = &comparison.taken;
+        let surfaces = &comparison.surfaces;
         let mut cells = Vec::new();
-        for i in 0..taken[0].pictures.len() {
-            cells.extend(taken.iter().map(|taken| {
-                let (shading, picture) = &taken.pictures[i];
-                cell(taken.id(), shading.name().into(), &Sheet::developed(picture))
+        for i in 0..surfaces[0].pictures.len() {
+            cells.extend(surfaces.iter().map(|surface| {
+                let (shading, picture) = &surface.pictures[i];
+                cell(surface.id(), shading.name().into(), &Sheet::developed(picture))
             }));
         }
         cells.extend(
-            taken
-                .iter()
-                .map(|taken| cell("normals".into(), taken.what(), &Sheet::of_normals(&taken.normals))),
+            surfaces.iter().map(|surface| {
+                cell("normals".into(), surface.describe(), &Sheet::of_normals(&surface.normals))
+            }),
         );
-        cells.extend(taken.iter().map(|taken| self.error_cell(taken, comparison)));
-        let small = Sheet::developed(&taken[0].pictures[0].1).shrunk(CELL);
-        let sheet = Sheet::new(&cells, [small.width, small.height], taken.len());
-        match taken.iter().find_map(|taken| taken.difference.as_ref()) {
+        cells.extend(surfaces.iter().map(|surface| self.error_cell(surface)));
+        let small = Sheet::developed(&surfaces[0].pictures[0].1).shrunk(CELL);
+        let sheet = Sheet::new(&cells, [small.width, small.height], surfaces.len());
+        match surfaces.iter().find_map(|surface| surface.difference.as_ref()) {
             Some(difference) => HeatMap::of_angles(&difference.angles, self.heat_top).above_scale(&sheet),
             None => sheet,
         }
     }
 
-    fn error_cell(&self, taken: &Taken, comparison: &Comparison) -> Cell {
-        let Some(difference) = &taken.difference else {
-            let blank = Sheet::blank(taken.normals.width() as usize, taken.normals.height() as usize);
+    fn error_cell(&self, surface: &RenderedSurface) -> Cell {
+        let Some(difference) = &surface.difference else {
+            let blank = Sheet::blank(surface.normals.width() as usize, surface.normals.height() as usize);
             return cell("error".into(), "what the others are measured against".into(), &blank);
         };
-        let note = match difference.angles.within(&comparison.inner).ok().and_then(|field| field.summary()) {
+        let note = match difference.inner_angles.summary() {
             Some(summary) => format!("mean {:.2}°, 95 % below {:.1}°", summary.mean, summary.p95),
             None => "no pixel away from silhouettes".into(),
         };

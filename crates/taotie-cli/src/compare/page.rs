@@ -1,12 +1,12 @@
 //! `report.html`: the comparison as a page that opens from disk.
 
-use super::comparison::{Comparison, Taken};
-use super::report::{self, MethodReport, Report};
+use super::report::{self, Report};
 use anyhow::Result;
-use taotie::compare::ColorMap;
+use taotie::compare::{ColorMap, Summary};
+use taotie::comparison::{Comparison, MethodReport, RenderedSurface};
+use taotie::io;
 use taotie_report::heat_map::HeatMap;
 use taotie_report::sheet::Sheet;
-use taotie_report::spread::Spread;
 use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
 
 /// The page of a comparison.
@@ -46,22 +46,26 @@ fn facts(report: &Report) -> Vec<Fact> {
 
 fn views(report: &Report, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
     let mut views = Vec::new();
-    for (i, shading) in report.methods[0].pictures.iter().map(|picture| picture.shading).enumerate() {
-        let developed = |taken: &Taken| Some(Sheet::developed(&taken.pictures[i].1));
+    for (i, picture) in report.methods[0].pictures.iter().enumerate() {
+        let shading = &picture.shading;
+        let developed = |surface: &RenderedSurface| Some(Sheet::developed(&surface.pictures[i].1));
         let note = format!("Each surface under the shading model {shading}, in the same light.");
-        views.push(view(shading.into(), note, comparison, &developed)?);
-        let flip = |taken: &Taken| {
-            taken.difference.as_ref().map(|difference| HeatMap::of_flip(&difference.pictures[i].flip).plain())
+        views.push(view(shading.clone(), note, comparison, &developed)?);
+        let flip = |surface: &RenderedSurface| {
+            surface
+                .difference
+                .as_ref()
+                .map(|difference| HeatMap::of_flip(&difference.pictures[i].flip).plain())
         };
         let note = format!("What an observer would see of the difference from {}.", report.against);
         let view = view(format!("{shading}: FLIP"), note, comparison, &flip)?;
         views.push(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view });
     }
-    let normals = |taken: &Taken| Some(Sheet::of_normals(&taken.normals));
+    let normals = |surface: &RenderedSurface| Some(Sheet::of_normals(&surface.normals));
     let note = "Shading normals in world space as colours, (n + 1) / 2.";
     views.push(view("normals".into(), note.into(), comparison, &normals)?);
-    let errors = |taken: &Taken| {
-        taken.difference.as_ref().map(|difference| HeatMap::of_angles(&difference.angles, top).plain())
+    let errors = |surface: &RenderedSurface| {
+        surface.difference.as_ref().map(|difference| HeatMap::of_angles(&difference.angles, top).plain())
     };
     let note = format!("Angle between the shading normal and that of {}.", report.against);
     let view = view("angular error".into(), note, comparison, &errors)?;
@@ -74,12 +78,13 @@ fn view(
     name: String,
     note: String,
     comparison: &Comparison,
-    pixels: &dyn Fn(&Taken) -> Option<Sheet>,
+    pixels: &dyn Fn(&RenderedSurface) -> Option<Sheet>,
 ) -> Result<View> {
     let mut pictures = Vec::new();
-    for taken in &comparison.taken {
-        let Some(sheet) = pixels(taken) else { continue };
-        pictures.push(Picture::new(taken.id(), taken.what(), &sheet)?);
+    for surface in &comparison.surfaces {
+        let Some(pixels) = pixels(surface) else { continue };
+        let png = io::encode_png(&pixels.png())?;
+        pictures.push(Picture { label: surface.id(), note: surface.describe(), png });
     }
     Ok(View { name, note, pictures, legend: None })
 }
@@ -113,8 +118,8 @@ fn error_table(report: &Report) -> Section {
     Section::Table {
         title: "Angular error".into(),
         note: format!(
-            "Against {}, over all pixels whose place is found there ({:.2} % of the samples are not), and inner: over \
-             those away from silhouettes.",
+            "Against {}, over all pixels with a corresponding point there ({:.2} % of the samples have none), and inner: \
+             over those away from silhouettes.",
             report.against,
             report.unmatched * 100.0
         ),
@@ -123,7 +128,7 @@ fn error_table(report: &Report) -> Section {
     }
 }
 
-fn figure_cells(summary: Option<&Spread>) -> [Cell; 4] {
+fn figure_cells(summary: Option<&Summary>) -> [Cell; 4] {
     match summary.map(report::figures) {
         Some(figures) => figures.map(|figure| Cell::number(figure, 2)),
         None => std::array::from_fn(|_| Cell::Number { value: None, digits: 2 }),
@@ -178,14 +183,14 @@ fn picture_table(report: &Report, i: usize) -> Section {
     }
 }
 
-/// The paper's Table 2 on this model.
+/// Table 2 of Guo and Wang 2025 on this model.
 fn normals_table(report: &Report) -> Section {
-    let mut columns = place_columns();
+    let mut columns = point_columns();
     for method in &report.methods {
         columns.extend(["x", "y", "z"].map(|axis| Column::numbers(format!("{} {axis}", method.method), "")));
     }
     let rows = report.points.iter().enumerate().map(|(i, point)| {
-        let mut cells = place_cells(i, point.pixel);
+        let mut cells = point_cells(i, point.pixel);
         for normal in &point.normals {
             let component = |axis: usize| normal.normal.map(|n| f64::from(n[axis]));
             cells.extend([0, 1, 2].map(|axis| Cell::Number { value: component(axis), digits: 4 }));
@@ -193,38 +198,38 @@ fn normals_table(report: &Report) -> Section {
         cells
     });
     Section::Table {
-        title: "Normals at places".into(),
-        note: "Unit normals in world space, as the paper's Table 2 tells them.".into(),
+        title: "Normals at sample points".into(),
+        note: "Unit normals in world space, as Table 2 of Guo and Wang 2025 lists them.".into(),
         columns,
         rows: rows.collect(),
     }
 }
 
-/// The paper's Table 3 on this model.
+/// Table 3 of Guo and Wang 2025 on this model.
 fn angles_table(report: &Report) -> Section {
     let first = &report.methods[0].method;
-    let mut columns = place_columns();
+    let mut columns = point_columns();
     let others = || report.methods.iter().skip(1).enumerate();
     columns.extend(others().map(|(i, m)| Column::numbers(format!("θ{} {}", i + 1, m.method), "°")));
     let rows = report.points.iter().enumerate().map(|(i, point)| {
-        let mut cells = place_cells(i, point.pixel);
+        let mut cells = point_cells(i, point.pixel);
         let angles = point.normals.iter().skip(1);
         cells.extend(angles.map(|normal| Cell::Number { value: normal.angle_to_first, digits: 2 }));
         cells
     });
     Section::Table {
-        title: format!("Angles to {first} at places"),
-        note: format!("Between each normal and that of {first}, as the paper's Table 3 tells them."),
+        title: format!("Angles to {first} at sample points"),
+        note: format!("Between each normal and that of {first}, as Table 3 of Guo and Wang 2025 lists them."),
         columns,
         rows: rows.collect(),
     }
 }
 
-fn place_columns() -> Vec<Column> {
-    vec![Column::numbers("place", ""), Column::numbers("x", "px"), Column::numbers("y", "px")]
+fn point_columns() -> Vec<Column> {
+    vec![Column::numbers("point", ""), Column::numbers("x", "px"), Column::numbers("y", "px")]
 }
 
-fn place_cells(index: usize, [x, y]: [u32; 2]) -> Vec<Cell> {
+fn point_cells(index: usize, [x, y]: [u32; 2]) -> Vec<Cell> {
     [index as f64 + 1.0, x.into(), y.into()].map(|value| Cell::number(value, 0)).into()
 }
 

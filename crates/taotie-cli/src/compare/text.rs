@@ -1,7 +1,8 @@
-//! What a comparison prints.
+//! The text that a comparison prints.
 
-use super::report::{MethodReport, Report, figures};
-use taotie_report::spread::Spread;
+use super::report::{Report, figures};
+use taotie::compare::Summary;
+use taotie::comparison::MethodReport;
 use taotie_report::table::Table;
 
 /// The angular errors, each shading's picture errors, and what was not drawn.
@@ -37,9 +38,9 @@ fn angles(report: &Report) -> Table {
     table
 }
 
-fn texts(spread: Option<&Spread>) -> [String; 4] {
-    match spread {
-        Some(spread) => figures(spread).map(|figure| format!("{figure:.2}")),
+fn texts(summary: Option<&Summary>) -> [String; 4] {
+    match summary {
+        Some(summary) => figures(summary).map(|figure| format!("{figure:.2}")),
         None => std::array::from_fn(|_| "-".into()),
     }
 }

@@ -1,12 +1,11 @@
 //! The jue's methods measured against its relief as geometry.
 
-use crate::compare::{
-    self, Comparison, Destination, Matching, Method, Plan, PointChoice, Report, Subject, SubjectReport,
-};
+use crate::compare::{self, Destination, Echoes, Report};
 use anyhow::Result;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
+use taotie::comparison::{ComparisonOptions, Matching, Subject};
 use taotie::scene::Scene;
-use taotie::shade::Shading;
 use taotie_study::demo::stage::{self, Stage};
 
 /// Pixels along a side of the comparison's pictures.
@@ -21,31 +20,22 @@ const HEAT_TOP_DEG: f64 = 30.0;
 /// Those of rendering and writing.
 pub fn write(out: &Path, scene: &Scene, reference: Scene) -> Result<(Report, Vec<PathBuf>)> {
     let Stage { camera, lighting } = Stage::cup(scene)?;
-    let plan = Plan {
-        methods: Method::defaults(),
-        shadings: vec![Shading::Ggx],
-        points: PointChoice::Spread(10),
+    let options = ComparisonOptions {
         // The displaced mesh keeps the low mesh's uvs.
         matching: Matching::Uv,
-        camera,
-        lighting,
+        camera: Some(camera),
+        lighting: Some(lighting),
         settings: Stage::settings(SIDE, 4),
         development: stage::development(),
-        heat_top_deg: HEAT_TOP_DEG,
-        material: serde_json::Value::Null,
-        environment: serde_json::Value::Null,
+        ..ComparisonOptions::default()
     };
-    let subject = SubjectReport {
-        model: "the built-in jue".into(),
-        triangles: scene.triangle_count(),
-        reference: Some("its relief as geometry".into()),
-        reference_triangles: Some(reference.triangle_count()),
-    };
-    let mut pair = Subject { scene: scene.clone(), reference: Some(reference) };
-    let comparison = Comparison::take(&mut pair, &plan)?;
+    let subject =
+        Subject::new("the built-in jue", scene).with_reference("its relief as geometry", &reference);
+    let comparison = compare::compared(&subject, &options)?;
     let folder = out.join("comparison");
     let destination = Destination { folder: &folder, title: "A bronze jue of 251 vertices" };
-    compare::write(&comparison, &plan, &subject, &destination)
+    let echoes = Echoes { material: Value::Null, environment: Value::Null, heat_top_deg: HEAT_TOP_DEG };
+    compare::write(&comparison, &echoes, &destination)
 }
 
 /// The errors of three methods, and why they stand in this order.

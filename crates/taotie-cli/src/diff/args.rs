@@ -4,8 +4,10 @@ use crate::{options, render};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use taotie::compare::PIXELS_PER_DEGREE;
+use taotie::compare::{NormalEncoding, PIXELS_PER_DEGREE};
+use taotie::comparison::diff::{self, DiffOptions};
 use taotie::math::Vec3;
+use taotie::names::Named;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -90,23 +92,25 @@ pub enum Encoding {
     Signed,
 }
 
-impl Metric {
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Angle => "angle",
-            Self::Flip => "flip",
-            Self::Ssim => "ssim",
-            Self::Psnr => "psnr",
-            Self::Rmse => "rmse",
+impl From<Metric> for diff::Metric {
+    fn from(metric: Metric) -> Self {
+        match metric {
+            Metric::Angle => Self::Angle,
+            Metric::Flip => Self::Flip,
+            Metric::Ssim => Self::Ssim,
+            Metric::Psnr => Self::Psnr,
+            Metric::Rmse => Self::Rmse,
         }
     }
+}
 
-    /// Whether `value` is worse than `limit`.
-    pub fn is_worse(self, value: f64, limit: f64) -> bool {
-        match self {
-            Self::Angle | Self::Flip | Self::Rmse => value > limit,
-            Self::Ssim | Self::Psnr => value < limit,
+impl From<Encoding> for diff::Encoding {
+    fn from(encoding: Encoding) -> Self {
+        match encoding {
+            Encoding::Auto => Self::Auto,
+            Encoding::Color => Self::Color,
+            Encoding::Unit => Self::Normals(NormalEncoding::Unit),
+            Encoding::Signed => Self::Normals(NormalEncoding::Signed),
         }
     }
 }
@@ -117,6 +121,16 @@ fn default_pixels_per_degree() -> f64 {
 }
 
 impl DiffArgs {
+    /// The same for the library.
+    pub fn options(&self) -> DiffOptions {
+        DiffOptions {
+            metric: self.metric.map(Into::into),
+            encoding: self.encoding.into(),
+            background: self.background,
+            pixels_per_degree: self.pixels_per_degree,
+        }
+    }
+
     /// What can be refused before any work is done.
     pub fn check(&self) -> Result<()> {
         if self.threads == Some(0) {
@@ -141,7 +155,7 @@ impl DiffArgs {
             (Some(metric), Encoding::Unit | Encoding::Signed) if metric != Metric::Angle => {
                 bail!(
                     "--metric {} looks at colors, but --encoding says that the files hold normals",
-                    metric.name()
+                    diff::Metric::from(metric).name()
                 )
             }
             _ => Ok(()),

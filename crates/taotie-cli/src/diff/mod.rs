@@ -1,20 +1,20 @@
 //! `taotie diff`: how two pictures, or the normals that two maps hold, differ.
 //!
-//! [`Subject`] is what is compared, [`Report`] what came of it; the text and the JSON are two ways to print it.
+//! [`Report`] is what came of it; the text and the JSON are two ways to print it.
 
 mod args;
 mod heat;
-mod measure;
 mod report;
-mod subject;
 
 pub use args::DiffArgs;
 
-use crate::console;
+use crate::console::{self, Bar};
 use crate::{Outcome, studio};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use report::Report;
-use subject::Subject;
+use taotie::comparison::diff::{DiffOptions, Encoding, ImagePair, Metric, NamedBitmap, guessed_encoding};
+use taotie::image::Bitmap;
+use taotie::{Progress, io};
 
 /// Runs the subcommand.
 pub fn run(args: &DiffArgs) -> Result<Outcome> {
@@ -40,11 +40,50 @@ fn print(args: &DiffArgs, report: &Report) -> Result<()> {
     console::result(report.text().trim_end())
 }
 
+/// The two files as they are stored.
+struct Files {
+    names: [String; 2],
+    bitmaps: [Bitmap; 2],
+}
+
 fn compare(args: &DiffArgs) -> Result<Report> {
-    let (subject, warnings) = Subject::read(args)?;
-    let measured = measure::measure(args, &subject)?;
-    if let Some(path) = &args.heat {
-        heat::write(args, path, &subject)?;
+    let files = Files {
+        names: [&args.a, &args.b].map(|path| path.display().to_string()),
+        bitmaps: [io::read_bitmap(&args.a)?, io::read_bitmap(&args.b)?],
+    };
+    let options = args.options();
+    let images = [0, 1].map(|i| NamedBitmap { name: &files.names[i], bitmap: &files.bitmaps[i] });
+    check_normals(images, &options)?;
+    let pair = ImagePair::new(images, &options)?;
+    if pair.shared_normals() == Some(0) {
+        bail!("no texel holds a normal in both files; there is nothing to compare");
     }
-    Report::new(args, &subject, measured, warnings)
+    let bar = Bar::new("diff");
+    let listener = |_: &'static str, done: f64| {
+        bar.set(done);
+        true
+    };
+    let figures = pair.figures(&options, Progress::new(&listener))?;
+    if let Some(path) = &args.heat {
+        heat::write(args, path, &pair)?;
+    }
+    Ok(Report::new(args, &files, &pair, figures))
+}
+
+/// Refuses what is to be compared as normals and does not look so, by the option that says more.
+fn check_normals(images: [NamedBitmap<'_>; 2], options: &DiffOptions) -> Result<()> {
+    let same_size = |a: &Bitmap, b: &Bitmap| (a.width(), a.height()) == (b.width(), b.height());
+    let guessing = options.metric == Some(Metric::Angle) && options.encoding == Encoding::Auto;
+    if !guessing || !same_size(images[0].bitmap, images[1].bitmap) {
+        return Ok(());
+    }
+    for image in images {
+        if guessed_encoding(image.bitmap)?.is_none() {
+            bail!(
+                "{}: it does not look like a normal map; if it is one, say how it stores normals: --encoding unit or signed",
+                image.name
+            );
+        }
+    }
+    Ok(())
 }

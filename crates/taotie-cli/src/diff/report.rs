@@ -1,15 +1,15 @@
-//! What came of a comparison, for people and for machines.
+//! The report on two files, for people and for machines.
 
+use super::Files;
 use super::args::DiffArgs;
-use super::measure::Measured;
-use super::subject::{Content, Subject};
 use crate::console;
-use anyhow::Result;
 use serde::{Serialize, Serializer};
 use std::fmt::Write;
 use taotie::Warnings;
 use taotie::compare::NormalEncoding;
-use taotie::image::Bitmap;
+use taotie::comparison::diff::{self, DiffFigures, ImageContent, ImagePair};
+use taotie::names::Named;
+use taotie_report::spread::Spread;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
@@ -17,7 +17,7 @@ const SCHEMA: u32 = 1;
 /// The mean angle, degrees, that storing normals in 8 bits alone makes (`laws::bake::eight_bits_cost_a_sixth_of_a_degree`).
 const FLOOR_OF_8_BITS: f64 = 0.17;
 
-/// What came of a comparison.
+/// The report on two files.
 #[derive(Serialize)]
 pub struct Report {
     schema: u32,
@@ -31,7 +31,7 @@ pub struct Report {
     equal: bool,
     /// Texels that hold no normal in one of the files.
     left_out: usize,
-    metrics: Measured,
+    metrics: DiffFigures,
     pixels_per_degree: f64,
     /// What was demanded.
     pub threshold: Option<Threshold>,
@@ -69,19 +69,20 @@ fn counted<S: Serializer>(warnings: &Warnings, serializer: S) -> Result<S::Ok, S
 }
 
 impl Report {
-    /// The report on a subject that was measured.
-    pub fn new(args: &DiffArgs, subject: &Subject, metrics: Measured, warnings: Warnings) -> Result<Self> {
-        let [a, b] = &subject.bitmaps;
+    /// The report on two files that were measured.
+    pub fn new(args: &DiffArgs, files: &Files, pair: &ImagePair, metrics: DiffFigures) -> Self {
+        let [a, b] = &files.bitmaps;
         let count = a.texels().len();
-        let file = |index: usize, path: &std::path::Path| File::new(subject, index, path);
-        let threshold = args.metric.zip(args.threshold).zip(args.metric.and_then(|m| metrics.value(m)));
-        Ok(Self {
+        let metric = args.metric.map(diff::Metric::from);
+        let threshold = metric.zip(args.threshold).zip(metric.and_then(|metric| metrics.value(metric)));
+        let normals = matches!(pair.content, ImageContent::Normals(_));
+        Self {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
-            a: file(0, &args.a),
-            b: file(1, &args.b),
+            a: File::new(files, pair, 0),
+            b: File::new(files, pair, 1),
             size: [a.width(), a.height()],
-            compared_as: if matches!(subject.content, Content::Normals(_)) { "normals" } else { "pictures" },
+            compared_as: if normals { "normals" } else { "pictures" },
             equal: a.texels() == b.texels(),
             left_out: metrics.angle.map_or(0, |angle| count - angle.count),
             pixels_per_degree: args.pixels_per_degree,
@@ -92,8 +93,8 @@ impl Report {
             }),
             metrics,
             heat: args.heat.as_ref().map(|path| path.display().to_string()),
-            warnings,
-        })
+            warnings: pair.warnings.clone(),
+        }
     }
 
     /// The report for people.
@@ -121,7 +122,7 @@ impl Report {
 
     fn metrics_text(&self, text: &mut String) {
         let m = &self.metrics;
-        if let Some(angle) = &m.angle {
+        if let Some(angle) = m.angle.map(Spread::from) {
             let _ = writeln!(text, "angle  {}", angle.text(3, "°"));
             let _ =
                 writeln!(text, "       storing normals in 8 bits alone makes a mean of {FLOOR_OF_8_BITS}°");
@@ -138,7 +139,7 @@ impl Report {
         if let Some(ssim) = m.ssim {
             let _ = writeln!(text, "ssim   {ssim:.5}");
         }
-        if let Some(flip) = &m.flip {
+        if let Some(flip) = m.flip.map(Spread::from) {
             let _ = writeln!(
                 text,
                 "flip   {}, at {} pixels per degree",
@@ -150,18 +151,18 @@ impl Report {
 }
 
 impl File {
-    fn new(subject: &Subject, index: usize, path: &std::path::Path) -> Self {
-        let bitmap: &Bitmap = &subject.bitmaps[index];
-        let stored = match &subject.content {
-            Content::Normals(normals) => Some(&normals[index]),
-            Content::Pictures(_) => None,
+    fn new(files: &Files, pair: &ImagePair, index: usize) -> Self {
+        let bitmap = &files.bitmaps[index];
+        let stored = match &pair.content {
+            ImageContent::Normals(normals) => Some(&normals[index]),
+            ImageContent::Pictures(_) => None,
         };
         let name = |encoding: NormalEncoding| match encoding {
             NormalEncoding::Unit => "unit",
             NormalEncoding::Signed => "signed",
         };
         Self {
-            path: path.display().to_string(),
+            path: files.names[index].clone(),
             bits: bitmap.bits(),
             channels: bitmap.channels(),
             normals: stored.map(|(_, encoding)| name(*encoding)),

@@ -3,10 +3,10 @@
 use super::args::NormalsArgs;
 use anyhow::{Context, Result, bail};
 use std::path::Path;
+use taotie::Warnings;
 use taotie::bake::{TexelGrid, TexelSurface};
 use taotie::io::{self, Loaded};
-use taotie::surface::with_frames;
-use taotie::{Warnings, mesh::Mesh};
+use taotie::normal_map::lay_out;
 
 /// The mesh of the model asked for on a map of `size`, with the frames that the renderer gives it; `None` where no model
 /// was asked for.
@@ -19,24 +19,13 @@ pub fn laid_out(
     let mut loaded = io::load_model(path)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mesh = &loaded.scene.meshes[part(args, path, &loaded)?];
-    let mesh = framed(args, mesh, warnings).with_context(|| path.display().to_string())?;
     let grid = TexelGrid { width, height, uv_set: args.uv_set, margin: args.margin };
-    let surface = TexelSurface::new(mesh, &grid).with_context(|| path.display().to_string())?;
-    let coverage = surface.coverage();
-    if coverage.covered() == 0 {
+    let (surface, found) = lay_out(mesh, &grid, args.tangents).with_context(|| path.display().to_string())?;
+    if surface.coverage().covered() == 0 {
         bail!("{}: its uvs cover no texel of the map", path.display());
     }
-    warnings.note(
-        "texels under several triangles: the map holds the normal of the first alone",
-        coverage.shared(),
-    );
+    warnings.absorb(found);
     Ok(Some(surface))
-}
-
-fn framed(args: &NormalsArgs, mesh: &Mesh, warnings: &mut Warnings) -> taotie::Result<Mesh> {
-    let (mesh, without_area) = with_frames(mesh, args.uv_set, args.tangents)?;
-    warnings.note("triangles without uv area", without_area);
-    Ok(mesh.into_owned())
 }
 
 /// The number of the mesh asked for, or of the only one.

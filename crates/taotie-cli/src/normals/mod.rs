@@ -1,7 +1,6 @@
 //! `taotie normals`: normal maps from heights and from one another.
 
 mod args;
-mod convert;
 mod input;
 mod mesh;
 mod report;
@@ -9,10 +8,12 @@ mod report;
 pub use args::NormalsArgs;
 
 use crate::{console, studio};
-use anyhow::Result;
-use input::Input;
+use anyhow::{Result, bail};
 use report::Report;
+use taotie::bake::TexelSurface;
 use taotie::image::Encoding;
+use taotie::normal_map::{ConversionOptions, MapContent, MapSource, convert_map};
+use taotie::scene::NormalSpace;
 use taotie::{Warnings, io};
 
 /// Runs the subcommand.
@@ -27,11 +28,41 @@ pub fn run(args: &NormalsArgs) -> Result<()> {
 }
 
 fn convert(args: &NormalsArgs) -> Result<(Report, Warnings)> {
-    let input = Input::read(args)?;
+    let source = input::read(args)?;
     let mut warnings = Warnings::default();
-    let size = [input.bitmap.width(), input.bitmap.height()];
+    let size = [source.bitmap.width(), source.bitmap.height()];
     let surface = mesh::laid_out(args, size, &mut warnings)?;
-    let made = convert::convert(args, &input, surface.as_ref(), &mut warnings)?;
+    let options = options(args);
+    check(&source, &options, surface.as_ref())?;
+    let made = convert_map(&source, &options, surface.as_ref())?;
+    warnings.absorb(made.warnings.clone());
     io::write_png_bitmap(&args.output, &made.bitmap, Encoding::Linear)?;
-    Ok((Report::new(args, &input, &made, &warnings), warnings))
+    Ok((Report::new(args, &source, &made, &warnings), warnings))
+}
+
+fn options(args: &NormalsArgs) -> ConversionOptions {
+    ConversionOptions {
+        space: args.to.map(Into::into),
+        green: args.green.into(),
+        bits: args.bits.as_deref().map(|bits| if bits == "8" { 8 } else { 16 }),
+        dither: args.dither,
+        height_scale: args.height_scale,
+        border: args.border.wrap(),
+    }
+}
+
+/// Refuses what lacks an option, by the option's name.
+fn check(source: &MapSource, options: &ConversionOptions, surface: Option<&TexelSurface>) -> Result<()> {
+    let what = match (source.content, options.space) {
+        (MapContent::Heights, _) if options.height_scale.is_none() => bail!(
+            "--height-scale is needed for heights: the height of white in texels, or in model units with --mesh"
+        ),
+        (MapContent::Heights, Some(NormalSpace::Object)) => "for object space",
+        (MapContent::Normals(own), Some(space)) if own != space => "between tangent and object space",
+        _ => return Ok(()),
+    };
+    if surface.is_none() {
+        bail!("{what} the mesh has to be known; name the model with --mesh");
+    }
+    Ok(())
 }

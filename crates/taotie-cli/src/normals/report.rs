@@ -1,19 +1,19 @@
-//! What came of a conversion, for people and for machines.
+//! The report on a conversion, for people and for machines.
 
 use super::args::NormalsArgs;
-use super::convert::Converted;
-use super::input::{Input, space_name};
+use super::input::{content_name, space_name};
 use crate::console;
 use serde::Serialize;
 use std::fmt::Write;
 use taotie::Warnings;
+use taotie::normal_map::{Conversion, MapSource};
 use taotie::scene::GreenChannel;
 use taotie_report::spread::Spread;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// What came of a conversion.
+/// The report on a conversion.
 #[derive(Serialize)]
 pub struct Report {
     schema: u32,
@@ -39,7 +39,7 @@ pub struct Report {
 
 impl Report {
     /// The report on a conversion.
-    pub fn new(args: &NormalsArgs, input: &Input, made: &Converted, warnings: &Warnings) -> Self {
+    pub fn new(args: &NormalsArgs, input: &MapSource, made: &Conversion, warnings: &Warnings) -> Self {
         let spread = |field: &taotie::compare::Field| field.summary().map(Spread::from);
         Self {
             schema: SCHEMA,
@@ -47,7 +47,7 @@ impl Report {
             input: args.input.display().to_string(),
             output: args.output.display().to_string(),
             size: [made.bitmap.width(), made.bitmap.height()],
-            from: input.kind.name(),
+            from: content_name(input.content),
             to: space_name(made.space),
             green_in: green_name(input.green),
             green: green_name(args.green.into()),

@@ -2,12 +2,12 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeSettings, Cage, Scan, SimplifyOptions, Storage, UnwrapOptions, Verifier, bake, simplify,
-    store_unit_vectors, unwrap,
+    BakeSettings, Cage, Scan, SimplifyOptions, UnwrapOptions, Verifier, bake, simplify, unwrap,
 };
 use taotie::image::{Encoding, Texture};
 use taotie::math::Mat4;
 use taotie::mesh::Mesh;
+use taotie::normal_map::{Storage, store_unit_vectors};
 use taotie::scene::{Instance, Material, NormalSpace, Scene};
 use taotie::surface::with_frames;
 use taotie_study::jue;

@@ -5,10 +5,11 @@ use super::rounded::Rounded;
 use super::welds::Welds;
 use super::{atlas, patina};
 use rayon::prelude::*;
-use taotie::bake::{Storage, TexelGrid, TexelSurface, store_normals};
+use taotie::bake::{TexelGrid, TexelSurface};
 use taotie::image::{Bitmap, Image, Texels as Stored};
 use taotie::math::{Vec2, Vec3};
 use taotie::mesh::Mesh;
+use taotie::normal_map::{Storage, store_normals};
 use taotie::scene::{GreenChannel, NormalSpace};
 use taotie::surface::{
     Relief, ReliefBase, TangentMethod, relief_normal, tangent_space_normal, with_tangents,

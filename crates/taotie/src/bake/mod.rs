@@ -1,5 +1,5 @@
 //! Baking: heavy surfaces made light and unwrapped, which point of a heavy surface a point of a light one stands for,
-//! which point of a mesh each texel of a map shows, and normal maps made from heights and from one another.
+//! and which point of a mesh each texel of a map shows.
 //!
 //! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in
 //! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
@@ -7,13 +7,11 @@
 
 mod cage;
 mod color;
-mod convert;
 mod coverage;
 mod curvature;
 mod faults;
 mod fill;
 mod grow;
-mod heights;
 mod layout;
 mod levels;
 mod maps;
@@ -24,7 +22,6 @@ mod scan;
 mod search;
 mod simplify;
 mod sky;
-mod store;
 mod texel_surface;
 mod texels;
 mod unwrap;
@@ -32,19 +29,14 @@ mod uv_lookup;
 mod verify;
 
 pub use cage::Cage;
-pub use convert::{
-    decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on, tangent_from_object,
-};
 pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;
-pub use heights::Heights;
 pub use levels::{Level, levels};
 pub use maps::{MapKind, Maps};
 pub use planes::{Planes, Texel};
 pub use projection::{Match, Probe};
 pub use scan::{Scan, light_mesh};
 pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
-pub use store::{Storage, Stored, green_turned, requantised, store_codes, store_normals, store_unit_vectors};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeSettings, Baked, bake};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};

@@ -10,6 +10,7 @@ mod obj;
 mod ply;
 mod polygon;
 mod stl;
+mod stopwatch;
 mod text;
 mod variants;
 mod write;
@@ -21,6 +22,7 @@ pub use bitmap::{decode_bitmap, read_bitmap};
 pub use cache::cache_folder;
 pub use environment::decode_environment;
 pub use file::read as read_bytes;
+pub use stopwatch::Stopwatch;
 pub use variants::Variants;
 pub use write::{
     ExrLayer, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, MovingFormat,

@@ -9,6 +9,7 @@ use taotie::image::{Bitmap, Image, Texels, Wrap};
 use taotie::io::{load_model, read_bitmap};
 use taotie::math::{Vec2, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
+use taotie::normal_map::*;
 use taotie::scene::{GreenChannel, NormalSpace};
 use taotie::surface::{TangentMethod, with_tangents};
 

@@ -2,13 +2,13 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeSettings, Baked, Cage, MapKind, Maps, Planes, Scan, Storage, Texel, UnwrapOptions, Verifier, bake,
-    store_unit_vectors, unwrap,
+    BakeSettings, Baked, Cage, MapKind, Maps, Planes, Scan, Texel, UnwrapOptions, Verifier, bake, unwrap,
 };
 use taotie::image::{Encoding, Texture};
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::{Mesh, MeshData};
 use taotie::names::Named;
+use taotie::normal_map::{Storage, store_unit_vectors};
 use taotie::scene::{Instance, Material, NormalSpace, Scene};
 use taotie::surface::{vertex_normals, with_frames};
 

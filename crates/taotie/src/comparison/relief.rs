@@ -2,15 +2,15 @@
 
 use super::convert;
 use super::method::Method;
+use crate::error::Result;
+use crate::image::{Bitmap, Encoding, Texels, Texture};
+use crate::math::{Vec3, srgb};
+use crate::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef};
+use crate::surface::{SurfaceMethod, TangentMethod};
 use std::collections::HashMap;
-use taotie::Result;
-use taotie::image::{Bitmap, Encoding, Texels, Texture};
-use taotie::math::{Vec3, srgb};
-use taotie::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef};
-use taotie::surface::{SurfaceMethod, TangentMethod};
 
 /// Gives the scene's materials what each method needs, deriving what the file has in another form.
-pub struct Relief {
+pub(super) struct Relief {
     /// As the file and the options have them.
     materials: Vec<Material>,
     /// The texture with the grey of each colour texture.
@@ -19,16 +19,13 @@ pub struct Relief {
     converted: HashMap<usize, usize>,
     /// How tangents are made, if not as the renderer chooses.
     tangents: Option<TangentMethod>,
-    /// What was derived, for the report.
+    /// Notes on derived maps, for the report.
     notes: Vec<String>,
 }
 
-/// Why a method cannot be drawn.
-pub type Reason = String;
-
 impl Relief {
     /// Remembers the scene's materials, one for each mesh that uses it: converted maps belong to one mesh.
-    pub fn new(scene: &mut Scene, tangents: Option<TangentMethod>) -> Self {
+    pub(super) fn new(scene: &mut Scene, tangents: Option<TangentMethod>) -> Self {
         part_materials(scene);
         Self {
             materials: scene.materials.clone(),
@@ -39,8 +36,8 @@ impl Relief {
         }
     }
 
-    /// What was derived so far.
-    pub fn notes(&self) -> &[String] {
+    /// Returns notes on the maps derived so far.
+    pub(super) fn notes(&self) -> &[String] {
         &self.notes
     }
 
@@ -48,7 +45,7 @@ impl Relief {
     ///
     /// # Errors
     /// Where a derived texture cannot be made.
-    pub fn apply(&mut self, scene: &mut Scene, method: Method) -> Result<Option<Reason>> {
+    pub(super) fn apply(&mut self, scene: &mut Scene, method: Method) -> Result<Option<&'static str>> {
         scene.materials = self.materials.clone();
         let mut any = false;
         for index in 0..self.materials.len() {
@@ -59,7 +56,7 @@ impl Relief {
                 SurfaceMethod::TangentNormal => self.give_normals(scene, index, NormalSpace::Tangent)?,
             };
         }
-        Ok((!any).then(|| lacking(method).into()))
+        Ok((!any).then(|| lacking(method)))
     }
 
     /// Gives a material its height map, whose white stands `method.factor` texels above black where one is given.
@@ -155,12 +152,12 @@ fn part_materials(scene: &mut Scene) {
 fn lacking(method: Method) -> &'static str {
     match (method.surface, method.factor) {
         (SurfaceMethod::Bump, None) => {
-            "no material has a height map of known height; name one with --height-map, or write a factor: bump:5"
+            "no material has a height map of known height; give it one, or write a factor: bump:5"
         }
         (SurfaceMethod::Bump | SurfaceMethod::BumpPrinted, _) => {
-            "no material has a height map or a base colour texture; name one with --height-map"
+            "no material has a height map or a base colour texture; give it a height map"
         }
-        _ => "no material of a mesh with uvs has a normal map; name one with --normal-map",
+        _ => "no material of a mesh with uvs has a normal map; give it one",
     }
 }
 

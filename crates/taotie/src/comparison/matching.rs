@@ -1,60 +1,61 @@
-//! Which place of the reference a place of the model is compared with.
+//! Which point of the reference corresponds to a point of the model.
 //!
-//! A light mesh lies beside the heavy one, so at the same pixel the two show different places of the relief.
+//! A low-poly mesh lies beside the high-poly one, so at the same pixel the two show different points of the relief.
 
 use super::look::Look;
+use crate::bake::{Probe, Scan, UvLookup};
+use crate::error::Result;
+use crate::image::Image;
+use crate::math::{Vec2, Vec3};
+use crate::names::Named;
+use crate::scene::Scene;
 use rayon::prelude::*;
-use taotie::Result;
-use taotie::bake::{Probe, Scan, UvLookup};
-use taotie::image::Image;
-use taotie::math::{Vec2, Vec3};
-use taotie::names::Named;
-use taotie::scene::{Camera, Scene};
 
-/// How places are matched.
+/// How corresponding points of model and reference are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Matching {
-    /// Along the model's vertex normal.
+    /// Along the model's vertex normal, as bakers do.
     Normal,
-    /// By uv.
+    /// By uv, for meshes that share them.
     Uv,
-    /// By pixel.
+    /// At the same pixel, although the two may show different points there.
     Pixel,
 }
 
 impl Named for Matching {
-    const WHAT: &'static str = "way to match places";
+    const WHAT: &'static str = "way to find corresponding points";
     const NAMES: &'static [(&'static str, Self)] =
         &[("normal", Self::Normal), ("uv", Self::Uv), ("pixel", Self::Pixel)];
 }
 
-/// How far the reference may lie from the model, as a fraction of the model's diagonal.
+/// The greatest distance between reference and model, as a fraction of the model's diagonal.
 const REACH: f64 = 0.02;
 
 impl Matching {
-    /// The rule in words, for reports.
+    /// States the rule in words.
     pub fn rule(self) -> &'static str {
         match self {
             Self::Normal => {
                 "each covered sample shows a point of the model; along the interpolated vertex normal there, both ways \
-                 and at most 2 % of the model's diagonal, lies the point of the reference that it stands for, if that \
-                 faces the same way"
+                 and at most 2 % of the model's diagonal, lies the corresponding point of the reference, if that faces \
+                 the same way"
             }
             Self::Uv => {
-                "each covered sample shows a point of the model; it stands for the reference's point of the same uv"
+                "each covered sample shows a point of the model; the reference's point of the same uv corresponds to it"
             }
-            Self::Pixel => "pixel by pixel, although the two meshes may show different places there",
+            Self::Pixel => "pixel by pixel, although the two meshes may show different points there",
         }
     }
 
-    /// The reference's normals where each sample's place lies on it; the fourth channel is 1 where there is a match.
+    /// Returns the reference's normals at the points that correspond to each sample's; the fourth channel is 1 where there
+    /// is one.
     ///
-    /// `smooth` is the model without relief, seen by `camera`; `diagonal` is the model's. By pixel nothing is matched:
-    /// what the reference shows there is for the caller to see.
+    /// `smooth` shows the model without relief, whose diagonal is `diagonal`. By pixel nothing corresponds: what the
+    /// reference shows there is for the caller to see.
     ///
     /// # Errors
-    /// None but where the pictures are too large, which they are not.
-    pub fn normals(self, smooth: &Look, reference: &Scene, camera: &Camera, diagonal: f64) -> Result<Image> {
+    /// [`crate::Error::Limit`] where the reference has too many vertices.
+    pub(super) fn normals(self, smooth: &Look, reference: &Scene, diagonal: f64) -> Result<Image> {
         match self {
             Self::Pixel => matched(smooth, |_| None),
             Self::Uv => {
@@ -71,7 +72,7 @@ impl Matching {
                 matched(smooth, |at| {
                     let [depth, ..] = smooth.depth.pixel(at[0], at[1]);
                     let [x, y, z, _] = smooth.normals.pixel(at[0], at[1]);
-                    let point = camera.point_at(at, depth.into(), size).to_f32();
+                    let point = smooth.camera.point_at(at, depth.into(), size).to_f32();
                     let direction = Vec3::new(x, y, z);
                     let probe = Probe { point, direction, reach };
                     scan.project(&probe).map(|found| found.normal)

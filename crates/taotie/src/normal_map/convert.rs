@@ -3,7 +3,8 @@
 //! All work on pictures of vectors: x, y and z, and a fourth channel that is 1 where there is a normal. Where there is
 //! none the vector is what padding should hold.
 
-use super::{Heights, SurfacePoint, TexelSurface};
+use super::heights::Heights;
+use crate::bake::{SurfacePoint, TexelSurface};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Image};
 use crate::math::Vec3;
@@ -14,9 +15,9 @@ use crate::surface::{
 };
 use rayon::prelude::*;
 
-/// What padding of a tangent-space map holds: no relief.
+/// The padding of a tangent-space map: no relief.
 const FLAT: [f32; 4] = [0.0, 0.0, 1.0, 0.0];
-/// What padding of an object-space map holds: grey, which no normal is.
+/// The padding of an object-space map: grey, which no normal is.
 const NOTHING: [f32; 4] = [0.0; 4];
 
 /// The vectors that a normal map stores, not normalised, green turned up.

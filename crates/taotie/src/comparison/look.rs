@@ -1,29 +1,32 @@
-//! What a camera sees of a surface before any light.
+//! Normals, depths and uvs of a surface as a camera sees them, before any light.
 
+use crate::error::Result;
+use crate::image::Image;
+use crate::math::Vec3;
+use crate::progress::Progress;
+use crate::render::{GrazingNormals, Lighting, Pass, Prepared, RenderSettings};
+use crate::scene::Camera;
 use rayon::prelude::*;
-use taotie::image::Image;
-use taotie::math::Vec3;
-use taotie::render::{GrazingNormals, Lighting, Pass, Prepared, RenderSettings};
-use taotie::scene::Camera;
-use taotie::{Progress, Result};
 
 /// Neighbouring samples whose depths differ by more than this many of their sizes see a silhouette, or a surface slanted
 /// by more than 76°.
 const STEEPEST: f64 = 4.0;
 
 /// The rule of [`Look::inner`] in words, for reports.
-pub const INNER_RULE: &str = "a pixel is away from silhouettes where each of its samples and their eight neighbours are \
+pub(super) const INNER_RULE: &str = "a pixel is away from silhouettes where each of its samples and their eight neighbours are \
     covered and matched, and no neighbour's depth differs by more than 4 sample sizes, so that the model slants by less \
     than about 76°";
 
 /// Normals, depths and uvs at the middles of samples, which lie in squares of `per_side` × `per_side` in each pixel.
-pub struct Look {
-    /// As [`taotie::render::Aovs::normals`].
-    pub normals: Image,
-    /// As [`taotie::render::Aovs::depth`].
-    pub depth: Image,
-    /// As [`taotie::render::Aovs::uv`].
-    pub uv: Image,
+pub(super) struct Look {
+    /// As [`crate::render::Aovs::normals`].
+    pub(super) normals: Image,
+    /// As [`crate::render::Aovs::depth`].
+    pub(super) depth: Image,
+    /// As [`crate::render::Aovs::uv`].
+    pub(super) uv: Image,
+    /// The camera that sees them.
+    pub(super) camera: Camera,
     per_side: u32,
 }
 
@@ -38,7 +41,12 @@ fn samples_per_side(settings: &RenderSettings) -> u32 {
 }
 
 /// Looks with as many samples a pixel as `settings` ask for, fewer where that would be too many.
-pub fn look(prepared: &Prepared<'_>, camera: &Camera, settings: &RenderSettings) -> Result<Look> {
+pub(super) fn look(
+    prepared: &Prepared<'_>,
+    camera: &Camera,
+    settings: &RenderSettings,
+    progress: Progress<'_>,
+) -> Result<Look> {
     let per_side = samples_per_side(settings);
     let (width, height) = (settings.width * per_side, settings.height * per_side);
     // The map's own normals are to be judged, not what shading makes of them.
@@ -52,15 +60,15 @@ pub fn look(prepared: &Prepared<'_>, camera: &Camera, settings: &RenderSettings)
         grazing_normals,
         ..settings.clone()
     };
-    let frame = Pass::new(prepared, camera, &Lighting::default(), &settings)?.render(Progress::SILENT)?;
+    let frame = Pass::new(prepared, camera, &Lighting::default(), &settings)?.render(progress)?;
     let aovs = frame.aovs.expect("output variables were asked for");
-    Ok(Look { normals: aovs.normals, depth: aovs.depth, uv: aovs.uv, per_side })
+    Ok(Look { normals: aovs.normals, depth: aovs.depth, uv: aovs.uv, camera: camera.clone(), per_side })
 }
 
 impl Look {
     /// The mean normal of each pixel, unit, of this look's samples or of others at the same places. The fourth channel
     /// is 1 where all of them saw something.
-    pub fn mean_normals(&self, normals: &Image) -> Result<Image> {
+    pub(super) fn mean_normals(&self, normals: &Image) -> Result<Image> {
         let n = self.per_side;
         let mut means = Image::new(normals.width() / n, normals.height() / n, [0.0; 4])?;
         let width = means.width();
@@ -78,22 +86,22 @@ impl Look {
         Ok(means)
     }
 
-    /// Which pixels are away from silhouettes, row by row: see [`INNER_RULE`]. `matched` has these samples' matches in
-    /// its fourth channel.
-    pub fn inner(&self, matched: &Image, camera: &Camera) -> Vec<bool> {
+    /// Which pixels are away from silhouettes, row by row: see [`INNER_RULE`]. The fourth
+    /// channel of `matched` is 1 where a sample has a corresponding point.
+    pub(super) fn inner(&self, matched: &Image) -> Vec<bool> {
         let n = self.per_side;
         let (width, height) = (matched.width() / n, matched.height() / n);
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
-        pixels.map(|at| samples_of(at, n).all(|sample| self.is_inner(matched, sample, camera))).collect()
+        pixels.map(|at| samples_of(at, n).all(|sample| self.is_inner(matched, sample))).collect()
     }
 
-    fn is_inner(&self, matched: &Image, [x, y]: [u32; 2], camera: &Camera) -> bool {
+    fn is_inner(&self, matched: &Image, [x, y]: [u32; 2]) -> bool {
         let (width, height) = (self.depth.width(), self.depth.height());
         if x == 0 || y == 0 || x + 1 == width || y + 1 == height {
             return false;
         }
         let [middle, ..] = self.depth.pixel(x, y);
-        let most = STEEPEST * camera.pixel_size(middle.into(), width, height);
+        let most = STEEPEST * self.camera.pixel_size(middle.into(), width, height);
         let near = |x: u32, y: u32| f64::from(self.depth.pixel(x, y)[0] - middle).abs() <= most;
         let sound = |x: u32, y: u32| matched.pixel(x, y)[3] == 1.0 && near(x, y);
         (y - 1..=y + 1).all(|y| (x - 1..=x + 1).all(|x| sound(x, y)))

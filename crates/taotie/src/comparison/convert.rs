@@ -1,30 +1,28 @@
 //! A material's normal map in the other space.
 
-use taotie::Result;
-use taotie::bake::{
-    Storage, TexelGrid, TexelSurface, decoded_normals, object_from_tangent, store_normals,
-    tangent_from_object,
-};
-use taotie::image::{Bitmap, Image};
-use taotie::mesh::Mesh;
-use taotie::scene::{GreenChannel, NormalMap, NormalSpace};
-use taotie::surface::{TangentMethod, with_frames};
+use crate::bake::{TexelGrid, TexelSurface};
+use crate::error::Result;
+use crate::image::{Bitmap, Image};
+use crate::mesh::Mesh;
+use crate::normal_map::{Storage, decoded_normals, object_from_tangent, store_normals, tangent_from_object};
+use crate::scene::{GreenChannel, NormalMap, NormalSpace};
+use crate::surface::{TangentMethod, with_frames};
 
 /// Texels around charts that are filled too, as a part of the map's side: enough for the mip levels that are seen.
 const MARGIN: u32 = 128;
 
 /// A converted map.
-pub struct Converted {
+pub(super) struct Converted {
     /// 16 bits, green up.
-    pub bitmap: Bitmap,
+    pub(super) bitmap: Bitmap,
     /// Its space, in words.
-    pub space: &'static str,
+    pub(super) space: &'static str,
     /// Texels under more than one triangle, which cannot be right for all of them in object space.
-    pub shared: usize,
+    pub(super) shared: usize,
 }
 
-/// `source`, used as `map` says, in the space that it is not in, for `mesh`.
-pub fn other_space(
+/// Returns `source`, used as `map` says, in the space that it is not in, for `mesh`.
+pub(super) fn other_space(
     mesh: &Mesh,
     source: &Bitmap,
     map: &NormalMap,

@@ -1,0 +1,79 @@
+//! How two images are compared.
+
+use crate::compare::{NormalEncoding, PIXELS_PER_DEGREE};
+use crate::math::Vec3;
+use crate::names::Named;
+
+/// How a difference is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+pub enum Metric {
+    /// Angle between normals, degrees.
+    Angle,
+    /// FLIP, [0, 1]: 0 alike.
+    Flip,
+    /// Structural similarity: 1 alike.
+    Ssim,
+    /// Peak signal-to-noise ratio, decibels: infinite where equal.
+    Psnr,
+    /// Root mean square error of the encoded channels, [0, 1].
+    Rmse,
+}
+
+impl Named for Metric {
+    const WHAT: &'static str = "metric";
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("angle", Self::Angle),
+        ("flip", Self::Flip),
+        ("ssim", Self::Ssim),
+        ("psnr", Self::Psnr),
+        ("rmse", Self::Rmse),
+    ];
+}
+
+impl Metric {
+    /// Returns whether `value` is worse than `limit`.
+    pub fn is_worse(self, value: f64, limit: f64) -> bool {
+        match self {
+            Self::Angle | Self::Flip | Self::Rmse => value > limit,
+            Self::Ssim | Self::Psnr => value < limit,
+        }
+    }
+}
+
+/// The meaning of the numbers in two images.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Encoding {
+    /// Normals where both look like normal maps, else colours.
+    #[default]
+    Auto,
+    /// Colours.
+    Color,
+    /// Normals, stored so in both.
+    Normals(NormalEncoding),
+}
+
+/// How two images are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiffOptions {
+    /// The only metric; `None` for all that apply.
+    pub metric: Option<Metric>,
+    /// The meaning of the numbers.
+    pub encoding: Encoding,
+    /// The colour that transparent images are laid over, linear RGB in [0, 1].
+    pub background: Vec3,
+    /// How fine pixels are in the eye of the viewer that FLIP assumes.
+    pub pixels_per_degree: f64,
+}
+
+impl Default for DiffOptions {
+    fn default() -> Self {
+        Self {
+            metric: None,
+            encoding: Encoding::Auto,
+            background: Vec3::splat(0.0),
+            pixels_per_degree: f64::from(PIXELS_PER_DEGREE),
+        }
+    }
+}

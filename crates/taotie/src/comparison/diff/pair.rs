@@ -1,0 +1,132 @@
+//! The content of two images: colours, or normals.
+
+use super::options::{DiffOptions, Encoding, Metric};
+use crate::compare::{NormalEncoding, Picture, StoredNormals, stored_normals, stored_picture};
+use crate::error::{Error, Result, Warnings};
+use crate::image::{Bitmap, Texels};
+use crate::surface::{NormalMapKind, is_normal_map};
+
+/// An image with the name that errors and warnings give it, such as its file's.
+#[derive(Debug, Clone, Copy)]
+pub struct NamedBitmap<'a> {
+    /// The name.
+    pub name: &'a str,
+    /// The texels as they are stored.
+    pub bitmap: &'a Bitmap,
+}
+
+/// Two images of one size, ready to be compared. The first is the reference.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct ImagePair {
+    /// The colours or normals.
+    pub content: ImageContent,
+    /// Faults that were put right, counted.
+    pub warnings: Warnings,
+}
+
+/// The content of two images.
+#[derive(Debug, Clone)]
+pub enum ImageContent {
+    /// Colours.
+    Pictures([Picture; 2]),
+    /// Normals, with how each image stores them.
+    Normals([(StoredNormals, NormalEncoding); 2]),
+}
+
+impl ImagePair {
+    /// Decides what two images hold, and reads it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where they differ in size, and where [`Metric::Angle`] is asked for and one of them does not
+    /// look like a normal map.
+    pub fn new(images: [NamedBitmap<'_>; 2], options: &DiffOptions) -> Result<Self> {
+        check_sizes(&images)?;
+        let mut warnings = Warnings::default();
+        let content = match normal_encodings(&images, options, &mut warnings)? {
+            Some([a, b]) => ImageContent::Normals([normals(images[0], a)?, normals(images[1], b)?]),
+            None => {
+                let mut picture = |image| picture(image, options, &mut warnings);
+                ImageContent::Pictures([picture(images[0])?, picture(images[1])?])
+            }
+        };
+        Ok(Self { content, warnings })
+    }
+
+    /// Returns how many texels hold a normal in both; `None` for colours.
+    pub fn shared_normals(&self) -> Option<usize> {
+        let ImageContent::Normals([(a, _), (b, _)]) = &self.content else { return None };
+        let pairs = a.normals.pixels().iter().zip(b.normals.pixels());
+        Some(pairs.filter(|(a, b)| a[3] > 0.0 && b[3] > 0.0).count())
+    }
+}
+
+fn check_sizes(images: &[NamedBitmap<'_>; 2]) -> Result<()> {
+    let [a, b] = images.map(|image| [image.bitmap.width(), image.bitmap.height()]);
+    if a == b {
+        return Ok(());
+    }
+    let size = |image: &NamedBitmap<'_>| {
+        format!("{} is {}x{}", image.name, image.bitmap.width(), image.bitmap.height())
+    };
+    Err(Error::invalid(
+        images.each_ref().map(size).join(", "),
+        "only pictures of one size can be compared; resample one of them",
+    ))
+}
+
+/// How the images store normals; `None` where colours are to be compared.
+fn normal_encodings(
+    images: &[NamedBitmap<'_>; 2],
+    options: &DiffOptions,
+    warnings: &mut Warnings,
+) -> Result<Option<[NormalEncoding; 2]>> {
+    let looks_at_colors = options.metric.is_some_and(|metric| metric != Metric::Angle);
+    match options.encoding {
+        Encoding::Color => return Ok(None),
+        Encoding::Normals(encoding) => return Ok(Some([encoding; 2])),
+        Encoding::Auto if looks_at_colors => return Ok(None),
+        Encoding::Auto => {}
+    }
+    let [a, b] = [guessed_encoding(images[0].bitmap)?, guessed_encoding(images[1].bitmap)?];
+    if let (Some(a), Some(b)) = (a, b) {
+        return Ok(Some([a, b]));
+    }
+    let [a_name, b_name] = images.map(|image| image.name);
+    let [is, other] = if a.is_some() { [a_name, b_name] } else { [b_name, a_name] };
+    if options.metric == Some(Metric::Angle) {
+        let why = "it does not look like a normal map; if it is one, say how it stores normals";
+        return Err(Error::invalid(other, why));
+    }
+    if a.is_some() || b.is_some() {
+        let what =
+            format!("{is} looks like a normal map and {other} does not; they are compared as pictures");
+        warnings.note(what, 1);
+    }
+    Ok(None)
+}
+
+/// Returns how an image seems to store normals, by their length; `None` where it looks like no normal map.
+///
+/// # Errors
+/// As [`stored_normals`].
+pub fn guessed_encoding(bitmap: &Bitmap) -> Result<Option<NormalEncoding>> {
+    if matches!(bitmap.texels(), Texels::F32(_)) {
+        let signed = stored_normals(bitmap, NormalEncoding::Signed)?;
+        let opaque = bitmap.texels().len() - signed.transparent;
+        if opaque > 0 && signed.not_unit * 10 < opaque {
+            return Ok(Some(NormalEncoding::Signed));
+        }
+    }
+    Ok((is_normal_map(bitmap) != NormalMapKind::No).then_some(NormalEncoding::Unit))
+}
+
+fn normals(image: NamedBitmap<'_>, encoding: NormalEncoding) -> Result<(StoredNormals, NormalEncoding)> {
+    Ok((stored_normals(image.bitmap, encoding)?, encoding))
+}
+
+fn picture(image: NamedBitmap<'_>, options: &DiffOptions, warnings: &mut Warnings) -> Result<Picture> {
+    let (picture, clipped) = stored_picture(image.bitmap, options.background)?;
+    warnings.note(format!("{}: pixels beyond black or white are clipped", image.name), clipped);
+    Ok(picture)
+}

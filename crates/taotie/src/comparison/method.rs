@@ -1,0 +1,71 @@
+//! The methods that are compared.
+
+use crate::names::Named;
+use crate::surface::SurfaceMethod;
+
+/// A way to find the shading normal: a surface method, for the bump methods with a factor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Method {
+    /// The surface method.
+    pub surface: SurfaceMethod,
+    /// For `bump` the number of texels that white stands above black, for `bump-printed` the factor of Guo and Wang 2025.
+    /// `None` takes the height of the material.
+    pub factor: Option<f32>,
+}
+
+impl From<SurfaceMethod> for Method {
+    fn from(surface: SurfaceMethod) -> Self {
+        Self { surface, factor: None }
+    }
+}
+
+/// The bump factors of Guo and Wang 2025.
+const PAPER_FACTORS: [f32; 2] = [5.0, 50.0];
+
+impl Method {
+    /// Returns the methods that are compared if none is named: the four of Guo and Wang 2025, bump mapping as it is
+    /// meant, and both kinds of normal map.
+    pub fn defaults() -> Vec<Self> {
+        let by_factor = |surface| PAPER_FACTORS.map(|factor| Self { surface, factor: Some(factor) });
+        let mut methods = vec![Self::from(SurfaceMethod::Smooth), Self::from(SurfaceMethod::Bump)];
+        methods.extend(by_factor(SurfaceMethod::Bump));
+        methods.extend(by_factor(SurfaceMethod::BumpPrinted));
+        methods.extend([Self::from(SurfaceMethod::ObjectNormal), Self::from(SurfaceMethod::TangentNormal)]);
+        methods
+    }
+
+    /// Returns whether the factor means something: only bump mapping has one.
+    pub fn takes_factor(surface: SurfaceMethod) -> bool {
+        matches!(surface, SurfaceMethod::Bump | SurfaceMethod::BumpPrinted)
+    }
+
+    /// Returns its name with the factor: `tangent-normal`, `bump:5`.
+    pub fn id(self) -> String {
+        match self.factor {
+            Some(factor) => format!("{}:{factor}", self.surface.name()),
+            None => self.surface.name().into(),
+        }
+    }
+
+    /// Returns [`Method::id`] as part of a file's name: `bump-5`.
+    pub fn file_stem(self) -> String {
+        self.id().replace(':', "-")
+    }
+
+    /// Describes it in a few words.
+    pub fn describe(self) -> String {
+        let what = match self.surface {
+            SurfaceMethod::Facet => "one normal a triangle",
+            SurfaceMethod::Smooth => "vertex normals",
+            SurfaceMethod::Bump => "surface gradient",
+            SurfaceMethod::BumpPrinted => "as the paper prints it",
+            SurfaceMethod::ObjectNormal => "object-space map",
+            SurfaceMethod::TangentNormal => "tangent-space map",
+        };
+        match (self.surface, self.factor) {
+            (SurfaceMethod::Bump, Some(factor)) => format!("{what}, {factor} texels"),
+            (SurfaceMethod::BumpPrinted, Some(factor)) => format!("{what}, factor {factor}"),
+            _ => what.into(),
+        }
+    }
+}

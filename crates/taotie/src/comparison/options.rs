@@ -1,0 +1,117 @@
+//! How models are compared.
+
+use super::matching::Matching;
+use super::method::Method;
+use super::sample_points::SamplePoints;
+use crate::error::{Error, Result};
+use crate::film::Development;
+use crate::image::Image;
+use crate::math::{Vec3, srgb};
+use crate::render::{Lighting, RenderSettings};
+use crate::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
+use crate::shade::Shading;
+
+/// How a model is compared.
+#[derive(Debug, Clone)]
+pub struct ComparisonOptions {
+    /// The surface methods, at least one and each once; the first is what the angles at sample points are measured from.
+    pub methods: Vec<Method>,
+    /// The reflectance models, at least one and each once.
+    pub shadings: Vec<Shading>,
+    /// The pixels whose normals are listed.
+    pub points: SamplePoints,
+    /// Which point of the reference corresponds to a point of the model.
+    pub matching: Matching,
+    /// The camera of all pictures; `None` fits the model into the picture, seen a little from the side and from
+    /// above.
+    pub camera: Option<Camera>,
+    /// The light of all pictures; `None` for the model's own lights, else key, fill and rim.
+    pub lighting: Option<Lighting>,
+    /// Size, samples, shadows, tangents, the height of white for `bump`, and the SIMD level. Shading and surface method
+    /// are not read.
+    pub settings: RenderSettings,
+    /// How all pictures are developed; it needs a background, since pictures are compared as a screen shows them.
+    pub development: Development,
+}
+
+impl Default for ComparisonOptions {
+    fn default() -> Self {
+        Self {
+            methods: Method::defaults(),
+            shadings: vec![Shading::Ggx],
+            points: SamplePoints::Spread(10),
+            matching: Matching::Normal,
+            camera: None,
+            lighting: None,
+            settings: RenderSettings { width: 640, height: 640, ..RenderSettings::default() },
+            development: Development { background: Some(charcoal()), ..Development::default() },
+        }
+    }
+}
+
+/// The direction that a model is looked at from: to the right and from above.
+const DEFAULT_ORBIT_DEG: [f64; 2] = [25.0, 15.0];
+/// The full vertical angle of view.
+const DEFAULT_FOV_DEG: f64 = 30.0;
+/// How much of the picture a framed model fills.
+const FILL: f64 = 0.9;
+
+/// #2a2b2e, linear.
+fn charcoal() -> Vec3 {
+    let linear = |code: u8| srgb::linear_from_srgb(f64::from(code) / 255.0) as f32;
+    Vec3::new(linear(0x2a), linear(0x2b), linear(0x2e))
+}
+
+impl ComparisonOptions {
+    /// Refuses what cannot be compared.
+    pub(super) fn check(&self) -> Result<()> {
+        let refuse = |what: &str, why: &str| Err(Error::invalid(what, why));
+        Image::check_size(self.settings.width, self.settings.height)?;
+        if self.methods.is_empty() || self.shadings.is_empty() {
+            return refuse(
+                "a comparison of nothing",
+                "name at least one surface method and one shading model",
+            );
+        }
+        let meaningless = |method: &&Method| method.factor.is_some() && !Method::takes_factor(method.surface);
+        if let Some(method) = self.methods.iter().find(meaningless) {
+            return refuse(&method.id(), "only bump and bump-printed take a factor");
+        }
+        if self.development.background.is_none() {
+            return refuse(
+                "a transparent background",
+                "pictures are compared before a background; give a colour",
+            );
+        }
+        match self.points.outside([self.settings.width, self.settings.height]) {
+            Some([x, y]) => refuse("sample points", &format!("pixel {x},{y} lies outside the picture")),
+            None => Ok(()),
+        }
+    }
+
+    /// The camera asked for, else one that fits the model into the picture.
+    pub(super) fn camera_for(&self, model: &Scene) -> Result<Camera> {
+        if let Some(camera) = &self.camera {
+            return Ok(camera.clone());
+        }
+        let Some(bounds) = model.bounds() else {
+            return Err(Error::invalid("the model", "it has no triangle to look at"));
+        };
+        let [azimuth, elevation] = DEFAULT_ORBIT_DEG.map(f64::to_radians);
+        let (target, fov_y) = (bounds.center(), DEFAULT_FOV_DEG.to_radians());
+        let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target, fov_y };
+        let aspect = f64::from(self.settings.width) / f64::from(self.settings.height);
+        orbit.distance = fitting_distance(&orbit, aspect, FILL, model.corners());
+        Ok(orbit.camera(bounds.diagonal() / 2.0))
+    }
+
+    /// The light asked for, else the model's own lights, else key, fill and rim.
+    pub(super) fn lighting_for(&self, model: &Scene, camera: &Camera) -> Lighting {
+        if let Some(lighting) = &self.lighting {
+            return lighting.clone();
+        }
+        let own = !model.lights.is_empty();
+        let lights = if own { model.lights.clone() } else { three_point_rig(camera) };
+        Lighting { lights, ..Lighting::default() }
+    }
+}

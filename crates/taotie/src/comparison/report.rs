@@ -1,0 +1,237 @@
+//! The figures of a comparison as plain data.
+
+use super::comparison::Comparison;
+use super::parameters::Parameters;
+use super::rules::Rules;
+use super::subject::SubjectReport;
+use super::surfaces::{Difference, PictureDifference, RenderedSurface, SkippedMethod};
+use crate::compare::{self, Summary};
+use crate::image::Image;
+use crate::math::Vec3;
+use crate::names::Named;
+use crate::shade::Shading;
+
+/// Bins of the histogram of angular error, one a degree; the last one holds everything from there on.
+pub const HISTOGRAM_BINS: usize = 60;
+
+/// Every parameter and every figure of a comparison.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Report {
+    /// Names and sizes of model and reference.
+    pub subject: SubjectReport,
+    /// The surface that errors are measured against: `reference`, or the first method.
+    pub against: String,
+    /// Camera, light, film and whatever else the pictures depend on.
+    pub parameters: Parameters,
+    /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
+    pub unmatched: f64,
+    /// How pixels and points are chosen and what the figures mean.
+    pub rules: Rules,
+    /// The methods in their order, then the reference.
+    pub methods: Vec<MethodReport>,
+    /// Methods that could not be drawn.
+    pub skipped: Vec<SkippedMethod>,
+    /// Normals at sample points.
+    pub points: Vec<PointReport>,
+    /// Notes on maps that were derived from others.
+    pub notes: Vec<String>,
+    /// Whatever could not be drawn as asked, counted.
+    pub warnings: Vec<CountedWarning>,
+}
+
+/// A kind of warning.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct CountedWarning {
+    /// How often it was seen.
+    pub count: usize,
+    /// The fault.
+    pub what: String,
+}
+
+/// One method's figures.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MethodReport {
+    /// Its name with the factor, or `reference`.
+    pub method: String,
+    /// A description in a few words.
+    pub what: String,
+    /// Time for all its pictures.
+    pub milliseconds: f64,
+    /// The name of the file for its normals as a picture.
+    pub normals: String,
+    /// Angular error; absent for what the others are compared with.
+    pub error: Option<ErrorReport>,
+    /// The shaded pictures.
+    pub pictures: Vec<PictureReport>,
+}
+
+/// Angular error, degrees.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ErrorReport {
+    /// The name of the file for its heat map.
+    pub heat: String,
+    /// Over all matched pixels.
+    pub all: Option<Summary>,
+    /// Over those away from silhouettes.
+    pub inner: Option<Summary>,
+    /// How many matched pixels fall into each bin of a degree; the last of [`HISTOGRAM_BINS`] is open.
+    pub histogram: Vec<u64>,
+}
+
+/// A shaded picture, and its difference where there is one.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PictureReport {
+    /// The reflectance model.
+    pub shading: String,
+    /// The name of its file.
+    pub file: String,
+    /// Absent for what the others are compared with.
+    pub difference: Option<PictureFigures>,
+}
+
+/// The figures of the difference of two developed pictures.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PictureFigures {
+    /// In [0, 1] of encoded values.
+    pub rmse: f64,
+    /// Decibels; absent for equal pictures, where it is infinite.
+    pub psnr: Option<f64>,
+    /// At most 1.
+    pub ssim: f64,
+    /// In [0, 1].
+    pub flip: Option<Summary>,
+    /// The name of the file for its map.
+    pub flip_map: String,
+}
+
+/// The normals at a sample point.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PointReport {
+    /// From the top left.
+    pub pixel: [u32; 2],
+    /// For each of the methods in their order.
+    pub normals: Vec<PointNormal>,
+}
+
+/// A method's normal at a sample point.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PointNormal {
+    /// Its name with the factor, or `reference`.
+    pub method: String,
+    /// Unit, world space; absent where the method covers no such pixel.
+    pub normal: Option<[f32; 3]>,
+    /// To the first method's, degrees.
+    pub angle_to_first: Option<f64>,
+    /// To what the others are compared with, degrees.
+    pub error: Option<f64>,
+}
+
+impl Comparison {
+    /// Returns the figures as plain data.
+    pub fn report(&self) -> Report {
+        let warning = |(what, count): (&str, usize)| CountedWarning { count, what: what.into() };
+        Report {
+            subject: self.subject.clone(),
+            against: self.against(),
+            parameters: self.parameters.clone(),
+            unmatched: self.unmatched,
+            rules: self.rules.clone(),
+            methods: self.surfaces.iter().map(method_report).collect(),
+            skipped: self.skipped.clone(),
+            points: self.points.iter().map(|pixel| point_report(*pixel, self)).collect(),
+            notes: self.notes.clone(),
+            warnings: self.warnings.iter().map(warning).collect(),
+        }
+    }
+}
+
+impl Report {
+    /// Returns the figures of a method by its name.
+    pub fn method(&self, name: &str) -> Option<&MethodReport> {
+        self.methods.iter().find(|method| method.method == name)
+    }
+}
+
+impl MethodReport {
+    /// Returns the mean angular error away from silhouettes, degrees.
+    pub fn inner_mean(&self) -> Option<f64> {
+        Some(self.error.as_ref()?.inner.as_ref()?.mean)
+    }
+}
+
+fn method_report(surface: &RenderedSurface) -> MethodReport {
+    let differences = surface.difference.iter().flat_map(|difference| &difference.pictures);
+    let differences = differences.map(Some).chain(std::iter::repeat(None));
+    let pictures = surface.pictures.iter().zip(differences);
+    MethodReport {
+        method: surface.id(),
+        what: surface.describe(),
+        milliseconds: surface.milliseconds,
+        normals: surface.file_name("normals"),
+        error: surface.difference.as_ref().map(|difference| error_report(surface, difference)),
+        pictures: pictures.map(|((shading, _), d)| picture_report(surface, *shading, d)).collect(),
+    }
+}
+
+fn error_report(surface: &RenderedSurface, difference: &Difference) -> ErrorReport {
+    ErrorReport {
+        heat: surface.file_name("error"),
+        all: difference.angles.summary(),
+        inner: difference.inner_angles.summary(),
+        histogram: difference.angles.histogram(HISTOGRAM_BINS, HISTOGRAM_BINS as f32),
+    }
+}
+
+fn picture_report(
+    surface: &RenderedSurface,
+    shading: Shading,
+    difference: Option<&PictureDifference>,
+) -> PictureReport {
+    let difference = difference.map(|difference| PictureFigures {
+        rmse: difference.rmse,
+        psnr: difference.psnr.is_finite().then_some(difference.psnr),
+        ssim: difference.ssim,
+        flip: difference.flip.summary(),
+        flip_map: surface.flip_name(shading),
+    });
+    PictureReport { shading: shading.name().into(), file: surface.picture_name(shading), difference }
+}
+
+fn point_report(pixel: [u32; 2], comparison: &Comparison) -> PointReport {
+    let first = normal_at(&comparison.surfaces[0].normals, pixel);
+    let truth = normal_at(&comparison.truth, pixel);
+    let angle = |a: Option<Vec3>, b: Option<Vec3>| Some(compare::angle_deg(a?.to_f64(), b?.to_f64()));
+    let normals = comparison.surfaces.iter().enumerate().map(|(i, surface)| {
+        // The reference's is that of the corresponding point, not of the same pixel.
+        let seen = if surface.method.is_some() { &surface.normals } else { &comparison.truth };
+        let normal = normal_at(seen, pixel);
+        PointNormal {
+            method: surface.id(),
+            normal: normal.map(Vec3::to_array),
+            angle_to_first: angle(first, normal).filter(|_| i != 0),
+            error: angle(truth, normal).filter(|_| i != comparison.against),
+        }
+    });
+    PointReport { pixel, normals: normals.collect() }
+}
+
+fn normal_at(normals: &Image, [x, y]: [u32; 2]) -> Option<Vec3> {
+    let [nx, ny, nz, covered] = normals.pixel(x, y);
+    (covered == 1.0).then_some(Vec3::new(nx, ny, nz))
+}

@@ -1,0 +1,56 @@
+//! The rules behind the figures of a comparison, in words.
+
+use super::look;
+use super::matching::Matching;
+use super::sample_points::{SPREAD_RULE, SamplePoints};
+use crate::compare::PIXELS_PER_DEGREE;
+
+/// The rules behind the figures, in words.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Rules {
+    /// Between which normals angles are measured.
+    pub angles: String,
+    /// How corresponding points are found.
+    pub places: String,
+    /// Which pixels are away from silhouettes.
+    pub silhouettes: String,
+    /// How sample points are chosen.
+    pub points: String,
+    /// How pictures are compared.
+    pub pictures: String,
+}
+
+impl Rules {
+    pub(super) fn new(matching: Matching, points: &SamplePoints) -> Self {
+        Self {
+            angles: "degrees between a method's shading normal and the true one at the corresponding point, each the mean \
+                     over the pixel's samples"
+                .into(),
+            places: matching.rule().into(),
+            silhouettes: look::INNER_RULE.into(),
+            points: match points {
+                SamplePoints::Spread(_) => SPREAD_RULE.into(),
+                SamplePoints::Pixels(_) => "pixels as asked for, from the top left".into(),
+            },
+            pictures: format!(
+                "developed sRGB pictures of 8 bits with their background; SSIM with Gaussian windows of 11×11 pixels \
+                 (Wang et al. 2004), FLIP at {PIXELS_PER_DEGREE:.0} pixels per degree (Andersson et al. 2020). Pixel \
+                 by pixel, so they count where the low-poly mesh lies beside the high-poly one as well as what its \
+                 normals miss"
+            ),
+        }
+    }
+
+    /// Returns the rules, a sentence each.
+    pub fn in_words(&self) -> Vec<String> {
+        vec![
+            format!("Angles: {}.", self.angles),
+            format!("Matching: {}.", self.places),
+            format!("Silhouettes: {}.", self.silhouettes),
+            format!("Sample points: {}.", self.points),
+            format!("Pictures: {}.", self.pictures),
+        ]
+    }
+}

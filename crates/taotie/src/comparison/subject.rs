@@ -1,0 +1,92 @@
+//! The model that is compared, and the truth that it is measured against.
+
+use crate::Warnings;
+use crate::scene::{Material, Scene};
+
+/// Model and reference should not differ in place or size by more than this fraction of the diagonal.
+const TOLERANCE: f64 = 0.05;
+
+/// A scene with the name that reports and warnings give it, such as its file's.
+#[derive(Debug, Clone, Copy)]
+pub struct NamedScene<'a> {
+    /// The name.
+    pub name: &'a str,
+    /// The scene.
+    pub scene: &'a Scene,
+}
+
+/// A model, and where there is one a high-poly reference: the same object with its relief as geometry.
+#[derive(Debug, Clone, Copy)]
+pub struct Subject<'a> {
+    /// The model.
+    pub model: NamedScene<'a>,
+    /// The truth. Without it the first method is what the others are measured against.
+    pub reference: Option<NamedScene<'a>>,
+}
+
+/// The names and sizes of what was compared.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct SubjectReport {
+    /// The model's file or name.
+    pub model: String,
+    /// Its triangles.
+    pub triangles: usize,
+    /// The reference's file or name.
+    pub reference: Option<String>,
+    /// Its triangles.
+    pub reference_triangles: Option<usize>,
+}
+
+impl<'a> Subject<'a> {
+    /// A model without a reference.
+    pub fn new(name: &'a str, model: &'a Scene) -> Self {
+        Self { model: NamedScene { name, scene: model }, reference: None }
+    }
+
+    /// The same model measured against `reference`.
+    pub fn with_reference(self, name: &'a str, reference: &'a Scene) -> Self {
+        Self { reference: Some(NamedScene { name, scene: reference }), ..self }
+    }
+
+    /// Returns the names and the numbers of triangles.
+    pub fn report(&self) -> SubjectReport {
+        SubjectReport {
+            model: self.model.name.into(),
+            triangles: self.model.scene.triangle_count(),
+            reference: self.reference.map(|reference| reference.name.into()),
+            reference_triangles: self.reference.map(|reference| reference.scene.triangle_count()),
+        }
+    }
+
+    /// Warns where model and reference do not lie in one place.
+    pub(super) fn check_place(&self, warnings: &mut Warnings) {
+        let Some(reference) = self.reference else { return };
+        let (Some(a), Some(b)) = (self.model.scene.bounds(), reference.scene.bounds()) else { return };
+        let off = (a.center() - b.center()).length().max((a.diagonal() - b.diagonal()).abs());
+        if off > TOLERANCE * a.diagonal() {
+            let percent = 100.0 * off / a.diagonal();
+            let what = "place or size differs from the model's by";
+            let advice = "angles between them say little; bring both into one coordinate system";
+            warnings.note(format!("{}: {what} {percent:.0} % of its diagonal: {advice}", reference.name), 1);
+        }
+    }
+}
+
+/// Gives materials of a reference that say nothing the factors of the model's first, so that both are of one material.
+pub fn dress_reference(reference: &mut Scene, model: &Scene) {
+    let Some(first) = model.materials.first() else { return };
+    for material in &mut reference.materials {
+        let silent = Material { name: material.name.clone(), ..Material::default() };
+        if *material == silent {
+            *material = without_textures(first);
+        }
+    }
+}
+
+fn without_textures(material: &Material) -> Material {
+    let mut material = material.clone();
+    material.retain_textures(|_| false);
+    material
+}

@@ -1,0 +1,102 @@
+//! The surfaces of a comparison as they are seen, and their differences.
+
+use super::method::Method;
+use crate::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
+use crate::error::Result;
+use crate::image::Image;
+use crate::names::Named;
+use crate::shade::Shading;
+
+/// A surface as seen: the model by one method, or the reference.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct RenderedSurface {
+    /// The method, or `None` for the reference.
+    pub method: Option<Method>,
+    /// The mean normal of each pixel, as [`crate::render::Aovs::normals`].
+    pub normals: Image,
+    /// The developed picture under each shading.
+    pub pictures: Vec<(Shading, Picture)>,
+    /// Time from scene to all of these.
+    pub milliseconds: f64,
+    /// The difference from what it is compared with; `None` for that itself.
+    pub difference: Option<Difference>,
+}
+
+/// The difference of a surface from what it is compared with.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Difference {
+    /// Degrees, where both are covered.
+    pub angles: Field,
+    /// The same away from silhouettes.
+    pub inner_angles: Field,
+    /// The pictures under each shading, in the same order.
+    pub pictures: Vec<PictureDifference>,
+}
+
+/// The difference of two developed pictures.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct PictureDifference {
+    /// Root mean square error, in [0, 1] of encoded values.
+    pub rmse: f64,
+    /// Decibels; infinite for equal pictures.
+    pub psnr: f64,
+    /// Structural similarity, at most 1.
+    pub ssim: f64,
+    /// FLIP at each pixel, in [0, 1].
+    pub flip: Field,
+}
+
+/// A method that the model's materials do not allow.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct SkippedMethod {
+    /// The method, as [`Method::id`] writes it.
+    pub method: String,
+    /// The map that is lacking, and what to do.
+    pub reason: String,
+}
+
+impl RenderedSurface {
+    /// Returns the method as [`Method::id`] writes it, or `reference`.
+    pub fn id(&self) -> String {
+        self.method.map_or_else(|| "reference".into(), Method::id)
+    }
+
+    /// Describes the method in a few words.
+    pub fn describe(&self) -> String {
+        self.method.map_or_else(|| "the geometry itself".into(), Method::describe)
+    }
+
+    /// Returns the name of the file for its image of this kind: `bump-5.normals.png`. Kinds are `normals`, `error`, the
+    /// name of a shading, and that with `.flip`.
+    pub fn file_name(&self, kind: &str) -> String {
+        let stem = self.method.map_or_else(|| "reference".into(), Method::file_stem);
+        format!("{stem}.{kind}.png")
+    }
+
+    /// [`RenderedSurface::file_name`] of the picture under a shading.
+    pub fn picture_name(&self, shading: Shading) -> String {
+        self.file_name(shading.name())
+    }
+
+    /// [`RenderedSurface::file_name`] of the map of FLIP under a shading.
+    pub fn flip_name(&self, shading: Shading) -> String {
+        self.file_name(&format!("{}.flip", shading.name()))
+    }
+}
+
+impl PictureDifference {
+    /// Measures `picture` against the expected one.
+    pub(super) fn of(expected: &Picture, picture: &Picture) -> Result<Self> {
+        Ok(Self {
+            rmse: compare::rmse(expected, picture)?,
+            psnr: compare::psnr(expected, picture)?,
+            ssim: compare::ssim(expected, picture)?,
+            flip: compare::flip(expected, picture, PIXELS_PER_DEGREE)?,
+        })
+    }
+}

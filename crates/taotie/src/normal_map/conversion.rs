@@ -1,0 +1,209 @@
+//! From a stored map to another, and how far off it is.
+
+use super::convert::{
+    decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on, tangent_from_object,
+};
+use super::heights::Heights;
+use super::source::{MapContent, MapSource};
+use super::store::{Storage, green_turned, requantised, store_normals};
+use crate::bake::{TexelGrid, TexelSurface};
+use crate::compare::{Field, angular_error};
+use crate::error::{Error, Result, Warnings};
+use crate::image::{Bitmap, Image, Wrap};
+use crate::mesh::Mesh;
+use crate::scene::{GreenChannel, NormalSpace};
+use crate::surface::{TangentMethod, with_frames};
+
+/// The map that is wanted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConversionOptions {
+    /// Its space; `None` for the source's, tangent space for heights.
+    pub space: Option<NormalSpace>,
+    /// Which way its green points.
+    pub green: GreenChannel,
+    /// Bits a channel, 8 or 16; `None` for those of the source where its space stays, else 16.
+    pub bits: Option<u8>,
+    /// See [`Storage::dither`].
+    pub dither: bool,
+    /// Height of white: in texels, or in model units on a mesh. Heights cannot be converted without.
+    pub height_scale: Option<f64>,
+    /// How heights go on beyond the border of the map.
+    pub border: Wrap,
+}
+
+impl Default for ConversionOptions {
+    fn default() -> Self {
+        Self {
+            space: None,
+            green: GreenChannel::Up,
+            bits: None,
+            dither: false,
+            height_scale: None,
+            border: Wrap::Repeat,
+        }
+    }
+}
+
+/// A map that was made, and its errors.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Conversion {
+    /// The map.
+    pub bitmap: Bitmap,
+    /// The space of its normals.
+    pub space: NormalSpace,
+    /// The angle between the exact normals and the stored ones, degrees.
+    pub stored: Field,
+    /// The angle between the source's normals and those that come back from the map, degrees; where the space changed.
+    pub round_trip: Option<Field>,
+    /// Normals that the map cannot hold, counted.
+    pub warnings: Warnings,
+}
+
+/// Converts `source` to the space and the bits asked for. `surface` is the mesh that the map is for: it is needed between
+/// tangent and object space.
+///
+/// # Errors
+/// [`Error::Invalid`] where the height of white or the mesh is lacking, where the mesh covers no texel or was laid out on
+/// a map of another size, and for bits other than 8 and 16.
+pub fn convert_map(
+    source: &MapSource,
+    options: &ConversionOptions,
+    surface: Option<&TexelSurface>,
+) -> Result<Conversion> {
+    if surface.is_some_and(|surface| surface.coverage().covered() == 0) {
+        return Err(Error::invalid("a mesh for a map", "its uvs cover no texel of the map"));
+    }
+    let own = match source.content {
+        MapContent::Heights => None,
+        MapContent::Normals(space) => Some(space),
+    };
+    let space = options.space.or(own).unwrap_or(NormalSpace::Tangent);
+    let task = Task { source, options, surface, space };
+    match own {
+        None => task.from_heights(),
+        Some(own) if own == space => task.in_same_space(),
+        Some(own) => task.from_other_space(own),
+    }
+}
+
+/// Returns a mesh laid out on a map, with the frames that the renderer gives it, and what the map cannot hold.
+///
+/// # Errors
+/// As [`with_frames`] and [`TexelSurface::new`].
+pub fn lay_out(
+    mesh: &Mesh,
+    grid: &TexelGrid,
+    tangents: Option<TangentMethod>,
+) -> Result<(TexelSurface, Warnings)> {
+    let mut warnings = Warnings::default();
+    let (mesh, without_area) = with_frames(mesh, grid.uv_set, tangents)?;
+    warnings.note("triangles without uv area", without_area);
+    let surface = TexelSurface::new(mesh.into_owned(), grid)?;
+    let shared = surface.coverage().shared();
+    warnings.note("texels under several triangles: the map holds the normal of the first alone", shared);
+    Ok((surface, warnings))
+}
+
+/// A conversion with all that it depends on.
+#[derive(Clone, Copy)]
+struct Task<'a> {
+    source: &'a MapSource,
+    options: &'a ConversionOptions,
+    surface: Option<&'a TexelSurface>,
+    space: NormalSpace,
+}
+
+impl Task<'_> {
+    fn from_heights(self) -> Result<Conversion> {
+        let Some(scale) = self.options.height_scale else {
+            let why = "say how high white stands: in texels, or in model units on a mesh";
+            return Err(Error::invalid("heights without a scale", why));
+        };
+        let heights = Heights::from_bitmap(&self.source.bitmap, [self.options.border; 2]);
+        let tangent = match self.surface {
+            Some(surface) => tangent_from_height_on(surface, &heights, scale)?,
+            None => tangent_from_height(&heights, scale)?,
+        };
+        let exact = match self.space {
+            NormalSpace::Tangent => tangent,
+            NormalSpace::Object => object_from_tangent(self.needed_surface()?, &tangent)?,
+        };
+        self.stored(&exact)
+    }
+
+    /// Other bits, green turned: number by number, so that what can stay does.
+    fn in_same_space(self) -> Result<Conversion> {
+        let (source, green) = (self.source, self.options.green);
+        let turned = self.space == NormalSpace::Tangent && source.green != green;
+        let turned = turned.then(|| green_turned(&source.bitmap));
+        let bits = if source.bitmap.bits() == 8 { 8 } else { 16 };
+        let bitmap = requantised(turned.as_ref().unwrap_or(&source.bitmap), self.storage(bits))?;
+        let before = decoded_normals(&source.bitmap, self.space, source.green)?;
+        let after = decoded_normals(&bitmap, self.space, green)?;
+        let stored = angular_error(&before, &after)?;
+        let warnings = Warnings::default();
+        Ok(Conversion { bitmap, space: self.space, stored, round_trip: None, warnings })
+    }
+
+    fn from_other_space(self, own: NormalSpace) -> Result<Conversion> {
+        let surface = self.needed_surface()?;
+        let before = decoded_normals(&self.source.bitmap, own, self.source.green)?;
+        let (there, back): (Turn, Turn) = match self.space {
+            NormalSpace::Object => (object_from_tangent, tangent_from_object),
+            NormalSpace::Tangent => (tangent_from_object, object_from_tangent),
+        };
+        let exact = there(surface, &before)?;
+        let made = self.stored(&exact)?;
+        let read = decoded_normals(&made.bitmap, self.space, self.options.green)?;
+        let round_trip = self.in_charts(angular_error(&before, &back(surface, &read)?)?)?;
+        let warnings = lost(surface, &exact, self.space);
+        Ok(Conversion { round_trip: Some(round_trip), warnings, ..made })
+    }
+
+    fn stored(self, exact: &Image) -> Result<Conversion> {
+        let stored = store_normals(exact, self.space, self.options.green, self.storage(16))?;
+        let (bitmap, warnings) = (stored.bitmap, Warnings::default());
+        let stored = self.in_charts(stored.error)?;
+        Ok(Conversion { bitmap, space: self.space, stored, round_trip: None, warnings })
+    }
+
+    fn storage(self, otherwise: u8) -> Storage {
+        Storage { bits: self.options.bits.unwrap_or(otherwise), dither: self.options.dither }
+    }
+
+    fn needed_surface(&self) -> Result<&TexelSurface> {
+        self.surface.ok_or_else(|| {
+            Error::invalid(
+                "normals between tangent and object space",
+                "the mesh has to be known; lay it out on the map",
+            )
+        })
+    }
+
+    /// The field where charts are, without their padding.
+    fn in_charts(self, field: Field) -> Result<Field> {
+        match self.surface {
+            Some(surface) => field.within(&surface.coverage().mask()),
+            None => Ok(field),
+        }
+    }
+}
+
+type Turn = fn(&TexelSurface, &Image) -> Result<Image>;
+
+/// Counts what the map cannot hold.
+fn lost(surface: &TexelSurface, exact: &Image, space: NormalSpace) -> Warnings {
+    let mut warnings = Warnings::default();
+    let mask = surface.coverage().mask();
+    let covered =
+        || exact.pixels().iter().zip(&mask).filter(|(_, covered)| **covered).map(|(pixel, _)| pixel);
+    let lacking = covered().filter(|pixel| pixel[3] == 0.0).count();
+    warnings.note("texels of the mesh without a normal in the input", lacking);
+    if space == NormalSpace::Tangent {
+        let behind = covered().filter(|pixel| pixel[3] > 0.0 && pixel[2] <= 0.0).count();
+        let what = "normals that point into the mesh, which renderers of tangent space bend outward";
+        warnings.note(what, behind);
+    }
+    warnings
+}

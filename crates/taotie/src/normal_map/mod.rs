@@ -1,0 +1,34 @@
+//! Normal maps: made from heights, turned from one space to the other, stored in few bits, and what that costs.
+//!
+//! [`tangent_from_height`], [`object_from_tangent`] and their like turn whole maps, [`store_normals`] rounds them to 8 or
+//! 16 bits. [`convert_map`] strings them together: from a map as it is stored to another, with the angles between both.
+//!
+//! ```
+//! use taotie::image::{Bitmap, Texels};
+//! use taotie::normal_map::{ConversionOptions, MapContent, MapSource, convert_map};
+//! use taotie::scene::GreenChannel;
+//!
+//! # fn main() -> taotie::Result<()> {
+//! let grey = |i: u16| [i * 256, i * 256, i * 256, u16::MAX];
+//! let bitmap = Bitmap::new(16, 16, 1, Texels::U16((0..256).map(grey).collect()))?;
+//! let heights = MapSource { bitmap, content: MapContent::Heights, green: GreenChannel::Up };
+//! let options = ConversionOptions { height_scale: Some(4.0), bits: Some(8), ..ConversionOptions::default() };
+//! let made = convert_map(&heights, &options, None)?;
+//! assert!(made.stored.summary().is_some_and(|degrees| degrees.mean < 0.2));
+//! # Ok(())
+//! # }
+//! ```
+
+mod conversion;
+mod convert;
+mod heights;
+mod source;
+mod store;
+
+pub use conversion::{Conversion, ConversionOptions, convert_map, lay_out};
+pub use convert::{
+    decoded_normals, object_from_tangent, tangent_from_height, tangent_from_height_on, tangent_from_object,
+};
+pub use heights::Heights;
+pub use source::{MapContent, MapSource, guessed_content};
+pub use store::{Storage, Stored, green_turned, requantised, store_codes, store_normals, store_unit_vectors};
