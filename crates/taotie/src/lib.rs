@@ -3,6 +3,7 @@
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
 //! ```text
+//! L4   asset
 //! L3   render          bake           io
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
@@ -30,6 +31,7 @@
 //! # }
 //! ```
 
+pub mod asset;
 pub mod bake;
 pub mod compare;
 pub mod error;

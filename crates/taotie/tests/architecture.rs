@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
 /// never see each other, so nobody at all sees `io` or `render`.
-const LAYERS: [(&str, u32); 16] = [
+const LAYERS: [(&str, u32); 17] = [
     // Everybody's ground: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
@@ -29,6 +29,7 @@ const LAYERS: [(&str, u32); 16] = [
     ("render", 5),
     ("bake", 5),
     ("io", 5),
+    ("asset", 7),
 ];
 
 /// The names that the crate's root gives again, and the module that they come from.
@@ -40,7 +41,7 @@ const SYSTEM: [(&str, &[&str]); 6] = [
     ("env", &["io"]),
     ("fs", &["io"]),
     ("net", &[]),
-    ("path", &["io", "error"]),
+    ("path", &["io", "error", "asset"]),
     ("process", &[]),
     ("time", &["io"]),
 ];

@@ -16,6 +16,7 @@ pub struct Field {
 /// Quantiles are interpolated linearly between the two nearest of the n sorted values, the quantile q standing at
 /// (n − 1) · q counted from 0: type 7 of Hyndman and Fan 1996, NumPy's default.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Summary {
     /// How many pixels have a number, at least 1.
     pub count: usize,

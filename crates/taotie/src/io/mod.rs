@@ -9,6 +9,7 @@ mod obj;
 mod ply;
 mod polygon;
 mod stl;
+mod system;
 mod text;
 mod variants;
 mod write;
@@ -18,12 +19,14 @@ pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
 
 pub use bitmap::{decode_bitmap, read_bitmap};
 pub use environment::decode_environment;
-pub use file::read as read_bytes;
+pub use file::{file_size, read as read_bytes, sha256};
+pub use system::free_memory;
 pub use variants::Variants;
 pub use write::{
-    ExrLayer, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, MovingFormat,
-    MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_glb, encode_png, write_bytes,
-    write_exr, write_gltf, write_png, write_png_bitmap, write_text,
+    ExrLayer, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial,
+    MovingFormat, MovingPicture, MovingSpec, PngColor, PngImage, PngSamples, encode_glb, encode_gltf,
+    encode_png, encode_png_bitmap, write_bytes, write_exr, write_files, write_gltf, write_png,
+    write_png_bitmap, write_text,
 };
 pub use xmp::Provenance;
 

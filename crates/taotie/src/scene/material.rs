@@ -59,6 +59,7 @@ pub enum GreenChannel {
 
 /// In which space a normal map's vectors are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalSpace {
     /// Relative to tangent, bitangent and normal.
     #[default]
