@@ -3,7 +3,7 @@
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
 //! ```text
-//! L5   comparison
+//! L5   asset          comparison
 //! L4   normal_map     studio         inspection
 //! L3   render          bake           io
 //! L2   surface  shade  scene  raster  trace  film  compare
@@ -30,6 +30,7 @@
 //! # }
 //! ```
 
+pub mod asset;
 pub mod bake;
 pub mod compare;
 pub mod comparison;

@@ -1,6 +1,13 @@
 //! How far long work has come, and whether it is to go on.
 
 use crate::error::{Error, Result};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
+/// How often a listener is asked whether to go on while work runs apart.
+const POLL: Duration = Duration::from_millis(20);
 
 /// A caller's function: takes the stage and the fraction of it that is done, in [0, 1], and returns whether to go on.
 ///
@@ -42,6 +49,15 @@ impl<'a> Progress<'a> {
         Self { stage, range: [0.0, 1.0], ..self }
     }
 
+    /// Begins a stage: tells that nothing of it is done, and returns the line for it.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] where the listener wants the work to stop.
+    pub fn begin(self, stage: &'static str) -> Result<Self> {
+        let begun = self.stage(stage);
+        begun.at(0.0).map(|()| begun)
+    }
+
     /// Returns the same line for work that takes this stage from the fraction `from` to the fraction `to`.
     pub fn part(self, from: f64, to: f64) -> Self {
         Self { range: [from, to].map(|fraction| self.overall(fraction)), ..self }
@@ -58,10 +74,94 @@ impl<'a> Progress<'a> {
         }
     }
 
+    /// Does work on threads of its own, as many as the caller's pool has, and asks the listener about every 20 ms whether
+    /// to go on, however long the work says nothing. So long calls that cannot be split do not delay a cancel.
+    ///
+    /// The listener is called from the caller's thread alone. Where nobody listens the work is done at once, right here.
+    ///
+    /// # Errors
+    /// Those of the work; [`Error::Cancelled`], at once, where the listener wants it to stop: the work then ends by
+    /// itself, where it next tells how far it is, and its result is dropped. [`Error::Limit`] where the system has no
+    /// more threads.
+    pub fn apart<T: Send + 'static>(
+        self,
+        work: impl FnOnce(Progress<'_>) -> Result<T> + Send + 'static,
+    ) -> Result<T> {
+        let Some(listener) = self.listener else { return work(Progress::SILENT) };
+        let (news, received) = mpsc::channel();
+        let stopped = Arc::new(AtomicBool::new(false));
+        let begin = Begin { stage: self.stage, range: self.range, threads: rayon::current_num_threads() };
+        let is_stopped = Arc::clone(&stopped);
+        let thread = std::thread::Builder::new()
+            .spawn(move || begin.work(work, &news, &is_stopped))
+            .map_err(|error| no_threads(&error))?;
+        let mut told = Told { stage: self.stage, fraction: self.overall(0.0) };
+        loop {
+            match received.recv_timeout(POLL) {
+                Ok(News::Done(result)) => return result,
+                Ok(News::Told(news)) => told = news,
+                Err(RecvTimeoutError::Timeout) => {}
+                // It ended without a result, so it panicked: that goes on here.
+                Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                    Err(panic) => std::panic::resume_unwind(panic),
+                    Ok(()) => return Err(Error::Cancelled),
+                },
+            }
+            if !listener(told.stage, told.fraction) {
+                stopped.store(true, Ordering::Relaxed);
+                return Err(Error::Cancelled);
+            }
+        }
+    }
+
     fn overall(&self, done: f64) -> f64 {
         let [from, to] = self.range;
         from + done.clamp(0.0, 1.0) * (to - from)
     }
+}
+
+/// How far work apart has come.
+struct Told {
+    stage: &'static str,
+    fraction: f64,
+}
+
+/// What work apart sends to its caller.
+enum News<T> {
+    Told(Told),
+    Done(Result<T>),
+}
+
+/// Where work apart begins, and with how many threads.
+struct Begin {
+    stage: &'static str,
+    range: [f64; 2],
+    threads: usize,
+}
+
+impl Begin {
+    fn work<T: Send>(
+        self,
+        work: impl FnOnce(Progress<'_>) -> Result<T> + Send,
+        news: &mpsc::Sender<News<T>>,
+        stopped: &AtomicBool,
+    ) {
+        // A caller that has gone hears nothing; the work is stopped then.
+        let listener = |stage: &'static str, fraction: f64| {
+            news.send(News::Told(Told { stage, fraction })).is_ok() && !stopped.load(Ordering::Relaxed)
+        };
+        let progress = Progress { listener: Some(&listener), stage: self.stage, range: self.range };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build();
+        let result = match pool {
+            Ok(pool) => pool.install(|| work(progress)),
+            Err(error) => Err(no_threads(&error)),
+        };
+        let _ = news.send(News::Done(result));
+    }
+}
+
+fn no_threads(error: &dyn std::error::Error) -> Error {
+    Error::limit("the number of threads", format!("the system starts no more of them ({error}); use fewer"))
 }
 
 impl std::fmt::Debug for Progress<'_> {
@@ -88,6 +188,43 @@ mod tests {
         second_half.at(7.0).unwrap();
         second_half.stage("store").at(0.25).unwrap();
         assert_eq!(*told.lock().unwrap(), [("bake", 0.75), ("bake", 0.75), ("bake", 1.0), ("store", 0.25)]);
+    }
+
+    #[test]
+    fn work_apart_tells_all_its_stages_and_gives_its_result() {
+        let told = Mutex::new(Vec::new());
+        let listener = |stage: &'static str, done: f64| {
+            told.lock().unwrap().push((stage, done));
+            true
+        };
+        let result = Progress::new(&listener).apart(|progress| {
+            progress.begin("read")?;
+            progress.begin("sort")?.part(0.5, 1.0).at(0.5)?;
+            Ok(rayon::current_num_threads())
+        });
+        assert_eq!(result.unwrap(), rayon::current_num_threads());
+        let mut told = told.into_inner().unwrap();
+        told.dedup();
+        told.retain(|(stage, _)| !stage.is_empty());
+        assert_eq!(told, [("read", 0.0), ("sort", 0.0), ("sort", 0.75)]);
+    }
+
+    #[test]
+    fn work_that_says_nothing_does_not_delay_a_cancel() {
+        let (release, held) = mpsc::channel::<()>();
+        let result = Progress::new(&|_, _| false).apart(move |_| {
+            // It ends when the test does: not before the caller has come back.
+            let _ = held.recv();
+            Ok(())
+        });
+        assert!(matches!(result, Err(Error::Cancelled)));
+        drop(release);
+    }
+
+    #[test]
+    #[should_panic(expected = "the work's own panic")]
+    fn a_panic_apart_goes_on_here() {
+        let _ = Progress::new(&|_, _| true).apart(|_| -> Result<()> { panic!("the work's own panic") });
     }
 
     #[test]

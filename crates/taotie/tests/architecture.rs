@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
 /// never see each other.
-const LAYERS: [(&str, u32); 20] = [
+const LAYERS: [(&str, u32); 21] = [
     // Everybody's ground: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
@@ -32,6 +32,7 @@ const LAYERS: [(&str, u32); 20] = [
     ("normal_map", 6),
     ("studio", 6),
     ("inspection", 6),
+    ("asset", 7),
     ("comparison", 7),
 ];
 
@@ -44,7 +45,7 @@ const SYSTEM: [(&str, &[&str]); 6] = [
     ("env", &["io"]),
     ("fs", &["io"]),
     ("net", &[]),
-    ("path", &["io", "error", "studio"]),
+    ("path", &["io", "error", "studio", "asset"]),
     ("process", &[]),
     ("time", &["io"]),
 ];

@@ -1,13 +1,13 @@
 //! The options of `taotie bake`.
 
-use super::memory::Bytes;
-use super::requirement::Requirement;
 use crate::studio::Space;
 use crate::{options, render};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
+use taotie::asset::{BakeOptions, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
+use taotie::io::GltfImages;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -104,7 +104,7 @@ pub struct BakeArgs {
     pub no_verify: bool,
 
     /// Most memory to take, such as 4G; if not given what the machine has free
-    #[arg(long, value_name = "BYTES", help_heading = "Running")]
+    #[arg(long, value_name = "BYTES", value_parser = memory, help_heading = "Running")]
     pub memory_limit: Option<Bytes>,
     /// Threads; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
@@ -152,6 +152,20 @@ fn fraction(text: &str) -> Result<f64, String> {
     if (0.0..=1.0).contains(&number) { Ok(number) } else { Err(format!("{text} is not in [0, 1]")) }
 }
 
+fn memory(text: &str) -> Result<Bytes, String> {
+    text.parse().map_err(|_| format!("`{text}` is no amount of memory; write it as 4G or 800M"))
+}
+
+impl<T> Auto<T> {
+    /// What was asked for.
+    fn given(self) -> Option<T> {
+        match self {
+            Self::Auto => None,
+            Self::Given(value) => Some(value),
+        }
+    }
+}
+
 impl BakeArgs {
     /// What can be refused before any work is done.
     pub fn check(&self) -> Result<()> {
@@ -191,13 +205,47 @@ impl BakeArgs {
         render::check_place(&self.output)
     }
 
-    /// Samples a texel along each side.
-    pub fn side(&self) -> u32 {
-        self.samples.parse().unwrap_or(4u32).isqrt()
+    /// What is baked, and how.
+    pub fn options(&self) -> BakeOptions {
+        BakeOptions {
+            low: self.low.clone().map(MeshSource::File),
+            triangles: self.triangles,
+            mean_error_deg: self.error,
+            lods: self.lods.clone(),
+            size: self.size,
+            maps: self.maps.clone(),
+            space: self.space.into(),
+            side: self.samples.parse().unwrap_or(4u32).isqrt(),
+            bits: if self.bits == "16" { 16 } else { 8 },
+            dilation: self.dilation.given(),
+            ao_rays: self.ao_rays,
+            ao_distance: self.ao_distance,
+            roughness: self.roughness,
+            ray_distance: self.ray_distance(),
+            inspect: !self.no_verify,
+        }
     }
 
-    /// Bits a channel.
-    pub fn bits(&self) -> u8 {
-        if self.bits == "16" { 16 } else { 8 }
+    fn ray_distance(&self) -> RayDistance {
+        match (&self.cage, self.ray_distance) {
+            (Some(path), _) => RayDistance::Cage(MeshSource::File(path.clone())),
+            (None, Auto::Auto) => RayDistance::Auto,
+            (None, Auto::Given(distance)) => RayDistance::Uniform(distance),
+        }
+    }
+
+    /// How the asset is packed.
+    pub fn packing(&self) -> Packing {
+        let images = match (self.ktx2, self.webp) {
+            (true, _) => GltfImages::Ktx2,
+            (_, true) => GltfImages::WebP,
+            _ => GltfImages::Png,
+        };
+        Packing { images, meshopt: self.meshopt, provenance: self.provenance.clone() }
+    }
+
+    /// How much the bake may take.
+    pub fn limits(&self) -> Limits {
+        Limits { memory: self.memory_limit }.or_free()
     }
 }

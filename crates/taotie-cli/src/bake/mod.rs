@@ -1,31 +1,19 @@
 //! `taotie bake`: a scan's relief on a light mesh, and the proof that it looks the same.
 
 mod args;
-mod judgement;
-mod memory;
+mod clock;
 mod page;
-mod proof;
-mod provenance;
-mod report;
-mod requirement;
-mod search;
-mod stages;
+mod pictures;
 mod stop;
-mod textures;
-mod views;
-mod work;
+mod text;
 
 pub use args::BakeArgs;
 
 use crate::{Outcome, console, studio};
 use anyhow::Result;
-use proof::Subject;
-use report::Report;
-use stages::Stages;
-use taotie::Warnings;
-use taotie::io::{self, GltfAsset, GltfFormat, GltfImages, GltfLevel};
-use taotie::mesh::Mesh;
-use work::{Light, Made, Source};
+use clock::Clock;
+use taotie::asset::{Baker, Limits, Proof, Report, Scan, ScanFile, Textures, VerifyOptions, Warning};
+use taotie::{Progress, io};
 
 /// Runs the subcommand.
 pub fn run(args: &BakeArgs) -> Result<Outcome> {
@@ -35,142 +23,64 @@ pub fn run(args: &BakeArgs) -> Result<Outcome> {
     if args.json {
         console::result(&serde_json::to_string_pretty(&report)?)?;
     } else {
-        console::result(&report.text())?;
+        console::result(&text::of(&report))?;
     }
     Ok(if report.is_met() { Outcome::Fine } else { Outcome::Different })
 }
 
 fn bake(args: &BakeArgs) -> Result<Report> {
-    let (mut stages, mut warnings) = (Stages::default(), Warnings::default());
-    let mut report = Report::begin(args);
-    let source = Source::read(args, &mut stages, &mut warnings)?;
-    report.high_triangles = source.scan.mesh().triangles().len();
-    let (light, made) = lightened(args, &source, &mut report, (&mut stages, &mut warnings))?;
-    let coarser = work::levels(args, &light, (&mut stages, &mut warnings))?;
-    judgement::judge(&source, &light, &made, &mut warnings);
-    if !args.no_verify {
-        stages.run("inspect the scan", |_| {
-            judgement::inspect(source.scan.mesh(), &mut warnings);
-            Ok(())
-        })?;
-    }
-    report.warnings = console::json_warnings(&warnings);
+    let clock = Clock::default();
+    let listener = |stage: &'static str, fraction: f64| {
+        clock.hear(stage, fraction);
+        stop::go_on()
+    };
+    let progress = Progress::new(&listener);
+    let limits = args.limits();
+    let baker = Baker::new(args.options()).with_limits(limits);
+    let scan = read(args, &baker, limits, progress)?;
+    let asset = baker.bake(&scan, progress)?;
     if !args.json {
-        console::say_warnings(&warnings);
+        console::say_warnings(asset.warnings());
     }
-    report.maps = made.textures.notes();
-    report.light = light.origin.clone();
-    let ended = finish(args, Parts { source, light, coarser, made }, &mut report, &mut stages);
-    if ended.as_ref().is_err_and(crate::console::is_cancelled) {
+    let written = asset.write(&args.output, &args.packing(), progress)?;
+    let mut report = Report::of(&written)?;
+    let proved = match args.no_verify {
+        true => None,
+        false => Some(written.verify(scan, &VerifyOptions::default(), progress)),
+    };
+    if matches!(proved, Some(Err(taotie::Error::Cancelled))) {
         // What stands there is of this run already, and nobody has proved it.
         report.files.iter().for_each(|file| drop(std::fs::remove_file(file)));
     }
-    ended?;
-    report.stages = stages.done().to_vec();
+    report.stages = clock.done();
+    if let Some(proof) = proved {
+        tell(args, &mut report, &proof?, written.asset().textures())?;
+    }
     Ok(report)
 }
 
-/// The light mesh and what was baked onto it; with `--error` the smallest that meets it.
-fn lightened(
-    args: &BakeArgs,
-    source: &Source,
-    report: &mut Report,
-    (stages, warnings): (&mut Stages, &mut Warnings),
-) -> Result<(Light, Made)> {
-    if let Some(most) = args.error {
-        let found = search::smallest(args, source, most, stages)?;
-        report.size = [found.size; 2];
-        report.trials = found.trials;
-        warnings.absorb(found.warnings);
-        return Ok((found.light, found.made));
+/// Reads the scan, and says what baking it takes before any of that is taken.
+fn read(args: &BakeArgs, baker: &Baker, limits: Limits, progress: Progress<'_>) -> Result<Scan> {
+    let file = ScanFile::read(&args.high, &limits, progress)?;
+    let need = baker.need(file.size());
+    need.check(limits)?;
+    if !args.json {
+        console::say(&format!("baking {} triangles takes about {}", need.scan.triangles, need.bytes()));
     }
-    let light = match &args.low {
-        Some(path) => Light::read(path, args, stages, warnings)?,
-        None => {
-            let simplified = work::simplified(source, args.triangles, stages)?;
-            work::note_simplified(&simplified, args.triangles, warnings);
-            Light::made(source, &simplified, args.size, stages)?
-        }
-    };
-    let made = work::bake_maps(args, args.size, (source, &light), stages)?;
-    Ok((light, made))
+    Ok(file.sort(progress)?)
 }
 
-/// What an asset is made of.
-struct Parts {
-    source: Source,
-    light: Light,
-    /// The levels of detail after the first.
-    coarser: Vec<Mesh>,
-    made: Made,
-}
-
-/// Writes the asset and its proof.
-fn finish(args: &BakeArgs, parts: Parts, report: &mut Report, stages: &mut Stages) -> Result<()> {
-    write(args, &parts, report, stages)?;
-    if args.no_verify {
-        return Ok(());
+/// Puts what was measured into the report, and writes it beside the asset.
+fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, textures: &Textures) -> Result<()> {
+    if !args.json {
+        console::say_warnings(&proof.warnings);
     }
-    prove(args, parts, report, stages)
-}
-
-/// Writes the asset and what goes beside it, and notes the files in the report.
-fn write(args: &BakeArgs, parts: &Parts, report: &mut Report, stages: &mut Stages) -> Result<()> {
-    let Parts { source, light, coarser, made } = parts;
-    let meshes: Vec<_> = std::iter::once(&light.mesh).chain(coarser).collect();
-    report.triangles = meshes.iter().map(|mesh| mesh.triangles().len()).collect();
-    report.high_sha256 = source.sha256()?;
-    let xmp = provenance::packet(args, source, &report.high_sha256)?;
-    let coverages = work::coverages(meshes.len());
-    let levels: Vec<GltfLevel> = meshes
-        .into_iter()
-        .zip(coverages)
-        .map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) })
-        .collect();
-    let name = args.output.file_stem().unwrap_or_default().to_string_lossy();
-    let extras = made.textures.extras();
-    let asset = GltfAsset {
-        name: &name,
-        levels: &levels,
-        material: made.textures.material(&light.material, &light.kept),
-        copyright: source.loaded.copyright.as_deref(),
-        xmp: Some(&xmp),
-        extras: extras.as_ref(),
-    };
-    let images = match (args.ktx2, args.webp) {
-        (true, _) => GltfImages::Ktx2,
-        (_, true) => GltfImages::WebP,
-        _ => GltfImages::Png,
-    };
-    stages.run("write", |_| {
-        let beside = made.textures.write_beside()?;
-        report.files = io::write_gltf(&args.output, &asset, &GltfFormat { images, meshopt: args.meshopt })?;
-        report.files.extend(beside);
-        Ok(())
-    })
-}
-
-/// Reads the asset back, measures it, and writes the report.
-fn prove(args: &BakeArgs, parts: Parts, report: &mut Report, stages: &mut Stages) -> Result<()> {
-    let Parts { source, light, made, .. } = parts;
-    let object_map = made.textures.object_map();
-    let subject = Subject {
-        output: &args.output,
-        files: &report.files,
-        high: &args.high,
-        light: &light.mesh,
-        cage: &made.cage,
-        counts: &made.counts,
-        object_map: object_map.as_deref(),
-        size: report.size[0],
-    };
-    let proved = proof::prove(&subject, source, stages)?;
-    report.proof = Some(proved.proof.clone());
-    report.required = args.require.iter().map(|asked| asked.against(&proved.proof)).collect();
-    report.stages = stages.done().to_vec();
+    report.warnings.extend(Warning::list(&proof.warnings));
+    report.proof = Some(proof.figures.clone());
+    report.required = proof.require(&args.require);
     let [html, json] = ["report.html", "report.json"].map(|kind| args.output.with_extension(kind));
     report.files.extend([html.clone(), json.clone()]);
-    io::write_text(&html, &taotie_report::html(&page::page(report, &proved, &made.textures)?))?;
+    io::write_text(&html, &taotie_report::html(&page::page(report, proof, textures)?))?;
     io::write_text(&json, &serde_json::to_string_pretty(report)?)?;
     Ok(())
 }

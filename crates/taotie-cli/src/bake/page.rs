@@ -1,10 +1,10 @@
 //! `OUT.report.html`: the proof as a page that opens from disk.
 
-use super::proof::{BIN_WIDTH, Proof, Proved, ViewFigures};
-use super::report::Report;
-use super::textures::Textures;
+use super::pictures;
 use anyhow::Result;
-use taotie::compare::ColorMap;
+use taotie::asset::{BIN_WIDTH, Figures, Met, Proof, Report, StageTime, Textures, ViewFigures, Warning};
+use taotie::compare::{ColorMap, Summary};
+use taotie::names::Named;
 use taotie_report::heat_map::HeatMap;
 use taotie_report::sheet::Sheet;
 use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View};
@@ -18,15 +18,15 @@ const TOP: f32 = 10.0;
 ///
 /// # Errors
 /// Where a picture cannot be encoded.
-pub fn page(report: &Report, proved: &Proved, textures: &Textures) -> Result<Page> {
-    let proof = &proved.proof;
+pub fn page(report: &Report, proof: &Proof, textures: &Textures) -> Result<Page> {
+    let figures = &proof.figures;
     let title = std::path::Path::new(&report.high).file_name().unwrap_or_default().to_string_lossy();
     Ok(Page {
         title: title.into_owned(),
         subtitle: "The scan, and the light asset that stands for it".into(),
-        facts: facts(report, proof),
-        views: views(proof, proved, textures)?,
-        sections: sections(report, proof),
+        facts: facts(report, figures),
+        views: views(proof, textures)?,
+        sections: sections(report, figures),
         footer: format!(
             "Made by taotie {}. All figures stand in the .json file beside this page.",
             report.version
@@ -34,7 +34,7 @@ pub fn page(report: &Report, proved: &Proved, textures: &Textures) -> Result<Pag
     })
 }
 
-fn facts(report: &Report, proof: &Proof) -> Vec<Fact> {
+fn facts(report: &Report, proof: &Figures) -> Vec<Fact> {
     let triangles = report.triangles.first().copied().unwrap_or_default();
     let mut facts = vec![
         Fact::new("Scan", format!("{} triangles, {} bytes", report.high_triangles, proof.bytes_in)),
@@ -52,11 +52,11 @@ fn facts(report: &Report, proof: &Proof) -> Vec<Fact> {
     facts
 }
 
-fn views(proof: &Proof, proved: &Proved, textures: &Textures) -> Result<Vec<View>> {
+fn views(proof: &Proof, textures: &Textures) -> Result<Vec<View>> {
     let mut views = Vec::new();
-    let shots = &proved.shots;
+    let shots = &proof.views;
     for (i, ((scan, asset), flip)) in shots.scan.iter().zip(&shots.asset).zip(&shots.flip).enumerate() {
-        let figures = proof.views[i];
+        let figures = shots.figures[i];
         views.push(View {
             name: format!("{:.0}°", figures.azimuth_deg),
             note: "Scan and asset of one grey material in the same light, and what an observer sees of the difference."
@@ -69,7 +69,7 @@ fn views(proof: &Proof, proved: &Proved, textures: &Textures) -> Result<Vec<View
             legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)),
         });
     }
-    let mut maps = vec![Picture::new("error", "", &HeatMap::of_angles(&proved.error_map, TOP).plain())?];
+    let mut maps = vec![Picture::new("error", "", &HeatMap::of_angles(&proof.error_map, TOP).plain())?];
     let inside = [("normal", &textures.normal), ("albedo", &textures.color), ("orm", &textures.orm)];
     for (name, bitmap) in inside {
         if let Some(bitmap) = bitmap {
@@ -77,7 +77,7 @@ fn views(proof: &Proof, proved: &Proved, textures: &Textures) -> Result<Vec<View
         }
     }
     for beside in &textures.beside {
-        maps.push(Picture::new(beside.note.map, "", &Sheet::preview(&beside.bitmap, MAP))?);
+        maps.push(Picture::new(beside.map.name(), "", &Sheet::preview(&beside.bitmap, MAP))?);
     }
     let note = "Degrees between the normals of asset and scan on the map; and the maps themselves.";
     let scale = Some(Legend::new("Angular error", "°", f64::from(TOP), ColorMap::Viridis));
@@ -87,12 +87,12 @@ fn views(proof: &Proof, proved: &Proved, textures: &Textures) -> Result<Vec<View
         pictures,
         legend: scale.clone(),
     }));
-    if let Some(missed) = &textures.missed {
+    if let Some(misses) = &textures.misses {
         views.push(View {
             name: "misses".into(),
             note: "Texels whose rays missed the scan: amber took the closest point of it, red found nothing."
                 .into(),
-            pictures: vec![Picture::new("misses", "", missed)?],
+            pictures: vec![Picture::new("misses", "", &pictures::misses(misses))?],
             legend: None,
         });
     }
@@ -115,32 +115,31 @@ fn seen(figures: &ViewFigures) -> String {
     format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim)
 }
 
-fn sections(report: &Report, proof: &Proof) -> Vec<Section> {
+fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     let mut sections = Vec::new();
     if !report.required.is_empty() {
         sections.push(required(report));
     }
     sections.extend([angles(proof), histogram(proof), shape(proof), views_table(proof), stages(report)]);
-    let warnings: Vec<String> = report.warnings.as_array().into_iter().flatten().map(warning).collect();
+    let warnings: Vec<String> = report.warnings.iter().map(warning).collect();
     if !warnings.is_empty() {
         sections.push(Section::Text { title: "Warnings".into(), paragraphs: warnings });
     }
     sections
 }
 
-fn warning(warning: &serde_json::Value) -> String {
-    let what = warning["what"].as_str().unwrap_or_default();
-    match warning["count"].as_u64() {
-        Some(1) | None => what.to_owned(),
-        Some(count) => format!("{what} ({count} times)"),
+fn warning(warning: &Warning) -> String {
+    match warning.count {
+        1 => warning.what.clone(),
+        count => format!("{} ({count} times)", warning.what),
     }
 }
 
 fn required(report: &Report) -> Section {
-    let row = |met: &super::requirement::Met| {
+    let row = |met: &Met| {
         let (text, tone) = if met.met { ("met", Tone::Good) } else { ("not met", Tone::Bad) };
         vec![
-            Cell::text(met.figure),
+            Cell::text(met.figure.name()),
             met.value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value, 4)),
             Cell::number(met.most, 4),
             Cell::Mark { text: text.into(), tone, why: String::new() },
@@ -159,12 +158,12 @@ fn required(report: &Report) -> Section {
     }
 }
 
-fn angles(proof: &Proof) -> Section {
+fn angles(proof: &Figures) -> Section {
     let figures = ["mean", "median", "95 %", "max"];
     let mut columns = vec![Column::words("normals of")];
     columns.extend(figures.map(|figure| Column::numbers(figure, "°")));
     let rows = [("the asset", &proof.angles), ("its mesh without the map", &proof.without_map)];
-    let row = |(name, spread): (&str, &Option<taotie_report::spread::Spread>)| {
+    let row = |(name, spread): (&str, &Option<Summary>)| {
         let spread = spread.as_ref()?;
         let numbers = [spread.mean, spread.median, spread.p95, spread.max];
         Some([Cell::text(name)].into_iter().chain(numbers.map(|v| Cell::number(v, 3))).collect())
@@ -182,7 +181,7 @@ fn angles(proof: &Proof) -> Section {
     }
 }
 
-fn histogram(proof: &Proof) -> Section {
+fn histogram(proof: &Figures) -> Section {
     Section::Histogram {
         title: "Histogram of angular error".into(),
         note: "Points by their angle to the scan; the last bin holds all that is larger.".into(),
@@ -193,7 +192,7 @@ fn histogram(proof: &Proof) -> Section {
     }
 }
 
-fn shape(proof: &Proof) -> Section {
+fn shape(proof: &Figures) -> Section {
     let row = |name: &str, value: f64, digits: usize, unit: &str| {
         vec![Cell::text(name), Cell::number(value, digits), Cell::text(unit)]
     };
@@ -218,7 +217,7 @@ fn shape(proof: &Proof) -> Section {
     }
 }
 
-fn views_table(proof: &Proof) -> Section {
+fn views_table(proof: &Figures) -> Section {
     let row = |view: &ViewFigures| {
         vec![
             Cell::number(view.azimuth_deg, 0),
@@ -242,8 +241,7 @@ fn views_table(proof: &Proof) -> Section {
 }
 
 fn stages(report: &Report) -> Section {
-    let row =
-        |stage: &super::stages::Stage| vec![Cell::text(stage.stage), Cell::number(stage.milliseconds, 1)];
+    let row = |stage: &StageTime| vec![Cell::text(stage.stage), Cell::number(stage.milliseconds, 1)];
     Section::Table {
         title: "Time".into(),
         note: String::new(),

@@ -1,4 +1,4 @@
-//! Pairs and scans that are not as they should be: each gets a plain warning, none is baked in silence.
+//! Pairs and scans that are not as they should be: each gets a plain warning or is refused, none is baked in silence.
 
 use super::balls::{Ball, LIGHT, SCAN};
 use super::place::Place;
@@ -8,6 +8,15 @@ fn said(place: &Place, line: &str) -> String {
     let assert = place.taotie(&format!("bake {line} -o out.glb --size 64")).assert().success();
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     said.lines().skip(1).map(|line| format!("{line}\n")).collect()
+}
+
+/// What is said of a pair that cannot be baked.
+fn refused(obj: String) -> String {
+    let place = Place::with("scan.obj", SCAN.obj());
+    place.write("low.obj", obj);
+    let assert = place.taotie("bake scan.obj --low low.obj -o out.glb --size 64").assert().code(2);
+    assert_eq!(place.files(), ["low.obj", "scan.obj"], "no asset");
+    String::from_utf8_lossy(&assert.get_output().stderr).into_owned()
 }
 
 fn with_light(obj: String) -> String {
@@ -63,23 +72,20 @@ fn in_another_pose() {
 
 #[test]
 fn far_apart() {
-    let said = with_light(Ball { center: [30.0, 0.0, 0.0], ..LIGHT }.obj());
-    assert_says(
-        &said,
-        &["the meshes do not overlap: 100.0 %", "100.0 % of the texels have rays that missed the scan"],
-    );
+    let said = refused(Ball { center: [30.0, 0.0, 0.0], ..LIGHT }.obj());
+    assert_says(&said, &["projection rays met the scan", "the meshes do not overlap: 100.0 %"]);
     assert!(!said.contains("turned"), "which side is nearer is chance: {said}");
 }
 
 #[test]
 fn of_another_size() {
-    assert_says(&with_light(Ball { radius: 2.0, ..LIGHT }.obj()), &["the meshes do not overlap: ", "scaled"]);
+    assert_says(&refused(Ball { radius: 2.0, ..LIGHT }.obj()), &["the meshes do not overlap: ", "scaled"]);
 }
 
 #[test]
 fn inside_out() {
     let turned: Vec<_> = LIGHT.faces().into_iter().map(|[a, b, c]| [a, c, b]).collect();
-    let said = with_light(LIGHT.obj_of(&turned));
+    let said = refused(LIGHT.obj_of(&turned));
     assert_says(&said, &["one of the meshes is inside out: 100.0 %", "turn its triangles and normals"]);
 }
 
@@ -111,8 +117,8 @@ fn uvs_out_of_range() {
 
 #[test]
 fn uvs_without_area() {
-    let said = with_light(Ball { uv: Some(|_, v| [0.5, v]), ..LIGHT }.obj());
-    assert_says(&said, &["triangles of the light mesh without uv area, which have no relief (528 times)"]);
+    let said = refused(Ball { uv: Some(|_, v| [0.5, v]), ..LIGHT }.obj());
+    assert_says(&said, &["none of its 528 triangles covers a texel of the map (528 without uv area)"]);
 }
 
 #[test]

@@ -106,6 +106,11 @@ impl Cage {
         Ok(Self::new(directions, reach))
     }
 
+    /// The longest of the distances over which the scan is looked for, model units.
+    pub fn longest(&self) -> f32 {
+        self.longest
+    }
+
     /// The line through a point of a triangle of the light mesh.
     pub fn probe(&self, triangle: [u32; 3], point: Vec3, weights: [f32; 3]) -> Probe {
         let [a, b, c] = triangle.map(|v| v as usize);

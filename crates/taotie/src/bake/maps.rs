@@ -4,10 +4,12 @@ use crate::names::Named;
 
 /// A map that a scan can be baked into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum MapKind {
     /// The scan's normals.
     Normal,
     /// How much of the hemisphere over the scan is open, weighted by the cosine: 1 is open.
+    #[cfg_attr(feature = "serde", serde(rename = "ao"))]
     Occlusion,
     /// The scan's base colour, of its vertices, materials and textures.
     Albedo,

@@ -1,6 +1,7 @@
 //! Reading bytes from regular files only, since a model may name any path.
 
 use crate::error::{Error, Result};
+use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -25,6 +26,30 @@ pub(super) fn read_start(path: &Path, count: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     file.take(count).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     Ok(bytes)
+}
+
+/// Returns the length of a regular file in bytes.
+///
+/// # Errors
+/// [`Error::Io`] where there is no such file.
+pub fn file_size(path: &Path) -> Result<u64> {
+    std::fs::metadata(path).map(|about| about.len()).map_err(|e| Error::io(path, e))
+}
+
+/// Returns the SHA-256 of a file's bytes, hexadecimal.
+///
+/// # Errors
+/// As [`read`].
+pub fn sha256(path: &Path) -> Result<String> {
+    let (mut file, _) = open(path)?;
+    let (mut hash, mut block) = (Sha256::new(), vec![0; 1 << 20]);
+    loop {
+        match file.read(&mut block).map_err(|e| Error::io(path, e))? {
+            0 => break,
+            read => hash.update(&block[..read]),
+        }
+    }
+    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// Opens a regular file. Devices and pipes are refused before opening, since both can block for ever.

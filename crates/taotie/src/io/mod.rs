@@ -11,6 +11,7 @@ mod ply;
 mod polygon;
 mod stl;
 mod stopwatch;
+mod system;
 mod text;
 mod variants;
 mod write;
@@ -21,14 +22,15 @@ pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
 pub use bitmap::{decode_bitmap, read_bitmap};
 pub use cache::cache_folder;
 pub use environment::decode_environment;
-pub use file::read as read_bytes;
+pub use file::{file_size, read as read_bytes, sha256};
 pub use stopwatch::Stopwatch;
+pub use system::free_memory;
 pub use variants::Variants;
 pub use write::{
-    ExrLayer, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, MovingFormat,
-    MovingPicture, MovingSpec, PictureFormat, PngColor, PngImage, PngSamples, encode_glb, encode_png,
-    write_bytes, write_developed, write_exr, write_gltf, write_picture, write_png, write_png_bitmap,
-    write_text,
+    ExrLayer, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial,
+    MovingFormat, MovingPicture, MovingSpec, PictureFormat, PngColor, PngImage, PngSamples, encode_glb,
+    encode_gltf, encode_png, encode_png_bitmap, write_bytes, write_developed, write_exr, write_files,
+    write_gltf, write_picture, write_png, write_png_bitmap, write_text,
 };
 pub use xmp::Provenance;
 

@@ -1,18 +1,21 @@
 //! Pictures and reports to files, each written under a temporary name and renamed, so that no half a file is left.
 
 mod exr;
+mod files;
 mod gltf;
 mod moving;
 mod picture;
 mod png;
 
 pub use exr::{ExrLayer, write_exr};
+pub use files::{FileBytes, write_files};
 pub use gltf::{
-    GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, encode_glb, write_gltf,
+    GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, encode_glb,
+    encode_gltf, write_gltf,
 };
 pub use moving::{MovingFormat, MovingPicture, MovingSpec};
 pub use picture::{PictureFormat, write_developed, write_picture};
-pub use png::{PngColor, PngImage, PngSamples, encode_png, write_png, write_png_bitmap};
+pub use png::{PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_png, write_png_bitmap};
 
 use crate::error::{Error, Result};
 use std::io::{self, BufWriter, Seek, Write};

@@ -18,7 +18,7 @@ const CONTEXT: [(&str, &str); 4] = [
 /// What a model was made of, and how.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Provenance<'a> {
-    /// The file name of the source, without folder.
+    /// The file name of the source, without folder; empty where it is no file, of which nothing is said then.
     pub source: &'a str,
     /// The SHA-256 of the source's bytes, hexadecimal.
     pub sha256: &'a str,
@@ -36,7 +36,9 @@ impl Provenance<'_> {
         let mut packet = packet.and_then(Value::as_object).cloned().unwrap_or_default();
         extend_context(&mut packet);
         let source = format!("{} (sha256:{})", self.source, self.sha256);
-        append(&mut packet, ("dc:source", "@set"), source.into());
+        if !self.source.is_empty() {
+            append(&mut packet, ("dc:source", "@set"), source.into());
+        }
         let event = json!({
             "stEvt:action": "converted",
             "stEvt:softwareAgent": self.tool,

@@ -47,23 +47,41 @@ pub struct PngImage<'a> {
 /// # Errors
 /// [`Error::Unsupported`] for float texels, [`Error::Io`] where the file cannot be written.
 pub fn write_png_bitmap(path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Result<()> {
+    with_image(bitmap, encoding, |image| write_png(path, image)).map_err(|error| match error {
+        Error::Unsupported { what, why } => Error::unsupported(format!("{}: {what}", path.display()), why),
+        other => other,
+    })
+}
+
+/// The bytes that [`write_png_bitmap`] would write.
+///
+/// # Errors
+/// [`Error::Unsupported`] for float texels.
+pub fn encode_png_bitmap(bitmap: &Bitmap, encoding: Encoding) -> Result<Vec<u8>> {
+    with_image(bitmap, encoding, encode_png)
+}
+
+fn with_image<T>(
+    bitmap: &Bitmap,
+    encoding: Encoding,
+    with: impl FnOnce(&PngImage) -> Result<T>,
+) -> Result<T> {
     let (color, channels) = match bitmap.channels() {
         1 => (PngColor::Grey, 1),
         3 => (PngColor::Rgb, 3),
         _ => (PngColor::Rgba, 4),
     };
-    let write = |samples: PngSamples<'_>| {
-        write_png(
-            path,
-            &PngImage { width: bitmap.width(), height: bitmap.height(), color, samples, encoding },
-        )
-    };
+    let (width, height) = (bitmap.width(), bitmap.height());
     match bitmap.texels() {
-        Texels::U8(texels) => write(PngSamples::U8(&interleaved(texels, channels))),
-        Texels::U16(texels) => write(PngSamples::U16(&interleaved(texels, channels))),
-        Texels::F32(_) => {
-            Err(Error::unsupported(format!("{}: float texels in PNG", path.display()), "store 8 or 16 bits"))
+        Texels::U8(texels) => {
+            let samples = interleaved(texels, channels);
+            with(&PngImage { width, height, color, samples: PngSamples::U8(&samples), encoding })
         }
+        Texels::U16(texels) => {
+            let samples = interleaved(texels, channels);
+            with(&PngImage { width, height, color, samples: PngSamples::U16(&samples), encoding })
+        }
+        Texels::F32(_) => Err(Error::unsupported("float texels in PNG", "store 8 or 16 bits")),
     }
 }
 

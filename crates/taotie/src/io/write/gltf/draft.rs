@@ -3,10 +3,10 @@
 use super::container::{self, Head};
 use super::images::{self, Encoded};
 use crate::error::{Error, Result};
-use crate::io::write::{write_bytes, write_with};
+use crate::io::write::{FileBytes, write_with};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// glTF's numbers for what a view is for.
 pub(super) const VERTICES: u32 = 34962;
@@ -239,20 +239,19 @@ impl GltfDraft {
         Ok(bytes)
     }
 
-    /// Writes the document as JSON, with its numbers and images in files beside it; gives back all files, the JSON first.
-    pub(super) fn write_gltf(&self, path: &Path, images: &[Encoded]) -> Result<Vec<PathBuf>> {
+    /// The document as JSON, and its numbers and images as files beside it; the JSON first.
+    pub(super) fn into_files(self, path: &Path, images: Vec<Encoded>) -> Result<Vec<FileBytes>> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let binary = format!("{stem}.bin");
-        let mut files = vec![path.to_path_buf(), path.with_file_name(&binary)];
+        let text = self.text(Some(images::uri(&binary)))?;
+        let mut files = vec![
+            FileBytes { path: path.to_path_buf(), bytes: text },
+            FileBytes { path: path.with_file_name(&binary), bytes: self.bytes },
+        ];
         for image in images {
-            if let Some(bytes) = image.bytes() {
-                let file = path.with_file_name(image.file_name(&stem));
-                write_bytes(&file, bytes)?;
-                files.push(file);
-            }
+            let file = path.with_file_name(image.file_name(&stem));
+            files.extend(image.into_bytes().map(|bytes| FileBytes { path: file, bytes }));
         }
-        write_bytes(&files[1], &self.bytes)?;
-        write_bytes(path, &self.text(Some(images::uri(&binary)))?)?;
         Ok(files)
     }
 }

@@ -46,6 +46,7 @@ impl GltfImage<'_> {
 
 /// How textures are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GltfImages {
     /// PNG, as precise as the bitmap; every program reads it.
     #[default]
@@ -123,6 +124,11 @@ impl Encoded<'_> {
     /// The bytes of its file; `None` where the file is there already.
     pub fn bytes(&self) -> Option<&[u8]> {
         matches!(self.image, GltfImage::Bitmap(_)).then_some(&self.bytes)
+    }
+
+    /// The same, given up.
+    pub fn into_bytes(self) -> Option<Vec<u8>> {
+        matches!(self.image, GltfImage::Bitmap(_)).then_some(self.bytes)
     }
 
     /// The name of its file beside a model.

@@ -12,9 +12,11 @@ pub use draft::GltfDraft;
 pub use images::{GltfImage, GltfImages};
 pub use material::GltfMaterial;
 
+use super::{FileBytes, write_files};
 use crate::error::{Error, Result};
 use crate::io::xmp;
 use crate::mesh::Mesh;
+use crate::progress::Progress;
 use images::{Encoded, Place};
 use packed::Grid;
 use serde_json::{Value, json};
@@ -62,24 +64,31 @@ pub struct GltfFormat {
 }
 
 /// Writes a model: a GLB where `path` ends in `.glb`; for `.gltf` the JSON, with the numbers in `NAME.bin` and the
-/// textures in files such as `NAME_color.png` beside it. Each file is written whole or not at all, the JSON last. The
+/// textures in files such as `NAME_color.png` beside it. Either all files are written or none, the JSON last. The
 /// same model gives the same bytes. Gives back the files written, `path` first.
+///
+/// # Errors
+/// As [`encode_gltf`]; [`Error::Io`] where a file cannot be written.
+pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<PathBuf>> {
+    let files = encode_gltf(path, asset, format)?;
+    write_files(&files, Progress::SILENT)?;
+    Ok(files.into_iter().map(|file| file.path).collect())
+}
+
+/// Returns the files that [`write_gltf`] would write, `path` first.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for another extension and for float textures, [`Error::Invalid`] for a model that glTF cannot
 /// say: no level, a level without triangles, textures on a mesh without uvs, factors out of range; [`Error::Limit`]
-/// for a GLB of 4 GiB or more, [`Error::Io`] where a file cannot be written.
-pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<PathBuf>> {
+/// for a GLB of 4 GiB or more.
+pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<FileBytes>> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "glb" => {
-            GltfDraft::new(asset, format)?.write_glb(path)?;
-            Ok(vec![path.to_path_buf()])
-        }
+        "glb" => Ok(vec![FileBytes { path: path.to_path_buf(), bytes: encode_glb(asset, format)? }]),
         "gltf" => {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let encoded = images::encode(&asset.material, format.images)?;
-            draft(asset, format, (&encoded, &Place::Beside(&stem)))?.write_gltf(path, &encoded)
+            draft(asset, format, (&encoded, &Place::Beside(&stem)))?.into_files(path, encoded)
         }
         _ => Err(Error::unsupported(
             format!("{}: the extension '{extension}'", path.display()),
@@ -91,7 +100,7 @@ pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result
 /// The bytes of the GLB that [`write_gltf`] would write.
 ///
 /// # Errors
-/// As [`write_gltf`], but for those of the file system.
+/// As [`encode_gltf`].
 pub fn encode_glb(asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<u8>> {
     GltfDraft::new(asset, format)?.encode_glb()
 }

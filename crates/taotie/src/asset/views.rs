@@ -1,25 +1,24 @@
 //! Scan and asset seen from all sides in the same light.
 
-use super::proof::ViewFigures;
-use anyhow::Result;
-use taotie::Progress;
-use taotie::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
-use taotie::film::Development;
-use taotie::math::{Mat4, Vec3};
-use taotie::mesh::Mesh;
-use taotie::render::{Lighting, RenderSettings, Renderer};
-use taotie::scene::{Camera, Instance, Material, Orbit, Scene, fitting_distance, three_point_rig};
+use super::scan::scene_of;
+use crate::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
+use crate::error::Result;
+use crate::film::Development;
+use crate::math::Vec3;
+use crate::mesh::Mesh;
+use crate::progress::Progress;
+use crate::render::{Lighting, RenderSettings, Renderer};
+use crate::scene::{Camera, Material, Orbit, Scene, fitting_distance, three_point_rig};
 
-/// Pixels along a side of the pictures.
-const SIDE: u32 = 384;
 /// From how many sides.
 const COUNT: usize = 8;
 /// Degrees above and below the horizon, by turns.
 const ELEVATIONS: [f64; 2] = [20.0, -12.0];
 
-/// The pictures and their differences, view by view.
-#[derive(Default)]
-pub struct Shots {
+/// Pictures of scan and asset and their differences, view by view.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct Views {
     /// Of the scan.
     pub scan: Vec<Picture>,
     /// Of the asset.
@@ -30,34 +29,45 @@ pub struct Shots {
     pub figures: Vec<ViewFigures>,
 }
 
+/// How a picture of an asset differs from that of its scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ViewFigures {
+    /// Where from, degrees.
+    pub azimuth_deg: f64,
+    /// Degrees above the horizon.
+    pub elevation_deg: f64,
+    /// The mean of FLIP, [0, 1]; 0 where equal.
+    pub flip: f64,
+    /// SSIM; 1 where equal.
+    pub ssim: f64,
+}
+
 /// Takes the pictures, both of one neutral material, so that nothing but shape and normals differs.
 ///
 /// # Errors
-/// None but those of rendering, which a scene that was read does not cause.
-pub fn take(scan: Mesh, asset: Scene, progress: Progress<'_>) -> Result<Shots> {
-    let heavy = Scene {
-        meshes: vec![scan],
-        materials: vec![neutral()],
-        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    };
-    let cameras = cameras(&heavy);
-    let light = neutralised(asset);
-    let scan = pictures(&heavy, &cameras, progress.part(0.0, 0.5))?;
-    drop(heavy);
-    let asset = pictures(&light, &cameras, progress.part(0.5, 0.9))?;
-    let mut shots = Shots { scan, asset, ..Shots::default() };
-    for (i, (a, b)) in shots.scan.iter().zip(&shots.asset).enumerate() {
+/// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
+pub(super) fn take(scan: Mesh, asset: Scene, side: u32, progress: Progress<'_>) -> Result<Views> {
+    let high = scene_of(scan, neutral());
+    let cameras = cameras(&high);
+    let low = neutralised(asset);
+    let scan = pictures(&high, side, &cameras, progress.part(0.0, 0.5))?;
+    drop(high);
+    let asset = pictures(&low, side, &cameras, progress.part(0.5, 0.9))?;
+    let mut views = Views { scan, asset, ..Views::default() };
+    for (i, (a, b)) in views.scan.iter().zip(&views.asset).enumerate() {
+        progress.at(0.9 + 0.1 * i as f64 / COUNT as f64)?;
         let flip = compare::flip(a, b, PIXELS_PER_DEGREE)?;
-        shots.figures.push(ViewFigures {
+        views.figures.push(ViewFigures {
             azimuth_deg: azimuth(i),
             elevation_deg: ELEVATIONS[i % 2],
             flip: flip.summary().map_or(0.0, |summary| summary.mean),
             ssim: compare::ssim(a, b)?,
         });
-        shots.flip.push(flip);
+        views.flip.push(flip);
     }
-    Ok(shots)
+    Ok(views)
 }
 
 fn neutral() -> Material {
@@ -93,8 +103,8 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
     (0..COUNT).map(camera).collect()
 }
 
-fn pictures(scene: &Scene, cameras: &[Camera], progress: Progress<'_>) -> Result<Vec<Picture>> {
-    let settings = RenderSettings { width: SIDE, height: SIDE, samples: 4, ..RenderSettings::default() };
+fn pictures(scene: &Scene, side: u32, cameras: &[Camera], progress: Progress<'_>) -> Result<Vec<Picture>> {
+    let settings = RenderSettings { width: side, height: side, samples: 4, ..RenderSettings::default() };
     let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
     let mut renderer = Renderer::new(scene, &settings.surface)?;
     let (mut pictures, mut codes) = (Vec::new(), Vec::new());
@@ -109,7 +119,7 @@ fn pictures(scene: &Scene, cameras: &[Camera], progress: Progress<'_>) -> Result
             &mut codes,
             progress.part(from, to),
         )?;
-        pictures.push(Picture::from_developed(SIDE, SIDE, &codes)?);
+        pictures.push(Picture::from_developed(side, side, &codes)?);
     }
     Ok(pictures)
 }

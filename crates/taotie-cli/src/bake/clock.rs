@@ -1,0 +1,55 @@
+//! The stages of a bake: how long each takes, and how far it is.
+
+use crate::console::Bar;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+use taotie::asset::StageTime;
+
+/// Hears of stages, shows how far they are, and measures them.
+#[derive(Default)]
+pub struct Clock {
+    told: Mutex<Told>,
+}
+
+#[derive(Default)]
+struct Told {
+    done: Vec<StageTime>,
+    running: Option<Running>,
+}
+
+/// The stage that runs.
+struct Running {
+    stage: &'static str,
+    start: Instant,
+    bar: Bar,
+}
+
+impl Clock {
+    /// Hears that a fraction of a stage is done.
+    pub fn hear(&self, stage: &'static str, fraction: f64) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if !stage.is_empty() && told.running.as_ref().is_none_or(|running| running.stage != stage) {
+            told.end();
+            told.running = Some(Running { stage, start: Instant::now(), bar: Bar::new(stage) });
+        }
+        if let Some(running) = &told.running {
+            running.bar.set(fraction);
+        }
+    }
+
+    /// Ends the stage that runs; gives back all stages that are done, in order.
+    pub fn done(&self) -> Vec<StageTime> {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        told.end();
+        told.done.clone()
+    }
+}
+
+impl Told {
+    fn end(&mut self) {
+        self.done.extend(self.running.take().map(|running| StageTime {
+            stage: running.stage,
+            milliseconds: running.start.elapsed().as_secs_f64() * 1e3,
+        }));
+    }
+}

@@ -1,0 +1,36 @@
+//! A scan becomes a light asset, and says how far it is from the scan.
+//!
+//! ```text
+//! cargo run --release -p taotie --example scan_to_asset -- scan.ply scan.glb
+//! ```
+#![allow(clippy::print_stdout, reason = "an example talks")]
+
+use std::path::Path;
+use taotie::asset::{BakeOptions, Baker, Limits, Packing, Requirement, Scan, VerifyOptions};
+use taotie::{Error, Progress, Result};
+
+/// Bakes `scan` to `asset`; returns the figures in words.
+pub fn run(scan: &Path, asset: &Path, options: BakeOptions) -> Result<String> {
+    let progress = Progress::SILENT;
+    let scan = Scan::read(scan, &Limits::default(), progress)?;
+    let baked = Baker::new(options).bake(&scan, progress)?;
+    let written = baked.write(asset, &Packing::default(), progress)?;
+    let proof = written.verify(scan, &VerifyOptions::default(), progress)?;
+    let met = proof.require(&[Requirement::mean_angle_deg(2.0), Requirement::missed(0.001)]);
+    Ok(format!(
+        "{} triangles, {} bytes; normals off by {:.2}° on average; required: {}",
+        baked.levels().next().map_or(0, |mesh| mesh.triangles().len()),
+        proof.figures.bytes_out,
+        proof.figures.angles.map_or(f64::NAN, |angles| angles.mean),
+        if met.iter().all(|met| met.met) { "met" } else { "not met" }
+    ))
+}
+
+fn main() -> Result<()> {
+    let files: Vec<String> = std::env::args().skip(1).collect();
+    let [scan, asset] = files.as_slice() else {
+        return Err(Error::invalid("the arguments", "give the scan's file and the asset's"));
+    };
+    println!("{}", run(scan.as_ref(), asset.as_ref(), BakeOptions::default())?);
+    Ok(())
+}

@@ -1,0 +1,123 @@
+//! From a scan to an asset.
+
+use super::judgement::{self, Pair};
+use super::low::{self, LowPoly};
+use super::made::{Asset, Made};
+use super::maps::{BakedMaps, bake_maps};
+use super::memory::{Bytes, Limits, Need, ScanSize};
+use super::notes;
+use super::options::BakeOptions;
+use super::scan::Scan;
+use super::search::{Trial, smallest};
+use crate::error::{Result, Warnings};
+use crate::io;
+use crate::progress::Progress;
+use std::sync::Arc;
+
+/// Bakes scans, all in the same way.
+#[derive(Debug, Clone, Default)]
+pub struct Baker {
+    options: Arc<BakeOptions>,
+    limits: Limits,
+}
+
+impl Baker {
+    /// Bakes as `options` say, with the memory that the machine has free.
+    pub fn new(options: BakeOptions) -> Self {
+        Self { options: Arc::new(options), limits: Limits::default() }
+    }
+
+    /// Bakes within these limits.
+    pub fn with_limits(self, limits: Limits) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// Returns what is baked, and how.
+    pub fn options(&self) -> &BakeOptions {
+        &self.options
+    }
+
+    /// Returns what a bake of a scan of this size takes.
+    pub fn need(&self, scan: ScanSize) -> Need {
+        Need::of(&self.options, scan)
+    }
+
+    /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; judges the result.
+    ///
+    /// The listener hears the stages `simplify`, `unwrap`, `read the light mesh`, `tangents`, `measure the gap`, `bake`,
+    /// `store`, `levels of detail` and `inspect the scan`, and is asked about every 20 ms whether to go on.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading what the options
+    /// name; [`Error::Limit`](crate::Error::Limit) where the memory does not suffice;
+    /// [`Error::Invalid`](crate::Error::Invalid) where no ray met the scan, or no mesh and map come as near as is wanted.
+    pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
+        let (options, scan) = (Arc::clone(&self.options), scan.into());
+        options.check()?;
+        self.need(scan.about.size).check(self.limits_beside(&scan))?;
+        progress.apart(move |progress| bake(options, &scan, progress))
+    }
+
+    /// The limits of a bake; what the scan holds already counts as free.
+    fn limits_beside(&self, scan: &Scan) -> Limits {
+        let held = scan.about.size.bytes();
+        let free = || io::free_memory().map(|free| Bytes(free + held));
+        Limits { memory: self.limits.memory.or_else(free) }
+    }
+}
+
+/// A low-poly mesh and its maps.
+struct Lightened {
+    low: LowPoly,
+    maps: BakedMaps,
+    size: u32,
+    trials: Vec<Trial>,
+}
+
+fn bake(options: Arc<BakeOptions>, scan: &Scan, progress: Progress<'_>) -> Result<Asset> {
+    let mut warnings = scan.about.warnings.clone();
+    note_left_out(&options, scan, &mut warnings);
+    let Lightened { low, mut maps, size, trials } = lightened(&options, scan, &mut warnings, progress)?;
+    warnings.absorb(std::mem::take(&mut maps.warnings));
+    let coarser = low::coarser(&low, &options.lods, &mut warnings, progress)?;
+    judgement::judge(Pair { scan, low: &low }, &maps.cage, &maps.counts, &mut warnings);
+    if options.inspect {
+        progress.begin("inspect the scan")?;
+        judgement::inspect(scan.mesh(), &mut warnings);
+    }
+    let about = Arc::clone(&scan.about);
+    Ok(Asset::new(Made { options, about, low, coarser, maps, size, trials, warnings }))
+}
+
+fn note_left_out(options: &BakeOptions, scan: &Scan, warnings: &mut Warnings) {
+    let about = &scan.about;
+    notes::unread_options(options, warnings);
+    notes::lacking(&about.material, about.has_colors, options, warnings);
+    if options.low.is_none() {
+        notes::left_of_scan(&about.material, about.has_colors, options, warnings);
+    }
+}
+
+/// The low-poly mesh with its maps; where an error is wanted the smallest that meets it.
+fn lightened(
+    options: &BakeOptions,
+    scan: &Scan,
+    warnings: &mut Warnings,
+    progress: Progress<'_>,
+) -> Result<Lightened> {
+    if let Some(most) = options.mean_error_deg {
+        let found = smallest(options, scan, most, progress)?;
+        warnings.absorb(found.warnings);
+        return Ok(Lightened { low: found.low, maps: found.maps, size: found.size, trials: found.trials });
+    }
+    let low = match &options.low {
+        Some(source) => LowPoly::given(source, options, warnings, progress)?,
+        None => {
+            let simplified = low::simplified(scan, options.triangles, progress)?;
+            low::note_simplified(&simplified, options.triangles, warnings);
+            LowPoly::made(scan, &simplified, options.size, progress)?
+        }
+    };
+    let maps = bake_maps(options, options.size, Pair { scan, low: &low }, progress)?;
+    Ok(Lightened { low, maps, size: options.size, trials: Vec::new() })
+}

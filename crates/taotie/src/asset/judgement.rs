@@ -1,0 +1,139 @@
+//! What is wrong with a pair of meshes, in plain words and with numbers. A bad map is never baked in silence.
+
+use super::low::LowPoly;
+use super::scan::Scan;
+use crate::bake::{BakeCounts, Cage, Faults, Verifier};
+use crate::error::{Error, Result, Warnings};
+use crate::mesh::Mesh;
+use crate::surface::facet_normal;
+
+/// Points at which the pair is looked at.
+const POINTS: usize = 4_000;
+/// More of the texels missing than this is worth a warning.
+const MISSED: f64 = 0.001;
+/// More of the low-poly mesh far away, or turned, than this is worth a warning.
+const PART: f64 = 0.02;
+
+/// A scan and the low-poly mesh that is to stand for it.
+#[derive(Clone, Copy)]
+pub(super) struct Pair<'a> {
+    pub scan: &'a Scan,
+    pub low: &'a LowPoly,
+}
+
+fn percent(part: f64) -> String {
+    format!("{:.1} %", part * 100.0)
+}
+
+fn part(of: usize, all: usize) -> f64 {
+    of as f64 / all.max(1) as f64
+}
+
+/// Refuses maps on which nothing of the scan is to be seen.
+///
+/// # Errors
+/// [`Error::Invalid`] where no triangle covers a texel, or no ray met the scan.
+pub(super) fn refuse_no_hit(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts) -> Result<()> {
+    let what = "the light mesh";
+    if counts.samples == 0 {
+        let triangles = pair.low.mesh.triangles().len();
+        let why = format!(
+            "none of its {triangles} triangles covers a texel of the map ({} without uv area); unwrap it, or give a \
+             larger map",
+            counts.flat
+        );
+        return Err(Error::invalid(what, why));
+    }
+    if counts.missed < counts.samples {
+        return Ok(());
+    }
+    let faults: Vec<String> = misfits(pair, cage).into_iter().map(|fault| format!("; {fault}")).collect();
+    let why = format!(
+        "none of its {} projection rays met the scan, {} model units to either side at most{}; bring the meshes together, \
+         or give a larger ray distance or a cage",
+        counts.samples,
+        cage.longest(),
+        faults.concat()
+    );
+    Err(Error::invalid(what, why))
+}
+
+/// Notes what is wrong with a pair and what was baked of it.
+pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: &mut Warnings) {
+    for misfit in misfits(pair, cage) {
+        warnings.note(misfit, 1);
+    }
+    let missed = part(counts.missed_texels, counts.texels);
+    if missed > MISSED {
+        warnings.note(
+            format!(
+                "{} of the texels have rays that missed the scan: {} of all rays took its closest point, {} found nothing and \
+                 left the light mesh's own normal; the report shows where, a larger ray distance or a cage may reach farther",
+                percent(missed),
+                percent(part(counts.missed - counts.lost, counts.samples)),
+                percent(part(counts.lost, counts.samples))
+            ),
+            1,
+        );
+    }
+    if counts.shared > counts.samples / 1000 {
+        warnings.note(
+            format!(
+                "{} of the map lies under more than one triangle: charts overlap, and each place has the relief of one of \
+                 them; unwrap the light mesh without overlaps",
+                percent(part(counts.shared, counts.samples))
+            ),
+            1,
+        );
+    }
+    warnings.note("triangles of the light mesh without uv area, which have no relief", counts.flat);
+    warnings
+        .note("triangles of the light mesh that face away from their own normals", turned(&pair.low.mesh));
+}
+
+/// How the meshes of a pair do not lie on one another.
+fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
+    let diagonal = pair.scan.mesh().diagonal();
+    let verifier = Verifier { mesh: &pair.low.mesh, normal: None, cage, scan: &pair.scan.high };
+    let Some(fit) = verifier.fit(POINTS, diagonal) else {
+        return vec!["the light mesh has no area".into()];
+    };
+    let mut misfits = Vec::new();
+    if fit.away > PART {
+        let apart = if fit.away > 0.9 { "the meshes do not overlap" } else { "the meshes part" };
+        misfits.push(format!(
+            "{apart}: {} of the light mesh lies farther than 2 % of the diagonal from the scan ({} on average); is one of \
+             them moved, scaled or posed differently?",
+            percent(fit.away),
+            percent(fit.distance)
+        ));
+    }
+    // Far from the scan it is chance which of its sides is the closest.
+    if fit.turned > PART && fit.away < 0.5 {
+        let whole = fit.turned > 0.5;
+        let who = if whole { "one of the meshes is inside out" } else { "some triangles are turned" };
+        misfits.push(format!(
+            "{who}: {} of the light mesh faces the other way than the scan beside it; turn its triangles and normals",
+            percent(fit.turned)
+        ));
+    }
+    misfits
+}
+
+/// How many triangles face away from the mean of their corners' normals.
+fn turned(mesh: &Mesh) -> usize {
+    let is_turned = |t: &usize| {
+        let [a, b, c] = mesh.triangles()[*t].map(|v| mesh.normals()[v as usize]);
+        facet_normal(mesh.corners(*t)).is_some_and(|facet| facet.dot(a + b + c) < 0.0)
+    };
+    (0..mesh.triangles().len()).filter(is_turned).count()
+}
+
+/// Notes what is wrong with the scan itself.
+pub(super) fn inspect(scan: &Mesh, warnings: &mut Warnings) {
+    let Faults { open_edges, crowded_edges, duplicates, flat } = Faults::of(scan);
+    warnings.note("edges of the scan with one triangle: it is open there", open_edges);
+    warnings.note("edges of the scan where more than two triangles meet", crowded_edges);
+    warnings.note("triangles of the scan that are there more than once", duplicates);
+    warnings.note("triangles of the scan without area", flat);
+}

@@ -1,0 +1,28 @@
+//! Textures of a low-poly mesh's material that stay in the asset.
+
+use super::notes::is_plain;
+use crate::image::Bitmap;
+use crate::scene::{Material, Scene, TextureRef};
+
+/// Textures of a low-poly mesh's material that stay where nothing is baked in their place.
+#[derive(Default)]
+pub(super) struct Kept {
+    pub color: Option<Bitmap>,
+    pub metallic_roughness: Option<Bitmap>,
+    pub occlusion: Option<Bitmap>,
+}
+
+impl Kept {
+    /// Takes those of uv set 0 that are not moved by a transform.
+    pub fn of(material: &Material, scene: &Scene) -> Self {
+        let bitmap = |texture: &Option<TextureRef>| {
+            let texture = texture.as_ref().filter(|texture| is_plain(texture))?;
+            Some(scene.textures[texture.texture].bitmap().clone())
+        };
+        Self {
+            color: bitmap(&material.base_color_texture),
+            metallic_roughness: bitmap(&material.metallic_roughness_texture),
+            occlusion: bitmap(&material.occlusion_texture),
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The low-poly mesh that is baked onto: given, or made from the scan.
+
+use super::kept::Kept;
+use super::notes;
+use super::options::{BakeOptions, MeshSource};
+use super::scan::{Scan, check_extent, scene_of};
+use crate::bake::{self, Means, Simplified, SimplifyOptions, UnwrapOptions};
+use crate::error::{Result, Warnings};
+use crate::io;
+use crate::mesh::Mesh;
+use crate::progress::Progress;
+use crate::scene::{Material, Scene};
+use crate::surface::with_frames;
+
+/// A low-poly mesh, ready to be baked onto.
+pub(super) struct LowPoly {
+    /// With uvs, normals and tangents.
+    pub mesh: Mesh,
+    pub origin: Origin,
+    pub material: Material,
+    /// Textures of its material that stay.
+    pub kept: Kept,
+}
+
+/// Where a low-poly mesh came from.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Origin {
+    /// How the scan was simplified; `None` where the mesh was given.
+    pub simplified: Option<Simplification>,
+    /// UV islands of the atlas, where uvs were made.
+    pub charts: Option<usize>,
+}
+
+/// How a scan was simplified.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Simplification {
+    /// What had to be done: `kept`, `collapsed`, `pruned` or `clustered`.
+    pub means: String,
+    /// How far the low-poly mesh lies from the scan, as the simplifier estimates, model units.
+    pub error: f64,
+}
+
+impl LowPoly {
+    /// Takes the mesh that is given, with uvs where it had none.
+    pub fn given(
+        source: &MeshSource,
+        options: &BakeOptions,
+        warnings: &mut Warnings,
+        progress: Progress<'_>,
+    ) -> Result<Self> {
+        let reading = progress.begin("read the light mesh")?;
+        let scene = read(source, warnings)?;
+        reading.at(1.0)?;
+        let used: Vec<usize> = scene.instances.iter().map(|instance| instance.material).collect();
+        if used.iter().any(|material| *material != used[0]) {
+            warnings.note("materials of the light mesh made one, the first", 1);
+        }
+        let material = used.first().and_then(|m| scene.materials.get(*m)).cloned().unwrap_or_default();
+        notes::left_of_low(&material, options, warnings);
+        let kept = Kept::of(&material, &scene);
+        let mesh = bake::light_mesh(Scene { textures: Vec::new(), ..scene })?;
+        let mut origin = Origin::default();
+        let mesh = match mesh.uvs().is_empty() {
+            false => mesh,
+            true => unwrapped(&mesh, options.size, &mut origin, progress)?,
+        };
+        note_uvs(&mesh, warnings);
+        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept })
+    }
+
+    /// Unwraps a simplified scan for maps of this size.
+    pub fn made(scan: &Scan, simplified: &Simplified, size: u32, progress: Progress<'_>) -> Result<Self> {
+        let means = means(simplified.means).to_owned();
+        let simplification = Simplification { means, error: simplified.error };
+        let mut origin = Origin { simplified: Some(simplification), charts: None };
+        let mesh = unwrapped(&simplified.mesh, size, &mut origin, progress)?;
+        let material = Material { base_color_texture: None, ..scan.about.material.clone() };
+        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept: Kept::default() })
+    }
+}
+
+fn means(means: Means) -> &'static str {
+    match means {
+        Means::Kept => "kept",
+        Means::Collapsed => "collapsed",
+        Means::Pruned => "pruned",
+        Means::Clustered => "clustered",
+    }
+}
+
+/// Reads a mesh that is given.
+pub(super) fn read(source: &MeshSource, warnings: &mut Warnings) -> Result<Scene> {
+    match source {
+        MeshSource::Mesh(mesh) => {
+            let scene = scene_of(Mesh::clone(mesh), Material::default());
+            check_extent(&scene, "the light mesh").map(|()| scene)
+        }
+        MeshSource::File(path) => {
+            let loaded = io::load_model(path)?;
+            warnings.absorb(loaded.warnings);
+            check_extent(&loaded.scene, &path.display().to_string())?;
+            warnings.note("animations of the light mesh, left out", usize::from(loaded.rig.is_some()));
+            Ok(loaded.scene)
+        }
+    }
+}
+
+/// Simplifies the scan.
+pub(super) fn simplified(scan: &Scan, triangles: u32, progress: Progress<'_>) -> Result<Simplified> {
+    let options = SimplifyOptions { triangles: triangles as usize, ..SimplifyOptions::default() };
+    bake::simplify(scan.mesh(), &options, progress.begin("simplify")?)
+}
+
+/// Notes what simplification left out, and whether it went as far as was wanted.
+pub(super) fn note_simplified(simplified: &Simplified, triangles: u32, warnings: &mut Warnings) {
+    warnings.absorb(simplified.notes.clone());
+    if !simplified.reached {
+        let found = simplified.mesh.triangles().len();
+        warnings.note(format!("{triangles} triangles were wanted; {found} is what could be reached"), 1);
+    }
+}
+
+fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, progress: Progress<'_>) -> Result<Mesh> {
+    let options = UnwrapOptions { size, padding: (size / 512).clamp(2, 16) };
+    let unwrapped = bake::unwrap(mesh, &options, progress.begin("unwrap")?)?;
+    origin.charts = Some(unwrapped.charts);
+    Ok(unwrapped.mesh)
+}
+
+/// With normals and tangents; those of the file stay.
+fn framed(mesh: &Mesh, progress: Progress<'_>) -> Result<Mesh> {
+    progress.begin("tangents")?;
+    Ok(with_frames(mesh, 0, None)?.0.into_owned())
+}
+
+fn note_uvs(mesh: &Mesh, warnings: &mut Warnings) {
+    let inside = |v: f32| (0.0..=1.0).contains(&v);
+    let outside = mesh.uvs()[0].iter().filter(|uv| !(inside(uv.x) && inside(uv.y))).count();
+    warnings.note("vertices of the light mesh with uvs outside of the map, which is repeated there", outside);
+}
+
+/// Makes coarser levels of detail, all on the finest one's atlas.
+pub(super) fn coarser(
+    low: &LowPoly,
+    lods: &[u32],
+    warnings: &mut Warnings,
+    progress: Progress<'_>,
+) -> Result<Vec<Mesh>> {
+    if lods.is_empty() {
+        return Ok(Vec::new());
+    }
+    let counts: Vec<usize> = lods.iter().map(|count| *count as usize).collect();
+    let levels = bake::levels(&low.mesh, &counts, progress.begin("levels of detail")?)?;
+    let all = low.mesh.triangles().len();
+    for (wanted, level) in counts.iter().zip(&levels) {
+        let got = level.mesh.triangles().len();
+        if !level.reached {
+            warnings.note(format!("a level of {wanted} triangles was wanted; its charts leave {got}"), 1);
+        } else if got >= all {
+            warnings.note(
+                format!("a level of {wanted} triangles is no lighter than the light mesh, which has {all}"),
+                1,
+            );
+        }
+    }
+    levels.iter().map(|level| Ok(with_frames(&level.mesh, 0, None)?.0.into_owned())).collect()
+}

@@ -1,0 +1,83 @@
+//! A baked asset.
+
+use super::low::{LowPoly, Origin};
+use super::maps::BakedMaps;
+use super::options::BakeOptions;
+use super::scan::About;
+use super::search::Trial;
+use super::textures::Textures;
+use crate::bake::BakeCounts;
+use crate::error::Warnings;
+use crate::mesh::Mesh;
+use std::sync::Arc;
+
+/// All that a bake made.
+pub(super) struct Made {
+    pub options: Arc<BakeOptions>,
+    pub about: Arc<About>,
+    pub low: LowPoly,
+    /// The levels of detail after the first.
+    pub coarser: Vec<Mesh>,
+    pub maps: BakedMaps,
+    /// Texels along a side.
+    pub size: u32,
+    pub trials: Vec<Trial>,
+    pub warnings: Warnings,
+}
+
+/// A low-poly mesh with baked maps. Clones share all of it.
+#[derive(Clone)]
+pub struct Asset {
+    pub(super) made: Arc<Made>,
+}
+
+impl Asset {
+    pub(super) fn new(made: Made) -> Self {
+        Self { made: Arc::new(made) }
+    }
+
+    /// Returns the levels of detail, the finest first: with uvs, normals and tangents.
+    pub fn levels(&self) -> impl Iterator<Item = &Mesh> {
+        std::iter::once(&self.made.low.mesh).chain(&self.made.coarser)
+    }
+
+    /// Returns the maps as they are stored.
+    pub fn textures(&self) -> &Textures {
+        &self.made.maps.textures
+    }
+
+    /// Returns what became of the samples.
+    pub fn counts(&self) -> &BakeCounts {
+        &self.made.maps.counts
+    }
+
+    /// Returns where the low-poly mesh came from.
+    pub fn origin(&self) -> &Origin {
+        &self.made.low.origin
+    }
+
+    /// Returns how many texels the maps have along a side.
+    pub fn size(&self) -> u32 {
+        self.made.size
+    }
+
+    /// Returns the meshes and maps that were tried where an error was wanted.
+    pub fn trials(&self) -> &[Trial] {
+        &self.made.trials
+    }
+
+    /// Returns what is wrong with scan, mesh and maps, or was left out.
+    pub fn warnings(&self) -> &Warnings {
+        &self.made.warnings
+    }
+}
+
+impl std::fmt::Debug for Asset {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let triangles: Vec<usize> = self.levels().map(|mesh| mesh.triangles().len()).collect();
+        f.debug_struct("Asset")
+            .field("triangles", &triangles)
+            .field("size", &self.size())
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,72 @@
+//! The maps of one low-poly mesh: cage, projection, storing.
+
+use super::judgement::{Pair, refuse_no_hit};
+use super::low::read;
+use super::options::{BakeOptions, MeshSource, RayDistance};
+use super::scan::Scan;
+use super::textures::Textures;
+use crate::bake::{self, BakeCounts, BakeSettings, Baked, Cage, Maps};
+use crate::error::{Error, Result, Warnings};
+use crate::mesh::Mesh;
+use crate::progress::Progress;
+
+/// Maps as they were baked.
+pub(super) struct BakedMaps {
+    pub textures: Textures,
+    /// What became of the samples.
+    pub counts: BakeCounts,
+    /// Where the scan was looked for.
+    pub cage: Cage,
+    /// What was wrong with the cage's file.
+    pub warnings: Warnings,
+}
+
+/// Bakes the maps that are asked for, of this size.
+pub(super) fn bake_maps(
+    options: &BakeOptions,
+    size: u32,
+    pair: Pair<'_>,
+    progress: Progress<'_>,
+) -> Result<BakedMaps> {
+    let Pair { scan, low } = pair;
+    progress.begin("measure the gap")?;
+    let mut warnings = Warnings::default();
+    let cage = cage(&options.ray_distance, &low.mesh, scan, &mut warnings)?;
+    let settings = BakeSettings {
+        size: [size; 2],
+        side: options.side,
+        maps: options.maps.iter().copied().collect::<Maps>(),
+        space: options.space,
+        sky_rays: options.ao_rays,
+        sky_reach: options.ao_distance.map(|distance| distance as f32),
+        roughness: options.roughness.map_or(scan.about.material.roughness, |v| v as f32),
+        dilation: options.dilation,
+    };
+    let Baked { planes, counts } =
+        bake::bake(&low.mesh, &cage, &scan.high, &settings, progress.begin("bake")?)?;
+    refuse_no_hit(pair, &cage, &counts)?;
+    progress.begin("store")?;
+    let textures = Textures::new(&planes, options, low.material.metallic)?;
+    Ok(BakedMaps { textures, counts, cage, warnings })
+}
+
+fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings) -> Result<Cage> {
+    match distance {
+        RayDistance::Auto => Ok(Cage::automatic(low, &scan.high)),
+        RayDistance::Uniform(distance) => Cage::uniform(low, *distance as f32),
+        RayDistance::Cage(source) => {
+            let mesh = bake::light_mesh(read(source, warnings)?)?;
+            Cage::from_mesh(low, &mesh).map_err(|error| of_file(source, error))
+        }
+    }
+}
+
+/// The error with the file that it is about.
+fn of_file(source: &MeshSource, error: Error) -> Error {
+    match (source, error) {
+        (MeshSource::File(path), Error::Invalid { what, why }) => {
+            Error::invalid(format!("{}: {what}", path.display()), why)
+        }
+        (_, error) => error,
+    }
+}

@@ -1,0 +1,203 @@
+//! How much memory a bake will take, told before it begins.
+
+use super::options::BakeOptions;
+use crate::bake::MapKind;
+use crate::error::{Error, Result};
+use crate::io;
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+/// A number of bytes, written as 4G, 1.5GB, 800M.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bytes(pub u64);
+
+impl FromStr for Bytes {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let wrong =
+            || Error::invalid(format!("`{text}`"), "it is no amount of memory; write it as 4G or 800M");
+        let upper = text.trim().to_ascii_uppercase();
+        let digits = upper.trim_end_matches("IB").trim_end_matches('B');
+        let (number, power) = match digits.char_indices().last() {
+            Some((at, 'K')) => (&digits[..at], 10),
+            Some((at, 'M')) => (&digits[..at], 20),
+            Some((at, 'G')) => (&digits[..at], 30),
+            Some((at, 'T')) => (&digits[..at], 40),
+            _ => (digits, 0),
+        };
+        let number: f64 = number.trim().parse().map_err(|_| wrong())?;
+        let bytes = number * (1u64 << power) as f64;
+        if bytes >= 1.0 && bytes.is_finite() { Ok(Self(bytes as u64)) } else { Err(wrong()) }
+    }
+}
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bytes = self.0 as f64;
+        match self.0 {
+            0..0x40_0000 => write!(f, "{:.0} KiB", bytes / 1024.0),
+            0x40_0000..0x4000_0000 => write!(f, "{:.0} MiB", bytes / f64::from(1 << 20)),
+            _ => write!(f, "{:.1} GiB", bytes / f64::from(1 << 30)),
+        }
+    }
+}
+
+/// How much the work may take of the machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Limits {
+    /// The most memory; `None` for what the machine has free.
+    pub memory: Option<Bytes>,
+}
+
+impl Limits {
+    /// Returns these limits with what the machine has free now where none is set; a machine that does not say sets none.
+    pub fn or_free(self) -> Self {
+        Self { memory: self.memory.or_else(|| io::free_memory().map(Bytes)) }
+    }
+
+    /// Refuses a file that cannot even be read within the limit.
+    pub(super) fn check_file(self, path: &Path) -> Result<()> {
+        // Reading says what is wrong with a file that has no size.
+        let Ok(size) = io::file_size(path).map(Bytes) else { return Ok(()) };
+        match self.memory {
+            Some(limit) if size > limit => Err(Error::limit(
+                path.display().to_string(),
+                format!(
+                    "the file has {size}, the limit is {limit}; raise the memory limit, free memory, or simplify the scan \
+                     first"
+                ),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// How many triangles and vertices a scan has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ScanSize {
+    /// Triangles, over all instances.
+    pub triangles: u64,
+    /// Vertices.
+    pub vertices: u64,
+}
+
+impl ScanSize {
+    /// Returns what the scan takes, sorted for rays.
+    pub(super) fn bytes(self) -> u64 {
+        /// Positions and normals; what else vertices have is small beside the rest.
+        const VERTEX: u64 = 24;
+        const TRIANGLE: u64 = 12;
+        /// Corners, order and boxes of the tree.
+        const TREE: u64 = 41;
+        self.triangles * (TRIANGLE + TREE) + self.vertices * VERTEX
+    }
+}
+
+/// What a bake takes at its peak: the scan sorted for rays, simplification, maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Need {
+    /// The size of the scan.
+    pub scan: ScanSize,
+    /// Whether the low-poly mesh has to be made.
+    pub simplifies: bool,
+    /// Whether the scan is inspected.
+    pub inspects: bool,
+    /// Texels of a map.
+    pub texels: u64,
+    /// Bytes a texel over all maps while they are made.
+    pub texel_bytes: u64,
+}
+
+impl Need {
+    pub(super) fn of(options: &BakeOptions, scan: ScanSize) -> Self {
+        Self {
+            scan,
+            simplifies: options.low.is_none(),
+            inspects: options.inspect,
+            texels: u64::from(options.size) * u64::from(options.size),
+            texel_bytes: texel_bytes(options),
+        }
+    }
+
+    /// Returns the whole, scan included.
+    pub fn bytes(&self) -> Bytes {
+        /// Keys while the tree is sorted.
+        const SORTING: u64 = 8;
+        /// What simplification takes a triangle: joined vertices, blocks, and the half that is left of them.
+        const SIMPLIFYING: u64 = 24;
+        /// The scan's edges and triangles as they are sorted to find its faults.
+        const INSPECTING: u64 = 40;
+        /// The program itself, its threads' bands, and the low-poly mesh.
+        const REST: u64 = 96 << 20;
+        let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
+        let inspecting = if self.inspects { INSPECTING } else { 0 };
+        let beside = self.scan.triangles * SORTING.max(simplifying).max(inspecting);
+        Bytes(self.scan.bytes() + beside.max(self.texels * self.texel_bytes) + REST)
+    }
+
+    /// Refuses what does not fit.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where the limit is exceeded.
+    pub fn check(&self, limits: Limits) -> Result<()> {
+        match limits.memory {
+            Some(limit) if self.bytes() > limit => Err(Error::limit(
+                format!("a bake of {} triangles", self.scan.triangles),
+                format!(
+                    "it takes about {}, the limit is {limit}; raise the memory limit, free memory, lower the maps' size, or \
+                     bake fewer maps at once",
+                    self.bytes()
+                ),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Bytes a texel over all maps: floats while they are baked, codes afterwards, and what filling takes.
+fn texel_bytes(options: &BakeOptions) -> u64 {
+    let floats = |map: &MapKind| match map {
+        MapKind::Normal | MapKind::Albedo | MapKind::Bent => 12,
+        _ => 4,
+    };
+    let codes = 4 * u64::from(options.bits / 8);
+    8 + options.maps.iter().map(|map| floats(map) + codes).sum::<u64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_are_read_as_people_write_them() {
+        let read = |text: &str| text.parse::<Bytes>().map(|bytes| bytes.0).ok();
+        assert_eq!(read("4G"), Some(4 << 30));
+        assert_eq!(read("1.5 GiB"), Some(3 << 29));
+        assert_eq!(read("800mb"), Some(800 << 20));
+        assert_eq!(read("4096"), Some(4096));
+        for wrong in ["", "G", "-1G", "four", "0", "nan"] {
+            assert!(read(wrong).is_none(), "{wrong}");
+        }
+        assert_eq!(Bytes(3 << 29).to_string(), "1.5 GiB");
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_both_numbers() {
+        let need = Need {
+            scan: ScanSize { triangles: 20_000_000, vertices: 10_000_000 },
+            simplifies: true,
+            inspects: true,
+            texels: 1 << 22,
+            texel_bytes: 20,
+        };
+        assert!(need.bytes() < Bytes(4 << 30), "{}", need.bytes());
+        let error = need.check(Limits { memory: Some(Bytes(1 << 30)) }).unwrap_err().to_string();
+        assert!(error.contains("20000000 triangles") && error.contains("1.0 GiB"), "{error}");
+        assert!(need.check(Limits::default()).is_ok());
+    }
+}

@@ -1,0 +1,34 @@
+//! Where projection rays missed the scan, small enough to look at.
+
+use crate::bake::{Planes, Texel};
+
+/// Texels along the longer side, at most.
+const SIDE: usize = 1024;
+
+/// What became of the texels of a map, the worst of each block: a single miss is to be seen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Misses {
+    /// Blocks across.
+    pub width: usize,
+    /// Blocks down.
+    pub height: usize,
+    /// Row by row from the top.
+    pub texels: Vec<Texel>,
+}
+
+impl Misses {
+    /// Looks the map through; `None` where no ray missed.
+    pub(super) fn of(planes: &Planes) -> Option<Self> {
+        let [width, height] = planes.size().map(|side| side as usize);
+        planes.texels.iter().find(|texel| matches!(texel, Texel::Closest | Texel::Lost))?;
+        let step = width.max(height).div_ceil(SIDE);
+        let (across, down) = (width / step, height / step);
+        let worst = |i: usize| {
+            let (x, y) = (i % across * step, i / across * step);
+            let block = (y..y + step).flat_map(|y| planes.texels[y * width + x..][..step].iter());
+            block.copied().max_by_key(|texel| *texel as u8).unwrap_or_default()
+        };
+        Some(Self { width: across, height: down, texels: (0..across * down).map(worst).collect() })
+    }
+}

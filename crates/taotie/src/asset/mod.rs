@@ -1,0 +1,63 @@
+//! From a scan to an asset and its proof: the whole job, as the command does it.
+//!
+//! ```no_run
+//! use taotie::Progress;
+//! use taotie::asset::{BakeOptions, Baker, Limits, Packing, Requirement, Scan, VerifyOptions};
+//!
+//! # fn main() -> taotie::Result<()> {
+//! let progress = Progress::SILENT;
+//! let scan = Scan::read("scan.ply", &Limits::default(), progress)?;
+//! let baker = Baker::new(BakeOptions { triangles: 20_000, size: 1024, ..BakeOptions::default() });
+//! let asset = baker.bake(&scan, progress)?;
+//! let written = asset.write("scan.glb", &Packing::default(), progress)?;
+//! let proof = written.verify(scan, &VerifyOptions::default(), progress)?;
+//! for met in proof.require(&[Requirement::mean_angle_deg(2.0)]) {
+//!     assert!(met.met, "{met:?}");
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`Baker`], [`Scan`] and [`Asset`] own what they need and can be sent to any thread. Each step takes a
+//! [`Progress`](crate::Progress): its listener hears the stages, and a cancel takes effect within some 20 ms, whatever
+//! the step is at. What is asked for and cannot be done is an error or a counted warning.
+
+mod baker;
+mod hash;
+mod judgement;
+mod kept;
+mod low;
+mod made;
+mod maps;
+mod memory;
+mod misses;
+mod notes;
+mod options;
+mod packing;
+mod parameters;
+mod proof;
+mod provenance;
+mod report;
+mod requirement;
+mod scan;
+mod search;
+mod textures;
+mod views;
+mod write;
+
+pub use baker::Baker;
+pub use low::{Origin, Simplification};
+pub use made::Asset;
+pub use memory::{Bytes, Limits, Need, ScanSize};
+pub use misses::Misses;
+pub use options::{BakeOptions, MeshSource, RayDistance};
+pub use packing::Packing;
+pub use parameters::Parameters;
+pub use proof::{BIN_WIDTH, FLOOR_8_BIT, Figures, FitFigures, Proof, VerifyOptions};
+pub use report::{Report, StageTime, Warning};
+pub use requirement::{Figure, Met, Requirement};
+pub use scan::{Scan, ScanFile};
+pub use search::Trial;
+pub use textures::{Beside, Has, Range, Textures};
+pub use views::{ViewFigures, Views};
+pub use write::{MapNote, Written};

@@ -1,0 +1,223 @@
+//! What is to be baked, and how.
+
+use crate::bake::MapKind;
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+use crate::scene::NormalSpace;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A mesh that the caller brings.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum MeshSource {
+    /// In a model file.
+    File(PathBuf),
+    /// In memory, with uvs or without; serde cannot say it.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    Mesh(Arc<Mesh>),
+}
+
+impl MeshSource {
+    /// Returns the file's path as text; `None` in memory.
+    pub(super) fn path(&self) -> Option<String> {
+        match self {
+            Self::File(path) => Some(path.display().to_string()),
+            Self::Mesh(_) => None,
+        }
+    }
+
+    /// Returns the file's name without folder; `None` in memory.
+    pub(super) fn name(&self) -> Option<String> {
+        match self {
+            Self::File(path) => Some(path.file_name().unwrap_or_default().to_string_lossy().into_owned()),
+            Self::Mesh(_) => None,
+        }
+    }
+}
+
+/// Where projection rays begin, and how far they go.
+#[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum RayDistance {
+    /// Twice the gap between the meshes, measured around each vertex.
+    #[default]
+    Auto,
+    /// As far everywhere, both ways, model units; above 0.
+    Uniform(f64),
+    /// From a cage, the low-poly mesh with its vertices moved outward, and as far inward.
+    Cage(MeshSource),
+}
+
+/// What is baked, and how. Built by `Default` and struct update.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct BakeOptions {
+    /// The low-poly mesh; `None` simplifies the scan.
+    pub low: Option<MeshSource>,
+    /// Triangles of the low-poly mesh, at least 4; not read with `low` or `mean_error_deg`.
+    pub triangles: u32,
+    /// Finds the smallest mesh and map whose normals are off by at most so many degrees on average, in (0, 180); then
+    /// `triangles` and `size` are not read.
+    pub mean_error_deg: Option<f64>,
+    /// Triangles of further levels of detail, each fewer than the one before.
+    pub lods: Vec<u32>,
+    /// Texels across and down of the maps, 16 to 16384.
+    pub size: u32,
+    /// Which maps.
+    pub maps: Vec<MapKind>,
+    /// The space of normals and bent normals.
+    pub space: NormalSpace,
+    /// Samples a texel along each side, 1 to 8: 2 are four a texel.
+    pub side: u32,
+    /// Bits a channel of normal maps, 8 or 16; those of 8 are dithered.
+    pub bits: u8,
+    /// How many texels UV islands are grown beyond their borders; `None` fills the map.
+    pub dilation: Option<u32>,
+    /// Rays over the hemisphere a texel, for occlusion and bent normals, 1 to 4096.
+    pub ao_rays: u32,
+    /// How far what is in the way of them counts, model units; `None` for any distance.
+    pub ao_distance: Option<f64>,
+    /// Roughness of the scan's own surface, [0, 1]; `None` takes that of its material.
+    pub roughness: Option<f64>,
+    /// How far the scan is looked for.
+    pub ray_distance: RayDistance,
+    /// Whether faults of the scan are looked for: open edges, triangles that are there twice.
+    pub inspect: bool,
+}
+
+impl Default for BakeOptions {
+    /// 50,000 triangles and a normal map of 2048² texels, four samples each.
+    fn default() -> Self {
+        Self {
+            low: None,
+            triangles: 50_000,
+            mean_error_deg: None,
+            lods: Vec::new(),
+            size: 2048,
+            maps: vec![MapKind::Normal],
+            space: NormalSpace::Tangent,
+            side: 2,
+            bits: 8,
+            dilation: None,
+            ao_rays: AO_RAYS,
+            ao_distance: None,
+            roughness: None,
+            ray_distance: RayDistance::Auto,
+            inspect: true,
+        }
+    }
+}
+
+/// Rays over the hemisphere, if nobody says.
+pub(super) const AO_RAYS: u32 = 64;
+
+impl BakeOptions {
+    /// Refuses what cannot be done, before any work begins.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a value out of its range, and for values that contradict one another.
+    pub fn check(&self) -> Result<()> {
+        self.check_numbers()?;
+        self.check_levels()?;
+        self.check_goal()
+    }
+
+    fn check_numbers(&self) -> Result<()> {
+        let wrong = |what: String, why: &str| Err(Error::invalid(what, why));
+        let is_above_0 = |v: &Option<f64>| v.is_none_or(|v| v > 0.0 && v.is_finite());
+        match self {
+            Self { triangles: n @ 0..4, .. } => wrong(format!("{n} triangles"), "ask for at least 4"),
+            Self { size: n, .. } if !(16..=16_384).contains(n) => {
+                wrong(format!("maps of {n}×{n}"), "give 16 to 16384 texels")
+            }
+            Self { maps, .. } if maps.is_empty() => wrong("no map".into(), "name at least one to bake"),
+            Self { side: n, .. } if !(1..=8).contains(n) => {
+                wrong(format!("{n}×{n} samples a texel"), "give 1 to 8 along each side")
+            }
+            Self { bits, .. } if ![8, 16].contains(bits) => {
+                wrong(format!("{bits} bits a channel"), "normals are stored in 8 or 16")
+            }
+            Self { ao_rays: n, .. } if !(1..=4096).contains(n) => {
+                wrong(format!("{n} rays for occlusion"), "give 1 to 4096")
+            }
+            Self { ao_distance: v, .. } if !is_above_0(v) => {
+                wrong("the distance of occlusion".into(), "give model units above 0")
+            }
+            Self { roughness: Some(v), .. } if !(0.0..=1.0).contains(v) => {
+                wrong(format!("a roughness of {v}"), "give a number in [0, 1]")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_levels(&self) -> Result<()> {
+        let made = (self.low.is_none() && self.mean_error_deg.is_none()).then_some(self.triangles);
+        let levels: Vec<u32> = made.into_iter().chain(self.lods.iter().copied()).collect();
+        match levels.windows(2).find(|pair| pair[0] <= pair[1]) {
+            Some(pair) => Err(Error::invalid(
+                format!("a level of {} triangles after one of {}", pair[1], pair[0]),
+                "each must have fewer than the one before",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn check_goal(&self) -> Result<()> {
+        let Some(most) = self.mean_error_deg else { return Ok(()) };
+        let what = format!("a mean normal error of {most}°");
+        if !(most > 0.0 && most < 180.0) {
+            return Err(Error::invalid(what, "give degrees above 0 and below 180"));
+        }
+        if self.low.is_some() {
+            return Err(Error::invalid(
+                what,
+                "the low-poly mesh is given and none is searched; leave one out",
+            ));
+        }
+        if self.space == NormalSpace::Object || !self.maps.contains(&MapKind::Normal) {
+            let why =
+                "it is met by a normal map in tangent space: add normal to the maps, leave out object space";
+            return Err(Error::invalid(what, why));
+        }
+        Ok(())
+    }
+
+    /// Whether one of these maps is baked.
+    pub(super) fn bakes(&self, any: &[MapKind]) -> bool {
+        any.iter().any(|map| self.maps.contains(map))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_is_refused_with_its_reason() {
+        let base = BakeOptions::default;
+        let low = Some(MeshSource::File("low.glb".into()));
+        let cases = [
+            (BakeOptions { triangles: 3, ..base() }, "at least 4"),
+            (BakeOptions { size: 8, ..base() }, "16 to 16384"),
+            (BakeOptions { maps: Vec::new(), ..base() }, "at least one"),
+            (BakeOptions { side: 9, ..base() }, "1 to 8"),
+            (BakeOptions { bits: 12, ..base() }, "8 or 16"),
+            (BakeOptions { ao_rays: 0, ..base() }, "1 to 4096"),
+            (BakeOptions { ao_distance: Some(f64::NAN), ..base() }, "above 0"),
+            (BakeOptions { roughness: Some(1.5), ..base() }, "[0, 1]"),
+            (BakeOptions { lods: vec![50_000], ..base() }, "after one of 50000"),
+            (BakeOptions { mean_error_deg: Some(0.0), ..base() }, "above 0 and below 180"),
+            (BakeOptions { mean_error_deg: Some(1.0), low, ..base() }, "leave one out"),
+            (
+                BakeOptions { mean_error_deg: Some(1.0), space: NormalSpace::Object, ..base() },
+                "tangent space",
+            ),
+        ];
+        for (options, why) in cases {
+            let error = options.check().unwrap_err().to_string();
+            assert!(error.contains(why), "{error}");
+        }
+        assert!(base().check().is_ok());
+    }
+}

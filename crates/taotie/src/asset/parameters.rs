@@ -1,0 +1,66 @@
+//! All that an asset depends on, as one JSON document.
+
+use super::options::{BakeOptions, MeshSource, RayDistance};
+use super::packing::Packing;
+use crate::io::GltfImages;
+use crate::names::Named;
+use crate::scene::NormalSpace;
+use serde_json::{Value, json};
+use std::fmt;
+
+/// The options of a bake and how it was packed, as a JSON document: what its text says.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(transparent))]
+pub struct Parameters(Value);
+
+impl fmt::Display for Parameters {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl Parameters {
+    /// Collects what was asked for; a cage is told by its path.
+    pub(super) fn new(options: &BakeOptions, packing: &Packing) -> Self {
+        let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
+        let searched = options.mean_error_deg.is_some();
+        let (distance, cage) = match &options.ray_distance {
+            RayDistance::Auto => (None, None),
+            RayDistance::Uniform(distance) => (Some(*distance), None),
+            RayDistance::Cage(source) => (None, Some(source)),
+        };
+        Self(json!({
+            "triangles": (options.low.is_none() && !searched).then_some(options.triangles),
+            "error_deg": options.mean_error_deg,
+            "lods": options.lods,
+            "size": (!searched).then_some(options.size),
+            "maps": options.maps.iter().map(|map| map.name()).collect::<Vec<_>>(),
+            "space": match options.space { NormalSpace::Tangent => "tangent", NormalSpace::Object => "object" },
+            "samples": options.side * options.side,
+            "bits": options.bits,
+            "dilation": auto(options.dilation.map(f64::from)),
+            "ao_rays": options.ao_rays,
+            "ao_distance": options.ao_distance,
+            "roughness": options.roughness,
+            "ray_distance": auto(distance),
+            "cage": cage.and_then(MeshSource::path),
+            "images": match packing.images {
+                GltfImages::Png => "png",
+                GltfImages::WebP => "webp",
+                GltfImages::Ktx2 => "ktx2",
+            },
+            "meshopt": packing.meshopt,
+        }))
+    }
+
+    /// Returns the same with the names of the files that were given, without folders: those are nobody's business.
+    pub(super) fn with_names(mut self, options: &BakeOptions) -> Self {
+        let cage = match &options.ray_distance {
+            RayDistance::Cage(source) => source.name(),
+            _ => None,
+        };
+        self.0["low"] = options.low.as_ref().and_then(MeshSource::name).into();
+        self.0["cage"] = cage.into();
+        self
+    }
+}

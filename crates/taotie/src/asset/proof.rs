@@ -1,0 +1,257 @@
+//! The proof: an asset as it was written, read back and held against the scan.
+
+use super::made::Asset;
+use super::scan::Scan;
+use super::views::{self, ViewFigures, Views};
+use super::write::Written;
+use crate::bake::{self, Cage, Fit, MapKind, Verifier, light_mesh};
+use crate::compare::{Field, Summary};
+use crate::error::{Error, Result, Warnings};
+use crate::image::{Encoding, Texture};
+use crate::io;
+use crate::mesh::Mesh;
+use crate::progress::Progress;
+use crate::scene::{Instance, NormalSpace, Scene};
+use crate::surface::with_frames;
+use std::path::{Path, PathBuf};
+
+/// How closely an asset is looked at. Built by `Default` and struct update.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct VerifyOptions {
+    /// Points of the low-poly mesh at which normals are compared, at least 10.
+    pub points: usize,
+    /// Points of each surface from which the distance to the other is measured, at least 1.
+    pub distance_points: usize,
+    /// Texels along a side of the map of errors, at most; no more than the maps have.
+    pub map: u32,
+    /// Pixels along a side of the pictures from all sides, at least 11.
+    pub view: u32,
+}
+
+impl Default for VerifyOptions {
+    /// Normals at 200,000 points, distances at 100,000, a map of 1024² and pictures of 384².
+    fn default() -> Self {
+        Self { points: 200_000, distance_points: 100_000, map: 1024, view: 384 }
+    }
+}
+
+/// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
+pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
+
+/// Bins of the histogram.
+const BINS: usize = 50;
+/// The width of a bin of [`Figures::histogram`], degrees.
+pub const BIN_WIDTH: f64 = 0.2;
+
+/// How far an asset is from its scan, in numbers.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Figures {
+    /// Degrees between the normals shown and the scan's, over points spread evenly; `None` where no point was found.
+    pub angles: Option<Summary>,
+    /// Their histogram, [`BIN_WIDTH`] a bin; the last is open.
+    pub histogram: Vec<u64>,
+    /// The same angles without the map: what vertex normals alone would give.
+    pub without_map: Option<Summary>,
+    /// Mean and largest angle that 8 bits cost at least, degrees.
+    pub floor_8_bit: [f64; 2],
+    /// The part of the texels with a sample that missed the scan.
+    pub missed_texels: f64,
+    /// The part of the samples that missed and took the closest point.
+    pub fallback: f64,
+    /// The part of the samples for which that failed too.
+    pub lost: f64,
+    /// The largest distance between the surfaces, model units.
+    pub hausdorff: f64,
+    /// The same as a part of the diagonal.
+    pub hausdorff_of_diagonal: f64,
+    /// The root mean square distance, model units.
+    pub rms: f64,
+    /// The same as a part of the diagonal.
+    pub rms_of_diagonal: f64,
+    /// The scan's diagonal, model units.
+    pub diagonal: f64,
+    /// Texels a model unit over the triangles of the low-poly mesh.
+    pub density: Option<Summary>,
+    /// The part of the map that UV islands cover.
+    pub uv_use: f64,
+    /// Of the pictures from all sides, each against that of the scan.
+    pub views: Vec<ViewFigures>,
+    /// How well the meshes fit together; `None` where the low-poly mesh has no area.
+    pub fit: Option<FitFigures>,
+    /// Bytes of the scan's file; 0 in memory.
+    pub bytes_in: u64,
+    /// Bytes of the asset, with its files.
+    pub bytes_out: u64,
+}
+
+/// How well two meshes fit together; see [`Fit`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct FitFigures {
+    /// The part of the low-poly mesh far from the scan.
+    pub away: f64,
+    /// The part that faces the other way.
+    pub turned: f64,
+    /// The mean distance as a part of the diagonal.
+    pub distance_of_diagonal: f64,
+}
+
+impl From<Fit> for FitFigures {
+    fn from(fit: Fit) -> Self {
+        Self { away: fit.away, turned: fit.turned, distance_of_diagonal: fit.distance }
+    }
+}
+
+/// How far an asset is from its scan: figures and pictures.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Proof {
+    /// The figures.
+    pub figures: Figures,
+    /// Angles between the normals of asset and scan at the texels of a map, degrees; NaN between UV islands.
+    pub error_map: Field,
+    /// Scan and asset from all sides.
+    pub views: Views,
+    /// What was wrong with the file as it was read back.
+    pub warnings: Warnings,
+}
+
+impl Written {
+    /// Reads the asset back and measures how far it is from the scan.
+    ///
+    /// A scan that is given up, not borrowed, has its tree freed before pictures of it are taken. The listener hears the
+    /// stages `read back`, `measure normals`, `map errors` and `compare views`.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; those of reading, where the files are not as they were written;
+    /// [`Error::Invalid`] where an option is out of range.
+    pub fn verify(
+        &self,
+        scan: impl Into<Scan>,
+        options: &VerifyOptions,
+        progress: Progress<'_>,
+    ) -> Result<Proof> {
+        check(options)?;
+        let (written, scan, options) = (self.clone(), scan.into(), *options);
+        progress.apart(move |progress| written.prove(scan, &options, progress))
+    }
+
+    fn prove(&self, scan: Scan, options: &VerifyOptions, progress: Progress<'_>) -> Result<Proof> {
+        progress.begin("read back")?;
+        let loaded = io::load_model(self.path())?;
+        let object_map = match self.object_map() {
+            Some(path) => Some(Texture::new(io::read_bitmap(&path)?, Encoding::Normal)),
+            None => None,
+        };
+        let shown = Shown::of(&loaded.scene, object_map.as_ref(), self.path())?;
+        if shown.normal.is_none() && self.asset.textures().normal.is_some() {
+            return Err(Error::invalid(
+                self.path().display().to_string(),
+                "read back, it shows no normal map",
+            ));
+        }
+        let made = &self.asset.made;
+        // Packing sorts vertices anew.
+        let cage = made.maps.cage.carried_over(&made.low.mesh, &shown.mesh);
+        let subject = Subject { shown: &shown, cage: &cage, scan: &scan.high };
+        progress.begin("measure normals")?;
+        let mut figures = self.measure(&subject, options)?;
+        progress.begin("map errors")?;
+        let error_map = subject.verifier(true).error_map([made.size.min(options.map); 2])?;
+        let views = progress.begin("compare views")?;
+        let views = views::take(scan.into_mesh(), loaded.scene, options.view, views)?;
+        figures.views.clone_from(&views.figures);
+        Ok(Proof { figures, error_map, views, warnings: loaded.warnings })
+    }
+
+    /// The file of a normal map in object space, which stands beside the asset.
+    fn object_map(&self) -> Option<PathBuf> {
+        self.maps().into_iter().find(|note| note.map == MapKind::Normal).and_then(|note| note.file)
+    }
+
+    fn measure(&self, subject: &Subject<'_>, options: &VerifyOptions) -> Result<Figures> {
+        let mapped = subject.verifier(true);
+        let verdict = mapped.verdict(options.points)?;
+        let plain = subject.verifier(false).verdict(options.points / 10)?;
+        let deviation = mapped.deviation(options.distance_points)?;
+        let diagonal = subject.scan.mesh().diagonal();
+        let Asset { made } = &self.asset;
+        let (counts, size) = (&made.maps.counts, made.size);
+        let part = |of: usize, all: usize| of as f64 / all.max(1) as f64;
+        Ok(Figures {
+            histogram: verdict.angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
+            angles: verdict.angles.summary(),
+            without_map: plain.angles.summary(),
+            floor_8_bit: FLOOR_8_BIT,
+            missed_texels: part(counts.missed_texels, counts.texels),
+            fallback: part(counts.missed, counts.samples),
+            lost: part(counts.lost, counts.samples),
+            hausdorff: deviation.hausdorff(),
+            hausdorff_of_diagonal: deviation.hausdorff() / diagonal,
+            rms: deviation.rms(),
+            rms_of_diagonal: deviation.rms() / diagonal,
+            diagonal,
+            density: mapped.density([size; 2])?.summary(),
+            uv_use: part(counts.texels, (size as usize).pow(2)),
+            views: Vec::new(),
+            fit: mapped.fit(options.points / 10, diagonal).map(FitFigures::from),
+            bytes_in: made.about.bytes,
+            bytes_out: self.files.iter().map(|path| io::file_size(path)).sum::<Result<u64>>()?,
+        })
+    }
+}
+
+fn check(options: &VerifyOptions) -> Result<()> {
+    let wrong = |what: &str, why: &str| Err(Error::invalid(what, why));
+    match options {
+        VerifyOptions { points: 0..10, .. } => {
+            wrong("points at which normals are compared", "give at least 10")
+        }
+        VerifyOptions { distance_points: 0, .. } => wrong("points for distances", "give at least one"),
+        VerifyOptions { map: 0, .. } => wrong("the map of errors", "give at least one texel"),
+        VerifyOptions { view: 0..11, .. } => wrong("pictures from all sides", "give at least 11 pixels"),
+        _ => Ok(()),
+    }
+}
+
+/// The finest level of an asset as a viewer shows it.
+struct Shown<'a> {
+    mesh: Mesh,
+    normal: Option<(&'a Texture, NormalSpace)>,
+}
+
+impl<'a> Shown<'a> {
+    fn of(scene: &'a Scene, object_map: Option<&'a Texture>, path: &Path) -> Result<Self> {
+        let Some(first) = scene.instances.first() else {
+            return Err(Error::invalid(path.display().to_string(), "read back, it has no triangles"));
+        };
+        let finest = Scene {
+            meshes: vec![scene.meshes[first.mesh].clone()],
+            instances: vec![Instance { mesh: 0, ..*first }],
+            ..Scene::default()
+        };
+        let map = scene.materials[first.material].normal.as_ref();
+        let inside = map.map(|map| (&scene.textures[map.texture.texture], NormalSpace::Tangent));
+        let normal = object_map.map(|map| (map, NormalSpace::Object)).or(inside);
+        let mesh = with_frames(&light_mesh(finest)?, 0, None)?.0.into_owned();
+        Ok(Self { mesh, normal })
+    }
+}
+
+/// What is measured, and with what.
+struct Subject<'a> {
+    shown: &'a Shown<'a>,
+    cage: &'a Cage,
+    scan: &'a bake::Scan,
+}
+
+impl<'a> Subject<'a> {
+    fn verifier(&self, mapped: bool) -> Verifier<'a> {
+        let normal = self.shown.normal.filter(|_| mapped);
+        Verifier { mesh: &self.shown.mesh, normal, cage: self.cage, scan: self.scan }
+    }
+}

@@ -1,0 +1,121 @@
+//! Every parameter and every figure of a bake, as data.
+
+use super::low::Origin;
+use super::options::MeshSource;
+use super::parameters::Parameters;
+use super::proof::Figures;
+use super::requirement::Met;
+use super::search::Trial;
+use super::write::{MapNote, Written};
+use crate::error::{Result, Warnings};
+use std::path::PathBuf;
+
+/// The version of the report's layout.
+const SCHEMA: u32 = 1;
+
+/// All that is to be told of a bake. What the caller knows, figures and times, is filled in by it.
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Report {
+    /// The version of this layout.
+    pub schema: u32,
+    /// The kind of this report.
+    pub kind: &'static str,
+    /// The version of the program.
+    pub version: &'static str,
+    /// The scan's file.
+    pub high: String,
+    /// The SHA-256 of its bytes.
+    pub high_sha256: String,
+    /// Its triangles.
+    pub high_triangles: usize,
+    /// The low-poly mesh's file, or `None` where it was made.
+    pub low: Option<String>,
+    /// Where the low-poly mesh came from.
+    pub light: Origin,
+    /// Triangles of each level of detail, the finest first.
+    pub triangles: Vec<usize>,
+    /// Texels across and down.
+    pub size: [u32; 2],
+    /// All else that was asked for.
+    pub parameters: Parameters,
+    /// The files written.
+    pub files: Vec<PathBuf>,
+    /// What each map is and where.
+    pub maps: Vec<MapNote>,
+    /// What was measured; `None` where nothing was.
+    pub proof: Option<Figures>,
+    /// What was required.
+    pub required: Vec<Met>,
+    /// What was tried where an error was wanted.
+    pub trials: Vec<Trial>,
+    /// How long each stage took.
+    pub stages: Vec<StageTime>,
+    /// What is wrong or was put right.
+    pub warnings: Vec<Warning>,
+}
+
+/// A stage that is done, and how long it took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct StageTime {
+    /// The stage's name.
+    pub stage: &'static str,
+    /// Its time.
+    pub milliseconds: f64,
+}
+
+/// A kind of warning, and how often it was seen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Warning {
+    /// How often.
+    pub count: usize,
+    /// The warning.
+    pub what: String,
+}
+
+impl Warning {
+    /// Lists warnings in order of first sight.
+    pub fn list(warnings: &Warnings) -> Vec<Self> {
+        warnings.iter().map(|(what, count)| Self { count, what: what.to_owned() }).collect()
+    }
+}
+
+impl Report {
+    /// Tells of an asset that was written, not proved yet.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io) where the scan's file cannot be read any more for its hash.
+    pub fn of(written: &Written) -> Result<Self> {
+        let asset = written.asset();
+        let made = &asset.made;
+        Ok(Self {
+            schema: SCHEMA,
+            kind: "taotie bake",
+            version: env!("CARGO_PKG_VERSION"),
+            high: made.about.path.display().to_string(),
+            high_sha256: made.about.sha256()?,
+            high_triangles: made.about.size.triangles as usize,
+            low: made.options.low.as_ref().and_then(MeshSource::path),
+            light: made.low.origin.clone(),
+            triangles: asset.levels().map(|mesh| mesh.triangles().len()).collect(),
+            size: [made.size; 2],
+            parameters: Parameters::new(&made.options, &written.packing),
+            files: written.files.clone(),
+            maps: written.maps(),
+            proof: None,
+            required: Vec::new(),
+            trials: made.trials.clone(),
+            stages: Vec::new(),
+            warnings: Warning::list(&made.warnings),
+        })
+    }
+
+    /// Whether all that was required is met.
+    pub fn is_met(&self) -> bool {
+        self.required.iter().all(|met| met.met)
+    }
+}

@@ -1,0 +1,247 @@
+//! The scan that is baked from: its triangles, and what its file says beside them.
+
+use super::hash::FileHash;
+use super::memory::{Limits, ScanSize};
+use super::notes;
+use crate::bake;
+use crate::error::{Error, Result, Warnings};
+use crate::io;
+use crate::math::{Mat4, Vec3};
+use crate::mesh::{Mesh, MeshData};
+use crate::progress::Progress;
+use crate::scene::{Instance, Material, Scene};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What is known of a scan beside its triangles.
+#[derive(Debug)]
+pub(super) struct About {
+    /// Where it was read; empty in memory.
+    pub path: PathBuf,
+    pub hash: Option<FileHash>,
+    /// Bytes of its file; 0 in memory.
+    pub bytes: u64,
+    pub copyright: Option<String>,
+    /// The XMP metadata of the file as a whole, JSON-LD.
+    pub xmp: Option<serde_json::Value>,
+    /// What was wrong or is left out.
+    pub warnings: Warnings,
+    pub size: ScanSize,
+    /// The material of its first part.
+    pub material: Material,
+    /// Whether it has colours of its own: vertices, textures, or several materials.
+    pub has_colors: bool,
+}
+
+impl About {
+    /// Returns the SHA-256 of the scan's file, hexadecimal; empty in memory.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where it cannot be read any more.
+    pub fn sha256(&self) -> Result<String> {
+        self.hash.as_ref().map_or(Ok(String::new()), FileHash::get)
+    }
+}
+
+/// A scan as its file says, not yet sorted for rays, so that one can ask what a bake of it will need.
+#[derive(Debug)]
+pub struct ScanFile {
+    scene: Scene,
+    about: About,
+}
+
+/// A scan, sorted for rays. Clones share all of it.
+#[derive(Clone)]
+pub struct Scan {
+    pub(super) high: Arc<bake::Scan>,
+    pub(super) about: Arc<About>,
+}
+
+impl ScanFile {
+    /// Reads a model: glTF, GLB, OBJ, PLY or STL.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; those of [`io::load_model`]; [`Error::Limit`] where the file does not fit the memory;
+    /// [`Error::Invalid`] where all its triangles lie in one point.
+    pub fn read(path: impl AsRef<Path>, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
+        let path = path.as_ref().to_path_buf();
+        let hash = FileHash::begin(&path);
+        limits.or_free().check_file(&path)?;
+        progress.begin("read the scan")?.apart(move |_| {
+            let bytes = io::file_size(&path)?;
+            let mut loaded = io::load_model(&path)?;
+            check_extent(&loaded.scene, &path.display().to_string())?;
+            notes::left_of_scan_file(&mut loaded);
+            let about = About {
+                hash: Some(hash),
+                bytes,
+                copyright: loaded.copyright,
+                xmp: (!loaded.xmp.is_empty()).then(|| loaded.xmp.swap_remove(0)),
+                warnings: loaded.warnings,
+                ..About::of(&loaded.scene, path)
+            };
+            Ok(Self { scene: loaded.scene, about })
+        })
+    }
+
+    /// Takes a scene over, in which all instances are one scan.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where all its triangles lie in one point.
+    pub fn from_scene(scene: Scene) -> Result<Self> {
+        check_extent(&scene, "the scan")?;
+        let mut loaded = io::Loaded::new(scene, Warnings::default(), "");
+        notes::left_of_scan_file(&mut loaded);
+        let about = About { warnings: loaded.warnings, ..About::of(&loaded.scene, PathBuf::new()) };
+        Ok(Self { scene: loaded.scene, about })
+    }
+
+    /// Returns how many triangles and vertices the scan has.
+    pub fn size(&self) -> ScanSize {
+        self.about.size
+    }
+
+    /// Sorts the scan for rays. Meshes with a normal for each facet, or without normals, get smooth ones, counted.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices.
+    pub fn sort(self, progress: Progress<'_>) -> Result<Scan> {
+        progress.begin("sort the scan")?.apart(move |_| {
+            let Self { mut scene, mut about } = self;
+            about.warnings.note(
+                "meshes of the scan with a normal for each facet, or none, as glTF shows them; they are smoothed",
+                smooth_facets(&mut scene)?,
+            );
+            Ok(Scan { high: Arc::new(bake::Scan::new(scene)?), about: Arc::new(about) })
+        })
+    }
+}
+
+impl Scan {
+    /// Reads a scan and sorts it: [`ScanFile::read`] and [`ScanFile::sort`].
+    ///
+    /// # Errors
+    /// As theirs.
+    pub fn read(path: impl AsRef<Path>, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
+        ScanFile::read(path, limits, progress)?.sort(progress)
+    }
+
+    /// Sorts a mesh, a scan of the default material.
+    ///
+    /// # Errors
+    /// As [`ScanFile::from_scene`] and [`ScanFile::sort`].
+    pub fn from_mesh(mesh: Mesh, progress: Progress<'_>) -> Result<Self> {
+        Self::from_scene(scene_of(mesh, Material::default()), progress)
+    }
+
+    /// Sorts a scene, in which all instances are one scan.
+    ///
+    /// # Errors
+    /// As [`ScanFile::from_scene`] and [`ScanFile::sort`].
+    pub fn from_scene(scene: Scene, progress: Progress<'_>) -> Result<Self> {
+        ScanFile::from_scene(scene)?.sort(progress)
+    }
+
+    /// Returns its triangles, in world space, with normals.
+    pub fn mesh(&self) -> &Mesh {
+        self.high.mesh()
+    }
+
+    /// Returns the file that it was read from; empty in memory.
+    pub fn path(&self) -> &Path {
+        &self.about.path
+    }
+
+    /// Returns what was wrong with its file, or is left out of it.
+    pub fn warnings(&self) -> &Warnings {
+        &self.about.warnings
+    }
+
+    /// Returns the SHA-256 of its file, hexadecimal; empty in memory. It is computed while all else goes on.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the file cannot be read any more.
+    pub fn sha256(&self) -> Result<String> {
+        self.about.sha256()
+    }
+
+    /// Gives the tree up, and the triangles too where no clone of this scan holds them.
+    pub(super) fn into_mesh(self) -> Mesh {
+        Arc::try_unwrap(self.high).map_or_else(|shared| shared.mesh().clone(), bake::Scan::into_mesh)
+    }
+}
+
+impl From<&Scan> for Scan {
+    fn from(scan: &Scan) -> Self {
+        scan.clone()
+    }
+}
+
+impl std::fmt::Debug for Scan {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Scan").field("about", &self.about).finish_non_exhaustive()
+    }
+}
+
+/// A scene of one mesh that stands where it is.
+pub(super) fn scene_of(mesh: Mesh, material: Material) -> Scene {
+    Scene {
+        meshes: vec![mesh],
+        materials: vec![material],
+        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+        ..Scene::default()
+    }
+}
+
+impl About {
+    fn of(scene: &Scene, path: PathBuf) -> Self {
+        let first = scene.instances.first().map(|instance| instance.material);
+        let size = ScanSize {
+            triangles: scene.triangle_count() as u64,
+            vertices: scene.meshes.iter().map(|mesh| mesh.positions().len() as u64).sum(),
+        };
+        Self {
+            path,
+            hash: None,
+            bytes: 0,
+            copyright: None,
+            xmp: None,
+            warnings: Warnings::default(),
+            size,
+            material: first.and_then(|m| scene.materials.get(m)).cloned().unwrap_or_default(),
+            has_colors: notes::has_colors(scene),
+        }
+    }
+}
+
+/// Refuses a model that is nothing but a point.
+pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
+    let mut positions = scene.meshes.iter().flat_map(|mesh| mesh.positions());
+    let first = positions.next();
+    if positions.any(|position| Some(position) != first) {
+        return Ok(());
+    }
+    Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"))
+}
+
+/// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; gives back how
+/// many such meshes there are. A scan is never meant in facets.
+fn smooth_facets(scene: &mut Scene) -> Result<usize> {
+    let mut count = 0;
+    for mesh in &mut scene.meshes {
+        if is_faceted(mesh) {
+            let data = std::mem::take(mesh).into_data();
+            *mesh = Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..data })?;
+            count += 1;
+        }
+    }
+    Ok(count)
+}
+
+fn is_faceted(mesh: &Mesh) -> bool {
+    let is_alone = |(t, triangle): (usize, &[u32; 3])| *triangle == [0, 1, 2].map(|i| 3 * t as u32 + i);
+    let is_flat = |normals: &[Vec3]| normals[0] == normals[1] && normals[1] == normals[2];
+    !mesh.normals().is_empty()
+        && mesh.triangles().iter().enumerate().all(is_alone)
+        && mesh.normals().chunks_exact(3).all(is_flat)
+}

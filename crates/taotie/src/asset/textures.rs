@@ -1,0 +1,185 @@
+//! Baked maps as textures of an asset, and as files beside it.
+
+use super::kept::Kept;
+use super::misses::Misses;
+use super::options::BakeOptions;
+use crate::bake::{MapKind, Planes};
+use crate::error::Result;
+use crate::image::Bitmap;
+use crate::io::{GltfImage, GltfMaterial};
+use crate::math::srgb::srgb_from_linear;
+use crate::names::Named;
+use crate::normal_map::{Storage, store_codes, store_unit_vectors};
+use crate::scene::{Material, NormalSpace};
+
+/// Baked maps, stored.
+#[derive(Default)]
+#[non_exhaustive]
+pub struct Textures {
+    /// The normal map in tangent space.
+    pub normal: Option<Bitmap>,
+    /// The base colour, sRGB.
+    pub color: Option<Bitmap>,
+    /// Occlusion, roughness and metallic; or occlusion alone.
+    pub orm: Option<Bitmap>,
+    /// Which of the three are in `orm`.
+    pub has: Has,
+    /// Maps that glTF has no place for.
+    pub beside: Vec<Beside>,
+    /// Where rays missed; `None` where none did.
+    pub misses: Option<Misses>,
+}
+
+/// Which numbers a texture of occlusion, roughness and metallic holds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Has {
+    /// Red is occlusion.
+    pub occlusion: bool,
+    /// Green is roughness, and blue is metallic.
+    pub roughness: bool,
+}
+
+/// A map for a file of its own.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Beside {
+    /// Which map.
+    pub map: MapKind,
+    /// Its texels.
+    pub bitmap: Bitmap,
+    /// The numbers that its black and white stand for, where it holds numbers.
+    pub range: Option<Range>,
+}
+
+/// The numbers that black and white stand for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Range {
+    /// The number of black.
+    pub black: f64,
+    /// The number of white.
+    pub white: f64,
+    /// The unit of both.
+    pub unit: &'static str,
+}
+
+impl Textures {
+    /// Stores the maps that were baked; `metallic` is that of the material.
+    pub(super) fn new(planes: &Planes, options: &BakeOptions, metallic: f32) -> Result<Self> {
+        let mut textures = Self { misses: Misses::of(planes), ..Self::default() };
+        let storage = Storage { bits: options.bits, dither: options.bits == 8 };
+        if !planes.normal.is_empty() {
+            let bitmap = store_unit_vectors(planes.size(), &planes.normal, storage)?;
+            match options.space {
+                NormalSpace::Tangent => textures.normal = Some(bitmap),
+                NormalSpace::Object => {
+                    textures.beside.push(Beside { map: MapKind::Normal, bitmap, range: None })
+                }
+            }
+        }
+        if !planes.albedo.is_empty() {
+            textures.color = Some(color(planes)?);
+        }
+        textures.has =
+            Has { occlusion: !planes.occlusion.is_empty(), roughness: !planes.roughness.is_empty() };
+        if textures.has != Has::default() {
+            textures.orm = Some(orm(planes, textures.has, metallic)?);
+        }
+        if !planes.bent.is_empty() {
+            let bitmap = store_unit_vectors(planes.size(), &planes.bent, storage)?;
+            textures.beside.push(Beside { map: MapKind::Bent, bitmap, range: None });
+        }
+        let numbers = [
+            (MapKind::Height, &planes.lift, "model units"),
+            (MapKind::Curvature, &planes.curvature, "1 / model unit"),
+        ];
+        for (map, plane, unit) in numbers.into_iter().filter(|(_, plane, _)| !plane.is_empty()) {
+            textures.beside.push(of_numbers(map, planes, plane, unit)?);
+        }
+        Ok(textures)
+    }
+
+    /// Returns the asset's material: the factors of `base`, its textures where `kept` holds them and nothing was baked
+    /// in their place.
+    pub(super) fn material<'a>(&'a self, base: &'a Material, kept: &'a Kept) -> GltfMaterial<'a> {
+        let color = self.color.as_ref().or(kept.color.as_ref());
+        let orm = self.has.roughness.then_some(self.orm.as_ref()).flatten();
+        let mr = orm.or(kept.metallic_roughness.as_ref());
+        let occlusion = self.has.occlusion.then_some(self.orm.as_ref()).flatten().or(kept.occlusion.as_ref());
+        let [r, g, b, a] = base.base_color;
+        GltfMaterial {
+            name: &base.name,
+            base_color: if self.color.is_some() { [1.0, 1.0, 1.0, a] } else { [r, g, b, a] }
+                .map(|v| v.clamp(0.0, 1.0)),
+            metallic: if orm.is_some() { 1.0 } else { base.metallic },
+            roughness: if orm.is_some() { 1.0 } else { base.roughness },
+            base_color_map: color.map(GltfImage::from),
+            metallic_roughness_map: mr.map(GltfImage::from),
+            occlusion_map: occlusion.map(GltfImage::from),
+            occlusion_strength: if self.has.occlusion { 1.0 } else { base.occlusion_strength },
+            normal_map: self.normal.as_ref().map(GltfImage::from),
+            normal_scale: 1.0,
+            double_sided: base.double_sided,
+        }
+    }
+
+    /// Returns the maps inside of the asset, each with the texture that holds it.
+    pub fn inside(&self) -> impl Iterator<Item = (MapKind, &Bitmap)> {
+        let orm = |is: bool| self.orm.as_ref().filter(|_| is);
+        let maps = [
+            (MapKind::Normal, self.normal.as_ref()),
+            (MapKind::Albedo, self.color.as_ref()),
+            (MapKind::Occlusion, orm(self.has.occlusion)),
+            (MapKind::Roughness, orm(self.has.roughness)),
+        ];
+        maps.into_iter().filter_map(|(map, bitmap)| Some((map, bitmap?)))
+    }
+}
+
+impl Beside {
+    /// Returns the name of the map's file beside an asset, such as `scan.height.png` beside `scan.glb`.
+    pub(super) fn extension(&self) -> String {
+        format!("{}.png", self.map.name())
+    }
+}
+
+fn color(planes: &Planes) -> Result<Bitmap> {
+    let encode = |v: f32| srgb_from_linear(f64::from(v.clamp(0.0, 1.0))) as f32;
+    store_codes(planes.size(), |i| planes.albedo[i].map(encode), 3, Storage { bits: 8, dither: true })
+}
+
+fn orm(planes: &Planes, has: Has, metallic: f32) -> Result<Bitmap> {
+    let at = |plane: &[f32], i: usize, none: f32| plane.get(i).copied().unwrap_or(none);
+    let codes = |i: usize| [at(&planes.occlusion, i, 1.0), at(&planes.roughness, i, 1.0), metallic];
+    let channels = if has.roughness { 3 } else { 1 };
+    let codes = |i: usize| if has.roughness { codes(i) } else { [codes(i)[0]; 3] };
+    store_codes(planes.size(), codes, channels, Storage { bits: 8, dither: true })
+}
+
+/// A map of numbers, in 16 bits.
+fn of_numbers(map: MapKind, planes: &Planes, plane: &[f32], unit: &'static str) -> Result<Beside> {
+    let [black, white] = range(map, planes, plane);
+    let number = |v: f32| (v - black) / (white - black);
+    let fine = Storage { bits: 16, dither: false };
+    let bitmap = store_codes(planes.size(), |i| [number(plane[i]); 3], 1, fine)?;
+    let range = Range { black: f64::from(black), white: f64::from(white), unit };
+    Ok(Beside { map, bitmap, range: Some(range) })
+}
+
+/// The values of black and white: from the least to the greatest height, and as much curvature either way as all but
+/// the hundredth part of the texels have.
+fn range(map: MapKind, planes: &Planes, plane: &[f32]) -> [f32; 2] {
+    let mut covered = planes.covered(plane);
+    covered.sort_unstable_by(f32::total_cmp);
+    let (Some(least), Some(most)) = (covered.first(), covered.last()) else { return [0.0, 1.0] };
+    let [low, high] = match map {
+        MapKind::Curvature => {
+            let rank = |part: f64| covered[((covered.len() - 1) as f64 * part) as usize].abs();
+            let most = rank(0.005).max(rank(0.995));
+            [-most, most]
+        }
+        _ => [*least, *most],
+    };
+    if high > low { [low, high] } else { [low, low + 1.0] }
+}

@@ -1,0 +1,161 @@
+//! An asset into files.
+
+use super::made::{Asset, Made};
+use super::packing::Packing;
+use super::provenance;
+use super::textures::{Beside, Textures};
+use crate::bake::MapKind;
+use crate::error::Result;
+use crate::image::{Bitmap, Encoding};
+use crate::io::{self, FileBytes, GltfAsset, GltfFormat, GltfLevel};
+use crate::names::Named;
+use crate::progress::Progress;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// An asset as it was written.
+#[derive(Debug, Clone)]
+pub struct Written {
+    pub(super) asset: Asset,
+    pub(super) packing: Packing,
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// A map of a written asset: where it stands, and what its numbers mean.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct MapNote {
+    /// Which map.
+    pub map: MapKind,
+    /// Its file; `None` inside of the asset.
+    pub file: Option<PathBuf>,
+    /// Bits a channel.
+    pub bits: u8,
+    /// The number of black, in `unit`, where the map holds numbers.
+    pub black: Option<f64>,
+    /// The number of white.
+    pub white: Option<f64>,
+    /// The unit of these.
+    pub unit: &'static str,
+}
+
+impl Asset {
+    /// Writes the asset as `.glb`, or as `.gltf` with its files beside it. Maps that glTF has no place for are written
+    /// beside either, such as `scan.height.png`. All files appear together at the end; a write that fails or is
+    /// cancelled leaves none. The same asset gives the same bytes.
+    ///
+    /// The listener hears the stage `write`.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`io::write_gltf`]; [`Error::Io`](crate::Error::Io) where
+    /// the scan's file or that of the XMP properties cannot be read any more.
+    pub fn write(
+        &self,
+        path: impl AsRef<Path>,
+        packing: &Packing,
+        progress: Progress<'_>,
+    ) -> Result<Written> {
+        let progress = progress.begin("write")?;
+        let (asset, packed, path) = (self.clone(), packing.clone(), path.as_ref().to_path_buf());
+        let encode = move |_: Progress<'_>| encoded(&asset.made, &path, &packed);
+        let files = progress.part(0.0, 0.8).apart(encode)?;
+        io::write_files(&files, progress.part(0.8, 1.0))?;
+        let files = files.into_iter().map(|file| file.path).collect();
+        Ok(Written { asset: self.clone(), packing: packing.clone(), files })
+    }
+}
+
+/// All files, the model first.
+fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
+    let textures = &made.maps.textures;
+    let xmp = provenance::packet(made, packing)?;
+    let meshes: Vec<_> = std::iter::once(&made.low.mesh).chain(&made.coarser).collect();
+    let levels: Vec<GltfLevel> = meshes
+        .iter()
+        .zip(coverages(meshes.len()))
+        .map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) })
+        .collect();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extras = extras(textures, path);
+    let model = GltfAsset {
+        name: &name,
+        levels: &levels,
+        material: textures.material(&made.low.material, &made.low.kept),
+        copyright: made.about.copyright.as_deref(),
+        xmp: Some(&xmp),
+        extras: extras.as_ref(),
+    };
+    let format = GltfFormat { images: packing.images, meshopt: packing.meshopt };
+    let mut files = io::encode_gltf(path, &model, &format)?;
+    for beside in &textures.beside {
+        let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
+        files.push(FileBytes { path: file_of(beside, path), bytes });
+    }
+    Ok(files)
+}
+
+/// The file of a map beside the model `path`.
+fn file_of(beside: &Beside, path: &Path) -> PathBuf {
+    path.with_extension(beside.extension())
+}
+
+/// The least part of the screen that the object covers while each level is shown: half as wide and half as high from
+/// level to level.
+fn coverages(count: usize) -> Vec<f32> {
+    let quarters = std::iter::successors(Some(0.25f32), |part| Some(part * 0.25));
+    quarters.take(count.saturating_sub(1)).chain([0.0]).collect()
+}
+
+/// What the asset says of the files beside it; `None` where there are none.
+fn extras(textures: &Textures, path: &Path) -> Option<Value> {
+    let entry = |beside: &Beside| {
+        let note = MapNote::beside(beside, path);
+        let name = note.file?.file_name()?.to_string_lossy().into_owned();
+        let about = json!({ "file": name, "black": note.black, "white": note.white, "unit": note.unit });
+        Some((note.map.name().to_owned(), about))
+    };
+    let maps: serde_json::Map<String, Value> = textures.beside.iter().filter_map(entry).collect();
+    (!maps.is_empty()).then(|| json!({ "maps": maps }))
+}
+
+impl MapNote {
+    fn inside((map, bitmap): (MapKind, &Bitmap)) -> Self {
+        Self { map, file: None, bits: bitmap.bits(), black: None, white: None, unit: "" }
+    }
+
+    fn beside(beside: &Beside, path: &Path) -> Self {
+        Self {
+            map: beside.map,
+            file: Some(file_of(beside, path)),
+            bits: beside.bitmap.bits(),
+            black: beside.range.map(|range| range.black),
+            white: beside.range.map(|range| range.white),
+            unit: beside.range.map_or("", |range| range.unit),
+        }
+    }
+}
+
+impl Written {
+    /// Returns the files, the model first.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// Returns the asset.
+    pub fn asset(&self) -> &Asset {
+        &self.asset
+    }
+
+    /// Returns the model's file.
+    pub fn path(&self) -> &Path {
+        self.files.first().map_or(Path::new(""), PathBuf::as_path)
+    }
+
+    /// Returns what each map is and where.
+    pub fn maps(&self) -> Vec<MapNote> {
+        let textures = self.asset.textures();
+        let beside = textures.beside.iter().map(|beside| MapNote::beside(beside, self.path()));
+        textures.inside().map(MapNote::inside).chain(beside).collect()
+    }
+}

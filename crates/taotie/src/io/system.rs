@@ -1,0 +1,11 @@
+//! What the machine has free.
+
+/// How much memory is free for new work, bytes: what the system says, or its limit on this group of processes where
+/// that is less. `None` where the system does not say.
+pub fn free_memory() -> Option<u64> {
+    let mut system = sysinfo::System::new();
+    system.refresh_memory();
+    let limits = system.cgroup_limits().map(|limits| limits.free_memory);
+    let free = limits.map_or(system.available_memory(), |group| group.min(system.available_memory()));
+    (free > 0).then_some(free)
+}

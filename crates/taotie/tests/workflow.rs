@@ -1,0 +1,267 @@
+//! The whole job as a program sees it: scan, bake, write, verify, require; and the cancelling of it.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use taotie::asset::{
+    Asset, BakeOptions, Baker, Bytes, Figure, Limits, MeshSource, Packing, Proof, RayDistance, Requirement,
+    Scan, ScanFile, VerifyOptions, Written,
+};
+use taotie::bake::MapKind;
+use taotie::io::{GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, write_gltf};
+use taotie::math::{Vec3, scalar};
+use taotie::mesh::{Mesh, MeshData};
+use taotie::{Error, Progress, Result};
+
+#[allow(dead_code, reason = "its `main` is for the command line")]
+#[path = "../examples/scan_to_asset.rs"]
+mod scan_to_asset;
+
+/// A ball with waves of 2 % of its radius, without uvs.
+fn wavy(columns: usize, rows: usize) -> Mesh {
+    let data = Mesh::sphere(1.0, columns, rows).into_data();
+    let wave = |p: &Vec3| {
+        let p = p.to_f64();
+        let height = scalar::sin(9.0 * p.x) * scalar::sin(9.0 * p.y) * scalar::sin(9.0 * p.z);
+        (p * (1.0 + 0.02 * height)).to_f32()
+    };
+    let positions = data.positions.iter().map(wave).collect();
+    Mesh::new(MeshData { positions, triangles: data.triangles, ..MeshData::default() }).unwrap()
+}
+
+fn small() -> Scan {
+    Scan::from_mesh(wavy(128, 64), Progress::SILENT).unwrap()
+}
+
+fn options() -> BakeOptions {
+    BakeOptions { triangles: 1000, size: 128, ..BakeOptions::default() }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+fn said(asset: &Asset) -> String {
+    asset.warnings().iter().map(|(what, count)| format!("{what}: {count}\n")).collect()
+}
+
+#[test]
+fn a_scan_becomes_an_asset_with_its_proof() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ball.glb");
+    let scan = small();
+    let maps = vec![MapKind::Normal, MapKind::Height];
+    let asset = Baker::new(BakeOptions { maps, ..options() }).bake(&scan, Progress::SILENT).unwrap();
+    assert_eq!(said(&asset), "");
+    let triangles = asset.levels().next().unwrap().triangles().len();
+    assert!((980..=1000).contains(&triangles), "{triangles}");
+    assert_eq!((asset.counts().missed, asset.size()), (0, 128));
+    assert_eq!(asset.origin().simplified.as_ref().unwrap().means, "collapsed");
+
+    let written = asset.write(&path, &Packing::default(), Progress::SILENT).unwrap();
+    assert_eq!(names(folder.path()), ["ball.glb", "ball.height.png"]);
+    assert_eq!(written.path(), path);
+    let options = VerifyOptions { points: 20_000, distance_points: 5_000, map: 64, view: 64 };
+    let proof = written.verify(&scan, &options, Progress::SILENT).unwrap();
+    let figures = &proof.figures;
+    // Eight bits alone cost a sixth of a degree; texels of an 80th of the radius a degree of these waves.
+    let mean = figures.angles.unwrap().mean;
+    assert!((0.17..1.5).contains(&mean), "{mean}");
+    assert!(mean < figures.without_map.unwrap().mean / 3.0, "the map gains: {figures:?}");
+    assert!(figures.hausdorff_of_diagonal < 0.02 && figures.views.len() == 8, "{figures:?}");
+    let bytes: u64 = written.files().iter().map(|file| std::fs::metadata(file).unwrap().len()).sum();
+    assert_eq!((figures.bytes_out, figures.bytes_in), (bytes, 0));
+    assert_eq!((proof.error_map.width(), proof.views.scan.len()), (64, 8));
+
+    let met = proof.require(&[Requirement::mean_angle_deg(1.5), Requirement::bytes(10)]);
+    assert_eq!(met.iter().map(|met| met.met).collect::<Vec<_>>(), [true, false]);
+    // A scan that is given up says the same.
+    let again = written.verify(scan, &options, Progress::SILENT).unwrap();
+    assert_eq!(again.figures, proof.figures);
+}
+
+#[test]
+fn what_could_not_be_measured_is_not_met() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = small();
+    let asset = Baker::new(options()).bake(&scan, Progress::SILENT).unwrap();
+    let written = asset.write(folder.path().join("a.glb"), &Packing::default(), Progress::SILENT).unwrap();
+    let view = VerifyOptions { points: 10, distance_points: 10, map: 16, view: 16 };
+    let mut proof = written.verify(scan, &view, Progress::SILENT).unwrap();
+    proof.figures.angles = None;
+    let met = proof.require(&[Requirement { figure: Figure::MaxAngle, most: 180.0 }]);
+    assert_eq!((met[0].value, met[0].met), (None, false));
+}
+
+#[test]
+fn all_can_be_sent_anywhere() {
+    fn is_free<T: Send + Sync + 'static>() {}
+    is_free::<ScanFile>();
+    is_free::<Scan>();
+    is_free::<Baker>();
+    is_free::<Asset>();
+    is_free::<Written>();
+    is_free::<Proof>();
+    // And is: a bake on another thread than the one that asked for it.
+    let (baker, scan) = (Baker::new(BakeOptions { size: 32, ..options() }), small());
+    let asset = std::thread::spawn(move || baker.bake(scan, Progress::SILENT)).join().unwrap().unwrap();
+    assert!(asset.counts().samples > 0);
+}
+
+#[test]
+fn the_example_runs_on_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let [high, low] = ["scan.glb", "out.glb"].map(|name| folder.path().join(name));
+    let levels = [GltfLevel { mesh: &wavy(128, 64), coverage: None }];
+    let material = GltfMaterial::default();
+    let model = GltfAsset { levels: &levels, material, copyright: Some("nobody"), ..GltfAsset::default() };
+    write_gltf(&high, &model, &GltfFormat::default()).unwrap();
+    let text = scan_to_asset::run(&high, &low, options()).unwrap();
+    assert!(text.contains("1000 triangles") || text.contains("99"), "{text}");
+    assert!(text.ends_with("required: met"), "{text}");
+    let read = taotie::io::load_model(&low).unwrap();
+    assert_eq!(read.copyright.as_deref(), Some("nobody"));
+    let source = read.xmp[0]["dc:source"].to_string();
+    let hash = taotie::io::sha256(&high).unwrap();
+    assert!(source.contains(&format!("scan.glb (sha256:{hash})")), "{source}");
+}
+
+#[test]
+fn a_bake_without_a_hit_is_an_error() {
+    let far = Mesh::sphere(1.0, 32, 16).into_data();
+    let moved = far.positions.iter().map(|p| *p + Vec3::new(30.0, 0.0, 0.0)).collect();
+    let low = Mesh::new(MeshData { positions: moved, ..far }).unwrap();
+    let bake = |low: Mesh, ray_distance: RayDistance| {
+        let low = Some(MeshSource::Mesh(Arc::new(low)));
+        Baker::new(BakeOptions { low, ray_distance, size: 64, ..options() }).bake(small(), Progress::SILENT)
+    };
+    let error = bake(low.clone(), RayDistance::Uniform(0.25)).unwrap_err();
+    let text = error.to_string();
+    assert!(matches!(error, Error::Invalid { .. }), "{text}");
+    for part in ["projection rays met the scan", "0.25 model units", "do not overlap", "larger ray distance"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let flat = MeshData { uvs: vec![vec![Default::default(); low.positions().len()]], ..low.into_data() };
+    let text = bake(Mesh::new(flat).unwrap(), RayDistance::Auto).unwrap_err().to_string();
+    assert!(text.contains("covers a texel") && text.contains("unwrap it"), "{text}");
+}
+
+#[test]
+fn what_is_asked_for_and_not_used_is_told() {
+    let colored = |count: usize| {
+        let data = wavy(64, 32).into_data();
+        let colors = (0..data.positions.len()).map(|i| [(i % count) as f32, 0.5, 0.5, 1.0]).collect();
+        Scan::from_mesh(Mesh::new(MeshData { colors, ..data }).unwrap(), Progress::SILENT).unwrap()
+    };
+    let asked = BakeOptions {
+        triangles: 200,
+        size: 32,
+        maps: vec![MapKind::Height],
+        bits: 16,
+        ao_distance: Some(1.0),
+        roughness: Some(0.5),
+        ..BakeOptions::default()
+    };
+    let said = said(&Baker::new(asked.clone()).bake(colored(2), Progress::SILENT).unwrap());
+    for part in
+        ["colours are left out", "16 bits are not used", "distance of occlusion", "roughness is not read"]
+    {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    let error = Baker::new(BakeOptions { lods: vec![300], ..asked }).bake(colored(2), Progress::SILENT);
+    assert!(error.unwrap_err().to_string().contains("a level of 300 triangles after one of 200"));
+    let limits = Limits { memory: Some(Bytes(1 << 20)) };
+    let error = Baker::new(options()).with_limits(limits).bake(small(), Progress::SILENT).unwrap_err();
+    assert!(matches!(error, Error::Limit { .. }), "{error}");
+}
+
+/// Reads nothing, bakes and writes.
+fn job(mesh: &Mesh, options: &BakeOptions, folder: &Path, progress: Progress<'_>) -> Result<Written> {
+    let scan = Scan::from_mesh(mesh.clone(), progress)?;
+    let asset = Baker::new(options.clone()).bake(scan, progress)?;
+    asset.write(
+        folder.join("out.gltf"),
+        &Packing { images: GltfImages::Ktx2, ..Packing::default() },
+        progress,
+    )
+}
+
+#[test]
+fn a_cancel_in_any_stage_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, options) = (wavy(128, 64), BakeOptions { lods: vec![500], ..options() });
+    let heard = Mutex::new(Vec::new());
+    let listener = |stage: &'static str, _: f64| {
+        heard.lock().unwrap().push(stage);
+        true
+    };
+    job(&mesh, &options, folder.path(), Progress::new(&listener)).unwrap();
+    let written = names(folder.path());
+    assert_eq!(written, ["out.bin", "out.gltf", "out_normal.ktx2"]);
+    written.iter().for_each(|name| std::fs::remove_file(folder.path().join(name)).unwrap());
+    let mut stages = heard.into_inner().unwrap();
+    stages.dedup();
+    stages.retain(|stage| !stage.is_empty());
+    let wanted = [
+        "sort the scan",
+        "simplify",
+        "unwrap",
+        "tangents",
+        "measure the gap",
+        "bake",
+        "store",
+        "levels of detail",
+        "inspect the scan",
+        "write",
+    ];
+    assert_eq!(stages, wanted);
+    for last in wanted {
+        let listener = |stage: &'static str, _: f64| stage != last;
+        let ended = job(&mesh, &options, folder.path(), Progress::new(&listener));
+        assert!(matches!(ended, Err(Error::Cancelled)), "{last}");
+        assert_eq!(names(folder.path()), [""; 0], "{last}");
+    }
+}
+
+/// A listener is asked every 20 ms, so that a cancel takes effect within 100 ms; a machine that is busy with other
+/// tests may take longer to wake a thread, hence the wider bound.
+const MOST: Duration = Duration::from_millis(250);
+
+#[test]
+fn a_bake_of_a_million_triangles_is_cancelled_at_any_moment() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = wavy(1000, 501);
+    assert_eq!(mesh.triangles().len(), 1_000_000);
+    let options = BakeOptions { size: 1024, ..BakeOptions::default() };
+    let (mut state, mut delays) = (14u32, Vec::new());
+    for round in 0..6 {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        // At random between 0 and 300 ms in the first round, 1.8 s in the last.
+        let moment = Duration::from_millis(u64::from(state >> 16) * 300 * (round + 1) / 65_536);
+        let (stop, since) = (AtomicBool::new(false), Mutex::new(None));
+        let listener = |_: &'static str, _: f64| !stop.load(Ordering::Relaxed);
+        let ended = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                std::thread::sleep(moment);
+                *since.lock().unwrap() = Some(Instant::now());
+                stop.store(true, Ordering::Relaxed);
+            });
+            let ended = job(&mesh, &options, folder.path(), Progress::new(&listener));
+            (ended, Instant::now())
+        });
+        assert!(matches!(ended.0, Err(Error::Cancelled)), "after {moment:?} it was done already");
+        delays.push(ended.1 - since.into_inner().unwrap().expect("it was stopped"));
+        assert_eq!(names(folder.path()), [""; 0]);
+    }
+    assert!(delays.iter().all(|delay| *delay < MOST), "{delays:?}");
+    // The middle one is not at the mercy of a busy machine.
+    delays.sort();
+    assert!(delays[3] < Duration::from_millis(100), "{delays:?}");
+}
