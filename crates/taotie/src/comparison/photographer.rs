@@ -1,13 +1,11 @@
-//! Every method's pictures from one camera in one light, measured.
+//! One picture after the other, from one camera in one light.
 
 use super::look::{self, Look};
-use super::matching::Matching;
 use super::method::Method;
 use super::options::ComparisonOptions;
 use super::parameters::Parameters;
 use super::relief::Relief;
-use super::rules::Rules;
-use super::subject::{Subject, SubjectReport};
+use super::subject::Subject;
 use super::surfaces::{Difference, PictureDifference, RenderedSurface, SkippedMethod};
 use crate::compare::{self, Picture};
 use crate::error::{Error, Result, Warnings};
@@ -18,130 +16,31 @@ use crate::render::{Lighting, Prepared, RenderSettings, Renderer, SurfaceSetting
 use crate::scene::{Camera, Scene};
 use crate::surface::SurfaceMethod;
 
-/// A model by several surface methods in pictures and angles: see [`Comparison::of`].
-#[derive(Debug, Clone)]
-#[non_exhaustive]
-pub struct Comparison {
-    /// Names and sizes of model and reference.
-    pub subject: SubjectReport,
-    /// Everything that the pictures depend on.
-    pub parameters: Parameters,
-    /// The rules behind the figures.
-    pub rules: Rules,
-    /// The methods that could be drawn in their order, then the reference.
-    pub surfaces: Vec<RenderedSurface>,
-    /// The methods that could not be drawn.
-    pub skipped: Vec<SkippedMethod>,
-    /// Which of `surfaces` the others are compared with: the reference, else the first method.
-    pub against: usize,
-    /// The true normal at the point of the model that each pixel shows; the fourth channel is 1 where there is one.
-    pub truth: Image,
-    /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
-    pub unmatched: f64,
-    /// Which pixels are away from silhouettes, row by row.
-    pub inner: Vec<bool>,
-    /// The pixels whose normals are listed.
-    pub points: Vec<[u32; 2]>,
-    /// Whatever could not be drawn as asked, counted.
-    pub warnings: Warnings,
-    /// Notes on maps that were derived from others.
-    pub notes: Vec<String>,
-}
-
-impl Comparison {
-    /// Renders the model by every method and the reference, and measures them. `progress` has one stage, `compare`.
-    ///
-    /// A method that the model's materials do not allow is skipped; see [`Comparison::skipped`].
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] for options that cannot be met and where no method can be drawn, those of rendering, and
-    /// [`Error::Cancelled`].
-    pub fn of(subject: &Subject<'_>, options: &ComparisonOptions, progress: Progress<'_>) -> Result<Self> {
-        options.check()?;
-        let mut photographer = Photographer::new(subject, options, progress.stage("compare"))?;
-        subject.check_place(&mut photographer.warnings);
-        let mut scene = subject.model.scene.clone();
-        let mut relief = Relief::new(&mut scene, options.settings.surface.tangents);
-        let (mut surfaces, skipped) = photographer.by_all_methods(&mut scene, &mut relief)?;
-        let smooth = photographer.look(&scene, Some(SurfaceMethod::Smooth))?;
-        let truth = match subject.reference {
-            Some(reference) => {
-                surfaces.push(photographer.surface(reference.scene, None)?);
-                Truth::on(reference.scene, &photographer, &smooth)?
-            }
-            None => Truth { matched: smooth.normals.clone(), normals: surfaces[0].normals.clone() },
-        };
-        let against = if subject.reference.is_some() { surfaces.len() - 1 } else { 0 };
-        let inner = smooth.inner(&truth.matched);
-        photographer.measure(&mut surfaces, against, &Expected { normals: &truth.normals, inner: &inner })?;
-        let seen = covered(&smooth.normals);
-        Ok(Self {
-            subject: subject.report(),
-            parameters: photographer.parameters(),
-            rules: Rules::new(options.matching, &options.points),
-            points: options.points.choose(&inner, options.settings.width as usize),
-            unmatched: (seen - covered(&truth.matched)) / seen.max(1.0),
-            surfaces,
-            skipped,
-            against,
-            truth: truth.normals,
-            inner,
-            warnings: photographer.warnings,
-            notes: relief.notes().to_vec(),
-        })
-    }
-
-    /// Returns the name of what the others are compared with.
-    pub fn against(&self) -> String {
-        self.surfaces[self.against].id()
-    }
-}
-
-/// How many samples saw something.
-fn covered(image: &Image) -> f64 {
-    image.pixels().iter().filter(|pixel| pixel[3] == 1.0).count() as f64
-}
-
-/// The true normals.
-struct Truth {
-    /// At the points that samples show.
-    matched: Image,
-    /// At the points that pixels show: the means of their samples.
-    normals: Image,
-}
-
-impl Truth {
-    /// The reference's normals at the points of the model that `smooth` shows.
-    fn on(reference: &Scene, photographer: &Photographer<'_>, smooth: &Look) -> Result<Self> {
-        let matched = match photographer.options.matching {
-            Matching::Pixel => photographer.look(reference, None)?.normals,
-            matching => matching.normals(smooth, reference, photographer.diagonal)?,
-        };
-        Ok(Self { normals: smooth.mean_normals(&matched)?, matched })
-    }
-}
-
 /// The normals that surfaces are measured against, and the pixels away from silhouettes.
-struct Expected<'a> {
-    normals: &'a Image,
-    inner: &'a [bool],
+pub(super) struct Expected<'a> {
+    pub(super) normals: &'a Image,
+    pub(super) inner: &'a [bool],
 }
 
 /// Takes one picture after the other.
-struct Photographer<'a> {
-    options: &'a ComparisonOptions,
+pub(super) struct Photographer<'a> {
+    pub(super) options: &'a ComparisonOptions,
     camera: Camera,
     lighting: Lighting,
     /// The model's.
-    diagonal: f64,
+    pub(super) diagonal: f64,
     progress: Progress<'a>,
     steps: usize,
     done: usize,
-    warnings: Warnings,
+    pub(super) warnings: Warnings,
 }
 
 impl<'a> Photographer<'a> {
-    fn new(subject: &Subject<'_>, options: &'a ComparisonOptions, progress: Progress<'a>) -> Result<Self> {
+    pub(super) fn new(
+        subject: &Subject<'_>,
+        options: &'a ComparisonOptions,
+        progress: Progress<'a>,
+    ) -> Result<Self> {
         let model = subject.model.scene;
         let camera = options.camera_for(model)?;
         let surfaces = options.methods.len() + usize::from(subject.reference.is_some());
@@ -158,7 +57,7 @@ impl<'a> Photographer<'a> {
         })
     }
 
-    fn parameters(&self) -> Parameters {
+    pub(super) fn parameters(&self) -> Parameters {
         Parameters::new(self.options, &self.camera, &self.lighting)
     }
 
@@ -182,7 +81,7 @@ impl<'a> Photographer<'a> {
     }
 
     /// Takes all pictures by every method that the model's relief allows, and lists those that it does not.
-    fn by_all_methods(
+    pub(super) fn by_all_methods(
         &mut self,
         scene: &mut Scene,
         relief: &mut Relief,
@@ -203,7 +102,7 @@ impl<'a> Photographer<'a> {
     }
 
     /// Takes all pictures of a scene by `method`, or by the best that its materials provide.
-    fn surface(&mut self, scene: &Scene, method: Option<Method>) -> Result<RenderedSurface> {
+    pub(super) fn surface(&mut self, scene: &Scene, method: Option<Method>) -> Result<RenderedSurface> {
         let watch = Stopwatch::start();
         let surface = self.surface_settings(method);
         let mut renderer = Renderer::new(scene, &surface)?;
@@ -230,7 +129,7 @@ impl<'a> Photographer<'a> {
     }
 
     /// Looks at a scene by a method that needs no map, or by the best that its materials provide.
-    fn look(&self, scene: &Scene, method: Option<SurfaceMethod>) -> Result<Look> {
+    pub(super) fn look(&self, scene: &Scene, method: Option<SurfaceMethod>) -> Result<Look> {
         let surface = SurfaceSettings { method, ..self.options.settings.surface };
         let settings = RenderSettings { surface, ..self.options.settings.clone() };
         look::look(&Prepared::new(scene, &surface)?, &self.camera, &settings, self.between_steps())
@@ -248,7 +147,7 @@ impl<'a> Photographer<'a> {
     }
 
     /// Compares all normals with the expected ones, and all pictures with those of `surfaces[against]`.
-    fn measure(
+    pub(super) fn measure(
         &mut self,
         surfaces: &mut [RenderedSurface],
         against: usize,
