@@ -23,11 +23,3 @@ pub fn listen() {
 pub fn go_on() -> bool {
     !STOPPED.load(Ordering::Relaxed)
 }
-
-/// An error if not to go on.
-///
-/// # Errors
-/// [`taotie::Error::Cancelled`].
-pub fn check() -> taotie::Result<()> {
-    if go_on() { Ok(()) } else { Err(taotie::Error::Cancelled) }
-}
