@@ -14,7 +14,7 @@
 //! scene gives the same bits at every SIMD level and with any number of threads.
 //!
 //! ```no_run
-//! use taotie::render::{Lighting, RenderSettings, render};
+//! use taotie::render::{Lighting, RenderSettings, Shot, render};
 //! use taotie::scene::{Orbit, fitting_distance, three_point_rig};
 //!
 //! # fn main() -> taotie::Result<()> {
@@ -24,7 +24,9 @@
 //! orbit.distance = fitting_distance(&orbit, 1.0, 0.9, scene.corners());
 //! let camera = orbit.camera(orbit.distance / 2.0);
 //! let lighting = Lighting { lights: three_point_rig(&camera), ..Lighting::default() };
-//! let frame = render(&scene, &camera, &lighting, &RenderSettings::default())?;
+//! let settings = RenderSettings::default();
+//! let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
+//! let frame = render(&scene, &shot)?;
 //! println!("{:?}", frame.color.pixel(512, 512));
 //! # Ok(())
 //! # }

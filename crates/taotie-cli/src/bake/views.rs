@@ -7,7 +7,7 @@ use taotie::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
 use taotie::film::Development;
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
-use taotie::render::{Lighting, RenderSettings, Renderer};
+use taotie::render::{Lighting, RenderSettings, Renderer, Shot};
 use taotie::scene::{Camera, Instance, Material, Orbit, Scene, fitting_distance, three_point_rig};
 
 /// Pixels along a side of the pictures.
@@ -43,9 +43,8 @@ pub fn take(scan: Mesh, asset: Scene, progress: Progress<'_>) -> Result<Shots> {
     };
     let cameras = cameras(&heavy);
     let light = neutralised(asset);
-    let scan = pictures(&heavy, &cameras, progress.part(0.0, 0.5))?;
-    drop(heavy);
-    let asset = pictures(&light, &cameras, progress.part(0.5, 0.9))?;
+    let scan = pictures(heavy, &cameras, progress.part(0.0, 0.5))?;
+    let asset = pictures(light, &cameras, progress.part(0.5, 0.9))?;
     let mut shots = Shots { scan, asset, ..Shots::default() };
     for (i, (a, b)) in shots.scan.iter().zip(&shots.asset).enumerate() {
         let flip = compare::flip(a, b, PIXELS_PER_DEGREE)?;
@@ -93,7 +92,7 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
     (0..COUNT).map(camera).collect()
 }
 
-fn pictures(scene: &Scene, cameras: &[Camera], progress: Progress<'_>) -> Result<Vec<Picture>> {
+fn pictures(scene: Scene, cameras: &[Camera], progress: Progress<'_>) -> Result<Vec<Picture>> {
     let settings = RenderSettings { width: SIDE, height: SIDE, samples: 4, ..RenderSettings::default() };
     let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
     let mut renderer = Renderer::new(scene, &settings.surface)?;
@@ -102,13 +101,8 @@ fn pictures(scene: &Scene, cameras: &[Camera], progress: Progress<'_>) -> Result
         let [from, to] = [i, i + 1].map(|views| views as f64 / cameras.len() as f64);
         let lighting =
             Lighting { lights: three_point_rig(camera), ambient: Vec3::splat(0.15), environment: None };
-        renderer.develop(
-            (camera, &lighting),
-            &settings,
-            &development,
-            &mut codes,
-            progress.part(from, to),
-        )?;
+        let shot = Shot { camera, lighting: &lighting, settings: &settings };
+        renderer.develop(&shot, &development, &mut codes, progress.part(from, to))?;
         pictures.push(Picture::from_developed(SIDE, SIDE, &codes)?);
     }
     Ok(pictures)

@@ -8,11 +8,12 @@ use super::relief::{Reason, Relief};
 use crate::console::Bar;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 use taotie::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
 use taotie::film::Development;
 use taotie::image::Image;
-use taotie::render::{Lighting, Prepared, RenderSettings, Renderer, SurfaceSettings};
+use taotie::render::{Lighting, RenderSettings, Renderer, Shot, SurfaceSettings, lend, render};
 use taotie::scene::{Camera, Scene};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
@@ -138,7 +139,7 @@ impl Comparison {
         let mut studio = Studio::new(plan, subject.reference.is_some());
         let mut relief = Relief::new(&mut subject.scene, plan.settings.surface.tangents);
         let (mut taken, skipped) = studio.take_all(&mut subject.scene, &mut relief)?;
-        if let Some(reference) = &subject.reference {
+        if let Some(reference) = &mut subject.reference {
             taken.push(studio.take(reference, None)?);
         }
         let against = if subject.reference.is_some() { taken.len() - 1 } else { 0 };
@@ -217,20 +218,25 @@ impl<'a> Studio<'a> {
     }
 
     /// Takes all pictures of a scene by `method`, or by the best that its materials provide.
-    fn take(&mut self, scene: &Scene, method: Option<Method>) -> Result<Taken> {
+    fn take(&mut self, scene: &mut Scene, method: Option<Method>) -> Result<Taken> {
+        lend(scene, |scene| self.take_shared(scene, method))
+    }
+
+    fn take_shared(&mut self, scene: &Arc<Scene>, method: Option<Method>) -> Result<Taken> {
         let start = Instant::now();
         let surface = self.surface(method);
-        let mut renderer = Renderer::new(scene, &surface)?;
+        let mut renderer = Renderer::new(scene.clone(), &surface)?;
         self.warnings.absorb(renderer.prepared().warnings().clone());
         let settings = RenderSettings { surface, ..self.plan.settings.clone() };
-        let look = look::look(renderer.prepared(), &self.plan.camera, &settings)?;
+        let look = look::look(&self.plan.camera, &settings, |shot| renderer.render(shot, Progress::SILENT))?;
         let normals = look.mean_normals(&look.normals)?;
         self.step();
         let (mut pictures, mut codes) = (Vec::new(), Vec::new());
         for shading in &self.plan.shadings {
             let settings = RenderSettings { shading: *shading, ..settings.clone() };
-            let seen = (&self.plan.camera, &self.plan.lighting);
-            renderer.develop(seen, &settings, &self.plan.development, &mut codes, Progress::SILENT)?;
+            let Plan { camera, lighting, development, .. } = self.plan;
+            let shot = Shot { camera, lighting, settings: &settings };
+            renderer.develop(&shot, development, &mut codes, Progress::SILENT)?;
             pictures.push((*shading, Picture::from_developed(settings.width, settings.height, &codes)?));
             self.step();
         }
@@ -242,7 +248,7 @@ impl<'a> Studio<'a> {
     fn look(&self, scene: &Scene, method: Option<SurfaceMethod>) -> Result<Look> {
         let surface = SurfaceSettings { method, ..self.plan.settings.surface };
         let settings = RenderSettings { surface, ..self.plan.settings.clone() };
-        Ok(look::look(&Prepared::new(scene, &surface)?, &self.plan.camera, &settings)?)
+        Ok(look::look(&self.plan.camera, &settings, |shot| render(scene, shot))?)
     }
 
     /// The reference's normals at the places that `smooth` shows of the model.

@@ -1,11 +1,11 @@
 //! What a camera sees of a surface before any light.
 
 use rayon::prelude::*;
+use taotie::Result;
 use taotie::image::Image;
 use taotie::math::Vec3;
-use taotie::render::{GrazingNormals, Lighting, Pass, Prepared, RenderSettings};
+use taotie::render::{Frame, GrazingNormals, Lighting, RenderSettings, Shot};
 use taotie::scene::Camera;
-use taotie::{Progress, Result};
 
 /// Neighbouring samples whose depths differ by more than this many of their sizes see a silhouette, or a surface slanted
 /// by more than 76°.
@@ -37,8 +37,12 @@ fn samples_per_side(settings: &RenderSettings) -> u32 {
     (1..=wanted).rev().find(|n| pixels * u64::from(n * n) <= MOST).unwrap_or(1)
 }
 
-/// Looks with as many samples a pixel as `settings` ask for, fewer where that would be too many.
-pub fn look(prepared: &Prepared<'_>, camera: &Camera, settings: &RenderSettings) -> Result<Look> {
+/// Looks with `take`, with as many samples a pixel as `settings` ask for, fewer where that would be too many.
+pub fn look(
+    camera: &Camera,
+    settings: &RenderSettings,
+    take: impl FnOnce(&Shot<'_>) -> Result<Frame>,
+) -> Result<Look> {
     let per_side = samples_per_side(settings);
     let (width, height) = (settings.width * per_side, settings.height * per_side);
     // The map's own normals are to be judged, not what shading makes of them.
@@ -52,7 +56,8 @@ pub fn look(prepared: &Prepared<'_>, camera: &Camera, settings: &RenderSettings)
         grazing_normals,
         ..settings.clone()
     };
-    let frame = Pass::new(prepared, camera, &Lighting::default(), &settings)?.render(Progress::SILENT)?;
+    let lighting = Lighting::default();
+    let frame = take(&Shot { camera, lighting: &lighting, settings: &settings })?;
     let aovs = frame.aovs.expect("output variables were asked for");
     Ok(Look { normals: aovs.normals, depth: aovs.depth, uv: aovs.uv, per_side })
 }

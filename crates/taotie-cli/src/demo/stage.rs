@@ -4,7 +4,7 @@ use anyhow::Result;
 use taotie::film::Development;
 use taotie::image::Image;
 use taotie::math::Vec3;
-use taotie::render::{Lighting, RenderSettings, render};
+use taotie::render::{Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, fitting_distance, from_view};
 
 /// Behind the vessel.
@@ -54,7 +54,8 @@ impl Stage {
 
     /// A picture of the scene from here.
     pub fn take(&self, scene: &Scene, settings: &RenderSettings) -> Result<Image> {
-        Ok(render(scene, &self.camera, &self.lighting, settings)?.color)
+        let shot = Shot { camera: &self.camera, lighting: &self.lighting, settings };
+        Ok(render(scene, &shot)?.color)
     }
 
     /// What all square pictures have in common.

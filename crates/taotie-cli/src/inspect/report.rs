@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::path::Path;
 use taotie::Warnings;
 use taotie::io::Loaded;
-use taotie::render::{Prepared, SurfaceSettings};
+use taotie::render::{SurfaceSettings, foreseen_warnings};
 use taotie::scene::animation::Animation;
 use taotie::scene::{Camera, Light, LightKind, Projection, Scene};
 
@@ -216,8 +216,8 @@ fn named_camera(camera: &Camera) -> Named {
 /// What reading noted, and what rendering would note.
 fn warnings(loaded: &Loaded) -> Vec<Counted> {
     let mut all: Warnings = loaded.warnings.clone();
-    match Prepared::new(&loaded.scene, &SurfaceSettings::default()) {
-        Ok(prepared) => all.absorb(prepared.warnings().clone()),
+    match foreseen_warnings(&loaded.scene, &SurfaceSettings::default()) {
+        Ok(foreseen) => all.absorb(foreseen),
         Err(error) => all.note(format!("it cannot be rendered: {error}"), 1),
     }
     all.iter().map(|(what, count)| Counted { what: what.to_owned(), count }).collect()
