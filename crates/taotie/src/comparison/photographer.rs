@@ -12,7 +12,7 @@ use crate::error::{Error, Result, Warnings};
 use crate::image::Image;
 use crate::io::Stopwatch;
 use crate::progress::Progress;
-use crate::render::{Lighting, Prepared, RenderSettings, Renderer, SurfaceSettings};
+use crate::render::{Lighting, RenderSettings, Renderer, Shot, SurfaceSettings, render};
 use crate::scene::{Camera, Scene};
 use crate::surface::SurfaceMethod;
 
@@ -66,11 +66,6 @@ impl<'a> Photographer<'a> {
         self.progress.part(self.fraction(self.done), self.fraction(self.done + 1))
     }
 
-    /// The progress as it stands, for work that makes no step.
-    fn between_steps(&self) -> Progress<'a> {
-        self.progress.part(self.fraction(self.done), self.fraction(self.done))
-    }
-
     fn fraction(&self, steps: usize) -> f64 {
         steps as f64 / self.steps as f64
     }
@@ -105,17 +100,17 @@ impl<'a> Photographer<'a> {
     pub(super) fn surface(&mut self, scene: &Scene, method: Option<Method>) -> Result<RenderedSurface> {
         let watch = Stopwatch::start();
         let surface = self.surface_settings(method);
-        let mut renderer = Renderer::new(scene, &surface)?;
+        let mut renderer = Renderer::new(scene.clone(), &surface)?;
         self.warnings.absorb(renderer.prepared().warnings().clone());
         let settings = RenderSettings { surface, ..self.options.settings.clone() };
-        let look = look::look(renderer.prepared(), &self.camera, &settings, self.next_step())?;
+        let look = look::look(&self.camera, &settings, |shot| renderer.render(shot, self.next_step()))?;
         let normals = look.mean_normals(&look.normals)?;
         self.step()?;
         let (mut pictures, mut codes) = (Vec::new(), Vec::new());
         for shading in &self.options.shadings {
             let settings = RenderSettings { shading: *shading, ..settings.clone() };
-            let (seen, development) = ((&self.camera, &self.lighting), &self.options.development);
-            renderer.develop(seen, &settings, development, &mut codes, self.next_step())?;
+            let shot = Shot { camera: &self.camera, lighting: &self.lighting, settings: &settings };
+            renderer.develop(&shot, &self.options.development, &mut codes, self.next_step())?;
             pictures.push((*shading, Picture::from_developed(settings.width, settings.height, &codes)?));
             self.step()?;
         }
@@ -132,7 +127,8 @@ impl<'a> Photographer<'a> {
     pub(super) fn look(&self, scene: &Scene, method: Option<SurfaceMethod>) -> Result<Look> {
         let surface = SurfaceSettings { method, ..self.options.settings.surface };
         let settings = RenderSettings { surface, ..self.options.settings.clone() };
-        look::look(&Prepared::new(scene, &surface)?, &self.camera, &settings, self.between_steps())
+        self.progress.at(self.fraction(self.done))?;
+        look::look(&self.camera, &settings, |shot| render(scene, shot))
     }
 
     fn surface_settings(&self, method: Option<Method>) -> SurfaceSettings {
@@ -143,7 +139,7 @@ impl<'a> Photographer<'a> {
             (_, Some(_)) => None,
             (_, None) => asked.bump_scale,
         });
-        SurfaceSettings { method: method.map(|m| m.surface), tangents: asked.tangents, bump_scale }
+        SurfaceSettings { method: method.map(|m| m.surface), bump_scale, ..*asked }
     }
 
     /// Compares all normals with the expected ones, and all pictures with those of `surfaces[against]`.
