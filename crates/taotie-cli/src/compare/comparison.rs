@@ -269,7 +269,7 @@ impl<'a> Studio<'a> {
             (_, Some(_)) => None,
             (_, None) => asked.bump_scale,
         });
-        SurfaceSettings { method: method.map(|m| m.surface), tangents: asked.tangents, bump_scale }
+        SurfaceSettings { method: method.map(|m| m.surface), bump_scale, ..*asked }
     }
 
     /// Compares all normals with `truth`, and all pictures with those of `taken[against]`.

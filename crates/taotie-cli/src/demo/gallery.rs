@@ -98,8 +98,11 @@ pub fn write_large(args: &DemoArgs, scene: &Scene) -> Result<PathBuf> {
 }
 
 fn settings(picture: &Picture, side: u32, samples: u32) -> RenderSettings {
-    let surface =
-        SurfaceSettings { method: Some(picture.surface), tangents: None, bump_scale: picture.bump_scale };
+    let surface = SurfaceSettings {
+        method: Some(picture.surface),
+        bump_scale: picture.bump_scale,
+        ..SurfaceSettings::default()
+    };
     RenderSettings { shading: picture.shading, surface, ..Stage::settings(side, samples) }
 }
 
