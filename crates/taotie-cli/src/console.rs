@@ -78,6 +78,12 @@ impl Bar {
         self.bar.get_or_init(|| self.new_bar()).set_position((fraction * STEPS as f64) as u64);
     }
 
+    /// Shows the fraction done and lets the work go on: the listener of a [`taotie::Progress`].
+    pub fn hear(&self, fraction: f64) -> bool {
+        self.set(fraction);
+        true
+    }
+
     fn new_bar(&self) -> ProgressBar {
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %, {eta} left");

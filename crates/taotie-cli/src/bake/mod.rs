@@ -2,8 +2,6 @@
 
 mod args;
 mod clock;
-mod page;
-mod pictures;
 mod stop;
 mod text;
 
@@ -14,6 +12,7 @@ use anyhow::Result;
 use clock::Clock;
 use taotie::asset::{Baker, Limits, Proof, Report, Scan, ScanFile, Textures, VerifyOptions, Warning};
 use taotie::{Progress, io};
+use taotie_report::bake_page;
 
 /// Runs the subcommand.
 pub fn run(args: &BakeArgs) -> Result<Outcome> {
@@ -65,7 +64,11 @@ fn read(args: &BakeArgs, baker: &Baker, limits: Limits, progress: Progress<'_>) 
     let need = baker.need(file.size());
     need.check(limits)?;
     if !args.json {
-        console::say(&format!("baking {} triangles takes about {}", need.scan.triangles, need.bytes()));
+        console::say(&format!(
+            "baking {} triangles needs about {} of memory",
+            need.scan.triangles,
+            need.bytes()
+        ));
     }
     Ok(file.sort(progress)?)
 }
@@ -80,7 +83,8 @@ fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, textures: &Textures
     report.required = proof.require(&args.require);
     let [html, json] = ["report.html", "report.json"].map(|kind| args.output.with_extension(kind));
     report.files.extend([html.clone(), json.clone()]);
-    io::write_text(&html, &taotie_report::html(&page::page(report, proof, textures)?))?;
+    let page = bake_page::page(report, proof, textures)?;
+    io::write_text(&html, &taotie_report::html(&page))?;
     io::write_text(&json, &serde_json::to_string_pretty(report)?)?;
     Ok(())
 }

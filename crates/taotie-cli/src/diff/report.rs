@@ -9,7 +9,7 @@ use taotie::Warnings;
 use taotie::compare::NormalEncoding;
 use taotie::comparison::diff::{self, DiffFigures, ImageContent, ImagePair};
 use taotie::names::Named;
-use taotie_report::spread::Spread;
+use taotie_report::summary;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
@@ -122,8 +122,8 @@ impl Report {
 
     fn metrics_text(&self, text: &mut String) {
         let m = &self.metrics;
-        if let Some(angle) = m.angle.map(Spread::from) {
-            let _ = writeln!(text, "angle  {}", angle.text(3, "°"));
+        if let Some(angle) = &m.angle {
+            let _ = writeln!(text, "angle  {}", summary::text(angle, 3, "°"));
             let _ =
                 writeln!(text, "       storing normals in 8 bits alone makes a mean of {FLOOR_OF_8_BITS}°");
         }
@@ -139,11 +139,11 @@ impl Report {
         if let Some(ssim) = m.ssim {
             let _ = writeln!(text, "ssim   {ssim:.5}");
         }
-        if let Some(flip) = m.flip.map(Spread::from) {
+        if let Some(flip) = &m.flip {
             let _ = writeln!(
                 text,
                 "flip   {}, at {} pixels per degree",
-                flip.text(4, ""),
+                summary::text(flip, 4, ""),
                 self.pixels_per_degree
             );
         }

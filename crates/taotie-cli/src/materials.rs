@@ -1,15 +1,15 @@
 //! `taotie materials`: the presets, their measured colours, and what they look like.
 
-mod swatches;
-
 use crate::console;
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
+use taotie::io;
 use taotie::math::Vec3;
 use taotie::scene::{Material, PRESETS, Preset, preset};
 use taotie::shade::fresnel::{COS_82, f_schlick};
+use taotie_report::swatches;
 use taotie_report::table::Table;
 
 /// Version of the JSON that `--json` prints.
@@ -59,7 +59,7 @@ struct Entry {
 /// Runs the subcommand.
 pub fn run(args: &MaterialsArgs) -> Result<()> {
     if let Some(path) = &args.output {
-        swatches::write(path, args.size)?;
+        io::write_png(path, &swatches::sheet(args.size)?.png())?;
     }
     let entries: Vec<Entry> = PRESETS.iter().filter_map(Entry::new).collect();
     if args.json {

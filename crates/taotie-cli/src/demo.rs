@@ -1,16 +1,15 @@
 //! `taotie demo`: the built-in bronze by every surface method and every shading model, and measured against the truth.
 
-mod truth;
-
-use crate::compare::Report;
 use crate::console::{self, Bar};
 use crate::studio::in_pool;
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
+use taotie::Progress;
+use taotie_report::comparison::Document;
 use taotie_study::demo::gallery::{self, Made};
-use taotie_study::demo::{Output, Vessel, export, glb, moving};
+use taotie_study::demo::{Output, Vessel, export, glb, moving, truth};
 use taotie_study::jue;
 
 const EXAMPLES: &str = "\
@@ -50,7 +49,7 @@ const MAPS: u32 = 2048;
 struct Demo {
     files: Vec<PathBuf>,
     made: Vec<Made>,
-    comparison: Report,
+    comparison: Document,
     moving: moving::Report,
 }
 
@@ -84,9 +83,11 @@ fn demo(args: &DemoArgs) -> Result<Demo> {
     files.push(sheet);
     drop(bar);
     let high = jue::with_relief(vessel.scene(), high);
-    let (comparison, written) = truth::write(&args.out, vessel.scene(), high)?;
-    files.extend(written);
-    Ok(Demo { files, made, comparison, moving })
+    let bar = Bar::new("compare");
+    let listener = |_: &'static str, done: f64| bar.hear(done);
+    let compared = truth::write(&args.out, vessel.scene(), &high, Progress::new(&listener))?;
+    files.extend(compared.files);
+    Ok(Demo { files, made, comparison: compared.document, moving })
 }
 
 fn line_of(made: &Made) -> String {
