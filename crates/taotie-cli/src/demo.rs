@@ -1,4 +1,5 @@
-//! `taotie demo`: the built-in bronze by every surface method and every shading model, and measured against the truth.
+//! `taotie demo`: the built-in bronze by every surface method and every shading model, measured against its relief as
+//! geometry.
 
 use crate::console::{self, Bar};
 use crate::studio::in_pool;
@@ -21,20 +22,20 @@ Examples:
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 2;
 
-/// Renders the built-in bronze jue by every method and model, and measures them.
+/// Renders the built-in bronze jue, a ritual vessel, by every surface method and shading model, and measures their error.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct DemoArgs {
-    /// Folder to write to; made if it is not there
+    /// Folder to write to; created if missing
     #[arg(long, value_name = "DIR", default_value = "taotie-demo")]
     pub out: PathBuf,
-    /// Side of each picture of the contact sheet, pixels
+    /// Width and height of each picture of the contact sheet, pixels
     #[arg(long, value_name = "N", default_value_t = 360, value_parser = clap::value_parser!(u32).range(64..=2048))]
     pub size: u32,
-    /// Also writes the bronze with its relief as geometry, more than two million triangles, as jue-high.glb
+    /// Also write the bronze with its relief as geometry, more than two million triangles, as jue-high.glb
     #[arg(long)]
     pub high: bool,
-    /// Threads; all of the machine's if not given
+    /// Number of threads; all of the machine's if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub threads: Option<u32>,
     /// Print a report as JSON

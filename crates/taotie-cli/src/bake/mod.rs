@@ -1,4 +1,4 @@
-//! `taotie bake`: a scan's relief on a light mesh, and the proof that it looks the same.
+//! `taotie bake`: a high-poly scan to a low-poly asset with a normal map, and its measured error.
 
 mod args;
 mod clock;
@@ -48,7 +48,7 @@ fn bake(args: &BakeArgs) -> Result<Report> {
         false => Some(written.verify(scan, &VerifyOptions::default(), progress)),
     };
     if matches!(proved, Some(Err(taotie::Error::Cancelled))) {
-        // What stands there is of this run already, and nobody has proved it.
+        // The files are of this run, and were not verified.
         report.files.iter().for_each(|file| drop(std::fs::remove_file(file)));
     }
     report.stages = clock.done();
@@ -58,7 +58,7 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     Ok(report)
 }
 
-/// Reads the scan, and says what baking it takes before any of that is taken.
+/// Reads the scan, and says how much memory its bake needs before it begins.
 fn read(args: &BakeArgs, baker: &Baker, limits: Limits, progress: Progress<'_>) -> Result<Scan> {
     let file = ScanFile::read(&args.high, &limits, progress)?;
     let need = baker.need(file.size());

@@ -10,7 +10,7 @@ use taotie_report::table::Table;
 pub fn of(report: &Document) -> String {
     let mut text = format!("Angular error against {}, degrees\n", report.against);
     text += &angles(report).lines(0);
-    text += "* away from silhouettes\n";
+    text += "* only pixels away from silhouettes\n";
     for (i, picture) in report.methods[0].pictures.iter().enumerate() {
         text += &format!("\nPictures under {} against {}\n", picture.shading, report.against);
         text += &pictures(report, i).lines(0);
@@ -19,7 +19,7 @@ pub fn of(report: &Document) -> String {
         text += "\n";
     }
     for skipped in &report.skipped {
-        text += &format!("{} was not drawn: {}\n", skipped.method, skipped.reason);
+        text += &format!("{} could not be drawn: {}\n", skipped.method, skipped.reason);
     }
     for note in &report.notes {
         text += &format!("{note}\n");

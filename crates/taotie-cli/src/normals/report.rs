@@ -68,10 +68,10 @@ impl Report {
         if self.to == "tangent" {
             let _ = write!(text, ", green {}", self.green);
         }
-        let what = if self.from == self.to { "changed" } else { "stored" };
-        for (name, angles) in [(what, &self.stored), ("there and back", &self.round_trip)] {
+        let what = if self.from == self.to { "conversion" } else { "storing" };
+        for (name, angles) in [(what, &self.stored), ("round trip", &self.round_trip)] {
             if let Some(angles) = angles {
-                let _ = write!(text, "\n{:<15} {}", name, summary::text(angles, 4, "°"));
+                let _ = write!(text, "\n{:<10} {}", name, summary::text(angles, 4, "°"));
             }
         }
         text
