@@ -14,7 +14,7 @@ use taotie::scene::Scene;
 use taotie::studio::{Sequence, SequenceFrame};
 use taotie::{Progress, Warnings};
 
-/// What all pictures of a run have in common.
+/// The settings that all pictures of a run share, and its progress.
 pub struct Shooting<'a> {
     args: &'a RenderArgs,
     settings: RenderSettings,
@@ -22,9 +22,9 @@ pub struct Shooting<'a> {
     development: Development,
     plan: &'a Sequence,
     environment: Option<EnvironmentLight>,
-    /// Where the time went.
+    /// The time of each stage.
     pub watch: Watch,
-    /// How many pictures are written.
+    /// The number of pictures written.
     done: usize,
     files: Vec<PathBuf>,
 }

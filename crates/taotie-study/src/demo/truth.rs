@@ -1,24 +1,20 @@
 //! The jue's methods measured against its relief as geometry.
 
-use crate::compare::{self, Destination, Echoes, Report};
-use anyhow::Result;
-use serde_json::Value;
-use std::path::{Path, PathBuf};
-use taotie::comparison::{ComparisonOptions, Matching, Subject};
+use super::stage::{self, Stage};
+use std::path::Path;
+use taotie::comparison::{Comparison, ComparisonOptions, Matching, Subject};
 use taotie::scene::Scene;
-use taotie_study::demo::stage::{self, Stage};
+use taotie::{Progress, Result};
+use taotie_report::comparison::{self, Document, Written};
 
 /// Pixels along a side of the comparison's pictures.
 const SIDE: u32 = 560;
-/// The angle at the top of the heat maps' scale, degrees.
-const HEAT_TOP_DEG: f64 = 30.0;
 
-/// Compares the methods on the cup with the displaced mesh `reference`; writes the report into a folder of its own
-/// below `out`.
+/// Compares the methods on the cup with the displaced mesh `reference`; writes the report to `out/comparison`.
 ///
 /// # Errors
-/// Those of rendering and writing.
-pub fn write(out: &Path, scene: &Scene, reference: Scene) -> Result<(Report, Vec<PathBuf>)> {
+/// Those of rendering and writing, and [`taotie::Error::Cancelled`].
+pub fn write(out: &Path, scene: &Scene, reference: &Scene, progress: Progress<'_>) -> Result<Written> {
     let Stage { camera, lighting } = Stage::cup(scene)?;
     let options = ComparisonOptions {
         // The displaced mesh keeps the low mesh's uvs.
@@ -29,17 +25,17 @@ pub fn write(out: &Path, scene: &Scene, reference: Scene) -> Result<(Report, Vec
         development: stage::development(),
         ..ComparisonOptions::default()
     };
-    let subject =
-        Subject::new("the built-in jue", scene).with_reference("its relief as geometry", &reference);
-    let comparison = compare::compared(&subject, &options)?;
-    let folder = out.join("comparison");
-    let destination = Destination { folder: &folder, title: "A bronze jue of 251 vertices" };
-    let echoes = Echoes { material: Value::Null, environment: Value::Null, heat_top_deg: HEAT_TOP_DEG };
-    compare::write(&comparison, &echoes, &destination)
+    let subject = Subject::new("the built-in jue", scene).with_reference("its relief as geometry", reference);
+    let compared = Comparison::of(&subject, &options, progress)?;
+    let options = comparison::Options {
+        title: "A bronze jue of 251 vertices".into(),
+        ..comparison::Options::default()
+    };
+    comparison::write(&compared, &options, &out.join("comparison"))
 }
 
-/// The errors of three methods, and why they stand in this order.
-pub fn lines(report: &Report) -> Vec<String> {
+/// Returns the errors of three methods as lines of text, with the reasons for their order.
+pub fn lines(report: &Document) -> Vec<String> {
     let mut lines = vec!["mean angular error against the displaced mesh, away from silhouettes:".to_string()];
     for (name, why) in REASONS {
         let mean = report.method(name).and_then(|method| method.inner_mean());
@@ -49,7 +45,7 @@ pub fn lines(report: &Report) -> Vec<String> {
     lines
 }
 
-/// In the order of their errors.
+/// The methods with the reasons for their errors, the largest error first.
 const REASONS: [(&str, &str); 3] = [
     ("smooth", "knows nothing of the relief: its error is the relief's own slope"),
     (

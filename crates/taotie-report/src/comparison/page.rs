@@ -1,34 +1,34 @@
 //! `report.html`: the comparison as a page that opens from disk.
 
-use super::report::{self, Report};
-use anyhow::Result;
+use super::{Document, Options};
+use crate::heat_map::HeatMap;
+use crate::sheet::Sheet;
+use crate::summary::figures;
+use crate::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
+use taotie::Result;
 use taotie::compare::{ColorMap, Summary};
 use taotie::comparison::{Comparison, MethodReport, RenderedSurface};
-use taotie::io;
-use taotie_report::heat_map::HeatMap;
-use taotie_report::sheet::Sheet;
-use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
 
-/// The page of a comparison.
+/// Makes the page of a comparison, whose figures are in `report`.
 ///
 /// # Errors
-/// Where a picture cannot be encoded.
-pub fn page(title: &str, report: &Report, comparison: &Comparison, top: f32) -> Result<Page> {
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
+pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options) -> Result<Page> {
     let subtitle = match &report.subject.reference {
         Some(reference) => format!("Surface methods measured against {reference}"),
         None => format!("Surface methods measured against {}: there is no reference", report.against),
     };
     Ok(Page {
-        title: title.into(),
+        title: options.title.clone(),
         subtitle,
         facts: facts(report),
-        views: views(report, comparison, top)?,
+        views: views(report, comparison, options.heat_top_deg as f32)?,
         sections: sections(report),
-        footer: format!("Made by taotie {}. All figures stand in report.json.", report.version),
+        footer: format!("Made by taotie {}. All figures are in report.json.", report.version),
     })
 }
 
-fn facts(report: &Report) -> Vec<Fact> {
+fn facts(report: &Document) -> Vec<Fact> {
     let subject = &report.subject;
     let mut facts = vec![
         Fact::new("Model", subject.model.clone()),
@@ -44,7 +44,7 @@ fn facts(report: &Report) -> Vec<Fact> {
     facts
 }
 
-fn views(report: &Report, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
+fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
     let mut views = Vec::new();
     for (i, picture) in report.methods[0].pictures.iter().enumerate() {
         let shading = &picture.shading;
@@ -83,13 +83,12 @@ fn view(
     let mut pictures = Vec::new();
     for surface in &comparison.surfaces {
         let Some(pixels) = pixels(surface) else { continue };
-        let png = io::encode_png(&pixels.png())?;
-        pictures.push(Picture { label: surface.id(), note: surface.describe(), png });
+        pictures.push(Picture::new(surface.id(), surface.describe(), &pixels)?);
     }
     Ok(View { name, note, pictures, legend: None })
 }
 
-fn sections(report: &Report) -> Vec<Section> {
+fn sections(report: &Document) -> Vec<Section> {
     let mut sections = vec![error_table(report), histogram(report)];
     for i in 0..report.methods[0].pictures.len() {
         sections.push(picture_table(report, i));
@@ -102,7 +101,7 @@ fn sections(report: &Report) -> Vec<Section> {
     sections
 }
 
-fn error_table(report: &Report) -> Section {
+fn error_table(report: &Document) -> Section {
     let figures = ["mean", "median", "95 %", "max"];
     let mut columns = vec![Column::words("method")];
     columns.extend(figures.map(|figure| Column::numbers(figure, "°")));
@@ -129,13 +128,13 @@ fn error_table(report: &Report) -> Section {
 }
 
 fn figure_cells(summary: Option<&Summary>) -> [Cell; 4] {
-    match summary.map(report::figures) {
-        Some(figures) => figures.map(|figure| Cell::number(figure, 2)),
+    match summary.map(figures) {
+        Some(numbers) => numbers.map(|figure| Cell::number(figure, 2)),
         None => std::array::from_fn(|_| Cell::Number { value: None, digits: 2 }),
     }
 }
 
-fn histogram(report: &Report) -> Section {
+fn histogram(report: &Document) -> Section {
     let series = report.methods.iter().filter_map(|method| {
         let counts = method.error.as_ref()?.histogram.clone();
         Some(Series { label: method.method.clone(), counts })
@@ -150,7 +149,7 @@ fn histogram(report: &Report) -> Section {
     }
 }
 
-fn picture_table(report: &Report, i: usize) -> Section {
+fn picture_table(report: &Document, i: usize) -> Section {
     let columns = vec![
         Column::words("method"),
         Column::numbers("RMSE", ""),
@@ -162,14 +161,14 @@ fn picture_table(report: &Report, i: usize) -> Section {
         Column::numbers("FLIP max", ""),
     ];
     let row = |method: &MethodReport| {
-        let figures = method.pictures[i].difference.as_ref()?;
+        let difference = method.pictures[i].difference.as_ref()?;
         let mut cells = vec![
             Cell::text(method.method.clone()),
-            Cell::number(figures.rmse, 4),
-            Cell::Number { value: figures.psnr, digits: 2 },
-            Cell::number(figures.ssim, 4),
+            Cell::number(difference.rmse, 4),
+            Cell::Number { value: difference.psnr, digits: 2 },
+            Cell::number(difference.ssim, 4),
         ];
-        cells.extend(match figures.flip.as_ref().map(report::figures) {
+        cells.extend(match difference.flip.as_ref().map(figures) {
             Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
             None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
         });
@@ -184,7 +183,7 @@ fn picture_table(report: &Report, i: usize) -> Section {
 }
 
 /// Table 2 of Guo and Wang 2025 on this model.
-fn normals_table(report: &Report) -> Section {
+fn normals_table(report: &Document) -> Section {
     let mut columns = point_columns();
     for method in &report.methods {
         columns.extend(["x", "y", "z"].map(|axis| Column::numbers(format!("{} {axis}", method.method), "")));
@@ -206,7 +205,7 @@ fn normals_table(report: &Report) -> Section {
 }
 
 /// Table 3 of Guo and Wang 2025 on this model.
-fn angles_table(report: &Report) -> Section {
+fn angles_table(report: &Document) -> Section {
     let first = &report.methods[0].method;
     let mut columns = point_columns();
     let others = || report.methods.iter().skip(1).enumerate();
@@ -233,7 +232,7 @@ fn point_cells(index: usize, [x, y]: [u32; 2]) -> Vec<Cell> {
     [index as f64 + 1.0, x.into(), y.into()].map(|value| Cell::number(value, 0)).into()
 }
 
-fn remarks(report: &Report) -> Section {
+fn remarks(report: &Document) -> Section {
     let mut paragraphs = report.rules.in_words();
     paragraphs.extend(report.notes.iter().cloned());
     let skipped = report.skipped.iter();
