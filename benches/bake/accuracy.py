@@ -1,8 +1,7 @@
 """How far normal maps are from the scan, degrees: accuracy.py SCAN.ply LOW.npz NAME=MAP.png...
 
 The truth is none of the bakers': Embree casts rays from random points of the low-poly mesh along its interpolated
-normal,
-outward and inward; of what they meet, the nearest that faces the same way counts, with the scan's vertex normals
+normal, outward and inward; of what they meet, the nearest that faces the same way counts, with the scan's vertex normals
 interpolated there. A map is looked up bilinearly at the same point and taken out of tangent space as glTF says: by the
 interpolated normal and tangent, not normalised. Prints JSON.
 """
