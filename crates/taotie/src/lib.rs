@@ -1,4 +1,4 @@
-//! Taotie puts a scan's relief on a light mesh, shades it by physics, and proves that it still looks the same.
+//! Bakes high-poly scans to low-poly glTF with normal maps, renders them by physics, and measures the error.
 //!
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
