@@ -78,7 +78,7 @@ pub fn conclusion(study: &Study) -> Vec<String> {
             study.conclusion.as_printed.mean_bump_50,
         ),
         format!(
-            "The bump of the paper moves the normal along (1, 1, 0) of the object, whatever way the surface faces, \
+            "The paper's bump method moves the normal along (1, 1, 0) of the object, whichever way the surface faces, \
              and does not normalise it: N1 is {:.3} to {:.3} long, N3 up to {:.2}, and N4 {:.2} to {:.2}.",
             n1[0], n1[1], n3[1], n4[0], n4[1]
         ),
