@@ -6,7 +6,7 @@ use taotie::Result;
 use taotie::film::{Development, develop8};
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
+use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Instance, Material, Orbit, PRESETS, Scene, preset};
 use taotie::shade::environment::{Environment, studio};
 
@@ -39,7 +39,8 @@ fn sphere(material: Material, lighting: &Lighting, size: u32) -> Result<Vec<[u8;
     };
     let orbit = Orbit { azimuth: 0.4, elevation: 0.25, distance: 4.4, target: Vec3::default(), fov_y: 0.52 };
     let settings = RenderSettings { width: size, height: size, samples: 16, ..RenderSettings::default() };
-    let frame = render(&scene, &orbit.camera(1.0), lighting, &settings)?;
+    let camera = orbit.camera(1.0);
+    let frame = render(&scene, &Shot { camera: &camera, lighting, settings: &settings })?;
     let development = Development { background: Some(Vec3::splat(0.02)), ..Development::default() };
     Ok(develop8(&frame.color, &development)?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
 }

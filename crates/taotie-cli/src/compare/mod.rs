@@ -96,9 +96,9 @@ fn settings(args: &CompareArgs) -> RenderSettings {
             method: None,
             tangents: args.material.tangents,
             bump_scale: args.bump_scale.map(|scale| scale as f32),
+            simd: args.running.simd,
         },
         shadows: args.light.shadows,
-        simd: args.running.simd,
         ..RenderSettings::default()
     })
 }

@@ -103,12 +103,12 @@ impl RenderArgs {
                 method: self.surface,
                 tangents: self.material.tangents,
                 bump_scale: self.bump_scale.map(|scale| scale as f32),
+                simd: self.running.simd,
             },
             // Paths of light cannot but be cut off.
             shadows: self.light.shadows || self.integrator.reference().is_some(),
             ground: self.ground,
             aovs: !self.aovs.is_empty(),
-            simd: self.running.simd,
             ..RenderSettings::default()
         })
     }

@@ -365,7 +365,7 @@ impl RunningArgs {
         if self.threads == Some(0) {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
         }
-        self.simd.dispatch()?;
+        self.simd.check()?;
         Ok(())
     }
 }

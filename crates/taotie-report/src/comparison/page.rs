@@ -164,14 +164,14 @@ fn picture_table(report: &Document, i: usize) -> Section {
         Column::numbers("FLIP max", ""),
     ];
     let row = |method: &MethodReport| {
-        let figures = method.pictures[i].difference.as_ref()?;
+        let difference = method.pictures[i].difference.as_ref()?;
         let mut cells = vec![
             Cell::text(method.method.clone()),
-            Cell::number(figures.rmse, 4),
-            Cell::Number { value: figures.psnr, digits: 2 },
-            Cell::number(figures.ssim, 4),
+            Cell::number(difference.rmse, 4),
+            Cell::Number { value: difference.psnr, digits: 2 },
+            Cell::number(difference.ssim, 4),
         ];
-        cells.extend(match figures.flip.as_ref().map(figures) {
+        cells.extend(match difference.flip.as_ref().map(figures) {
             Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
             None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
         });

@@ -10,7 +10,7 @@ mod sampler;
 mod texture;
 
 pub use bitmap::{Bitmap, Texels};
-pub use lookup::Lookup;
+pub(crate) use lookup::Lookup;
 pub use picture::Image;
 pub use sampler::{MipFilter, Sampler, TexelFilter, Wrap};
 pub use texture::{Encoding, Texture};

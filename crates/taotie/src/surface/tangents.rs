@@ -1,11 +1,13 @@
 //! Tangents for a mesh, by three methods that end alike: a tangent per corner, then a weld.
 
 use super::frame::{gram_schmidt, uv_derivatives, uv_determinant};
+use super::normals::with_normals_at;
 use super::weld::{Classes, bits};
-use super::{TangentMethod, mikktspace, normals, with_normals};
+use super::{TangentMethod, mikktspace, normals};
 use crate::error::{Error, Result};
-use crate::math::{Vec2, Vec3};
+use crate::math::{SimdLevel, Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
+use fearless_simd::Level;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -36,7 +38,17 @@ pub fn with_frames(
     uv_set: usize,
     method: Option<TangentMethod>,
 ) -> Result<(Cow<'_, Mesh>, usize)> {
-    let mesh = with_normals(mesh)?;
+    with_frames_at(SimdLevel::fastest(), mesh, uv_set, method)
+}
+
+/// [`with_frames`], with normals computed at a SIMD level.
+pub(crate) fn with_frames_at(
+    level: Level,
+    mesh: &Mesh,
+    uv_set: usize,
+    method: Option<TangentMethod>,
+) -> Result<(Cow<'_, Mesh>, usize)> {
+    let mesh = with_normals_at(level, mesh)?;
     if method.is_none() && !mesh.tangents().is_empty() {
         return Ok((mesh, 0));
     }
