@@ -3,7 +3,7 @@
 use super::{Document, Options};
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
-use crate::summary::figures;
+use crate::summary;
 use crate::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
 use taotie::Result;
 use taotie::compare::{ColorMap, Summary};
@@ -131,7 +131,7 @@ fn error_table(report: &Document) -> Section {
 }
 
 fn figure_cells(summary: Option<&Summary>) -> [Cell; 4] {
-    match summary.map(figures) {
+    match summary.map(summary::figures) {
         Some(numbers) => numbers.map(|figure| Cell::number(figure, 2)),
         None => std::array::from_fn(|_| Cell::Number { value: None, digits: 2 }),
     }
