@@ -171,7 +171,7 @@ fn picture_table(report: &Document, i: usize) -> Section {
             Cell::Number { value: difference.psnr, digits: 2 },
             Cell::number(difference.ssim, 4),
         ];
-        cells.extend(match difference.flip.as_ref().map(figures) {
+        cells.extend(match difference.flip.as_ref().map(summary::figures) {
             Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
             None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
         });
