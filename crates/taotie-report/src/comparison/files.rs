@@ -95,7 +95,7 @@ impl Files {
     fn error_cell(&self, surface: &RenderedSurface) -> Cell {
         let Some(difference) = &surface.difference else {
             let blank = Sheet::blank(surface.normals.width() as usize, surface.normals.height() as usize);
-            return cell("error".into(), "what the others are measured against".into(), &blank);
+            return cell("error".into(), "the reference of the others".into(), &blank);
         };
         let note = match difference.inner_angles.summary() {
             Some(summary) => format!("mean {:.2}°, 95 % below {:.1}°", summary.mean, summary.p95),

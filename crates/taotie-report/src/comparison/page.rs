@@ -3,7 +3,7 @@
 use super::{Document, Options};
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
-use crate::summary::figures;
+use crate::summary;
 use crate::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
 use taotie::Result;
 use taotie::compare::{ColorMap, Summary};
@@ -16,7 +16,10 @@ use taotie::comparison::{Comparison, MethodReport, RenderedSurface};
 pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options) -> Result<Page> {
     let subtitle = match &report.subject.reference {
         Some(reference) => format!("Surface methods measured against {reference}"),
-        None => format!("Surface methods measured against {}: there is no reference", report.against),
+        None => format!(
+            "Surface methods measured against the first one, {}, as there is no reference",
+            report.against
+        ),
     };
     Ok(Page {
         title: options.title.clone(),
@@ -36,11 +39,11 @@ fn facts(report: &Document) -> Vec<Fact> {
     ];
     if let (Some(reference), Some(triangles)) = (&subject.reference, subject.reference_triangles) {
         facts.push(Fact::new("Reference", reference.clone()));
-        facts.push(Fact::new("Its triangles", triangles.to_string()));
+        facts.push(Fact::new("Reference triangles", triangles.to_string()));
     }
     let size = &report.parameters["size"];
     facts.push(Fact::new("Pictures", format!("{} × {}", size[0], size[1])));
-    facts.push(Fact::new("Samples a pixel", report.parameters["samples"].to_string()));
+    facts.push(Fact::new("Samples per pixel", report.parameters["samples"].to_string()));
     facts
 }
 
@@ -57,7 +60,7 @@ fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<Vie
                 .as_ref()
                 .map(|difference| HeatMap::of_flip(&difference.pictures[i].flip).plain())
         };
-        let note = format!("What an observer would see of the difference from {}.", report.against);
+        let note = format!("FLIP is the difference from {} that an observer sees.", report.against);
         let view = view(format!("{shading}: FLIP"), note, comparison, &flip)?;
         views.push(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view });
     }
@@ -117,8 +120,8 @@ fn error_table(report: &Document) -> Section {
     Section::Table {
         title: "Angular error".into(),
         note: format!(
-            "Against {}, over all pixels with a corresponding point there ({:.2} % of the samples have none), and inner: \
-             over those away from silhouettes.",
+            "The angle to the normals of {}, over all pixels with a corresponding point there ({:.2} % of the samples have \
+             none). The columns named inner leave out pixels near silhouettes.",
             report.against,
             report.unmatched * 100.0
         ),
@@ -128,7 +131,7 @@ fn error_table(report: &Document) -> Section {
 }
 
 fn figure_cells(summary: Option<&Summary>) -> [Cell; 4] {
-    match summary.map(figures) {
+    match summary.map(summary::figures) {
         Some(numbers) => numbers.map(|figure| Cell::number(figure, 2)),
         None => std::array::from_fn(|_| Cell::Number { value: None, digits: 2 }),
     }
@@ -141,7 +144,7 @@ fn histogram(report: &Document) -> Section {
     });
     Section::Histogram {
         title: "Histograms of angular error".into(),
-        note: format!("Pixels by their angle to {}; one bin a degree.", report.against),
+        note: format!("Pixels by their angle to {}; one bin per degree.", report.against),
         unit: "°".into(),
         bin_width: 1.0,
         last_is_open: true,
@@ -168,7 +171,7 @@ fn picture_table(report: &Document, i: usize) -> Section {
             Cell::Number { value: difference.psnr, digits: 2 },
             Cell::number(difference.ssim, 4),
         ];
-        cells.extend(match difference.flip.as_ref().map(figures) {
+        cells.extend(match difference.flip.as_ref().map(summary::figures) {
             Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
             None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
         });
@@ -237,6 +240,6 @@ fn remarks(report: &Document) -> Section {
     paragraphs.extend(report.notes.iter().cloned());
     let skipped = report.skipped.iter();
     paragraphs
-        .extend(skipped.map(|skipped| format!("{} was not drawn: {}.", skipped.method, skipped.reason)));
+        .extend(skipped.map(|skipped| format!("{} could not be drawn: {}.", skipped.method, skipped.reason)));
     Section::Text { title: "How it was measured".into(), paragraphs }
 }

@@ -47,13 +47,10 @@ pub fn lines(report: &Document) -> Vec<String> {
 
 /// The methods with the reasons for their errors, the largest error first.
 const REASONS: [(&str, &str); 3] = [
-    ("smooth", "knows nothing of the relief: its error is the relief's own slope"),
+    ("smooth", "has no relief: its error is the relief's own slope"),
     (
         "bump",
         "has the relief's slope from its heights, but not how the bronze differs from the mesh's smooth normals",
     ),
-    (
-        "tangent-normal",
-        "has the bronze's normals themselves: what is left is the size of texels and their filtering",
-    ),
+    ("tangent-normal", "has the bronze's own normals: the rest is the size of texels and their filtering"),
 ];
