@@ -8,18 +8,18 @@ use taotie::bake::{
 use taotie::image::{Encoding, Texture};
 use taotie::math::Mat4;
 use taotie::mesh::Mesh;
-use taotie::scene::{Instance, Material, NormalSpace, Scene};
+use taotie::scene::{Instance, Material, NormalSpace, Scene, SceneData};
 use taotie::surface::with_frames;
 use taotie_cli::jue;
 
 fn scan(mesh: Mesh) -> Scan {
-    let scene = Scene {
+    let scene = SceneData {
         meshes: vec![mesh],
         materials: vec![Material::default()],
         instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
+        ..SceneData::default()
     };
-    Scan::new(scene).unwrap()
+    Scan::new(Scene::new(scene).unwrap()).unwrap()
 }
 
 /// The relief's lines are two tenths of a millimetre wide; on a map of half this size each is but a texel.

@@ -50,8 +50,8 @@ fn the_vessel_looks_the_same() {
         irradiance: 3.0,
         size: [512, 512],
     };
-    let mesh = with_tangents(&scene.meshes[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
-    let [color, orm, normal] = [0, 1, 2].map(|i| scene.textures[i].bitmap());
+    let mesh = with_tangents(&scene.meshes()[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
+    let [color, orm, normal] = [0, 1, 2].map(|i| scene.textures()[i].bitmap());
     let clay = GltfMaterial {
         roughness: 0.5,
         base_color_map: Some(color.into()),

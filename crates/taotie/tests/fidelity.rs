@@ -18,7 +18,7 @@ use taotie::image::Image;
 use taotie::io::load_model;
 use taotie::math::Vec3;
 use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
-use taotie::scene::{Camera, Orbit, Scene};
+use taotie::scene::{Camera, Orbit, Scene, SceneData};
 use taotie::shade::environment::Environment;
 
 /// The renderer whose pictures the others are measured against.
@@ -159,7 +159,13 @@ fn speck() -> Scene {
     let positions = vec![far, far + Vec3::new(1.0, 0.0, 0.0), far + Vec3::new(0.0, 1.0, 0.0)];
     let mesh = Mesh::new(MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() }).unwrap();
     let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
-    Scene { meshes: vec![mesh], materials: vec![Material::default()], instances, ..Scene::default() }
+    Scene::new(SceneData {
+        meshes: vec![mesh],
+        materials: vec![Material::default()],
+        instances,
+        ..SceneData::default()
+    })
+    .unwrap()
 }
 
 #[test]

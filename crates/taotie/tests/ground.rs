@@ -4,7 +4,7 @@ use taotie::image::Image;
 use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
 use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
-use taotie::scene::{Camera, Falloff, Instance, Light, LightKind, Material, Orbit, Scene};
+use taotie::scene::{Camera, Falloff, Instance, Light, LightKind, Material, Orbit, Scene, SceneData};
 use taotie::shade::environment::Environment;
 
 /// A horizontal disc of radius 1 at this height, and a speck at height 0 that the ground lies under.
@@ -22,7 +22,8 @@ fn disc(height: f32) -> Scene {
     let mesh = Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap();
     let material = Material { double_sided: true, ..Material::default() };
     let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
-    Scene { meshes: vec![mesh], materials: vec![material], instances, ..Scene::default() }
+    Scene::new(SceneData { meshes: vec![mesh], materials: vec![material], instances, ..SceneData::default() })
+        .unwrap()
 }
 
 /// Looks at the ground near the origin from a low place.

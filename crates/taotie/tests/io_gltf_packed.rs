@@ -60,8 +60,8 @@ fn meshoptimizer_s_streams_unpack_to_what_was_packed() {
     for name in ["patch-meshopt-ext.glb", "patch-meshopt-khr.glb"] {
         let packed = patch(name);
         assert!(packed.warnings.is_empty(), "{:?}", packed.warnings);
-        assert_eq!(packed.scene.meshes.len(), 2);
-        for (a, b) in packed.scene.meshes.iter().zip(&plain.scene.meshes) {
+        assert_eq!(packed.scene.meshes().len(), 2);
+        for (a, b) in packed.scene.meshes().iter().zip(&plain.scene.meshes()) {
             assert_eq!(a.positions(), b.positions(), "no filter");
             assert_eq!(turned(a), turned(b), "both index modes");
             assert!(apart(&normals(a), &normals(b)) < 1.5 / 127.0, "octahedral, 8 bits");
@@ -84,7 +84,7 @@ fn meshoptimizer_s_streams_unpack_to_what_was_packed() {
 #[test]
 fn the_plain_patch_is_what_its_formula_says() {
     let plain = patch("patch.glb");
-    let mesh = &plain.scene.meshes[0];
+    let mesh = &plain.scene.meshes()[0];
     assert_eq!((mesh.positions().len(), mesh.triangles().len()), (63, 96));
     for p in mesh.positions() {
         let (x, y) = (f64::from(p.x), f64::from(p.y));
@@ -112,7 +112,7 @@ fn a_buffer_for_other_programs_is_not_asked_for() {
     let fallback = r#""extensions":{"EXT_meshopt_compression":{"fallback":true}}"#;
     let elsewhere = format!(r#""uri":"not%20there.bin",{fallback}"#);
     let loaded = changed("patch-meshopt-ext.glb", |json| json.replace(fallback, &elsewhere)).unwrap();
-    assert_eq!(loaded.scene.meshes[0].positions(), patch("patch.glb").scene.meshes[0].positions());
+    assert_eq!(loaded.scene.meshes()[0].positions(), patch("patch.glb").scene.meshes()[0].positions());
 }
 
 #[test]
@@ -183,8 +183,8 @@ fn draco_s_streams_unpack_to_what_was_packed() {
     for name in ["patch-draco-sequential.glb", "patch-draco-edgebreaker.glb"] {
         let packed = patch(name);
         assert!(packed.warnings.is_empty(), "{:?}", packed.warnings);
-        assert_eq!(packed.scene.meshes.len(), 2, "{name}");
-        for (a, b) in packed.scene.meshes.iter().zip(&plain.scene.meshes) {
+        assert_eq!(packed.scene.meshes().len(), 2, "{name}");
+        for (a, b) in packed.scene.meshes().iter().zip(&plain.scene.meshes()) {
             let vertex = matched(a, b);
             assert_eq!(
                 vertex.iter().collect::<BTreeSet<_>>().len(),
@@ -218,8 +218,8 @@ fn draco_s_streams_unpack_to_what_was_packed() {
 #[test]
 fn draco_s_valence_traversal() {
     let hill = patch("hill-draco-valence.glb");
-    let mesh = &hill.scene.meshes[0];
-    assert_eq!((mesh.triangles().len(), hill.scene.instances.len()), (2048, 1));
+    let mesh = &hill.scene.meshes()[0];
+    assert_eq!((mesh.triangles().len(), hill.scene.instances().len()), (2048, 1));
     // Normals are those of the faces, since the file has none, so corners are not shared.
     let mut area = 0.0;
     for triangle in 0..mesh.triangles().len() {
@@ -248,7 +248,7 @@ fn draco_files_by_others() {
         let model = packed.parent().unwrap().parent().unwrap();
         let plain = model.join("glTF").join(packed.file_name().unwrap());
         let [packed, plain] = [packed, plain].map(|path| load(&path).unwrap_or_else(|e| panic!("{e}")));
-        for (a, b) in packed.scene.meshes.iter().zip(&plain.scene.meshes) {
+        for (a, b) in packed.scene.meshes().iter().zip(&plain.scene.meshes()) {
             let corners = |mesh: &Mesh| {
                 let corner = |i: u32| {
                     let (p, n) = (mesh.positions()[i as usize], mesh.normals()[i as usize]);
@@ -297,7 +297,7 @@ fn uncompressed_data_stands_in_for_damaged_draco() {
     };
     let loaded = maker.load(&gltf::one_primitive(r#""POSITION":0"#, &draco("")));
     assert_eq!(warned(&loaded, "its uncompressed data is drawn"), 1, "{:?}", loaded.warnings);
-    assert_eq!(loaded.scene.meshes[0].triangles().len(), 1);
+    assert_eq!(loaded.scene.meshes()[0].triangles().len(), 1);
     let loaded = maker.load(&gltf::one_primitive(r#""POSITION":0"#, &draco(r#","mode":5"#)));
     assert_eq!(warned(&loaded, "without strips"), 1, "{:?}", loaded.warnings);
 }

@@ -35,7 +35,7 @@ fn with_texture(texture: &str, images: &[&[u8]], more: &str) -> Result<Loaded, S
 
 /// The picture of the base colour.
 fn shown(loaded: &Loaded) -> &Bitmap {
-    loaded.scene.textures[loaded.scene.materials[0].base_color_texture.unwrap().texture].bitmap()
+    loaded.scene.textures()[loaded.scene.materials()[0].base_color_texture.unwrap().texture].bitmap()
 }
 
 const WEBP: &str = r#""extensions":{"EXT_texture_webp":{"source":1}}"#;
@@ -80,7 +80,7 @@ fn the_image_for_other_programs_stands_for_a_damaged_one() {
     let nowhere = r#"{"source":0,"extensions":{"EXT_texture_webp":{"source":7}}}"#;
     assert_eq!(shown(&with_texture(nowhere, &[&png], "").unwrap()), &bitmap("waves.png"));
     let loaded = with_texture(&format!("{{{WEBP}}}"), &[&png, damaged], "").unwrap();
-    assert!(loaded.scene.materials[0].base_color_texture.is_none());
+    assert!(loaded.scene.materials()[0].base_color_texture.is_none());
     assert_eq!(warned(&loaded, "image 1 is left out"), 1);
 }
 

@@ -8,16 +8,17 @@ use taotie::bake::{
 use taotie::image::{Encoding, Texture};
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Instance, Material, NormalSpace, Scene};
+use taotie::scene::{Instance, Material, NormalSpace, Scene, SceneData};
 use taotie::surface::{vertex_normals, with_frames};
 
 fn scene(mesh: Mesh) -> Scene {
-    Scene {
+    Scene::new(SceneData {
         meshes: vec![mesh],
         materials: vec![Material::default()],
         instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    }
+        ..SceneData::default()
+    })
+    .unwrap()
 }
 
 fn scan(mesh: Mesh) -> Scan {

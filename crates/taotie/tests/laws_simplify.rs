@@ -176,7 +176,7 @@ fn scans_by_others_keep_their_shape() {
     let files = common::files_below(&folder, &["obj"]);
     assert!(!files.is_empty(), "{} holds no model", folder.display());
     for path in files {
-        let mesh = load_model(&path).unwrap().scene.meshes.swap_remove(0);
+        let mesh = load_model(&path).unwrap().scene.meshes()[0].clone();
         for (wanted, mean, most) in [(2_000, 1.5e-3, 1.5e-2), (10_000, 4e-4, 5e-3)] {
             let light = to(&mesh, wanted);
             let [found_mean, found_most] = deviation(&mesh, &light.mesh, mesh.positions().len() / 5_000);

@@ -117,11 +117,11 @@ fn fringe(image: &Image, smooth: &Image) -> usize {
 fn softened_normals_have_no_black_fringe() {
     let rough = |scale: f32| {
         let mut scene = polished_bosses(scale, 0.6);
-        scene.materials[0].metallic = 0.0;
+        scene.edit(|scene| scene.materials[0].metallic = 0.0).unwrap();
         scene
     };
     let mut smooth = rough(1.0);
-    smooth.materials[0].normal = None;
+    smooth.edit(|scene| scene.materials[0].normal = None).unwrap();
     for (what, lighting) in [("lamp", lamp(0.0)), ("sky", white_sky())] {
         let bumpy = rough(3.0);
         let plain = soft(&smooth, &lighting);
@@ -143,7 +143,7 @@ fn largest_step(image: &Image) -> f32 {
 #[test]
 fn light_ends_softly_where_a_bumpy_surface_turns_away() {
     let mut scene = polished_bosses(3.0, 1.0);
-    scene.materials[0].metallic = 0.0;
+    scene.edit(|scene| scene.materials[0].metallic = 0.0).unwrap();
     // From the right and from behind: light ends between the middle and the left edge.
     let side = Vec3::new(-1.0, 0.0, -0.3);
     let lighting = Lighting { lights: vec![scenes::directional(side, 3.0)], ..Lighting::default() };

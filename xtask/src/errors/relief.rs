@@ -22,10 +22,12 @@ pub fn table() -> Result<String> {
     text += "| --: | --: | --: | --: | --: |\n";
     let mut scene = jue::scene(1024);
     for roughness in ROUGHNESS {
-        for material in &mut scene.materials {
-            (material.roughness, material.metallic) = (roughness, 1.0);
-            material.metallic_roughness_texture = None;
-        }
+        scene.edit(|scene| {
+            for material in &mut scene.materials {
+                (material.roughness, material.metallic) = (roughness, 1.0);
+                material.metallic_roughness_texture = None;
+            }
+        })?;
         let errors = errors(&scene)?;
         let mut cells = vec![format!("{roughness}")];
         cells.extend(errors.map(|error| format!("{:.1} %", error * 100.0)));

@@ -12,7 +12,7 @@ use taotie::compare::Field;
 use taotie::image::{Encoding, Texture};
 use taotie::io;
 use taotie::mesh::Mesh;
-use taotie::scene::{NormalSpace, Scene};
+use taotie::scene::{NormalSpace, Scene, SceneData};
 
 /// Points of the light mesh at which normals are compared.
 const POINTS: usize = 200_000;
@@ -160,14 +160,10 @@ struct Shown<'a> {
 
 impl<'a> Shown<'a> {
     fn of(scene: &'a Scene, object_map: Option<&'a Texture>) -> Result<Self> {
-        let first = scene.instances.first().context("the asset as written has no triangles")?;
-        let finest = Scene {
-            meshes: vec![scene.meshes[first.mesh].clone()],
-            instances: vec![taotie::scene::Instance { mesh: 0, ..*first }],
-            ..Scene::default()
-        };
-        let map = scene.materials[first.material].normal.as_ref();
-        let inside = map.map(|map| (&scene.textures[map.texture.texture], NormalSpace::Tangent));
+        let first = scene.instances().first().context("the asset as written has no triangles")?;
+        let finest = Scene::new(SceneData { instances: vec![*first], ..scene.data().clone() })?;
+        let map = scene.materials()[first.material].normal.as_ref();
+        let inside = map.map(|map| (&scene.textures()[map.texture.texture], NormalSpace::Tangent));
         let normal = object_map.map(|map| (map, NormalSpace::Object)).or(inside);
         let mesh = taotie::surface::with_frames(&light_mesh(finest)?, 0, None)?.0.into_owned();
         Ok(Self { mesh, normal })

@@ -220,7 +220,7 @@ impl Kept {
         let bitmap = |texture: &Option<taotie::scene::TextureRef>| {
             let texture = texture.as_ref()?;
             let plain = texture.uv_set == 0 && texture.transform == taotie::scene::UvTransform::default();
-            plain.then(|| scene.textures[texture.texture].bitmap().clone())
+            plain.then(|| scene.textures()[texture.texture].bitmap().clone())
         };
         Self {
             color: bitmap(&material.base_color_texture),

@@ -8,7 +8,7 @@ use taotie::film::Development;
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
 use taotie::render::{Lighting, RenderSettings, Renderer};
-use taotie::scene::{Camera, Instance, Material, Orbit, Scene, fitting_distance, three_point_rig};
+use taotie::scene::{Camera, Instance, Material, Orbit, Scene, SceneData, fitting_distance, three_point_rig};
 
 /// Pixels along a side of the pictures.
 const SIDE: u32 = 384;
@@ -35,14 +35,14 @@ pub struct Shots {
 /// # Errors
 /// None but those of rendering, which a scene that was read does not cause.
 pub fn take(scan: Mesh, asset: Scene, progress: Progress<'_>) -> Result<Shots> {
-    let heavy = Scene {
+    let heavy = Scene::new(SceneData {
         meshes: vec![scan],
         materials: vec![neutral()],
         instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    };
+        ..SceneData::default()
+    })?;
     let cameras = cameras(&heavy);
-    let light = neutralised(asset);
+    let light = neutralised(asset)?;
     let scan = pictures(&heavy, &cameras, progress.part(0.0, 0.5))?;
     drop(heavy);
     let asset = pictures(&light, &cameras, progress.part(0.5, 0.9))?;
@@ -70,12 +70,14 @@ fn neutral() -> Material {
 }
 
 /// The finest level of the asset with the neutral material, its normal map kept.
-fn neutralised(mut asset: Scene) -> Scene {
-    for material in &mut asset.materials {
-        *material = Material { normal: material.normal, ..neutral() };
-    }
-    asset.lights.clear();
-    asset
+fn neutralised(mut asset: Scene) -> Result<Scene> {
+    asset.edit(|asset| {
+        for material in &mut asset.materials {
+            *material = Material { normal: material.normal, ..neutral() };
+        }
+        asset.lights.clear();
+    })?;
+    Ok(asset)
 }
 
 fn azimuth(view: usize) -> f64 {

@@ -82,7 +82,7 @@ impl Source {
         memory::check_file(&args.high, limit)?;
         let mut loaded = stages.run("read the scan", |_| read(&args.high, warnings))?;
         let triangles = loaded.scene.triangle_count() as u64;
-        let vertices = loaded.scene.meshes.iter().map(|m| m.positions().len() as u64).sum();
+        let vertices = loaded.scene.meshes().iter().map(|m| m.positions().len() as u64).sum();
         let need = Need {
             scan: [triangles, vertices],
             simplifies: args.low.is_none(),
@@ -94,13 +94,14 @@ impl Source {
         if !args.json {
             crate::console::say(&format!("baking {triangles} triangles takes about {}", need.bytes()));
         }
-        let mut scene = std::mem::take(&mut loaded.scene);
+        let mut parts = std::mem::take(&mut loaded.scene).into_data();
         warnings.note(
             "meshes of the scan with a normal for each facet, or none, as glTF shows them; they are smoothed",
-            smooth_facets(&mut scene)?,
+            smooth_facets(&mut parts.meshes)?,
         );
-        let first = scene.instances.first().map(|instance| instance.material);
-        let material = first.and_then(|m| scene.materials.get(m)).cloned().unwrap_or_default();
+        let scene = Scene::new(parts)?;
+        let first = scene.instances().first().map(|instance| instance.material);
+        let material = first.and_then(|m| scene.materials().get(m)).cloned().unwrap_or_default();
         let scan = stages.run("sort the scan", |_| Ok(Scan::new(scene)?))?;
         Ok(Self { hash, path: args.high.clone(), loaded, scan, material })
     }
@@ -108,9 +109,9 @@ impl Source {
 
 /// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; gives back how
 /// many such meshes there are. A scan is never meant in facets.
-fn smooth_facets(scene: &mut Scene) -> Result<usize> {
+fn smooth_facets(meshes: &mut [Mesh]) -> Result<usize> {
     let mut count = 0;
-    for mesh in &mut scene.meshes {
+    for mesh in meshes {
         if is_faceted(mesh) {
             let data = std::mem::take(mesh).into_data();
             *mesh = Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..data })?;
@@ -161,7 +162,7 @@ fn texel_bytes(args: &BakeArgs) -> u64 {
 fn read(path: &Path, warnings: &mut Warnings) -> Result<Loaded> {
     let mut loaded = io::load_model(path)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
-    let meshes = &loaded.scene.meshes;
+    let meshes = &loaded.scene.meshes();
     let mut positions = meshes.iter().flat_map(|mesh| mesh.positions());
     let first = positions.next();
     if !positions.any(|position| Some(position) != first) {
@@ -178,14 +179,14 @@ impl Light {
     pub fn read(path: &Path, args: &BakeArgs, stages: &mut Stages, warnings: &mut Warnings) -> Result<Self> {
         let loaded = stages.run("read the light mesh", |_| read(path, warnings))?;
         let scene = loaded.scene;
-        let used: Vec<usize> = scene.instances.iter().map(|instance| instance.material).collect();
+        let used: Vec<usize> = scene.instances().iter().map(|instance| instance.material).collect();
         if used.iter().any(|material| *material != used[0]) {
             warnings.note("materials of the light mesh made one, the first", 1);
         }
-        let material = used.first().and_then(|m| scene.materials.get(*m)).cloned().unwrap_or_default();
+        let material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
         note_lost(&material, warnings);
         let kept = Kept::of(&material, &scene);
-        let mesh = bake::light_mesh(Scene { textures: Vec::new(), ..scene })?;
+        let mesh = bake::light_mesh(scene)?;
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,

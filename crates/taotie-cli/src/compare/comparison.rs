@@ -136,7 +136,7 @@ impl Comparison {
     /// Where no method can be drawn, and those of rendering.
     pub fn take(subject: &mut Subject, plan: &Plan) -> Result<Self> {
         let mut studio = Studio::new(plan, subject.reference.is_some());
-        let mut relief = Relief::new(&mut subject.scene, plan.settings.surface.tangents);
+        let mut relief = Relief::new(&mut subject.scene, plan.settings.surface.tangents)?;
         let (mut taken, skipped) = studio.take_all(&mut subject.scene, &mut relief)?;
         if let Some(reference) = &subject.reference {
             taken.push(studio.take(reference, None)?);

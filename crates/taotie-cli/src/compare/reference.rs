@@ -20,27 +20,31 @@ pub fn load(path: &Path, choice: Option<&str>, model: &Scene, warnings: &mut War
     check_place(path, model, &scene, warnings);
     match choice {
         Some(choice) => {
-            let own = scene.materials.clone();
+            let own = scene.materials().to_vec();
             studio::apply_choice(choice, &mut scene)?;
             // Relief that the material brings along is the model's; this one's is geometry.
-            for (material, own) in scene.materials.iter_mut().zip(own) {
-                (material.normal, material.height) = (own.normal, own.height);
-            }
+            scene.edit(|scene| {
+                for (material, own) in scene.materials.iter_mut().zip(own) {
+                    (material.normal, material.height) = (own.normal, own.height);
+                }
+            })?;
         }
-        None => take_factors(&mut scene, model),
+        None => take_factors(&mut scene, model)?,
     }
     Ok(scene)
 }
 
 /// Materials that say nothing take the factors of the model's first.
-fn take_factors(scene: &mut Scene, model: &Scene) {
-    let Some(first) = model.materials.first() else { return };
-    for material in &mut scene.materials {
-        let silent = Material { name: material.name.clone(), ..Material::default() };
-        if *material == silent {
-            *material = without_textures(first);
+fn take_factors(scene: &mut Scene, model: &Scene) -> taotie::Result<()> {
+    let Some(first) = model.materials().first() else { return Ok(()) };
+    scene.edit(|scene| {
+        for material in &mut scene.materials {
+            let silent = Material { name: material.name.clone(), ..Material::default() };
+            if *material == silent {
+                *material = without_textures(first);
+            }
         }
-    }
+    })
 }
 
 fn without_textures(material: &Material) -> Material {

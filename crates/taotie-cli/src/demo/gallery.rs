@@ -148,12 +148,15 @@ fn describe(shading: Shading) -> &'static str {
 /// The same scene with the relief as an object-space map.
 pub fn with_object_map(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    scene.textures.push(Texture::new(jue::object_normal_map(scene.textures[0].width()), Encoding::Normal));
-    let index = scene.textures.len() - 1;
-    for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
-        map.texture.texture = index;
-        map.space = NormalSpace::Object;
-    }
+    let map = jue::object_normal_map(scene.textures()[0].width());
+    let index = scene.add_texture(Texture::new(map, Encoding::Normal));
+    let exchanged = scene.edit(|scene| {
+        for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
+            map.texture.texture = index;
+            map.space = NormalSpace::Object;
+        }
+    });
+    exchanged.expect("the texture was just added");
     scene
 }
 

@@ -116,7 +116,7 @@ impl Artist {
 /// The shape alone, to frame it.
 fn shape_of(vessel: &mut Pouring, seconds: f64) -> taotie::Result<Scene> {
     let posed = vessel.at(seconds)?;
-    Ok(Scene { meshes: posed.meshes.clone(), instances: posed.instances.clone(), ..Scene::default() })
+    Ok(posed.clone())
 }
 
 /// The same bronze with this mesh, whose relief is geometry.

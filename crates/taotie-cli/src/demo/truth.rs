@@ -8,7 +8,7 @@ use crate::compare::{
 use anyhow::Result;
 use std::path::PathBuf;
 use taotie::mesh::Mesh;
-use taotie::scene::Scene;
+use taotie::scene::{Scene, SceneData};
 use taotie::shade::Shading;
 
 /// Pixels along a side of the comparison's pictures.
@@ -51,11 +51,11 @@ pub fn write(args: &DemoArgs, scene: &Scene, reference: Scene) -> Result<(Report
 
 /// The same bronze with its relief as geometry, which `mesh` has.
 pub fn with_relief(scene: &Scene, mesh: Mesh) -> Scene {
-    let mut scene = Scene { meshes: vec![mesh], ..scene.clone() };
-    for material in &mut scene.materials {
+    let mut data = SceneData { meshes: vec![mesh], ..scene.data().clone() };
+    for material in &mut data.materials {
         (material.normal, material.height) = (None, None);
     }
-    scene
+    Scene::new(data).expect("one mesh takes the place of another")
 }
 
 /// The errors of three methods, and why they stand in this order.

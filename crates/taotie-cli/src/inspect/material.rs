@@ -97,7 +97,7 @@ impl<'a> Materials<'a> {
 
     /// One a material, in order.
     pub fn reports(mut self) -> Vec<MaterialReport> {
-        self.loaded.scene.materials.iter().map(|material| self.report(material)).collect()
+        self.loaded.scene.materials().iter().map(|material| self.report(material)).collect()
     }
 
     fn report(&mut self, material: &Material) -> MaterialReport {
@@ -143,7 +143,7 @@ impl<'a> Materials<'a> {
     }
 
     fn texture(&self, role: &'static str, used: &TextureRef) -> TextureReport {
-        let texture = &self.loaded.scene.textures[used.texture];
+        let texture = &self.loaded.scene.textures()[used.texture];
         let name = self.loaded.texture_names.get(used.texture).cloned();
         TextureReport {
             role,
@@ -161,7 +161,7 @@ impl<'a> Materials<'a> {
     }
 
     fn pixels(&mut self, texture: usize) -> Pixels {
-        let bitmap = self.loaded.scene.textures[texture].bitmap();
+        let bitmap = self.loaded.scene.textures()[texture].bitmap();
         self.pixels.entry(texture).or_insert_with(|| Pixels::of(bitmap)).clone()
     }
 }

@@ -24,7 +24,8 @@ use taotie::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
 use taotie::math::Mat4;
 use taotie::mesh::Mesh;
 use taotie::scene::{
-    GreenChannel, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
+    GreenChannel, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef,
+    UvTransform,
 };
 
 /// The height of 1 of [`height`] above the low mesh, metres.
@@ -90,7 +91,9 @@ pub fn scene(size: u32) -> Scene {
         Texture::new(bake.height_map(), Encoding::Linear),
     ];
     let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
-    Scene { meshes: vec![mesh], materials: vec![material()], textures, instances, ..Scene::default() }
+    let (meshes, materials) = (vec![mesh], vec![material()]);
+    let data = SceneData { meshes, materials, textures, instances, ..SceneData::default() };
+    Scene::new(data).expect("four textures are there")
 }
 
 /// Factors of one everywhere: the textures say it all.

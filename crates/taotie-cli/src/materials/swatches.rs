@@ -9,7 +9,7 @@ use taotie::io::write_png;
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
 use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
-use taotie::scene::{Instance, Material, Orbit, PRESETS, Scene, preset};
+use taotie::scene::{Instance, Material, Orbit, PRESETS, Scene, SceneData, preset};
 use taotie::shade::environment::{Environment, studio};
 
 /// Spheres in a row.
@@ -31,12 +31,12 @@ pub fn write(path: &Path, size: u32) -> Result<()> {
 }
 
 fn sphere(material: Material, lighting: &Lighting, size: u32) -> Result<Vec<[u8; 3]>> {
-    let scene = Scene {
+    let scene = Scene::new(SceneData {
         meshes: vec![Mesh::sphere(1.0, 96, 48)],
         materials: vec![material],
         instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    };
+        ..SceneData::default()
+    })?;
     let orbit = Orbit { azimuth: 0.4, elevation: 0.25, distance: 4.4, target: Vec3::default(), fov_y: 0.52 };
     let settings = RenderSettings { width: size, height: size, samples: 16, ..RenderSettings::default() };
     let frame = render(&scene, &orbit.camera(1.0), lighting, &settings)?;

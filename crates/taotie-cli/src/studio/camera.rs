@@ -128,11 +128,11 @@ fn united(a: Option<Bounds>, b: Option<Bounds>) -> Option<Bounds> {
 }
 
 fn named(scene: &Scene, name: &str) -> Result<Camera> {
-    if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
+    if let Some(camera) = scene.cameras().iter().find(|camera| camera.name == name) {
         return Ok(camera.clone());
     }
     // Nameless cameras can be chosen by number.
-    if let Some(camera) = name.parse::<usize>().ok().and_then(|index| scene.cameras.get(index)) {
+    if let Some(camera) = name.parse::<usize>().ok().and_then(|index| scene.cameras().get(index)) {
         return Ok(camera.clone());
     }
     let names: Vec<String> = scene

@@ -23,12 +23,12 @@ pub fn lighting(
     viewpoint: &Viewpoint,
     turn: f64,
 ) -> Result<Lighting> {
-    let lit = environment.is_some() || !args.lights.is_empty() || !scene.lights.is_empty();
+    let lit = environment.is_some() || !args.lights.is_empty() || !scene.lights().is_empty();
     let ambient = args.ambient.unwrap_or(Vec3::splat(if lit { 0.0 } else { ROOM }));
     let turned =
         |light: &EnvironmentLight| EnvironmentLight { rotation: light.rotation - turn, ..light.clone() };
     let lights = if environment.is_some() && args.lights.is_empty() {
-        scene.lights.clone()
+        scene.lights().to_vec()
     } else {
         choose(args, scene, viewpoint, turn)?
     };
@@ -41,7 +41,7 @@ pub fn lighting(
 fn choose(args: &LightArgs, scene: &Scene, viewpoint: &Viewpoint, turn: f64) -> Result<Vec<Light>> {
     if args.lights.is_empty() {
         let rig = || three_point_rig(&viewpoint.camera(turn));
-        return Ok(if scene.lights.is_empty() { rig() } else { scene.lights.clone() });
+        return Ok(if scene.lights().is_empty() { rig() } else { scene.lights().to_vec() });
     }
     let camera = viewpoint.camera(0.0);
     let turned = viewpoint.turned(turn);

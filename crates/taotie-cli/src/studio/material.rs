@@ -32,20 +32,22 @@ pub fn apply(args: &MaterialArgs, height_scale: Option<f64>, scene: &mut Scene) 
         ..MapOptions::default()
     };
     let change = maps.load(scene)?;
-    scene.materials.iter_mut().for_each(|material| change.apply(material));
-    if args.green == Green::Down {
+    scene.edit(|scene| {
         for material in &mut scene.materials {
-            let coat = material.clearcoat.as_mut().and_then(|coat| coat.normal.as_mut());
-            material.normal.iter_mut().chain(coat).for_each(|map| map.green = GreenChannel::Down);
+            change.apply(material);
+            if args.green == Green::Down {
+                let coat = material.clearcoat.as_mut().and_then(|coat| coat.normal.as_mut());
+                material.normal.iter_mut().chain(coat).for_each(|map| map.green = GreenChannel::Down);
+            }
         }
-    }
+    })?;
     Ok(())
 }
 
 /// Puts a preset or what a TOML file asks for into every material of the scene.
 pub fn apply_choice(choice: &str, scene: &mut Scene) -> Result<()> {
     let change = read_choice(choice)?.resolve(scene)?;
-    scene.materials.iter_mut().for_each(|material| change.apply(material));
+    scene.edit(|scene| scene.materials.iter_mut().for_each(|material| change.apply(material)))?;
     Ok(())
 }
 
@@ -309,9 +311,8 @@ impl MapOptions {
 }
 
 fn load_texture(scene: &mut Scene, path: &Path, encoding: Encoding) -> Result<TextureRef> {
-    scene.textures.push(Texture::new(io::read_bitmap(path)?, encoding));
     Ok(TextureRef {
-        texture: scene.textures.len() - 1,
+        texture: scene.add_texture(Texture::new(io::read_bitmap(path)?, encoding)),
         uv_set: 0,
         sampler: Sampler::default(),
         transform: UvTransform::default(),

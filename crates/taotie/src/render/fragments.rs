@@ -105,7 +105,7 @@ impl Interpolation<'_, '_> {
             NormalSource::BumpPrinted(map, _) => {
                 // The paper's g: half the difference of the grey levels (0 to 255) of the two neighbours along u.
                 batch.relief.fill(0.0);
-                let width = self.scene.textures[map.texture.texture].width() as f32;
+                let width = self.scene.textures()[map.texture.texture].width() as f32;
                 [batch.dh_du, _] = self.height_derivatives(map, batch);
                 scale(&mut batch.dh_du, 255.0 / width, len);
             }
@@ -117,7 +117,7 @@ impl Interpolation<'_, '_> {
 
     /// ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
     fn height_derivatives(&self, map: &HeightMap, batch: &mut Batch) -> [Column; 2] {
-        let texture = &self.scene.textures[map.texture.texture];
+        let texture = &self.scene.textures()[map.texture.texture];
         let Batch { lookups, uv_sets, len, .. } = batch;
         lookups.locate(self.level, texture, &map.texture, (uv_sets, *len));
         let last = (texture.levels() - 1) as f32;

@@ -47,7 +47,7 @@ impl Lookups {
         (sets, len): (&[UvSet], usize),
         out: [&mut Column; 4],
     ) {
-        let image = &scene.textures[texture.texture];
+        let image = &scene.textures()[texture.texture];
         let placement = Placement {
             uv_set: texture.uv_set,
             transform: texture.transform,
@@ -71,7 +71,7 @@ impl Lookups {
         shift: impl Fn(usize) -> [f32; 2],
         out: [&mut Column; 4],
     ) {
-        let image = &scene.textures[texture.texture];
+        let image = &scene.textures()[texture.texture];
         let mut moved = self.uv;
         let [moved_u, moved_v] = &mut moved;
         for (i, (u, v)) in moved_u.iter_mut().zip(moved_v.iter_mut()).enumerate().take(len) {

@@ -63,8 +63,7 @@ impl<'a> Prepared<'a> {
     /// Transforms vertices to world space and makes the normals and tangents that are lacking.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where the scene draws no triangle, a transform is not finite, or a mesh cannot be given
-    /// tangents; [`Error::Limit`] beyond 2^32 − 2 triangles.
+    /// [`Error::Invalid`] where the scene draws no triangle or a mesh cannot be given tangents; [`Error::Limit`] beyond 2^32 − 2 triangles.
     pub fn new(scene: &'a Scene, settings: &SurfaceSettings) -> Result<Self> {
         let total = scene.triangle_count();
         if total == 0 {
@@ -75,9 +74,9 @@ impl<'a> Prepared<'a> {
         }
         let mut preparation =
             Preparation { scene, settings, meshes: HashMap::new(), warnings: Warnings::default() };
-        let mut draws: Vec<Draw<'a>> = Vec::with_capacity(scene.instances.len());
+        let mut draws: Vec<Draw<'a>> = Vec::with_capacity(scene.instances().len());
         let mut first_triangle = 0;
-        for instance in &scene.instances {
+        for instance in scene.instances() {
             let draw = preparation.draw(instance, first_triangle)?;
             first_triangle += draw.mesh.triangles().len() as u32;
             draws.push(draw);
@@ -130,10 +129,7 @@ struct Preparation<'a, 'b> {
 impl<'a> Preparation<'a, '_> {
     fn draw(&mut self, instance: &Instance, first_triangle: u32) -> Result<Draw<'a>> {
         let m = instance.world_from_object;
-        if !m.is_finite() {
-            return Err(Error::invalid("an instance's transform", "it is infinite or NaN; mend the file"));
-        }
-        let material = &self.scene.materials[instance.material];
+        let material = &self.scene.materials()[instance.material];
         let mut normal_source = self.normal_source(material);
         if self.lacks_uvs(instance.mesh, &normal_source) {
             normal_source = NormalSource::Smooth;
@@ -189,7 +185,7 @@ impl<'a> Preparation<'a, '_> {
             (None, Some(stretch)) => stretch.texture.as_ref().map_or(0, |texture| texture.uv_set),
             (None, None) => return None,
         };
-        let lacks = set >= self.scene.meshes[mesh].uvs().len();
+        let lacks = set >= self.scene.meshes()[mesh].uvs().len();
         let what = "meshes without the uv set of their lacquer's normals or of their anisotropy: drawn without direction";
         self.warnings.note(what, usize::from(lacks));
         (!lacks).then_some(set)
@@ -201,7 +197,7 @@ impl<'a> Preparation<'a, '_> {
             NormalSource::Bump(map, _) | NormalSource::BumpPrinted(map, _) => &map.texture,
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => &map.texture,
         };
-        let lacks = texture.uv_set >= self.scene.meshes[mesh].uvs().len();
+        let lacks = texture.uv_set >= self.scene.meshes()[mesh].uvs().len();
         self.warnings.note(
             "meshes without the uv set of their normal or height map: drawn smooth",
             usize::from(lacks),
@@ -214,7 +210,7 @@ impl<'a> Preparation<'a, '_> {
         if let Some(mesh) = self.meshes.get(&(index, tangent_set)) {
             return Ok(mesh.clone());
         }
-        let mesh = &self.scene.meshes[index];
+        let mesh = &self.scene.meshes()[index];
         let mesh = match tangent_set {
             None => surface::with_normals(mesh)?,
             Some(uv_set) => {

@@ -6,7 +6,7 @@ use crate::math::Vec2;
 /// A texture as a material uses it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureRef {
-    /// Index into [`super::Scene::textures`].
+    /// Index into [`super::SceneData::textures`].
     pub texture: usize,
     /// Which uv set of the mesh.
     pub uv_set: usize,

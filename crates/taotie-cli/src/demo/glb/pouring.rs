@@ -19,7 +19,7 @@ const FIRST: usize = 1;
 /// Those of writing.
 pub fn write(folder: &Path, scene: &Scene) -> Result<PathBuf> {
     let path = folder.join("jue-pouring.glb");
-    let mesh = &scene.meshes[0];
+    let mesh = &scene.meshes()[0];
     let mut draft = super::draft(mesh, Some("jue_normal.png"))?;
     let rig = pour::rig(mesh);
     add_rig(&mut draft, rig.data());
@@ -117,13 +117,13 @@ mod tests {
         export::write(folder.path(), &scene).unwrap();
         let mut loaded = io::load_model(&write(folder.path(), &scene).unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-        let (read, ours) = (&loaded.scene.materials[0], &scene.materials[0]);
+        let (read, ours) = (&loaded.scene.materials()[0], &scene.materials()[0]);
         let look = |m: &Material| (m.base_color, m.metallic, m.roughness, m.occlusion_strength);
         assert_eq!(look(read), look(ours));
         assert_eq!(read.normal, ours.normal);
         let rig = loaded.rig.unwrap();
         assert_eq!((rig.animations()[0].name.as_str(), rig.animations()[0].seconds()), ("pour", 2.0));
-        let own = pour::rig(&scene.meshes[0]);
+        let own = pour::rig(&scene.meshes()[0]);
         for seconds in [0.0, 0.3, pour::POURED, 1.7] {
             let mut expected = scene.clone();
             own.pose(&mut expected, 0, seconds).unwrap();

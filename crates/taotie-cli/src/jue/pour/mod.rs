@@ -101,7 +101,7 @@ impl Pouring {
     /// # Errors
     /// None but where the mesh cannot be given tangents.
     pub fn new(mut scene: Scene) -> Result<Self> {
-        let rig = rig(&scene.meshes[0]);
+        let rig = rig(&scene.meshes()[0]);
         let settings = SurfaceSettings::default();
         let (rig, _) = bind_tangents(&mut scene, rig, &settings, &mut Warnings::default())?;
         Ok(Self { scene, rig })

@@ -35,7 +35,7 @@ use crate::error::{Result, Warnings};
 use crate::math::Vec2;
 use crate::mesh::Mesh;
 use crate::scene::animation::{Deformed, Rig, RigData};
-use crate::scene::{Instance, Material, Scene, TextureRef as TextureUse};
+use crate::scene::{Instance, Material, Scene, SceneData, TextureRef as TextureUse};
 use document::Document;
 use meshes::Meshes;
 use nodes::Nodes;
@@ -57,7 +57,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let Decoded { textures, names: texture_names, missing: missing_files } = decoded;
     let (light_nodes, lights) = lights::lights(&document, &nodes, &mut warnings).into_iter().unzip();
     let (camera_nodes, cameras) = lights::cameras(&document, &nodes, &mut warnings).into_iter().unzip();
-    let mut scene = Scene { meshes, materials, textures, instances, lights, cameras };
+    let mut scene = SceneData { meshes, materials, textures, instances, lights, cameras };
     add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
     let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
     let rig = hung.rig(&document, nodes, &mut warnings)?;
@@ -73,7 +73,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
         missing_files,
         rig,
         variants,
-        ..Loaded::new(scene, warnings, document.format)
+        ..Loaded::new(Scene::new(scene)?, warnings, document.format)
     })
 }
 
@@ -109,7 +109,7 @@ fn drop_unused_default(materials: &mut Vec<Material>, instances: &mut [Instance]
 
 /// Gives each mesh every uv set that its materials name, in any variant, since a file may promise more than it holds.
 fn add_missing_uvs(
-    scene: &mut Scene,
+    scene: &mut SceneData,
     variants: &Variants,
     deformed: &mut [Deformed],
     warnings: &mut Warnings,
