@@ -310,7 +310,7 @@ fn lights_and_cameras() {
     assert_eq!(lamp.kind, LightKind::Point { position: v(1.0, 2.0, 3.0) });
     let LightKind::Spot { direction, inner, outer, .. } = spot.kind else { panic!("{spot:?}") };
     assert!((direction - v(-1.0, 0.0, 0.0)).length() < 1e-6);
-    assert_eq!((inner, outer, spot.falloff), (0.1, 0.3, Falloff::InverseSquare));
+    assert_eq!((inner as f32, outer as f32, spot.falloff), (0.1, 0.3, Falloff::InverseSquare));
     assert_eq!(sun.kind, LightKind::Directional { direction: v(0.0, 0.0, -1.0) });
     assert_eq!(warned(&loaded, "light of node 4"), 1);
     let [eye, plan] = &loaded.scene.cameras()[..] else { panic!("{:?}", loaded.scene.cameras()) };

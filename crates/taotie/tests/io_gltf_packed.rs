@@ -177,6 +177,7 @@ fn matched(mesh: &Mesh, of: &Mesh) -> Vec<usize> {
 
 /// Streams by Draco's own encoder. Points may change their order but not what belongs to them; indices and colours
 /// are exact, the others within the step of their bits.
+#[cfg(feature = "draco")]
 #[test]
 fn draco_s_streams_unpack_to_what_was_packed() {
     let plain = patch("patch.glb");
@@ -215,6 +216,7 @@ fn draco_s_streams_unpack_to_what_was_packed() {
 }
 
 /// The traversal for large meshes; the hill follows the formula in `data/make-meshes.mjs`.
+#[cfg(feature = "draco")]
 #[test]
 fn draco_s_valence_traversal() {
     let hill = patch("hill-draco-valence.glb");
@@ -237,6 +239,7 @@ fn draco_s_valence_traversal() {
 }
 
 /// Box of the sample assets, whose corners lie on seams, compressed by another program.
+#[cfg(feature = "draco")]
 #[test]
 fn draco_files_by_others() {
     let Some(folder) = data_folder("khronos-gltf-sample-assets") else { return };
@@ -264,6 +267,7 @@ fn draco_files_by_others() {
     assert!(compared > 0, "there is no compressed model");
 }
 
+#[cfg(feature = "draco")]
 #[test]
 fn damaged_draco_streams_are_named_or_stood_in_for() {
     let name = "patch-draco-sequential.glb";
@@ -286,6 +290,7 @@ fn damaged_draco_streams_are_named_or_stood_in_for() {
 }
 
 /// A primitive whose accessors have data of their own is drawn by that where the compressed data is damaged.
+#[cfg(feature = "draco")]
 #[test]
 fn uncompressed_data_stands_in_for_damaged_draco() {
     let mut maker = gltf::triangle();
@@ -338,6 +343,7 @@ fn damaged_meshoptimizer_streams_never_panic() {
     torment("patch-meshopt-khr.glb");
 }
 
+#[cfg(feature = "draco")]
 #[test]
 fn damaged_draco_streams_never_panic() {
     torment("patch-draco-sequential.glb");

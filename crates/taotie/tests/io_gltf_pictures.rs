@@ -40,6 +40,7 @@ fn shown(loaded: &Loaded) -> &Bitmap {
 
 const WEBP: &str = r#""extensions":{"EXT_texture_webp":{"source":1}}"#;
 
+#[cfg(feature = "webp")]
 #[test]
 fn webp_goes_before_the_image_for_other_programs() {
     let images: [&[u8]; 2] = [&own("lossy.png"), &own("lossless.webp")];
@@ -51,6 +52,7 @@ fn webp_goes_before_the_image_for_other_programs() {
     assert!(both.warnings.is_empty() && alone.warnings.is_empty());
 }
 
+#[cfg(feature = "basis")]
 #[test]
 fn basis_universal_goes_before_the_image_for_other_programs() {
     let images: [&[u8]; 2] = [&own("waves.png"), &own("uastc-alpha.ktx2")];
@@ -67,6 +69,7 @@ fn basis_universal_goes_before_the_image_for_other_programs() {
     assert_eq!(shown(&loaded), &bitmap("waves.png"));
 }
 
+#[cfg(feature = "webp")]
 #[test]
 fn the_image_for_other_programs_stands_for_a_damaged_one() {
     let png = own("waves.png");

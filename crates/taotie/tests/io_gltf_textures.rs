@@ -1,4 +1,5 @@
 //! Textures written into glTF in every packing read back, and by how much lossy ones differ.
+#![cfg(all(feature = "basis", feature = "webp"))]
 #![allow(clippy::print_stdout, reason = "tests say what they found")]
 
 #[path = "common/bumpy.rs"]

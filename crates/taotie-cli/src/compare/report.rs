@@ -348,8 +348,8 @@ fn light(light: &Light) -> Value {
             "kind": "spot",
             "position": position.to_array(),
             "direction": direction.to_array(),
-            "inner_deg": inner.to_degrees(),
-            "outer_deg": outer.to_degrees(),
+            "inner_deg": (*inner as f32).to_degrees(),
+            "outer_deg": (*outer as f32).to_degrees(),
         }),
     };
     let falloff = match light.falloff {

@@ -148,7 +148,7 @@ fn spot(position: Vec3, words: &mut Words<'_>) -> Result<LightKind> {
     if !(outer > 0.0 && outer <= 90.0 && inner >= 0.0 && inner < outer) {
         bail!("angle must lie in (0, 90] degrees and inner in [0, angle)");
     }
-    let [inner, outer] = [inner, outer].map(|a| a.to_radians() as f32);
+    let [inner, outer] = [inner, outer].map(f64::to_radians);
     Ok(LightKind::Spot { position, direction, inner, outer })
 }
 

@@ -2,11 +2,11 @@
 
 use super::file;
 use super::obj::neutral;
-use super::{Loaded, text};
+use super::{Loaded, checked, text};
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
 use crate::mesh::{Mesh, MeshData, first};
-use crate::scene::{Instance, Scene, SceneData};
+use crate::scene::{Instance, SceneData};
 use crate::surface::{Classes, bits};
 use rayon::prelude::*;
 use std::io::Cursor;
@@ -45,7 +45,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
         instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
         ..SceneData::default()
     };
-    Ok(Loaded::new(Scene::new(scene)?, warnings, "STL"))
+    Ok(Loaded::new(checked(path, scene)?, warnings, "STL"))
 }
 
 fn is_ascii(bytes: &[u8]) -> bool {

@@ -29,8 +29,8 @@ impl Variants {
     /// that was loaded with this.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where there is no variant of this name; the text lists those that there are. Where `scene` is another one
-    /// whose materials do not suffice.
+    /// [`Error::Invalid`] where there is no variant of this name; the text lists those that there are; also where
+    /// `scene` is another one, which lacks the material.
     pub fn apply(&self, name: &str, scene: &mut Scene) -> Result<()> {
         let variant = self.names.iter().position(|known| known == name);
         let variant =

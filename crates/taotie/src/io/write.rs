@@ -1,13 +1,16 @@
 //! Pictures and reports to files, each written under a temporary name and renamed, so that no half a file is left.
 
+#[cfg(feature = "exr")]
 mod exr;
 mod gltf;
 mod moving;
 mod png;
 
+#[cfg(feature = "exr")]
 pub use exr::{ExrLayer, write_exr};
 pub use gltf::{
-    GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, encode_glb, write_gltf,
+    GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, WrittenScene,
+    encode_glb, write_gltf, write_scene,
 };
 pub use moving::{MovingFormat, MovingPicture, MovingSpec};
 pub use png::{PngColor, PngImage, PngSamples, encode_png, write_png, write_png_bitmap};

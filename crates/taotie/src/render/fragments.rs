@@ -207,7 +207,8 @@ impl Interpolation<'_, '_> {
             reader.read(&sheen.roughness_texture, [spare, spare2, spare3, roughness], factors);
         }
         if let Some(anisotropy) = &material.anisotropy {
-            let angle = f64::from(anisotropy.rotation);
+            // In the 32 bits that files hold.
+            let angle = f64::from(anisotropy.rotation as f32);
             let (sin, cos) = (scalar::sin(angle) as f32, scalar::cos(angle) as f32);
             let has_texture = anisotropy.texture.is_some();
             let factors = [1.0, 1.0, anisotropy.strength, 1.0];

@@ -156,7 +156,7 @@ pub struct Anisotropy {
     /// [0, 1].
     pub strength: f32,
     /// The stretch's direction, radians counter-clockwise from the tangent.
-    pub rotation: f32,
+    pub rotation: f64,
     /// Red and green turn the direction further, blue multiplies `strength`; linear.
     pub texture: Option<TextureRef>,
 }

@@ -9,6 +9,7 @@ mod buffers;
 mod container;
 mod deforming;
 mod document;
+#[cfg(feature = "draco")]
 mod draco;
 mod extensions;
 mod filters;
@@ -21,6 +22,7 @@ mod meshopt;
 mod nodes;
 mod primitives;
 mod samplers;
+mod supplied;
 mod textures;
 mod triangles;
 mod uri;
@@ -30,12 +32,12 @@ mod vertices;
 pub use extensions::SUPPORTED;
 
 use super::variants::Mapping;
-use super::{Loaded, Variants};
+use super::{Loaded, Variants, checked};
 use crate::error::{Result, Warnings};
 use crate::math::Vec2;
 use crate::mesh::Mesh;
 use crate::scene::animation::{Deformed, Rig, RigData};
-use crate::scene::{Instance, Material, Scene, SceneData, TextureRef as TextureUse};
+use crate::scene::{Instance, Material, SceneData, TextureRef as TextureUse};
 use document::Document;
 use meshes::Meshes;
 use nodes::Nodes;
@@ -73,7 +75,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
         missing_files,
         rig,
         variants,
-        ..Loaded::new(Scene::new(scene)?, warnings, document.format)
+        ..Loaded::new(checked(path, scene)?, warnings, document.format)
     })
 }
 

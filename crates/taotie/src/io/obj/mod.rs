@@ -14,7 +14,7 @@ mod textures;
 pub(super) use material::neutral;
 
 use super::text::{self, quote};
-use super::{Loaded, locate};
+use super::{Loaded, checked, locate};
 use crate::error::{Result, Warnings};
 use crate::math::Mat4;
 use crate::mesh::Mesh;
@@ -43,7 +43,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let parts = build::build(&obj, &mut warnings)?;
     let mut loaded = Loaded::new(Scene::default(), warnings, "OBJ");
     let scene = assemble(path.parent().unwrap_or(Path::new("")), &obj, parts, &mut loaded);
-    loaded.scene = Scene::new(scene)?;
+    loaded.scene = checked(path, scene)?;
     Ok(loaded)
 }
 

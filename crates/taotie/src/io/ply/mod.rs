@@ -12,9 +12,9 @@ mod split;
 mod texture;
 mod vertices;
 
-use super::Loaded;
 use super::file;
 use super::obj::neutral;
+use super::{Loaded, checked};
 use crate::error::{Error, Result, Warnings};
 use crate::math::Mat4;
 use crate::scene::{Instance, Scene, SceneData};
@@ -63,7 +63,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
         }
     }
     parts.materials.push(material);
-    loaded.scene = Scene::new(parts)?;
+    loaded.scene = checked(path, parts)?;
     Ok(loaded)
 }
 

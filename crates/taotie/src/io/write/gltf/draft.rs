@@ -1,7 +1,7 @@
 //! A glTF document in the making: its JSON, and the numbers that its accessors name.
 
 use super::container::{self, Head};
-use super::images::{self, Encoded};
+use super::images;
 use crate::error::{Error, Result};
 use crate::io::write::{write_bytes, write_with};
 use serde_json::{Value, json};
@@ -43,6 +43,12 @@ impl Component {
             Self::U32 | Self::F32 => 4,
         }
     }
+}
+
+/// A file that belongs to a document and lies beside it.
+pub(super) struct Beside<'a> {
+    pub name: String,
+    pub bytes: &'a [u8],
 }
 
 /// How a compressed view is packed, and what it is for.
@@ -240,16 +246,14 @@ impl GltfDraft {
     }
 
     /// Writes the document as JSON, with its numbers and images in files beside it; gives back all files, the JSON first.
-    pub(super) fn write_gltf(&self, path: &Path, images: &[Encoded]) -> Result<Vec<PathBuf>> {
+    pub(super) fn write_gltf(&self, path: &Path, images: &[Beside<'_>]) -> Result<Vec<PathBuf>> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let binary = format!("{stem}.bin");
         let mut files = vec![path.to_path_buf(), path.with_file_name(&binary)];
         for image in images {
-            if let Some(bytes) = image.bytes() {
-                let file = path.with_file_name(image.file_name(&stem));
-                write_bytes(&file, bytes)?;
-                files.push(file);
-            }
+            let file = path.with_file_name(&image.name);
+            write_bytes(&file, image.bytes)?;
+            files.push(file);
         }
         write_bytes(&files[1], &self.bytes)?;
         write_bytes(path, &self.text(Some(images::uri(&binary)))?)?;

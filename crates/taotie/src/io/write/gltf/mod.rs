@@ -7,10 +7,12 @@ mod ktx;
 mod material;
 mod mesh;
 mod packed;
+mod scene;
 
 pub use draft::GltfDraft;
 pub use images::{GltfImage, GltfImages};
 pub use material::GltfMaterial;
+pub use scene::{WrittenScene, write_scene};
 
 use crate::error::{Error, Result};
 use crate::io::xmp;
@@ -70,21 +72,42 @@ pub struct GltfFormat {
 /// say: no level, a level without triangles, textures on a mesh without uvs, factors out of range; [`Error::Limit`]
 /// for a GLB of 4 GiB or more, [`Error::Io`] where a file cannot be written.
 pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<PathBuf>> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    match extension.as_str() {
-        "glb" => {
+    match Container::of(path)? {
+        Container::Glb => {
             GltfDraft::new(asset, format)?.write_glb(path)?;
             Ok(vec![path.to_path_buf()])
         }
-        "gltf" => {
+        Container::Gltf => {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let encoded = images::encode(&asset.material, format.images)?;
-            draft(asset, format, (&encoded, &Place::Beside(&stem)))?.write_gltf(path, &encoded)
+            let draft = draft(asset, format, (&encoded, &Place::Beside(&stem)))?;
+            let beside: Vec<_> = encoded.iter().filter_map(|image| image.beside(&stem)).collect();
+            draft.write_gltf(path, &beside)
         }
-        _ => Err(Error::unsupported(
-            format!("{}: the extension '{extension}'", path.display()),
-            "glTF is written as .glb and .gltf",
-        )),
+    }
+}
+
+/// The kinds of glTF files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Container {
+    /// One binary file.
+    Glb,
+    /// JSON with files beside it.
+    Gltf,
+}
+
+impl Container {
+    fn of(path: &Path) -> Result<Self> {
+        let extension =
+            path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        match extension.as_str() {
+            "glb" => Ok(Self::Glb),
+            "gltf" => Ok(Self::Gltf),
+            _ => Err(Error::unsupported(
+                format!("{}: the extension '{extension}'", path.display()),
+                "glTF is written as .glb and .gltf",
+            )),
+        }
     }
 }
 
