@@ -43,12 +43,12 @@ fn lamp() -> Lighting {
 }
 
 fn turned(scene: &Scene, degrees: f64) -> Scene {
-    let mut turned = scene.clone();
+    let mut turned = scene.data().clone();
     for instance in &mut turned.instances {
         instance.world_from_object =
             Mat4::rotation_about(Vec3::new(0.0, 1.0, 0.0), degrees.to_radians()) * instance.world_from_object;
     }
-    turned
+    Scene::new(turned).unwrap()
 }
 
 fn halved(image: &Image) -> Image {

@@ -61,7 +61,7 @@ fn meshoptimizer_s_streams_unpack_to_what_was_packed() {
         let packed = patch(name);
         assert!(packed.warnings.is_empty(), "{:?}", packed.warnings);
         assert_eq!(packed.scene.meshes().len(), 2);
-        for (a, b) in packed.scene.meshes().iter().zip(&plain.scene.meshes()) {
+        for (a, b) in packed.scene.meshes().iter().zip(plain.scene.meshes()) {
             assert_eq!(a.positions(), b.positions(), "no filter");
             assert_eq!(turned(a), turned(b), "both index modes");
             assert!(apart(&normals(a), &normals(b)) < 1.5 / 127.0, "octahedral, 8 bits");
@@ -185,7 +185,7 @@ fn draco_s_streams_unpack_to_what_was_packed() {
         let packed = patch(name);
         assert!(packed.warnings.is_empty(), "{:?}", packed.warnings);
         assert_eq!(packed.scene.meshes().len(), 2, "{name}");
-        for (a, b) in packed.scene.meshes().iter().zip(&plain.scene.meshes()) {
+        for (a, b) in packed.scene.meshes().iter().zip(plain.scene.meshes()) {
             let vertex = matched(a, b);
             assert_eq!(
                 vertex.iter().collect::<BTreeSet<_>>().len(),
@@ -251,7 +251,7 @@ fn draco_files_by_others() {
         let model = packed.parent().unwrap().parent().unwrap();
         let plain = model.join("glTF").join(packed.file_name().unwrap());
         let [packed, plain] = [packed, plain].map(|path| load(&path).unwrap_or_else(|e| panic!("{e}")));
-        for (a, b) in packed.scene.meshes().iter().zip(&plain.scene.meshes()) {
+        for (a, b) in packed.scene.meshes().iter().zip(plain.scene.meshes()) {
             let corners = |mesh: &Mesh| {
                 let corner = |i: u32| {
                     let (p, n) = (mesh.positions()[i as usize], mesh.normals()[i as usize]);

@@ -15,7 +15,7 @@ use taotie::bake::{
 use taotie::io::load_model;
 use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Instance, Scene, SceneData};
+use taotie::scene::{Instance, Material, Scene, SceneData};
 use taotie::{Error, Progress};
 
 fn unwrapped(mesh: &Mesh, size: u32, padding: u32) -> Unwrapped {

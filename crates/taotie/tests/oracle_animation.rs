@@ -9,7 +9,7 @@ use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::animation::{
     Animation, Channel, Deformed, Interpolation, Node, Path, Rig, RigData, Sampler, Skin, Transform,
 };
-use taotie::scene::{Instance, Scene, SceneData};
+use taotie::scene::{Instance, Material, Scene, SceneData};
 
 fn oracle() -> Value {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/oracle/animation_oracle.json");

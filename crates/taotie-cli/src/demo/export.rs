@@ -16,7 +16,7 @@ pub fn write(folder: &Path, scene: &Scene) -> Result<Vec<PathBuf>> {
     let mut files = vec![folder.join("jue.obj"), folder.join("jue.mtl")];
     io::write_text(&files[0], &obj(&scene.meshes()[0]))?;
     io::write_text(&files[1], &mtl())?;
-    for (name, texture) in MAPS.iter().zip(&scene.textures()) {
+    for (name, texture) in MAPS.iter().zip(scene.textures()) {
         let path = folder.join(format!("jue_{name}.png"));
         write_map(&path, texture)?;
         files.push(path);

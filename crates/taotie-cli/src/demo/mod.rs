@@ -85,7 +85,7 @@ fn demo(args: &DemoArgs) -> Result<Demo> {
     }
     let progress = Bar::new("moving surface");
     let (moving, written) =
-        moving::write(args, [&object_scene, &scene], &high.meshes[0], &|done| progress.set(done))?;
+        moving::write(args, [&object_scene, &scene], &high.meshes()[0], &|done| progress.set(done))?;
     files.extend(written);
     drop(progress);
     let (comparison, written) = truth::write(args, &scene, high)?;

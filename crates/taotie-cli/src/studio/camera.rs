@@ -136,7 +136,7 @@ fn named(scene: &Scene, name: &str) -> Result<Camera> {
         return Ok(camera.clone());
     }
     let names: Vec<String> = scene
-        .cameras
+        .cameras()
         .iter()
         .enumerate()
         .map(|(i, c)| if c.name.is_empty() { i.to_string() } else { c.name.clone() })

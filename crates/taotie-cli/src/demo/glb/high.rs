@@ -29,7 +29,7 @@ mod tests {
         let high = truth::with_relief(&scene, jue::displaced_mesh(0.004));
         let loaded = io::load_model(&write(folder.path(), &high).unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-        let (read, ours) = (&loaded.scene.meshes()[0], &high.meshes[0]);
+        let (read, ours) = (&loaded.scene.meshes()[0], &high.meshes()[0]);
         assert_eq!(read.positions(), ours.positions());
         assert_eq!((read.uvs(), read.triangles()), (ours.uvs(), ours.triangles()));
         // The reader makes normals unit to the last bit.

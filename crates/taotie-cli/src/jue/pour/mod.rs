@@ -131,7 +131,7 @@ mod tests {
     fn feet_stand_and_the_cup_turns_as_a_whole() {
         let mut vessel = Pouring::new(scene(16)).unwrap();
         let motion = vessel.motion(POURED).unwrap();
-        let (rest, poured) = (low_mesh(), vessel.at(POURED).unwrap().meshes[0].clone());
+        let (rest, poured) = (low_mesh(), vessel.at(POURED).unwrap().meshes()[0].clone());
         assert_eq!(poured.triangles().len(), rest.triangles().len());
         let (mut feet, mut cup, mut between) = (0, 0, 0);
         for triangle in 0..rest.triangles().len() {

@@ -7,7 +7,7 @@ use taotie::bake::UvLookup;
 use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::deform::skin;
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Instance, Scene, SceneData};
+use taotie::scene::{Instance, Material, Scene, SceneData};
 
 /// How far from a point its surface is probed, metres: small against the bend, large against rounding.
 const STEP: f32 = 1e-4;
