@@ -302,7 +302,7 @@ fn lights_and_cameras() {
         )
     );
     let loaded = triangle().load(&rest);
-    let [lamp, spot, sun] = &loaded.scene.lights()[..] else { panic!("{:?}", loaded.scene.lights()) };
+    let [lamp, spot, sun] = loaded.scene.lights() else { panic!("{:?}", loaded.scene.lights()) };
     assert_eq!(
         (lamp.name.as_str(), lamp.color, lamp.falloff),
         ("lamp", v(20.0, 10.0, 0.0), Falloff::Windowed(7.0))
@@ -313,7 +313,7 @@ fn lights_and_cameras() {
     assert_eq!((inner as f32, outer as f32, spot.falloff), (0.1, 0.3, Falloff::InverseSquare));
     assert_eq!(sun.kind, LightKind::Directional { direction: v(0.0, 0.0, -1.0) });
     assert_eq!(warned(&loaded, "light of node 4"), 1);
-    let [eye, plan] = &loaded.scene.cameras()[..] else { panic!("{:?}", loaded.scene.cameras()) };
+    let [eye, plan] = loaded.scene.cameras() else { panic!("{:?}", loaded.scene.cameras()) };
     let Projection::Perspective { aspect, far, .. } = eye.projection else { panic!("{eye:?}") };
     assert_eq!((eye.name.as_str(), aspect, far), ("eye", Some(1.5), None));
     assert_eq!(eye.world_from_view.axis(2), v(0.0, 0.0, 1.0).to_f64());
