@@ -162,7 +162,7 @@ fn texel_bytes(args: &BakeArgs) -> u64 {
 fn read(path: &Path, warnings: &mut Warnings) -> Result<Loaded> {
     let mut loaded = io::load_model(path)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
-    let meshes = &loaded.scene.meshes();
+    let meshes = loaded.scene.meshes();
     let mut positions = meshes.iter().flat_map(|mesh| mesh.positions());
     let first = positions.next();
     if !positions.any(|position| Some(position) != first) {
