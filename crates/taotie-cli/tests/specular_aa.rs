@@ -7,7 +7,7 @@ use taotie::image::{Bitmap, Encoding, Image, Texels, Texture};
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
 use taotie::render::{Lighting, Pass, Prepared, RenderSettings, render};
-use taotie::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene, SceneData};
+use taotie::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
 use taotie_cli::jue;
 
 /// Pictures of the turntable, and the angle between two.

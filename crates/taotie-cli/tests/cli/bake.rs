@@ -349,7 +349,8 @@ wrote out.glb
 #[test]
 fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
     let place = pair();
-    let mesh = &load_model(&place.path("scan.obj")).unwrap().scene.meshes()[0];
+    let loaded = load_model(&place.path("scan.obj")).unwrap();
+    let mesh = &loaded.scene.meshes()[0];
     let packet = json!({
         "@context": { "dc": "http://purl.org/dc/elements/1.1/" },
         "dc:rights": "in the public domain",
