@@ -1,17 +1,24 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test test-slow bench bench-bake bench-render bench-scaling bench-fma bench-floor docs errors tables bless tools
+.PHONY: help test features test-slow bench bench-bake bench-render bench-scaling bench-fma bench-floor docs errors tables bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
 		while IFS='|' read -r name what; do printf 'make %-13s %s\n' "$$name" "$$what"; done
 
-test: tools ## Formatting, lints, documentation and all tests but the slow ones
+test: tools features ## Formatting, lints, documentation and all tests but the slow ones
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
 	cargo test --workspace
+
+# Each feature of the library off, and all of them; without any, the tests that say what is not read.
+FEATURES = draco basis exr webp
+features: ## The library without each of its cargo features
+	cargo check -p taotie --tests --no-default-features
+	$(foreach off,$(FEATURES),cargo check -p taotie --tests --no-default-features --features "$(filter-out $(off),$(FEATURES))" &&) true
+	cargo test -p taotie --no-default-features --profile light --test features
 
 test-slow: ## The tests that take minutes each
 	cargo test --release --workspace --lib --bins --tests -- --ignored

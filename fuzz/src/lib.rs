@@ -11,8 +11,8 @@ pub fn load(extension: &str, bytes: &[u8], beside: &[(&str, &[u8])]) {
     if let Ok(mut loaded) = taotie::io::load_model(&path) {
         // What a reader lets through must be consistent.
         let scene = &loaded.scene;
-        assert!(scene.instances.iter().all(|i| i.mesh < scene.meshes.len()));
-        assert!(scene.instances.iter().all(|i| i.material < scene.materials.len()));
+        assert!(scene.instances().iter().all(|i| i.mesh < scene.meshes().len()));
+        assert!(scene.instances().iter().all(|i| i.material < scene.materials().len()));
         scene.bounds();
         if let Some(rig) = loaded.rig {
             for animation in 0..rig.animations().len().min(4) {

@@ -4,10 +4,10 @@ use crate::sheet::{Cell, Sheet};
 use std::sync::Arc;
 use taotie::Result;
 use taotie::film::{Development, develop8};
-use taotie::math::{Mat4, Vec3};
+use taotie::math::Vec3;
 use taotie::mesh::Mesh;
 use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Instance, Material, Orbit, PRESETS, Scene, preset};
+use taotie::scene::{Material, Orbit, PRESETS, Scene, preset};
 use taotie::shade::environment::{Environment, studio};
 
 /// Spheres in a row.
@@ -31,12 +31,7 @@ pub fn sheet(size: u32) -> Result<Sheet> {
 }
 
 fn sphere(material: Material, lighting: &Lighting, size: u32) -> Result<Vec<[u8; 3]>> {
-    let scene = Scene {
-        meshes: vec![Mesh::sphere(1.0, 96, 48)],
-        materials: vec![material],
-        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    };
+    let scene = Scene::of_mesh(Mesh::sphere(1.0, 96, 48), material)?;
     let orbit = Orbit { azimuth: 0.4, elevation: 0.25, distance: 4.4, target: Vec3::default(), fov_y: 0.52 };
     let settings = RenderSettings { width: size, height: size, samples: 16, ..RenderSettings::default() };
     let camera = orbit.camera(1.0);

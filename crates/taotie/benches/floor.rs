@@ -246,9 +246,13 @@ fn lamp() -> Light {
 fn sphere() -> Scene {
     let size = TEXTURE_SIZE as u32;
     let mut scene = scenes::embossed_sphere_with(NormalSpace::Tangent, size, size);
-    scene.meshes = vec![Mesh::sphere(1.0, 32, 32)];
-    let material = &mut scene.materials[0];
-    (material.metallic_roughness_texture, material.occlusion_texture, material.roughness) = (None, None, 0.5);
+    let bronze = scene.edit(|scene| {
+        scene.meshes = vec![Mesh::sphere(1.0, 32, 32)];
+        let material = &mut scene.materials[0];
+        (material.metallic_roughness_texture, material.occlusion_texture) = (None, None);
+        material.roughness = 0.5;
+    });
+    bronze.expect("the sphere is sound");
     scene
 }
 

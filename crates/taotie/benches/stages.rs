@@ -79,7 +79,8 @@ fn lighting() -> Lighting {
 /// Measures every stage for a sphere of about `2 · columns · rows` triangles.
 fn sphere(criterion: &mut Criterion, name: &str, columns: usize, rows: usize) {
     let mut scene = scenes::embossed_sphere_with(NormalSpace::Tangent, TEXTURE_SIZE, TEXTURE_SIZE);
-    scene.meshes = vec![taotie::mesh::Mesh::sphere(1.0, columns, rows)];
+    let mesh = taotie::mesh::Mesh::sphere(1.0, columns, rows);
+    scene.edit(|scene| scene.meshes = vec![mesh]).expect("the sphere is sound");
     let settings = RenderSettings { samples: 1, ..RenderSettings::default() };
     let prepared = Prepared::new(scene, &settings.surface).expect("the scene is sound");
     let (camera, lighting) = (camera(), lighting());

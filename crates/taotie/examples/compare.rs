@@ -5,9 +5,8 @@
 //! ```
 
 use taotie::comparison::{Comparison, ComparisonOptions, Method, Subject};
-use taotie::math::Mat4;
 use taotie::mesh::Mesh;
-use taotie::scene::{Instance, Material, Scene};
+use taotie::scene::{Material, Scene};
 use taotie::surface::SurfaceMethod;
 use taotie::{Progress, Result};
 
@@ -22,16 +21,13 @@ pub fn main() -> Result<()> {
 
 /// Returns each method with its mean angular error, degrees.
 pub fn compare() -> Result<Vec<(String, f64)>> {
-    let [low, high] = [[24, 12], [512, 256]].map(|[columns, rows]| scene(Mesh::sphere(1.0, columns, rows)));
+    let [low, high] = [[24, 12], [512, 256]]
+        .map(|[columns, rows]| Scene::of_mesh(Mesh::sphere(1.0, columns, rows), Material::default()));
+    let (low, high) = (low?, high?);
     let subject = Subject::new("a coarse sphere", &low).with_reference("a fine sphere", &high);
     let methods = [SurfaceMethod::Facet, SurfaceMethod::Smooth].map(Method::from).to_vec();
     let options = ComparisonOptions { methods, ..ComparisonOptions::default() };
     let report = Comparison::of(&subject, &options, Progress::SILENT)?.report();
     let methods = report.methods.iter();
     Ok(methods.filter_map(|method| Some((method.method.clone(), method.inner_mean()?))).collect())
-}
-
-fn scene(mesh: Mesh) -> Scene {
-    let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
-    Scene { meshes: vec![mesh], materials: vec![Material::default()], instances, ..Scene::default() }
 }

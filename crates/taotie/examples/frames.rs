@@ -120,7 +120,8 @@ fn number<T: std::str::FromStr>(text: &str) -> Result<T> {
 
 fn run(options: &Options) -> Result<()> {
     let scene = io::load_model(&options.model)?.scene;
-    let camera = scene.cameras.first().cloned().ok_or_else(|| Error::invalid("model", "it has no camera"))?;
+    let camera =
+        scene.cameras().first().cloned().ok_or_else(|| Error::invalid("model", "it has no camera"))?;
     let lighting = lighting(options, &scene)?;
     let renderer = Renderer::new(scene, &options.settings.surface)?;
     let mut studio =
@@ -157,7 +158,7 @@ fn lighting(options: &Options, scene: &Scene) -> Result<Lighting> {
         }
         None => None,
     };
-    Ok(Lighting { lights: scene.lights.clone(), ambient: Vec3::splat(options.ambient), environment })
+    Ok(Lighting { lights: scene.lights().to_vec(), ambient: Vec3::splat(options.ambient), environment })
 }
 
 fn environment(path: &Path) -> Result<Environment> {

@@ -7,9 +7,9 @@ use taotie::film::Development;
 use taotie::io::{self, PictureFormat};
 use taotie::mesh::Mesh;
 use taotie::render::{RenderSettings, Renderer, Shot};
-use taotie::scene::{Instance, Material, Scene};
+use taotie::scene::{Material, Scene};
 use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
-use taotie::{Progress, Result, math::Mat4};
+use taotie::{Progress, Result};
 
 /// Takes `count` pictures, `size` pixels wide and high; returns their files.
 pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<Vec<PathBuf>> {
@@ -31,10 +31,10 @@ pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<
 /// Reads the arguments: a model, where pictures go, and how many.
 pub fn main() -> Result<()> {
     let [model, output, count] = [1, 2, 3].map(|place| std::env::args().nth(place));
-    let ball = Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY };
-    let (meshes, materials) = (vec![Mesh::sphere(1.0, 96, 48)], vec![Material::default()]);
-    let sphere = Scene { meshes, materials, instances: vec![ball], ..Scene::default() };
-    let scene = model.map_or(Ok(sphere), |model| Ok(io::load_model(model.as_ref())?.scene))?;
+    let scene = match model {
+        Some(model) => io::load_model(model.as_ref())?.scene,
+        None => Scene::of_mesh(Mesh::sphere(1.0, 96, 48), Material::default())?,
+    };
     let count = count.and_then(|count| count.parse().ok()).unwrap_or(12);
     turntable(&scene, count, 512, output.as_deref().unwrap_or("turn").as_ref()).map(drop)
 }

@@ -80,6 +80,14 @@ impl Error {
         Self::Unsupported { what: what.into(), why: why.into() }
     }
 
+    /// Something that a cargo feature does which this build lacks.
+    pub(crate) fn needs_feature(what: impl Into<String>, feature: &str) -> Self {
+        Self::unsupported(
+            what,
+            format!("this build lacks it; turn on the feature `{feature}` of the crate taotie"),
+        )
+    }
+
     /// A request beyond a stated limit.
     pub fn limit(what: impl Into<String>, why: impl Into<String>) -> Self {
         Self::Limit { what: what.into(), why: why.into() }

@@ -9,14 +9,12 @@ use taotie::film::Development;
 use taotie::math::Mat4;
 use taotie::mesh::Mesh;
 use taotie::render::RenderSettings;
-use taotie::scene::{Instance, Material, Scene};
+use taotie::scene::{Material, Scene};
 use taotie::surface::SurfaceMethod;
 use taotie::{Error, Progress};
 
 fn ball() -> Scene {
-    let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
-    let meshes = vec![Mesh::sphere(1.0, 32, 16)];
-    Scene { meshes, materials: vec![Material::default()], instances, ..Scene::default() }
+    Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default()).unwrap()
 }
 
 fn options() -> ComparisonOptions {
@@ -74,7 +72,8 @@ fn what_cannot_be_compared_is_refused() {
 #[test]
 fn a_reference_elsewhere_is_warned_about() {
     let (scene, mut elsewhere) = (ball(), ball());
-    elsewhere.instances[0].world_from_object = Mat4::translation(taotie::math::Vec3::new(3.0, 0.0, 0.0));
+    let moved = Mat4::translation(taotie::math::Vec3::new(3.0, 0.0, 0.0));
+    elsewhere.edit(|scene| scene.instances[0].world_from_object = moved).unwrap();
     let subject = Subject::new("ball", &scene).with_reference("other.ply", &elsewhere);
     let comparison = Comparison::of(&subject, &options(), Progress::SILENT).unwrap();
     let warnings = comparison.report().warnings;

@@ -4,9 +4,9 @@
 mod turntable;
 
 use taotie::image::{Bitmap, Texels};
-use taotie::math::{Mat4, Vec3};
+use taotie::math::Vec3;
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Instance, Material, Scene};
+use taotie::scene::{Material, Scene};
 
 /// Its `main` reads arguments, which a test has none of.
 const _: fn() -> taotie::Result<()> = turntable::main;
@@ -19,12 +19,8 @@ fn square() -> Scene {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..MeshData::default()
     });
-    Scene {
-        meshes: vec![mesh.expect("the square is sound")],
-        materials: vec![Material { double_sided: true, ..Material::default() }],
-        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    }
+    let material = Material { double_sided: true, ..Material::default() };
+    Scene::of_mesh(mesh.expect("the square is sound"), material).unwrap()
 }
 
 /// How many pixels show something.

@@ -2,11 +2,10 @@
 
 use super::{row, squared};
 use anyhow::Result;
-use std::sync::Arc;
 use taotie::Progress;
 use taotie::image::Image;
 use taotie::math::Vec3;
-use taotie::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, lend, reference};
+use taotie::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, reference};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, from_view};
 use taotie_study::jue;
 
@@ -23,11 +22,13 @@ pub fn table() -> Result<String> {
     text += "| --: | --: | --: | --: | --: |\n";
     let mut scene = jue::scene(1024);
     for roughness in ROUGHNESS {
-        for material in &mut scene.materials {
-            (material.roughness, material.metallic) = (roughness, 1.0);
-            material.metallic_roughness_texture = None;
-        }
-        let errors = lend(&mut scene, errors)?;
+        scene.edit(|scene| {
+            for material in &mut scene.materials {
+                (material.roughness, material.metallic) = (roughness, 1.0);
+                material.metallic_roughness_texture = None;
+            }
+        })?;
+        let errors = errors(&scene)?;
         let mut cells = vec![format!("{roughness}")];
         cells.extend(errors.map(|error| format!("{:.1} %", error * 100.0)));
         text += &row(&cells);
@@ -35,7 +36,7 @@ pub fn table() -> Result<String> {
     Ok(text)
 }
 
-fn errors(scene: &Arc<Scene>) -> Result<[f64; 4]> {
+fn errors(scene: &Scene) -> Result<[f64; 4]> {
     let bounds = scene.bounds().expect("the vessel has triangles");
     let reach = bounds.diagonal() / 2.0;
     let orbit =

@@ -12,7 +12,7 @@ use taotie::mesh::Mesh;
 use taotie::render::{
     EnvironmentLight, Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, reference,
 };
-use taotie::scene::{Instance, Orbit, Scene, preset};
+use taotie::scene::{Instance, Orbit, Scene, SceneData, preset};
 use taotie::shade::environment::{Environment, studio};
 
 const ROUGHNESS: [f32; 7] = [0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0];
@@ -93,12 +93,13 @@ fn errors(sky: &Sky, roughness: f32) -> Result<(f64, f64)> {
 fn bronze_sphere(roughness: f32) -> Scene {
     let bronze = preset("bronze").expect("bronze is a preset");
     let material = taotie::scene::Material { roughness, ..bronze };
-    Scene {
+    let data = SceneData {
         meshes: vec![Mesh::sphere(1.0, 128, 64)],
         materials: vec![material],
         instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    }
+        ..SceneData::default()
+    };
+    Scene::new(data).expect("one mesh and one material")
 }
 
 /// Root mean square error over the whole pixels of the sphere: of the light, relative to its root mean square, and of

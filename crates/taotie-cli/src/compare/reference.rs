@@ -16,14 +16,16 @@ pub fn load(path: &Path, choice: Option<&str>, model: &Scene, warnings: &mut War
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mut scene = loaded.scene;
     let Some(choice) = choice else {
-        dress_reference(&mut scene, model);
+        dress_reference(&mut scene, model)?;
         return Ok(scene);
     };
-    let own = scene.materials.clone();
+    let own = scene.materials().to_vec();
     studio::apply_choice(choice, &mut scene)?;
     // Relief that the material brings along is the model's; this one's is geometry.
-    for (material, own) in scene.materials.iter_mut().zip(own) {
-        (material.normal, material.height) = (own.normal, own.height);
-    }
+    scene.edit(|scene| {
+        for (material, own) in scene.materials.iter_mut().zip(own) {
+            (material.normal, material.height) = (own.normal, own.height);
+        }
+    })?;
     Ok(scene)
 }

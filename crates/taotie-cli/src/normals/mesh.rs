@@ -18,7 +18,7 @@ pub fn laid_out(
     let Some(path) = &args.mesh else { return Ok(None) };
     let mut loaded = io::load_model(path)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
-    let mesh = &loaded.scene.meshes[part(args, path, &loaded)?];
+    let mesh = &loaded.scene.meshes()[part(args, path, &loaded)?];
     let grid = TexelGrid { width, height, uv_set: args.uv_set, margin: args.margin };
     let (surface, found) = lay_out(mesh, &grid, args.tangents).with_context(|| path.display().to_string())?;
     if surface.coverage().covered() == 0 {
@@ -30,7 +30,7 @@ pub fn laid_out(
 
 /// The number of the mesh asked for, or of the only one.
 fn part(args: &NormalsArgs, path: &Path, loaded: &Loaded) -> Result<usize> {
-    let count = loaded.scene.meshes.len();
+    let count = loaded.scene.meshes().len();
     let name = |i: usize| loaded.mesh_names.get(i).map_or("", String::as_str);
     let list = || {
         (0..count).map(|i| format!("{i} {}", name(i)).trim_end().to_owned()).collect::<Vec<_>>().join(", ")

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use taotie::film::{self, Development};
 use taotie::image::{Image, Texels};
 use taotie::io::{MovingPicture, MovingSpec, PictureFormat, write_developed};
-use taotie::render::{EnvironmentLight, Frame, RenderSettings, Renderer, Shot, lend, reference};
+use taotie::render::{EnvironmentLight, Frame, RenderSettings, Renderer, Shot, reference};
 use taotie::scene::Scene;
 use taotie::studio::{Sequence, SequenceFrame};
 use taotie::{Progress, Warnings};
@@ -78,20 +78,17 @@ impl<'a> Shooting<'a> {
                 motion.pose(scene, seconds)?;
                 viewpoint.follow(&self.args.camera, scene)?;
             }
-            lend(scene, |scene| -> Result<()> {
-                let renderer = Renderer::new(scene.clone(), &self.settings.surface)
-                    .with_context(|| self.args.model.display().to_string())?;
-                if self.done == 0 {
-                    warnings.absorb(renderer.prepared().warnings().clone());
-                }
-                self.watch.lap("prepare");
-                let mut stage = Stage { renderer, viewpoint: &viewpoint, bar: &bar };
-                for shot in shots {
-                    let picture = self.render(&mut stage, shot)?;
-                    self.write(picture, moving.as_mut())?;
-                }
-                Ok(())
-            })?;
+            let renderer = Renderer::new(scene.clone(), &self.settings.surface)
+                .with_context(|| self.args.model.display().to_string())?;
+            if self.done == 0 {
+                warnings.absorb(renderer.prepared().warnings().clone());
+            }
+            self.watch.lap("prepare");
+            let mut stage = Stage { renderer, viewpoint: &viewpoint, bar: &bar };
+            for shot in shots {
+                let picture = self.render(&mut stage, shot)?;
+                self.write(picture, moving.as_mut())?;
+            }
         }
         if let Some(picture) = moving {
             picture.finish()?;

@@ -50,7 +50,7 @@ fn check(args: &CameraArgs, scene: &Scene) -> Result<()> {
         bail!("the model has no triangle to look at");
     }
     match &args.camera {
-        Some(name) if scene.cameras.is_empty() => {
+        Some(name) if scene.cameras().is_empty() => {
             bail!("--camera {name}: the file has no camera; use --orbit")
         }
         _ => Ok(()),

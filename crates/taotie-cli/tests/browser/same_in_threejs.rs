@@ -39,7 +39,7 @@ fn view(scene: &Scene, orbit: &Orbit) -> View {
 
 /// The vessel in clay and in bronze.
 fn materials(scene: &Scene) -> [GltfMaterial<'_>; 2] {
-    let [color, orm, normal] = [0, 1, 2].map(|i| scene.textures[i].bitmap());
+    let [color, orm, normal] = [0, 1, 2].map(|i| scene.textures()[i].bitmap());
     let clay = GltfMaterial {
         roughness: 0.5,
         base_color_map: Some(color.into()),
@@ -69,7 +69,7 @@ fn the_vessel_looks_the_same() {
     let Some(node) = Node::find() else { return };
     let scene = jue::scene(1024);
     let view = view(&scene, &orbit(&scene));
-    let mesh = with_tangents(&scene.meshes[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
+    let mesh = with_tangents(&scene.meshes()[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
     let [clay, bronze] = materials(&scene);
     let plain = GltfFormat::default();
     let webp = GltfFormat { images: GltfImages::WebP, ..plain };

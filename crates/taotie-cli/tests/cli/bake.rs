@@ -197,8 +197,8 @@ fn maps_stand_where_they_say_and_mean_what_they_say() {
         report["maps"].as_array().unwrap().iter().filter_map(|m| m["map"].as_str()).collect();
     assert_eq!(names, ["normal", "albedo", "ao", "roughness", "bent", "height", "curvature"]);
     let scene = load_model(&place.path("out.glb")).unwrap().scene;
-    let orm = scene.materials[0].metallic_roughness_texture.expect("it has one").texture;
-    let [occlusion, roughness, ..] = scene.textures[orm].bitmap().stored(64 * 128 + 64);
+    let orm = scene.materials()[0].metallic_roughness_texture.expect("it has one").texture;
+    let [occlusion, roughness, ..] = scene.textures()[orm].bitmap().stored(64 * 128 + 64);
     assert!(occlusion > 0.99, "nothing stands around a ball: {occlusion}");
     assert!((roughness - 0.5).abs() < 0.01, "nothing is hidden within a texel: {roughness}");
 }
@@ -340,7 +340,8 @@ wrote out.glb
 #[test]
 fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
     let place = pair();
-    let mesh = &load_model(&place.path("scan.obj")).unwrap().scene.meshes[0];
+    let loaded = load_model(&place.path("scan.obj")).unwrap();
+    let mesh = &loaded.scene.meshes()[0];
     let packet = json!({
         "@context": { "dc": "http://purl.org/dc/elements/1.1/" },
         "dc:rights": "in the public domain",

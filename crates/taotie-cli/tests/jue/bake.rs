@@ -5,21 +5,14 @@ use taotie::bake::{
     BakeSettings, Cage, Scan, SimplifyOptions, UnwrapOptions, Verifier, bake, simplify, unwrap,
 };
 use taotie::image::{Encoding, Texture};
-use taotie::math::Mat4;
 use taotie::mesh::Mesh;
 use taotie::normal_map::{Storage, store_unit_vectors};
-use taotie::scene::{Instance, Material, NormalSpace, Scene};
+use taotie::scene::{Material, NormalSpace, Scene};
 use taotie::surface::with_frames;
 use taotie_study::jue;
 
 fn scan(mesh: Mesh) -> Scan {
-    let scene = Scene {
-        meshes: vec![mesh],
-        materials: vec![Material::default()],
-        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    };
-    Scan::new(scene).unwrap()
+    Scan::new(Scene::of_mesh(mesh, Material::default()).unwrap()).unwrap()
 }
 
 /// The relief's lines are two tenths of a millimetre wide; on a map of half this size each is but a texel.

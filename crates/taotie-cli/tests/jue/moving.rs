@@ -11,12 +11,13 @@ const MAPS: u32 = 2048;
 /// Half as fine as the finest lines.
 const FINEST: f64 = 0.0004;
 
-fn in_object_space(mut scene: Scene) -> Scene {
+fn in_object_space(scene: Scene) -> Scene {
+    let mut scene = scene.into_data();
     for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
         map.space = NormalSpace::Object;
         scene.textures[map.texture.texture] = Texture::new(object_normal_map(MAPS), Encoding::Normal);
     }
-    scene
+    Scene::new(scene).unwrap()
 }
 
 /// The whole vessel from the front.

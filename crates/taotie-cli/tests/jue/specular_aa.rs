@@ -16,7 +16,7 @@ const SIDE: u32 = 256;
 
 /// The vessel with its normal map, of one polished metal.
 fn polished_vessel() -> Scene {
-    let mut scene = jue::scene(1024);
+    let mut scene = jue::scene(1024).into_data();
     for material in &mut scene.materials {
         *material = Material {
             base_color: [0.95, 0.75, 0.5, 1.0],
@@ -26,7 +26,7 @@ fn polished_vessel() -> Scene {
             ..Material::default()
         };
     }
-    scene
+    Scene::new(scene).unwrap()
 }
 
 fn camera(scene: &Scene) -> Camera {
@@ -43,12 +43,12 @@ fn lamp() -> Lighting {
 }
 
 fn turned(scene: &Scene, degrees: f64) -> Scene {
-    let mut turned = scene.clone();
+    let mut turned = scene.data().clone();
     for instance in &mut turned.instances {
         instance.world_from_object =
             Mat4::rotation_about(Vec3::new(0.0, 1.0, 0.0), degrees.to_radians()) * instance.world_from_object;
     }
-    turned
+    Scene::new(turned).unwrap()
 }
 
 fn halved(image: &Image) -> Image {
@@ -190,7 +190,7 @@ fn greatest_difference(scene: &Scene, camera: &Camera, lighting: &Lighting) -> u
 #[test]
 fn flat_maps_and_gentle_bends_are_left_alone() {
     let flat = Bitmap::new(64, 64, 3, Texels::U8(vec![[128, 128, 255, 255]; 64 * 64])).unwrap();
-    let mut scene = polished_vessel();
+    let mut scene = polished_vessel().into_data();
     let normal = scene.materials[0].normal.map(|mut map| {
         map.texture.texture = 0;
         map
@@ -200,6 +200,7 @@ fn flat_maps_and_gentle_bends_are_left_alone() {
     scene.meshes = vec![Mesh::sphere(1.0, 96, 48)];
     scene.instances.truncate(1);
     scene.instances[0].world_from_object = Mat4::IDENTITY;
+    let scene = Scene::new(scene).unwrap();
     let orbit = Orbit { azimuth: 0.5, elevation: 0.3, distance: 3.4, target: Vec3::splat(0.0), fov_y: 0.05 };
     let camera = orbit.camera(2.0);
     let back = camera.world_from_view.axis(2).to_f32();

@@ -74,7 +74,7 @@ fn pairs_are_baked_within_a_degree_and_nearly_without_a_miss() {
         assert!((packed - plain).abs() < 0.01, "{high}: {packed}° packed, {plain}° plain");
         let low = taotie::io::load_model(low.as_ref()).unwrap().scene;
         let out = taotie::io::load_model(&folder.path().join("out.glb")).unwrap().scene;
-        assert!(same_triangles(&low.meshes[0], &out.meshes[0]), "the light mesh stays as it is");
+        assert!(same_triangles(&low.meshes()[0], &out.meshes()[0]), "the light mesh stays as it is");
     }
 }
 

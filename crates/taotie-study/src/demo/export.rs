@@ -19,7 +19,7 @@ pub fn write(folder: &Path, vessel: &Vessel) -> Result<Vec<PathBuf>> {
     let mut files = vec![folder.join("jue.obj"), folder.join("jue.mtl")];
     io::write_text(&files[0], &obj(vessel.mesh()))?;
     io::write_text(&files[1], &mtl())?;
-    for (name, texture) in MAPS.iter().zip(&vessel.scene().textures) {
+    for (name, texture) in MAPS.iter().zip(vessel.scene().textures()) {
         let path = folder.join(format!("jue_{name}.png"));
         write_map(&path, texture)?;
         files.push(path);

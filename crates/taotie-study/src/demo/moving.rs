@@ -120,7 +120,7 @@ impl Artist {
 /// The shape alone, to frame it.
 fn shape_of(vessel: &mut Pouring, seconds: f64) -> Result<Scene> {
     let posed = vessel.at(seconds)?;
-    Ok(Scene { meshes: posed.meshes.clone(), instances: posed.instances.clone(), ..Scene::default() })
+    Ok(posed.clone())
 }
 
 fn write_sheet(output: &Output<'_>, cells: &[Cell]) -> Result<PathBuf> {

@@ -29,7 +29,8 @@ use taotie::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
 use taotie::math::Mat4;
 use taotie::mesh::Mesh;
 use taotie::scene::{
-    GreenChannel, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
+    GreenChannel, HeightMap, Instance, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef,
+    UvTransform,
 };
 
 /// The low mesh: 251 vertices, metres, standing on y = 0 with its spout along +x and its handle towards −z.
@@ -84,27 +85,35 @@ pub fn scene(size: u32) -> Scene {
         Texture::new(bake.height_map(), Encoding::Linear),
     ];
     let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
-    Scene { meshes: vec![mesh], materials: vec![material()], textures, instances, ..Scene::default() }
+    let (meshes, materials) = (vec![mesh], vec![material()]);
+    let data = SceneData { meshes, materials, textures, instances, ..SceneData::default() };
+    Scene::new(data).expect("four textures are there")
 }
 
 /// Returns `scene`, as [`scene`] makes it, with the relief as an object-space map of `size` × `size` texels.
 pub fn with_object_map(scene: &Scene, size: u32) -> Scene {
     let mut scene = scene.clone();
-    scene.textures.push(Texture::new(object_normal_map(size), Encoding::Normal));
-    let index = scene.textures.len() - 1;
-    for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
-        map.texture.texture = index;
-        map.space = NormalSpace::Object;
-    }
+    let index = scene.add_texture(Texture::new(object_normal_map(size), Encoding::Normal));
+    let edited = scene.edit(|scene| {
+        for map in scene.materials.iter_mut().filter_map(|material| material.normal.as_mut()) {
+            map.texture.texture = index;
+            map.space = NormalSpace::Object;
+        }
+    });
+    edited.expect("the texture is there");
     scene
 }
 
 /// Returns `scene`, as [`scene`] makes it, with its relief as geometry, which `mesh` has, and in no map.
 pub fn with_relief(scene: &Scene, mesh: Mesh) -> Scene {
-    let mut scene = Scene { meshes: vec![mesh], ..scene.clone() };
-    for material in &mut scene.materials {
-        (material.normal, material.height) = (None, None);
-    }
+    let mut scene = scene.clone();
+    let edited = scene.edit(|scene| {
+        scene.meshes = vec![mesh];
+        for material in &mut scene.materials {
+            (material.normal, material.height) = (None, None);
+        }
+    });
+    edited.expect("a mesh stands for a mesh");
     scene
 }
 

@@ -17,7 +17,7 @@ impl Kept {
     pub fn of(material: &Material, scene: &Scene) -> Self {
         let bitmap = |texture: &Option<TextureRef>| {
             let texture = texture.as_ref().filter(|texture| is_plain(texture))?;
-            Some(scene.textures[texture.texture].bitmap().clone())
+            Some(scene.textures()[texture.texture].bitmap().clone())
         };
         Self {
             color: bitmap(&material.base_color_texture),

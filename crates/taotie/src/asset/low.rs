@@ -3,7 +3,7 @@
 use super::kept::Kept;
 use super::notes;
 use super::options::{BakeOptions, MeshSource};
-use super::scan::{Scan, check_extent, scene_of};
+use super::scan::{Scan, check_extent};
 use crate::bake::{self, Means, Simplified, SimplifyOptions, UnwrapOptions};
 use crate::error::{Result, Warnings};
 use crate::io;
@@ -55,14 +55,14 @@ impl LowPoly {
         let reading = progress.begin("read the light mesh")?;
         let scene = read(source, warnings)?;
         reading.at(1.0)?;
-        let used: Vec<usize> = scene.instances.iter().map(|instance| instance.material).collect();
+        let used: Vec<usize> = scene.instances().iter().map(|instance| instance.material).collect();
         if used.iter().any(|material| *material != used[0]) {
             warnings.note("materials of the light mesh made one, the first", 1);
         }
-        let material = used.first().and_then(|m| scene.materials.get(*m)).cloned().unwrap_or_default();
+        let material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
         notes::left_of_low(&material, options, warnings);
         let kept = Kept::of(&material, &scene);
-        let mesh = bake::light_mesh(Scene { textures: Vec::new(), ..scene })?;
+        let mesh = bake::light_mesh(scene)?;
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
@@ -96,7 +96,7 @@ fn means(means: Means) -> &'static str {
 pub(super) fn read(source: &MeshSource, warnings: &mut Warnings) -> Result<Scene> {
     match source {
         MeshSource::Mesh(mesh) => {
-            let scene = scene_of(Mesh::clone(mesh), Material::default());
+            let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
             check_extent(&scene, "the light mesh").map(|()| scene)
         }
         MeshSource::File(path) => {

@@ -23,8 +23,8 @@ pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
 
 /// The materials that are shown, each once.
 fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
-    let is_used = |m: &usize| scene.instances.iter().any(|instance| instance.material == *m);
-    (0..scene.materials.len()).filter(is_used).map(|m| &scene.materials[m])
+    let is_used = |m: &usize| scene.instances().iter().any(|instance| instance.material == *m);
+    (0..scene.materials().len()).filter(is_used).map(|m| &scene.materials()[m])
 }
 
 /// Whether a scan has more than one colour: of vertices, textures or materials.
@@ -33,7 +33,7 @@ pub(super) fn has_colors(scene: &Scene) -> bool {
     let first = colors.next();
     colors.any(|color| Some(color) != first)
         || used(scene).any(|material| material.base_color_texture.is_some())
-        || scene.meshes.iter().any(|mesh| !mesh.colors().is_empty())
+        || scene.meshes().iter().any(|mesh| !mesh.colors().is_empty())
 }
 
 /// Notes options that no map that is baked reads.

@@ -11,7 +11,7 @@ use crate::image::{Encoding, Texture};
 use crate::io;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::scene::{Instance, NormalSpace, Scene};
+use crate::scene::{Instance, Material, NormalSpace, Scene, SceneData};
 use crate::surface::with_frames;
 use std::path::{Path, PathBuf};
 
@@ -226,16 +226,17 @@ struct Shown<'a> {
 
 impl<'a> Shown<'a> {
     fn of(scene: &'a Scene, object_map: Option<&'a Texture>, path: &Path) -> Result<Self> {
-        let Some(first) = scene.instances.first() else {
+        let Some(first) = scene.instances().first() else {
             return Err(Error::invalid(path.display().to_string(), "read back, it has no triangles"));
         };
-        let finest = Scene {
-            meshes: vec![scene.meshes[first.mesh].clone()],
-            instances: vec![Instance { mesh: 0, ..*first }],
-            ..Scene::default()
-        };
-        let map = scene.materials[first.material].normal.as_ref();
-        let inside = map.map(|map| (&scene.textures[map.texture.texture], NormalSpace::Tangent));
+        let finest = Scene::new(SceneData {
+            meshes: vec![scene.meshes()[first.mesh].clone()],
+            materials: vec![Material::default()],
+            instances: vec![Instance { mesh: 0, material: 0, ..*first }],
+            ..SceneData::default()
+        })?;
+        let map = scene.materials()[first.material].normal.as_ref();
+        let inside = map.map(|map| (&scene.textures()[map.texture.texture], NormalSpace::Tangent));
         let normal = object_map.map(|map| (map, NormalSpace::Object)).or(inside);
         let mesh = with_frames(&light_mesh(finest)?, 0, None)?.0.into_owned();
         Ok(Self { mesh, normal })

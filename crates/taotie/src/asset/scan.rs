@@ -6,10 +6,10 @@ use super::notes;
 use crate::bake;
 use crate::error::{Error, Result, Warnings};
 use crate::io;
-use crate::math::{Mat4, Vec3};
+use crate::math::Vec3;
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
-use crate::scene::{Instance, Material, Scene};
+use crate::scene::{Material, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -131,7 +131,7 @@ impl Scan {
     /// # Errors
     /// As [`ScanFile::from_scene`] and [`ScanFile::sort`].
     pub fn from_mesh(mesh: Mesh, progress: Progress<'_>) -> Result<Self> {
-        Self::from_scene(scene_of(mesh, Material::default()), progress)
+        Self::from_scene(Scene::of_mesh(mesh, Material::default())?, progress)
     }
 
     /// Sorts a scene, in which all instances are one scan.
@@ -183,22 +183,12 @@ impl std::fmt::Debug for Scan {
     }
 }
 
-/// A scene of one mesh that stands where it is.
-pub(super) fn scene_of(mesh: Mesh, material: Material) -> Scene {
-    Scene {
-        meshes: vec![mesh],
-        materials: vec![material],
-        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    }
-}
-
 impl About {
     fn of(scene: &Scene, path: PathBuf) -> Self {
-        let first = scene.instances.first().map(|instance| instance.material);
+        let first = scene.instances().first().map(|instance| instance.material);
         let size = ScanSize {
             triangles: scene.triangle_count() as u64,
-            vertices: scene.meshes.iter().map(|mesh| mesh.positions().len() as u64).sum(),
+            vertices: scene.meshes().iter().map(|mesh| mesh.positions().len() as u64).sum(),
         };
         Self {
             path,
@@ -208,7 +198,7 @@ impl About {
             xmp: None,
             warnings: Warnings::default(),
             size,
-            material: first.and_then(|m| scene.materials.get(m)).cloned().unwrap_or_default(),
+            material: first.and_then(|m| scene.materials().get(m)).cloned().unwrap_or_default(),
             has_colors: notes::has_colors(scene),
         }
     }
@@ -216,7 +206,7 @@ impl About {
 
 /// Refuses a model that is nothing but a point.
 pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
-    let mut positions = scene.meshes.iter().flat_map(|mesh| mesh.positions());
+    let mut positions = scene.meshes().iter().flat_map(|mesh| mesh.positions());
     let first = positions.next();
     if positions.any(|position| Some(position) != first) {
         return Ok(());
@@ -227,14 +217,15 @@ pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
 /// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; gives back how
 /// many such meshes there are. A scan is never meant in facets.
 fn smooth_facets(scene: &mut Scene) -> Result<usize> {
-    let mut count = 0;
-    for mesh in &mut scene.meshes {
+    let (mut parts, mut count) = (std::mem::take(scene).into_data(), 0);
+    for mesh in &mut parts.meshes {
         if is_faceted(mesh) {
             let data = std::mem::take(mesh).into_data();
             *mesh = Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..data })?;
             count += 1;
         }
     }
+    *scene = Scene::new(parts)?;
     Ok(count)
 }
 

@@ -1,6 +1,5 @@
 //! Scan and asset seen from all sides in the same light.
 
-use super::scan::scene_of;
 use crate::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
 use crate::error::Result;
 use crate::film::Development;
@@ -49,9 +48,9 @@ pub struct ViewFigures {
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
 pub(super) fn take(scan: Mesh, asset: Scene, side: u32, progress: Progress<'_>) -> Result<Views> {
-    let high = scene_of(scan, neutral());
+    let high = Scene::of_mesh(scan, neutral())?;
     let cameras = cameras(&high);
-    let low = neutralised(asset);
+    let low = neutralised(asset)?;
     let scan = pictures(high, side, &cameras, progress.part(0.0, 0.5))?;
     let asset = pictures(low, side, &cameras, progress.part(0.5, 0.9))?;
     let mut views = Views { scan, asset, ..Views::default() };
@@ -79,12 +78,14 @@ fn neutral() -> Material {
 }
 
 /// The finest level of the asset with the neutral material, its normal map kept.
-fn neutralised(mut asset: Scene) -> Scene {
-    for material in &mut asset.materials {
-        *material = Material { normal: material.normal, ..neutral() };
-    }
-    asset.lights.clear();
-    asset
+fn neutralised(mut asset: Scene) -> Result<Scene> {
+    asset.edit(|asset| {
+        for material in &mut asset.materials {
+            *material = Material { normal: material.normal, ..neutral() };
+        }
+        asset.lights.clear();
+    })?;
+    Ok(asset)
 }
 
 fn azimuth(view: usize) -> f64 {

@@ -4,7 +4,7 @@ use super::scan::blend;
 use crate::image::Texture;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::Mesh;
-use crate::scene::{Instance, Material, Scene};
+use crate::scene::{Instance, Material, SceneData};
 
 /// The base colours of a scene whose meshes are one: material, texture and vertices.
 pub(super) struct Colors {
@@ -16,7 +16,7 @@ pub(super) struct Colors {
 
 impl Colors {
     /// Of instances whose triangles were joined in order. What is left of their meshes is dropped.
-    pub fn new(scene: Scene, instances: &[Instance]) -> Self {
+    pub fn new(scene: SceneData, instances: &[Instance]) -> Self {
         let mut first = 0;
         let mut parts = Vec::with_capacity(instances.len());
         for instance in instances {

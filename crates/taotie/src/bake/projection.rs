@@ -80,7 +80,7 @@ mod tests {
     use super::*;
     use crate::math::Mat4;
     use crate::mesh::{Mesh, MeshData};
-    use crate::scene::{Instance, Material, Scene};
+    use crate::scene::{Instance, Material, Scene, SceneData};
 
     /// Two squares above each other, the lower facing up, the upper down.
     fn sheets() -> Scan {
@@ -93,8 +93,9 @@ mod tests {
         let meshes = vec![square(0.0, [0, 1, 2, 0, 2, 3]), square(1.0, [0, 2, 1, 0, 3, 2])];
         let instances =
             (0..2).map(|mesh| Instance { mesh, material: 0, world_from_object: Mat4::IDENTITY }).collect();
-        Scan::new(Scene { meshes, instances, materials: vec![Material::default()], ..Scene::default() })
-            .unwrap()
+        let materials = vec![Material::default()];
+        let data = SceneData { meshes, instances, materials, ..SceneData::default() };
+        Scan::new(Scene::new(data).unwrap()).unwrap()
     }
 
     #[test]

@@ -22,7 +22,8 @@ impl Scan {
     ///
     /// # Errors
     /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
-    pub fn new(mut scene: Scene) -> Result<Self> {
+    pub fn new(scene: Scene) -> Result<Self> {
+        let mut scene = scene.into_data();
         let instances = std::mem::take(&mut scene.instances);
         let mesh = merged(&mut scene.meshes, &instances)?;
         let mesh = Mesh::new(MeshData { tangents: Vec::new(), ..mesh.into_data() })?;
@@ -72,7 +73,8 @@ pub(super) fn blend([a, b, c]: [Vec3; 3], [u, v, w]: [f32; 3]) -> Vec3 {
 ///
 /// # Errors
 /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
-pub fn light_mesh(mut scene: Scene) -> Result<Mesh> {
+pub fn light_mesh(scene: Scene) -> Result<Mesh> {
+    let mut scene = scene.into_data();
     merged(&mut scene.meshes, &scene.instances)
 }
 

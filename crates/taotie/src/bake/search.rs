@@ -86,7 +86,7 @@ mod tests {
     use crate::bake::layout::Layout;
     use crate::math::Mat4;
     use crate::mesh::{Mesh, MeshData};
-    use crate::scene::{Instance, Material, Scene};
+    use crate::scene::{Instance, Material, Scene, SceneData};
 
     /// A sphere with bumps as fine as its triangles, and a smaller one inside that faces out too.
     fn rough() -> Scan {
@@ -98,13 +98,13 @@ mod tests {
             data.positions.extend(sphere.positions.iter().enumerate().map(|(i, p)| *p * bump(i)));
             data.triangles.extend(sphere.triangles.iter().map(|t| t.map(|v| v + first)));
         }
-        Scan::new(Scene {
+        let data = SceneData {
             meshes: vec![Mesh::new(data).unwrap()],
             materials: vec![Material::default()],
             instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-            ..Scene::default()
-        })
-        .unwrap()
+            ..SceneData::default()
+        };
+        Scan::new(Scene::new(data).unwrap()).unwrap()
     }
 
     #[test]

@@ -20,9 +20,9 @@ impl UvLookup {
     /// # Errors
     /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
     pub fn new(scene: &Scene) -> Result<Self> {
-        let mut instances = scene.instances.clone();
-        instances.retain(|instance| !scene.meshes[instance.mesh].uvs().is_empty());
-        let mesh = merged(&mut scene.meshes.clone(), &instances)?;
+        let mut instances = scene.instances().to_vec();
+        instances.retain(|instance| !scene.meshes()[instance.mesh].uvs().is_empty());
+        let mesh = merged(&mut scene.meshes().to_vec(), &instances)?;
         let place = |v: u32| Vec3::new(mesh.uvs()[0][v as usize].x, mesh.uvs()[0][v as usize].y, 0.0);
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.triangles()[t].map(place));
         Ok(Self { bvh, mesh })

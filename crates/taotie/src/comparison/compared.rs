@@ -58,7 +58,7 @@ impl Comparison {
         let mut photographer = Photographer::new(subject, options, progress.stage("compare"))?;
         subject.check_place(&mut photographer.warnings);
         let mut scene = subject.model.scene.clone();
-        let mut relief = Relief::new(&mut scene, options.settings.surface.tangents);
+        let mut relief = Relief::new(&mut scene, options.settings.surface.tangents)?;
         let (mut surfaces, skipped) = photographer.by_all_methods(&mut scene, &mut relief)?;
         let smooth = photographer.look(&scene, Some(SurfaceMethod::Smooth))?;
         let truth = match subject.reference {

@@ -110,8 +110,8 @@ impl ComparisonOptions {
         if let Some(lighting) = &self.lighting {
             return lighting.clone();
         }
-        let own = !model.lights.is_empty();
-        let lights = if own { model.lights.clone() } else { three_point_rig(camera) };
+        let own = !model.lights().is_empty();
+        let lights = if own { model.lights().to_vec() } else { three_point_rig(camera) };
         Lighting { lights, ..Lighting::default() }
     }
 }

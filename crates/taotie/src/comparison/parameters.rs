@@ -201,8 +201,8 @@ fn light(light: &Light) -> LightParameters {
         LightKind::Spot { position, direction, inner, outer } => LightKindParameters::Spot {
             position: position.to_array(),
             direction: direction.to_array(),
-            inner_deg: inner.to_degrees(),
-            outer_deg: outer.to_degrees(),
+            inner_deg: inner.to_degrees() as f32,
+            outer_deg: outer.to_degrees() as f32,
         },
     };
     let falloff = match light.falloff {

@@ -5,7 +5,7 @@ use super::method::Method;
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding, Texels, Texture};
 use crate::math::{Vec3, srgb};
-use crate::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef};
+use crate::scene::{GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, SceneData, TextureRef};
 use crate::surface::{SurfaceMethod, TangentMethod};
 use std::collections::HashMap;
 
@@ -25,15 +25,15 @@ pub(super) struct Relief {
 
 impl Relief {
     /// Remembers the scene's materials, one for each mesh that uses it: converted maps belong to one mesh.
-    pub(super) fn new(scene: &mut Scene, tangents: Option<TangentMethod>) -> Self {
-        part_materials(scene);
-        Self {
-            materials: scene.materials.clone(),
+    pub(super) fn new(scene: &mut Scene, tangents: Option<TangentMethod>) -> Result<Self> {
+        scene.edit(part_materials)?;
+        Ok(Self {
+            materials: scene.materials().to_vec(),
             greys: HashMap::new(),
             converted: HashMap::new(),
             tangents,
             notes: Vec::new(),
-        }
+        })
     }
 
     /// Returns notes on the maps derived so far.
@@ -46,7 +46,7 @@ impl Relief {
     /// # Errors
     /// Where a derived texture cannot be made.
     pub(super) fn apply(&mut self, scene: &mut Scene, method: Method) -> Result<Option<&'static str>> {
-        scene.materials = self.materials.clone();
+        scene.edit(|scene| scene.materials.clone_from(&self.materials))?;
         let mut any = false;
         for index in 0..self.materials.len() {
             any |= match method.surface {
@@ -74,7 +74,7 @@ impl Relief {
             Some(factor) => factor * texel_size(scene, index, &height.texture) as f32,
             None => height.scale,
         };
-        scene.materials[index].height = Some(HeightMap { scale, ..height });
+        scene.edit(|scene| scene.materials[index].height = Some(HeightMap { scale, ..height }))?;
         Ok(true)
     }
 
@@ -84,12 +84,12 @@ impl Relief {
         let texture = match self.greys.get(&color.texture) {
             Some(texture) => *texture,
             None => {
-                let grey = grey(&scene.textures[color.texture])?;
-                scene.textures.push(Texture::new(grey, Encoding::Linear));
-                self.greys.insert(color.texture, scene.textures.len() - 1);
+                let grey = grey(&scene.textures()[color.texture])?;
+                let texture = scene.add_texture(Texture::new(grey, Encoding::Linear));
+                self.greys.insert(color.texture, texture);
                 self.notes
                     .push("heights: no height map, so the grey of the base colour, as in the paper".into());
-                scene.textures.len() - 1
+                texture
             }
         };
         Ok(Some(TextureRef { texture, ..color }))
@@ -103,7 +103,8 @@ impl Relief {
             let texture = TextureRef { texture, ..map.texture };
             // The conversion has applied both.
             let (scale, green) = (1.0, GreenChannel::Up);
-            scene.materials[index].normal = Some(NormalMap { texture, scale, space, green });
+            let map = NormalMap { texture, scale, space, green };
+            scene.edit(|scene| scene.materials[index].normal = Some(map))?;
         }
         Ok(true)
     }
@@ -113,12 +114,12 @@ impl Relief {
         if let Some(texture) = self.converted.get(&index) {
             return Ok(Some(*texture));
         }
-        let user = scene.instances.iter().find(|instance| instance.material == index);
-        let Some(mesh) = user.map(|user| &scene.meshes[user.mesh]) else { return Ok(None) };
+        let user = scene.instances().iter().find(|instance| instance.material == index);
+        let Some(mesh) = user.map(|user| &scene.meshes()[user.mesh]) else { return Ok(None) };
         if mesh.uvs().len() <= map.texture.uv_set {
             return Ok(None);
         }
-        let source = scene.textures[map.texture.texture].bitmap();
+        let source = scene.textures()[map.texture.texture].bitmap();
         let converted = convert::other_space(mesh, source, map, self.tangents)?;
         if converted.shared > 0 {
             self.notes.push(format!(
@@ -127,14 +128,14 @@ impl Relief {
             ));
         }
         self.notes.push(format!("normals: one map was converted to {} on its mesh", converted.space));
-        scene.textures.push(Texture::new(converted.bitmap, Encoding::Normal));
-        self.converted.insert(index, scene.textures.len() - 1);
-        Ok(Some(scene.textures.len() - 1))
+        let texture = scene.add_texture(Texture::new(converted.bitmap, Encoding::Normal));
+        self.converted.insert(index, texture);
+        Ok(Some(texture))
     }
 }
 
 /// Gives each mesh materials of its own.
-fn part_materials(scene: &mut Scene) {
+fn part_materials(scene: &mut SceneData) {
     let mut users: HashMap<usize, usize> = HashMap::new();
     let mut parted: HashMap<(usize, usize), usize> = HashMap::new();
     for instance in &mut scene.instances {
@@ -180,11 +181,11 @@ fn grey(color: &Texture) -> Result<Bitmap> {
 /// The length of a texel's side on the surface, model units: √(area / texels) over all triangles of the material.
 /// Zero where they have no area in the texture.
 fn texel_size(scene: &Scene, material: usize, texture: &TextureRef) -> f64 {
-    let map = &scene.textures[texture.texture];
+    let map = &scene.textures()[texture.texture];
     let texels = f64::from(map.width()) * f64::from(map.height());
     let (mut area, mut in_map) = (0.0, 0.0);
-    for instance in scene.instances.iter().filter(|instance| instance.material == material) {
-        let mesh = &scene.meshes[instance.mesh];
+    for instance in scene.instances().iter().filter(|instance| instance.material == material) {
+        let mesh = &scene.meshes()[instance.mesh];
         let Some(uvs) = mesh.uvs().get(texture.uv_set) else { continue };
         for triangle in mesh.triangles() {
             let corner =

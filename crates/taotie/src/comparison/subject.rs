@@ -1,7 +1,7 @@
 //! The model that is compared, and the truth that it is measured against.
 
-use crate::Warnings;
 use crate::scene::{Material, Scene};
+use crate::{Result, Warnings};
 
 /// Model and reference should not differ in place or size by more than this fraction of the diagonal.
 const TOLERANCE: f64 = 0.05;
@@ -75,14 +75,19 @@ impl<'a> Subject<'a> {
 }
 
 /// Gives materials of a reference that say nothing the factors of the model's first, so that both are of one material.
-pub fn dress_reference(reference: &mut Scene, model: &Scene) {
-    let Some(first) = model.materials.first() else { return };
-    for material in &mut reference.materials {
-        let silent = Material { name: material.name.clone(), ..Material::default() };
-        if *material == silent {
-            *material = without_textures(first);
+///
+/// # Errors
+/// None but where the model's factors do not fit, which a checked scene's do.
+pub fn dress_reference(reference: &mut Scene, model: &Scene) -> Result<()> {
+    let Some(first) = model.materials().first() else { return Ok(()) };
+    reference.edit(|reference| {
+        for material in &mut reference.materials {
+            let silent = Material { name: material.name.clone(), ..Material::default() };
+            if *material == silent {
+                *material = without_textures(first);
+            }
         }
-    }
+    })
 }
 
 fn without_textures(material: &Material) -> Material {

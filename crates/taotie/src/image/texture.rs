@@ -2,6 +2,7 @@
 
 use super::{Bitmap, Texels, codec, mips};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// What stored numbers mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -15,12 +16,12 @@ pub enum Encoding {
     Normal,
 }
 
-/// A bitmap, its mip chain and the meaning of its numbers. Texels stay in stored precision.
+/// A bitmap, its mip chain and the meaning of its numbers. Texels stay in stored precision. Copies share them.
 #[derive(Debug, Clone)]
 pub struct Texture {
-    levels: Vec<Bitmap>,
+    levels: Arc<[Bitmap]>,
     encoding: Encoding,
-    decode_u8: Box<[f32; 256]>,
+    decode_u8: Arc<[f32; 256]>,
 }
 
 impl Texture {
@@ -32,8 +33,8 @@ impl Texture {
             (Encoding::Srgb, Texels::U16(texels)) => linear_from_srgb16(&bitmap, texels),
             _ => bitmap,
         };
-        let decode_u8 = Box::new(codec::decode_u8(encoding));
-        Self { levels: mips::chain(bitmap, encoding), encoding, decode_u8 }
+        let decode_u8 = Arc::new(codec::decode_u8(encoding));
+        Self { levels: mips::chain(bitmap, encoding).into(), encoding, decode_u8 }
     }
 
     /// The width of the finest level.

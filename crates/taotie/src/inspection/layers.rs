@@ -78,7 +78,7 @@ impl LayersReport {
             }),
             anisotropy: material.anisotropy.map(|anisotropy| AnisotropyReport {
                 strength: anisotropy.strength,
-                rotation_deg: f64::from(anisotropy.rotation).to_degrees(),
+                rotation_deg: anisotropy.rotation.to_degrees(),
             }),
             sheen: material.sheen.map(|sheen| SheenReport { color: sheen.color, roughness: sheen.roughness }),
         }

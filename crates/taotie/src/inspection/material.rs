@@ -102,7 +102,7 @@ impl<'a> Materials<'a> {
 
     /// One a material, in order.
     pub fn reports(mut self) -> Vec<MaterialReport> {
-        self.loaded.scene.materials.iter().map(|material| self.report(material)).collect()
+        self.loaded.scene.materials().iter().map(|material| self.report(material)).collect()
     }
 
     fn report(&mut self, material: &Material) -> MaterialReport {
@@ -148,7 +148,7 @@ impl<'a> Materials<'a> {
     }
 
     fn texture(&self, role: &str, used: &TextureRef) -> TextureReport {
-        let texture = &self.loaded.scene.textures[used.texture];
+        let texture = &self.loaded.scene.textures()[used.texture];
         let name = self.loaded.texture_names.get(used.texture).cloned();
         TextureReport {
             role: role.into(),
@@ -166,7 +166,7 @@ impl<'a> Materials<'a> {
     }
 
     fn pixels(&mut self, texture: usize) -> Pixels {
-        let bitmap = self.loaded.scene.textures[texture].bitmap();
+        let bitmap = self.loaded.scene.textures()[texture].bitmap();
         self.pixels.entry(texture).or_insert_with(|| Pixels::of(bitmap)).clone()
     }
 }

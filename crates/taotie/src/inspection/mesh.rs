@@ -49,7 +49,7 @@ pub enum Normals {
 
 /// Reports about all meshes, in order.
 pub(super) fn reports(loaded: &Loaded) -> Vec<MeshReport> {
-    let meshes = loaded.scene.meshes.iter().enumerate();
+    let meshes = loaded.scene.meshes().iter().enumerate();
     meshes.map(|(index, mesh)| report(loaded, index, mesh)).collect()
 }
 
@@ -71,14 +71,14 @@ fn report(loaded: &Loaded, index: usize, mesh: &Mesh) -> MeshReport {
 }
 
 fn materials_of(scene: &Scene, mesh: usize) -> Vec<usize> {
-    let instances = scene.instances.iter().filter(|instance| instance.mesh == mesh);
+    let instances = scene.instances().iter().filter(|instance| instance.mesh == mesh);
     let materials: BTreeSet<usize> = instances.map(|instance| instance.material).collect();
     materials.into_iter().collect()
 }
 
 /// The uv set of the first tangent-space normal map among `materials`.
 fn mapped_uv_set(scene: &Scene, materials: &[usize]) -> Option<usize> {
-    let maps = materials.iter().filter_map(|index| scene.materials[*index].normal);
+    let maps = materials.iter().filter_map(|index| scene.materials()[*index].normal);
     maps.filter(|map| map.space == NormalSpace::Tangent).map(|map| map.texture.uv_set).next()
 }
 

@@ -144,8 +144,8 @@ impl Inspection {
             bounds: Extent::of(scene),
             meshes: mesh::reports(loaded),
             materials: Materials::new(loaded).reports(),
-            lights: scene.lights.iter().map(named_light).collect(),
-            cameras: scene.cameras.iter().map(named_camera).collect(),
+            lights: scene.lights().iter().map(named_light).collect(),
+            cameras: scene.cameras().iter().map(named_camera).collect(),
             animations: animations(loaded).iter().map(AnimationReport::new).collect(),
             variants: loaded.variants.names().to_vec(),
             missing_files: loaded.missing_files.clone(),
@@ -165,15 +165,15 @@ impl Counts {
     fn new(loaded: &Loaded) -> Self {
         let scene = &loaded.scene;
         Self {
-            meshes: scene.meshes.len(),
-            instances: scene.instances.len(),
-            triangles: scene.meshes.iter().map(|mesh| mesh.triangles().len()).sum(),
+            meshes: scene.meshes().len(),
+            instances: scene.instances().len(),
+            triangles: scene.meshes().iter().map(|mesh| mesh.triangles().len()).sum(),
             triangles_drawn: scene.triangle_count(),
-            vertices: scene.meshes.iter().map(|mesh| mesh.positions().len()).sum(),
-            materials: scene.materials.len(),
-            textures: scene.textures.len(),
-            lights: scene.lights.len(),
-            cameras: scene.cameras.len(),
+            vertices: scene.meshes().iter().map(|mesh| mesh.positions().len()).sum(),
+            materials: scene.materials().len(),
+            textures: scene.textures().len(),
+            lights: scene.lights().len(),
+            cameras: scene.cameras().len(),
             animations: animations(loaded).len(),
         }
     }

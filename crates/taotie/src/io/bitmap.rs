@@ -1,6 +1,8 @@
 //! Textures from PNG, JPEG, WebP, KTX2, TGA, Radiance HDR and OpenEXR, in the precision and encoding of the file.
 
+#[cfg(feature = "exr")]
 mod exr;
+#[cfg(feature = "basis")]
 mod ktx;
 mod png;
 
@@ -40,15 +42,21 @@ pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
 pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     let is_the_file = path.file_name().is_some_and(|file| file.to_string_lossy() == name);
     let at = || if is_the_file { "image".to_owned() } else { format!("image '{name}'") };
-    if ktx::is_ktx2(bytes) {
+    let format = guess_format(bytes, name);
+    if let Some((what, feature)) = lacking(bytes, format) {
+        return Err(Error::needs_feature(format!("{}: {}: {what}", path.display(), at()), feature));
+    }
+    #[cfg(feature = "basis")]
+    if is_ktx2(bytes) {
         return ktx::decode(bytes).map_err(|failure| failure.into_error(path, at()));
     }
-    let format = guess_format(bytes, name).ok_or_else(|| {
+    let format = format.ok_or_else(|| {
         Error::unsupported(
             format!("{}: the image format of '{name}'", path.display()),
             "images are read from PNG, JPEG, WebP, KTX2, TGA, HDR and EXR",
         )
     })?;
+    #[cfg(feature = "exr")]
     if format == ImageFormat::OpenExr {
         return exr::decode(bytes).map_err(|failure| failure.into_error(path, at()));
     }
@@ -81,6 +89,23 @@ impl Failure {
 
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// What KTX2 files begin with.
+const KTX2: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
+
+fn is_ktx2(bytes: &[u8]) -> bool {
+    bytes.starts_with(KTX2)
+}
+
+/// The kind of a picture that this build does not read, and the feature that does.
+fn lacking(bytes: &[u8], format: Option<ImageFormat>) -> Option<(&'static str, &'static str)> {
+    let kinds = [
+        (!cfg!(feature = "basis") && is_ktx2(bytes), ("KTX2", "basis")),
+        (!cfg!(feature = "exr") && format == Some(ImageFormat::OpenExr), ("OpenEXR", "exr")),
+        (!cfg!(feature = "webp") && format == Some(ImageFormat::WebP), ("WebP", "webp")),
+    ];
+    kinds.into_iter().find_map(|(lacks, kind)| lacks.then_some(kind))
 }
 
 fn guess_format(bytes: &[u8], name: &str) -> Option<ImageFormat> {

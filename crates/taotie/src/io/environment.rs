@@ -37,7 +37,7 @@ pub fn decode_environment(bytes: &[u8], path: &Path) -> Result<Image> {
     Ok(image)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "exr"))]
 mod tests {
     use super::*;
     use crate::image::Encoding;

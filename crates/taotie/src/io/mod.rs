@@ -26,17 +26,19 @@ pub use file::{file_size, read as read_bytes, sha256};
 pub use stopwatch::Stopwatch;
 pub use system::free_memory;
 pub use variants::Variants;
+#[cfg(feature = "exr")]
+pub use write::{ExrLayer, write_exr};
 pub use write::{
-    ExrLayer, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial,
-    MovingFormat, MovingPicture, MovingSpec, PictureFormat, PngColor, PngImage, PngSamples, encode_glb,
-    encode_gltf, encode_png, encode_png_bitmap, write_bytes, write_developed, write_exr, write_files,
-    write_gltf, write_picture, write_png, write_png_bitmap, write_text,
+    FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial,
+    MovingFormat, MovingPicture, MovingSpec, PictureFormat, PngColor, PngImage, PngSamples, WrittenScene,
+    encode_glb, encode_gltf, encode_png, encode_png_bitmap, write_bytes, write_developed, write_files,
+    write_gltf, write_picture, write_png, write_png_bitmap, write_scene, write_text,
 };
 pub use xmp::Provenance;
 
 use crate::error::{Error, Result, Warnings};
-use crate::scene::Scene;
 use crate::scene::animation::Rig;
+use crate::scene::{Scene, SceneData};
 use std::path::Path;
 
 /// What a model file held: the scene, what was put right, and what a report about the file wants to know.
@@ -75,6 +77,14 @@ impl Loaded {
     pub fn new(scene: Scene, warnings: Warnings, format: &'static str) -> Self {
         Self { scene, warnings, format, ..Self::default() }
     }
+}
+
+/// Checks the parts of the scene that a file holds.
+fn checked(path: &Path, parts: SceneData) -> Result<Scene> {
+    Scene::new(parts).map_err(|error| match error {
+        Error::Invalid { what, why } => Error::parse(path, what, why),
+        other => other,
+    })
 }
 
 /// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case. Where the first bytes of the

@@ -2,11 +2,11 @@
 
 use super::file;
 use super::obj::neutral;
-use super::{Loaded, text};
+use super::{Loaded, checked, text};
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
 use crate::mesh::{Mesh, MeshData, first};
-use crate::scene::{Instance, Scene};
+use crate::scene::{Instance, SceneData};
 use crate::surface::{Classes, bits};
 use rayon::prelude::*;
 use std::io::Cursor;
@@ -39,13 +39,13 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     }
     let mesh = Mesh::new(data)?;
     warnings.note("triangles without area", mesh.degenerate_triangles());
-    let scene = Scene {
+    let scene = SceneData {
         meshes: vec![mesh],
         materials: vec![neutral("")],
         instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
+        ..SceneData::default()
     };
-    Ok(Loaded::new(scene, warnings, "STL"))
+    Ok(Loaded::new(checked(path, scene)?, warnings, "STL"))
 }
 
 fn is_ascii(bytes: &[u8]) -> bool {

@@ -29,17 +29,19 @@ impl Variants {
     /// that was loaded with this.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where there is no variant of this name; the text lists those that there are.
+    /// [`Error::Invalid`] where there is no variant of this name; the text lists those that there are; also where
+    /// `scene` is another one, which lacks the material.
     pub fn apply(&self, name: &str, scene: &mut Scene) -> Result<()> {
         let variant = self.names.iter().position(|known| known == name);
         let variant =
             variant.ok_or_else(|| Error::invalid(format!("variant '{name}'"), self.what_there_is()))?;
         let chosen: Vec<Option<usize>> = self.mappings.iter().map(|m| material_in(m, variant)).collect();
-        for (instance, authored) in scene.instances.iter_mut().zip(&self.authored) {
-            let mapping = self.mapping_of_mesh.get(instance.mesh).copied().flatten();
-            instance.material = mapping.and_then(|mapping| chosen[mapping]).unwrap_or(*authored);
-        }
-        Ok(())
+        scene.edit(|scene| {
+            for (instance, authored) in scene.instances.iter_mut().zip(&self.authored) {
+                let mapping = self.mapping_of_mesh.get(instance.mesh).copied().flatten();
+                instance.material = mapping.and_then(|mapping| chosen[mapping]).unwrap_or(*authored);
+            }
+        })
     }
 
     fn what_there_is(&self) -> String {

@@ -1,5 +1,6 @@
 //! Pictures and reports to files, each written under a temporary name and renamed, so that no half a file is left.
 
+#[cfg(feature = "exr")]
 mod exr;
 mod files;
 mod gltf;
@@ -7,11 +8,12 @@ mod moving;
 mod picture;
 mod png;
 
+#[cfg(feature = "exr")]
 pub use exr::{ExrLayer, write_exr};
 pub use files::{FileBytes, write_files};
 pub use gltf::{
-    GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, encode_glb,
-    encode_gltf, write_gltf,
+    GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, WrittenScene,
+    encode_glb, encode_gltf, write_gltf, write_scene,
 };
 pub use moving::{MovingFormat, MovingPicture, MovingSpec};
 pub use picture::{PictureFormat, write_developed, write_picture};

@@ -9,6 +9,7 @@ pub(crate) use repair::repair;
 use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// The arrays a [`Mesh`] is made from. Optional arrays are empty where absent.
 #[derive(Debug, Clone, Default)]
@@ -28,9 +29,10 @@ pub struct MeshData {
 }
 
 /// A triangle mesh: every index is in range, every position finite, every array as long as the positions.
+/// Copies share the arrays.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
-    data: MeshData,
+    data: Arc<MeshData>,
 }
 
 impl MeshData {
@@ -74,7 +76,7 @@ impl Mesh {
     /// positions, a position that is infinite or NaN, or an index out of range.
     pub fn new(data: MeshData) -> Result<Self> {
         data.check()?;
-        Ok(Self { data })
+        Ok(Self { data: Arc::new(data) })
     }
 
     /// The positions, object space.
@@ -107,9 +109,9 @@ impl Mesh {
         &self.data.triangles
     }
 
-    /// Gives the arrays back, to change them and check them again.
+    /// Gives the arrays back, to change them and check them again; copied where another mesh shares them.
     pub fn into_data(self) -> MeshData {
-        self.data
+        Arc::unwrap_or_clone(self.data)
     }
 
     /// The corners of a triangle.

@@ -35,7 +35,7 @@ impl Mesh {
                 }
             }
         }
-        Self { data }
+        Self { data: data.into() }
     }
 }
 

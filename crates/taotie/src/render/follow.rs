@@ -44,12 +44,13 @@ struct Maker<'a> {
 impl Maker<'_> {
     fn bind(mut self, scene: &mut Scene, rig: Rig) -> Result<Rig> {
         let mut data = rig.into_data();
-        for mesh in 0..scene.meshes.len() {
+        for mesh in 0..scene.meshes().len() {
             let Some(uv_set) = tangent_uv_set(scene, mesh) else { continue };
             match data.deformed.iter_mut().find(|deformed| deformed.mesh == mesh) {
                 Some(deformed) => self.bind_shape(&mut deformed.shape, uv_set)?,
                 None if self.method.is_some() => {
-                    scene.meshes[mesh] = self.tangented(&scene.meshes[mesh], uv_set)?;
+                    let tangented = self.tangented(&scene.meshes()[mesh], uv_set)?;
+                    scene.edit(|parts| parts.meshes[mesh] = tangented)?;
                 }
                 None => {}
             }
@@ -78,10 +79,11 @@ impl Maker<'_> {
 
 /// The uv set of the tangent-space normal map that is read on a mesh; of several the first counts.
 fn tangent_uv_set(scene: &Scene, mesh: usize) -> Option<usize> {
-    let materials = scene.instances.iter().filter(|i| i.mesh == mesh).map(|i| &scene.materials[i.material]);
+    let materials =
+        scene.instances().iter().filter(|i| i.mesh == mesh).map(|i| &scene.materials()[i.material]);
     let maps = materials.filter_map(|m| m.normal.as_ref()).filter(|map| map.space == NormalSpace::Tangent);
     let sets = maps.map(|map| map.texture.uv_set);
-    let there = &scene.meshes[mesh];
+    let there = &scene.meshes()[mesh];
     sets.into_iter().find(|set| *set < there.uvs().len() && !there.normals().is_empty())
 }
 
@@ -93,7 +95,7 @@ mod tests {
     use crate::mesh::MeshData;
     use crate::mesh::deform::MorphTarget;
     use crate::scene::animation::{Animation, Channel, Interpolation, Node, Path, RigData, Sampler};
-    use crate::scene::{GreenChannel, Instance, Material, NormalMap, TextureRef, UvTransform};
+    use crate::scene::{GreenChannel, Instance, Material, NormalMap, SceneData, TextureRef, UvTransform};
 
     /// A square whose uvs follow it, and that a morph target shears along x.
     fn sheared() -> (Scene, Rig) {
@@ -117,13 +119,13 @@ mod tests {
             transform: UvTransform::default(),
         };
         let map = NormalMap { texture, scale: 1.0, space: NormalSpace::Tangent, green: GreenChannel::Up };
-        let scene = Scene {
+        let scene = Scene::new(SceneData {
             meshes: vec![Mesh::new(base.clone()).unwrap()],
             materials: vec![Material { normal: Some(map), ..Material::default() }],
             textures: vec![Texture::new(texel, Encoding::Normal)],
             instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-            ..Scene::default()
-        };
+            ..SceneData::default()
+        });
         let sampler = Sampler::new(Interpolation::Linear, vec![0.0, 1.0], vec![0.0, 1.0]).unwrap();
         let channel = Channel { node: 0, path: Path::Weights, sampler: 0 };
         let animation =
@@ -136,7 +138,7 @@ mod tests {
             animations: vec![animation],
             ..RigData::default()
         });
-        (scene, rig.unwrap())
+        (scene.unwrap(), rig.unwrap())
     }
 
     #[test]
@@ -144,12 +146,12 @@ mod tests {
         let (mut scene, rig) = sheared();
         let asked = SurfaceSettings { tangents: Some(TangentMethod::Face), ..SurfaceSettings::default() };
         let (rig, settings) = bind_tangents(&mut scene, rig, &asked, &mut Warnings::default()).unwrap();
-        assert_eq!((settings.tangents, scene.meshes[0].tangents().len()), (None, 4));
+        assert_eq!((settings.tangents, scene.meshes()[0].tangents().len()), (None, 4));
         rig.pose(&mut scene, 0, 1.0).unwrap();
         // The target moves positions only, so tangents stay; made from the sheared mesh they would follow its uvs.
-        assert_eq!(scene.meshes[0].positions()[1], Vec3::new(1.0, 1.0, 0.0));
-        assert!(scene.meshes[0].tangents().iter().all(|t| *t == [1.0, 0.0, 0.0, 1.0]));
-        let anew = surface::with_tangents(&scene.meshes[0], 0, TangentMethod::Face).unwrap().mesh;
+        assert_eq!(scene.meshes()[0].positions()[1], Vec3::new(1.0, 1.0, 0.0));
+        assert!(scene.meshes()[0].tangents().iter().all(|t| *t == [1.0, 0.0, 0.0, 1.0]));
+        let anew = surface::with_tangents(&scene.meshes()[0], 0, TangentMethod::Face).unwrap().mesh;
         assert!(anew.tangents().iter().all(|t| (t[1] - 0.5f32.sqrt()).abs() < 1e-6));
     }
 
@@ -158,6 +160,6 @@ mod tests {
         let (mut scene, rig) = sheared();
         let smooth = SurfaceSettings { method: Some(SurfaceMethod::Smooth), ..SurfaceSettings::default() };
         bind_tangents(&mut scene, rig, &smooth, &mut Warnings::default()).unwrap();
-        assert!(scene.meshes[0].tangents().is_empty());
+        assert!(scene.meshes()[0].tangents().is_empty());
     }
 }

@@ -30,7 +30,7 @@ impl Footprint {
                 a * self.weights[0] + b * self.weights[1] + c * self.weights[2]
             });
             let uv = texture.transform.apply(uv);
-            alpha *= texture.sampler.sample(&scene.textures[texture.texture], uv, POINT)[3];
+            alpha *= texture.sampler.sample(&scene.textures()[texture.texture], uv, POINT)[3];
         }
         if !draw.mesh.colors().is_empty() {
             let [a, b, c] = self.vertices.map(|v| draw.mesh.colors()[v as usize][3]);

@@ -65,7 +65,7 @@ impl Interpolation<'_> {
             NormalSource::BumpPrinted(map, _) => {
                 // The paper's g: half the difference of the grey levels (0 to 255) of the two neighbours along u.
                 batch.relief.fill(0.0);
-                let width = self.scene.textures[map.texture.texture].width() as f32;
+                let width = self.scene.textures()[map.texture.texture].width() as f32;
                 [batch.dh_du, _] = self.height_derivatives(map, batch);
                 scale(&mut batch.dh_du, 255.0 / width, len);
             }
@@ -77,7 +77,7 @@ impl Interpolation<'_> {
 
     /// ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
     fn height_derivatives(&self, map: &HeightMap, batch: &mut Batch) -> [Column; 2] {
-        let texture = &self.scene.textures[map.texture.texture];
+        let texture = &self.scene.textures()[map.texture.texture];
         let Batch { lookups, uv_sets, len, .. } = batch;
         let used = self.texture(&map.texture);
         lookups.locate(used, Coordinates { sets: uv_sets, len: *len });
@@ -174,7 +174,8 @@ impl Interpolation<'_> {
             reader.read(&sheen.roughness_texture, [spare, spare2, spare3, roughness], factors);
         }
         if let Some(anisotropy) = &material.anisotropy {
-            let angle = f64::from(anisotropy.rotation);
+            // In the 32 bits that files hold.
+            let angle = f64::from(anisotropy.rotation as f32);
             let (sin, cos) = (scalar::sin(angle) as f32, scalar::cos(angle) as f32);
             let has_texture = anisotropy.texture.is_some();
             let factors = [1.0, 1.0, anisotropy.strength, 1.0];

@@ -46,7 +46,7 @@ pub(super) struct TextureUse<'t> {
 
 impl<'t> TextureUse<'t> {
     pub(super) fn new(level: Level, scene: &'t Scene, texture: &'t TextureRef) -> Self {
-        Self { level, image: &scene.textures[texture.texture], texture }
+        Self { level, image: &scene.textures()[texture.texture], texture }
     }
 }
 

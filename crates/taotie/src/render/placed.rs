@@ -26,7 +26,7 @@ impl Body {
 
     pub(super) fn mesh<'p>(&'p self, scene: &'p Scene) -> &'p Mesh {
         match self {
-            Self::OfScene(index) => &scene.meshes[*index],
+            Self::OfScene(index) => &scene.meshes()[*index],
             Self::Made(mesh) => mesh,
         }
     }
@@ -88,7 +88,7 @@ impl Placed {
         let mesh = self.body.mesh(scene);
         Draw {
             mesh,
-            material: &scene.materials[self.material],
+            material: &scene.materials()[self.material],
             first_triangle: self.first_triangle,
             normal_source: self.normal_source,
             positions: self.positions.as_deref().unwrap_or(mesh.positions()),

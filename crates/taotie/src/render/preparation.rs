@@ -39,7 +39,7 @@ impl<'a> Preparation<'a> {
         if !m.is_finite() {
             return Err(Error::invalid("an instance's transform", "it is infinite or NaN; mend the file"));
         }
-        let material = &self.scene.materials[instance.material];
+        let material = &self.scene.materials()[instance.material];
         let mut normal_source = self.normal_source(material);
         if self.lacks_uvs(instance.mesh, &normal_source) {
             normal_source = NormalSource::Smooth;
@@ -98,7 +98,7 @@ impl<'a> Preparation<'a> {
             (None, Some(stretch)) => stretch.texture.as_ref().map_or(0, |texture| texture.uv_set),
             (None, None) => return None,
         };
-        let lacks = set >= self.scene.meshes[mesh].uvs().len();
+        let lacks = set >= self.scene.meshes()[mesh].uvs().len();
         let what = "meshes without the uv set of their lacquer's normals or of their anisotropy: drawn without direction";
         self.warnings.note(what, usize::from(lacks));
         (!lacks).then_some(set)
@@ -110,7 +110,7 @@ impl<'a> Preparation<'a> {
             NormalSource::Bump(map, _) | NormalSource::BumpPrinted(map, _) => &map.texture,
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => &map.texture,
         };
-        let lacks = texture.uv_set >= self.scene.meshes[mesh].uvs().len();
+        let lacks = texture.uv_set >= self.scene.meshes()[mesh].uvs().len();
         self.warnings.note(
             "meshes without the uv set of their normal or height map: drawn smooth",
             usize::from(lacks),
@@ -123,7 +123,7 @@ impl<'a> Preparation<'a> {
         if let Some(body) = self.bodies.get(&(index, tangent_set)) {
             return Ok(body.clone());
         }
-        let mesh = &self.scene.meshes[index];
+        let mesh = &self.scene.meshes()[index];
         let made = match tangent_set {
             None => surface::with_normals_at(self.level, mesh)?,
             Some(uv_set) => {

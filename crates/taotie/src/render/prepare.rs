@@ -79,9 +79,9 @@ impl Parts {
             return Err(Error::limit(format!("{total} triangles"), "at most 2^32 - 2"));
         }
         let mut preparation = Preparation::new(scene, settings)?;
-        let mut placed = Vec::with_capacity(scene.instances.len());
+        let mut placed = Vec::with_capacity(scene.instances().len());
         let mut first_triangle = 0;
-        for instance in &scene.instances {
+        for instance in scene.instances() {
             let one = preparation.place(instance, first_triangle)?;
             first_triangle += one.triangle_count(scene) as u32;
             placed.push(one);

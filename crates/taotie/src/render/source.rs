@@ -23,7 +23,8 @@ impl Source {
             LightKind::Point { position } => (position, false, None),
             LightKind::Directional { direction } => (-direction, true, None),
             LightKind::Spot { position, direction, inner, outer } => {
-                let cos = |angle: f32| scalar::cos(f64::from(angle)) as f32;
+                // In the 32 bits that files hold, so that an angle and its decimals are one light.
+                let cos = |angle: f64| scalar::cos(f64::from(angle as f32)) as f32;
                 (position, false, Some((direction, cos(inner), cos(outer))))
             }
         };

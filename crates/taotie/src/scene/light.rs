@@ -36,9 +36,9 @@ pub enum LightKind {
         /// Unit direction of the cone's axis, world space.
         direction: Vec3,
         /// Angle from the axis up to which the light is full, radians, in [0, `outer`).
-        inner: f32,
+        inner: f64,
         /// Angle from the axis from which there is no light, radians, at most π/2.
-        outer: f32,
+        outer: f64,
     },
 }
 

@@ -6,7 +6,7 @@ use crate::math::Vec2;
 /// A texture as a material uses it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureRef {
-    /// Index into [`super::Scene::textures`].
+    /// Index into [`super::SceneData::textures`].
     pub texture: usize,
     /// Which uv set of the mesh.
     pub uv_set: usize,
@@ -158,7 +158,7 @@ pub struct Anisotropy {
     /// [0, 1].
     pub strength: f32,
     /// The stretch's direction, radians counter-clockwise from the tangent.
-    pub rotation: f32,
+    pub rotation: f64,
     /// Red and green turn the direction further, blue multiplies `strength`; linear.
     pub texture: Option<TextureRef>,
 }

@@ -1,5 +1,6 @@
 //! A change to every material of a scene.
 
+use crate::error::Result;
 use crate::scene::{HeightMap, Material, NormalMap, Scene, TextureRef};
 
 /// A change to every material; a part that is `None` stays.
@@ -17,8 +18,11 @@ pub(super) struct Change {
 
 impl Change {
     /// Changes every material of `scene`.
-    pub fn apply(&self, scene: &mut Scene) {
-        scene.materials.iter_mut().for_each(|material| self.change(material));
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] where a factor is out of range.
+    pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        scene.edit(|scene| scene.materials.iter_mut().for_each(|material| self.change(material)))
     }
 
     fn change(&self, material: &mut Material) {

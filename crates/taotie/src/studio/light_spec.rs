@@ -79,12 +79,9 @@ impl LightSpec {
         let turn = |d: Vec3| world.transform_vector(d.to_f64()).to_f32();
         let kind = match self.form {
             LightForm::Point { position } => LightKind::Point { position: place(position) },
-            LightForm::Spot { position, direction, inner, outer } => LightKind::Spot {
-                position: place(position),
-                direction: turn(direction),
-                inner: inner as f32,
-                outer: outer as f32,
-            },
+            LightForm::Spot { position, direction, inner, outer } => {
+                LightKind::Spot { position: place(position), direction: turn(direction), inner, outer }
+            }
             LightForm::Directional { direction } => LightKind::Directional { direction: turn(direction) },
             LightForm::FromView { azimuth, elevation } => {
                 let direction = -from_view(&view.front(), azimuth, elevation);

@@ -36,7 +36,7 @@ impl LightOptions {
         scene: &Scene,
         view: View<'_>,
     ) -> Lighting {
-        let lit = environment.is_some() || !self.lights.is_empty() || !scene.lights.is_empty();
+        let lit = environment.is_some() || !self.lights.is_empty() || !scene.lights().is_empty();
         let ambient = self.ambient.unwrap_or(Vec3::splat(if lit { 0.0 } else { ROOM }));
         let turned = |light: &EnvironmentLight| EnvironmentLight {
             rotation: light.rotation - view.angle(),
@@ -48,7 +48,7 @@ impl LightOptions {
 
     fn named(&self, scene: &Scene, view: View<'_>) -> Vec<Light> {
         match self.lights.is_empty() {
-            true => scene.lights.clone(),
+            true => scene.lights().to_vec(),
             false => self.lights.iter().map(|spec| spec.light(view)).collect(),
         }
     }
@@ -58,18 +58,12 @@ impl LightOptions {
 mod tests {
     use super::super::viewpoint::{CameraOptions, Framing, Viewpoint};
     use super::*;
-    use crate::math::Mat4;
     use crate::mesh::Mesh;
-    use crate::scene::{Instance, LightKind, Material};
+    use crate::scene::{LightKind, Material};
     use std::f64::consts::FRAC_PI_2;
 
     fn ball() -> (Scene, Viewpoint) {
-        let scene = Scene {
-            meshes: vec![Mesh::sphere(1.0, 16, 8)],
-            materials: vec![Material::default()],
-            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-            ..Scene::default()
-        };
+        let scene = Scene::of_mesh(Mesh::sphere(1.0, 16, 8), Material::default()).unwrap();
         let front = CameraOptions { azimuth: 0.0, elevation: 0.0, ..CameraOptions::default() };
         let framing = Framing { size: [9, 9], all_around: false };
         let viewpoint = Viewpoint::choose(&front, framing, &scene).unwrap();

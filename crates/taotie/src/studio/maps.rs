@@ -67,7 +67,7 @@ impl MapOptions {
     /// # Errors
     /// Those of the files.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        self.load(scene)?.apply(scene);
+        self.load(scene)?.apply(scene)?;
         Ok(())
     }
 
@@ -98,9 +98,8 @@ impl MapOptions {
 }
 
 fn load_texture(scene: &mut Scene, path: &Path, encoding: Encoding) -> Result<TextureRef> {
-    scene.textures.push(Texture::new(io::read_bitmap(path)?, encoding));
     Ok(TextureRef {
-        texture: scene.textures.len() - 1,
+        texture: scene.add_texture(Texture::new(io::read_bitmap(path)?, encoding)),
         uv_set: 0,
         sampler: Sampler::default(),
         transform: UvTransform::default(),

@@ -3,7 +3,7 @@
 use super::maps::MapOptions;
 use super::material_file::MaterialFile;
 use crate::error::Result;
-use crate::scene::{GreenChannel, Scene};
+use crate::scene::{GreenChannel, Scene, SceneData};
 
 /// The materials asked for; by default they stay as the file says.
 ///
@@ -41,14 +41,14 @@ impl MaterialOptions {
         }
         self.maps.apply(scene)?;
         if self.green == GreenChannel::Down {
-            point_down(scene);
+            scene.edit(point_down)?;
         }
         Ok(())
     }
 }
 
 /// Makes green point down in every normal map.
-fn point_down(scene: &mut Scene) {
+fn point_down(scene: &mut SceneData) {
     for material in &mut scene.materials {
         let coat = material.clearcoat.as_mut().and_then(|coat| coat.normal.as_mut());
         material.normal.iter_mut().chain(coat).for_each(|map| map.green = GreenChannel::Down);

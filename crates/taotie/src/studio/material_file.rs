@@ -130,7 +130,7 @@ impl MaterialFile {
     /// # Errors
     /// Those of the maps, and [`Error::Invalid`] for an unknown preset.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        self.change(scene)?.apply(scene);
+        self.change(scene)?.apply(scene)?;
         Ok(())
     }
 

@@ -250,15 +250,15 @@ fn united(a: Option<Bounds>, b: Option<Bounds>) -> Option<Bounds> {
 }
 
 fn named(scene: &Scene, name: &str) -> Result<Camera> {
-    if let Some(camera) = scene.cameras.iter().find(|camera| camera.name == name) {
+    if let Some(camera) = scene.cameras().iter().find(|camera| camera.name == name) {
         return Ok(camera.clone());
     }
     // Nameless cameras can be chosen by number.
-    if let Some(camera) = name.parse::<usize>().ok().and_then(|index| scene.cameras.get(index)) {
+    if let Some(camera) = name.parse::<usize>().ok().and_then(|index| scene.cameras().get(index)) {
         return Ok(camera.clone());
     }
     let title = |(i, c): (usize, &Camera)| if c.name.is_empty() { i.to_string() } else { c.name.clone() };
-    let names: Vec<String> = scene.cameras.iter().enumerate().map(title).collect();
+    let names: Vec<String> = scene.cameras().iter().enumerate().map(title).collect();
     let why = match names.is_empty() {
         true => "the file has no camera; look from an orbit".into(),
         false => format!("the file has no such camera; it has: {}", names.join(", ")),
@@ -270,17 +270,12 @@ fn named(scene: &Scene, name: &str) -> Result<Camera> {
 mod tests {
     use super::*;
     use crate::mesh::Mesh;
-    use crate::scene::{Instance, Material};
+    use crate::scene::Material;
 
     const SQUARE: Framing = Framing { size: [64, 64], all_around: false };
 
     fn ball() -> Scene {
-        Scene {
-            meshes: vec![Mesh::sphere(1.0, 16, 8)],
-            materials: vec![Material::default()],
-            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-            ..Scene::default()
-        }
+        Scene::of_mesh(Mesh::sphere(1.0, 16, 8), Material::default()).unwrap()
     }
 
     #[test]

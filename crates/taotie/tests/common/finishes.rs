@@ -6,18 +6,19 @@ use taotie::image::{Encoding, Image, Texture};
 use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::Mesh;
 use taotie::scene::{
-    Anisotropy, Clearcoat, GreenChannel, Material, NormalMap, NormalSpace, Scene, Sheen, Specular,
+    Anisotropy, Clearcoat, GreenChannel, Material, NormalMap, NormalSpace, Scene, SceneData, Sheen, Specular,
 };
 
 /// A unit sphere of one material.
 pub fn sphere(material: Material, textures: Vec<Texture>) -> Scene {
-    Scene {
+    Scene::new(SceneData {
         meshes: vec![Mesh::sphere(1.0, 48, 24)],
         materials: vec![material],
         textures,
         instances: vec![instance(0, 0, Mat4::IDENTITY)],
-        ..Scene::default()
-    }
+        ..SceneData::default()
+    })
+    .unwrap()
 }
 
 /// A plain metal.
@@ -29,7 +30,7 @@ pub fn metal(color: [f32; 3], roughness: f32) -> Material {
 /// The embossed sphere, its material changed.
 pub fn embossed(change: impl FnOnce(&mut Material)) -> Scene {
     let mut scene = embossed_sphere(NormalSpace::Tangent);
-    change(&mut scene.materials[0]);
+    scene.edit(|scene| change(&mut scene.materials[0])).unwrap();
     scene
 }
 
@@ -45,7 +46,7 @@ pub fn polished_bosses(scale: f32, roughness: f32) -> Scene {
 
 /// Red paint with bosses under a lacquer that has waves of its own.
 pub fn lacquer() -> Scene {
-    let mut scene = embossed_sphere(NormalSpace::Tangent);
+    let mut scene = embossed_sphere(NormalSpace::Tangent).into_data();
     let waves = texture(128, Encoding::Normal, |u, v| {
         let slope = 0.12 * scalar::sin(TAU * (6.0 * u + 14.0 * v));
         let n = Vec3::new(slope * 0.5, slope, 1.0).normalize();
@@ -71,7 +72,7 @@ pub fn lacquer() -> Scene {
         }),
         ..Material::default()
     };
-    scene
+    Scene::new(scene).unwrap()
 }
 
 /// Blue velvet whose fibres are finer in stripes.
@@ -128,8 +129,8 @@ pub fn occluded_gold(roughness: f32) -> Scene {
         let (x, y) = (cell(u, 12.0), cell(v, 6.0));
         [(1.3 - (x * x + y * y)).clamp(0.0, 1.0), 0.0, 0.0, 1.0]
     });
-    scene.textures.push(valleys);
-    scene.materials[0].occlusion_texture = Some(plain(4));
+    scene.add_texture(valleys);
+    scene.edit(|scene| scene.materials[0].occlusion_texture = Some(plain(4))).unwrap();
     scene
 }
 

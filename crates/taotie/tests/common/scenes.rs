@@ -5,7 +5,7 @@ use taotie::math::{Mat4, Vec2, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::{
     AlphaMode, Camera, Falloff, GreenChannel, HeightMap, Instance, Light, LightKind, Material, NormalMap,
-    NormalSpace, Orbit, Scene, TextureRef, UvTransform,
+    NormalSpace, Orbit, Scene, SceneData, TextureRef, UvTransform,
 };
 
 /// A rectangle from its corner along two edges, seen from the side of their cross product, uv from 0 to `repeat`.
@@ -99,18 +99,19 @@ pub fn embossed_sphere_with(space: NormalSpace, relief: u32, color: u32) -> Scen
         height: Some(HeightMap { texture: plain(1), scale: BOSS as f32 }),
         ..Material::default()
     };
-    Scene {
+    Scene::new(SceneData {
         meshes: vec![Mesh::sphere(1.0, 32, 16)],
         materials: vec![material],
         textures: vec![normals, heights, colors, orm],
         instances: vec![instance(0, 0, Mat4::IDENTITY)],
-        ..Scene::default()
-    }
+        ..SceneData::default()
+    })
+    .unwrap()
 }
 
 /// A checkered floor that runs under the camera to the horizon, with a mirrored and a squeezed sphere on it.
 pub fn floor_and_mirrored_spheres() -> Scene {
-    let mut scene = embossed_sphere(NormalSpace::Tangent);
+    let mut scene = embossed_sphere(NormalSpace::Tangent).into_data();
     let checker = texture(32, Encoding::Srgb, |u, v| match (u > 0.5) ^ (v > 0.5) {
         true => [0.9, 0.9, 0.88, 1.0],
         false => [0.1, 0.12, 0.2, 1.0],
@@ -131,12 +132,12 @@ pub fn floor_and_mirrored_spheres() -> Scene {
         instance(0, 0, place(-1.2, Vec3::new(-1.0, 1.0, 1.0))),
         instance(0, 0, place(1.2, Vec3::new(0.6, 1.0, 1.4))),
     ];
-    scene
+    Scene::new(scene).unwrap()
 }
 
 /// Panes laid over a sphere: two blended, one with holes, one seen from behind.
 pub fn panes() -> Scene {
-    let mut scene = embossed_sphere(NormalSpace::Tangent);
+    let mut scene = embossed_sphere(NormalSpace::Tangent).into_data();
     let holes = texture(64, Encoding::Srgb, |u, v| {
         let (x, y) = (u * 6.0 - (u * 6.0).floor() - 0.5, v * 6.0 - (v * 6.0).floor() - 0.5);
         [0.8, 0.7, 0.2, 1.0 - f64::from(x * x + y * y < 0.1)]
@@ -162,7 +163,7 @@ pub fn panes() -> Scene {
         instance(2, 2, Mat4::IDENTITY),
         instance(3, 3, Mat4::IDENTITY),
     ]);
-    scene
+    Scene::new(scene).unwrap()
 }
 
 /// Places a mesh.

@@ -5,7 +5,7 @@ use taotie::image::Image;
 use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::Mesh;
 use taotie::render::{EnvironmentLight, EnvironmentSampling, ReferenceSettings};
-use taotie::scene::{Camera, Material, Orbit, Projection, Scene};
+use taotie::scene::{Camera, Material, Orbit, Projection, Scene, SceneData};
 
 /// An environment of radiance one.
 pub fn white_sky() -> EnvironmentLight {
@@ -13,13 +13,13 @@ pub fn white_sky() -> EnvironmentLight {
 }
 
 pub fn scene_of(parts: Vec<(Mesh, Material)>) -> Scene {
-    let mut scene = Scene::default();
+    let mut scene = SceneData::default();
     for (i, (mesh, material)) in parts.into_iter().enumerate() {
         scene.meshes.push(mesh);
         scene.materials.push(material);
         scene.instances.push(scenes::instance(i, i, Mat4::IDENTITY));
     }
-    scene
+    Scene::new(scene).unwrap()
 }
 
 /// A large rectangle in the plane z = 0 that faces +z.

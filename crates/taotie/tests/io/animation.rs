@@ -55,7 +55,7 @@ fn animated(maker: &Maker, nodes: &str, animation: &str) -> Loaded {
 fn matrix_at(loaded: &Loaded, seconds: f64) -> Mat4 {
     let mut scene = loaded.scene.clone();
     loaded.rig.as_ref().unwrap().pose(&mut scene, 0, seconds).unwrap();
-    scene.instances[0].world_from_object
+    scene.instances()[0].world_from_object
 }
 
 /// A triangle, times 1 and 3 (accessor 1), and a translation (2), rotation (3) and scale (4) for each.
@@ -115,11 +115,11 @@ fn what_hangs_on_a_moving_node_goes_with_it() {
     loaded.rig.unwrap().pose(&mut loaded.scene, 0, 3.0).unwrap();
     let scene = loaded.scene;
     let at = |m: &Mat4| m.axis(3).to_f32();
-    assert!((at(&scene.instances[0].world_from_object) - v(4.0, 2.0, 2.0)).length() < 1e-6);
-    let camera = &scene.cameras[0].world_from_view;
+    assert!((at(&scene.instances()[0].world_from_object) - v(4.0, 2.0, 2.0)).length() < 1e-6);
+    let camera = &scene.cameras()[0].world_from_view;
     assert!((at(camera) - v(4.0, 2.0, 10.0)).length() < 1e-6);
     assert!((camera.axis(0).to_f32() - v(0.0, 1.0, 0.0)).length() < 1e-6, "turned, but not scaled");
-    let LightKind::Spot { position, direction, .. } = scene.lights[0].kind else { panic!("a spot") };
+    let LightKind::Spot { position, direction, .. } = scene.lights()[0].kind else { panic!("a spot") };
     assert!((position - v(4.0, 2.0, 10.0)).length() + (direction - v(0.0, 0.0, -1.0)).length() < 1e-6);
 }
 
@@ -137,7 +137,7 @@ fn weights_move_the_node_s_mesh_and_no_other() {
         "samplers":[{"input":2,"output":3}]}]"#,
     );
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-    let corner = |scene: &Scene, i: usize| scene.meshes[scene.instances[i].mesh].positions()[1];
+    let corner = |scene: &Scene, i: usize| scene.meshes()[scene.instances()[i].mesh].positions()[1];
     assert_eq!([0, 1, 2].map(|i| corner(&loaded.scene, i).z), [0.25, 0.25, 1.0], "at rest");
     loaded.rig.unwrap().pose(&mut loaded.scene, 0, 1.0).unwrap();
     assert_eq!([0, 1, 2].map(|i| corner(&loaded.scene, i).z), [0.25, 0.5, 1.0]);
@@ -155,9 +155,9 @@ fn flat_normals_are_those_of_the_deformed_faces() {
         "animations":[{"channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}],
         "samplers":[{"input":2,"output":2}]}]"#,
     );
-    assert_eq!(loaded.scene.meshes[0].normals(), [v(0.0, 0.0, 1.0); 3]);
+    assert_eq!(loaded.scene.meshes()[0].normals(), [v(0.0, 0.0, 1.0); 3]);
     loaded.rig.unwrap().pose(&mut loaded.scene, 0, 1.0).unwrap();
-    assert_eq!(loaded.scene.meshes[0].normals(), [v(0.0, -1.0, 0.0); 3]);
+    assert_eq!(loaded.scene.meshes()[0].normals(), [v(0.0, -1.0, 0.0); 3]);
 }
 
 /// Its joint turns the mesh; the mesh's own node, animated too, does nothing.
@@ -176,8 +176,8 @@ fn a_skin_moves_by_its_joints_alone() {
           "samplers":[{"input":1,"output":2},{"input":1,"output":3}]}]"#,
     );
     loaded.rig.unwrap().pose(&mut loaded.scene, 0, 3.0).unwrap();
-    assert_eq!(loaded.scene.instances[0].world_from_object, Mat4::IDENTITY);
-    let mesh = &loaded.scene.meshes[0];
+    assert_eq!(loaded.scene.instances()[0].world_from_object, Mat4::IDENTITY);
+    let mesh = &loaded.scene.meshes()[0];
     // First 90° about y: x to −z, z to x; then 90° about z: x to y, y to −x; then moved by (4, 2, 0).
     let expected = [v(4.0, 2.0, 0.0), v(4.0, 2.0, -1.0), v(3.0, 2.0, 0.0)];
     for (p, q) in mesh.positions().iter().zip(expected) {

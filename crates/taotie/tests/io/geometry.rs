@@ -34,7 +34,7 @@ fn material(mtl: &str, pictures: &[(&str, Vec<u8>)]) -> (Material, Loaded) {
     let mut files = vec![("a.obj", square.as_bytes()), ("a.mtl", mtl.as_bytes())];
     files.extend(pictures.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
     let loaded = load(&files).expect("a sound file");
-    (loaded.scene.materials[0].clone(), loaded)
+    (loaded.scene.materials()[0].clone(), loaded)
 }
 
 /// A PNG of 32 × 32 RGB texels.
@@ -109,7 +109,7 @@ fn compare_with_tobj(path: &Path, loaded: &Loaded) {
         }
     }
     let mut ours: Vec<[u32; 8]> = Vec::new();
-    for mesh in &loaded.scene.meshes {
+    for mesh in loaded.scene.meshes() {
         for (i, p) in mesh.positions().iter().enumerate() {
             let uv = mesh.uvs().first().map_or([0.0; 2], |uvs| [uvs[i].x, uvs[i].y]);
             let n = mesh.normals().get(i).map_or([0.0; 3], |n| n.to_array());
@@ -135,7 +135,7 @@ fn rounded(v: f32) -> u32 {
 fn obj_negative_indices_quads_and_uv_origin() {
     let loaded = obj("v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0.25\nvn 0 0 2\n\
                       f -4/1/1 -3/-1/1 -2/2/-1 -1/1/1");
-    let mesh = &loaded.scene.meshes[0];
+    let mesh = &loaded.scene.meshes()[0];
     assert_eq!((mesh.positions().len(), mesh.triangles()), (4, &[[0, 1, 2], [0, 2, 3]][..]));
     assert_eq!((mesh.uvs()[0][0].y, mesh.uvs()[0][1].y), (1.0, 0.75));
     assert_eq!(mesh.normals()[3].to_array(), [0.0, 0.0, 1.0]);
@@ -147,10 +147,10 @@ fn obj_concave_polygons_keep_their_area() {
     let comb = "v 0 0 0\nv 7 0 0\nv 7 3 0\nv 6 3 0\nv 6 1 0\nv 4 1 0\nv 4 3 0\nv 3 3 0\nv 3 1 0\nv 1 1 0\n\
                 v 1 3 0\nv 0 3 0\nf 1 2 3 4 5 6 7 8 9 10 11 12";
     let loaded = obj(comb);
-    assert_eq!(loaded.scene.meshes[0].triangles().len(), 10);
-    assert!((area(&loaded.scene.meshes[0]) - 13.0).abs() < 1e-6);
+    assert_eq!(loaded.scene.meshes()[0].triangles().len(), 10);
+    assert!((area(&loaded.scene.meshes()[0]) - 13.0).abs() < 1e-6);
     let upright = obj(&comb.replace(" 0\n", " 5\n"));
-    assert!((area(&upright.scene.meshes[0]) - area(&loaded.scene.meshes[0])).abs() < 1e-6);
+    assert!((area(&upright.scene.meshes()[0]) - area(&loaded.scene.meshes()[0])).abs() < 1e-6);
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn obj_in_other_encodings_and_with_continued_lines() {
     let latin: Vec<u8> = text.chars().skip(5).map(|c| c as u32 as u8).collect();
     for bytes in [text.as_bytes().to_vec(), utf16, latin, text.replace("\r\n", "\r").into_bytes()] {
         let loaded = load(&[("a.obj", &bytes)]).expect("a sound file");
-        assert_eq!((loaded.scene.triangle_count(), loaded.scene.materials[0].name.as_str()), (1, "däk"));
+        assert_eq!((loaded.scene.triangle_count(), loaded.scene.materials()[0].name.as_str()), (1, "däk"));
     }
 }
 
@@ -168,12 +168,12 @@ fn obj_in_other_encodings_and_with_continued_lines() {
 fn obj_is_split_by_material_and_by_what_faces_have() {
     let loaded = obj("v 0 0 0 1 0 0\nv 1 0 0 1 1 1\nv 0 1 0\nvt 0 0\nusemtl a b\nf 1/1 2/1 3/1\nf 1 2 3\n\
                       usemtl c\nf 1 2 3\nusemtl a b\nf 3 2 1\nf 1/1 2 3\nf 1 2\nl 1 2");
-    let triangles: Vec<usize> = loaded.scene.meshes.iter().map(|m| m.triangles().len()).collect();
+    let triangles: Vec<usize> = loaded.scene.meshes().iter().map(|m| m.triangles().len()).collect();
     assert_eq!(triangles, [1, 3, 1]);
-    let materials: Vec<usize> = loaded.scene.instances.iter().map(|i| i.material).collect();
-    assert_eq!((materials, loaded.scene.materials.len()), (vec![0, 0, 1], 2));
-    assert_eq!(loaded.scene.materials[0].name, "a b");
-    assert_eq!(loaded.scene.meshes[0].colors()[..2], [[1.0, 0.0, 0.0, 1.0], [1.0; 4]]);
+    let materials: Vec<usize> = loaded.scene.instances().iter().map(|i| i.material).collect();
+    assert_eq!((materials, loaded.scene.materials().len()), (vec![0, 0, 1], 2));
+    assert_eq!(loaded.scene.materials()[0].name, "a b");
+    assert_eq!(loaded.scene.meshes()[0].colors()[..2], [[1.0, 0.0, 0.0, 1.0], [1.0; 4]]);
     let notes = notes(&loaded);
     assert!(notes.iter().any(|n| n.starts_with("1 faces whose uvs are left out")), "{notes:?}");
     assert!(notes.iter().any(|n| n.starts_with("1 faces of fewer than three")), "{notes:?}");
@@ -183,11 +183,11 @@ fn obj_is_split_by_material_and_by_what_faces_have() {
 #[test]
 fn vertex_colours_are_decoded_from_srgb() {
     let loaded = obj("v 0 0 0 .5 .5 .5\nv 1 0 0 0 0 0\nv 0 1 0 1 1 1\nf 1 2 3");
-    let grey = loaded.scene.meshes[0].colors()[0][0];
+    let grey = loaded.scene.meshes()[0].colors()[0][0];
     assert!((grey - 0.214_041).abs() < 1e-6, "{grey}");
-    assert_eq!(loaded.scene.materials[0].base_color, [1.0; 4]);
+    assert_eq!(loaded.scene.materials()[0].base_color, [1.0; 4]);
     let bytes = obj("v 0 0 0 127.5 127.5 127.5\nv 1 0 0 0 0 0\nv 0 1 0 255 255 255\nf 1 2 3");
-    assert!((bytes.scene.meshes[0].colors()[0][0] - 0.214_041).abs() < 1e-6);
+    assert!((bytes.scene.meshes()[0].colors()[0][0] - 0.214_041).abs() < 1e-6);
 }
 
 #[test]
@@ -240,7 +240,7 @@ fn texture_options_place_the_picture() {
     let uv = texture.transform.apply(taotie::math::Vec2::new(0.5, 1.0 - 0.5));
     assert_eq!((uv.x, 1.0 - uv.y), (0.5 * 2.0 + 0.5, 0.5 * 3.0 + 0.25));
     assert_eq!((texture.sampler.wrap_u, texture.sampler.wrap_v), (Wrap::Clamp, Wrap::Clamp));
-    assert_eq!(loaded.scene.textures[0].encoding(), Encoding::Srgb);
+    assert_eq!(loaded.scene.textures()[0].encoding(), Encoding::Srgb);
     assert_eq!(m.base_color, [1.0; 4]);
     assert!(notes_contain(&loaded, "Kd 0 0 0"));
 }
@@ -255,7 +255,7 @@ fn map_bump_is_told_by_its_pixels() {
     let (m, loaded) = material("bump h.png -bm .05", &[("h.png", png(|u, v| [u * v; 3]))]);
     let height = m.height.expect("a height map");
     assert_eq!((height.scale, m.normal), (0.05, None));
-    assert_eq!(loaded.scene.textures[height.texture.texture].encoding(), Encoding::Linear);
+    assert_eq!(loaded.scene.textures()[height.texture.texture].encoding(), Encoding::Linear);
 
     let everywhere = |u: f32, v: f32| unit(u - 0.5, v - 0.5, (u * 5.0).fract() - 0.5);
     let (m, _) = material("norm o.png", &[("o.png", png(everywhere))]);
@@ -263,8 +263,8 @@ fn map_bump_is_told_by_its_pixels() {
 
     let (m, loaded) = material("bump -imfchan g c.png", &[("c.png", png(|u, _| [1.0, u, 0.0]))]);
     let height = m.height.expect("a height map").texture.texture;
-    assert_eq!(loaded.scene.textures[height].texel(0, 31, 0)[0], 1.0);
-    assert_eq!(loaded.scene.textures[height].texel(0, 0, 0)[0], 0.0);
+    assert_eq!(loaded.scene.textures()[height].texel(0, 31, 0)[0], 1.0);
+    assert_eq!(loaded.scene.textures()[height].texel(0, 0, 0)[0], 0.0);
 }
 
 #[test]
@@ -273,9 +273,9 @@ fn roughness_and_metalness_maps_become_one() {
     let (m, loaded) =
         material("Pr .1\nPm .2\nmap_Pr r.png\nmap_Pm m.png", &[("r.png", grey(0.4)), ("m.png", grey(0.8))]);
     let texture = m.metallic_roughness_texture.expect("a texture").texture;
-    assert_eq!(loaded.scene.textures.len(), 1);
+    assert_eq!(loaded.scene.textures().len(), 1);
     assert!(
-        matches!(loaded.scene.textures[texture].bitmap().texels(), Texels::U8(t) if t[0] == [255, 102, 204, 255])
+        matches!(loaded.scene.textures()[texture].bitmap().texels(), Texels::U8(t) if t[0] == [255, 102, 204, 255])
     );
     assert_eq!((m.roughness, m.metallic), (1.0, 1.0));
 
@@ -286,8 +286,8 @@ fn roughness_and_metalness_maps_become_one() {
     let packed = png(|_, v| [1.0, 0.2, v]);
     let (m, loaded) = material("map_Pr p.png\nmap_Pm p.png", &[("p.png", packed)]);
     let texture = m.metallic_roughness_texture.expect("a texture").texture;
-    assert!((loaded.scene.textures[texture].texel(0, 0, 31)[1] - 0.2).abs() < 1e-6);
-    assert_eq!(loaded.scene.textures[texture].texel(0, 0, 31)[2], 1.0);
+    assert!((loaded.scene.textures()[texture].texel(0, 0, 31)[1] - 0.2).abs() < 1e-6);
+    assert_eq!(loaded.scene.textures()[texture].texel(0, 0, 31)[2], 1.0);
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn opacity_maps_go_into_the_base_colour() {
     let red = png(|_, _| [1.0, 0.0, 0.0]);
     let (m, loaded) = material("map_Kd c.png\nmap_d d.png", &[("c.png", red), ("d.png", mask)]);
     assert_eq!(m.alpha, AlphaMode::Mask(0.5));
-    let texture = &loaded.scene.textures[m.base_color_texture.expect("a texture").texture];
+    let texture = &loaded.scene.textures()[m.base_color_texture.expect("a texture").texture];
     assert_eq!(
         (texture.texel(0, 0, 0), texture.texel(0, 31, 0)),
         ([1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0])

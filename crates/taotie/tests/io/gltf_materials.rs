@@ -27,7 +27,7 @@ fn with_variants(names: &str, mappings: &str) -> Loaded {
 /// The base colours of all instances.
 fn colors(loaded: &Loaded) -> Vec<[f32; 4]> {
     let scene = &loaded.scene;
-    scene.instances.iter().map(|instance| scene.materials[instance.material].base_color).collect()
+    scene.instances().iter().map(|instance| scene.materials()[instance.material].base_color).collect()
 }
 
 const NAMES: &str = r#"{"name":"forest"},{"name":"sea"},{"name":"as it is"},{}"#;
@@ -47,7 +47,7 @@ fn variants_change_the_instances_that_they_map() {
         assert_eq!(colors(&loaded), with(first), "{name}");
     }
     // A variant's material names a second uv set, so the mesh has it.
-    let mesh = |i: usize| &loaded.scene.meshes[loaded.scene.instances[i].mesh];
+    let mesh = |i: usize| &loaded.scene.meshes()[loaded.scene.instances()[i].mesh];
     assert_eq!((mesh(0).uvs().len(), mesh(1).uvs().len()), (2, 0));
 }
 
@@ -90,7 +90,7 @@ fn with_extensions(extensions: &str) -> Loaded {
 fn material(extensions: &str) -> Material {
     let loaded = with_extensions(extensions);
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-    loaded.scene.materials[0].clone()
+    loaded.scene.materials()[0].clone()
 }
 
 /// A texture slot whose transform scales by `scale` and `scale` + 1.
@@ -186,9 +186,9 @@ fn layers_that_are_switched_off_ask_for_no_texture() {
         r#""KHR_materials_clearcoat":{{{coat}}},"KHR_materials_sheen":{{{sheen}}},
         "KHR_materials_anisotropy":{{"anisotropyRotation":1,{stretch}}}"#
     ));
-    let read = &loaded.scene.materials[0];
+    let read = &loaded.scene.materials()[0];
     assert!(read.clearcoat.is_none() && read.sheen.is_none() && read.anisotropy.is_none());
-    assert!(loaded.scene.textures.is_empty());
+    assert!(loaded.scene.textures().is_empty());
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn values_out_of_range_are_clamped_with_a_warning() {
         "KHR_materials_anisotropy":{"anisotropyStrength":1.5,"anisotropyRotation":"x"},
         "KHR_materials_sheen":{"sheenColorFactor":[2,0,0],"sheenRoughnessFactor":[1]}"#,
     );
-    let read = &loaded.scene.materials[0];
+    let read = &loaded.scene.materials()[0];
     assert_eq!((read.ior, read.specular.factor, read.specular.color), (1.0, 1.0, [0.0, 1.0, 1.0]));
     let (coat, sheen) = (read.clearcoat.unwrap(), read.sheen.unwrap());
     assert_eq!((coat.factor, coat.roughness, sheen.color, sheen.roughness), (1.0, 0.0, [1.0, 0.0, 0.0], 0.0));
@@ -222,7 +222,7 @@ fn textures_that_cannot_be_had_are_left_out() {
         r#""KHR_materials_clearcoat":{"clearcoatFactor":1,"clearcoatTexture":{"index":99},"clearcoatNormalTexture":[]},
         "KHR_materials_sheen":{"sheenColorFactor":[1,1,1],"sheenColorTexture":{"index":1,"texCoord":9}}"#,
     );
-    let read = &loaded.scene.materials[0];
+    let read = &loaded.scene.materials()[0];
     let coat = read.clearcoat.unwrap();
     assert!(
         coat.factor_texture.is_none() && coat.normal.is_none() && read.sheen.unwrap().color_texture.is_none()
@@ -241,8 +241,8 @@ fn layers_count_as_uses_of_uv_sets_and_images() {
           "clearcoatRoughnessTexture":{"index":1}},
         "KHR_materials_sheen":{"sheenColorFactor":[1,1,1],"sheenColorTexture":{"index":2}}"#,
     );
-    assert_eq!(loaded.scene.meshes[0].uvs().len(), 3);
-    assert_eq!(loaded.scene.textures.len(), 2);
+    assert_eq!(loaded.scene.meshes()[0].uvs().len(), 3);
+    assert_eq!(loaded.scene.textures().len(), 2);
 }
 
 /// An image that cannot be read takes only its own uses out, and the others keep their pictures.
@@ -264,7 +264,7 @@ fn unreadable_images_go_from_every_slot() {
         one_primitive(r#""POSITION":0,"TEXCOORD_0":1"#, r#","material":0"#),
         slots.join(",")
     ));
-    let read = &loaded.scene.materials[0];
+    let read = &loaded.scene.materials()[0];
     let (coat, sheen) = (read.clearcoat.unwrap(), read.sheen.unwrap());
     let gone = [read.specular.factor_texture, coat.factor_texture, sheen.color_texture];
     assert!(gone.iter().all(Option::is_none) && coat.normal.is_none());
@@ -272,5 +272,5 @@ fn unreadable_images_go_from_every_slot() {
     let linear = coat.roughness_texture.unwrap().texture;
     assert_eq!(sheen.roughness_texture.unwrap().texture, linear);
     assert_ne!(read.specular.color_texture.unwrap().texture, linear);
-    assert_eq!((loaded.scene.textures.len(), read.textures().len()), (2, 3));
+    assert_eq!((loaded.scene.textures().len(), read.textures().len()), (2, 3));
 }

@@ -1,13 +1,14 @@
 //! glTF: compressed geometry unpacks to the model that it was made from, and damaged geometry to an error.
 
-use crate::common::absent;
 use crate::damage::{Dice, damage};
-use crate::files::data_files;
-use crate::gltf;
-use crate::gltf::{load, warned};
+use crate::gltf::{self, load};
+#[cfg(feature = "draco")]
+use crate::{common::absent, files::data_files, gltf::warned};
+#[cfg(feature = "draco")]
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use taotie::io::{Loaded, load_model};
+#[cfg(feature = "draco")]
 use taotie::math::Vec3;
 use taotie::mesh::Mesh;
 
@@ -56,8 +57,8 @@ fn meshoptimizer_s_streams_unpack_to_what_was_packed() {
     for name in ["patch-meshopt-ext.glb", "patch-meshopt-khr.glb"] {
         let packed = patch(name);
         assert!(packed.warnings.is_empty(), "{:?}", packed.warnings);
-        assert_eq!(packed.scene.meshes.len(), 2);
-        for (a, b) in packed.scene.meshes.iter().zip(&plain.scene.meshes) {
+        assert_eq!(packed.scene.meshes().len(), 2);
+        for (a, b) in packed.scene.meshes().iter().zip(plain.scene.meshes()) {
             assert_eq!(a.positions(), b.positions(), "no filter");
             assert_eq!(turned(a), turned(b), "both index modes");
             assert!(apart(&normals(a), &normals(b)) < 1.5 / 127.0, "octahedral, 8 bits");
@@ -80,7 +81,7 @@ fn meshoptimizer_s_streams_unpack_to_what_was_packed() {
 #[test]
 fn the_plain_patch_is_what_its_formula_says() {
     let plain = patch("patch.glb");
-    let mesh = &plain.scene.meshes[0];
+    let mesh = &plain.scene.meshes()[0];
     assert_eq!((mesh.positions().len(), mesh.triangles().len()), (63, 96));
     for p in mesh.positions() {
         let (x, y) = (f64::from(p.x), f64::from(p.y));
@@ -108,7 +109,7 @@ fn a_buffer_for_other_programs_is_not_asked_for() {
     let fallback = r#""extensions":{"EXT_meshopt_compression":{"fallback":true}}"#;
     let elsewhere = format!(r#""uri":"not%20there.bin",{fallback}"#);
     let loaded = changed("patch-meshopt-ext.glb", |json| json.replace(fallback, &elsewhere)).unwrap();
-    assert_eq!(loaded.scene.meshes[0].positions(), patch("patch.glb").scene.meshes[0].positions());
+    assert_eq!(loaded.scene.meshes()[0].positions(), patch("patch.glb").scene.meshes()[0].positions());
 }
 
 #[test]
@@ -160,6 +161,7 @@ fn views_that_share_packed_bytes_without_end_are_refused() {
 // -------------------------------------------------------------------------------------------------------- Draco
 
 /// For each vertex of `mesh` the vertex of `of` that lies where it does.
+#[cfg(feature = "draco")]
 fn matched(mesh: &Mesh, of: &Mesh) -> Vec<usize> {
     let nearest = |p: &Vec3| {
         let distance = |q: &Vec3| (*p - *q).length();
@@ -173,14 +175,15 @@ fn matched(mesh: &Mesh, of: &Mesh) -> Vec<usize> {
 
 /// Streams by Draco's own encoder. Points may change their order but not what belongs to them; indices and colours
 /// are exact, the others within the step of their bits.
+#[cfg(feature = "draco")]
 #[test]
 fn draco_s_streams_unpack_to_what_was_packed() {
     let plain = patch("patch.glb");
     for name in ["patch-draco-sequential.glb", "patch-draco-edgebreaker.glb"] {
         let packed = patch(name);
         assert!(packed.warnings.is_empty(), "{:?}", packed.warnings);
-        assert_eq!(packed.scene.meshes.len(), 2, "{name}");
-        for (a, b) in packed.scene.meshes.iter().zip(&plain.scene.meshes) {
+        assert_eq!(packed.scene.meshes().len(), 2, "{name}");
+        for (a, b) in packed.scene.meshes().iter().zip(plain.scene.meshes()) {
             let vertex = matched(a, b);
             assert_eq!(
                 vertex.iter().collect::<BTreeSet<_>>().len(),
@@ -211,11 +214,12 @@ fn draco_s_streams_unpack_to_what_was_packed() {
 }
 
 /// The traversal for large meshes; the hill follows the formula in `data/make-meshes.mjs`.
+#[cfg(feature = "draco")]
 #[test]
 fn draco_s_valence_traversal() {
     let hill = patch("hill-draco-valence.glb");
-    let mesh = &hill.scene.meshes[0];
-    assert_eq!((mesh.triangles().len(), hill.scene.instances.len()), (2048, 1));
+    let mesh = &hill.scene.meshes()[0];
+    assert_eq!((mesh.triangles().len(), hill.scene.instances().len()), (2048, 1));
     // Normals are those of the faces, since the file has none, so corners are not shared.
     let mut area = 0.0;
     for triangle in 0..mesh.triangles().len() {
@@ -233,6 +237,7 @@ fn draco_s_valence_traversal() {
 }
 
 /// Box of the sample assets, whose corners lie on seams, compressed by another program.
+#[cfg(feature = "draco")]
 #[test]
 fn draco_files_by_others() {
     let mut packed = data_files("khronos-gltf-sample-assets", &["gltf"]);
@@ -244,7 +249,7 @@ fn draco_files_by_others() {
         let model = packed.parent().unwrap().parent().unwrap();
         let plain = model.join("glTF").join(packed.file_name().unwrap());
         let [packed, plain] = [packed, plain].map(|path| load(&path).unwrap_or_else(|e| panic!("{e}")));
-        for (a, b) in packed.scene.meshes.iter().zip(&plain.scene.meshes) {
+        for (a, b) in packed.scene.meshes().iter().zip(plain.scene.meshes()) {
             let corners = |mesh: &Mesh| {
                 let corner = |i: u32| {
                     let (p, n) = (mesh.positions()[i as usize], mesh.normals()[i as usize]);
@@ -258,6 +263,7 @@ fn draco_files_by_others() {
     }
 }
 
+#[cfg(feature = "draco")]
 #[test]
 fn damaged_draco_streams_are_named_or_stood_in_for() {
     let name = "patch-draco-sequential.glb";
@@ -280,6 +286,7 @@ fn damaged_draco_streams_are_named_or_stood_in_for() {
 }
 
 /// A primitive whose accessors have data of their own is drawn by that where the compressed data is damaged.
+#[cfg(feature = "draco")]
 #[test]
 fn uncompressed_data_stands_in_for_damaged_draco() {
     let mut maker = gltf::triangle();
@@ -291,7 +298,7 @@ fn uncompressed_data_stands_in_for_damaged_draco() {
     };
     let loaded = maker.load(&gltf::one_primitive(r#""POSITION":0"#, &draco("")));
     assert_eq!(warned(&loaded, "its uncompressed data is drawn"), 1, "{:?}", loaded.warnings);
-    assert_eq!(loaded.scene.meshes[0].triangles().len(), 1);
+    assert_eq!(loaded.scene.meshes()[0].triangles().len(), 1);
     let loaded = maker.load(&gltf::one_primitive(r#""POSITION":0"#, &draco(r#","mode":5"#)));
     assert_eq!(warned(&loaded, "without strips"), 1, "{:?}", loaded.warnings);
 }
@@ -332,6 +339,7 @@ fn damaged_meshoptimizer_streams_never_panic() {
     torment("patch-meshopt-khr.glb");
 }
 
+#[cfg(feature = "draco")]
 #[test]
 fn damaged_draco_streams_never_panic() {
     torment("patch-draco-sequential.glb");

@@ -62,8 +62,8 @@ fn packed_meshes_are_within_half_a_step() {
     for (mesh, cells, extent) in [(bumpy::sphere(40, 20), 40.0, 3.0), (bumpy::sheet(300, 300), 299.0, 29.9)] {
         for name in ["m.glb", "m.gltf"] {
             let loaded = packed(&GltfAsset { levels: &[level(&mesh)], ..GltfAsset::default() }, name);
-            let place = loaded.scene.instances[0].world_from_object;
-            assert_near(&loaded.scene.meshes[0], &mesh, cells, (&place, extent / 65535.0));
+            let place = loaded.scene.instances()[0].world_from_object;
+            assert_near(&loaded.scene.meshes()[0], &mesh, cells, (&place, extent / 65535.0));
             assert_eq!(loaded.extensions_required, ["EXT_meshopt_compression", "KHR_mesh_quantization"]);
         }
     }
@@ -80,7 +80,7 @@ fn uvs_beyond_the_texture_stay_as_they_are() {
         uvs.sort_unstable();
         uvs
     };
-    assert_eq!(sorted(&loaded.scene.meshes[0]), sorted(&mesh));
+    assert_eq!(sorted(&loaded.scene.meshes()[0]), sorted(&mesh));
 }
 
 #[test]

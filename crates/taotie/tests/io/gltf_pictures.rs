@@ -32,12 +32,15 @@ fn with_texture(texture: &str, images: &[&[u8]], more: &str) -> Result<Loaded, S
 }
 
 /// The picture of the base colour.
+#[cfg(any(feature = "webp", feature = "basis"))]
 fn shown(loaded: &Loaded) -> &Bitmap {
-    loaded.scene.textures[loaded.scene.materials[0].base_color_texture.unwrap().texture].bitmap()
+    loaded.scene.textures()[loaded.scene.materials()[0].base_color_texture.unwrap().texture].bitmap()
 }
 
+#[cfg(feature = "webp")]
 const WEBP: &str = r#""extensions":{"EXT_texture_webp":{"source":1}}"#;
 
+#[cfg(feature = "webp")]
 #[test]
 fn webp_goes_before_the_image_for_other_programs() {
     let images: [&[u8]; 2] = [&own("lossy.png"), &own("lossless.webp")];
@@ -49,6 +52,7 @@ fn webp_goes_before_the_image_for_other_programs() {
     assert!(both.warnings.is_empty() && alone.warnings.is_empty());
 }
 
+#[cfg(feature = "basis")]
 #[test]
 fn basis_universal_goes_before_the_image_for_other_programs() {
     let images: [&[u8]; 2] = [&own("waves.png"), &own("uastc-alpha.ktx2")];
@@ -65,6 +69,7 @@ fn basis_universal_goes_before_the_image_for_other_programs() {
     assert_eq!(shown(&loaded), &bitmap("waves.png"));
 }
 
+#[cfg(feature = "webp")]
 #[test]
 fn the_image_for_other_programs_stands_for_a_damaged_one() {
     let png = own("waves.png");
@@ -78,7 +83,7 @@ fn the_image_for_other_programs_stands_for_a_damaged_one() {
     let nowhere = r#"{"source":0,"extensions":{"EXT_texture_webp":{"source":7}}}"#;
     assert_eq!(shown(&with_texture(nowhere, &[&png], "").unwrap()), &bitmap("waves.png"));
     let loaded = with_texture(&format!("{{{WEBP}}}"), &[&png, damaged], "").unwrap();
-    assert!(loaded.scene.materials[0].base_color_texture.is_none());
+    assert!(loaded.scene.materials()[0].base_color_texture.is_none());
     assert_eq!(warned(&loaded, "image 1 is left out"), 1);
 }
 

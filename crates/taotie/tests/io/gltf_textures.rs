@@ -23,7 +23,7 @@ fn read_back(color: &Bitmap, normal: &Bitmap, images: GltfImages) -> Vec<Bitmap>
     std::fs::write(&path, bytes).unwrap();
     let loaded = load_model(&path).unwrap_or_else(|e| panic!("{e}"));
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-    loaded.scene.textures.iter().map(|texture| texture.bitmap().clone()).collect()
+    loaded.scene.textures().iter().map(|texture| texture.bitmap().clone()).collect()
 }
 
 fn texels(bitmap: &Bitmap) -> Vec<[f32; 4]> {

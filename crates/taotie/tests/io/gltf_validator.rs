@@ -1,8 +1,10 @@
 //! The Khronos validator finds no fault in what is written as glTF.
+#![cfg(feature = "webp")]
 
-use crate::bumpy;
-use crate::validator;
-use taotie::io::{GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, Provenance, write_gltf};
+use crate::{bumpy, rich, validator};
+use taotie::io::{
+    GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, Provenance, write_gltf, write_scene,
+};
 use taotie::mesh::Mesh;
 
 /// What the validator tells of sound files: extensions that it does not know, what only they use, and attributes that
@@ -70,6 +72,19 @@ fn every_kind_of_file_is_valid() {
                 return;
             }
         }
+    }
+}
+
+#[test]
+fn a_whole_scene_is_valid() {
+    let (folder, scene) = (tempfile::tempdir().unwrap(), rich::scene());
+    for (name, meshopt) in [("m.glb", false), ("a m.gltf", false), ("packed.glb", true)] {
+        let path = folder.path().join(name);
+        let written = write_scene(&path, &scene, &GltfFormat { meshopt, ..GltfFormat::default() }).unwrap();
+        assert!(written.warnings.is_empty(), "{:?}", written.warnings);
+        let Some(infos) = validator::assert_valid(&path) else { return };
+        let unknown: Vec<_> = infos.iter().filter(|i| !KNOWN.iter().any(|k| i.starts_with(k))).collect();
+        assert!(unknown.is_empty(), "{unknown:#?}");
     }
 }
 

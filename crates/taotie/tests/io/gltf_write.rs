@@ -57,8 +57,8 @@ fn assert_same_mesh(read: &Mesh, ours: &Mesh) {
 }
 
 fn assert_same_material(loaded: &Loaded, maps: &Maps) {
-    let material = &loaded.scene.materials[0];
-    assert_eq!(loaded.scene.materials.len(), 1);
+    let material = &loaded.scene.materials()[0];
+    assert_eq!(loaded.scene.materials().len(), 1);
     assert_eq!((material.name.as_str(), material.double_sided), ("clay", true));
     assert_eq!(material.base_color, [0.9, 0.8, 0.7, 1.0]);
     assert_eq!((material.metallic, material.roughness, material.occlusion_strength), (0.1, 0.7, 0.6));
@@ -70,10 +70,10 @@ fn assert_same_material(loaded: &Loaded, maps: &Maps) {
         (material.occlusion_texture, &maps.orm, Encoding::Linear),
         (Some(normal.texture), &maps.normal, Encoding::Normal),
     ];
-    assert_eq!(loaded.scene.textures.len(), 3, "the packed texture is written once");
+    assert_eq!(loaded.scene.textures().len(), 3, "the packed texture is written once");
     for (slot, bitmap, encoding) in slots {
         let slot = slot.expect("a texture");
-        let texture = &loaded.scene.textures[slot.texture];
+        let texture = &loaded.scene.textures()[slot.texture];
         assert_eq!((texture.bitmap(), texture.encoding()), (bitmap, encoding));
         assert_eq!((slot.sampler.wrap_u, slot.sampler.wrap_v), (Wrap::Clamp, Wrap::Clamp));
         assert_eq!(slot.sampler.mip, MipFilter::Linear);
@@ -99,7 +99,7 @@ fn both_containers_read_back_as_written() {
         let path = folder.path().join(name);
         write_gltf(&path, &asset, &GltfFormat::default()).unwrap();
         let loaded = read(&path);
-        assert_same_mesh(&loaded.scene.meshes[0], &mesh);
+        assert_same_mesh(&loaded.scene.meshes()[0], &mesh);
         assert_same_material(&loaded, &maps);
         assert_eq!(loaded.mesh_names, ["ball"]);
         assert_eq!(loaded.copyright.as_deref(), Some("© nobody"));
@@ -129,7 +129,7 @@ fn indices_are_as_wide_as_they_must_be() {
         let mesh = bumpy::sheet(columns, rows);
         let (levels, asset) = ([level(&mesh)], GltfAsset::default());
         write_gltf(&path, &GltfAsset { levels: &levels, ..asset }, &GltfFormat::default()).unwrap();
-        assert!(read(&path).scene.meshes[0].triangles() == mesh.triangles());
+        assert!(read(&path).scene.meshes()[0].triangles() == mesh.triangles());
         let json: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
         let accessor = json["meshes"][0]["primitives"][0]["indices"].as_u64().unwrap() as usize;
         assert_eq!(json["accessors"][accessor]["componentType"], component, "{columns}×{rows}");
@@ -148,7 +148,7 @@ fn files_that_are_there_are_named_and_not_written() {
     for name in ["m.glb", "m.gltf"] {
         let path = folder.path().join(name);
         write_gltf(&path, &asset, &GltfFormat::default()).unwrap();
-        assert_eq!(read(&path).scene.textures[0].bitmap(), &maps.color);
+        assert_eq!(read(&path).scene.textures()[0].bitmap(), &maps.color);
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
 }

@@ -11,6 +11,8 @@ mod damage;
 mod files;
 #[path = "../common/gltf.rs"]
 mod gltf;
+#[path = "../common/rich.rs"]
+mod rich;
 #[path = "../common/validator.rs"]
 mod validator;
 
@@ -21,6 +23,7 @@ mod gltf_packed;
 mod gltf_packed_write;
 mod gltf_pictures;
 mod gltf_read;
+mod gltf_scene;
 mod gltf_textures;
 mod gltf_validator;
 mod gltf_write;

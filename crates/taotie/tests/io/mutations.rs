@@ -24,8 +24,11 @@ fn torment(model: &str, text: &[u8], damaged: &str, seed: &[u8]) {
         match load_model(&path) {
             Ok(loaded) => {
                 let scene = &loaded.scene;
-                assert!(scene.instances.iter().all(|i| i.mesh < scene.meshes.len()), "round {round}");
-                assert!(scene.instances.iter().all(|i| i.material < scene.materials.len()), "round {round}");
+                assert!(scene.instances().iter().all(|i| i.mesh < scene.meshes().len()), "round {round}");
+                assert!(
+                    scene.instances().iter().all(|i| i.material < scene.materials().len()),
+                    "round {round}"
+                );
                 scene.bounds();
                 pose(loaded);
             }

@@ -53,14 +53,14 @@ fn ply_is_the_same_in_all_three_formats() {
     big.extend(0.5f32.to_be_bytes());
     for bytes in [ascii.into_bytes(), little, big] {
         let loaded = sound("a.ply", &bytes);
-        let mesh = &loaded.scene.meshes[0];
+        let mesh = &loaded.scene.meshes()[0];
         assert_eq!(mesh.positions().iter().map(|p| p.to_array()).collect::<Vec<_>>(), SQUARE);
         assert_eq!(mesh.triangles(), [[0, 1, 2], [0, 2, 3]]);
         let [r, g, b, a] = mesh.colors()[2];
         assert!((g - 0.215_861).abs() < 1e-6, "128 of 255 is sRGB-encoded: {g}");
         assert_eq!((r, b, a), (1.0, 0.0, 1.0));
         assert!(mesh.normals().is_empty() && mesh.uvs().is_empty() && loaded.warnings.is_empty());
-        assert_eq!(loaded.scene.materials[0].base_color, [1.0; 4]);
+        assert_eq!(loaded.scene.materials()[0].base_color, [1.0; 4]);
     }
 }
 
@@ -90,7 +90,7 @@ fn ply_float_colours_are_linear_and_normals_and_uvs_are_read() {
         "3 0 1 2",
     );
     let loaded = sound("a.ply", &file);
-    let mesh = &loaded.scene.meshes[0];
+    let mesh = &loaded.scene.meshes()[0];
     assert_eq!(mesh.colors()[0], [0.5, 0.25, 0.0, 1.0]);
     assert_eq!(mesh.normals()[0].to_array(), [0.0, 0.0, 1.0]);
     assert_eq!((mesh.uvs()[0][1].x, mesh.uvs()[0][1].y, mesh.uvs()[0][2].y), (1.0, 1.0, 0.25));
@@ -101,7 +101,7 @@ fn ply_zero_normals_are_left_out_and_counted() {
     let file =
         ply("float nx, float ny, float nz", "0 0 0 0 0 1\n1 0 0 0 0 0\n0 1 0 nan 0 1", INDICES, "3 0 1 2");
     let loaded = sound("a.ply", &file);
-    assert!(loaded.scene.meshes[0].normals().is_empty());
+    assert!(loaded.scene.meshes()[0].normals().is_empty());
     assert_eq!(loaded.warnings.iter().next().map(|(_, n)| n), Some(2));
 }
 
@@ -111,14 +111,14 @@ fn ply_uvs_and_colours_of_faces_split_vertices() {
     let faces = "3 0 1 2 6 0 0 1 0 1 1\n3 0 2 3 6 0 0 1 1 .5 1\n3 0 1 3 6 .1 0 1 0 0 1";
     let loaded =
         sound("a.ply", &ply("", square, "list uchar int vertex_indices, list uchar float texcoord", faces));
-    let mesh = &loaded.scene.meshes[0];
+    let mesh = &loaded.scene.meshes()[0];
     assert_eq!((mesh.positions().len(), mesh.triangles()[1]), (6, [0, 2, 3]));
     assert_eq!((mesh.uvs()[0][0].x, mesh.uvs()[0][0].y, mesh.uvs()[0][2].y), (0.0, 1.0, 0.0));
 
     let faces = "3 0 1 2 255 0 0\n3 0 2 3 0 0 255";
     let face = "list uchar int vertex_indices, uchar red, uchar green, uchar blue";
     let loaded = sound("a.ply", &ply("", square, face, faces));
-    let mesh = &loaded.scene.meshes[0];
+    let mesh = &loaded.scene.meshes()[0];
     assert_eq!((mesh.positions().len(), mesh.colors()[0]), (6, [1.0, 0.0, 0.0, 1.0]));
 }
 
@@ -127,10 +127,10 @@ fn ply_strips_and_polygons_become_triangles() {
     let strips = b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
         element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 1 1 0 7 0 1 2 3 -1 0 1\n";
     let loaded = sound("a.ply", strips);
-    assert_eq!(loaded.scene.meshes[0].triangles(), [[0, 1, 2], [2, 1, 3]]);
+    assert_eq!(loaded.scene.meshes()[0].triangles(), [[0, 1, 2], [2, 1, 3]]);
     let arrow = ply("", "0 0 0\n4 0 0\n4 4 0\n2 1 0\n0 4 0", INDICES, "5 0 1 2 3 4\n2 0 1");
     let loaded = sound("a.ply", &arrow);
-    assert_eq!(loaded.scene.meshes[0].triangles().len(), 3);
+    assert_eq!(loaded.scene.meshes()[0].triangles().len(), 3);
     assert_eq!(loaded.warnings.iter().count(), 1);
 }
 
@@ -144,13 +144,13 @@ fn ply_names_its_texture() {
     std::fs::write(&path, text).expect("a file");
     let loaded = load_model(&path).expect("a sound file");
     assert_eq!(loaded.missing_files, ["my skin.png"]);
-    assert!(loaded.scene.materials[0].base_color_texture.is_none());
+    assert!(loaded.scene.materials()[0].base_color_texture.is_none());
     let mut picture = Vec::new();
     let encoder = png::Encoder::new(&mut picture, 1, 1);
     encoder.write_header().and_then(|mut w| w.write_image_data(&[7])).expect("a picture");
     std::fs::write(folder.path().join("my skin.png"), picture).expect("a file");
     let loaded = load_model(&path).expect("a sound file");
-    assert!(loaded.scene.materials[0].base_color_texture.is_some_and(|t| t.texture == 0));
+    assert!(loaded.scene.materials()[0].base_color_texture.is_some_and(|t| t.texture == 0));
     assert_eq!(loaded.texture_names, ["my skin.png"]);
 }
 
@@ -221,7 +221,7 @@ fn large_ply(first_index_of_last_face: i32) -> (Vec<u8>, Vec<[u32; 3]>) {
 fn ply_of_several_blocks_is_read_in_order() {
     let (file, triangles) = large_ply(0);
     let loaded = sound("a.ply", &file);
-    let mesh = &loaded.scene.meshes[0];
+    let mesh = &loaded.scene.meshes()[0];
     assert_eq!(mesh.positions()[299 * 300 + 7].to_array(), [7.0, 149.5, 0.25]);
     assert!(mesh.triangles() == triangles);
     let few = loaded.warnings.iter().next().map(|(what, _)| what);
@@ -277,10 +277,10 @@ fn stl_is_welded_in_both_formats() {
     ];
     for bytes in files {
         let loaded = sound("a.stl", &bytes);
-        let mesh = &loaded.scene.meshes[0];
+        let mesh = &loaded.scene.meshes()[0];
         assert_eq!((mesh.positions().len(), mesh.triangles()), (4, &[[0, 1, 2], [0, 2, 3]][..]));
         assert!(mesh.normals().is_empty() && loaded.warnings.is_empty());
-        assert!(loaded.scene.materials[0].double_sided);
+        assert!(loaded.scene.materials()[0].double_sided);
     }
 }
 

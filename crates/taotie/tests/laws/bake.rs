@@ -146,7 +146,7 @@ impl Statue {
     fn read(model: &Path) -> Self {
         let stem = model.file_stem().unwrap().to_string_lossy().into_owned();
         let map = read_bitmap(&model.with_file_name(format!("{stem}_normals.png"))).unwrap();
-        let mesh = load_model(model).unwrap().scene.meshes.remove(0);
+        let mesh = load_model(model).unwrap().scene.meshes()[0].clone();
         let size = TexelGrid { width: map.width(), height: map.height(), uv_set: 0, margin: 4 };
         let tangent = decoded_normals(&map, NormalSpace::Tangent, GreenChannel::Up).unwrap();
         Self { surface: laid_out(&mesh, &size), tangent }

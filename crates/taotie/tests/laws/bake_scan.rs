@@ -5,20 +5,15 @@ use taotie::bake::{
     BakeSettings, Baked, Cage, MapKind, Maps, Planes, Scan, Texel, UnwrapOptions, Verifier, bake, unwrap,
 };
 use taotie::image::{Encoding, Texture};
-use taotie::math::{Mat4, Vec3};
+use taotie::math::Vec3;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::names::Named;
 use taotie::normal_map::{Storage, store_unit_vectors};
-use taotie::scene::{Instance, Material, NormalSpace, Scene};
+use taotie::scene::{Material, NormalSpace, Scene};
 use taotie::surface::{vertex_normals, with_frames};
 
 fn scene(mesh: Mesh) -> Scene {
-    Scene {
-        meshes: vec![mesh],
-        materials: vec![Material::default()],
-        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Scene::default()
-    }
+    Scene::of_mesh(mesh, Material::default()).unwrap()
 }
 
 fn scan(mesh: Mesh) -> Scan {

@@ -165,7 +165,7 @@ fn normals_as_attributes_draw_triangles_to_creases() {
 #[test]
 fn scans_by_others_keep_their_shape() {
     for path in data_files("odedstein-meshes", &["obj"]) {
-        let mesh = load_model(&path).unwrap().scene.meshes.swap_remove(0);
+        let mesh = load_model(&path).unwrap().scene.into_data().meshes.swap_remove(0);
         for (wanted, mean, most) in [(2_000, 1.5e-3, 1.5e-2), (10_000, 4e-4, 5e-3)] {
             let light = to(&mesh, wanted);
             let [found_mean, found_most] = deviation(&mesh, &light.mesh, mesh.positions().len() / 5_000);

@@ -8,7 +8,7 @@ use taotie::bake::{
 use taotie::io::load_model;
 use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Instance, Scene};
+use taotie::scene::{Instance, Material, Scene, SceneData};
 use taotie::{Error, Progress};
 
 fn unwrapped(mesh: &Mesh, size: u32, padding: u32) -> Unwrapped {
@@ -194,7 +194,7 @@ fn it_can_be_stopped() {
 fn scans_by_others_are_unwrapped() {
     for path in data_files("odedstein-meshes", &["obj"]) {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
-        let scan = load_model(&path).unwrap().scene.meshes.swap_remove(0);
+        let scan = load_model(&path).unwrap().scene.meshes()[0].clone();
         for triangles in [2_000, 10_000] {
             let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };
             let light = simplify(&scan, &options, Progress::SILENT).unwrap().mesh;
@@ -249,10 +249,14 @@ fn levels_share_the_map_and_have_no_crack() {
 
 /// The farthest that a texel of the map lies on one mesh from where it lies on the other.
 fn farthest_move(base: &Mesh, level: &Mesh) -> f64 {
-    let scene = |mesh: &Mesh| Scene {
-        meshes: vec![mesh.clone()],
-        instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
-        ..Default::default()
+    let scene = |mesh: &Mesh| {
+        let data = SceneData {
+            meshes: vec![mesh.clone()],
+            materials: vec![Material::default()],
+            instances: vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }],
+            ..SceneData::default()
+        };
+        Scene::new(data).unwrap()
     };
     let [base, level] = [base, level].map(|mesh| UvLookup::new(&scene(mesh)).unwrap());
     let texel = |i: u32| {

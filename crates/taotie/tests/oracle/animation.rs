@@ -7,7 +7,7 @@ use taotie::mesh::{Mesh, MeshData};
 use taotie::scene::animation::{
     Animation, Channel, Deformed, Interpolation, Node, Path, Rig, RigData, Sampler, Skin, Transform,
 };
-use taotie::scene::{Instance, Scene};
+use taotie::scene::{Instance, Material, Scene, SceneData};
 
 fn oracle() -> Value {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/oracle/animation_oracle.json");
@@ -107,11 +107,12 @@ fn scene_and_rig(oracle: &Value) -> (Scene, Rig) {
     };
     let shape = shape(&oracle["mesh"]);
     let instance = Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY };
-    let scene = Scene {
+    let scene = Scene::new(SceneData {
         meshes: vec![Mesh::new(shape.base.clone()).unwrap()],
+        materials: vec![Material::default()],
         instances: vec![instance; nodes.len()],
-        ..Scene::default()
-    };
+        ..SceneData::default()
+    });
     let rig = Rig::new(RigData {
         instances: (0..nodes.len()).map(Some).collect(),
         nodes,
@@ -120,7 +121,7 @@ fn scene_and_rig(oracle: &Value) -> (Scene, Rig) {
         animations: vec![animation(&oracle["animation"])],
         ..RigData::default()
     });
-    (scene, rig.unwrap())
+    (scene.unwrap(), rig.unwrap())
 }
 
 fn worst(ours: impl IntoIterator<Item = f64>, expected: &Value) -> f64 {
@@ -137,11 +138,11 @@ fn poses_follow_the_specification() {
     let mut greatest = [0.0f64; 4];
     for pose in list(&oracle["poses"]) {
         rig.pose(&mut scene, 0, pose["time"].as_f64().unwrap()).unwrap();
-        let mesh = &scene.meshes[0];
+        let mesh = &scene.meshes()[0];
         let rows = |m: &Mat4| (0..16).map(|k| m.columns[k % 4][k / 4]).collect::<Vec<_>>();
         let vectors = |all: &[Vec3]| all.iter().flat_map(|v| v.to_f64().to_array()).collect::<Vec<_>>();
         let errors = [
-            worst(scene.instances.iter().flat_map(|i| rows(&i.world_from_object)), &pose["world"]),
+            worst(scene.instances().iter().flat_map(|i| rows(&i.world_from_object)), &pose["world"]),
             worst(vectors(mesh.positions()), &pose["positions"]),
             worst(vectors(mesh.normals()), &pose["normals"]),
             worst(mesh.tangents().as_flattened().iter().map(|v| f64::from(*v)), &pose["tangents"]),

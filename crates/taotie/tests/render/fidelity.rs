@@ -151,14 +151,12 @@ fn developed(image: &Image) -> Vec<[u8; 4]> {
 
 /// A triangle that no camera sees, for pictures of an environment alone.
 fn speck() -> Scene {
-    use taotie::math::Mat4;
     use taotie::mesh::{Mesh, MeshData};
-    use taotie::scene::{Instance, Material};
+    use taotie::scene::Material;
     let far = Vec3::new(0.0, 1e5, 0.0);
     let positions = vec![far, far + Vec3::new(1.0, 0.0, 0.0), far + Vec3::new(0.0, 1.0, 0.0)];
     let mesh = Mesh::new(MeshData { positions, triangles: vec![[0, 1, 2]], ..MeshData::default() }).unwrap();
-    let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
-    Scene { meshes: vec![mesh], materials: vec![Material::default()], instances, ..Scene::default() }
+    Scene::of_mesh(mesh, Material::default()).unwrap()
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! The shadow catcher against closed forms.
 
 use taotie::image::Image;
-use taotie::math::{Mat4, Vec3, scalar};
+use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
 use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
-use taotie::scene::{Camera, Falloff, Instance, Light, LightKind, Material, Orbit, Scene};
+use taotie::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
 use taotie::shade::environment::Environment;
 
 /// A horizontal disc of radius 1 at this height, and a speck at height 0 that the ground lies under.
@@ -21,8 +21,7 @@ fn disc(height: f32) -> Scene {
     triangles.push([first, first + 1, first + 2]);
     let mesh = Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap();
     let material = Material { double_sided: true, ..Material::default() };
-    let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
-    Scene { meshes: vec![mesh], materials: vec![material], instances, ..Scene::default() }
+    Scene::of_mesh(mesh, material).unwrap()
 }
 
 /// Looks at the ground near the origin from a low place.

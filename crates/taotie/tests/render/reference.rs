@@ -47,7 +47,7 @@ fn direct_light_on_every_kind_of_normal_is_that_of_the_rasteriser() {
 fn direct_light_of_every_kind_of_light_is_that_of_the_rasteriser() {
     // A plain floor: of a checkered one the rasteriser blurs the far squares.
     let mut scene = scenes::floor_and_mirrored_spheres();
-    scene.materials[1].base_color_texture = None;
+    scene.edit(|scene| scene.materials[1].base_color_texture = None).unwrap();
     let mut view = View::of(scene, scenes::camera(-15.0, 25.0, 6.0));
     view.lighting.lights = scenes::every_light();
     for shadows in [true, false] {
@@ -62,11 +62,11 @@ fn what_is_seen_through_masks_and_panes_is_as_in_the_rasteriser() {
     view.settings.shadows = false;
     direct_light_agrees("panes", &view, 128);
     // Shadows of masks agree too; those of blended panes are the tracer's alone.
-    for material in &mut view.scene.materials {
-        if material.alpha == AlphaMode::Blend {
-            material.alpha = AlphaMode::Mask(0.5);
-        }
-    }
+    let masked = view.scene.edit(|scene| {
+        let blended = scene.materials.iter_mut().filter(|material| material.alpha == AlphaMode::Blend);
+        blended.for_each(|material| material.alpha = AlphaMode::Mask(0.5));
+    });
+    masked.unwrap();
     view.settings.shadows = true;
     direct_light_agrees("masks", &view, 64);
 }

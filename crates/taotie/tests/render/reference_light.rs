@@ -169,7 +169,7 @@ fn one_bright_texel_lights_as_a_light_from_its_direction() {
         (at[1] as f64 + 0.5) / f64::from(width / 2),
     );
     let mut floor = scenes::floor_and_mirrored_spheres();
-    floor.materials[1].base_color_texture = None;
+    floor.edit(|scene| scene.materials[1].base_color_texture = None).unwrap();
     let camera = scenes::camera(-15.0, 25.0, 6.0);
     let mut by_sky = View::under(surrounding(sky), floor.clone(), camera.clone());
     let mut by_light = View::of(floor, camera);

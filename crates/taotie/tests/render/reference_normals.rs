@@ -26,13 +26,10 @@ fn leaning_wall(material: Material, tilt_deg: f64, n_dot_v: f64, sky: Environmen
     let tilt = tilt_deg.to_radians();
     let mut view = wall_view(material, n_dot_v, sky);
     let stored = [-scalar::sin(tilt) * 0.5 + 0.5, 0.5, scalar::cos(tilt) * 0.5 + 0.5, 1.0];
-    view.scene.textures.push(scenes::texture(4, Encoding::Linear, |_, _| stored));
-    view.scene.materials[0].normal = Some(NormalMap {
-        texture: scenes::plain(0),
-        scale: 1.0,
-        space: NormalSpace::Tangent,
-        green: GreenChannel::Up,
-    });
+    view.scene.add_texture(scenes::texture(4, Encoding::Linear, |_, _| stored));
+    let (space, green) = (NormalSpace::Tangent, GreenChannel::Up);
+    let map = NormalMap { texture: scenes::plain(0), scale: 1.0, space, green };
+    view.scene.edit(|scene| scene.materials[0].normal = Some(map)).unwrap();
     let [x, y, z] = [0, 1, 2].map(|c| (stored[c] * 255.0 + 0.5).floor() / 255.0 * 2.0 - 1.0);
     (view, z / (x * x + y * y + z * z).sqrt())
 }

@@ -119,7 +119,7 @@ fn fringe(image: &Image, smooth: &Image) -> Vec<f32> {
 fn softened_normals_have_no_black_fringe() {
     let rough = |metallic: f32| {
         let mut scene = polished_bosses(3.0, 0.6);
-        scene.materials[0].metallic = metallic;
+        scene.edit(|scene| scene.materials[0].metallic = metallic).unwrap();
         scene
     };
     // Kept normals that point away from the viewer see a lamp or a sky behind the camera no more. Measured, as shares
@@ -133,7 +133,7 @@ fn softened_normals_have_no_black_fringe() {
     for (what, metallic, lighting, [dark, light]) in cases {
         let bumpy = rough(metallic);
         let mut smooth = bumpy.clone();
-        smooth.materials[0].normal = None;
+        smooth.edit(|scene| scene.materials[0].normal = None).unwrap();
         let plain = soft(&smooth, &lighting);
         let [kept, softened] = [GrazingNormals::Keep, GrazingNormals::Soften]
             .map(|way| fringe(&picture(&bumpy, &lighting, way), &plain));
@@ -153,7 +153,7 @@ fn largest_step(image: &Image) -> f32 {
 #[test]
 fn light_ends_softly_where_a_bumpy_surface_turns_away() {
     let mut scene = polished_bosses(3.0, 1.0);
-    scene.materials[0].metallic = 0.0;
+    scene.edit(|scene| scene.materials[0].metallic = 0.0).unwrap();
     // From the right and from behind: light ends between the middle and the left edge.
     let side = Vec3::new(-1.0, 0.0, -0.3);
     let lighting = Lighting { lights: vec![scenes::directional(side, 3.0)], ..Lighting::default() };

@@ -103,7 +103,7 @@ fn cook_torrance_metals_and_lambert_are_unseen_too() {
 fn relief_of_white_metal_is_unseen_but_where_it_mirrors_into_itself() {
     // The horizon takes light from mapped normals; nowhere is anything added.
     let mut scene = finishes::polished_bosses(1.0, 0.4);
-    scene.materials[0].base_color = [1.0; 4];
+    scene.edit(|scene| scene.materials[0].base_color = [1.0; 4]).unwrap();
     let settings = RenderSettings { width: 96, height: 96, samples: 1, ..RenderSettings::default() };
     let (camera, room) = (scenes::camera(0.0, 0.0, 3.2), room());
     let shot = Shot { camera: &camera, lighting: &room, settings: &settings };

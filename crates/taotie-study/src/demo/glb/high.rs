@@ -30,12 +30,12 @@ mod tests {
         let ours = &jue::displaced_mesh(0.004);
         let loaded = io::load_model(&write(folder.path(), ours).unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-        let read = &loaded.scene.meshes[0];
+        let read = &loaded.scene.meshes()[0];
         assert_eq!(read.positions(), ours.positions());
         assert_eq!((read.uvs(), read.triangles()), (ours.uvs(), ours.triangles()));
         // The reader makes normals unit to the last bit.
         let mut normals = read.normals().iter().zip(ours.normals());
         assert!(normals.all(|(a, b)| (*a - *b).length() < 1e-6));
-        assert!(loaded.scene.materials[0].normal.is_none());
+        assert!(loaded.scene.materials()[0].normal.is_none());
     }
 }

@@ -117,7 +117,7 @@ mod tests {
         export::write(folder.path(), &vessel).unwrap();
         let mut loaded = io::load_model(&write(folder.path(), &vessel).unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-        let (read, ours) = (&loaded.scene.materials[0], &scene.materials[0]);
+        let (read, ours) = (&loaded.scene.materials()[0], &scene.materials()[0]);
         let look = |m: &Material| (m.base_color, m.metallic, m.roughness, m.occlusion_strength);
         assert_eq!(look(read), look(ours));
         assert_eq!(read.normal, ours.normal);

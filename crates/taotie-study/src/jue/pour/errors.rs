@@ -51,7 +51,7 @@ fn nothing_seen() -> Error {
 
 /// For each triangle of the low mesh, whether it moves.
 fn moved(vessel: &mut Pouring) -> Result<Vec<bool>> {
-    let mesh = |scene: &Scene| scene.meshes[0].clone();
+    let mesh = |scene: &Scene| scene.meshes()[0].clone();
     let (rest, poured) = (mesh(vessel.at(0.0)?), mesh(vessel.at(POURED)?));
     let moves = |t: usize| {
         let mut pairs = rest.corners(t).into_iter().zip(poured.corners(t));

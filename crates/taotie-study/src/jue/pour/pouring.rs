@@ -20,7 +20,7 @@ impl Pouring {
     /// [`Error::Invalid`] where the scene has no mesh, or one that cannot be given tangents.
     pub fn new(mut scene: Scene) -> Result<Self> {
         let no_mesh = || Error::invalid("a pouring vessel", "the scene has no mesh");
-        let rig = rig(scene.meshes.first().ok_or_else(no_mesh)?);
+        let rig = rig(scene.meshes().first().ok_or_else(no_mesh)?);
         let settings = SurfaceSettings::default();
         let (rig, _) = bind_tangents(&mut scene, rig, &settings, &mut Warnings::default())?;
         Ok(Self { scene, rig })
@@ -52,7 +52,7 @@ mod tests {
     fn feet_stand_and_the_cup_turns_as_a_whole() {
         let mut vessel = Pouring::new(scene(16)).unwrap();
         let motion = vessel.motion(POURED).unwrap();
-        let (rest, poured) = (low_mesh(), vessel.at(POURED).unwrap().meshes[0].clone());
+        let (rest, poured) = (low_mesh(), vessel.at(POURED).unwrap().meshes()[0].clone());
         assert_eq!(poured.triangles().len(), rest.triangles().len());
         let (mut feet, mut cup, mut between) = (0, 0, 0);
         for triangle in 0..rest.triangles().len() {

@@ -7,7 +7,7 @@ use taotie::bake::UvLookup;
 use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::deform::skin;
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{Instance, Scene};
+use taotie::scene::{Instance, Material, Scene, SceneData};
 
 /// The distance from a point at which its surface is probed, metres: small against the bend, large against rounding.
 const STEP: f32 = 1e-4;
@@ -29,13 +29,14 @@ impl Truth {
     /// None for a displaced mesh and a time that is a number.
     pub fn at(rest: &Mesh, seconds: f64) -> Result<Self> {
         let instances = vec![Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY }];
-        let scene = Scene { meshes: vec![moved_mesh(rest, seconds)?], instances, ..Scene::default() };
+        let (meshes, materials) = (vec![moved_mesh(rest, seconds)?], vec![Material::default()]);
+        let scene = Scene::new(SceneData { meshes, materials, instances, ..SceneData::default() })?;
         Ok(Self { lookup: UvLookup::new(&scene)?, scene })
     }
 
     /// Returns its mesh.
     pub fn mesh(&self) -> &Mesh {
-        &self.scene.meshes[0]
+        &self.scene.meshes()[0]
     }
 
     /// Returns the unit normal of the place with this uv, where there is one.

@@ -4,18 +4,11 @@ use super::{Failure, MAX_TEXELS_OF_PLAIN, check_size, credible};
 use crate::image::{Bitmap, Texels};
 use basisu::{DecodeFlags, Error, TargetFormat, Transcoder};
 
-const SIGNATURE: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
-
 /// Numbers of the data format descriptor for ETC1S and UASTC.
 const MODELS: [u8; 2] = [163, 166];
 
 /// The number of Zstandard among supercompression schemes.
 const ZSTANDARD: u32 = 2;
-
-/// Whether `bytes` begin as a KTX2 file does.
-pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
-    bytes.starts_with(SIGNATURE)
-}
 
 /// The largest level of a picture. Smaller ones are made anew, as for every other format.
 ///

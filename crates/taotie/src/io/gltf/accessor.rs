@@ -1,7 +1,7 @@
 //! Typed elements out of buffers: any component type, normalised or not, interleaved, sparse.
 
 use super::document::{Document, Reason, no_such};
-use super::draco::Supplied;
+use super::supplied::Supplied;
 use gltf::json::accessor::{Accessor as Json, ComponentType, Type};
 use gltf::json::validation::Checked;
 

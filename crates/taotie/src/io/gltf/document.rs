@@ -2,8 +2,10 @@
 
 use super::buffers::Buffers;
 use super::container::split;
-use super::draco::{self, Supplied, Supply};
+#[cfg(feature = "draco")]
+use super::draco;
 use super::extensions::check_extensions;
+use super::supplied::{Supplied, Supply};
 use crate::error::{Error, Result, Warnings};
 use crate::io::{file, xmp};
 use gltf::json::{self, Root, Value};
@@ -36,7 +38,10 @@ impl Document {
         let Parsed { root, animations, xmp } = parse(path, &text)?;
         check_extensions(path, &root, warnings)?;
         let buffers = Buffers::load(path, &root, blob.filter(|b| !b.is_empty()), warnings)?;
+        #[cfg(feature = "draco")]
         let supply = draco::supply(&root, &buffers, warnings);
+        #[cfg(not(feature = "draco"))]
+        let supply = Supply::new();
         Ok(Self { path: path.to_path_buf(), root, format, animations, xmp, buffers, supply })
     }
 

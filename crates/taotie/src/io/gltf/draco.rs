@@ -5,6 +5,7 @@
 
 use super::buffers::Buffers;
 use super::document::{Reason, no_such};
+use super::supplied::{Supplied, Supply};
 use crate::error::Warnings;
 use draco_core::draco_types::DataType;
 use draco_core::geometry_indices::PointIndex;
@@ -22,26 +23,6 @@ const MAX_UNPACKED_PER_BYTE: u64 = 64;
 const MAX_UNPACKED_OF_SMALL: u64 = 1 << 28;
 
 const TOO_MANY: &str = "the file unpacks to too many bytes";
-
-/// The elements of an accessor, without gaps, in the type that they were packed in.
-pub(super) struct Supplied {
-    /// The type of a component.
-    pub component: ComponentType,
-    /// How many components an element has.
-    pub width: usize,
-    /// Little-endian.
-    pub bytes: Vec<u8>,
-}
-
-impl Supplied {
-    /// How many elements there are.
-    pub fn count(&self) -> usize {
-        self.bytes.len() / (self.width * self.component.size())
-    }
-}
-
-/// What accessors hold in place of what their buffer views say, or why it cannot be had.
-pub(super) type Supply = BTreeMap<usize, Reason<Supplied>>;
 
 /// Unpacks every packed primitive of the file.
 pub(super) fn supply(root: &Root, buffers: &Buffers, warnings: &mut Warnings) -> Supply {

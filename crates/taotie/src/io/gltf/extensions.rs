@@ -28,6 +28,17 @@ pub const SUPPORTED: [&str; 16] = [
 /// the channels of KHR_animation_pointer are left out with a warning of their own.
 const WITHOUT_EFFECT: [&str; 4] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod"];
 
+/// The extension and the feature that reads it, where this build lacks that.
+fn lacking(name: &str) -> Option<(&'static str, &'static str)> {
+    let features = [
+        ("KHR_draco_mesh_compression", "draco", cfg!(feature = "draco")),
+        ("KHR_texture_basisu", "basis", cfg!(feature = "basis")),
+        ("EXT_texture_webp", "webp", cfg!(feature = "webp")),
+    ];
+    let found = features.into_iter().find(|(extension, _, there)| *extension == name && !there);
+    found.map(|(extension, feature, _)| (extension, feature))
+}
+
 /// Refuses a file that requires what is not understood, and notes what it merely uses.
 pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings) -> Result<()> {
     let known =
@@ -37,6 +48,18 @@ pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings
             format!("{}: the required extension {name}", path.display()),
             "save the model without it",
         ));
+    }
+    if let Some((name, feature)) = root.extensions_required.iter().find_map(|name| lacking(name)) {
+        return Err(Error::needs_feature(
+            format!("{}: the required extension {name}", path.display()),
+            feature,
+        ));
+    }
+    for (name, feature) in root.extensions_used.iter().filter_map(|name| lacking(name)) {
+        warnings.note(
+            format!("the extension {name} is ignored; the feature `{feature}` of the crate reads it"),
+            1,
+        );
     }
     for name in root.extensions_used.iter().filter(|name| !known(name)) {
         warnings.note(format!("the extension {name} is ignored"), 1);

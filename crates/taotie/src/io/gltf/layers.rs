@@ -61,7 +61,7 @@ impl Reader<'_, '_> {
         let strength = self.unit(json, "anisotropyStrength");
         (strength > 0.0).then(|| Anisotropy {
             strength,
-            rotation: self.member(json, "anisotropyRotation", as_number).unwrap_or(0.0),
+            rotation: self.member(json, "anisotropyRotation", as_number).map_or(0.0, f64::from),
             texture: self.slot(json, "anisotropyTexture", Encoding::Linear),
         })
     }

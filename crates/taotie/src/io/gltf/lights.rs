@@ -87,7 +87,7 @@ fn unplaced_light(light: &JsonLight) -> Result<Light, String> {
                 outer_cone_angle: std::f32::consts::FRAC_PI_4,
             });
             let (inner, outer) = cone(spot.inner_cone_angle, spot.outer_cone_angle)?;
-            LightKind::Spot { position, direction, inner, outer }
+            LightKind::Spot { position, direction, inner: f64::from(inner), outer: f64::from(outer) }
         }
         Checked::Invalid => return Err("its type is unknown".into()),
     };

@@ -9,6 +9,7 @@ mod buffers;
 mod container;
 mod deforming;
 mod document;
+#[cfg(feature = "draco")]
 mod draco;
 mod extensions;
 mod filters;
@@ -21,6 +22,7 @@ mod meshopt;
 mod nodes;
 mod primitives;
 mod samplers;
+mod supplied;
 mod textures;
 mod triangles;
 mod uri;
@@ -30,12 +32,12 @@ mod vertices;
 pub use extensions::SUPPORTED;
 
 use super::variants::Mapping;
-use super::{Loaded, Variants};
+use super::{Loaded, Variants, checked};
 use crate::error::{Result, Warnings};
 use crate::math::Vec2;
 use crate::mesh::Mesh;
 use crate::scene::animation::{Deformed, Rig, RigData};
-use crate::scene::{Instance, Material, Scene, TextureRef as TextureUse};
+use crate::scene::{Instance, Material, SceneData, TextureRef as TextureUse};
 use document::Document;
 use meshes::Meshes;
 use nodes::Nodes;
@@ -57,7 +59,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let Decoded { textures, names: texture_names, missing: missing_files } = decoded;
     let (light_nodes, lights) = lights::lights(&document, &nodes, &mut warnings).into_iter().unzip();
     let (camera_nodes, cameras) = lights::cameras(&document, &nodes, &mut warnings).into_iter().unzip();
-    let mut scene = Scene { meshes, materials, textures, instances, lights, cameras };
+    let mut scene = SceneData { meshes, materials, textures, instances, lights, cameras };
     add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
     let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
     let rig = hung.rig(&document, nodes, &mut warnings)?;
@@ -73,7 +75,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
         missing_files,
         rig,
         variants,
-        ..Loaded::new(scene, warnings, document.format)
+        ..Loaded::new(checked(path, scene)?, warnings, document.format)
     })
 }
 
@@ -109,7 +111,7 @@ fn drop_unused_default(materials: &mut Vec<Material>, instances: &mut [Instance]
 
 /// Gives each mesh every uv set that its materials name, in any variant, since a file may promise more than it holds.
 fn add_missing_uvs(
-    scene: &mut Scene,
+    scene: &mut SceneData,
     variants: &Variants,
     deformed: &mut [Deformed],
     warnings: &mut Warnings,

@@ -14,11 +14,11 @@ mod textures;
 pub(super) use material::neutral;
 
 use super::text::{self, quote};
-use super::{Loaded, locate};
+use super::{Loaded, checked, locate};
 use crate::error::{Result, Warnings};
 use crate::math::Mat4;
 use crate::mesh::Mesh;
-use crate::scene::{Instance, Material, Scene};
+use crate::scene::{Instance, Material, Scene, SceneData};
 use mtl::Mtl;
 use parse::Obj;
 use std::collections::HashMap;
@@ -42,12 +42,14 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let obj = parse::parse(path, &text::read_text(path)?, &mut warnings)?;
     let parts = build::build(&obj, &mut warnings)?;
     let mut loaded = Loaded::new(Scene::default(), warnings, "OBJ");
-    assemble(path.parent().unwrap_or(Path::new("")), &obj, parts, &mut loaded);
+    let scene = assemble(path.parent().unwrap_or(Path::new("")), &obj, parts, &mut loaded);
+    loaded.scene = checked(path, scene)?;
     Ok(loaded)
 }
 
-fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Loaded) {
-    let Loaded { scene, warnings, missing_files, .. } = loaded;
+fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Loaded) -> SceneData {
+    let Loaded { warnings, missing_files, .. } = loaded;
+    let mut scene = SceneData::default();
     let mut textures = Textures::new(folder);
     let library = library(folder, obj, warnings, missing_files);
     let mut material_of_name: HashMap<Option<usize>, usize> = HashMap::new();
@@ -65,14 +67,15 @@ fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Load
             });
             scene.materials.len() - 1
         });
-        place(scene, mesh, material);
+        place(&mut scene, mesh, material);
     }
     scene.textures = textures.list;
     loaded.texture_names = textures.names;
     loaded.missing_files.append(&mut textures.missing_files);
+    scene
 }
 
-fn place(scene: &mut Scene, mesh: Mesh, material: usize) {
+fn place(scene: &mut SceneData, mesh: Mesh, material: usize) {
     scene.meshes.push(mesh);
     let mesh = scene.meshes.len() - 1;
     scene.instances.push(Instance { mesh, material, world_from_object: Mat4::IDENTITY });

@@ -12,12 +12,12 @@ mod split;
 mod texture;
 mod vertices;
 
-use super::Loaded;
 use super::file;
 use super::obj::neutral;
+use super::{Loaded, checked};
 use crate::error::{Error, Result, Warnings};
 use crate::math::Mat4;
-use crate::scene::{Instance, Scene};
+use crate::scene::{Instance, Scene, SceneData};
 use ascii::Tokens;
 use build::Elements;
 use faces::FaceElement;
@@ -53,15 +53,18 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     }
     let has_uvs = !mesh.uvs().is_empty();
     let instance = Instance { mesh: 0, material: 0, world_from_object: Mat4::IDENTITY };
-    let scene = Scene { meshes: vec![mesh], instances: vec![instance], ..Scene::default() };
-    let mut loaded = Loaded::new(scene, warnings, "PLY");
-    if has_uvs && let Some(name) = texture::name(&header, &mut loaded.warnings) {
-        material.base_color_texture = texture::load(path, name, &mut loaded);
-        if material.base_color_texture.is_some() {
-            material.base_color = [1.0; 4];
-        }
+    let mut parts = SceneData { meshes: vec![mesh], instances: vec![instance], ..SceneData::default() };
+    let mut loaded = Loaded::new(Scene::default(), warnings, "PLY");
+    if has_uvs
+        && let Some(name) = texture::name(&header, &mut loaded.warnings)
+        && let Some(texture) = texture::load(path, name, &mut loaded)
+    {
+        material.base_color = [1.0; 4];
+        material.base_color_texture = Some(texture::whole());
+        parts.textures.push(texture);
     }
-    loaded.scene.materials.push(material);
+    parts.materials.push(material);
+    loaded.scene = checked(path, parts)?;
     Ok(loaded)
 }
 

@@ -15,8 +15,14 @@ pub(super) fn name<'a>(header: &'a Header, warnings: &mut Warnings) -> Option<&'
     Some(first)
 }
 
-/// Reads the file `name` beside the model into the scene; what cannot be had is noted.
-pub(super) fn load(path: &Path, name: &str, loaded: &mut Loaded) -> Option<TextureRef> {
+/// Returns how the material reads the only texture.
+pub(super) fn whole() -> TextureRef {
+    let (sampler, transform) = (Sampler::default(), UvTransform::default());
+    TextureRef { texture: 0, uv_set: 0, sampler, transform }
+}
+
+/// Reads the file `name` beside the model; what cannot be had is noted.
+pub(super) fn load(path: &Path, name: &str, loaded: &mut Loaded) -> Option<Texture> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let Some(file) = locate::find(name, &[folder]) else {
         loaded.warnings.note(format!("texture '{name}' is left out: it is not there"), 1);
@@ -25,10 +31,8 @@ pub(super) fn load(path: &Path, name: &str, loaded: &mut Loaded) -> Option<Textu
     };
     match read_bitmap(&file) {
         Ok(bitmap) => {
-            loaded.scene.textures.push(Texture::new(bitmap, Encoding::Srgb));
             loaded.texture_names.push(name.to_owned());
-            let (sampler, transform) = (Sampler::default(), UvTransform::default());
-            Some(TextureRef { texture: 0, uv_set: 0, sampler, transform })
+            Some(Texture::new(bitmap, Encoding::Srgb))
         }
         Err(error) => {
             loaded.warnings.note(format!("texture '{name}' is left out: {error}"), 1);

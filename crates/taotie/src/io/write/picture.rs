@@ -1,6 +1,6 @@
 //! Pictures in linear light, developed for the eye or stored as they are.
 
-use super::{ExrLayer, write_exr, write_png_bitmap};
+use super::write_png_bitmap;
 use crate::error::Result;
 use crate::film::{Development, develop8, develop16};
 use crate::image::{Bitmap, Encoding, Image, Texels};
@@ -30,7 +30,8 @@ pub enum PictureFormat {
 /// ```
 ///
 /// # Errors
-/// Those of the development, and [`crate::Error::Io`] where the file cannot be written.
+/// Those of the development, [`crate::Error::Unsupported`] for OpenEXR without the feature `exr`, and
+/// [`crate::Error::Io`] where the file cannot be written.
 pub fn write_picture(
     path: &Path,
     image: &Image,
@@ -38,15 +39,23 @@ pub fn write_picture(
     format: PictureFormat,
 ) -> Result<()> {
     let texels = match format {
-        PictureFormat::Exr => {
-            let samples: Vec<f32> = image.pixels().iter().flatten().copied().collect();
-            let layer = ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples: &samples };
-            return write_exr(path, (image.width(), image.height()), &[layer]);
-        }
+        PictureFormat::Exr => return write_linear(path, image),
         PictureFormat::Png8 => Texels::U8(develop8(image, development)?),
         PictureFormat::Png16 => Texels::U16(develop16(image, development)?),
     };
     write_developed(path, [image.width(), image.height()], development, texels)
+}
+
+#[cfg(feature = "exr")]
+fn write_linear(path: &Path, image: &Image) -> Result<()> {
+    let samples: Vec<f32> = image.pixels().iter().flatten().copied().collect();
+    let layer = super::ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples: &samples };
+    super::write_exr(path, (image.width(), image.height()), &[layer])
+}
+
+#[cfg(not(feature = "exr"))]
+fn write_linear(path: &Path, _: &Image) -> Result<()> {
+    Err(crate::Error::needs_feature(format!("{}: OpenEXR", path.display()), "exr"))
 }
 
 /// Writes the pixels of a developed picture of this width and height as PNG: without alpha where `development` puts a

@@ -47,11 +47,11 @@ impl Rig {
     }
 
     fn place(&self, scene: &mut Scene, nodes: &[Node]) -> Result<()> {
-        let data = self.data();
-        let fits = data.instances.len() == scene.instances.len()
-            && data.cameras.len() == scene.cameras.len()
-            && data.lights.len() == scene.lights.len()
-            && data.deformed.iter().all(|deformed| deformed.mesh < scene.meshes.len());
+        let (data, parts) = (self.data(), &mut scene.data);
+        let fits = data.instances.len() == parts.instances.len()
+            && data.cameras.len() == parts.cameras.len()
+            && data.lights.len() == parts.lights.len()
+            && data.deformed.iter().all(|deformed| deformed.mesh < parts.meshes.len());
         if !fits {
             return Err(Error::invalid("rig", "it belongs to another scene"));
         }
@@ -62,17 +62,17 @@ impl Rig {
             .map(|deformed| self.mesh(deformed, nodes, &world))
             .collect::<Result<_>>()?;
         for (deformed, mesh) in data.deformed.iter().zip(meshes) {
-            scene.meshes[deformed.mesh] = mesh;
+            parts.meshes[deformed.mesh] = mesh;
         }
-        for (instance, node) in scene.instances.iter_mut().zip(&data.instances) {
+        for (instance, node) in parts.instances.iter_mut().zip(&data.instances) {
             if let Some(node) = node {
                 instance.world_from_object = world[*node];
             }
         }
-        for (camera, node) in scene.cameras.iter_mut().zip(&data.cameras) {
+        for (camera, node) in parts.cameras.iter_mut().zip(&data.cameras) {
             camera.world_from_view = rigid(&world[*node]);
         }
-        for (light, node) in scene.lights.iter_mut().zip(&data.lights) {
+        for (light, node) in parts.lights.iter_mut().zip(&data.lights) {
             light.place(&world[*node]);
         }
         Ok(())

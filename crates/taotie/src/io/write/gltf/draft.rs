@@ -1,7 +1,7 @@
 //! A glTF document in the making: its JSON, and the numbers that its accessors name.
 
 use super::container::{self, Head};
-use super::images::{self, Encoded};
+use super::images;
 use crate::error::{Error, Result};
 use crate::io::write::{FileBytes, write_with};
 use serde_json::{Value, json};
@@ -240,18 +240,12 @@ impl GltfDraft {
     }
 
     /// The document as JSON, and its numbers and images as files beside it; the JSON first.
-    pub(super) fn into_files(self, path: &Path, images: Vec<Encoded>) -> Result<Vec<FileBytes>> {
+    pub(super) fn into_files(self, path: &Path, images: Vec<FileBytes>) -> Result<Vec<FileBytes>> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let binary = format!("{stem}.bin");
         let text = self.text(Some(images::uri(&binary)))?;
-        let mut files = vec![
-            FileBytes { path: path.to_path_buf(), bytes: text },
-            FileBytes { path: path.with_file_name(&binary), bytes: self.bytes },
-        ];
-        for image in images {
-            let file = path.with_file_name(image.file_name(&stem));
-            files.extend(image.into_bytes().map(|bytes| FileBytes { path: file, bytes }));
-        }
-        Ok(files)
+        let document = FileBytes { path: path.to_path_buf(), bytes: text };
+        let numbers = FileBytes { path: path.with_file_name(&binary), bytes: self.bytes };
+        Ok([document, numbers].into_iter().chain(images).collect())
     }
 }

@@ -4,14 +4,16 @@ use super::material::GltfMaterial;
 use super::{GltfDraft, ktx};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Texels};
+use crate::io::write::FileBytes;
 use crate::io::write::png::interleaved;
 use crate::io::{PngColor, PngImage, PngSamples, encode_png};
-use image::ExtendedColorType;
-use image::codecs::webp::WebPEncoder;
+#[cfg(feature = "webp")]
+use image::{ExtendedColorType, codecs::webp::WebPEncoder};
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::borrow::Cow;
+use std::path::Path;
 
 /// glTF's numbers for filters and wrapping.
 const LINEAR: u32 = 9729;
@@ -61,7 +63,7 @@ pub enum GltfImages {
 }
 
 impl GltfImages {
-    fn file_extension(self) -> &'static str {
+    pub(super) fn file_extension(self) -> &'static str {
         match self {
             Self::Png => "png",
             Self::WebP => "webp",
@@ -69,7 +71,7 @@ impl GltfImages {
         }
     }
 
-    fn mime_type(self) -> &'static str {
+    pub(super) fn mime_type(self) -> &'static str {
         match self {
             Self::Png => "image/png",
             Self::WebP => "image/webp",
@@ -78,7 +80,7 @@ impl GltfImages {
     }
 
     /// The extension that a texture needs to show such an image.
-    fn extension(self) -> Option<&'static str> {
+    pub(super) fn extension(self) -> Option<&'static str> {
         match self {
             Self::Png => None,
             Self::WebP => Some("EXT_texture_webp"),
@@ -126,9 +128,11 @@ impl Encoded<'_> {
         matches!(self.image, GltfImage::Bitmap(_)).then_some(&self.bytes)
     }
 
-    /// The same, given up.
-    pub fn into_bytes(self) -> Option<Vec<u8>> {
-        matches!(self.image, GltfImage::Bitmap(_)).then_some(self.bytes)
+    /// Its file beside the model `path`; `None` where it is there already.
+    pub fn into_file(self, path: &Path) -> Option<FileBytes> {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let file = path.with_file_name(self.file_name(&stem));
+        matches!(self.image, GltfImage::Bitmap(_)).then_some(FileBytes { path: file, bytes: self.bytes })
     }
 
     /// The name of its file beside a model.
@@ -178,56 +182,84 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Res
     }
     images.par_iter_mut().try_for_each(|encoded| {
         if let GltfImage::Bitmap(bitmap) = encoded.image {
-            let slot = encoded.slots[0];
-            encoded.bytes = match format {
-                GltfImages::Png => png(bitmap, slot),
-                GltfImages::WebP => webp(bitmap, slot),
-                GltfImages::Ktx2 => {
-                    let size = (bitmap.width(), bitmap.height());
-                    ktx::encode(size, eight_bits(bitmap, slot)?.into_owned(), slot.encoding())
-                }
-            }?;
+            let stored = Stored { encoding: encoded.slots[0].encoding(), alpha: false };
+            encoded.bytes = encode_bitmap(bitmap, stored, format)?;
         }
         Ok::<_, Error>(())
     })?;
     Ok(images)
 }
 
-/// Alpha goes, since no slot here reads it.
-fn png(bitmap: &Bitmap, slot: Slot) -> Result<Vec<u8>> {
-    let (color, channels) = if bitmap.channels() < 3 { (PngColor::Grey, 1) } else { (PngColor::Rgb, 3) };
-    let (width, height, encoding) = (bitmap.width(), bitmap.height(), slot.encoding());
+/// What is stored of a bitmap, and what it means.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stored {
+    pub encoding: Encoding,
+    /// Whether alpha is written; KTX2 holds none.
+    pub alpha: bool,
+}
+
+/// The bytes of an image file.
+///
+/// # Errors
+/// [`Error::Unsupported`] for texels of floats; what the format refuses.
+pub(super) fn encode_bitmap(bitmap: &Bitmap, stored: Stored, format: GltfImages) -> Result<Vec<u8>> {
+    match format {
+        GltfImages::Png => png(bitmap, stored),
+        GltfImages::WebP => webp(bitmap, stored),
+        GltfImages::Ktx2 => {
+            let size = (bitmap.width(), bitmap.height());
+            ktx::encode(size, eight_bits(bitmap, stored)?.into_owned(), stored.encoding)
+        }
+    }
+}
+
+fn png(bitmap: &Bitmap, stored: Stored) -> Result<Vec<u8>> {
+    let (color, channels) = match bitmap.channels() {
+        2 | 4 if stored.alpha => (PngColor::Rgba, 4),
+        1 | 2 => (PngColor::Grey, 1),
+        _ => (PngColor::Rgb, 3),
+    };
+    let (width, height, encoding) = (bitmap.width(), bitmap.height(), stored.encoding);
     let encode = |samples| encode_png(&PngImage { width, height, color, samples, encoding });
     match bitmap.texels() {
         Texels::U8(texels) => encode(PngSamples::U8(&interleaved(texels, channels))),
         Texels::U16(texels) => encode(PngSamples::U16(&interleaved(texels, channels))),
-        Texels::F32(_) => Err(no_floats(slot)),
+        Texels::F32(_) => Err(no_floats(stored)),
     }
 }
 
-fn webp(bitmap: &Bitmap, slot: Slot) -> Result<Vec<u8>> {
-    let wrong = |e: image::ImageError| Error::invalid(format!("a {slot:?} texture as WebP"), e.to_string());
+#[cfg(not(feature = "webp"))]
+fn webp(_: &Bitmap, _: Stored) -> Result<Vec<u8>> {
+    Err(Error::needs_feature("WebP", "webp"))
+}
+
+#[cfg(feature = "webp")]
+fn webp(bitmap: &Bitmap, stored: Stored) -> Result<Vec<u8>> {
+    let wrong = |e: image::ImageError| {
+        Error::invalid(format!("a {:?} texture as WebP", stored.encoding), e.to_string())
+    };
     let mut bytes = Vec::new();
-    let texels = eight_bits(bitmap, slot)?;
-    let samples = interleaved(&texels, 3);
+    let texels = eight_bits(bitmap, stored)?;
+    let (color, channels) =
+        if stored.alpha { (ExtendedColorType::Rgba8, 4) } else { (ExtendedColorType::Rgb8, 3) };
     WebPEncoder::new_lossless(&mut bytes)
-        .encode(&samples, bitmap.width(), bitmap.height(), ExtendedColorType::Rgb8)
+        .encode(&interleaved(&texels, channels), bitmap.width(), bitmap.height(), color)
         .map_err(wrong)?;
     Ok(bytes)
 }
 
 /// The texels rounded to 8 bits.
-fn eight_bits(bitmap: &Bitmap, slot: Slot) -> Result<Cow<'_, [[u8; 4]]>> {
+fn eight_bits(bitmap: &Bitmap, stored: Stored) -> Result<Cow<'_, [[u8; 4]]>> {
     let rounded = |v: u16| ((u32::from(v) * 255 + 32767) / 65535) as u8;
     match bitmap.texels() {
         Texels::U8(texels) => Ok(Cow::Borrowed(texels)),
         Texels::U16(texels) => Ok(Cow::Owned(texels.iter().map(|texel| texel.map(rounded)).collect())),
-        Texels::F32(_) => Err(no_floats(slot)),
+        Texels::F32(_) => Err(no_floats(stored)),
     }
 }
 
-fn no_floats(slot: Slot) -> Error {
-    Error::unsupported(format!("a {slot:?} texture of floats in glTF"), "store 8 or 16 bits")
+fn no_floats(stored: Stored) -> Error {
+    Error::unsupported(format!("a {:?} texture of floats in glTF", stored.encoding), "store 8 or 16 bits")
 }
 
 /// Where images are put.

@@ -7,10 +7,12 @@ mod ktx;
 mod material;
 mod mesh;
 mod packed;
+mod scene;
 
 pub use draft::GltfDraft;
 pub use images::{GltfImage, GltfImages};
 pub use material::GltfMaterial;
+pub use scene::{WrittenScene, write_scene};
 
 use super::{FileBytes, write_files};
 use crate::error::{Error, Result};
@@ -82,18 +84,38 @@ pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result
 /// say: no level, a level without triangles, textures on a mesh without uvs, factors out of range; [`Error::Limit`]
 /// for a GLB of 4 GiB or more.
 pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<FileBytes>> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    match extension.as_str() {
-        "glb" => Ok(vec![FileBytes { path: path.to_path_buf(), bytes: encode_glb(asset, format)? }]),
-        "gltf" => {
+    match Container::of(path)? {
+        Container::Glb => Ok(vec![FileBytes { path: path.to_path_buf(), bytes: encode_glb(asset, format)? }]),
+        Container::Gltf => {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let encoded = images::encode(&asset.material, format.images)?;
-            draft(asset, format, (&encoded, &Place::Beside(&stem)))?.into_files(path, encoded)
+            let draft = draft(asset, format, (&encoded, &Place::Beside(&stem)))?;
+            draft.into_files(path, encoded.into_iter().filter_map(|image| image.into_file(path)).collect())
         }
-        _ => Err(Error::unsupported(
-            format!("{}: the extension '{extension}'", path.display()),
-            "glTF is written as .glb and .gltf",
-        )),
+    }
+}
+
+/// The kinds of glTF files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Container {
+    /// One binary file.
+    Glb,
+    /// JSON with files beside it.
+    Gltf,
+}
+
+impl Container {
+    fn of(path: &Path) -> Result<Self> {
+        let extension =
+            path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+        match extension.as_str() {
+            "glb" => Ok(Self::Glb),
+            "gltf" => Ok(Self::Gltf),
+            _ => Err(Error::unsupported(
+                format!("{}: the extension '{extension}'", path.display()),
+                "glTF is written as .glb and .gltf",
+            )),
+        }
     }
 }
 

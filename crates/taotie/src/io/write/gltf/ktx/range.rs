@@ -65,7 +65,7 @@ const fn unquantized(code: u32, bits: u32, digits: u32) -> u8 {
     ((mirror & 0x80) | ((spread ^ mirror) >> 2)) as u8
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "basis"))]
 mod tests {
     use super::*;
 

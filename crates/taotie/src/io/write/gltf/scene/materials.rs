@@ -1,0 +1,110 @@
+//! Materials: glTF's own factors and textures. What extensions add is written in [`super::layers`].
+
+use super::super::material::short;
+use super::Writer;
+use crate::scene::{AlphaMode, GreenChannel, Material, NormalMap, NormalSpace, TextureRef};
+use serde_json::{Map, Value, json};
+
+/// The members of a material's extensions, by name.
+pub(super) type Extensions = Map<String, Value>;
+
+impl Writer<'_> {
+    /// Returns the JSON of a material; what it cannot say is noted.
+    pub(super) fn material(&mut self, material: &Material) -> Value {
+        self.note_unsaid(material);
+        let mut json = json!({ "doubleSided": material.double_sided });
+        if !material.name.is_empty() {
+            json["name"] = material.name.as_str().into();
+        }
+        json["pbrMetallicRoughness"] = self.metallic_roughness(material);
+        if let Some(map) = &material.occlusion_texture {
+            json["occlusionTexture"] = self.slot(map);
+            json["occlusionTexture"]["strength"] = short(material.occlusion_strength).into();
+        }
+        if let Some(map) = self.normal_map(material.normal.as_ref()) {
+            json["normalTexture"] = map;
+        }
+        if let Some(map) = &material.emissive_texture {
+            json["emissiveTexture"] = self.slot(map);
+        }
+        say_alpha(&mut json, material.alpha);
+        let extensions = self.emission(&mut json, material.emissive);
+        let extensions = self.layers(extensions, material);
+        if !extensions.is_empty() {
+            json["extensions"] = extensions.into();
+        }
+        json
+    }
+
+    fn note_unsaid(&mut self, material: &Material) {
+        let authored = material.f0.is_some() || material.f82.is_some();
+        self.note("materials whose reflectance (f0, f82) glTF cannot say", usize::from(authored));
+        let classic = material.classic != Default::default();
+        self.note("materials whose parameters of classic models glTF cannot say", usize::from(classic));
+        self.note("height maps, which glTF does not have", usize::from(material.height.is_some()));
+    }
+
+    fn metallic_roughness(&mut self, material: &Material) -> Value {
+        let mut pbr = json!({
+            "baseColorFactor": self.fractions("base colours", material.base_color),
+            "metallicFactor": short(material.metallic),
+            "roughnessFactor": short(material.roughness),
+        });
+        if let Some(map) = &material.base_color_texture {
+            pbr["baseColorTexture"] = self.slot(map);
+        }
+        if let Some(map) = &material.metallic_roughness_texture {
+            pbr["metallicRoughnessTexture"] = self.slot(map);
+        }
+        pbr
+    }
+
+    /// Colours above 1 are clamped and noted.
+    pub(super) fn fractions<const N: usize>(&mut self, what: &str, values: [f32; N]) -> Vec<f64> {
+        let above = values.iter().any(|v| *v > 1.0);
+        self.note(&format!("{what} above 1, which glTF clamps"), usize::from(above));
+        values.into_iter().map(|v| short(v.min(1.0))).collect()
+    }
+
+    /// Emission above 1 is a colour times a strength.
+    fn emission(&mut self, json: &mut Value, emissive: [f32; 3]) -> Extensions {
+        const STRENGTH: &str = "KHR_materials_emissive_strength";
+        let mut extensions = Extensions::new();
+        let most = emissive.into_iter().fold(1.0, f32::max);
+        if most > 1.0 {
+            self.draft.uses(STRENGTH);
+            extensions.insert(STRENGTH.into(), json!({ "emissiveStrength": short(most) }));
+        }
+        json["emissiveFactor"] = json!(emissive.map(|v| short(v / most)));
+        extensions
+    }
+
+    /// Returns the JSON of a normal map of tangent space; `None` with a warning for one of object space.
+    pub(super) fn normal_map(&mut self, map: Option<&NormalMap>) -> Option<Value> {
+        let map = map?;
+        if map.space == NormalSpace::Object {
+            self.note("object-space normal maps, which glTF does not have", 1);
+            return None;
+        }
+        let turned = map.green == GreenChannel::Down;
+        let mut json = self.textured(&map.texture, turned);
+        json["scale"] = short(map.scale).into();
+        Some(json)
+    }
+
+    /// Returns the JSON that names a texture.
+    pub(super) fn slot(&mut self, used: &TextureRef) -> Value {
+        self.textured(used, false)
+    }
+}
+
+fn say_alpha(json: &mut Value, alpha: AlphaMode) {
+    match alpha {
+        AlphaMode::Opaque => {}
+        AlphaMode::Blend => json["alphaMode"] = "BLEND".into(),
+        AlphaMode::Mask(cutoff) => {
+            json["alphaMode"] = "MASK".into();
+            json["alphaCutoff"] = short(cutoff).into();
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Meshes with the materials that they are shown with, and their instances.
+
+use super::super::packed::Grid;
+use super::super::{mesh, packed};
+use super::{Writer, placed};
+use crate::error::Result;
+use crate::math::Mat4;
+use crate::mesh::Mesh;
+use crate::scene::Instance;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+/// How far from a right angle two axes of a placement may stand, as a cosine, for glTF to call it one.
+const SQUARE: f64 = 1e-4;
+
+/// What was written of a mesh of the scene.
+struct Shape {
+    primitive: Value,
+    grid: Option<Grid>,
+}
+
+impl Writer<'_> {
+    /// Writes the instances, and each mesh once for each material that it is shown with; its numbers are shared.
+    pub(super) fn meshes(&mut self) -> Result<()> {
+        let scene = self.scene;
+        let mut shapes: HashMap<usize, Shape> = HashMap::new();
+        let mut numbers: HashMap<(usize, usize), usize> = HashMap::new();
+        let mut meshes = Vec::new();
+        let seen = |instance: &&Instance| !scene.meshes()[instance.mesh].triangles().is_empty();
+        for instance in scene.instances().iter().filter(seen) {
+            let shape = match shapes.entry(instance.mesh) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(place) => place.insert(self.shape(&scene.meshes()[instance.mesh])?),
+            };
+            let number = *numbers.entry((instance.mesh, instance.material)).or_insert_with(|| {
+                let mut primitive = shape.primitive.clone();
+                primitive["material"] = instance.material.into();
+                meshes.push(json!({ "primitives": [primitive] }));
+                meshes.len() - 1
+            });
+            self.instance(number, shape.grid.as_ref(), &instance.world_from_object)?;
+        }
+        self.draft.json["meshes"] = meshes.into();
+        self.note(
+            "meshes without triangles, or that nothing shows, are left out",
+            scene.meshes().len() - shapes.len(),
+        );
+        Ok(())
+    }
+
+    fn shape(&mut self, mesh: &Mesh) -> Result<Shape> {
+        self.note(
+            "meshes without normals, which glTF shows in facets",
+            usize::from(mesh.normals().is_empty()),
+        );
+        let lost = mesh.normals().is_empty() && !mesh.tangents().is_empty();
+        self.note("tangents of meshes without normals are left out", usize::from(lost));
+        let grid = self.format.meshopt.then(|| Grid::around(std::iter::once(mesh)));
+        let primitive = match &grid {
+            Some(grid) => packed::add(&mut self.draft, mesh, grid)?,
+            None => mesh::add(&mut self.draft, mesh),
+        };
+        Ok(Shape { primitive, grid })
+    }
+
+    /// A node that shows a mesh; below it another one where the mesh is packed and the node moved.
+    fn instance(&mut self, mesh: usize, grid: Option<&Grid>, world: &Mat4) -> Result<()> {
+        self.note(
+            "sheared placements, which not every program reads as they are",
+            usize::from(is_sheared(world)),
+        );
+        let mut shown = json!({ "mesh": mesh });
+        if let Some(grid) = grid {
+            grid.place(&mut shown);
+            if *world != Mat4::IDENTITY {
+                self.nodes.push(shown);
+                shown = json!({ "children": [self.nodes.len() - 1] });
+            }
+        }
+        self.show(placed(shown, world)?);
+        Ok(())
+    }
+}
+
+/// Whether the axes do not stand upright on one another. Source: glTF 2.0, 3.5.3, which wants matrices that decompose.
+fn is_sheared(m: &Mat4) -> bool {
+    let pair = |a: usize, b: usize| {
+        let (a, b) = (m.axis(a), m.axis(b));
+        a.dot(b).abs() > SQUARE * a.length() * b.length()
+    };
+    pair(0, 1) || pair(1, 2) || pair(2, 0)
+}

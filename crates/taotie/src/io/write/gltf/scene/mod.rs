@@ -1,0 +1,139 @@
+//! A whole scene as glTF 2.0: meshes in their places, materials, textures, lights and cameras.
+
+mod layers;
+mod lights;
+mod materials;
+mod meshes;
+mod textures;
+
+use super::draft::GltfDraft;
+use super::{Container, GltfFormat, material::short};
+use crate::error::{Error, Result, Warnings};
+use crate::io::write::{FileBytes, write_files};
+use crate::math::Mat4;
+use crate::progress::Progress;
+use crate::scene::Scene;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use textures::Textures;
+
+/// The files of a scene that was written, and what they do not say.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct WrittenScene {
+    /// The files, that of [`write_scene`]'s `path` first.
+    pub files: Vec<PathBuf>,
+    /// What glTF cannot say, and is left out or changed.
+    pub warnings: Warnings,
+}
+
+/// Writes a scene, so that [`load_model`](crate::io::load_model) reads the same one: a GLB where `path` ends in `.glb`; for
+/// `.gltf` the JSON, with the numbers in `NAME.bin` and the textures in files such as `NAME_0.png` beside it. Either all files
+/// are written or none, the JSON last. The same scene gives the same bytes.
+///
+/// Numbers are stored in 32-bit floats: transforms are rounded to them, and light, emission and turned uvs may be read one
+/// rounding apart. A mesh that is shown with several materials is read as several meshes. Left out with a warning is what
+/// glTF cannot say: reflectances (f0, f82), the classic models' parameters, height maps, object-space normal maps, sheared
+/// uvs, meshes that nothing shows; changed with a warning: lights that do not fall with distance, textures of floats.
+///
+/// ```no_run
+/// use std::path::Path;
+/// use taotie::io::{self, GltfFormat};
+/// let loaded = io::load_model(Path::new("jug.obj"))?;
+/// let written = io::write_scene(Path::new("jug.glb"), &loaded.scene, &GltfFormat::default())?;
+/// for (what, count) in written.warnings.iter() {
+///     println!("{what}: {count}");
+/// }
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Unsupported`] for another extension, [`Error::Invalid`] for a scene without triangles and for numbers that no
+/// 32-bit float holds, [`Error::Limit`] for a GLB of 4 GiB or more, [`Error::Io`] where a file cannot be written.
+pub fn write_scene(path: &Path, scene: &Scene, format: &GltfFormat) -> Result<WrittenScene> {
+    let container = Container::of(path)?;
+    if scene.triangle_count() == 0 {
+        return Err(Error::invalid("the scene to write", "it shows no triangle"));
+    }
+    let mut writer = Writer::new(scene, *format);
+    writer.meshes()?;
+    writer.lights()?;
+    writer.cameras()?;
+    let materials: Vec<Value> = scene.materials().iter().map(|material| writer.material(material)).collect();
+    let images = writer.encoded_images()?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    writer.add_textures(&images, (container == Container::Gltf).then_some(&*stem));
+    let (draft, warnings) = writer.finish(materials);
+    let files = match container {
+        Container::Glb => vec![FileBytes { path: path.to_path_buf(), bytes: draft.encode_glb()? }],
+        Container::Gltf => draft.into_files(path, textures::beside(images, path))?,
+    };
+    write_files(&files, Progress::SILENT)?;
+    Ok(WrittenScene { files: files.into_iter().map(|file| file.path).collect(), warnings })
+}
+
+/// A scene being written.
+struct Writer<'a> {
+    scene: &'a Scene,
+    format: GltfFormat,
+    draft: GltfDraft,
+    textures: Textures,
+    warnings: Warnings,
+    nodes: Vec<Value>,
+    /// The nodes that the scene lists.
+    shown: Vec<usize>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(scene: &'a Scene, format: GltfFormat) -> Self {
+        let generator = concat!("taotie ", env!("CARGO_PKG_VERSION"));
+        let json = json!({ "asset": { "version": "2.0", "generator": generator }, "scene": 0 });
+        let mut writer = Self {
+            scene,
+            format,
+            draft: GltfDraft::default(),
+            textures: Textures::default(),
+            warnings: Warnings::default(),
+            nodes: Vec::new(),
+            shown: Vec::new(),
+        };
+        writer.draft.json = json;
+        writer
+    }
+
+    /// Says that something of `count` parts is not as the scene has it.
+    fn note(&mut self, what: &str, count: usize) {
+        self.warnings.note(what, count);
+    }
+
+    /// Adds a node to the scene.
+    fn show(&mut self, node: Value) {
+        self.shown.push(self.nodes.len());
+        self.nodes.push(node);
+    }
+
+    fn finish(mut self, materials: Vec<Value>) -> (GltfDraft, Warnings) {
+        self.draft.json["scenes"] = json!([{ "nodes": self.shown }]);
+        self.draft.json["nodes"] = self.nodes.into();
+        if !materials.is_empty() {
+            self.draft.json["materials"] = materials.into();
+        }
+        (self.draft, self.warnings)
+    }
+}
+
+/// A node in its place; one that is not moved has no matrix.
+///
+/// # Errors
+/// [`Error::Invalid`] where the matrix leaves the numbers of 32-bit floats.
+fn placed(mut node: Value, world: &Mat4) -> Result<Value> {
+    let rounded = world.columns.as_flattened().iter().map(|v| *v as f32);
+    let rounded: Vec<f32> = rounded.collect();
+    if !rounded.iter().all(|v| v.is_finite()) {
+        return Err(Error::invalid("a transform of the scene to write", "no 32-bit float holds its numbers"));
+    }
+    if *world != Mat4::IDENTITY {
+        node["matrix"] = rounded.into_iter().map(short).collect::<Vec<_>>().into();
+    }
+    Ok(node)
+}

@@ -1,0 +1,203 @@
+//! Textures: each image encoded once, with the samplers and transforms of its uses.
+
+use super::super::images::{self, GltfImages, Stored};
+use super::super::material::short;
+use super::Writer;
+use crate::error::Result;
+use crate::image::{Bitmap, Encoding, MipFilter, Sampler, TexelFilter, Texels, Texture, Wrap};
+use crate::io::write::FileBytes;
+use crate::math::{scalar, srgb};
+use crate::scene::{TextureRef, UvTransform};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::borrow::Cow;
+use std::path::Path;
+
+const TRANSFORM: &str = "KHR_texture_transform";
+
+/// The largest cosine between the axes of a uv transform that counts as none.
+const SQUARE: f64 = 1e-5;
+
+/// An image to be written: a texture of the scene, its green channel turned where it points down.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct ImageUse {
+    texture: usize,
+    turned: bool,
+}
+
+/// What materials ask for, in the order of their asking.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Textures {
+    images: Vec<ImageUse>,
+    samplers: Vec<Sampler>,
+    /// The sampler and the image of each texture.
+    textures: Vec<[usize; 2]>,
+}
+
+/// An image as it is written.
+pub(super) struct Image {
+    bytes: Vec<u8>,
+    format: GltfImages,
+    /// Whether floats were rounded.
+    rounded: bool,
+    /// Whether it was to be packed in another way.
+    refused: bool,
+}
+
+/// Returns the images as files beside the model `path`.
+pub(super) fn beside(images: Vec<Image>, path: &Path) -> Vec<FileBytes> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let file = |(i, image): (usize, Image)| {
+        let path = path.with_file_name(file_name(&stem, i, &image));
+        FileBytes { path, bytes: image.bytes }
+    };
+    images.into_iter().enumerate().map(file).collect()
+}
+
+fn file_name(stem: &str, index: usize, image: &Image) -> String {
+    format!("{stem}_{index}.{}", image.format.file_extension())
+}
+
+impl Writer<'_> {
+    /// Returns the JSON that names a texture with its uv set and transform.
+    pub(super) fn textured(&mut self, used: &TextureRef, turned: bool) -> Value {
+        let image = number(&mut self.textures.images, ImageUse { texture: used.texture, turned });
+        let sampler = number(&mut self.textures.samplers, used.sampler);
+        let mut json = json!({ "index": number(&mut self.textures.textures, [sampler, image]) });
+        if used.uv_set > 0 {
+            json["texCoord"] = used.uv_set.into();
+        }
+        if used.transform != UvTransform::default() {
+            let (transform, sheared) = transform(&used.transform);
+            self.note("sheared uvs of textures, which glTF does not have", usize::from(sheared));
+            self.draft.uses(TRANSFORM);
+            json["extensions"] = json!({ TRANSFORM: transform });
+        }
+        json
+    }
+
+    /// Encodes every image that was asked for.
+    pub(super) fn encoded_images(&mut self) -> Result<Vec<Image>> {
+        let (scene, format) = (self.scene, self.format.images);
+        let encode = |used: &ImageUse| encoded(&scene.textures()[used.texture], used.turned, format);
+        let images: Vec<Image> = self.textures.images.par_iter().map(encode).collect::<Result<_>>()?;
+        self.note("float textures rounded to 16 bits in [0, 1]", images.iter().filter(|i| i.rounded).count());
+        let what = "textures with alpha, or whose sides are no multiples of 4, are PNG and not KTX2";
+        self.note(what, images.iter().filter(|i| i.refused).count());
+        Ok(images)
+    }
+
+    /// Adds images, samplers and textures; images lie beside the model of the name `stem`, where there is one.
+    pub(super) fn add_textures(&mut self, images: &[Image], stem: Option<&str>) {
+        if images.is_empty() {
+            return;
+        }
+        let draft = &mut self.draft;
+        let entries = images.iter().enumerate().map(|(i, image)| match stem {
+            Some(stem) => json!({ "uri": images::uri(&file_name(stem, i, image)) }),
+            None => json!({ "bufferView": draft.view(&image.bytes), "mimeType": image.format.mime_type() }),
+        });
+        let entries: Value = entries.collect();
+        images.iter().filter_map(|image| image.format.extension()).for_each(|name| draft.require(name));
+        let texture = |[sampler, source]: &[usize; 2]| match images[*source].format.extension() {
+            None => json!({ "sampler": sampler, "source": source }),
+            Some(name) => json!({ "sampler": sampler, "extensions": { name: { "source": source } } }),
+        };
+        draft.json["textures"] = self.textures.textures.iter().map(texture).collect();
+        draft.json["images"] = entries;
+        draft.json["samplers"] = self.textures.samplers.iter().map(sampler).collect();
+    }
+}
+
+/// The number of a value in a list, to which it is added where it is not there.
+fn number<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
+    list.iter().position(|known| *known == value).unwrap_or_else(|| {
+        list.push(value);
+        list.len() - 1
+    })
+}
+
+fn encoded(texture: &Texture, turned: bool, format: GltfImages) -> Result<Image> {
+    let (bitmap, rounded) = whole_numbers(texture)?;
+    let bitmap = if turned { Cow::Owned(with_green_turned(&bitmap)?) } else { bitmap };
+    let encoding = texture.encoding();
+    let alpha = encoding != Encoding::Normal && matches!(bitmap.channels(), 2 | 4);
+    let refused =
+        format == GltfImages::Ktx2 && (alpha || !(bitmap.width() | bitmap.height()).is_multiple_of(4));
+    let format = if refused { GltfImages::Png } else { format };
+    let bytes = images::encode_bitmap(&bitmap, Stored { encoding, alpha }, format)?;
+    Ok(Image { bytes, format, rounded, refused })
+}
+
+/// The finest level in 8 or 16 bits, and whether floats were rounded for it.
+fn whole_numbers(texture: &Texture) -> Result<(Cow<'_, Bitmap>, bool)> {
+    let bitmap = texture.bitmap();
+    let Texels::F32(texels) = bitmap.texels() else { return Ok((Cow::Borrowed(bitmap), false)) };
+    let is_srgb = texture.encoding() == Encoding::Srgb;
+    let code = |v: f64| (v.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16;
+    let stored = |i: usize, v: f32| match is_srgb && i < 3 {
+        true => code(srgb::srgb_from_linear(f64::from(v).clamp(0.0, 1.0))),
+        false => code(f64::from(v)),
+    };
+    let read = |i: usize, code: u16| match is_srgb && i < 3 {
+        true => srgb::linear_from_srgb(f64::from(code) / 65535.0) as f32,
+        false => f32::from(code) / 65535.0,
+    };
+    let codes: Vec<[u16; 4]> =
+        texels.par_iter().map(|texel| [0, 1, 2, 3].map(|i| stored(i, texel[i]))).collect();
+    let differs = |(texel, code): (&[f32; 4], &[u16; 4])| (0..4).any(|i| read(i, code[i]) != texel[i]);
+    let rounded = texels.par_iter().zip(&codes).any(differs);
+    let bitmap = Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), Texels::U16(codes))?;
+    Ok((Cow::Owned(bitmap), rounded))
+}
+
+/// The same normals with green up, exactly.
+fn with_green_turned(bitmap: &Bitmap) -> Result<Bitmap> {
+    let texels = match bitmap.texels() {
+        Texels::U8(texels) => Texels::U8(texels.iter().map(|[r, g, b, a]| [*r, 255 - g, *b, *a]).collect()),
+        Texels::U16(texels) => {
+            Texels::U16(texels.iter().map(|[r, g, b, a]| [*r, 65535 - g, *b, *a]).collect())
+        }
+        Texels::F32(texels) => Texels::F32(texels.iter().map(|[r, g, b, a]| [*r, 1.0 - g, *b, *a]).collect()),
+    };
+    Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), texels)
+}
+
+/// The parts of a uv transform, T · R · S, and whether it is sheared so that they are not all of it.
+/// Source: KHR_texture_transform.
+fn transform(of: &UvTransform) -> (Value, bool) {
+    let [[a, b], [c, d]] = of.linear.map(|row| row.map(f64::from));
+    let offset = of.offset.map(short);
+    if b == 0.0 && c == 0.0 {
+        let scale = [short(of.linear[0][0]), short(of.linear[1][1])];
+        return (json!({ "offset": offset, "scale": scale }), false);
+    }
+    let (x, y) = ((a * a + c * c).sqrt(), (b * b + d * d).sqrt());
+    let rotation = if x > 0.0 { scalar::atan2(-c, a) } else { scalar::atan2(b, d) };
+    let mirrored = a * d - b * c < 0.0;
+    let sheared = (a * b + c * d).abs() > SQUARE * x * y;
+    let scale = [x, if mirrored { -y } else { y }];
+    (json!({ "offset": offset, "rotation": rotation, "scale": scale }), sheared)
+}
+
+/// glTF's numbers for filters and wrapping.
+fn sampler(sampler: &Sampler) -> Value {
+    let wrap = |wrap| match wrap {
+        Wrap::Repeat => 10497,
+        Wrap::Mirror => 33648,
+        Wrap::Clamp => 33071,
+    };
+    let texels = |filter| match filter {
+        TexelFilter::Nearest => 0,
+        TexelFilter::Linear => 1,
+    };
+    let min = match sampler.mip {
+        MipFilter::None => 9728,
+        MipFilter::Nearest => 9984,
+        MipFilter::Linear => 9986,
+    };
+    json!({
+        "magFilter": 9728 + texels(sampler.magnify), "minFilter": min + texels(sampler.minify),
+        "wrapS": wrap(sampler.wrap_u), "wrapT": wrap(sampler.wrap_v),
+    })
+}

@@ -1,0 +1,76 @@
+//! Whether a material can be shaded: its textures are there, and its factors within their ranges.
+
+use super::{AlphaMode, Material};
+
+/// A factor with its name.
+type Factor = (&'static str, f32);
+
+impl Material {
+    /// Checks the material for a scene of `textures` textures.
+    ///
+    /// # Errors
+    /// The first texture that is not there, or factor outside the range that [`Material`] states.
+    pub(super) fn check(&self, textures: usize) -> Result<(), String> {
+        if let Some(lost) = self.textures().into_iter().find(|used| used.texture >= textures) {
+            return Err(format!("it names texture {}, but there are {textures}", lost.texture));
+        }
+        within(&self.fractions(), "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
+        within(&self.amounts(), "0 or more", |v| (0.0..=f32::MAX).contains(&v))?;
+        within(&self.numbers(), "finite", f32::is_finite)?;
+        within(&[("ior", self.ior)], "0, or 1 and more", |v| v == 0.0 || (1.0..=f32::MAX).contains(&v))?;
+        let slope = self.classic.slope.unwrap_or(1.0);
+        within(&[("slope", slope)], "above 0", |v| v > 0.0 && v.is_finite())
+    }
+
+    fn fractions(&self) -> Vec<Factor> {
+        let mut factors = vec![
+            ("metallic", self.metallic),
+            ("roughness", self.roughness),
+            ("occlusion strength", self.occlusion_strength),
+            ("specular factor", self.specular.factor),
+        ];
+        if let Some(coat) = &self.clearcoat {
+            factors.extend([("clearcoat factor", coat.factor), ("clearcoat roughness", coat.roughness)]);
+        }
+        factors.extend(self.anisotropy.iter().map(|a| ("anisotropy strength", a.strength)));
+        factors.extend(self.sheen.iter().map(|sheen| ("sheen roughness", sheen.roughness)));
+        factors
+    }
+
+    fn amounts(&self) -> Vec<Factor> {
+        let classic = &self.classic;
+        let colors = [
+            ("f0", self.f0),
+            ("f82", self.f82),
+            ("emissive", Some(self.emissive)),
+            ("specular colour", Some(self.specular.color)),
+            ("sheen colour", self.sheen.map(|sheen| sheen.color)),
+            ("ambient", classic.ambient),
+            ("diffuse", classic.diffuse),
+            ("specular", classic.specular),
+        ];
+        let channels =
+            |(name, color): (_, Option<[f32; 3]>)| color.into_iter().flatten().map(move |v| (name, v));
+        let mut factors: Vec<Factor> = colors.into_iter().flat_map(channels).collect();
+        factors.extend(self.base_color.map(|v| ("base colour", v)));
+        factors.extend(classic.shininess.map(|v| ("shininess", v)));
+        if let AlphaMode::Mask(cutoff) = self.alpha {
+            factors.push(("alpha cutoff", cutoff));
+        }
+        factors
+    }
+
+    fn numbers(&self) -> Vec<Factor> {
+        let coat = self.clearcoat.iter().filter_map(|coat| coat.normal.as_ref());
+        let maps = self.normal.iter().chain(coat).map(|map| ("normal scale", map.scale));
+        let heights = self.height.iter().map(|map| ("height scale", map.scale));
+        maps.chain(heights).collect()
+    }
+}
+
+fn within(factors: &[Factor], range: &str, holds: impl Fn(f32) -> bool) -> Result<(), String> {
+    match factors.iter().find(|(_, value)| !holds(*value)) {
+        None => Ok(()),
+        Some((name, value)) => Err(format!("its {name} is {value}; it must be {range}")),
+    }
+}
