@@ -1,10 +1,10 @@
 //! Which way and how far the heavy surface is looked for.
 
 use super::projection::{Match, Probe};
-use super::scan::{Scan, blend};
+use super::scan::Scan;
 use crate::error::{Error, Result};
 use crate::math::{Vec3, sequence};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Point, blend};
 use crate::surface;
 use crate::trace::Bvh;
 use rayon::prelude::*;
@@ -111,15 +111,14 @@ impl Cage {
         self.longest
     }
 
-    /// The line through a point of a triangle of the light mesh.
-    pub fn probe(&self, triangle: [u32; 3], point: Vec3, weights: [f32; 3]) -> Probe {
-        let [a, b, c] = triangle.map(|v| v as usize);
-        let [u, v, w] = weights;
-        let direction = self.directions[a] * u + self.directions[b] * v + self.directions[c] * w;
+    /// The line through a point of the low-poly mesh.
+    pub fn probe(&self, low: &Mesh, point: Point) -> Probe {
+        let vertices = point.vertices(low);
+        let directions = vertices.map(|v| self.directions[v]);
         Probe {
-            point,
-            direction: direction.normalize_or(self.directions[a]),
-            reach: self.reach[a] * u + self.reach[b] * v + self.reach[c] * w,
+            point: point.position(low),
+            direction: blend(directions, point.weights).normalize_or(directions[0]),
+            reach: blend(vertices.map(|v| self.reach[v]), point.weights),
         }
     }
 
@@ -134,7 +133,7 @@ impl Cage {
         let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
         let at = |point: &Vec3| {
             let closest = surface.closest(*point, f32::INFINITY)?;
-            Some(self.probe(own.triangles()[closest.triangle as usize], *point, closest.weights))
+            Some(self.probe(own, closest.point()))
         };
         // A mesh without triangles has no line to follow either.
         let none = Probe { point: Vec3::default(), direction: Vec3::default(), reach: 0.0 };

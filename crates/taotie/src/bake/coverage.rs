@@ -1,17 +1,13 @@
 //! Which triangle of a mesh each texel of a map belongs to.
 
 use super::grow::grow;
+use super::owner::{NONE, PADDING};
 use super::raster::{Canvas, Rasterizer};
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::Vec2;
 use crate::mesh::Mesh;
 use rayon::prelude::*;
-
-/// Marks texels that belong to no triangle.
-pub(super) const NONE: u32 = u32::MAX;
-/// Marks texels of the margin; the other bits are the triangle.
-pub(super) const MARGIN: u32 = 1 << 31;
 
 /// The map that a mesh is to be laid out on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +34,7 @@ pub struct TexelGrid {
 pub struct Coverage {
     width: u32,
     height: u32,
-    /// The triangle, with [`MARGIN`] where its texel is in the margin; [`NONE`].
+    /// The triangle, with [`PADDING`] where its texel is in the margin; [`NONE`].
     texels: Vec<u32>,
     covered: usize,
     shared: usize,
@@ -55,7 +51,7 @@ impl Coverage {
     pub fn new(mesh: &Mesh, grid: &TexelGrid) -> Result<Self> {
         let TexelGrid { width, height, .. } = *grid;
         Image::check_size(width, height)?;
-        if mesh.triangles().len() >= MARGIN as usize {
+        if mesh.triangles().len() >= PADDING as usize {
             return Err(Error::limit("a mesh of 2^31 triangles for a map", "split it"));
         }
         let uvs = uv_set(mesh, grid.uv_set)?;
@@ -82,17 +78,17 @@ impl Coverage {
     /// The triangle that a texel belongs to, margins included.
     pub fn triangle(&self, x: u32, y: u32) -> Option<u32> {
         let texel = self.texels[self.index(x, y)];
-        (texel != NONE).then_some(texel & !MARGIN)
+        (texel != NONE).then_some(texel & !PADDING)
     }
 
     /// Whether a triangle covers the centre of a texel, margins excluded.
     pub fn is_covered(&self, x: u32, y: u32) -> bool {
-        self.texels[self.index(x, y)] < MARGIN
+        self.texels[self.index(x, y)] < PADDING
     }
 
     /// For each texel, row by row from the top, whether a triangle covers its centre.
     pub fn mask(&self) -> Vec<bool> {
-        self.texels.par_iter().map(|texel| *texel < MARGIN).collect()
+        self.texels.par_iter().map(|texel| *texel < PADDING).collect()
     }
 
     /// How many texels have a triangle over their centre.

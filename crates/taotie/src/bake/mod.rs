@@ -15,6 +15,7 @@ mod grow;
 mod layout;
 mod levels;
 mod maps;
+mod owner;
 mod planes;
 mod projection;
 mod raster;

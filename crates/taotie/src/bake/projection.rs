@@ -2,6 +2,7 @@
 
 use super::scan::Scan;
 use crate::math::Vec3;
+use crate::mesh::Point;
 use crate::trace::{Hit, Ray, Stretch};
 
 /// The point of the heavy surface that a point of the light one stands for.
@@ -11,10 +12,8 @@ pub struct Match {
     pub height: f32,
     /// The interpolated normal there: unit, world space.
     pub normal: Vec3,
-    /// Index of the triangle there.
-    pub triangle: u32,
-    /// Weights of its corners.
-    pub weights: [f32; 3],
+    /// The point itself, on the scan's mesh.
+    pub point: Point,
 }
 
 /// A line through a point of a light surface on which its match is sought.
@@ -37,7 +36,7 @@ impl Probe {
 
     /// What a hit of [`Probe::ray`] on a surface with this normal stands for.
     pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Match {
-        Match { height: hit.distance - self.reach, normal, triangle: hit.triangle, weights: hit.weights }
+        Match { height: hit.distance - self.reach, normal, point: hit.point() }
     }
 }
 
@@ -52,25 +51,17 @@ impl Scan {
 
     /// The scan's normal at a hit, if it faces as the probe does.
     pub(super) fn facing(&self, hit: &Hit, probe: &Probe) -> Option<Vec3> {
-        let normal = self.normal(hit.triangle, hit.weights);
+        let normal = hit.point().normal(self.mesh());
         (normal.dot(probe.direction) > 0.0).then_some(normal)
     }
 
     /// The closest point of the scan within `reach`, if it faces as `direction` does.
     pub fn closest(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Match> {
         let closest = self.bvh().closest(point, reach)?;
-        let normal = self.normal(closest.triangle, closest.weights);
-        let side = if (self.point(closest.triangle, closest.weights) - point).dot(direction) < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
-        let found = Match {
-            height: closest.distance * side,
-            normal,
-            triangle: closest.triangle,
-            weights: closest.weights,
-        };
+        let there = closest.point();
+        let normal = there.normal(self.mesh());
+        let side = if (there.position(self.mesh()) - point).dot(direction) < 0.0 { -1.0 } else { 1.0 };
+        let found = Match { height: closest.distance * side, normal, point: there };
         (normal.dot(direction) > 0.0).then_some(found)
     }
 }

@@ -3,7 +3,7 @@
 use super::color::Colors;
 use crate::error::Result;
 use crate::math::{Mat4, Vec3};
-use crate::mesh::{Mesh, MeshData};
+use crate::mesh::{Mesh, MeshData, Point};
 use crate::scene::{Instance, Scene};
 use crate::surface;
 use crate::trace::Bvh;
@@ -45,26 +45,10 @@ impl Scan {
         &self.bvh
     }
 
-    /// The interpolated unit normal of a point of a triangle.
-    pub fn normal(&self, triangle: u32, weights: [f32; 3]) -> Vec3 {
-        let normals = self.mesh.triangles()[triangle as usize].map(|v| self.mesh.normals()[v as usize]);
-        blend(normals, weights).normalize_or(normals[0])
+    /// The base colour at a point, linear RGB.
+    pub fn color(&self, point: Point) -> [f32; 3] {
+        self.colors.at(&self.mesh, point)
     }
-
-    /// The point of a triangle with these weights.
-    pub fn point(&self, triangle: u32, weights: [f32; 3]) -> Vec3 {
-        blend(self.mesh.corners(triangle as usize), weights)
-    }
-
-    /// The base colour of a point of a triangle, linear RGB.
-    pub fn color(&self, triangle: u32, weights: [f32; 3]) -> [f32; 3] {
-        self.colors.at(&self.mesh, triangle, weights)
-    }
-}
-
-/// The mean of three vectors with these weights.
-pub(super) fn blend([a, b, c]: [Vec3; 3], [u, v, w]: [f32; 3]) -> Vec3 {
-    a * u + b * v + c * w
 }
 
 /// The light mesh of a scene: all its instances as one mesh in world space, with normals. A single one that is not moved

@@ -2,8 +2,9 @@
 
 use super::layout::Patch;
 use super::projection::{Match, Probe};
-use super::scan::{Scan, blend};
+use super::scan::Scan;
 use crate::math::Vec3;
+use crate::mesh::blend;
 use crate::trace::{Nearest, Ray, Sheaf, SheafView};
 
 /// Fewer samples are found faster one by one.
@@ -85,7 +86,7 @@ mod tests {
     use crate::bake::Cage;
     use crate::bake::layout::Layout;
     use crate::math::Mat4;
-    use crate::mesh::{Mesh, MeshData};
+    use crate::mesh::{Mesh, MeshData, Point};
     use crate::scene::{Instance, Material, Scene};
 
     /// A sphere with bumps as fine as its triangles, and a smaller one inside that faces out too.
@@ -119,8 +120,7 @@ mod tests {
                 for band in 0..layout.band_count() {
                     layout.patches(band, |patch| {
                         let corners = low.corners(patch.triangle as usize);
-                        let triangle = low.triangles()[patch.triangle as usize];
-                        let probe = |weights| cage.probe(triangle, blend(corners, weights), weights);
+                        let probe = |weights| cage.probe(&low, Point { triangle: patch.triangle, weights });
                         let probes: Vec<Probe> = patch.samples.iter().map(|s| probe(s.weights)).collect();
                         let all = search(&scan, patch, corners, &probes);
                         for (probe, found) in probes.iter().zip(all) {

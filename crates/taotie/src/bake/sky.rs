@@ -62,10 +62,10 @@ impl Sky {
 
     /// The point of the scan that a sample found; `class` is the sample's number in its texel.
     pub fn outlook(&self, scan: &Scan, found: &Match, class: u32) -> Outlook {
-        let corners = scan.mesh().corners(found.triangle as usize);
+        let corners = scan.mesh().corners(found.point.triangle as usize);
         let facet = surface::facet_normal(corners).unwrap_or(found.normal);
         let facet = if facet.dot(found.normal) < 0.0 { -facet } else { facet };
-        let origin = scan.point(found.triangle, found.weights) + facet * self.lift;
+        let origin = found.point.position(scan.mesh()) + facet * self.lift;
         Outlook { origin, normal: found.normal, facet, class: class % self.classes }
     }
 

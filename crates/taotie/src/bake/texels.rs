@@ -7,12 +7,12 @@ use super::layout::{BAND, Layout, Patch};
 use super::maps::{MapKind, Maps};
 use super::planes::{BandPlanes, Planes, Texel};
 use super::projection::{Match, Probe};
-use super::scan::{Scan, blend};
+use super::scan::Scan;
 use super::search::search;
 use super::sky::{Outlook, Sky};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Point};
 use crate::progress::Progress;
 use crate::scene::NormalSpace;
 use crate::shade::Hidden;
@@ -211,13 +211,16 @@ impl Job<'_> {
     /// Finds the places of a patch's samples on the scan.
     fn patch(&self, patch: &Patch, cells: &mut [Cell]) {
         let corners = self.layout.mesh.corners(patch.triangle as usize);
-        let probes: Vec<Probe> =
-            patch.samples.iter().map(|sample| self.probe(patch.triangle, corners, sample.weights)).collect();
+        let probes: Vec<Probe> = patch
+            .samples
+            .iter()
+            .map(|sample| self.cage.probe(self.layout.mesh, patch.point(sample)))
+            .collect();
         let found = search(self.scan, patch, corners, &probes);
         let mut outlooks = Vec::new();
         for ((sample, probe), found) in patch.samples.iter().zip(&probes).zip(found) {
             let cell = &mut cells[sample.texel as usize];
-            self.add_frame(patch.triangle, sample.weights, cell);
+            self.add_frame(patch.point(sample), cell);
             let Some(found) = self.found(probe, found, cell) else { continue };
             self.add(&found, cell);
             if let Some(sky) = &self.sky {
@@ -240,23 +243,13 @@ impl Job<'_> {
         }
     }
 
-    fn probe(&self, triangle: u32, corners: [Vec3; 3], weights: [f32; 3]) -> Probe {
-        let triangle = self.layout.mesh.triangles()[triangle as usize];
-        self.cage.probe(triangle, blend(corners, weights), weights)
-    }
-
     /// Adds the light mesh's frame at a sample.
-    fn add_frame(&self, triangle: u32, weights: [f32; 3], cell: &mut Cell) {
-        let mesh = self.layout.mesh;
-        let [a, b, c] = mesh.triangles()[triangle as usize].map(|v| v as usize);
-        let tangent = |v: usize| {
-            let [x, y, z, _] = mesh.tangents()[v];
-            Vec3::new(x, y, z)
-        };
+    fn add_frame(&self, point: Point, cell: &mut Cell) {
+        let frame = point.frame(self.layout.mesh);
         cell.samples += 1;
-        cell.n += blend([mesh.normals()[a], mesh.normals()[b], mesh.normals()[c]], weights);
-        cell.t += blend([tangent(a), tangent(b), tangent(c)], weights);
-        cell.handedness = mesh.tangents()[a][3];
+        cell.n += frame.normal;
+        cell.t += frame.tangent;
+        cell.handedness = frame.handedness;
     }
 
     /// What a sample stands for: what its line met, else the closest point of the scan.
@@ -277,12 +270,12 @@ impl Job<'_> {
         cell.normal += found.normal;
         cell.lift += found.height;
         if self.settings.maps.has(MapKind::Albedo) {
-            cell.color += Vec3::from_array(self.scan.color(found.triangle, found.weights));
+            cell.color += Vec3::from_array(self.scan.color(found.point));
         }
         if !self.curvatures.is_empty() {
-            let corners = self.scan.mesh().triangles()[found.triangle as usize];
-            for (v, weight) in corners.into_iter().zip(found.weights) {
-                cell.curvature += self.curvatures[v as usize] * weight;
+            let vertices = found.point.vertices(self.scan.mesh());
+            for (v, weight) in vertices.into_iter().zip(found.point.weights) {
+                cell.curvature += self.curvatures[v] * weight;
             }
         }
     }

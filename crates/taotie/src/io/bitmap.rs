@@ -2,25 +2,18 @@
 
 mod exr;
 mod ktx;
+mod limits;
 mod png;
+mod widen;
 
 use super::file;
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Texels};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use limits::{Failure, MAX_TEXELS, MAX_TEXELS_OF_PLAIN, check_size, credible};
 use std::io::Cursor;
 use std::path::Path;
-
-/// The most texels of one image: 16,384 × 16,384.
-const MAX_TEXELS: u64 = 1 << 28;
-
-/// No format read here but WebP and KTX2 packs more texels into a byte: deflate reaches 1032 to 1, and a byte holds 8 one-bit
-/// texels. A declared size beyond it is refused before anything is allocated.
-const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
-
-/// WebP and KTX2 hold a picture of one colour in a few bytes, whatever its size; so many texels, 4096 × 4096, are
-/// believed.
-const MAX_TEXELS_OF_PLAIN: u64 = 1 << 24;
+use widen::expand;
 
 /// Reads an image file.
 ///
@@ -59,30 +52,6 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     decoded.map_err(|failure| failure.into_error(path, at()))
 }
 
-/// Why an image cannot be had, before it is known which file is to blame.
-enum Failure {
-    Damaged(String),
-    TooLarge(String),
-    Unsupported(String),
-}
-
-impl Failure {
-    fn into_error(self, path: &Path, at: String) -> Error {
-        match self {
-            Self::Damaged(what) => Error::parse(path, at, one_line(&what)),
-            Self::TooLarge(why) => Error::limit(format!("{}: {at}", path.display()), why),
-            Self::Unsupported(what) => Error::unsupported(
-                format!("{}: {at}: {}", path.display(), one_line(&what)),
-                "convert it to PNG",
-            ),
-        }
-    }
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 fn guess_format(bytes: &[u8], name: &str) -> Option<ImageFormat> {
     use ImageFormat::{Hdr, Jpeg, OpenExr, Png, Tga, WebP};
     match image::guess_format(bytes) {
@@ -112,25 +81,6 @@ fn decode(bytes: &[u8], format: ImageFormat) -> std::result::Result<Bitmap, Fail
     bitmap_from(picture)
 }
 
-/// How many texels `bytes` may hold.
-fn credible(bytes: &[u8]) -> u64 {
-    (bytes.len() as u64).saturating_mul(MAX_TEXELS_PER_BYTE)
-}
-
-/// Refuses sizes that cannot be drawn, and those of more than `credible` texels, which cannot be true.
-fn check_size(width: u64, height: u64, credible: u64) -> std::result::Result<(), Failure> {
-    let side = u64::from(Bitmap::MAX_SIDE);
-    if width > side || height > side || width * height > MAX_TEXELS {
-        let why = format!("{width}×{height}; at most {side} a side and 16384×16384 in all: scale it down");
-        return Err(Failure::TooLarge(why));
-    }
-    if width * height > credible {
-        let why = format!("so few bytes cannot hold {width}×{height} texels; save it again");
-        return Err(Failure::Damaged(why));
-    }
-    Ok(())
-}
-
 fn failure(error: ImageError) -> Failure {
     match error {
         ImageError::Limits(e) => Failure::TooLarge(e.to_string()),
@@ -156,30 +106,6 @@ fn bitmap_from(picture: DynamicImage) -> std::result::Result<Bitmap, Failure> {
         other => return Err(Failure::Unsupported(format!("pixels of type {:?}", other.color()))),
     };
     Bitmap::new(width, height, channels, texels).map_err(|e| Failure::Damaged(e.to_string()))
-}
-
-/// RGBA texels from interleaved samples; grey is repeated, missing alpha is `one`.
-fn expand<T: Copy + Default>(samples: &[T], channels: u8, one: T) -> Vec<[T; 4]> {
-    let mut texels = vec![[T::default(); 4]; samples.len() / usize::from(channels)];
-    widen(samples, channels, one, &mut texels);
-    texels
-}
-
-/// [`expand`] into memory that is there.
-fn widen<T: Copy>(samples: &[T], channels: u8, one: T, texels: &mut [[T; 4]]) {
-    match channels {
-        1 => each(samples, texels, |[v]| [v, v, v, one]),
-        2 => each(samples, texels, |[v, a]| [v, v, v, a]),
-        3 => each(samples, texels, |[r, g, b]| [r, g, b, one]),
-        _ => each(samples, texels, |texel| texel),
-    }
-}
-
-/// Texels from samples of a width that the compiler knows.
-fn each<T: Copy, const N: usize>(samples: &[T], texels: &mut [[T; 4]], texel: impl Fn([T; N]) -> [T; 4]) {
-    for (to, samples) in texels.iter_mut().zip(samples.as_chunks().0) {
-        *to = texel(*samples);
-    }
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@
 mod angles;
 mod anisotropy;
 mod coat;
+mod compensation;
 mod energy;
 mod facets;
 mod models;
@@ -28,7 +29,8 @@ pub mod sheen;
 pub use angles::Angles;
 pub use anisotropy::Stretch;
 pub use coat::{COAT_F0, coat_fresnel, coat_lobe};
-pub use energy::{Compensation, Energy, Surround, compensation, specular_occlusion, surround};
+pub use compensation::{Compensation, compensation};
+pub use energy::{Energy, Surround, specular_occlusion, surround};
 pub use facets::Facets;
 pub use models::{reflect, reflect_stretched};
 pub use shading::Shading;

@@ -5,6 +5,7 @@ use super::nearby::{Closest, closest};
 use super::tree::Tree;
 use super::walk::{Met, Span, walk};
 use crate::math::{SimdLevel, Vec3, dispatch_eight};
+use crate::mesh::Point;
 use fearless_simd::Level;
 
 /// A point where a ray meets a triangle.
@@ -16,6 +17,14 @@ pub struct Hit {
     pub weights: [f32; 3],
     /// Distance in lengths of the ray's direction.
     pub distance: f32,
+}
+
+impl Hit {
+    /// The point of the mesh whose triangles were given.
+    #[inline]
+    pub fn point(&self) -> Point {
+        Point { triangle: self.triangle, weights: self.weights }
+    }
 }
 
 /// Triangles sorted for rays. Hits have the same bits on every machine.

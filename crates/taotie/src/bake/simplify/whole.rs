@@ -1,7 +1,7 @@
 //! The last step: all triangles at once, by the mildest means that reach the number.
 
+use super::options::{Means, SimplifyOptions};
 use super::part::{Part, adapter, triples};
-use super::{Means, SimplifyOptions};
 use crate::math::Vec3;
 use meshopt::SimplifyOptions as Choices;
 

@@ -6,6 +6,7 @@ mod flatten;
 mod layout;
 mod mask;
 mod merge;
+mod options;
 mod pack;
 mod patches;
 mod topology;
@@ -21,6 +22,7 @@ use crate::progress::Progress;
 use flatten::{Chart, Measure};
 use layout::Layout;
 use merge::{Limits, Merger};
+pub use options::UnwrapOptions;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use topology::{NONE, Topology};
@@ -39,21 +41,6 @@ const FINER: f64 = 2.0;
 const ROUNDS: u32 = 8;
 /// No chart is longer than this part of the map: a blade in one piece would leave the rest of it empty.
 const LONGEST: f64 = 0.95;
-
-/// The map that a mesh is unwrapped for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct UnwrapOptions {
-    /// Texels along a side of the square map, 1 to [`Image::MAX_SIDE`].
-    pub size: u32,
-    /// Texels between charts, and between charts and the map's border.
-    pub padding: u32,
-}
-
-impl Default for UnwrapOptions {
-    fn default() -> Self {
-        Self { size: 2048, padding: 4 }
-    }
-}
 
 /// A mesh with uvs.
 #[derive(Debug, Clone)]

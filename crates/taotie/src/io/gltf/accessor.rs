@@ -1,7 +1,8 @@
 //! Typed elements out of buffers: any component type, normalised or not, interleaved, sparse.
 
-use super::document::{Document, Reason, no_such};
+use super::document::Document;
 use super::draco::Supplied;
+use super::reason::{Reason, no_such};
 use gltf::json::accessor::{Accessor as Json, ComponentType, Type};
 use gltf::json::validation::Checked;
 

@@ -4,13 +4,11 @@ use super::buffers::Buffers;
 use super::container::split;
 use super::draco::{self, Supplied, Supply};
 use super::extensions::check_extensions;
+use super::reason::{Reason, no_such};
 use crate::error::{Error, Result, Warnings};
 use crate::io::{file, xmp};
 use gltf::json::{self, Root, Value};
 use std::path::{Path, PathBuf};
-
-/// Why something cannot be read; the caller knows where in the file that is.
-pub(super) type Reason<T> = std::result::Result<T, String>;
 
 /// A parsed file with its buffers.
 pub(super) struct Document {
@@ -66,11 +64,6 @@ impl Document {
         let supplied = self.supply.values().flatten().map(|supplied| supplied.bytes.len());
         self.buffers.total_bytes() + supplied.sum::<usize>()
     }
-}
-
-/// The usual words for an index out of range.
-pub(super) fn no_such(what: &str, index: usize) -> String {
-    format!("it names {what} {index}, which does not exist")
 }
 
 /// The typed JSON, and what is taken out of it.

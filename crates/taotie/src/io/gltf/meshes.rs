@@ -1,9 +1,10 @@
 //! Primitives to meshes, each built once for all nodes that show it alike.
 
 use super::deforming;
-use super::document::{Document, Reason, no_such};
+use super::document::Document;
 use super::nodes::Nodes;
 use super::primitives::{Built, NOT_TRIANGLES, Pose, Primitives, Stop};
+use super::reason::{Reason, no_such};
 use super::variants::Mappings;
 use crate::error::{Result, Warnings};
 use crate::io::Variants;

@@ -20,6 +20,7 @@ mod meshes;
 mod meshopt;
 mod nodes;
 mod primitives;
+mod reason;
 mod samplers;
 mod textures;
 mod triangles;

@@ -1,7 +1,8 @@
 //! KHR_materials_variants: which primitive has which material in which variant.
 
-use super::document::{Document, no_such};
-use super::vertices::extension;
+use super::document::Document;
+use super::extensions::extension;
+use super::reason::no_such;
 use crate::error::Warnings;
 use crate::io::variants::{Mapping, Variants};
 use gltf::json::Value;
