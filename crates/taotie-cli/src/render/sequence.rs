@@ -114,7 +114,7 @@ impl<'a> Shooting<'a> {
     fn render(&mut self, stage: &mut Stage, shot: &Shot) -> Result<Picture> {
         let environment = self.environment.as_ref();
         let lighting =
-            studio::lighting(&self.args.light, environment, stage.scene, stage.viewpoint, shot.turn)?;
+            studio::lighting(&self.args.light, environment, stage.scene, stage.viewpoint.at(shot.turn))?;
         let (camera, settings) = (stage.viewpoint.camera(shot.turn), &self.settings);
         let (before, count) = (self.done as f64, self.plan.shots.len() as f64);
         let bar = stage.bar;

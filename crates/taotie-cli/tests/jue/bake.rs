@@ -2,7 +2,7 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeSettings, Cage, Scan, SimplifyOptions, UnwrapOptions, Verifier, bake, simplify, unwrap,
+    BakeInput, BakeSettings, Cage, Scan, SimplifyOptions, UnwrapOptions, Verifier, bake, simplify, unwrap,
 };
 use taotie::image::{Encoding, Texture};
 use taotie::math::Mat4;
@@ -38,7 +38,8 @@ fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     let low = with_frames(&low, 0, None).unwrap().0.into_owned();
     let cage = Cage::automatic(&low, &scanned);
     let settings = BakeSettings { size: [SIZE; 2], side: 1, ..BakeSettings::default() };
-    let baked = bake(&low, &cage, &scanned, &settings, Progress::SILENT).unwrap();
+    let baked =
+        bake(BakeInput { low: &low, cage: &cage, scan: &scanned }, &settings, Progress::SILENT).unwrap();
     let storage = Storage { bits: 8, dither: true };
     let bitmap = store_unit_vectors(baked.planes.size(), &baked.planes.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);

@@ -5,7 +5,7 @@ use super::low::read;
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::scan::Scan;
 use super::textures::Textures;
-use crate::bake::{self, BakeCounts, BakeSettings, Baked, Cage, Maps};
+use crate::bake::{self, BakeCounts, BakeInput, BakeSettings, Baked, Cage, Maps};
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
@@ -42,8 +42,8 @@ pub(super) fn bake_maps(
         roughness: options.roughness.map_or(scan.about.material.roughness, |v| v as f32),
         dilation: options.dilation,
     };
-    let Baked { planes, counts } =
-        bake::bake(&low.mesh, &cage, &scan.high, &settings, progress.begin("bake")?)?;
+    let input = BakeInput { low: &low.mesh, cage: &cage, scan: &scan.high };
+    let Baked { planes, counts } = bake::bake(input, &settings, progress.begin("bake")?)?;
     refuse_no_hit(pair, &cage, &counts)?;
     progress.begin("store")?;
     let textures = Textures::new(&planes, options, low.material.metallic)?;

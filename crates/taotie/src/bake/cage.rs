@@ -48,10 +48,8 @@ impl Cage {
     pub fn automatic(low: &Mesh, scan: &Scan) -> Self {
         let directions = directions(low);
         let diagonal = low.diagonal();
-        let gaps: Vec<f32> = (0..low.triangles().len())
-            .into_par_iter()
-            .map(|t| largest_gap(low, &directions, scan, t, diagonal))
-            .collect();
+        let search = GapSearch { low, directions: &directions, scan, diagonal };
+        let gaps: Vec<f32> = (0..low.triangles().len()).into_par_iter().map(|t| search.largest(t)).collect();
         let mut reach = vec![(diagonal * LEAST) as f32; directions.len()];
         for (triangle, gap) in low.triangles().iter().zip(gaps) {
             for v in triangle {
@@ -156,31 +154,46 @@ fn directions(low: &Mesh) -> Vec<Vec3> {
     means.into_iter().zip(around).map(|(mean, around)| mean.normalize_or(around)).collect()
 }
 
-/// How far the scan lies from a triangle, at most, over a few of its points.
-fn largest_gap(low: &Mesh, directions: &[Vec3], scan: &Scan, t: usize, diagonal: f64) -> f32 {
-    /// Points looked at over the whole mesh, roughly.
-    const POINTS: usize = 60_000;
-    let [near, most] = [NEAR, MOST].map(|part| (diagonal * part) as f32);
-    let triangle = low.triangles()[t];
-    let corners = low.corners(t);
-    let count = (POINTS / low.triangles().len()).clamp(2, 64) as u32;
-    let points = sequence::Sequence::new(t as u32);
-    let gap = |i: u32| {
-        let [u, v, ..] = points.four(i, 0);
-        let weights = triangle_weights(u, v);
-        let point = blend(corners, weights);
-        let direction = blend(triangle.map(|v| directions[v as usize]), weights).normalize_or(directions[0]);
+/// Where gaps between a mesh and its scan are sought.
+struct GapSearch<'a> {
+    low: &'a Mesh,
+    /// Of the mesh's vertices.
+    directions: &'a [Vec3],
+    scan: &'a Scan,
+    /// Of the mesh, model units.
+    diagonal: f64,
+}
+
+impl GapSearch<'_> {
+    /// Returns how far the scan lies from a triangle, at most, over a few of its points.
+    fn largest(&self, t: usize) -> f32 {
+        /// Points looked at over the whole mesh, roughly.
+        const POINTS: usize = 60_000;
+        let count = (POINTS / self.low.triangles().len()).clamp(2, 64) as u32;
+        let points = sequence::Sequence::new(t as u32);
+        let gap = |i: u32| {
+            let [u, v, ..] = points.four(i, 0);
+            self.gap(Point { triangle: t as u32, weights: triangle_weights(u, v) })
+        };
+        (0..count).filter_map(gap).fold(0.0, f32::max)
+    }
+
+    /// Returns how far the scan lies from a point: along the direction there, or as the closest point of all.
+    fn gap(&self, at: Point) -> Option<f32> {
+        let [near, most] = [NEAR, MOST].map(|part| (self.diagonal * part) as f32);
+        let point = at.position(self.low);
+        let directions = at.vertices(self.low).map(|v| self.directions[v]);
+        let direction = blend(directions, at.weights).normalize_or(self.directions[0]);
         let height = |reach: f32| {
             let probe = Probe { point, direction, reach };
-            scan.project(&probe).map(|found| found.height.abs())
+            self.scan.project(&probe).map(|found| found.height.abs())
         };
         if let Some(height) = height(near) {
             return Some(height);
         }
-        let closest = scan.bvh().closest(point, most)?.distance;
+        let closest = self.scan.bvh().closest(point, most)?.distance;
         Some(height((closest * OBLIQUE).max(near)).unwrap_or(closest))
-    };
-    (0..count).filter_map(gap).fold(0.0, f32::max)
+    }
 }
 
 /// Weights of a triangle's corners, evenly spread for (u, v) evenly spread over [0, 1)².

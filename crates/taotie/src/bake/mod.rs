@@ -39,7 +39,7 @@ pub use projection::{Match, Probe};
 pub use scan::{Scan, light_mesh};
 pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};
-pub use texels::{BakeCounts, BakeSettings, Baked, bake};
+pub use texels::{BakeCounts, BakeInput, BakeSettings, Baked, bake};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
 pub use verify::{Deviation, Fit, Verdict, Verifier};

@@ -99,18 +99,24 @@ pub struct Baked {
     pub counts: BakeCounts,
 }
 
-/// Bakes `scan` onto `low`, which has uvs, normals and tangents, as in [`crate::surface::with_frames`].
+/// What is baked onto what.
+#[derive(Clone, Copy)]
+pub struct BakeInput<'a> {
+    /// The low-poly mesh, with uvs, normals and tangents, as in [`crate::surface::with_frames`].
+    pub low: &'a Mesh,
+    /// Where each of its points is looked for on the scan.
+    pub cage: &'a Cage,
+    /// The high-poly surface.
+    pub scan: &'a Scan,
+}
+
+/// Bakes the maps of a scan for a low-poly mesh.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh lacks uvs, normals or tangents, or a setting is out of range; [`Error::Limit`] where
 /// uvs span too many copies of the map.
-pub fn bake(
-    low: &Mesh,
-    cage: &Cage,
-    scan: &Scan,
-    settings: &BakeSettings,
-    progress: Progress<'_>,
-) -> Result<Baked> {
+pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_>) -> Result<Baked> {
+    let BakeInput { low, cage, scan } = input;
     check(low, settings)?;
     let layout = Layout::new(low, settings.size, settings.side)?;
     let wants = |kind| settings.maps.has(kind);

@@ -112,7 +112,15 @@ fn bitmap_from(picture: DynamicImage) -> std::result::Result<Bitmap, Failure> {
 mod tests {
     use super::*;
 
-    fn tga(kind: u8, (width, height): (u8, u8), bits: u8, descriptor: u8, data: &[u8]) -> Result<Bitmap> {
+    struct Tga {
+        kind: u8,
+        size: [u8; 2],
+        bits: u8,
+        descriptor: u8,
+    }
+
+    fn tga(head: Tga, data: &[u8]) -> Result<Bitmap> {
+        let Tga { kind, size: [width, height], bits, descriptor } = head;
         let mut bytes = vec![0, 0, kind, 0, 0, 0, 0, 0, 0, 0, 0, 0, width, 0, height, 0, bits, descriptor];
         bytes.extend_from_slice(data);
         decode_bitmap(&bytes, "x.TGA", Path::new("x.TGA"))
@@ -126,7 +134,8 @@ mod tests {
     #[test]
     fn tga_origins() {
         let data = [0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4]; // blue, green, red of a 2×2 picture
-        let order = |descriptor| reds(&tga(2, (2, 2), 24, descriptor, &data).unwrap());
+        let order =
+            |descriptor| reds(&tga(Tga { kind: 2, size: [2, 2], bits: 24, descriptor }, &data).unwrap());
         assert_eq!(order(0x20), [1, 2, 3, 4], "top left");
         assert_eq!(order(0x00), [3, 4, 1, 2], "bottom left");
         assert_eq!(order(0x30), [2, 1, 4, 3], "top right");
@@ -136,11 +145,13 @@ mod tests {
     #[test]
     fn tga_run_lengths_and_truncation() {
         let packets = [0x82, 9, 9, 7, 0x00, 9, 9, 5]; // three times red 7, then one red 5
-        let bitmap = tga(10, (2, 2), 24, 0x20, &packets).unwrap();
+        let head = || Tga { kind: 10, size: [2, 2], bits: 24, descriptor: 0x20 };
+        let bitmap = tga(head(), &packets).unwrap();
         assert_eq!(reds(&bitmap), [7, 7, 7, 5]);
-        let error = tga(10, (2, 2), 24, 0x20, &packets[..6]).unwrap_err();
+        let error = tga(head(), &packets[..6]).unwrap_err();
         assert!(matches!(error, Error::Parse { .. }), "{error}");
-        let grey = tga(3, (2, 1), 8, 0x20, &[3, 250]).unwrap();
+        let head = Tga { kind: 3, size: [2, 1], bits: 8, descriptor: 0x20 };
+        let grey = tga(head, &[3, 250]).unwrap();
         assert_eq!((grey.channels(), reds(&grey)), (1, vec![3, 250]));
     }
 

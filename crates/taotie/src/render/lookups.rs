@@ -1,7 +1,7 @@
 //! Textures of a batch: where they are read, and what is there.
 
 use super::batch::UvSet;
-use crate::image::{Lookup, Sampler, Texture};
+use crate::image::{Lookup, LookupPoints, Sampler, Texture};
 use crate::math::{Column, Pack, dispatch_pack, poly};
 use crate::scene::{Scene, TextureRef, UvTransform};
 use fearless_simd::Level;
@@ -56,7 +56,8 @@ impl Lookups {
         };
         if self.placed != Some(placement) {
             self.locate(level, image, texture, (sets, len));
-            self.lookup.place(level, (image, &texture.sampler), [&self.uv[0], &self.uv[1]], &self.lod, len);
+            let points = LookupPoints { uv: self.uv.each_ref(), lod: &self.lod, len };
+            self.lookup.place(level, image, &texture.sampler, points);
             self.placed = Some(placement);
         }
         self.lookup.read(level, image, out);
@@ -78,7 +79,8 @@ impl Lookups {
             let [du, dv] = shift(i);
             (*u, *v) = (*u + du, *v + dv);
         }
-        self.lookup.place(level, (image, &texture.sampler), [&moved[0], &moved[1]], &self.lod, len);
+        let points = LookupPoints { uv: moved.each_ref(), lod: &self.lod, len };
+        self.lookup.place(level, image, &texture.sampler, points);
         self.lookup.read(level, image, out);
         self.placed = None;
     }

@@ -92,10 +92,8 @@ fn pack_normal<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &Batch, i: usiz
             let n = interpolated.normalize_or(load3(token, &batch.n_geom, i));
             let gradient = surface::surface_gradient(
                 n,
-                load3(token, &batch.dp_du, i),
-                load3(token, &batch.dp_dv, i),
-                load(token, &batch.dh_du, i),
-                load(token, &batch.dh_dv, i),
+                [load3(token, &batch.dp_du, i), load3(token, &batch.dp_dv, i)],
+                [load(token, &batch.dh_du, i), load(token, &batch.dh_dv, i)],
             );
             surface::bump(n, gradient)
         }

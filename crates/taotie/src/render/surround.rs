@@ -7,7 +7,7 @@ use super::settings::EnvironmentLight;
 use crate::math::{Lane, Pack, Vec3, dispatch_pack};
 use crate::scene::Material;
 use crate::shade::Shading;
-use crate::shade::environment::{Environment, Mirrors};
+use crate::shade::environment::{Environment, Mirrors, Wanted};
 use fearless_simd::Level;
 
 /// Fills `batch.surround`.
@@ -21,14 +21,29 @@ pub(super) fn look_up(
     let (environment, len) = (&light.environment, batch.len);
     dispatch_pack!(level, P, token => normals::<P>(token, light, batch));
     let Batch { gatherer, mirrors, surround, .. } = batch;
-    environment.gather_mean(level, gatherer, (mirrors, len), light.intensity, &mut surround.mean);
+    environment.gather_mean(
+        level,
+        gatherer,
+        Wanted { mirrors, len, factor: light.intensity },
+        &mut surround.mean,
+    );
     dispatch_pack!(level, P, token => mirrored::<P>(token, (light, shading), draw.material, batch));
     let Batch { gatherer, mirrors, surround, .. } = batch;
-    environment.gather(level, gatherer, (mirrors, len), light.intensity, &mut surround.specular);
+    environment.gather(
+        level,
+        gatherer,
+        Wanted { mirrors, len, factor: light.intensity },
+        &mut surround.specular,
+    );
     if draw.material.clearcoat.is_some() {
         dispatch_pack!(level, P, token => coat::<P>(token, light, batch));
         let Batch { gatherer, mirrors, surround, .. } = batch;
-        environment.gather(level, gatherer, (mirrors, len), light.intensity, &mut surround.coat);
+        environment.gather(
+            level,
+            gatherer,
+            Wanted { mirrors, len, factor: light.intensity },
+            &mut surround.coat,
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Ray;
 use super::nearby::{Closest, closest};
 use super::tree::Tree;
-use super::walk::{Met, Span, walk};
+use super::walk::{Cast, Met, Span, walk};
 use crate::math::{SimdLevel, Vec3, dispatch_eight};
 use crate::mesh::Point;
 use fearless_simd::Level;
@@ -81,7 +81,7 @@ impl Bvh {
 
     fn walk(&self, ray: &Ray, span: Span, mut meet: impl FnMut(Hit, Span) -> Span) {
         dispatch_eight!(self.level, P, token => {
-            walk::<P>(token, &self.tree, ray, span, |met, span| meet(self.hit(&met), span));
+            walk::<P>(token, &self.tree, Cast { ray, span }, |met, span| meet(self.hit(&met), span));
         });
     }
 

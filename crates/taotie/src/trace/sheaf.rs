@@ -128,7 +128,8 @@ fn walk_sheaf<P: Pack>(
                 cast &= cast - 1;
                 let slot = node as usize * WIDTH + i;
                 let Some(triangle) = bvh.tree.order.get(slot) else { continue };
-                let going = in_shadow::<P>(token, (sheaf, &shadows), (leaf, i), |ray, distance, weights| {
+                let caster = Caster { sheaf, shadows: &shadows, leaf, i };
+                let going = in_shadow::<P>(token, &caster, |ray, distance, weights| {
                     meet(ray, Hit { triangle: *triangle, weights, distance })
                 });
                 if !going {
@@ -214,14 +215,22 @@ impl Shadows {
     }
 }
 
-/// Tests the rays in the shadow of a leaf's triangle `i`.
+/// The triangle `i` of a leaf, and the rays that may lie in its shadow.
+struct Caster<'a> {
+    sheaf: &'a Sheaf<'a>,
+    shadows: &'a Shadows,
+    leaf: &'a Leaf,
+    i: usize,
+}
+
+/// Tests the rays in the shadow of a triangle.
 #[inline(always)]
 fn in_shadow<P: Pack>(
     token: P::Token,
-    (sheaf, shadows): (&Sheaf<'_>, &Shadows),
-    (leaf, i): (&Leaf, usize),
+    caster: &Caster<'_>,
     mut meet: impl FnMut(usize, f32, [f32; 3]) -> bool,
 ) -> bool {
+    let Caster { sheaf, shadows, leaf, i } = *caster;
     let [left, right] = sheaf.cells(0, shadows.low[0][i], shadows.high[0][i]);
     let [top, bottom] = sheaf.cells(1, shadows.low[1][i], shadows.high[1][i]);
     for row in top..=bottom {

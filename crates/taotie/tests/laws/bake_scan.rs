@@ -2,7 +2,8 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeSettings, Baked, Cage, MapKind, Maps, Planes, Scan, Texel, UnwrapOptions, Verifier, bake, unwrap,
+    BakeInput, BakeSettings, Baked, Cage, MapKind, Maps, Planes, Scan, Texel, UnwrapOptions, Verifier, bake,
+    unwrap,
 };
 use taotie::image::{Encoding, Texture};
 use taotie::math::{Mat4, Vec3};
@@ -45,7 +46,7 @@ fn light(mesh: &Mesh, size: u32) -> Mesh {
 
 fn baked(low: &Mesh, scan: &Scan, settings: &BakeSettings) -> (Baked, Cage) {
     let cage = Cage::automatic(low, scan);
-    let baked = bake(low, &cage, scan, settings, Progress::SILENT).unwrap();
+    let baked = bake(BakeInput { low, cage: &cage, scan }, settings, Progress::SILENT).unwrap();
     (baked, cage)
 }
 
@@ -135,7 +136,8 @@ fn object_space_holds_the_directions_of_a_sphere() {
     let low = light(&bare_sphere(1.0, 32, 16), 256);
     let settings = BakeSettings { space: NormalSpace::Object, ..settings(256, &[MapKind::Normal]) };
     let cage = Cage::automatic(&low, &scan);
-    let planes = bake(&low, &cage, &scan, &settings, Progress::SILENT).unwrap().planes;
+    let planes =
+        bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().planes;
     // Every direction is there, and each texel beside another is nearly the same.
     let mut seen = [false; 6];
     for i in covered(&planes) {
@@ -202,7 +204,8 @@ fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
     let settings =
         BakeSettings { sky_rays: 256, ..settings(32, &[MapKind::Occlusion, MapKind::Bent, MapKind::Normal]) };
     let cage = Cage::uniform(&low, 0.01).unwrap();
-    let planes = bake(&low, &cage, &scan, &settings, Progress::SILENT).unwrap().planes;
+    let planes =
+        bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().planes;
     for (i, open) in planes.occlusion.iter().enumerate() {
         let x = f64::from((i % 32) as u32) / 32.0 * 2.0 - 1.0 + 1.0 / 32.0;
         // A long wall of height 1 at distance d hides (1 − sin of its elevation's complement)/2 of the cosine-weighted
@@ -247,7 +250,8 @@ fn what_is_not_there_is_counted_and_never_made_up() {
     let scan = scan(Mesh::new(data).unwrap());
     let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
     let cage = Cage::uniform(&low, 0.02).unwrap();
-    let baked = bake(&low, &cage, &scan, &settings(64, &[MapKind::Normal]), Progress::SILENT).unwrap();
+    let input = BakeInput { low: &low, cage: &cage, scan: &scan };
+    let baked = bake(input, &settings(64, &[MapKind::Normal]), Progress::SILENT).unwrap();
     let counts = baked.counts;
     assert_eq!(counts.samples, 64 * 64 * 4);
     assert_eq!(counts.missed, counts.samples / 2, "the right half");
