@@ -62,7 +62,7 @@ impl LowPoly {
         let material = used.first().and_then(|m| scene.materials.get(*m)).cloned().unwrap_or_default();
         notes::left_of_low(&material, options, warnings);
         let kept = Kept::of(&material, &scene);
-        let mesh = bake::light_mesh(Scene { textures: Vec::new(), ..scene })?;
+        let mesh = bake::low_poly_mesh(Scene { textures: Vec::new(), ..scene })?;
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,

@@ -55,7 +55,7 @@ fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings
         RayDistance::Auto => Ok(Cage::automatic(low, &scan.high)),
         RayDistance::Uniform(distance) => Cage::uniform(low, *distance as f32),
         RayDistance::Cage(source) => {
-            let mesh = bake::light_mesh(read(source, warnings)?)?;
+            let mesh = bake::low_poly_mesh(read(source, warnings)?)?;
             Cage::from_mesh(low, &mesh).map_err(|error| of_file(source, error))
         }
     }

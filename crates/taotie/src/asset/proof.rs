@@ -4,7 +4,7 @@ use super::made::Asset;
 use super::scan::Scan;
 use super::views::{self, ViewFigures, Views};
 use super::write::Written;
-use crate::bake::{self, Cage, Fit, MapKind, Verifier, light_mesh};
+use crate::bake::{self, Cage, Fit, MapKind, Verifier, low_poly_mesh};
 use crate::compare::{Field, Summary};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
@@ -237,7 +237,7 @@ impl<'a> Shown<'a> {
         let map = scene.materials[first.material].normal.as_ref();
         let inside = map.map(|map| (&scene.textures[map.texture.texture], NormalSpace::Tangent));
         let normal = object_map.map(|map| (map, NormalSpace::Object)).or(inside);
-        let mesh = with_frames(&light_mesh(finest)?, 0, None)?.0.into_owned();
+        let mesh = with_frames(&low_poly_mesh(finest)?, 0, None)?.0.into_owned();
         Ok(Self { mesh, normal })
     }
 }

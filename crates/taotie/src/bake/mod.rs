@@ -36,7 +36,7 @@ pub use levels::{Level, levels};
 pub use maps::{MapKind, Maps};
 pub use planes::{Planes, Texel};
 pub use projection::{Match, Probe};
-pub use scan::{Scan, light_mesh};
+pub use scan::{Scan, low_poly_mesh};
 pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeInput, BakeSettings, Baked, bake};

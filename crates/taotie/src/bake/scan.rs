@@ -56,7 +56,7 @@ impl Scan {
 ///
 /// # Errors
 /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
-pub fn light_mesh(mut scene: Scene) -> Result<Mesh> {
+pub fn low_poly_mesh(mut scene: Scene) -> Result<Mesh> {
     merged(&mut scene.meshes, &scene.instances)
 }
 
