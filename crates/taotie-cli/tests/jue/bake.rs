@@ -33,7 +33,7 @@ fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     let scanned = scan(truth);
     let options = SimplifyOptions { triangles: 2000, ..SimplifyOptions::default() };
     let low = simplify(scanned.mesh(), &options, Progress::SILENT).unwrap();
-    assert!(low.reached, "{:?}", low.means);
+    assert!(low.reached, "{:?}", low.method);
     let low = unwrap(&low.mesh, &UnwrapOptions { size: SIZE, padding: 4 }, Progress::SILENT).unwrap().mesh;
     let low = with_frames(&low, 0, None).unwrap().0.into_owned();
     let cage = Cage::automatic(&low, &scanned);

@@ -37,7 +37,7 @@ pub use maps::{MapKind, Maps};
 pub use planes::{Planes, Texel};
 pub use projection::{Match, Probe};
 pub use scan::{Scan, low_poly_mesh};
-pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
+pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeInput, BakeSettings, Baked, bake};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};

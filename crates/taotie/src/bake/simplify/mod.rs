@@ -10,7 +10,7 @@ use crate::error::{Error, Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
 use crate::surface::vertex_normals;
-pub use options::{Means, SimplifyOptions};
+pub use options::{SimplifyMethod, SimplifyOptions};
 use part::Part;
 pub(super) use part::{Frame, adapter, compact, triples};
 pub(super) use weld::{morton, places};
@@ -25,9 +25,9 @@ pub struct Simplified {
     /// the root mean square near the worst place, not a bound.
     pub error: f64,
     /// What had to be done.
-    pub means: Means,
+    pub method: SimplifyMethod,
     /// Whether the number of triangles is the wanted one, or less than 2 % off, or the surface had fewer. Where it is
-    /// `false` all means were tried, [`Means::Clustered`] among them, and this is the best.
+    /// `false` all means were tried, [`SimplifyMethod::Clustered`] among them, and this is the best.
     pub reached: bool,
     /// What was left out, counted.
     pub notes: Warnings,
@@ -67,11 +67,11 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
         ));
     }
     let error = (f64::from(in_blocks) + f64::from(reduced.error)) * frame.extent;
-    let means = if in_blocks > 0.0 { reduced.means.max(Means::Collapsed) } else { reduced.means };
+    let method = if in_blocks > 0.0 { reduced.method.max(SimplifyMethod::Collapsed) } else { reduced.method };
     let mesh = finish(mesh, &part, reduced.triangles)?;
-    let reached = whole::is_near(found, options.triangles) || means == Means::Kept;
+    let reached = whole::is_near(found, options.triangles) || method == SimplifyMethod::Kept;
     progress.at(1.0)?;
-    Ok(Simplified { mesh, error, means, reached, notes })
+    Ok(Simplified { mesh, error, method, reached, notes })
 }
 
 fn check(options: &SimplifyOptions) -> Result<()> {

@@ -18,7 +18,7 @@ impl Default for SimplifyOptions {
 
 /// What had to be done to reach a number of triangles, from mild to rough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Means {
+pub enum SimplifyMethod {
     /// The surface had no more triangles than were wanted.
     Kept,
     /// Edges were collapsed; what is connected stays so, and holes and handles stay.
