@@ -5,17 +5,17 @@ use super::projection::{Match, Probe};
 use super::scan::Scan;
 use crate::math::Vec3;
 use crate::mesh::blend;
-use crate::trace::{Nearest, Ray, Sheaf, SheafView};
+use crate::trace::{Nearest, PacketView, Ray, RayPacket};
 
 /// Fewer samples are found faster one by one.
 const FEW: usize = 6;
 
-/// Directions that part more than this from the patch's own are no sheaf: within it, all run along one axis.
+/// Directions that part more than this from the patch's own are no packet: within it, all run along one axis.
 const LEAST_COSINE: f32 = 0.9;
 
 /// The match of each probe of a patch, as [`Scan::project`] finds it.
 ///
-/// Neighbouring samples look in nearly the same direction, so their probes are a sheaf: columns and rows are those of the
+/// Neighbouring samples look in nearly the same direction, so their probes are a packet: columns and rows are those of the
 /// tile, and depths run along the mean direction.
 pub(super) fn search(scan: &Scan, patch: &Patch, corners: [Vec3; 3], probes: &[Probe]) -> Vec<Option<Match>> {
     let one_by_one = || probes.iter().map(|probe| scan.project(probe)).collect();
@@ -31,8 +31,8 @@ pub(super) fn search(scan: &Scan, patch: &Patch, corners: [Vec3; 3], probes: &[P
         })
         .unzip();
     let places: Vec<[f32; 2]> = patch.samples.iter().map(|sample| sample.at.map(f32::from)).collect();
-    let Some(sheaf) = Sheaf::new(&rays, &places, view) else { return one_by_one() };
-    scan.bvh().meet_all(&sheaf, |i, hit| {
+    let Some(packet) = RayPacket::new(&rays, &places, view) else { return one_by_one() };
+    scan.bvh().meet_all(&packet, |i, hit| {
         nearest[i].offer(hit, |hit| scan.facing(hit, &probes[i]));
         true
     });
@@ -45,7 +45,7 @@ pub(super) fn search(scan: &Scan, patch: &Patch, corners: [Vec3; 3], probes: &[P
 /// How the probes of a patch are seen; `None` where the patch is seen edge on.
 ///
 /// A sample at column x and row y looks along corner + x · across + y · down + depth · direction.
-fn view(patch: &Patch, corners: [Vec3; 3], probes: &[Probe]) -> Option<SheafView> {
+fn view(patch: &Patch, corners: [Vec3; 3], probes: &[Probe]) -> Option<PacketView> {
     let [origin, across, down] = patch.weights.map(|weights| blend(corners, weights));
     let (across, down) = (across - origin, down - origin);
     let sum = probes.iter().fold(Vec3::default(), |sum, probe| sum + probe.direction);
@@ -72,7 +72,7 @@ fn view(patch: &Patch, corners: [Vec3; 3], probes: &[Probe]) -> Option<SheafView
     }
     // Rounding of places and of their shadows, generously.
     let rounding = axes.map(|axis| axis.length() * reach * 2e-6);
-    Some(SheafView {
+    Some(PacketView {
         origin,
         axes,
         slack: [slack[0] + rounding[0] + 1e-3, slack[1] + rounding[1] + 1e-3],
@@ -125,7 +125,7 @@ mod tests {
                         let all = search(&scan, patch, corners, &probes);
                         for (probe, found) in probes.iter().zip(all) {
                             let alone = scan.project(probe);
-                            // Rays of a sheaf are all intersected along one axis, which rounds otherwise.
+                            // Rays of a packet are all intersected along one axis, which rounds otherwise.
                             let apart = match (alone, found) {
                                 (Some(a), Some(b)) => (a.height - b.height).abs(),
                                 (None, None) => 0.0,

@@ -4,7 +4,7 @@ use super::projection::Match;
 use super::scan::Scan;
 use crate::math::{Vec3, scalar};
 use crate::surface;
-use crate::trace::{Ray, Sheaf, SheafView};
+use crate::trace::{PacketView, Ray, RayPacket};
 
 /// Directions all over the sphere, the same for every point of a map, so that neighbouring texels differ by what they
 /// see and not by chance, and their rays run side by side.
@@ -100,13 +100,13 @@ impl Sky {
         /// Fewer rays are faster one by one.
         const FEW: usize = 6;
         let rays: Vec<Ray> = looking.iter().map(|k| Ray::new(outlooks[*k].origin, direction)).collect();
-        let sheaf = (rays.len() > FEW).then(|| self.sheaf(&rays, direction)).flatten();
-        let Some(sheaf) = sheaf else {
+        let packet = (rays.len() > FEW).then(|| self.packet(&rays, direction)).flatten();
+        let Some(packet) = packet else {
             return rays.iter().map(|ray| scan.bvh().occluded(ray, self.reach, |_| true)).collect();
         };
         let mut blocked = vec![false; rays.len()];
         let mut open = rays.len();
-        scan.bvh().meet_all(&sheaf, |ray, hit| {
+        scan.bvh().meet_all(&packet, |ray, hit| {
             if hit.distance < self.reach && !blocked[ray] {
                 blocked[ray] = true;
                 open -= 1;
@@ -116,7 +116,7 @@ impl Sky {
         blocked
     }
 
-    fn sheaf<'a>(&self, rays: &'a [Ray], direction: Vec3) -> Option<Sheaf<'a>> {
+    fn packet<'a>(&self, rays: &'a [Ray], direction: Vec3) -> Option<RayPacket<'a>> {
         let x = direction.any_perpendicular();
         let axes = [x, direction.cross(x), direction];
         let origin = rays.first()?.origin();
@@ -127,6 +127,6 @@ impl Sky {
         // Rounding of places and of their shadows, which grows with how far away they are from zero.
         let slack = (origin.length() + farthest - nearest) * 2e-6 + self.lift * 0.1;
         let depths = [nearest - slack, farthest + self.reach];
-        Sheaf::new(rays, &places, SheafView { origin, axes, slack: [slack; 2], depths })
+        RayPacket::new(rays, &places, PacketView { origin, axes, slack: [slack; 2], depths })
     }
 }
