@@ -1,6 +1,6 @@
 //! Which way and how far the heavy surface is looked for.
 
-use super::projection::{Match, Probe};
+use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use crate::error::{Error, Result};
 use crate::math::{Vec3, sequence};
@@ -110,10 +110,10 @@ impl Cage {
     }
 
     /// The line through a point of the low-poly mesh.
-    pub fn probe(&self, low: &Mesh, point: Point) -> Probe {
+    pub fn projection_ray(&self, low: &Mesh, point: Point) -> ProjectionRay {
         let vertices = point.vertices(low);
         let directions = vertices.map(|v| self.directions[v]);
-        Probe {
+        ProjectionRay {
             point: point.position(low),
             direction: blend(directions, point.weights).normalize_or(directions[0]),
             reach: blend(vertices.map(|v| self.reach[v]), point.weights),
@@ -121,8 +121,8 @@ impl Cage {
     }
 
     /// What a line that met nothing stands for: the closest point of the scan, if it faces the same way.
-    pub(super) fn fallback(&self, scan: &Scan, probe: &Probe) -> Option<Match> {
-        scan.closest(probe.point, probe.direction, self.longest * FALLBACK)
+    pub(super) fn fallback(&self, scan: &Scan, projection: &ProjectionRay) -> Option<Correspondence> {
+        scan.closest(projection.point, projection.direction, self.longest * FALLBACK)
     }
 
     /// The same cage for a copy of its mesh whose vertices stand in another order, or are fewer, or lie a little beside:
@@ -131,14 +131,15 @@ impl Cage {
         let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
         let at = |point: &Vec3| {
             let closest = surface.closest(*point, f32::INFINITY)?;
-            Some(self.probe(own, closest.point()))
+            Some(self.projection_ray(own, closest.point()))
         };
         // A mesh without triangles has no line to follow either.
-        let none = Probe { point: Vec3::default(), direction: Vec3::default(), reach: 0.0 };
-        let probes: Vec<Probe> = copy.positions().par_iter().map(|point| at(point).unwrap_or(none)).collect();
+        let none = ProjectionRay { point: Vec3::default(), direction: Vec3::default(), reach: 0.0 };
+        let projections: Vec<ProjectionRay> =
+            copy.positions().par_iter().map(|point| at(point).unwrap_or(none)).collect();
         Self::new(
-            probes.iter().map(|probe| probe.direction).collect(),
-            probes.iter().map(|probe| probe.reach).collect(),
+            projections.iter().map(|projection| projection.direction).collect(),
+            projections.iter().map(|projection| projection.reach).collect(),
         )
     }
 }
@@ -185,8 +186,8 @@ impl GapSearch<'_> {
         let directions = at.vertices(self.low).map(|v| self.directions[v]);
         let direction = blend(directions, at.weights).normalize_or(self.directions[0]);
         let height = |reach: f32| {
-            let probe = Probe { point, direction, reach };
-            self.scan.project(&probe).map(|found| found.height.abs())
+            let projection = ProjectionRay { point, direction, reach };
+            self.scan.project(&projection).map(|found| found.height.abs())
         };
         if let Some(height) = height(near) {
             return Some(height);

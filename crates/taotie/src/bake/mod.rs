@@ -35,7 +35,7 @@ pub use faults::Faults;
 pub use levels::{Level, levels};
 pub use maps::{MapKind, Maps};
 pub use planes::{Planes, Texel};
-pub use projection::{Match, Probe};
+pub use projection::{Correspondence, ProjectionRay};
 pub use scan::{Scan, low_poly_mesh};
 pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};

@@ -7,7 +7,7 @@ use crate::trace::{Hit, Ray, Stretch};
 
 /// The point of the heavy surface that a point of the light one stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Match {
+pub struct Correspondence {
     /// Along the direction that was followed: above 0 outside the light surface, model units.
     pub height: f32,
     /// The interpolated normal there: unit, world space.
@@ -18,7 +18,7 @@ pub struct Match {
 
 /// A line through a point of a light surface on which its match is sought.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Probe {
+pub struct ProjectionRay {
     /// A point of the light surface, world space.
     pub point: Vec3,
     /// Outward, unit.
@@ -27,41 +27,41 @@ pub struct Probe {
     pub reach: f32,
 }
 
-impl Probe {
-    /// The probe as a ray from its inner end beside others that run along `main`, and the stretch of it that matters.
+impl ProjectionRay {
+    /// The projection as a ray from its inner end beside others that run along `main`, and the stretch of it that matters.
     pub(super) fn ray(&self, main: Vec3) -> (Ray, Stretch) {
         let ray = Ray::beside(self.point - self.direction * self.reach, self.direction, main);
         (ray, Stretch { from: 0.0, center: self.reach, to: self.reach + self.reach })
     }
 
-    /// What a hit of [`Probe::ray`] on a surface with this normal stands for.
-    pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Match {
-        Match { height: hit.distance - self.reach, normal, point: hit.point() }
+    /// What a hit of [`ProjectionRay::ray`] on a surface with this normal stands for.
+    pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Correspondence {
+        Correspondence { height: hit.distance - self.reach, normal, point: hit.point() }
     }
 }
 
 impl Scan {
-    /// The nearest point on the probe where the scan faces as the probe does: whatever faces the other way is the far
+    /// The nearest point on the projection where the scan faces as the projection does: whatever faces the other way is the far
     /// side of something else.
-    pub fn project(&self, probe: &Probe) -> Option<Match> {
-        let (ray, stretch) = probe.ray(probe.direction);
-        let (hit, normal) = self.bvh().nearest_to(&ray, stretch, |hit| self.facing(hit, probe))?;
-        Some(probe.found(&hit, normal))
+    pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
+        let (ray, stretch) = projection.ray(projection.direction);
+        let (hit, normal) = self.bvh().nearest_to(&ray, stretch, |hit| self.facing(hit, projection))?;
+        Some(projection.found(&hit, normal))
     }
 
-    /// The scan's normal at a hit, if it faces as the probe does.
-    pub(super) fn facing(&self, hit: &Hit, probe: &Probe) -> Option<Vec3> {
+    /// The scan's normal at a hit, if it faces as the projection does.
+    pub(super) fn facing(&self, hit: &Hit, projection: &ProjectionRay) -> Option<Vec3> {
         let normal = hit.point().normal(self.mesh());
-        (normal.dot(probe.direction) > 0.0).then_some(normal)
+        (normal.dot(projection.direction) > 0.0).then_some(normal)
     }
 
     /// The closest point of the scan within `reach`, if it faces as `direction` does.
-    pub fn closest(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Match> {
+    pub fn closest(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Correspondence> {
         let closest = self.bvh().closest(point, reach)?;
         let there = closest.point();
         let normal = there.normal(self.mesh());
         let side = if (there.position(self.mesh()) - point).dot(direction) < 0.0 { -1.0 } else { 1.0 };
-        let found = Match { height: closest.distance * side, normal, point: there };
+        let found = Correspondence { height: closest.distance * side, normal, point: there };
         (normal.dot(direction) > 0.0).then_some(found)
     }
 }
@@ -92,9 +92,12 @@ mod tests {
     fn finds_the_nearest_sheet_that_faces_the_same_way() {
         let scan = sheets();
         let up = Vec3::new(0.0, 0.0, 1.0);
-        let probe =
-            |z: f32, direction: Vec3, reach: f32| Probe { point: Vec3::new(0.3, 0.4, z), direction, reach };
-        let at = |z: f32, reach: f32| scan.project(&probe(z, up, reach));
+        let projection = |z: f32, direction: Vec3, reach: f32| ProjectionRay {
+            point: Vec3::new(0.3, 0.4, z),
+            direction,
+            reach,
+        };
+        let at = |z: f32, reach: f32| scan.project(&projection(z, up, reach));
         let below = at(0.2, 0.5).unwrap();
         assert!((below.height + 0.2).abs() < 1e-6 && (below.normal - up).length() < 1e-6);
         assert!((at(-0.1, 0.5).unwrap().height - 0.1).abs() < 1e-6);
@@ -106,7 +109,7 @@ mod tests {
             (at(0.9, 1.0).unwrap().height + 0.9).abs() < 1e-6,
             "what faces the other way is passed through"
         );
-        let down = scan.project(&probe(0.9, -up, 0.5)).unwrap();
+        let down = scan.project(&projection(0.9, -up, 0.5)).unwrap();
         assert!((down.height + 0.1).abs() < 1e-6);
     }
 

@@ -1,6 +1,6 @@
 //! How much of the hemisphere over each point of a scan is open.
 
-use super::projection::Match;
+use super::projection::Correspondence;
 use super::scan::Scan;
 use crate::math::{Vec3, scalar};
 use crate::surface;
@@ -61,7 +61,7 @@ impl Sky {
     }
 
     /// The point of the scan that a sample found; `class` is the sample's number in its texel.
-    pub fn outlook(&self, scan: &Scan, found: &Match, class: u32) -> Outlook {
+    pub fn outlook(&self, scan: &Scan, found: &Correspondence, class: u32) -> Outlook {
         let corners = scan.mesh().corners(found.point.triangle as usize);
         let facet = surface::facet_normal(corners).unwrap_or(found.normal);
         let facet = if facet.dot(found.normal) < 0.0 { -facet } else { facet };

@@ -6,7 +6,7 @@ use super::fill::fill;
 use super::layout::{BAND, Layout, Patch};
 use super::maps::{MapKind, Maps};
 use super::planes::{BandPlanes, Planes, Texel};
-use super::projection::{Match, Probe};
+use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use super::search::search;
 use super::sky::{Outlook, Sky};
@@ -217,17 +217,17 @@ impl Job<'_> {
     /// Finds the places of a patch's samples on the scan.
     fn patch(&self, patch: &Patch, cells: &mut [Cell]) {
         let corners = self.layout.mesh.corners(patch.triangle as usize);
-        let probes: Vec<Probe> = patch
+        let projections: Vec<ProjectionRay> = patch
             .samples
             .iter()
-            .map(|sample| self.cage.probe(self.layout.mesh, patch.point(sample)))
+            .map(|sample| self.cage.projection_ray(self.layout.mesh, patch.point(sample)))
             .collect();
-        let found = search(self.scan, patch, corners, &probes);
+        let found = search(self.scan, patch, corners, &projections);
         let mut outlooks = Vec::new();
-        for ((sample, probe), found) in patch.samples.iter().zip(&probes).zip(found) {
+        for ((sample, projection), found) in patch.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells[sample.texel as usize];
             self.add_frame(patch.point(sample), cell);
-            let Some(found) = self.found(probe, found, cell) else { continue };
+            let Some(found) = self.found(projection, found, cell) else { continue };
             self.add(&found, cell);
             if let Some(sky) = &self.sky {
                 let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
@@ -259,20 +259,25 @@ impl Job<'_> {
     }
 
     /// What a sample stands for: what its line met, else the closest point of the scan.
-    fn found(&self, probe: &Probe, met: Option<Match>, cell: &mut Cell) -> Option<Match> {
+    fn found(
+        &self,
+        projection: &ProjectionRay,
+        met: Option<Correspondence>,
+        cell: &mut Cell,
+    ) -> Option<Correspondence> {
         let found = met.or_else(|| {
             cell.missed += 1;
-            self.cage.fallback(self.scan, probe)
+            self.cage.fallback(self.scan, projection)
         });
         if found.is_none() {
             cell.lost += 1;
-            cell.normal += probe.direction;
-            cell.bent += probe.direction;
+            cell.normal += projection.direction;
+            cell.bent += projection.direction;
         }
         found
     }
 
-    fn add(&self, found: &Match, cell: &mut Cell) {
+    fn add(&self, found: &Correspondence, cell: &mut Cell) {
         cell.normal += found.normal;
         cell.lift += found.height;
         if self.settings.maps.has(MapKind::Albedo) {

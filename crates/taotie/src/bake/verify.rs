@@ -153,10 +153,10 @@ impl Verifier<'_> {
 
     /// The angle between what is shown and what should be, degrees; NaN where nothing was found.
     fn angle(&self, point: Point) -> (f32, Way) {
-        let probe = self.cage.probe(self.mesh, point);
-        let (found, way) = match self.scan.project(&probe) {
+        let projection = self.cage.projection_ray(self.mesh, point);
+        let (found, way) = match self.scan.project(&projection) {
             Some(found) => (Some(found), Way::Met),
-            None => match self.cage.fallback(self.scan, &probe) {
+            None => match self.cage.fallback(self.scan, &projection) {
                 Some(found) => (Some(found), Way::Closest),
                 None => (None, Way::Lost),
             },

@@ -3,7 +3,7 @@
 //! A low-poly mesh lies beside the high-poly one, so at the same pixel the two show different points of the relief.
 
 use super::look::Look;
-use crate::bake::{Probe, Scan, UvLookup};
+use crate::bake::{ProjectionRay, Scan, UvLookup};
 use crate::error::Result;
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
@@ -74,8 +74,8 @@ impl Matching {
                     let [x, y, z, _] = smooth.normals.pixel(at[0], at[1]);
                     let point = smooth.camera.point_at(at, depth.into(), size).to_f32();
                     let direction = Vec3::new(x, y, z);
-                    let probe = Probe { point, direction, reach };
-                    scan.project(&probe).map(|found| found.normal)
+                    let projection = ProjectionRay { point, direction, reach };
+                    scan.project(&projection).map(|found| found.normal)
                 })
             }
         }
