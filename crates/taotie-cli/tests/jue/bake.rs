@@ -46,6 +46,6 @@ fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
 
     let verifier =
         Verifier { mesh: &low, normal: Some((&texture, NormalSpace::Tangent)), cage: &cage, scan: &scanned };
-    let angles = verifier.verdict(100_000).unwrap().angles.summary().unwrap();
+    let angles = verifier.normal_error(100_000).unwrap().angles.summary().unwrap();
     assert!(angles.mean < 1.0, "{angles:?}");
 }

@@ -175,16 +175,16 @@ impl Written {
 
     fn measure(&self, subject: &Subject<'_>, options: &VerifyOptions) -> Result<Figures> {
         let mapped = subject.verifier(true);
-        let verdict = mapped.verdict(options.points)?;
-        let plain = subject.verifier(false).verdict(options.points / 10)?;
+        let normal_error = mapped.normal_error(options.points)?;
+        let plain = subject.verifier(false).normal_error(options.points / 10)?;
         let deviation = mapped.deviation(options.distance_points)?;
         let diagonal = subject.scan.mesh().diagonal();
         let Asset { made } = &self.asset;
         let (counts, size) = (&made.maps.counts, made.size);
         let part = |of: usize, all: usize| of as f64 / all.max(1) as f64;
         Ok(Figures {
-            histogram: verdict.angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
-            angles: verdict.angles.summary(),
+            histogram: normal_error.angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
+            angles: normal_error.angles.summary(),
             without_map: plain.angles.summary(),
             floor_8_bit: FLOOR_8_BIT,
             missed_texels: part(counts.missed_texels, counts.texels),

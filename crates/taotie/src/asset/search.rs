@@ -118,6 +118,6 @@ fn mean_angle(pair: Pair<'_>, maps: &BakedMaps) -> Result<f64> {
         cage: &maps.cage,
         scan: &pair.scan.high,
     };
-    let angles = verifier.verdict(POINTS)?.angles;
+    let angles = verifier.normal_error(POINTS)?.angles;
     Ok(angles.summary().map_or(f64::INFINITY, |summary| summary.mean))
 }

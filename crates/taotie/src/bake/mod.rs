@@ -42,4 +42,4 @@ pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeInput, BakeSettings, Baked, bake};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
-pub use verify::{Deviation, Fit, Verdict, Verifier};
+pub use verify::{Deviation, Fit, NormalError, Verifier};

@@ -27,7 +27,7 @@ pub struct Verifier<'a> {
 
 /// How far normals are from those of the scan.
 #[derive(Debug, Clone)]
-pub struct Verdict {
+pub struct NormalError {
     /// Degrees, one number for each of many points spread evenly over the light mesh.
     pub angles: Field,
     /// The part of the points whose line missed the scan, so that its closest point was taken: [0, 1].
@@ -69,13 +69,13 @@ impl Verifier<'_> {
     ///
     /// # Errors
     /// [`Error::Invalid`] where the mesh has no area, or lacks uvs, normals or tangents for its map.
-    pub fn verdict(&self, count: usize) -> Result<Verdict> {
+    pub fn normal_error(&self, count: usize) -> Result<NormalError> {
         self.check()?;
         let found: Vec<(f32, Way)> =
             spread(self.mesh, count)?.par_iter().map(|point| self.angle(*point)).collect();
         let part = |way: Way| found.iter().filter(|(_, w)| *w == way).count() as f64 / count as f64;
         let angles = found.iter().map(|(angle, _)| *angle).collect();
-        Ok(Verdict {
+        Ok(NormalError {
             angles: Field::new(count as u32, 1, angles)?,
             missed: part(Way::Closest) + part(Way::Lost),
             lost: part(Way::Lost),
@@ -85,7 +85,7 @@ impl Verifier<'_> {
     /// The same angle at the middle of each texel of a map of this size, NaN away from all charts.
     ///
     /// # Errors
-    /// As [`Verifier::verdict`].
+    /// As [`Verifier::normal_error`].
     pub fn error_map(&self, size: [u32; 2]) -> Result<Field> {
         self.check()?;
         let layout = Layout::new(self.mesh, size, 1)?;

@@ -63,9 +63,9 @@ fn shown_angles(low: &Mesh, planes: &Planes, storage: Storage, (cage, scan): (&C
     let bitmap = store_unit_vectors(planes.size(), &planes.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
     let verifier = Verifier { mesh: low, normal: Some((&texture, NormalSpace::Tangent)), cage, scan };
-    let verdict = verifier.verdict(20_000).unwrap();
-    assert_eq!(verdict.lost, 0.0);
-    let summary = verdict.angles.summary().unwrap();
+    let normal_error = verifier.normal_error(20_000).unwrap();
+    assert_eq!(normal_error.lost, 0.0);
+    let summary = normal_error.angles.summary().unwrap();
     [summary.mean, summary.max]
 }
 
@@ -84,7 +84,7 @@ fn a_coarse_sphere_looks_like_a_fine_one() {
     let [mean, _] = shown_angles(&low, &baked.planes, coarse, (&cage, &scan));
     assert!(mean > 0.05 && mean < 0.25, "8 bits: {mean}°");
     let verifier = Verifier { mesh: &low, normal: None, cage: &cage, scan: &scan };
-    let plain = verifier.verdict(20_000).unwrap().angles.summary().unwrap().mean;
+    let plain = verifier.normal_error(20_000).unwrap().angles.summary().unwrap().mean;
     assert!(plain > 20.0 * exact, "without the map: {plain}°");
 }
 
@@ -126,7 +126,8 @@ fn the_order_of_vertices_does_not_matter_to_the_proof() {
         (mean - again).abs() < 1e-4 && (max - largest).abs() < 0.1,
         "{mean}° {max}°, {again}° {largest}°"
     );
-    let strange = Verifier { mesh: &copy, normal: None, cage: &cage, scan: &scan }.verdict(20_000).unwrap();
+    let strange =
+        Verifier { mesh: &copy, normal: None, cage: &cage, scan: &scan }.normal_error(20_000).unwrap();
     assert!(strange.missed > 0.5, "a cage that is not carried over is another one: {}", strange.missed);
 }
 
