@@ -1,6 +1,6 @@
 //! Filling what lies between charts, so that no filter and no mip level shows a seam.
 
-use super::planes::{Planes, Texel};
+use super::planes::{Planes, TexelStatus};
 use rayon::prelude::*;
 
 /// Texels around each chart that take the value of the nearest one before the rest is filled: more than any bilinear or
@@ -12,7 +12,7 @@ const SKIRT: u32 = 4;
 /// holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
 pub(super) fn fill(planes: &mut Planes, steps: Option<u32>) {
     let size = [planes.width as usize, planes.height as usize];
-    let mut known: Vec<bool> = planes.texels.iter().map(|texel| *texel != Texel::Free).collect();
+    let mut known: Vec<bool> = planes.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();
     if !known.contains(&true) {
         return;
     }
@@ -131,7 +131,7 @@ mod tests {
                     (40..=60, 9..=44) => 3.0,
                     _ => continue,
                 };
-                planes.texels[y * 64 + x] = Texel::Met;
+                planes.texels[y * 64 + x] = TexelStatus::Met;
                 planes.lift[y * 64 + x] = height;
                 planes.albedo[y * 64 + x] = [height; 3];
             }
@@ -144,7 +144,7 @@ mod tests {
         let mut planes = charts();
         // What free texels hold before is not to be seen anywhere.
         for i in 0..planes.lift.len() {
-            if planes.texels[i] == Texel::Free {
+            if planes.texels[i] == TexelStatus::Free {
                 planes.lift[i] = -1000.0;
             }
         }
@@ -153,7 +153,7 @@ mod tests {
         let rounding = 1e-5;
         let is_of_charts = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
         for (i, texel) in before.texels.iter().enumerate() {
-            assert!(*texel == Texel::Free || planes.lift[i] == before.lift[i]);
+            assert!(*texel == TexelStatus::Free || planes.lift[i] == before.lift[i]);
             assert!(is_of_charts(&planes.lift[i]), "{}", planes.lift[i]);
         }
         let mut level = planes.lift;

@@ -34,7 +34,7 @@ pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;
 pub use levels::{Level, levels};
 pub use maps::{MapKind, Maps};
-pub use planes::{Planes, Texel};
+pub use planes::{Planes, TexelStatus};
 pub use projection::{Correspondence, ProjectionRay};
 pub use scan::{Scan, low_poly_mesh};
 pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};

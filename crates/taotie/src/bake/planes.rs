@@ -5,7 +5,7 @@ use super::maps::{MapKind, Maps};
 /// What became of a texel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
-pub enum Texel {
+pub enum TexelStatus {
     /// No triangle covers it.
     #[default]
     Free,
@@ -25,7 +25,7 @@ pub struct Planes {
     /// Texels down.
     pub height: u32,
     /// What became of each texel.
-    pub texels: Vec<Texel>,
+    pub texels: Vec<TexelStatus>,
     /// Unit normals, in the space asked for.
     pub normal: Vec<[f32; 3]>,
     /// Open part of the hemisphere, [0, 1].
@@ -50,7 +50,7 @@ impl Planes {
         Self {
             width,
             height,
-            texels: vec![Texel::Free; count],
+            texels: vec![TexelStatus::Free; count],
             normal: vec![UP; of(MapKind::Normal)],
             occlusion: vec![1.0; of(MapKind::Occlusion)],
             albedo: vec![[0.0; 3]; of(MapKind::Albedo)],
@@ -68,7 +68,7 @@ impl Planes {
 
     /// The numbers of a plane where a triangle covers the texel.
     pub fn covered(&self, plane: &[f32]) -> Vec<f32> {
-        let covered = self.texels.iter().zip(plane).filter(|(texel, _)| **texel != Texel::Free);
+        let covered = self.texels.iter().zip(plane).filter(|(texel, _)| **texel != TexelStatus::Free);
         covered.map(|(_, v)| *v).collect()
     }
 
@@ -107,7 +107,7 @@ impl Planes {
 
 /// The rows of [`Planes`] that a band covers.
 pub(super) struct BandPlanes<'a> {
-    pub texels: &'a mut [Texel],
+    pub texels: &'a mut [TexelStatus],
     pub normal: &'a mut [[f32; 3]],
     pub occlusion: &'a mut [f32],
     pub albedo: &'a mut [[f32; 3]],

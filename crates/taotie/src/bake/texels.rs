@@ -5,7 +5,7 @@ use super::curvature::mean_curvatures;
 use super::fill::fill;
 use super::layout::{BAND, Layout, Patch};
 use super::maps::{MapKind, Maps};
-use super::planes::{BandPlanes, Planes, Texel};
+use super::planes::{BandPlanes, Planes, TexelStatus};
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use super::search::search;
@@ -296,9 +296,9 @@ impl Job<'_> {
         let share = 1.0 / cell.samples as f32;
         let maps = self.settings.maps;
         planes.texels[i] = match cell {
-            cell if cell.lost > 0 => Texel::Lost,
-            cell if cell.missed > 0 => Texel::Closest,
-            _ => Texel::Met,
+            cell if cell.lost > 0 => TexelStatus::Lost,
+            cell if cell.missed > 0 => TexelStatus::Closest,
+            _ => TexelStatus::Met,
         };
         if maps.has(MapKind::Normal) {
             planes.normal[i] = self.turned(cell, cell.normal).to_array();

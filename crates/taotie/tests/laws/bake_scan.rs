@@ -2,8 +2,8 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeInput, BakeSettings, Baked, Cage, MapKind, Maps, Planes, Scan, Texel, UnwrapOptions, Verifier, bake,
-    unwrap,
+    BakeInput, BakeSettings, Baked, Cage, MapKind, Maps, Planes, Scan, TexelStatus, UnwrapOptions, Verifier,
+    bake, unwrap,
 };
 use taotie::image::{Encoding, Texture};
 use taotie::math::{Mat4, Vec3};
@@ -55,7 +55,7 @@ fn settings(size: u32, maps: &[MapKind]) -> BakeSettings {
 }
 
 fn covered(planes: &Planes) -> impl Iterator<Item = usize> + '_ {
-    (0..planes.texels.len()).filter(|i| planes.texels[*i] != Texel::Free)
+    (0..planes.texels.len()).filter(|i| planes.texels[*i] != TexelStatus::Free)
 }
 
 /// Angles over the surface as a viewer shows it, degrees: mean and largest.
@@ -261,8 +261,8 @@ fn what_is_not_there_is_counted_and_never_made_up() {
     assert!(counts.missed - counts.lost <= within + 128 && counts.missed - counts.lost > within / 2);
     for (i, texel) in baked.planes.texels.iter().enumerate() {
         match i % 64 {
-            0..32 => assert_eq!(*texel, Texel::Met),
-            36.. => assert_eq!(*texel, Texel::Lost),
+            0..32 => assert_eq!(*texel, TexelStatus::Met),
+            36.. => assert_eq!(*texel, TexelStatus::Lost),
             _ => {}
         }
     }
