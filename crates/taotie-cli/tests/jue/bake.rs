@@ -41,7 +41,7 @@ fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     let baked =
         bake(BakeInput { low: &low, cage: &cage, scan: &scanned }, &settings, Progress::SILENT).unwrap();
     let storage = Storage { bits: 8, dither: true };
-    let bitmap = store_unit_vectors(baked.planes.size(), &baked.planes.normal, storage).unwrap();
+    let bitmap = store_unit_vectors(baked.maps.size(), &baked.maps.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
 
     let verifier =

@@ -3,7 +3,7 @@
 use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made};
-use super::maps::{BakedMaps, bake_maps};
+use super::maps::{StoredMaps, bake_maps};
 use super::memory::{Bytes, Limits, Need, ScanSize};
 use super::notes;
 use super::options::BakeOptions;
@@ -69,7 +69,7 @@ impl Baker {
 /// A low-poly mesh and its maps.
 struct Lightened {
     low: LowPoly,
-    maps: BakedMaps,
+    maps: StoredMaps,
     size: u32,
     trials: Vec<Trial>,
 }

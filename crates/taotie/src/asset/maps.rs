@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 use crate::progress::Progress;
 
 /// Maps as they were baked.
-pub(super) struct BakedMaps {
+pub(super) struct StoredMaps {
     pub textures: Textures,
     /// What became of the samples.
     pub counts: BakeCounts,
@@ -27,7 +27,7 @@ pub(super) fn bake_maps(
     size: u32,
     pair: Pair<'_>,
     progress: Progress<'_>,
-) -> Result<BakedMaps> {
+) -> Result<StoredMaps> {
     let Pair { scan, low } = pair;
     progress.begin("measure the gap")?;
     let mut warnings = Warnings::default();
@@ -43,11 +43,11 @@ pub(super) fn bake_maps(
         dilation: options.dilation,
     };
     let input = BakeInput { low: &low.mesh, cage: &cage, scan: &scan.high };
-    let Baked { planes, counts } = bake::bake(input, &settings, progress.begin("bake")?)?;
+    let Baked { maps, counts } = bake::bake(input, &settings, progress.begin("bake")?)?;
     refuse_no_hit(pair, &cage, &counts)?;
     progress.begin("store")?;
-    let textures = Textures::new(&planes, options, low.material.metallic)?;
-    Ok(BakedMaps { textures, counts, cage, warnings })
+    let textures = Textures::new(&maps, options, low.material.metallic)?;
+    Ok(StoredMaps { textures, counts, cage, warnings })
 }
 
 fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings) -> Result<Cage> {

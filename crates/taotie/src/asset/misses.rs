@@ -1,6 +1,6 @@
 //! Where projection rays missed the scan, small enough to look at.
 
-use crate::bake::{Planes, TexelStatus};
+use crate::bake::{BakedMaps, TexelStatus};
 
 /// Texels along the longer side, at most.
 const SIDE: usize = 1024;
@@ -19,7 +19,7 @@ pub struct Misses {
 
 impl Misses {
     /// Looks the map through; `None` where no ray missed.
-    pub(super) fn of(planes: &Planes) -> Option<Self> {
+    pub(super) fn of(planes: &BakedMaps) -> Option<Self> {
         let [width, height] = planes.size().map(|side| side as usize);
         planes.texels.iter().find(|texel| matches!(texel, TexelStatus::Closest | TexelStatus::Lost))?;
         let step = width.max(height).div_ceil(SIDE);

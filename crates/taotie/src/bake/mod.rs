@@ -5,6 +5,7 @@
 //! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
 //! threads.
 
+mod baked_maps;
 mod cage;
 mod color;
 mod coverage;
@@ -16,7 +17,6 @@ mod layout;
 mod levels;
 mod maps;
 mod owner;
-mod planes;
 mod projection;
 mod raster;
 mod scan;
@@ -29,12 +29,12 @@ mod unwrap;
 mod uv_lookup;
 mod verify;
 
+pub use baked_maps::{BakedMaps, TexelStatus};
 pub use cage::Cage;
 pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;
 pub use levels::{Level, levels};
 pub use maps::{MapKind, Maps};
-pub use planes::{Planes, TexelStatus};
 pub use projection::{Correspondence, ProjectionRay};
 pub use scan::{Scan, low_poly_mesh};
 pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};

@@ -15,7 +15,7 @@ pub(super) struct Sky {
     /// How far what is in the way counts, model units.
     reach: f32,
     /// How far rays begin above the surface.
-    lift: f32,
+    offset: f32,
 }
 
 /// A point from which the sky is looked at.
@@ -56,7 +56,7 @@ impl Sky {
             directions: (0..count).map(direction).collect(),
             classes,
             reach,
-            lift: (diagonal * 1e-5) as f32,
+            offset: (diagonal * 1e-5) as f32,
         }
     }
 
@@ -65,7 +65,7 @@ impl Sky {
         let corners = scan.mesh().corners(found.point.triangle as usize);
         let facet = surface::facet_normal(corners).unwrap_or(found.normal);
         let facet = if facet.dot(found.normal) < 0.0 { -facet } else { facet };
-        let origin = found.point.position(scan.mesh()) + facet * self.lift;
+        let origin = found.point.position(scan.mesh()) + facet * self.offset;
         Outlook { origin, normal: found.normal, facet, class: class % self.classes }
     }
 
@@ -125,7 +125,7 @@ impl Sky {
         let nearest = rays.iter().map(|ray| local(ray, 2)).fold(f32::INFINITY, f32::min);
         let farthest = rays.iter().map(|ray| local(ray, 2)).fold(f32::NEG_INFINITY, f32::max);
         // Rounding of places and of their shadows, which grows with how far away they are from zero.
-        let slack = (origin.length() + farthest - nearest) * 2e-6 + self.lift * 0.1;
+        let slack = (origin.length() + farthest - nearest) * 2e-6 + self.offset * 0.1;
         let depths = [nearest - slack, farthest + self.reach];
         RayPacket::new(rays, &places, PacketView { origin, axes, slack: [slack; 2], depths })
     }

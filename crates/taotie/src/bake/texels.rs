@@ -1,11 +1,11 @@
 //! Baking: each sample of each texel finds its place on the scan, and the texel takes the mean of what is there.
 
+use super::baked_maps::{BakedMaps, BandMaps, TexelStatus};
 use super::cage::Cage;
 use super::curvature::mean_curvatures;
 use super::fill::fill;
 use super::layout::{BAND, Layout, Patch};
 use super::maps::{MapKind, Maps};
-use super::planes::{BandPlanes, Planes, TexelStatus};
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use super::search::search;
@@ -94,7 +94,7 @@ impl BakeCounts {
 #[derive(Debug, Clone)]
 pub struct Baked {
     /// The maps.
-    pub planes: Planes,
+    pub maps: BakedMaps,
     /// How it went.
     pub counts: BakeCounts,
 }
@@ -128,7 +128,7 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
         scan,
         settings,
     };
-    let mut planes = Planes::new(settings.size, settings.maps);
+    let mut planes = BakedMaps::new(settings.size, settings.maps);
     let done = AtomicUsize::new(0);
     let bands = job.layout.band_count();
     let counts = planes
@@ -143,7 +143,7 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
         .try_reduce(BakeCounts::default, |a, b| Ok(a.and(b)))?;
     let counts = BakeCounts { flat: job.layout.flat, ..counts };
     fill(&mut planes, settings.dilation);
-    Ok(Baked { planes, counts })
+    Ok(Baked { maps: planes, counts })
 }
 
 fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {
@@ -189,7 +189,7 @@ struct Cell {
     n: Vec3,
     t: Vec3,
     handedness: f32,
-    lift: f32,
+    heights: f32,
     color: Vec3,
     /// Of directions over the hemisphere: all, and open ones.
     looked: f32,
@@ -199,7 +199,7 @@ struct Cell {
 }
 
 impl Job<'_> {
-    fn band(&self, band: usize, mut planes: BandPlanes<'_>) -> BakeCounts {
+    fn band(&self, band: usize, mut planes: BandMaps<'_>) -> BakeCounts {
         let mut cells = vec![Cell::default(); planes.texels.len()];
         let shared = self.layout.patches(band, |patch| self.patch(patch, &mut cells));
         let mut counts = BakeCounts { shared, ..BakeCounts::default() };
@@ -279,7 +279,7 @@ impl Job<'_> {
 
     fn add(&self, found: &Correspondence, cell: &mut Cell) {
         cell.normal += found.normal;
-        cell.lift += found.height;
+        cell.heights += found.height;
         if self.settings.maps.has(MapKind::Albedo) {
             cell.color += Vec3::from_array(self.scan.color(found.point));
         }
@@ -292,7 +292,7 @@ impl Job<'_> {
     }
 
     /// Writes the means.
-    fn store(&self, i: usize, cell: &Cell, planes: &mut BandPlanes<'_>) {
+    fn store(&self, i: usize, cell: &Cell, planes: &mut BandMaps<'_>) {
         let share = 1.0 / cell.samples as f32;
         let maps = self.settings.maps;
         planes.texels[i] = match cell {
@@ -310,7 +310,7 @@ impl Job<'_> {
             planes.albedo[i] = (cell.color * share).to_array();
         }
         if maps.has(MapKind::Height) {
-            planes.lift[i] = cell.lift * share;
+            planes.heights[i] = cell.heights * share;
         }
         if maps.has(MapKind::Occlusion) {
             planes.occlusion[i] = if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 };
