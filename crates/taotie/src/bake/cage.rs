@@ -18,7 +18,7 @@ pub struct Cage {
     /// Outward, unit.
     directions: Vec<Vec3>,
     /// How far lines go into the light surface and out of it, model units.
-    reach: Vec<f32>,
+    distances: Vec<f32>,
     /// The longest of these.
     longest: f32,
 }
@@ -38,9 +38,9 @@ const OBLIQUE: f32 = 4.0;
 const FALLBACK: f32 = 4.0;
 
 impl Cage {
-    fn new(directions: Vec<Vec3>, reach: Vec<f32>) -> Self {
-        let longest = reach.iter().fold(0.0, |most: f32, v| most.max(*v));
-        Self { directions, reach, longest }
+    fn new(directions: Vec<Vec3>, distances: Vec<f32>) -> Self {
+        let longest = distances.iter().fold(0.0, |most: f32, v| most.max(*v));
+        Self { directions, distances, longest }
     }
 
     /// Finds the distances: from points all over each triangle the scan is looked for along the directions and as the
@@ -50,14 +50,14 @@ impl Cage {
         let diagonal = low.diagonal();
         let search = GapSearch { low, directions: &directions, scan, diagonal };
         let gaps: Vec<f32> = (0..low.triangles().len()).into_par_iter().map(|t| search.largest(t)).collect();
-        let mut reach = vec![(diagonal * LEAST) as f32; directions.len()];
+        let mut distances = vec![(diagonal * LEAST) as f32; directions.len()];
         for (triangle, gap) in low.triangles().iter().zip(gaps) {
             for v in triangle {
-                reach[*v as usize] = reach[*v as usize].max(gap * MARGIN);
+                distances[*v as usize] = distances[*v as usize].max(gap * MARGIN);
             }
         }
-        surface::shared_by_position(low, &mut reach);
-        Self::new(directions, reach)
+        surface::shared_by_position(low, &mut distances);
+        Self::new(directions, distances)
     }
 
     /// The same distance everywhere, both ways.
@@ -72,8 +72,8 @@ impl Cage {
             ));
         }
         let directions = directions(low);
-        let reach = vec![distance; directions.len()];
-        Ok(Self::new(directions, reach))
+        let distances = vec![distance; directions.len()];
+        Ok(Self::new(directions, distances))
     }
 
     /// From a cage mesh: the light mesh with its vertices moved outward, in the same order. Lines end at the cage, and
@@ -99,9 +99,9 @@ impl Cage {
                 format!("{inside} of its {count} vertices are not outside the light mesh; move them outward");
             return Err(Error::invalid("the cage", why));
         }
-        let reach: Vec<f32> = (0..count).map(|i| way(i).length()).collect();
+        let distances: Vec<f32> = (0..count).map(|i| way(i).length()).collect();
         let directions = (0..count).map(|i| way(i).normalize_or(normals[i])).collect();
-        Ok(Self::new(directions, reach))
+        Ok(Self::new(directions, distances))
     }
 
     /// The longest of the distances over which the scan is looked for, model units.
@@ -116,7 +116,7 @@ impl Cage {
         ProjectionRay {
             point: point.position(low),
             direction: blend(directions, point.weights).normalize_or(directions[0]),
-            reach: blend(vertices.map(|v| self.reach[v]), point.weights),
+            distance: blend(vertices.map(|v| self.distances[v]), point.weights),
         }
     }
 
@@ -134,12 +134,12 @@ impl Cage {
             Some(self.projection_ray(own, closest.point()))
         };
         // A mesh without triangles has no line to follow either.
-        let none = ProjectionRay { point: Vec3::default(), direction: Vec3::default(), reach: 0.0 };
+        let none = ProjectionRay { point: Vec3::default(), direction: Vec3::default(), distance: 0.0 };
         let projections: Vec<ProjectionRay> =
             copy.positions().par_iter().map(|point| at(point).unwrap_or(none)).collect();
         Self::new(
             projections.iter().map(|projection| projection.direction).collect(),
-            projections.iter().map(|projection| projection.reach).collect(),
+            projections.iter().map(|projection| projection.distance).collect(),
         )
     }
 }
@@ -185,8 +185,8 @@ impl GapSearch<'_> {
         let point = at.position(self.low);
         let directions = at.vertices(self.low).map(|v| self.directions[v]);
         let direction = blend(directions, at.weights).normalize_or(self.directions[0]);
-        let height = |reach: f32| {
-            let projection = ProjectionRay { point, direction, reach };
+        let height = |distance: f32| {
+            let projection = ProjectionRay { point, direction, distance };
             self.scan.project(&projection).map(|found| found.height.abs())
         };
         if let Some(height) = height(near) {

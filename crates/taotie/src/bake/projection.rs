@@ -1,11 +1,11 @@
-//! From a light surface to the heavy one that it stands for.
+//! From a low-poly mesh to the high-poly surface that it stands for.
 
 use super::scan::Scan;
 use crate::math::Vec3;
 use crate::mesh::Point;
 use crate::trace::{Hit, Ray, Stretch};
 
-/// The point of the heavy surface that a point of the light one stands for.
+/// The point of the high-poly surface that a point of the low-poly mesh stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correspondence {
     /// Along the direction that was followed: above 0 outside the light surface, model units.
@@ -16,40 +16,40 @@ pub struct Correspondence {
     pub point: Point,
 }
 
-/// A line through a point of a light surface on which its match is sought.
+/// A ray through a point of the low-poly mesh on which its correspondence is sought.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProjectionRay {
     /// A point of the light surface, world space.
     pub point: Vec3,
     /// Outward, unit.
     pub direction: Vec3,
-    /// How far the line goes into the light surface and out of it, model units.
-    pub reach: f32,
+    /// How far the ray goes into the light surface and out of it, model units.
+    pub distance: f32,
 }
 
 impl ProjectionRay {
-    /// The projection as a ray from its inner end beside others that run along `main`, and the stretch of it that matters.
+    /// The ray from its inner end, beside others that run along `main`, and the stretch of it that matters.
     pub(super) fn ray(&self, main: Vec3) -> (Ray, Stretch) {
-        let ray = Ray::beside(self.point - self.direction * self.reach, self.direction, main);
-        (ray, Stretch { from: 0.0, center: self.reach, to: self.reach + self.reach })
+        let ray = Ray::beside(self.point - self.direction * self.distance, self.direction, main);
+        (ray, Stretch { from: 0.0, center: self.distance, to: self.distance + self.distance })
     }
 
     /// What a hit of [`ProjectionRay::ray`] on a surface with this normal stands for.
     pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Correspondence {
-        Correspondence { height: hit.distance - self.reach, normal, point: hit.point() }
+        Correspondence { height: hit.distance - self.distance, normal, point: hit.point() }
     }
 }
 
 impl Scan {
-    /// The nearest point on the projection where the scan faces as the projection does: whatever faces the other way is the far
-    /// side of something else.
+    /// The nearest point on the ray where the scan faces as the ray does: whatever faces the other way is the
+    /// far side of something else.
     pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
         let (ray, stretch) = projection.ray(projection.direction);
         let (hit, normal) = self.bvh().nearest_to(&ray, stretch, |hit| self.facing(hit, projection))?;
         Some(projection.found(&hit, normal))
     }
 
-    /// The scan's normal at a hit, if it faces as the projection does.
+    /// The scan's normal at a hit, if it faces as the ray does.
     pub(super) fn facing(&self, hit: &Hit, projection: &ProjectionRay) -> Option<Vec3> {
         let normal = hit.point().normal(self.mesh());
         (normal.dot(projection.direction) > 0.0).then_some(normal)

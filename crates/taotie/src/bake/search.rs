@@ -66,7 +66,7 @@ fn view(patch: &Patch, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Opt
     let mut depths = [f32::INFINITY, f32::NEG_INFINITY];
     let mut reach = 0.0f32;
     for projection in projections {
-        for way in [-projection.reach, projection.reach] {
+        for way in [-projection.distance, projection.distance] {
             let end = projection.point + projection.direction * way;
             reach = reach.max((end - origin).length()).max(end.length());
             for k in 0..2 {

@@ -67,14 +67,14 @@ impl Matching {
             }
             Self::Normal => {
                 let scan = Scan::new(reference.clone())?;
-                let reach = (REACH * diagonal) as f32;
+                let distance = (REACH * diagonal) as f32;
                 let size = [smooth.depth.width(), smooth.depth.height()];
                 matched(smooth, |at| {
                     let [depth, ..] = smooth.depth.pixel(at[0], at[1]);
                     let [x, y, z, _] = smooth.normals.pixel(at[0], at[1]);
                     let point = smooth.camera.point_at(at, depth.into(), size).to_f32();
                     let direction = Vec3::new(x, y, z);
-                    let projection = ProjectionRay { point, direction, reach };
+                    let projection = ProjectionRay { point, direction, distance };
                     scan.project(&projection).map(|found| found.normal)
                 })
             }

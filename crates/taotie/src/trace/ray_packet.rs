@@ -73,8 +73,8 @@ impl<'a> RayPacket<'a> {
             order[*slot as usize] = i as u32;
             *slot += 1;
         }
-        let pack = RayColumns::new(rays, &order)?;
-        is_sane.then_some(Self { rays, view, corner, scale, cells, starts, order, pack })
+        let columns = RayColumns::new(rays, &order)?;
+        is_sane.then_some(Self { rays, view, corner, scale, cells, starts, order, columns })
     }
 
     /// The cells that a stretch of columns (0) or rows (1) touches.

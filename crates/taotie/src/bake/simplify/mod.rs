@@ -27,7 +27,7 @@ pub struct Simplified {
     /// What had to be done.
     pub method: SimplifyMethod,
     /// Whether the number of triangles is the wanted one, or less than 2 % off, or the surface had fewer. Where it is
-    /// `false` all means were tried, [`SimplifyMethod::Clustered`] among them, and this is the best.
+    /// `false` all methods were tried, [`SimplifyMethod::Clustered`] among them, and this is the best.
     pub reached: bool,
     /// What was left out, counted.
     pub notes: Warnings,

@@ -1,4 +1,4 @@
-//! The last step: all triangles at once, by the mildest means that reach the number.
+//! The last step: all triangles at once, by the mildest method that reaches the number.
 
 use super::options::{SimplifyMethod, SimplifyOptions};
 use super::part::{Part, adapter, triples};

@@ -121,11 +121,11 @@ impl Board {
         runs.sort_by_key(|(y, [from, to])| (from.wrapping_sub(*to), *y));
         let beyond = self.beyond(self.width - mask.width);
         let (mut blocked, mut scratch) = (beyond.clone(), vec![0; self.words]);
-        let projections: Vec<(u32, u32)> =
+        let probes: Vec<(u32, u32)> =
             runs.iter().take(PROBES).map(|(y, [from, to])| (*y, to - from)).collect();
         for top in start.. {
             let free = |y: u32| self.free.get((top + y) as usize).copied().unwrap_or(self.width);
-            if projections.iter().any(|(y, length)| free(*y) < *length) {
+            if probes.iter().any(|(y, length)| free(*y) < *length) {
                 continue;
             }
             blocked.copy_from_slice(&beyond);
