@@ -19,7 +19,7 @@ pub(super) struct Sky {
 }
 
 /// A point from which the sky is looked at.
-pub(super) struct Outlook {
+pub(super) struct AoSample {
     origin: Vec3,
     normal: Vec3,
     facet: Vec3,
@@ -61,30 +61,30 @@ impl Sky {
     }
 
     /// The point of the scan that a sample found; `class` is the sample's number in its texel.
-    pub fn outlook(&self, scan: &Scan, found: &Correspondence, class: u32) -> Outlook {
+    pub fn ao_sample(&self, scan: &Scan, found: &Correspondence, class: u32) -> AoSample {
         let corners = scan.mesh().corners(found.point.triangle as usize);
         let facet = surface::facet_normal(corners).unwrap_or(found.normal);
         let facet = if facet.dot(found.normal) < 0.0 { -facet } else { facet };
         let origin = found.point.position(scan.mesh()) + facet * self.offset;
-        Outlook { origin, normal: found.normal, facet, class: class % self.classes }
+        AoSample { origin, normal: found.normal, facet, class: class % self.classes }
     }
 
     /// Looks out from each of these points, which should lie near one another.
-    pub fn open(&self, scan: &Scan, outlooks: &[Outlook]) -> Vec<Open> {
-        let mut open = vec![Open::default(); outlooks.len()];
-        let mut looking = Vec::with_capacity(outlooks.len());
+    pub fn open(&self, scan: &Scan, ao_samples: &[AoSample]) -> Vec<Open> {
+        let mut open = vec![Open::default(); ao_samples.len()];
+        let mut looking = Vec::with_capacity(ao_samples.len());
         for (i, direction) in self.directions.iter().enumerate() {
             looking.clear();
             // Below its facet a point sees nothing; the smooth surface that the facet stands for would.
-            looking.extend((0..outlooks.len()).filter(|k| {
-                let Outlook { normal, facet, class, .. } = &outlooks[*k];
+            looking.extend((0..ao_samples.len()).filter(|k| {
+                let AoSample { normal, facet, class, .. } = &ao_samples[*k];
                 i as u32 % self.classes == *class
                     && normal.dot(*direction) > 0.0
                     && facet.dot(*direction) > 0.0
             }));
-            let blocked = self.blocked(scan, outlooks, &looking, *direction);
+            let blocked = self.blocked(scan, ao_samples, &looking, *direction);
             for (k, blocked) in looking.iter().zip(blocked) {
-                let weight = outlooks[*k].normal.dot(*direction);
+                let weight = ao_samples[*k].normal.dot(*direction);
                 open[*k].looked += weight;
                 if !blocked {
                     open[*k].seen += weight;
@@ -96,10 +96,10 @@ impl Sky {
     }
 
     /// Whether something stands in the way from each of these points.
-    fn blocked(&self, scan: &Scan, outlooks: &[Outlook], looking: &[usize], direction: Vec3) -> Vec<bool> {
+    fn blocked(&self, scan: &Scan, ao_samples: &[AoSample], looking: &[usize], direction: Vec3) -> Vec<bool> {
         /// Fewer rays are faster one by one.
         const FEW: usize = 6;
-        let rays: Vec<Ray> = looking.iter().map(|k| Ray::new(outlooks[*k].origin, direction)).collect();
+        let rays: Vec<Ray> = looking.iter().map(|k| Ray::new(ao_samples[*k].origin, direction)).collect();
         let packet = (rays.len() > FEW).then(|| self.packet(&rays, direction)).flatten();
         let Some(packet) = packet else {
             return rays.iter().map(|ray| scan.bvh().occluded(ray, self.reach, |_| true)).collect();

@@ -9,7 +9,7 @@ use super::maps::{MapKind, Maps};
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use super::search::search;
-use super::sky::{Outlook, Sky};
+use super::sky::{AoSample, Sky};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
@@ -223,7 +223,7 @@ impl Job<'_> {
             .map(|sample| self.cage.projection_ray(self.layout.mesh, patch.point(sample)))
             .collect();
         let found = search(self.scan, patch, corners, &projections);
-        let mut outlooks = Vec::new();
+        let mut ao_samples = Vec::new();
         for ((sample, projection), found) in patch.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells[sample.texel as usize];
             self.add_frame(patch.point(sample), cell);
@@ -232,16 +232,16 @@ impl Job<'_> {
             if let Some(sky) = &self.sky {
                 let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
                 let class = y * self.layout.side + x;
-                outlooks.push((sample.texel, sky.outlook(self.scan, &found, class)));
+                ao_samples.push((sample.texel, sky.ao_sample(self.scan, &found, class)));
             }
         }
-        self.add_sky(outlooks, cells);
+        self.add_sky(ao_samples, cells);
     }
 
-    fn add_sky(&self, outlooks: Vec<(u32, Outlook)>, cells: &mut [Cell]) {
+    fn add_sky(&self, ao_samples: Vec<(u32, AoSample)>, cells: &mut [Cell]) {
         let Some(sky) = &self.sky else { return };
-        let (texels, outlooks): (Vec<u32>, Vec<Outlook>) = outlooks.into_iter().unzip();
-        for (texel, open) in texels.into_iter().zip(sky.open(self.scan, &outlooks)) {
+        let (texels, ao_samples): (Vec<u32>, Vec<AoSample>) = ao_samples.into_iter().unzip();
+        for (texel, open) in texels.into_iter().zip(sky.open(self.scan, &ao_samples)) {
             let cell = &mut cells[texel as usize];
             cell.looked += open.looked;
             cell.open += open.seen;
