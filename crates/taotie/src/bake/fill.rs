@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 /// Texels around each chart that take the value of the nearest one before the rest is filled: more than any bilinear or
 /// anisotropic lookup at the finest level reaches over a border.
-const SKIRT: u32 = 4;
+const PADDING: u32 = 4;
 
-/// Gives free texels values: `steps` of growing charts, each texel from a neighbour; or with `None` first a narrow skirt
+/// Gives free texels values: `steps` of growing charts, each texel from a neighbour; or with `None` first a narrow padding
 /// and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels are, that
 /// holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
 pub(super) fn fill(planes: &mut BakedMaps, steps: Option<u32>) {
@@ -16,7 +16,7 @@ pub(super) fn fill(planes: &mut BakedMaps, steps: Option<u32>) {
     if !known.contains(&true) {
         return;
     }
-    for _ in 0..steps.unwrap_or(SKIRT) {
+    for _ in 0..steps.unwrap_or(PADDING) {
         let grown = neighbours(&known, size);
         each(planes, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
         grown.iter().for_each(|(to, _)| known[*to] = true);

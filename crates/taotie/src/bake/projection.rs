@@ -92,10 +92,10 @@ mod tests {
     fn finds_the_nearest_sheet_that_faces_the_same_way() {
         let scan = sheets();
         let up = Vec3::new(0.0, 0.0, 1.0);
-        let projection = |z: f32, direction: Vec3, reach: f32| ProjectionRay {
+        let projection = |z: f32, direction: Vec3, distance: f32| ProjectionRay {
             point: Vec3::new(0.3, 0.4, z),
             direction,
-            reach,
+            distance,
         };
         let at = |z: f32, reach: f32| scan.project(&projection(z, up, reach));
         let below = at(0.2, 0.5).unwrap();

@@ -31,7 +31,7 @@ pub struct TexelSurface {
     coverage: Coverage,
 }
 
-/// A margin reaches no farther from its triangle than the triangle is large: its weights stay above this.
+/// Padding reaches no farther from its triangle than the triangle is large: its weights stay above this.
 const LEAST_WEIGHT: f64 = -1.0;
 
 impl TexelSurface {
@@ -61,7 +61,7 @@ impl TexelSurface {
         &self.mesh
     }
 
-    /// The surface at the centre of a texel; in margins as if the triangle went on. `None` away from all charts.
+    /// The surface at the centre of a texel; in padding as if the triangle went on. `None` away from all charts.
     pub fn point(&self, x: u32, y: u32) -> Option<SurfacePoint> {
         Some(Patch::new(self, self.coverage.triangle(x, y)?).at(&self.coverage, x, y))
     }

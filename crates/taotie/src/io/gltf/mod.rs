@@ -36,7 +36,7 @@ use crate::error::{Result, Warnings};
 use crate::math::Vec2;
 use crate::mesh::Mesh;
 use crate::scene::animation::{Deformed, Rig, RigData};
-use crate::scene::{Instance, Material, Scene, TextureRef as TextureUse};
+use crate::scene::{Instance, Material, Scene};
 use document::Document;
 use meshes::Meshes;
 use nodes::Nodes;
