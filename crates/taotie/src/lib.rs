@@ -1,4 +1,4 @@
-//! Taotie puts a scan's relief on a light mesh, shades it by physics, and proves that it still looks the same.
+//! Taotie puts a scan's relief on a low-poly mesh, shades it by physics, and proves that it still looks the same.
 //!
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!

@@ -1,4 +1,4 @@
-//! `taotie bake`: a scan's relief on a light mesh, and the proof that it looks the same.
+//! `taotie bake`: a scan's relief on a low-poly mesh, and the proof that it looks the same.
 
 mod args;
 mod clock;

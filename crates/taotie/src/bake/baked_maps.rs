@@ -13,7 +13,7 @@ pub enum TexelStatus {
     Met,
     /// A line missed and took the closest point of the scan.
     Closest,
-    /// Not even that faces the right way: the light mesh's own normal stands there.
+    /// Not even that faces the right way: the low-poly mesh's own normal stands there.
     Lost,
 }
 

@@ -1,4 +1,4 @@
-//! Which way and how far the heavy surface is looked for.
+//! Which way and how far the high-poly surface is looked for.
 
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
@@ -9,7 +9,7 @@ use crate::surface;
 use crate::trace::Bvh;
 use rayon::prelude::*;
 
-/// For each vertex of a light mesh the direction in which its scan is looked for, and how far.
+/// For each vertex of a low-poly mesh the direction in which its scan is looked for, and how far.
 ///
 /// Directions are the means of the mesh's normals at a place, so that they do not part at hard edges and uv seams, and
 /// no gap opens between the lines of neighbouring texels.
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 pub struct Cage {
     /// Outward, unit.
     directions: Vec<Vec3>,
-    /// How far lines go into the light surface and out of it, model units.
+    /// How far lines go into the low-poly surface and out of it, model units.
     distances: Vec<f32>,
     /// The longest of these.
     longest: f32,
@@ -76,7 +76,7 @@ impl Cage {
         Ok(Self::new(directions, distances))
     }
 
-    /// From a cage mesh: the light mesh with its vertices moved outward, in the same order. Lines end at the cage, and
+    /// From a cage mesh: the low-poly mesh with its vertices moved outward, in the same order. Lines end at the cage, and
     /// go as far inward.
     ///
     /// # Errors

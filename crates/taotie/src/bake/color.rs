@@ -1,4 +1,4 @@
-//! What colour a heavy surface has where.
+//! What colour a high-poly surface has where.
 
 use crate::image::Texture;
 use crate::math::Vec3;

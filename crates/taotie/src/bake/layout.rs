@@ -1,4 +1,4 @@
-//! A light mesh laid out on a map, band by band.
+//! A low-poly mesh laid out on a map, band by band.
 
 use super::owner::NONE;
 use super::raster::Rasterizer;

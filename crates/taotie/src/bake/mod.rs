@@ -1,4 +1,4 @@
-//! Baking: heavy surfaces made light and unwrapped, which point of a heavy surface a point of a light one stands for,
+//! Baking: high-poly surfaces simplified and unwrapped, which point of a high-poly surface a point of a low-poly one stands for,
 //! and which point of a mesh each texel of a map shows.
 //!
 //! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in

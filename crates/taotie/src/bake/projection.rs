@@ -8,7 +8,7 @@ use crate::trace::{Hit, Ray, Stretch};
 /// The point of the high-poly surface that a point of the low-poly mesh stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correspondence {
-    /// Along the direction that was followed: above 0 outside the light surface, model units.
+    /// Along the direction that was followed: above 0 outside the low-poly surface, model units.
     pub height: f32,
     /// The interpolated normal there: unit, world space.
     pub normal: Vec3,
@@ -19,11 +19,11 @@ pub struct Correspondence {
 /// A ray through a point of the low-poly mesh on which its correspondence is sought.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProjectionRay {
-    /// A point of the light surface, world space.
+    /// A point of the low-poly surface, world space.
     pub point: Vec3,
     /// Outward, unit.
     pub direction: Vec3,
-    /// How far the ray goes into the light surface and out of it, model units.
+    /// How far the ray goes into the low-poly surface and out of it, model units.
     pub distance: f32,
 }
 

@@ -1,4 +1,4 @@
-//! The heavy surface that is baked from.
+//! The high-poly surface that is baked from.
 
 use super::color::Colors;
 use crate::error::Result;
@@ -8,7 +8,7 @@ use crate::scene::{Instance, Scene};
 use crate::surface;
 use crate::trace::Bvh;
 
-/// The triangles of a heavy scene, sorted so that they can be found from points of a light one.
+/// The triangles of a high-poly scene, sorted so that they can be found from points of a low-poly one.
 ///
 /// Its relief is its geometry: normal maps of its materials are not read.
 pub struct Scan {
@@ -51,7 +51,7 @@ impl Scan {
     }
 }
 
-/// The light mesh of a scene: all its instances as one mesh in world space, with normals. A single one that is not moved
+/// The low-poly mesh of a scene: all its instances as one mesh in world space, with normals. A single one that is not moved
 /// stays as it is, tangents included.
 ///
 /// # Errors

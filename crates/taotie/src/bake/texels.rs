@@ -60,19 +60,19 @@ impl Default for BakeSettings {
 /// What became of the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BakeCounts {
-    /// Samples on the light mesh.
+    /// Samples on the low-poly mesh.
     pub samples: usize,
     /// Those whose line met nothing that faces the right way, so that the closest point of the scan was taken.
     pub missed: usize,
-    /// Those of them whose closest point faces the wrong way too, or is too far away: they have the light mesh's normal.
+    /// Those of them whose closest point faces the wrong way too, or is too far away: they have the low-poly mesh's normal.
     pub lost: usize,
     /// Samples under more than one triangle.
     pub shared: usize,
-    /// Texels on the light mesh.
+    /// Texels on the low-poly mesh.
     pub texels: usize,
     /// Texels with a sample that missed.
     pub missed_texels: usize,
-    /// Triangles of the light mesh whose uvs span no area.
+    /// Triangles of the low-poly mesh whose uvs span no area.
     pub flat: usize,
 }
 
@@ -185,7 +185,7 @@ struct Cell {
     lost: u32,
     /// Of the scan.
     normal: Vec3,
-    /// The light mesh's frame.
+    /// The low-poly mesh's frame.
     n: Vec3,
     t: Vec3,
     handedness: f32,
@@ -249,7 +249,7 @@ impl Job<'_> {
         }
     }
 
-    /// Adds the light mesh's frame at a sample.
+    /// Adds the low-poly mesh's frame at a sample.
     fn add_frame(&self, point: Point, cell: &mut Cell) {
         let frame = point.frame(self.layout.mesh);
         cell.samples += 1;

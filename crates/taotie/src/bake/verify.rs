@@ -1,4 +1,4 @@
-//! Whether a light mesh with its normal map looks as the scan it was baked from.
+//! Whether a low-poly mesh with its normal map looks as the scan it was baked from.
 
 use super::cage::{Cage, triangle_weights};
 use super::layout::{BAND, Layout};
@@ -13,7 +13,7 @@ use crate::surface::{decode_normal, decode_object_normal, facet_normal, tangent_
 use crate::trace::Bvh;
 use rayon::prelude::*;
 
-/// A light mesh as a viewer shows it.
+/// A low-poly mesh as a viewer shows it.
 pub struct Verifier<'a> {
     /// With uvs, normals and tangents.
     pub mesh: &'a Mesh,
@@ -28,7 +28,7 @@ pub struct Verifier<'a> {
 /// How far normals are from those of the scan.
 #[derive(Debug, Clone)]
 pub struct NormalError {
-    /// Degrees, one number for each of many points spread evenly over the light mesh.
+    /// Degrees, one number for each of many points spread evenly over the low-poly mesh.
     pub angles: Field,
     /// The part of the points whose line missed the scan, so that its closest point was taken: [0, 1].
     pub missed: f64,
@@ -39,9 +39,9 @@ pub struct NormalError {
 /// How far two surfaces lie from one another, model units.
 #[derive(Debug, Clone)]
 pub struct Deviation {
-    /// From points of the scan to the light mesh.
+    /// From points of the scan to the low-poly mesh.
     pub of_scan: Field,
-    /// From points of the light mesh to the scan.
+    /// From points of the low-poly mesh to the scan.
     pub of_light: Field,
 }
 
@@ -65,7 +65,7 @@ impl Deviation {
 
 impl Verifier<'_> {
     /// Measures the angle between the normal that a viewer shows, the map looked up bilinearly at its finest level, and
-    /// the scan's, at `count` points spread evenly over the light mesh's area.
+    /// the scan's, at `count` points spread evenly over the low-poly mesh's area.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the mesh has no area, or lacks uvs, normals or tangents for its map.
@@ -119,7 +119,7 @@ impl Verifier<'_> {
         })
     }
 
-    /// Texels a model unit on each triangle of the light mesh, on a map of this size; NaN for those without area.
+    /// Texels a model unit on each triangle of the low-poly mesh, on a map of this size; NaN for those without area.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the mesh has no uvs or no triangles.
@@ -219,7 +219,7 @@ fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
 
 /// What is wrong with a pair of meshes, told before anything is baked.
 impl Verifier<'_> {
-    /// Of points spread over the light mesh: the part near which the scan has no surface at all, the part where its
+    /// Of points spread over the low-poly mesh: the part near which the scan has no surface at all, the part where its
     /// closest surface faces the other way, and the mean distance to it as a part of `diagonal`; `None` where the mesh
     /// has no area.
     pub fn fit(&self, count: usize, diagonal: f64) -> Option<Fit> {
@@ -242,13 +242,13 @@ impl Verifier<'_> {
     }
 }
 
-/// Farther than this part of the diagonal, a scan is not the surface that a light mesh stands for.
+/// Farther than this part of the diagonal, a scan is not the surface that a low-poly mesh stands for.
 const AWAY: f64 = 0.02;
 
-/// How well a light mesh and a scan fit together.
+/// How well a low-poly mesh and a scan fit together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
-    /// The part of the light mesh that lies farther than a fiftieth of the diagonal from the scan, [0, 1].
+    /// The part of the low-poly mesh that lies farther than a fiftieth of the diagonal from the scan, [0, 1].
     pub away: f64,
     /// The part that faces the other way than the closest surface of the scan, [0, 1].
     pub turned: f64,

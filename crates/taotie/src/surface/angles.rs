@@ -56,7 +56,7 @@ fn any_level(mesh: &Mesh, first: usize, out: &mut [Share]) {
 
 /// The share of a triangle of any shape.
 fn any_share([a, b, c]: [Vec3<f64>; 3]) -> Share {
-    match super::normals::unit((b - a).cross(c - a)) {
+    match super::frame::unit((b - a).cross(c - a)) {
         Some(normal) => Share { normal, angles: corner_angles([a, b, c]) },
         None => Share::NONE,
     }

@@ -1,6 +1,7 @@
 //! Normals from geometry alone: of a triangle, and of the vertices it shares.
 
 use super::angles::{self, Share};
+use super::frame::unit;
 use super::weld::{self, Classes};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3};
@@ -100,12 +101,6 @@ fn first_facets(mesh: &Mesh) -> Vec<Option<Vec3>> {
 
 fn doubled_area([a, b, c]: [Vec3<f64>; 3]) -> Vec3<f64> {
     (b - a).cross(c - a)
-}
-
-/// The unit vector; `None` where nothing but rounding is left.
-pub(super) fn unit(v: Vec3<f64>) -> Option<Vec3<f64>> {
-    let length = v.length();
-    (length > 1e-300 && length.is_finite()).then(|| v / length)
 }
 
 /// For each vertex the sum of the vectors of all vertices at its place, each different one counted once, so that how a

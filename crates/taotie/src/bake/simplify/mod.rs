@@ -1,4 +1,4 @@
-//! A heavy surface made light: few triangles that lie near many.
+//! A high-poly surface simplified: few triangles that lie near many.
 
 mod blocks;
 mod options;
@@ -16,12 +16,12 @@ pub(super) use part::{Frame, adapter, compact, triples};
 pub(super) use weld::{morton, places};
 pub(super) use whole::is_near;
 
-/// A surface made light.
+/// A simplified surface.
 #[derive(Debug, Clone)]
 pub struct Simplified {
-    /// Positions (to the bit those of the heavy surface), normals and triangles; neither uvs nor colours.
+    /// Positions (to the bit those of the high-poly surface), normals and triangles; neither uvs nor colours.
     pub mesh: Mesh,
-    /// How far the light surface lies from the heavy one, model units: the estimate of meshoptimizer, of the size of
+    /// How far the low-poly surface lies from the high-poly one, model units: the estimate of meshoptimizer, of the size of
     /// the root mean square near the worst place, not a bound.
     pub error: f64,
     /// What had to be done.
@@ -33,11 +33,11 @@ pub struct Simplified {
     pub notes: Warnings,
 }
 
-/// Makes a surface light.
+/// Simplifies a surface.
 ///
 /// Positions that are equal to the last bit are made one vertex first, whatever normals, uvs and colours they have;
 /// triangles with two equal corners, and all but one of equal triangles, are left out and counted. The normals are
-/// those of [`vertex_normals`]. Large surfaces are first made lighter block by block, in parallel; the result does
+/// those of [`vertex_normals`]. Large surfaces are first simplified block by block, in parallel; the result does
 /// not depend on the number of threads.
 ///
 /// # Errors

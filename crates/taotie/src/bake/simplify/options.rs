@@ -1,6 +1,6 @@
 //! Options of simplification, and which method reached the number of triangles.
 
-/// How a surface is made light.
+/// How a surface is simplified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SimplifyOptions {
     /// How many triangles are wanted, at least 1.
