@@ -44,13 +44,15 @@ impl Baker {
 
     /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; judges the result.
     ///
-    /// The listener hears the stages `simplify`, `unwrap`, `read the low-poly mesh`, `tangents`, `measure the gap`, `bake`,
+    /// The listener hears the stages `simplify`, `unwrap`, `read the light mesh`, `tangents`, `measure the gap`,
+    /// `bake`,
     /// `store`, `levels of detail` and `inspect the scan`, and is asked about every 20 ms whether to go on.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading what the options
     /// name; [`Error::Limit`](crate::Error::Limit) where the memory does not suffice;
-    /// [`Error::Invalid`](crate::Error::Invalid) where no ray met the scan, or no mesh and map come as near as is wanted.
+    /// [`Error::Invalid`](crate::Error::Invalid) where no ray met the scan, or no mesh and map come as near as is
+    /// wanted.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
         let (options, scan) = (Arc::clone(&self.options), scan.into());
         options.check()?;

@@ -29,8 +29,9 @@ const MARGIN: f32 = 2.0;
 const LEAST: f64 = 2e-4;
 /// The gap is sought no farther than this part of the mesh's diagonal.
 const MOST: f64 = 0.1;
-/// A point seen along the direction, farther away than this part of the mesh's diagonal, is that of the gap only if it is
-/// no farther away than [`OBLIQUE`] times the closest point of all; else the line ran past the scan and met another part.
+/// A point seen along the direction, farther away than this part of the mesh's diagonal, is that of the gap only if it
+/// is no farther away than [`OBLIQUE`] times the closest point of all; else the line ran past the scan and met another
+/// part.
 const NEAR: f64 = 1e-2;
 const OBLIQUE: f32 = 4.0;
 
@@ -76,8 +77,8 @@ impl Cage {
         Ok(Self::new(directions, distances))
     }
 
-    /// From a cage mesh: the low-poly mesh with its vertices moved outward, in the same order. Lines end at the cage, and
-    /// go as far inward.
+    /// From a cage mesh: the low-poly mesh with its vertices moved outward, in the same order. Lines end at the cage,
+    /// and go as far inward.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the cage has another number of vertices, or where it lies on the mesh or inside of it.
@@ -125,8 +126,8 @@ impl Cage {
         scan.closest(projection.point, projection.direction, self.longest * FALLBACK)
     }
 
-    /// The same cage for a copy of its mesh whose vertices stand in another order, or are fewer, or lie a little beside:
-    /// each takes what the cage has at the closest point of its own mesh.
+    /// The same cage for a copy of its mesh whose vertices stand in another order, or are fewer, or lie a little
+    /// beside: each takes what the cage has at the closest point of its own mesh.
     pub fn carried_over(&self, own: &Mesh, copy: &Mesh) -> Self {
         let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
         let at = |point: &Vec3| {
@@ -144,8 +145,8 @@ impl Cage {
     }
 }
 
-/// The mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the triangles
-/// around it.
+/// The mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the
+/// triangles around it.
 fn directions(low: &Mesh) -> Vec<Vec3> {
     let around = surface::vertex_normals(low);
     if low.normals().is_empty() {

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 /// anisotropic lookup at the finest level reaches over a border.
 const PADDING: u32 = 4;
 
-/// Gives free texels values: `steps` of growing charts, each texel from a neighbour; or with `None` first a narrow padding
-/// and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels are, that
-/// holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
+/// Gives free texels values: `steps` of growing charts, each texel from a neighbour; or with `None` first a narrow
+/// padding and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels
+/// are, that holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
 pub(super) fn fill(planes: &mut BakedMaps, steps: Option<u32>) {
     let size = [planes.width as usize, planes.height as usize];
     let mut known: Vec<bool> = planes.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();

@@ -51,8 +51,8 @@ impl Scan {
     }
 }
 
-/// The low-poly mesh of a scene: all its instances as one mesh in world space, with normals. A single one that is not moved
-/// stays as it is, tangents included.
+/// The low-poly mesh of a scene: all its instances as one mesh in world space, with normals. A single one that is not
+/// moved stays as it is, tangents included.
 ///
 /// # Errors
 /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.

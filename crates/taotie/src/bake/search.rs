@@ -15,8 +15,8 @@ const LEAST_COSINE: f32 = 0.9;
 
 /// The match of each projection of a patch, as [`Scan::project`] finds it.
 ///
-/// Neighbouring samples look in nearly the same direction, so their projections are a packet: columns and rows are those of the
-/// tile, and depths run along the mean direction.
+/// Neighbouring samples look in nearly the same direction, so their projections are a packet: columns and rows are
+/// those of the tile, and depths run along the mean direction.
 pub(super) fn search(
     scan: &Scan,
     patch: &Patch,

@@ -175,8 +175,8 @@ impl Patch {
         }
     }
 
-    /// The copy of a uv in [0, 1] that lies in the triangle, or nearest to it, and not too far away; `beyond` is 1 where
-    /// copies beyond those that the triangle touches have to be looked at.
+    /// The copy of a uv in [0, 1] that lies in the triangle, or nearest to it, and not too far away; `beyond` is 1
+    /// where copies beyond those that the triangle touches have to be looked at.
     fn unwrapped(&self, uv: Vec2<f64>, beyond: u8) -> Vec2<f64> {
         let copies = |of: fn(&Vec2<f64>) -> f64| {
             let (low, high) =

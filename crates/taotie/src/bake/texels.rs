@@ -64,7 +64,8 @@ pub struct BakeCounts {
     pub samples: usize,
     /// Those whose line met nothing that faces the right way, so that the closest point of the scan was taken.
     pub missed: usize,
-    /// Those of them whose closest point faces the wrong way too, or is too far away: they have the low-poly mesh's normal.
+    /// Those of them whose closest point faces the wrong way too, or is too far away: they have the low-poly mesh's
+    /// normal.
     pub lost: usize,
     /// Samples under more than one triangle.
     pub shared: usize,
@@ -113,8 +114,8 @@ pub struct BakeInput<'a> {
 /// Bakes the maps of a scan for a low-poly mesh.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh lacks uvs, normals or tangents, or a setting is out of range; [`Error::Limit`] where
-/// uvs span too many copies of the map.
+/// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh lacks uvs, normals or tangents, or a setting is out of
+/// range; [`Error::Limit`] where uvs span too many copies of the map.
 pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_>) -> Result<Baked> {
     let BakeInput { low, cage, scan } = input;
     check(low, settings)?;

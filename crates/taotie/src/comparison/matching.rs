@@ -47,8 +47,8 @@ impl Matching {
         }
     }
 
-    /// Returns the reference's normals at the points that correspond to each sample's; the fourth channel is 1 where there
-    /// is one.
+    /// Returns the reference's normals at the points that correspond to each sample's; the fourth channel is 1 where
+    /// there is one.
     ///
     /// `smooth` shows the model without relief, whose diagonal is `diagonal`. By pixel nothing corresponds: what the
     /// reference shows there is for the caller to see.

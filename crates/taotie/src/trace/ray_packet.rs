@@ -1,8 +1,8 @@
 //! Rays that run side by side, met by triangles instead of meeting them.
 //!
 //! Neighbouring samples of a map look the same way, for triangles of about their own size. To ask for each ray which
-//! triangles it meets costs a walk through the tree a ray. Here the tree is walked once for all: a triangle near the rays
-//! casts a shadow along their direction, and only the rays in its shadow are tested.
+//! triangles it meets costs a walk through the tree a ray. Here the tree is walked once for all: a triangle near the
+//! rays casts a shadow along their direction, and only the rays in its shadow are tested.
 
 use super::bvh::{Bvh, Hit};
 use super::tree::{Boxes, Leaf, WIDTH};
@@ -97,8 +97,8 @@ impl<'a> RayPacket<'a> {
 }
 
 impl Bvh {
-    /// Calls `meet` with each ray of a packet, by its number, and each triangle that it meets at any distance from 0 on, in
-    /// no particular order, until it says that nothing more is wanted.
+    /// Calls `meet` with each ray of a packet, by its number, and each triangle that it meets at any distance from 0
+    /// on, in no particular order, until it says that nothing more is wanted.
     pub fn meet_all(&self, packet: &RayPacket<'_>, meet: impl FnMut(usize, Hit) -> bool) {
         dispatch_eight!(self.level, P, token => walk_packet::<P>(token, self, packet, meet));
     }

@@ -19,8 +19,8 @@ impl Ray {
         Self::beside(origin, direction, direction)
     }
 
-    /// The same ray, intersected along the axis that `main` runs along, as all rays of a packet must be. The direction's
-    /// part along that axis must have the sign of `main`'s.
+    /// The same ray, intersected along the axis that `main` runs along, as all rays of a packet must be. The
+    /// direction's part along that axis must have the sign of `main`'s.
     pub fn beside(origin: Vec3, direction: Vec3, main: Vec3) -> Self {
         let m = main.to_array();
         let d = direction.to_array();
@@ -62,8 +62,8 @@ impl Ray {
         (t >= 0.0).then_some((t, weights))
     }
 
-    /// The first half of [`Ray::intersect`] for as many triangles as a pack has lanes, `corners[corner][axis]`, with the
-    /// same bits. `None` where the ray passes all of them by.
+    /// The first half of [`Ray::intersect`] for as many triangles as a pack has lanes, `corners[corner][axis]`, with
+    /// the same bits. `None` where the ray passes all of them by.
     #[inline(always)]
     pub(super) fn edges<P: Pack>(&self, token: P::Token, corners: [[P; 3]; 3]) -> Option<Edges<P>> {
         let [kx, ky, kz] = self.axes;

@@ -21,8 +21,8 @@ pub(super) use whole::is_near;
 pub struct Simplified {
     /// Positions (to the bit those of the high-poly surface), normals and triangles; neither uvs nor colours.
     pub mesh: Mesh,
-    /// How far the low-poly surface lies from the high-poly one, model units: the estimate of meshoptimizer, of the size of
-    /// the root mean square near the worst place, not a bound.
+    /// How far the low-poly surface lies from the high-poly one, model units: the estimate of meshoptimizer, of the
+    /// size of the root mean square near the worst place, not a bound.
     pub error: f64,
     /// What had to be done.
     pub method: SimplifyMethod,
@@ -41,8 +41,8 @@ pub struct Simplified {
 /// not depend on the number of threads.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh has no triangle with
-/// three corners, or none is left since so few are wanted.
+/// [`Error::Cancelled`]; [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh
+/// has no triangle with three corners, or none is left since so few are wanted.
 ///
 /// Source: Garland and Heckbert 1997, "Surface simplification using quadric error metrics", as meshoptimizer does it.
 pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) -> Result<Simplified> {

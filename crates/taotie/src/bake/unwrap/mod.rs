@@ -65,8 +65,9 @@ pub struct Unwrapped {
 /// this size. The result depends neither on the order of vertices nor on the number of threads.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where the map is empty or all padding, or no triangle has an area; [`Error::Limit`] where it is
-/// larger than [`Image::MAX_SIDE`] or the mesh has so many charts that their padding fills it.
+/// [`Error::Cancelled`]; [`Error::Invalid`] where the map is empty or all padding, or no triangle has an area;
+/// [`Error::Limit`] where it is larger than [`Image::MAX_SIDE`] or the mesh has so many charts that their padding fills
+/// it.
 pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> Result<Unwrapped> {
     check(options)?;
     let topology = Topology::new(mesh);
