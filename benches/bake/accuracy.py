@@ -1,7 +1,7 @@
 """How far normal maps are from the scan, degrees: accuracy.py SCAN.ply LOW.npz NAME=MAP.png...
 
-The truth is none of the bakers': Embree casts rays from random points of the light mesh along its interpolated normal,
-outward and inward; of what they meet, the nearest that faces the same way counts, with the scan's vertex normals
+The truth is none of the bakers': Embree casts rays from random points of the low-poly mesh along its interpolated
+normal, outward and inward; of what they meet, the nearest that faces the same way counts, with the scan's vertex normals
 interpolated there. A map is looked up bilinearly at the same point and taken out of tangent space as glTF says: by the
 interpolated normal and tangent, not normalised. Prints JSON.
 """
@@ -25,7 +25,7 @@ REACH = 0.05
 
 
 def random_points(low):
-    """Triangles and barycentrics (n, 3) of points spread evenly over the light mesh's area."""
+    """Triangles and barycentrics (n, 3) of points spread evenly over the low-poly mesh's area."""
     random = np.random.default_rng(SEED)
     corners = low["positions"][low["triangles"]].astype(np.float64)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=-1)

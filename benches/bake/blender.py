@@ -1,6 +1,6 @@
 """One bake by Blender in a process of its own; the last line it prints is JSON: seconds of each step, peak memory.
 
-The scan is laid onto the light mesh ("selected to active"), as `taotie bake --low` does.
+The scan is laid onto the low-poly mesh ("selected to active"), as `taotie bake --low` does.
 """
 
 import argparse
@@ -65,7 +65,7 @@ def load_scan(path):
 
 
 def build_low(path):
-    """The light mesh with the very normals and uvs of the file; Blender makes the tangents of them."""
+    """The low-poly mesh with the very normals and uvs of the file; Blender makes the tangents of them."""
     low = np.load(path)
     corners = low["triangles"].ravel()
     mesh = bpy.data.meshes.new("low")
@@ -85,7 +85,7 @@ def build_low(path):
 
 
 def add_image(low, size):
-    """The picture to bake into: the active image of the light mesh's material."""
+    """The picture to bake into: the active image of the low-poly mesh's material."""
     image = bpy.data.images.new("map", size, size, alpha=False, float_buffer=False)
     image.colorspace_settings.name = "Non-Color"
     material = bpy.data.materials.new("low")

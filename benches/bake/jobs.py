@@ -5,7 +5,7 @@ import os
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-# Where rays begin before the light mesh, model units: beyond the relief and the chords of the light mesh.
+# Where rays begin before the low-poly mesh, model units: beyond the relief and the chords of the low-poly mesh.
 EXTRUSION = 0.05
 MARGIN = 16
 

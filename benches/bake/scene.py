@@ -1,4 +1,4 @@
-"""Makes the scans and the light mesh in a folder, where they are absent: scene.py FOLDER SCAN..."""
+"""Makes the scans and the low-poly mesh in a folder, where they are absent: scene.py FOLDER SCAN..."""
 
 import os
 import sys
@@ -43,7 +43,7 @@ def write_scan(path, around, along):
 
 
 def write_low(folder):
-    """The light mesh, split along the seam of its uvs: low.glb for Taotie, low.npz with v upward for the others.
+    """The low-poly mesh, split along the seam of its uvs: low.glb for Taotie, low.npz with v upward for the others.
 
     Its normals are made of its own triangles, not of the outline. Some bakers follow the normals of the file and some
     those of the triangles; here the two are the same, so that every baker looks for the scan along the same lines.

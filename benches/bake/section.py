@@ -39,7 +39,7 @@ def about_errors(accuracy):
         return [wrapped(f"The maps' angular errors could not be measured here: {accuracy['lacks']}.")]
     prose = (
         f"Angles between the normals that a map shows and the scan's, at {accuracy['points']:,} random points of the "
-        "light mesh, by rays of Embree along its interpolated normals. Of the points "
+        "low-poly mesh, by rays of Embree along its interpolated normals. Of the points "
         f"{accuracy['missed']:,} met no scan and are left out. Taotie dithers maps of 8 bits, which hides steps "
         "under a moving light and costs some of the angle."
     )

@@ -108,7 +108,7 @@ class Relief:
         height = self._fret(v) + self._bosses(v) + self._rings(v)[:, None]
         for lattice, amount in self.skin:
             height += amount * lattice(v)
-        # None at the ends, where the light mesh and the scan share their borders.
+        # None at the ends, where the low-poly mesh and the scan share their borders.
         return height * smoothstep(np.minimum(v, 1 - v) / 0.03)[:, None]
 
     def _fret(self, v):

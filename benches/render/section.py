@@ -104,7 +104,7 @@ def apart(differences):
     told = " and ".join(f"{mean:.1f} for `{shading}`" for shading, mean in most.items())
     covered = max(difference["coverage"] for difference in differences.values())
     return (
-        f"The vessel fills up to {covered:.0%} of the picture. Taotie's and llvmpipe's pictures differ over it by at "
+        f"The vessel fills up to {covered:.0%} of the image. Taotie's and llvmpipe's images differ over it by at "
         f"most this many codes of 8 bits on average: {told}; Taotie takes more care of occlusion, of energy and of "
         "highlights narrower than a pixel."
     )
@@ -128,10 +128,10 @@ def notes(run):
 
 
 ABOUT = (
-    "`make bench-render` shows a carved bronze vessel with maps of 2048² (`benches/render/scene.py`) by each program "
-    "in turn: `cook-torrance` with colours, normals and one light, `ggx` with occlusion, roughness and metal too and "
-    "under an environment. Each frame turns the object, draws it at one sample a pixel with trilinear filtering, and "
-    "ends with all pixels as 8-bit sRGB in memory. Median over the rounds, in brackets the multiple of Taotie's."
+    "`make bench-render` lets each program in turn render a carved bronze vessel with maps of 2048² "
+    "(`benches/render/scene.py`): `cook-torrance` with colours, normals and one light, `ggx` with occlusion, roughness "
+    "and metal too and under an environment. Each frame turns the object, draws it at one sample a pixel with trilinear filtering, and "
+    "ends with all pixels as 8-bit sRGB in memory. Median over the rounds; in brackets the multiple of Taotie's."
 )
 
 ABOUT_COLD = (

@@ -87,8 +87,8 @@ ALT = "Milliseconds a frame over triangles, pixels, lights, texels and threads"
 ABOUT = (
     "`make bench-scaling` changes one thing at a time about the vessel of `make bench-render`: 199,680 triangles, "
     "1024² pixels, one light, maps of 2048², all threads (`benches/scaling/axes.py`). More lights are points on a ring "
-    "around it that share the intensity of one; maps of other sizes show the same. Pictures of 64² have next to no "
-    "pixels to shade: that is what the triangles alone cost. Each frame turns the object, draws it at one sample a "
+    "around it that share the intensity of one; maps of other sizes show the same. Images of 64² have next to no "
+    "pixels to shade: they show what the triangles alone cost. Each frame turns the object, draws it at one sample a "
     "pixel and ends with all pixels as 8-bit sRGB in memory; `ggx` is under an environment too. "
     "Medians of the frames of all rounds; all points of an axis take turns."
 )

@@ -1,4 +1,4 @@
-//! What the command says: results on stdout, talk and progress on stderr.
+//! The output of the command: results on stdout, messages and progress on stderr.
 
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -14,7 +14,7 @@ pub fn result(line: &str) -> Result<()> {
     Ok(stdout.flush()?)
 }
 
-/// Writes talk to stderr. Nobody listening is no error.
+/// Writes a message to stderr. A closed stderr is no error.
 pub fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
@@ -37,12 +37,12 @@ pub fn causes(error: &anyhow::Error) -> String {
     format!("{error:#}")
 }
 
-/// Whether the error comes from a reader that went away.
+/// Returns whether the error comes from a closed pipe.
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().filter_map(io_error).any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }
 
-/// Whether the user asked to stop.
+/// Returns whether the user asked to stop.
 pub fn is_cancelled(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| matches!(cause.downcast_ref(), Some(taotie::Error::Cancelled)))
 }
@@ -76,6 +76,12 @@ impl Bar {
             return;
         }
         self.bar.get_or_init(|| self.new_bar()).set_position((fraction * STEPS as f64) as u64);
+    }
+
+    /// Shows the fraction done and lets the work go on: the listener of a [`taotie::Progress`].
+    pub fn hear(&self, fraction: f64) -> bool {
+        self.set(fraction);
+        true
     }
 
     fn new_bar(&self) -> ProgressBar {

@@ -19,7 +19,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Puts a scan's relief on a light mesh and shades it by physics.
+/// Bakes high-poly scans to low-poly glTF with normal maps, renders them, and measures the error.
 #[derive(Parser)]
 #[command(name = "taotie", version, max_term_width = 100, disable_help_subcommand = true)]
 struct Cli {
@@ -29,25 +29,25 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Renders a model to a picture.
+    /// Renders a model to a picture or an animation.
     Render(Box<render::RenderArgs>),
-    /// Renders a model by several surface methods and measures how they differ.
+    /// Renders a model by several surface methods and measures their error.
     Compare(Box<compare::CompareArgs>),
-    /// Bakes a scan's relief onto a light mesh and proves that it looks the same.
+    /// Bakes a high-poly scan to a low-poly glTF asset with a normal map, and measures the error.
     Bake(Box<bake::BakeArgs>),
-    /// Says what is in a model and what is wrong with it.
+    /// Lists the content of a model file and its defects.
     Inspect(inspect::InspectArgs),
-    /// Makes normal maps from heights, and converts them.
+    /// Makes normal maps from height maps, and converts normal maps.
     Normals(Box<normals::NormalsArgs>),
-    /// Says how two pictures or normal maps differ.
+    /// Measures the difference of two pictures or normal maps.
     Diff(diff::DiffArgs),
-    /// Lists the materials that `--material` knows.
+    /// Lists the material presets for `--material`.
     Materials(materials::MaterialsArgs),
-    /// Renders the built-in bronze jue by every method and model, and measures them.
+    /// Renders the built-in bronze by every surface method and shading model, and measures their error.
     Demo(demo::DemoArgs),
 }
 
-/// How a run without an error ended.
+/// The end of a run without an error.
 enum Outcome {
     /// As wanted.
     Fine,

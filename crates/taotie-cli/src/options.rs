@@ -36,12 +36,12 @@ pub fn number(value: &str) -> Result<f64, String> {
     parse::number(value).map_err(reason)
 }
 
-/// Finite numbers parted by commas.
+/// Finite numbers separated by commas.
 pub fn numbers(value: &str) -> Result<Vec<f64>, String> {
     parse::numbers(value).map_err(reason)
 }
 
-/// Exactly three numbers parted by commas.
+/// Exactly three numbers separated by commas.
 pub fn vector(value: &str) -> Result<Vec3<f64>, String> {
     parse::vector(value).map_err(reason)
 }

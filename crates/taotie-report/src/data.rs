@@ -133,7 +133,7 @@ pub enum Section {
         unit: String,
         /// Bin i holds the values in [i · `bin_width`, (i + 1) · `bin_width`).
         bin_width: f64,
-        /// Whether the last bin holds everything above it too.
+        /// True if the last bin holds everything above it too.
         last_is_open: bool,
         /// The counts, a panel each.
         series: Vec<Series>,

@@ -3,7 +3,7 @@
 use crate::sheet::{Line, NOTE, Sheet, TITLE, TextSize};
 use taotie::compare::{ColorMap, Field, heat};
 
-/// Where nothing was compared.
+/// The colour of pixels that were not compared.
 const NOTHING: [u8; 3] = [96, 96, 96];
 /// Room for the scale under the picture, pixels.
 const FOOT: usize = 64;

@@ -1,7 +1,9 @@
 //! Reports as one offline HTML file: images to be compared by wipe and zoom, tables and histograms; and the contact
 //! sheets, heat maps and text tables beside it.
 //!
-//! A [`Page`] knows nothing of its subject. [`html`] makes one document of it, which opens from disk and fetches
+//! [`bake_page`] and [`comparison`] make the pages of `taotie::asset` and `taotie::comparison`.
+//!
+//! A [`Page`] itself knows nothing of its subject. [`html`] makes one document of it, which opens from disk and fetches
 //! nothing: its content security policy names the style sheet and the script by their SHA-256, so nothing in the data
 //! can run.
 //!
@@ -18,13 +20,16 @@
 //! assert!(html(&page).contains("<title>A jue</title>"));
 //! ```
 
+pub mod bake_page;
+pub mod comparison;
 mod data;
 mod document;
 pub mod heat_map;
 mod images;
 mod picture;
 pub mod sheet;
-pub mod spread;
+pub mod summary;
+pub mod swatches;
 pub mod table;
 
 pub use data::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View};

@@ -22,7 +22,7 @@ use taotie::film::{Development, ToneCurve};
 use taotie::math::{Lane, Vec3, poly};
 use taotie::mesh::Mesh;
 use taotie::raster::PerspectiveTriangle;
-use taotie::render::{Lighting, RenderSettings, Renderer};
+use taotie::render::{Lighting, RenderSettings, Renderer, Shot};
 use taotie::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Scene};
 use taotie::shade::dfg::Dfg;
 use taotie::shade::{Angles, Hidden, Shading, Substance, bend, compensation, lights, reflect};
@@ -253,16 +253,16 @@ fn sphere() -> Scene {
 }
 
 /// A whole picture, to be taken again and again.
-struct Studio<'a> {
-    renderer: Renderer<'a>,
+struct Studio {
+    renderer: Renderer,
     camera: Camera,
     lighting: Lighting,
     settings: RenderSettings,
     codes: Vec<[u8; 4]>,
 }
 
-impl<'a> Studio<'a> {
-    fn new(scene: &'a Scene) -> Self {
+impl Studio {
+    fn new(scene: Scene) -> Self {
         let shading = Shading::CookTorrance;
         let settings =
             RenderSettings { width: SIDE, height: SIDE, samples: 1, shading, ..RenderSettings::default() };
@@ -274,9 +274,8 @@ impl<'a> Studio<'a> {
     /// Takes it; how many pixels show the sphere.
     fn draw(&mut self) -> usize {
         let development = Development { tone: ToneCurve::Linear, ..Development::default() };
-        let seen = (&self.camera, &self.lighting);
-        let drawn =
-            self.renderer.develop(seen, &self.settings, &development, &mut self.codes, Progress::SILENT);
+        let shot = Shot { camera: &self.camera, lighting: &self.lighting, settings: &self.settings };
+        let drawn = self.renderer.develop(&shot, &development, &mut self.codes, Progress::SILENT);
         drawn.expect("the settings are sound");
         self.codes.iter().filter(|code| code[3] > 0).count()
     }
@@ -395,7 +394,7 @@ fn main() {
     let (maps, scene) = (maps(), sphere());
     // Everything that runs in parallel takes the caller's pool.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
-    let (mut studio, mut best) = (Studio::new(&scene), [f64::INFINITY; 3]);
+    let (mut studio, mut best) = (Studio::new(scene), [f64::INFINITY; 3]);
     let shaded = studio.draw();
     for _ in 0..ROUNDS {
         let frame = pool.install(|| fastest(shaded, || assert_eq!(studio.draw(), shaded)));

@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 use taotie::Progress;
 use taotie::film::{Development, develop8};
 use taotie::math::Vec3;
-use taotie::raster::{Tile, TilePlane};
-use taotie::render::{BATCH, Lighting, Pass, Prepared, RenderSettings};
+use taotie::raster::{Tile, TilePlane, TileSample};
+use taotie::render::{BATCH, Lighting, Pass, Prepared, RenderSettings, Shot, Stages};
 use taotie::scene::{Camera, NormalSpace};
 
 /// Texels across each of the four textures.
@@ -38,22 +38,23 @@ struct Times {
 }
 
 /// Runs the stages as the renderer does, batch by batch, so that each finds its data in the caches.
-fn stages(pass: &Pass<'_, '_>) -> Times {
+fn stages(stages: &Stages<'_>) -> Times {
     let mut times = Times::default();
     let mut plane = TilePlane::default();
-    let mut batch = pass.batch();
-    for index in 0..pass.tile_count() {
-        let tile = Tile::new(pass.viewport(), index);
+    let mut batch = stages.batch();
+    for index in 0..stages.tile_count() {
+        let tile = Tile::new(stages.viewport(), index);
+        let at = TileSample { tile: &tile, offset: stages.viewport().pattern.offsets()[0] };
         let start = Instant::now();
-        let keys = pass.visible(&tile, 0, &mut plane).expect("the SIMD level is there");
+        let keys = stages.visible(at, &mut plane).expect("the SIMD level is there");
         times.raster += start.elapsed();
         times.fragments += keys.len();
-        for (draw, keys) in pass.runs(&keys) {
+        for (draw, keys) in stages.runs(&keys) {
             for keys in keys.chunks(BATCH) {
                 let start = Instant::now();
-                pass.gather(&tile, 0, draw, keys, &mut batch);
+                stages.gather(at, draw, keys, &mut batch);
                 let gathered = Instant::now();
-                pass.light(draw, &mut batch);
+                stages.light(draw, &mut batch);
                 times.texture += gathered - start;
                 times.shade += gathered.elapsed();
                 black_box(&batch);
@@ -80,20 +81,21 @@ fn sphere(criterion: &mut Criterion, name: &str, columns: usize, rows: usize) {
     let mut scene = scenes::embossed_sphere_with(NormalSpace::Tangent, TEXTURE_SIZE, TEXTURE_SIZE);
     scene.meshes = vec![taotie::mesh::Mesh::sphere(1.0, columns, rows)];
     let settings = RenderSettings { samples: 1, ..RenderSettings::default() };
-    let prepared = Prepared::new(&scene, &settings.surface).expect("the scene is sound");
+    let prepared = Prepared::new(scene, &settings.surface).expect("the scene is sound");
     let (camera, lighting) = (camera(), lighting());
-    let new_pass = || Pass::new(&prepared, &camera, &lighting, &settings).expect("the settings are sound");
+    let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
+    let new_pass = || Pass::new(&prepared, &shot).expect("the settings are sound");
     let frame = || new_pass().render(Progress::SILENT).expect("the picture fits");
 
     let pass = new_pass();
-    let covered = stages(&pass).fragments as f64 / f64::from(settings.width * settings.height);
+    let covered = stages(pass.stages()).fragments as f64 / f64::from(settings.width * settings.height);
     assert!((0.55..0.65).contains(&covered), "the sphere covers {covered} of the picture");
 
     let mut group = group(criterion, name);
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread is to be had");
     group.bench_function("clip-and-bin", |b| b.iter(|| one_thread.install(new_pass)));
     let mut stage = |name: &str, time: fn(&Times) -> Duration| {
-        let run = || time(&one_thread.install(|| stages(&pass)));
+        let run = || time(&one_thread.install(|| stages(pass.stages())));
         group.bench_function(name, |b| b.iter_custom(|count| (0..count).map(|_| run()).sum()));
     };
     stage("raster", |times| times.raster);

@@ -22,7 +22,7 @@ use taotie::image::Encoding;
 use taotie::io::{self, PngColor, PngImage, PngSamples};
 use taotie::math::{Mat4, SimdLevel, Vec3};
 use taotie::names::Named;
-use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Renderer};
+use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Renderer, Shot};
 use taotie::scene::{Camera, LightKind, Scene};
 use taotie::shade::environment::Environment;
 use taotie::shade::{Energy, Shading};
@@ -96,7 +96,7 @@ fn options(mut args: impl Iterator<Item = String>) -> Result<Options> {
             "--height" => settings.height = number(&value()?)?,
             "--frames" => options.frames = number(&value()?)?,
             "--threads" => options.threads = number(&value()?)?,
-            "--simd" => settings.simd = SimdLevel::from_name(&value()?)?,
+            "--simd" => settings.surface.simd = SimdLevel::from_name(&value()?)?,
             "--png" => options.png = Some(value()?.into()),
             "--ask" => options.ask = true,
             "--plain" => plain(settings),
@@ -120,9 +120,9 @@ fn number<T: std::str::FromStr>(text: &str) -> Result<T> {
 
 fn run(options: &Options) -> Result<()> {
     let scene = io::load_model(&options.model)?.scene;
-    let camera = scene.cameras.first().ok_or_else(|| Error::invalid("model", "it has no camera"))?;
+    let camera = scene.cameras.first().cloned().ok_or_else(|| Error::invalid("model", "it has no camera"))?;
     let lighting = lighting(options, &scene)?;
-    let renderer = Renderer::new(&scene, &options.settings.surface)?;
+    let renderer = Renderer::new(scene, &options.settings.surface)?;
     let mut studio =
         Studio { renderer, camera, lighting, settings: options.settings.clone(), codes: Vec::new() };
     if !options.ask {
@@ -169,16 +169,16 @@ fn environment(path: &Path) -> Result<Environment> {
 }
 
 /// A prepared model with all that it is seen by.
-struct Studio<'a> {
-    renderer: Renderer<'a>,
-    camera: &'a Camera,
+struct Studio {
+    renderer: Renderer,
+    camera: Camera,
     lighting: Lighting,
     settings: RenderSettings,
     /// The last picture, 8-bit sRGB.
     codes: Vec<[u8; 4]>,
 }
 
-impl Studio<'_> {
+impl Studio {
     fn answer(&mut self, request: &Request) -> Result<()> {
         (self.settings.width, self.settings.height) = (request.width, request.height);
         let mut times = Vec::with_capacity(request.frames);
@@ -214,17 +214,12 @@ impl Studio<'_> {
         let development = Development {
             tone: ToneCurve::Linear,
             background,
-            simd: self.settings.simd,
+            simd: self.settings.surface.simd,
             ..Development::default()
         };
         let lighting = self.turned_lighting(-angle);
-        self.renderer.develop(
-            (&camera, &lighting),
-            &self.settings,
-            &development,
-            &mut self.codes,
-            Progress::SILENT,
-        )
+        let shot = Shot { camera: &camera, lighting: &lighting, settings: &self.settings };
+        self.renderer.develop(&shot, &development, &mut self.codes, Progress::SILENT)
     }
 
     fn turned_lighting(&self, angle: f64) -> Lighting {

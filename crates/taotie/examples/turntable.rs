@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use taotie::film::Development;
 use taotie::io::{self, PictureFormat};
 use taotie::mesh::Mesh;
-use taotie::render::{RenderSettings, Renderer};
+use taotie::render::{RenderSettings, Renderer, Shot};
 use taotie::scene::{Instance, Material, Scene};
 use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
 use taotie::{Progress, Result, math::Mat4};
@@ -16,10 +16,11 @@ pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<
     let framing = Framing { size: [size; 2], all_around: true };
     let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, scene)?;
     let settings = RenderSettings { width: size, height: size, ..RenderSettings::default() };
-    let mut renderer = Renderer::new(scene, &settings.surface)?;
+    let mut renderer = Renderer::new(scene.clone(), &settings.surface)?;
     let pictures = viewpoint.turn(count).enumerate().map(|(index, view)| {
         let lighting = LightOptions::default().lighting(None, scene, view);
-        let frame = renderer.render(&view.camera(), &lighting, &settings, Progress::SILENT)?;
+        let shot = Shot { camera: &view.camera(), lighting: &lighting, settings: &settings };
+        let frame = renderer.render(&shot, Progress::SILENT)?;
         let path = output.with_extension(format!("{index:03}.png"));
         io::write_picture(&path, &frame.color, &Development::default(), PictureFormat::Png8)?;
         Ok(path)

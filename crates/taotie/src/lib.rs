@@ -1,4 +1,4 @@
-//! Taotie puts a scan's relief on a low-poly mesh, shades it by physics, and proves that it still looks the same.
+//! Bakes high-poly scans to low-poly glTF with normal maps, renders them by physics, and measures the error.
 //!
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
@@ -16,7 +16,7 @@
 //! scene gives the same bits at every SIMD level and with any number of threads.
 //!
 //! ```no_run
-//! use taotie::render::{RenderSettings, render};
+//! use taotie::render::{RenderSettings, Shot, render};
 //! use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
 //!
 //! # fn main() -> taotie::Result<()> {
@@ -24,7 +24,8 @@
 //! let framing = Framing { size: [1024, 1024], all_around: false };
 //! let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &scene)?;
 //! let lighting = LightOptions::default().lighting(None, &scene, viewpoint.at(0.0));
-//! let frame = render(&scene, &viewpoint.at(0.0).camera(), &lighting, &RenderSettings::default())?;
+//! let (camera, settings) = (viewpoint.at(0.0).camera(), RenderSettings::default());
+//! let frame = render(&scene, &Shot { camera: &camera, lighting: &lighting, settings: &settings })?;
 //! println!("{:?}", frame.color.pixel(512, 512));
 //! # Ok(())
 //! # }

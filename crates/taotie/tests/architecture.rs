@@ -1,10 +1,17 @@
 //! The rules that keep the house in order, checked on the source text: who may import whom, who may touch the
-//! system, and how large a file may be.
+//! system, how large a file may be, and how many arguments a function may take.
 #![allow(clippy::print_stderr)]
 
+#[path = "architecture/arguments.rs"]
+mod arguments;
+#[path = "architecture/cycles.rs"]
+mod cycles;
+#[path = "architecture/exceptions.rs"]
+mod exceptions;
 #[path = "architecture/scanner.rs"]
 mod scanner;
 
+use exceptions::{CIRCLES, LONG_FUNCTIONS};
 use scanner::{Found, scan};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -49,6 +56,9 @@ const SYSTEM: [(&str, &[&str]); 6] = [
     ("process", &[]),
     ("time", &["io"]),
 ];
+
+/// The most arguments of a function, tuples opened.
+const MOST_ARGUMENTS: usize = 4;
 
 /// The longest file.
 const MOST_LINES: usize = 600;
@@ -229,4 +239,88 @@ fn the_missing_layer_is_explained() {
     assert!(fault.contains("newcomer") && fault.contains("LAYERS in tests/architecture.rs"), "{fault}");
     assert_eq!(module_of(Path::new("io/gltf/mod.rs")), ["io", "gltf"]);
     assert_eq!(module_of(Path::new("lib.rs")), Vec::<String>::new());
+}
+
+/// The files of the crate's modules.
+fn files() -> cycles::Files {
+    let (source, mut files) = (source(), cycles::Files::default());
+    for file in rust_files(&source) {
+        let text = std::fs::read_to_string(&file).expect("the file is readable");
+        let module = module_of(file.strip_prefix(&source).expect("it lies below"));
+        files.add(&module, &text).expect("the file is Rust");
+    }
+    files
+}
+
+#[test]
+fn no_module_imports_itself_in_a_circle() {
+    let found: Vec<_> = files().cycles().into_iter().map(|files| Vec::from_iter(files)).collect();
+    let excepted = |files: &[String]| CIRCLES.iter().any(|(circle, _)| circle.iter().eq(files));
+    let faults = found.iter().filter(|files| !excepted(files)).map(|files| {
+        format!("these files import one another; move what they share to a lower file: {}", files.join(", "))
+    });
+    let mended = CIRCLES.iter().filter(|(circle, _)| !found.iter().any(|files| circle.iter().eq(files)));
+    let mended = mended.map(|(circle, _)| format!("no circle any more, strike it from CIRCLES: {circle:?}"));
+    report(&faults.chain(mended).collect::<Vec<_>>());
+}
+
+#[test]
+fn functions_take_few_arguments() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut found = BTreeMap::new();
+    let folders = std::fs::read_dir(root.join("crates")).expect("the folder is readable");
+    let crates = folders.map(|entry| entry.expect("the folder is readable").path().join("src"));
+    for file in crates.chain([root.join("xtask/src")]).filter(|f| f.is_dir()).flat_map(|f| rust_files(&f)) {
+        let text = std::fs::read_to_string(&file).expect("the file is readable");
+        let name = file.strip_prefix(&root).unwrap_or(&file).display().to_string();
+        let name = name.rsplit("../").next().unwrap_or_default().to_owned();
+        for function in arguments::functions(&text).expect("the file is Rust") {
+            if function.arguments > MOST_ARGUMENTS {
+                found.insert((name.clone(), function.name), function.arguments);
+            }
+        }
+    }
+    let excepted = |file: &str, name: &str| LONG_FUNCTIONS.contains(&(file, name));
+    let faults =
+        found.iter().filter(|((file, name), _)| !excepted(file, name)).map(|((file, name), count)| {
+            format!("{file}: `{name}` takes {count} arguments; bundle what travels together in a struct")
+        });
+    let listed = LONG_FUNCTIONS.iter().map(|(file, name)| (file.to_string(), name.to_string()));
+    let mended = listed.filter(|key| !found.contains_key(key));
+    let mended = mended.map(|(file, name)| format!("{file}: strike `{name}` from LONG_FUNCTIONS"));
+    report(&faults.chain(mended).collect::<Vec<_>>());
+}
+
+#[test]
+fn circles_are_found_through_doors_and_macros() {
+    let circles = |files: &[(&str, &str)]| {
+        let mut all = cycles::Files::default();
+        for (module, text) in files {
+            all.add(&module_of(Path::new(module)), text).unwrap();
+        }
+        all.cycles().into_iter().map(|circle| Vec::from_iter(circle).join(" ")).collect::<Vec<_>>()
+    };
+    let door = ("a/mod.rs", "mod b; mod c; pub use b::B; pub use c::{C, D as E};");
+    assert!(circles(&[door, ("a/b.rs", "use super::C;"), ("a/c.rs", "use crate::d::X;")]).is_empty());
+    let two = circles(&[door, ("a/b.rs", "use super::E;"), ("a/c.rs", "fn f(b: super::B) {}")]);
+    assert_eq!(two, ["a/b a/c"]);
+    let called = circles(&[door, ("a/b.rs", "use super::c::C;"), ("a/c.rs", "m!(super::b::B);")]);
+    assert_eq!(called, ["a/b a/c"]);
+    let up = ("a/mod.rs", "mod b; use b::B; pub struct A;");
+    assert_eq!(circles(&[up, ("a/b.rs", "use super::A;")]), ["a a/b"]);
+    let tests = "mod tests { use super::super::C; }";
+    assert!(circles(&[door, ("a/b.rs", tests), ("a/c.rs", "use super::b::B;")]).is_empty());
+    let others = [("a.rs", "use crate::b::B;"), ("b.rs", "use crate::a::A;")];
+    assert!(circles(&others).is_empty(), "layers are the other test's");
+}
+
+#[test]
+fn arguments_are_counted_as_a_caller_sees_them() {
+    let counts = |text: &str| -> Vec<usize> {
+        arguments::functions(text).unwrap().iter().map(|function| function.arguments).collect()
+    };
+    let text = "fn a() {} fn b(x: u8, (y, z): (u8, (u8, u8)), w: ()) {} struct S;
+        impl S { fn c(&mut self, [x, y]: [f32; 2], [from, to]: [&[u8]; 2]) {} }
+        trait T { fn d<F: Fn(u8, u8)>(self, f: F, g: impl Fn(u8, (u8, u8))); }";
+    assert_eq!(counts(text), [0, 5, 3, 2]);
 }

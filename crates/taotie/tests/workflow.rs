@@ -27,7 +27,14 @@ fn wavy(columns: usize, rows: usize) -> Mesh {
         let height = scalar::sin(9.0 * p.x) * scalar::sin(9.0 * p.y) * scalar::sin(9.0 * p.z);
         (p * (1.0 + 0.02 * height)).to_f32()
     };
-    let positions = data.positions.iter().map(wave).collect();
+    let mut positions: Vec<Vec3> = data.positions.iter().map(wave).collect();
+    // The last column is the first, and each pole is one place: closed to the bit.
+    for (j, row) in positions.chunks_exact_mut(columns + 1).enumerate() {
+        row[columns] = row[0];
+        if j == 0 || j == rows {
+            row.fill(row[0]);
+        }
+    }
     Mesh::new(MeshData { positions, triangles: data.triangles, ..MeshData::default() }).unwrap()
 }
 

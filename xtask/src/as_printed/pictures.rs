@@ -4,7 +4,7 @@ use crate::generated::Picture;
 use anyhow::Result;
 use taotie::film::{Development, develop8};
 use taotie::math::Vec3;
-use taotie::render::{Lighting, RenderSettings, render};
+use taotie::render::{Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
 use taotie::shade::Shading;
 
@@ -57,7 +57,7 @@ fn picture(scene: &Scene, camera: &Camera, lighting: &Lighting, shading: Shading
         shadows: true,
         ..RenderSettings::default()
     };
-    let image = render(scene, camera, lighting, &settings)?.color;
+    let image = render(scene, &Shot { camera, lighting, settings: &settings })?.color;
     let development = Development { background: Some(Vec3::splat(GROUND)), ..Development::default() };
     let pixels = develop8(&image, &development)?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect();
     Ok(Picture { width: SIDE, height: SIDE, pixels })

@@ -2,10 +2,11 @@
 
 use super::{row, squared};
 use anyhow::Result;
+use std::sync::Arc;
 use taotie::Progress;
 use taotie::image::Image;
 use taotie::math::Vec3;
-use taotie::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, reference};
+use taotie::render::{Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, lend, reference};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, from_view};
 use taotie_study::jue;
 
@@ -26,7 +27,7 @@ pub fn table() -> Result<String> {
             (material.roughness, material.metallic) = (roughness, 1.0);
             material.metallic_roughness_texture = None;
         }
-        let errors = errors(&scene)?;
+        let errors = lend(&mut scene, errors)?;
         let mut cells = vec![format!("{roughness}")];
         cells.extend(errors.map(|error| format!("{:.1} %", error * 100.0)));
         text += &row(&cells);
@@ -34,7 +35,7 @@ pub fn table() -> Result<String> {
     Ok(text)
 }
 
-fn errors(scene: &Scene) -> Result<[f64; 4]> {
+fn errors(scene: &Arc<Scene>) -> Result<[f64; 4]> {
     let bounds = scene.bounds().expect("the vessel has triangles");
     let reach = bounds.diagonal() / 2.0;
     let orbit =
@@ -42,15 +43,17 @@ fn errors(scene: &Scene) -> Result<[f64; 4]> {
     let camera = orbit.camera(reach);
     let lighting = lamp(&camera);
     let settings = RenderSettings { width: SIDE, height: SIDE, ..RenderSettings::default() };
-    let prepared = Prepared::new(scene, &settings.surface)?;
+    let prepared = Prepared::new(scene.clone(), &settings.surface)?;
     let paths = ReferenceSettings { spp: SPP, bounces: 0, ..ReferenceSettings::default() };
-    let truth = reference(&prepared, &camera, &lighting, &settings, &paths, Progress::SILENT)?.color;
+    let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
+    let truth = reference(&prepared, &shot, &paths, Progress::SILENT)?.color;
     let mut errors = [0.0; 4];
     for (error, (samples, specular_aa)) in
         errors.iter_mut().zip([(1, false), (1, true), (4, false), (4, true)])
     {
         let settings = RenderSettings { samples, specular_aa, ..settings.clone() };
-        let ours = Pass::new(&prepared, &camera, &lighting, &settings)?.render(Progress::SILENT)?.color;
+        let ours =
+            Pass::new(&prepared, &Shot { settings: &settings, ..shot })?.render(Progress::SILENT)?.color;
         *error = relative_error(&ours, &truth);
     }
     Ok(errors)

@@ -10,7 +10,7 @@ use taotie::io::{decode_environment, read_bytes};
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
 use taotie::render::{
-    EnvironmentLight, Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, reference,
+    EnvironmentLight, Lighting, Pass, Prepared, ReferenceSettings, RenderSettings, Shot, reference,
 };
 use taotie::scene::{Instance, Orbit, Scene, preset};
 use taotie::shade::environment::{Environment, studio};
@@ -81,11 +81,12 @@ fn errors(sky: &Sky, roughness: f32) -> Result<(f64, f64)> {
         specular_aa: false,
         ..RenderSettings::default()
     };
-    let prepared = Prepared::new(&scene, &settings.surface)?;
+    let prepared = Prepared::new(scene, &settings.surface)?;
     let lighting = Lighting { environment: Some(sky.light.clone()), ..Lighting::default() };
-    let ours = Pass::new(&prepared, &camera, &lighting, &settings)?.render(Progress::SILENT)?;
+    let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
+    let ours = Pass::new(&prepared, &shot)?.render(Progress::SILENT)?;
     let paths = ReferenceSettings { spp: SPP, bounces: 0, ..ReferenceSettings::default() };
-    let truth = reference(&prepared, &camera, &lighting, &settings, &paths, Progress::SILENT)?;
+    let truth = reference(&prepared, &shot, &paths, Progress::SILENT)?;
     compare(&ours.color, &truth.color)
 }
 

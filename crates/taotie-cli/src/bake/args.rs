@@ -12,68 +12,69 @@ use taotie::io::GltfImages;
 const EXAMPLES: &str = "\
 Examples:
   taotie bake scan.ply -o scan.glb
-  taotie bake scan.ply --low light.glb -o baked.glb --size 4096 --maps normal,ao
+  taotie bake scan.ply --low low.glb -o baked.glb --size 4096 --maps normal,ao
   taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,10000 --meshopt
   taotie bake scan.ply -o scan.glb --error 2 --require mean-angle=2,missed=0.1%
 
-Without --low the scan is simplified and unwrapped. What was written is read back and held against the \
-scan: OUT.report.html and OUT.report.json, beside OUT, say by how many degrees its normals are off, and where.";
+Without --low the scan is simplified and unwrapped. The asset is read back and measured against the scan: \
+OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degrees, its shape error, and where they are.";
 
-/// Bakes a scan's relief onto a light mesh and proves that it looks the same.
+/// Bakes a high-poly scan to a low-poly glTF asset with a normal map, and measures the error.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct BakeArgs {
-    /// The scan (.gltf, .glb, .obj, .ply, .stl)
+    /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl)
     pub high: PathBuf,
     /// The asset to write (.glb, or .gltf with its files beside it)
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// The light mesh; its uvs and triangles stay as they are. Made from the scan if not given
+    /// The low-poly mesh; its UVs and triangles stay as they are. Made from the scan if not given
     #[arg(long, value_name = "LOW")]
     pub low: Option<PathBuf>,
 
-    /// Triangles of the light mesh
-    #[arg(long, value_name = "N", default_value_t = 50_000, value_parser = clap::value_parser!(u32).range(4..), help_heading = "Light mesh", conflicts_with = "low")]
+    /// Triangles of the low-poly mesh
+    #[arg(long, value_name = "N", default_value_t = 50_000, value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
     pub triangles: u32,
-    /// Find the smallest mesh and map whose normals are off by at most so many degrees on average
-    #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Light mesh", conflicts_with_all = ["low", "triangles", "size"])]
+    /// Find the smallest mesh and map whose mean normal error is at most so many degrees
+    #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size"])]
     pub error: Option<f64>,
-    /// Further levels of detail, triangles each, in the same file (MSFT_lod)
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..), help_heading = "Light mesh")]
+    /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh")]
     pub lods: Vec<u32>,
 
-    /// Texels across and down of the maps
+    /// Width and height of the maps, texels
     #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(16..=16_384), help_heading = "Maps")]
     pub size: u32,
-    /// What to bake: normal, ao, albedo, height, bent, curvature, roughness
+    /// Maps to bake, separated by commas: normal, ao (ambient occlusion), albedo (base colour), height, bent (bent
+    /// normals), curvature, roughness
     #[arg(long, value_name = "MAP,...", value_delimiter = ',', default_value = "normal", value_parser = options::named::<MapKind>, help_heading = "Maps")]
     pub maps: Vec<MapKind>,
-    /// Space of the normal map; glTF knows tangent space alone, so that a map in object space is written beside it
+    /// Space of the normal map. glTF has only tangent space, so an object-space map is written beside the asset
     #[arg(long, value_enum, default_value_t = Space::Tangent, help_heading = "Maps")]
     pub space: Space,
-    /// Samples a texel
+    /// Samples per texel
     #[arg(long, value_name = "K", default_value = "4", value_parser = ["1", "4", "9", "16", "25", "36", "49", "64"], help_heading = "Maps")]
     pub samples: String,
-    /// Bits a channel of normal maps; those of 8 are dithered
+    /// Bits per channel of normal maps; 8-bit maps are dithered
     #[arg(long, default_value = "8", value_parser = ["8", "16"], help_heading = "Maps")]
     pub bits: String,
-    /// How many texels charts are grown beyond their borders; auto fills the map
+    /// Padding around UV islands, texels; auto fills the whole map
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
     pub dilation: Auto<u32>,
-    /// Rays over the hemisphere a texel, for ao and bent
+    /// Rays per texel over the hemisphere, for ao and bent
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Maps")]
     pub ao_rays: u32,
-    /// How far what is in the way counts for ao and bent, model units; any distance if not given
+    /// Largest distance at which the scan occludes, for ao and bent, model units; any distance if not given
     #[arg(long, value_name = "X", value_parser = positive, help_heading = "Maps")]
     pub ao_distance: Option<f64>,
-    /// Roughness of the scan's own surface; if not given that of its material
+    /// Roughness of the scan's surface, [0, 1]; that of its material if not given
     #[arg(long, value_name = "X", value_parser = fraction, help_heading = "Maps")]
     pub roughness: Option<f64>,
 
-    /// How far the scan is looked for, model units; auto measures the gap between the meshes
+    /// Length of the projection rays, model units; auto measures the gap between the meshes
     #[arg(long, value_name = "auto|X", default_value = "auto", value_parser = distance, help_heading = "Rays", conflicts_with = "cage")]
     pub ray_distance: Auto<f64>,
-    /// The light mesh with its vertices moved outward: rays begin there
+    /// The low-poly mesh with its vertices moved outward: projection rays begin there
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
 
@@ -86,27 +87,28 @@ pub struct BakeArgs {
     /// Compress geometry (EXT_meshopt_compression)
     #[arg(long, help_heading = "File")]
     pub meshopt: bool,
-    /// XMP properties (JSON-LD, such as dc:title or dc:rights) that the asset is to bear beside those of the scan
+    /// XMP metadata (JSON-LD, such as dc:title or dc:rights) to add to that of the scan
     #[arg(long, value_name = "FILE.json", help_heading = "File")]
     pub provenance: Option<PathBuf>,
 
-    /// Exit with 1 unless met: mean-angle, p95-angle, max-angle (degrees), missed (%), hausdorff (% of the diagonal), bytes
+    /// Exit with 1 unless every figure is at most so large: mean-angle, p95-angle, max-angle (normal error, degrees),
+    /// missed (texels with a missed ray, %), hausdorff (largest shape error, % of the diagonal), bytes (of the asset)
     #[arg(
         long,
-        value_name = "WHAT=MOST,...",
+        value_name = "FIGURE=MAX,...",
         value_delimiter = ',',
         help_heading = "Proof",
         conflicts_with = "no_verify"
     )]
     pub require: Vec<Requirement>,
-    /// Do not measure and report
+    /// Do not measure the error and write no report
     #[arg(long, help_heading = "Proof")]
     pub no_verify: bool,
 
-    /// Most memory to take, such as 4G; if not given what the machine has free
+    /// Largest amount of memory to use, such as 4G; the machine's free memory if not given
     #[arg(long, value_name = "BYTES", value_parser = memory, help_heading = "Running")]
     pub memory_limit: Option<Bytes>,
-    /// Threads; all of the machine's if not given. Results do not depend on it
+    /// Number of threads; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print the report as JSON
@@ -114,12 +116,12 @@ pub struct BakeArgs {
     pub json: bool,
 }
 
-/// A number, or what the program finds best.
+/// A number, or the program's choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Auto<T> {
-    /// What the program finds best.
+    /// The program's choice.
     Auto,
-    /// As asked for.
+    /// The number asked for.
     Given(T),
 }
 
@@ -153,11 +155,11 @@ fn fraction(text: &str) -> Result<f64, String> {
 }
 
 fn memory(text: &str) -> Result<Bytes, String> {
-    text.parse().map_err(|_| format!("`{text}` is no amount of memory; write it as 4G or 800M"))
+    text.parse().map_err(|_| format!("`{text}` is not an amount of memory; write it as 4G or 800M"))
 }
 
 impl<T> Auto<T> {
-    /// What was asked for.
+    /// Returns the number asked for.
     fn given(self) -> Option<T> {
         match self {
             Self::Auto => None,
@@ -167,7 +169,7 @@ impl<T> Auto<T> {
 }
 
 impl BakeArgs {
-    /// What can be refused before any work is done.
+    /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         if self.threads == Some(0) {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
@@ -180,13 +182,13 @@ impl BakeArgs {
             path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok())
         };
         if [Some(&self.high), self.low.as_ref(), self.cage.as_ref()].into_iter().flatten().any(same) {
-            bail!("{}: it would overwrite what is baked from; give another name", self.output.display());
+            bail!("{}: it would overwrite an input of the bake; choose another name", self.output.display());
         }
         let made = (self.low.is_none() && self.error.is_none()).then_some(self.triangles);
         let levels: Vec<u32> = made.into_iter().chain(self.lods.iter().copied()).collect();
         if let Some(pair) = levels.windows(2).find(|pair| pair[0] <= pair[1]) {
             bail!(
-                "--lods: a level of {} triangles after one of {}; each must have fewer than the one before",
+                "--lods: a level of {} triangles follows one of {}; each must have fewer triangles than the one before",
                 pair[1],
                 pair[0]
             );
@@ -199,13 +201,13 @@ impl BakeArgs {
         }
         if self.error.is_some() && (self.space == Space::Object || !self.maps.contains(&MapKind::Normal)) {
             bail!(
-                "--error is met by a normal map in tangent space: add normal to --maps, leave out --space object"
+                "--error needs a normal map in tangent space: add normal to --maps, leave out --space object"
             );
         }
         render::check_place(&self.output)
     }
 
-    /// What is baked, and how.
+    /// Returns the options of the bake.
     pub fn options(&self) -> BakeOptions {
         BakeOptions {
             low: self.low.clone().map(MeshSource::File),
@@ -234,7 +236,7 @@ impl BakeArgs {
         }
     }
 
-    /// How the asset is packed.
+    /// Returns the packing of the asset.
     pub fn packing(&self) -> Packing {
         let images = match (self.ktx2, self.webp) {
             (true, _) => GltfImages::Ktx2,
@@ -244,7 +246,7 @@ impl BakeArgs {
         Packing { images, meshopt: self.meshopt, provenance: self.provenance.clone() }
     }
 
-    /// How much the bake may take.
+    /// Returns the limits of the bake.
     pub fn limits(&self) -> Limits {
         Limits { memory: self.memory_limit }.or_free()
     }

@@ -1,4 +1,4 @@
-//! The stages of a bake: how long each takes, and how far it is.
+//! The stages of a bake: the time of each, and its progress.
 
 use crate::console::Bar;
 use std::sync::{Mutex, PoisonError};

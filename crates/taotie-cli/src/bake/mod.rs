@@ -1,9 +1,7 @@
-//! `taotie bake`: a scan's relief on a low-poly mesh, and the proof that it looks the same.
+//! `taotie bake`: a high-poly scan to a low-poly asset with a normal map, and its measured error.
 
 mod args;
 mod clock;
-mod page;
-mod pictures;
 mod stop;
 mod text;
 
@@ -14,6 +12,7 @@ use anyhow::Result;
 use clock::Clock;
 use taotie::asset::{Baker, Limits, Proof, Report, Scan, ScanFile, Textures, VerifyOptions, Warning};
 use taotie::{Progress, io};
+use taotie_report::bake_page;
 
 /// Runs the subcommand.
 pub fn run(args: &BakeArgs) -> Result<Outcome> {
@@ -49,7 +48,7 @@ fn bake(args: &BakeArgs) -> Result<Report> {
         false => Some(written.verify(scan, &VerifyOptions::default(), progress)),
     };
     if matches!(proved, Some(Err(taotie::Error::Cancelled))) {
-        // What stands there is of this run already, and nobody has proved it.
+        // The files are of this run, and were not verified.
         report.files.iter().for_each(|file| drop(std::fs::remove_file(file)));
     }
     report.stages = clock.done();
@@ -59,13 +58,17 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     Ok(report)
 }
 
-/// Reads the scan, and says what baking it takes before any of that is taken.
+/// Reads the scan, and says how much memory its bake needs before it begins.
 fn read(args: &BakeArgs, baker: &Baker, limits: Limits, progress: Progress<'_>) -> Result<Scan> {
     let file = ScanFile::read(&args.high, &limits, progress)?;
     let need = baker.need(file.size());
     need.check(limits)?;
     if !args.json {
-        console::say(&format!("baking {} triangles takes about {}", need.scan.triangles, need.bytes()));
+        console::say(&format!(
+            "baking {} triangles needs about {} of memory",
+            need.scan.triangles,
+            need.bytes()
+        ));
     }
     Ok(file.sort(progress)?)
 }
@@ -80,7 +83,8 @@ fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, textures: &Textures
     report.required = proof.require(&args.require);
     let [html, json] = ["report.html", "report.json"].map(|kind| args.output.with_extension(kind));
     report.files.extend([html.clone(), json.clone()]);
-    io::write_text(&html, &taotie_report::html(&page::page(report, proof, textures)?))?;
+    let page = bake_page::page(report, proof, textures)?;
+    io::write_text(&html, &taotie_report::html(&page))?;
     io::write_text(&json, &serde_json::to_string_pretty(report)?)?;
     Ok(())
 }

@@ -19,7 +19,7 @@ pub fn listen() {
     });
 }
 
-/// Whether to go on.
+/// Returns whether to go on.
 pub fn go_on() -> bool {
     !STOPPED.load(Ordering::Relaxed)
 }

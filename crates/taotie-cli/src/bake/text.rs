@@ -1,88 +1,84 @@
 //! A bake in plain words.
 
 use std::fmt::Write;
-use taotie::asset::{Figures, Report, ViewFigures};
+use taotie::asset::{Figures, Met, Report, ViewFigures};
 use taotie::names::Named;
-use taotie_report::spread::Spread;
+use taotie_report::summary;
+use taotie_report::table::Table;
 
-/// The report for people.
+/// Returns the report as aligned lines for people.
 pub fn of(report: &Report) -> String {
     let triangles: Vec<String> = report.triangles.iter().map(ToString::to_string).collect();
     let mut text = format!(
-        "{} triangles onto {}, maps of {}×{}",
+        "{} triangles onto {}, maps of {}×{}\n",
         report.high_triangles,
         triangles.join(", "),
         report.size[0],
         report.size[1]
     );
-    if let Some(proof) = &report.proof {
-        let _ = write!(text, "\n{}", figures(proof));
+    let mut table = Table::untitled(&["", ""]);
+    if let Some(figures) = &report.proof {
+        normals(figures, &mut table);
+        shape(figures, &mut table);
+        table.row(["visual difference".into(), visual_difference(&figures.views)]);
+        table.row(["bytes".into(), format!("{} in, {} out", figures.bytes_in, figures.bytes_out)]);
     }
-    for met in &report.required {
-        let verdict = if met.met { "met" } else { "NOT met" };
-        let value = met.value.map_or("could not be measured".into(), |value| format!("is {value:.4}"));
-        let _ = write!(
-            text,
-            "\n{:<12} {verdict}: {} {value}, at most {}",
-            "required",
-            met.figure.name(),
-            met.most
-        );
-    }
+    report.required.iter().for_each(|met| table.row(["required".into(), requirement(met)]));
+    text += &table.lines(0);
     for file in &report.files {
-        let _ = write!(text, "\nwrote {}", file.display());
+        let _ = writeln!(text, "wrote {}", file.display());
     }
-    text
+    text.trim_end().to_owned()
 }
 
-fn figures(figures: &Figures) -> String {
-    let percent = |part: f64| format!("{:.3} %", part * 100.0);
-    let mut text = String::new();
-    if let Some(angles) = figures.angles {
-        let _ = writeln!(text, "{:<12} {}", "normals off", Spread::from(angles).text(3, "°"));
-        let [mean, _] = figures.floor_8_bit;
-        let _ = writeln!(text, "{:<12} {mean}° is what 8 bits cost at least", "");
+fn percent(part: f64) -> String {
+    format!("{:.3} %", part * 100.0)
+}
+
+fn normals(figures: &Figures, table: &mut Table) {
+    if let Some(angles) = &figures.angles {
+        let [floor, _] = figures.floor_8_bit;
+        table.row(["normal error".into(), summary::text(angles, 3, "°")]);
+        table.row([String::new(), format!("storing normals in 8 bits alone costs {floor}° on average")]);
     }
     if let Some(plain) = &figures.without_map {
-        let _ = writeln!(text, "{:<12} mean {:.3}° by vertex normals alone", "without map", plain.mean);
+        let mean = format!("mean {:.3}°, by vertex normals alone", plain.mean);
+        table.row(["error without normal map".into(), mean]);
     }
-    let _ = writeln!(
-        text,
-        "{:<12} {} of the texels, {} of the samples; {} found nothing",
-        "missed",
+    let rays = format!(
+        "{} of the texels, {} of the samples (closest point used); no hit: {} of the samples",
         percent(figures.missed_texels),
         percent(figures.fallback),
         percent(figures.lost)
     );
-    let _ = writeln!(
-        text,
-        "{:<12} at most {:.4} ({} of the diagonal), RMS {:.5} ({})",
-        "shape off",
+    table.row(["ray missed".into(), rays]);
+}
+
+fn shape(figures: &Figures, table: &mut Table) {
+    let distances = format!(
+        "at most {:.4} ({} of the diagonal), RMS {:.5} ({})",
         figures.hausdorff,
         percent(figures.hausdorff_of_diagonal),
         figures.rms,
         percent(figures.rms_of_diagonal)
     );
+    table.row(["shape error".into(), distances]);
     if let Some(density) = &figures.density {
-        let _ = writeln!(
-            text,
-            "{:<12} {:.1} a model unit (median), {} of the map used",
-            "texels",
-            density.median,
-            percent(figures.uv_use)
-        );
+        let digits = if density.median < 100.0 { 1 } else { 0 };
+        let (median, used) = (density.median, percent(figures.uv_use));
+        let text = format!("{median:.digits$} texels per unit (median), {used} of the map used");
+        table.row(["texel density".into(), text]);
     }
-    let mean = |of: fn(&ViewFigures) -> f64| {
-        figures.views.iter().map(of).sum::<f64>() / figures.views.len().max(1) as f64
-    };
-    let _ = writeln!(
-        text,
-        "{:<12} FLIP {:.4}, SSIM {:.4}, mean of {} views",
-        "seen",
-        mean(|v| v.flip),
-        mean(|v| v.ssim),
-        figures.views.len()
-    );
-    let _ = write!(text, "{:<12} {} in, {} out", "bytes", figures.bytes_in, figures.bytes_out);
-    text
+}
+
+fn visual_difference(views: &[ViewFigures]) -> String {
+    let mean = |of: fn(&ViewFigures) -> f64| views.iter().map(of).sum::<f64>() / views.len().max(1) as f64;
+    let (flip, ssim) = (mean(|view| view.flip), mean(|view| view.ssim));
+    format!("FLIP {flip:.4}, SSIM {ssim:.4}, mean of {} views", views.len())
+}
+
+fn requirement(met: &Met) -> String {
+    let verdict = if met.met { "met" } else { "NOT met" };
+    let value = met.value.map_or("could not be measured".into(), |value| format!("is {value:.4}"));
+    format!("{verdict}: {} {value}, at most {}", met.figure.name(), met.most)
 }

@@ -16,7 +16,7 @@ Examples:
   taotie compare model.glb --method bump:5,bump-printed:5 --shading ggx,cook-torrance --points 10 -o comparison
   taotie compare --paper -o recomputed";
 
-/// Renders a model by several surface methods and measures how they differ.
+/// Renders a model by several surface methods and measures their error.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct CompareArgs {
@@ -26,22 +26,23 @@ pub struct CompareArgs {
     /// The folder to write to; made if it is not there
     #[arg(short, long, value_name = "DIR", required_unless_present = "paper")]
     pub output: Option<PathBuf>,
-    /// The truth: a model in the same place with its relief as geometry, such as the scan
+    /// The high-poly reference: a model in the same place with its relief as geometry, such as the scan
     #[arg(long, value_name = "HIGH")]
     pub reference: Option<PathBuf>,
-    /// Recomputes Tables 2 and 3 of Guo and Wang 2025 instead, says which numbers are misprints, and what follows
+    /// Recompute Tables 2 and 3 of Guo and Wang 2025 instead, and list their misprints
     #[arg(long, conflicts_with_all = ["model", "reference"])]
     pub paper: bool,
-    /// Methods separated by commas: facet, smooth, bump, bump-printed, object-normal, tangent-normal. `bump:5` raises
-    /// white by 5 texels, `bump-printed:5` is the paper's factor, `bump` takes the material's height. If not given:
+    /// Methods separated by commas: facet, smooth, bump, bump-printed, object-normal, tangent-normal. `bump` takes the
+    /// height of white from the material or --bump-scale, in model units; `bump:5` sets it to 5 texels of the map;
+    /// `bump-printed:5` is the formula of Guo and Wang 2025 with its factor s = 5, which has no unit. If not given:
     /// smooth, bump, bump:5, bump:50, bump-printed:5, bump-printed:50, object-normal, tangent-normal
     #[arg(long = "method", value_name = "LIST", value_delimiter = ',', value_parser = method::parse)]
     pub methods: Vec<Method>,
-    /// Sample points whose normals are listed: how many, or pixels as X,Y;X,Y
+    /// Sample points whose normals are listed: their number, or pixels as X,Y;X,Y
     #[arg(long, value_name = "N|PIXELS", value_parser = points::parse, default_value = "10")]
     pub points: SamplePoints,
-    /// Which point of the reference corresponds to a point of the model: the one along its vertex normal, as bakers
-    /// look it up (normal), the one of the same uv, for meshes that share them (uv), or the one at the same pixel (pixel)
+    /// The point of the reference that corresponds to a point of the model: the one along its vertex normal, as in baking
+    /// (normal), the one of the same UV, for meshes that share their UVs (uv), or the one at the same pixel (pixel)
     #[arg(long = "match", value_name = "HOW", value_parser = options::named::<Matching>, default_value = "normal")]
     pub matching: Matching,
     /// The angle at the top of the heat maps' scale, degrees
@@ -52,7 +53,7 @@ pub struct CompareArgs {
     /// cook-torrance-printed, blinn-phong-printed, ggx-printed
     #[arg(long = "shading", value_name = "LIST", value_delimiter = ',', value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
     pub shadings: Vec<Shading>,
-    /// Height of white in model units for `bump`; the material's if not given
+    /// Height of white for the method `bump`, model units; the material's if not given. `bump:5` does not read it
     #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
     pub bump_scale: Option<f64>,
     #[command(flatten)]
@@ -63,7 +64,7 @@ pub struct CompareArgs {
     pub light: LightArgs,
     #[command(flatten)]
     pub camera: CameraArgs,
-    /// Pixels across and down
+    /// Width and height of the pictures, pixels
     #[arg(long, value_name = "WxH", value_parser = options::size, default_value = "640x640", help_heading = "Picture")]
     pub size: [u32; 2],
     #[command(flatten)]
@@ -73,7 +74,7 @@ pub struct CompareArgs {
 }
 
 impl CompareArgs {
-    /// What can be refused before any work is done.
+    /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         self.light.check()?;
         self.camera.check()?;
@@ -102,7 +103,7 @@ impl CompareArgs {
         each_once(&self.shadings)
     }
 
-    /// What has to fit into the picture.
+    /// Returns the part of the scene that has to fit into the picture.
     pub fn framing(&self) -> Framing {
         Framing { size: self.size, all_around: false }
     }

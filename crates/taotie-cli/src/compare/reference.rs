@@ -1,4 +1,4 @@
-//! The truth that methods are measured against: a model with its relief as geometry.
+//! The high-poly reference that methods are measured against.
 
 use crate::studio;
 use anyhow::Result;

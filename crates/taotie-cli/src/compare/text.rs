@@ -1,15 +1,16 @@
 //! The text that a comparison prints.
 
-use super::report::{Report, figures};
 use taotie::compare::Summary;
 use taotie::comparison::MethodReport;
+use taotie_report::comparison::Document;
+use taotie_report::summary::figures;
 use taotie_report::table::Table;
 
 /// The angular errors, each shading's picture errors, and what was not drawn.
-pub fn of(report: &Report) -> String {
+pub fn of(report: &Document) -> String {
     let mut text = format!("Angular error against {}, degrees\n", report.against);
     text += &angles(report).lines(0);
-    text += "* away from silhouettes\n";
+    text += "* only pixels away from silhouettes\n";
     for (i, picture) in report.methods[0].pictures.iter().enumerate() {
         text += &format!("\nPictures under {} against {}\n", picture.shading, report.against);
         text += &pictures(report, i).lines(0);
@@ -18,7 +19,7 @@ pub fn of(report: &Report) -> String {
         text += "\n";
     }
     for skipped in &report.skipped {
-        text += &format!("{} was not drawn: {}\n", skipped.method, skipped.reason);
+        text += &format!("{} could not be drawn: {}\n", skipped.method, skipped.reason);
     }
     for note in &report.notes {
         text += &format!("{note}\n");
@@ -26,7 +27,7 @@ pub fn of(report: &Report) -> String {
     text
 }
 
-fn angles(report: &Report) -> Table {
+fn angles(report: &Document) -> Table {
     let titles = ["method", ">mean", ">median", ">95 %", ">max", ">mean*", ">median*", ">95 %*", ">max*"];
     let mut table = Table::new(&titles);
     for method in &report.methods {
@@ -45,7 +46,7 @@ fn texts(summary: Option<&Summary>) -> [String; 4] {
     }
 }
 
-fn pictures(report: &Report, i: usize) -> Table {
+fn pictures(report: &Document, i: usize) -> Table {
     let mut table = Table::new(&["method", ">RMSE", ">PSNR dB", ">SSIM", ">FLIP"]);
     report.methods.iter().filter_map(|method| picture_row(method, i)).for_each(|row| table.row(row));
     table

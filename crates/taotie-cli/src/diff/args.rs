@@ -18,11 +18,11 @@ Examples:
 
 Pictures are compared as a screen shows them: sRGB, laid over --background; float files are linear \
 and encoded first. Normals are compared by the angle between them, without texels that have alpha 0 \
-or hold no unit vector (padding).
+or hold no unit vector (padding around UV islands).
 
 Exit code: 0 fine, 1 worse than --threshold, 2 error";
 
-/// Says how two pictures or normal maps differ (PNG, JPEG, WebP, KTX2, TGA, HDR, EXR).
+/// Measures the difference of two pictures or normal maps (PNG, JPEG, WebP, KTX2, TGA, HDR, EXR).
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct DiffArgs {
@@ -31,32 +31,31 @@ pub struct DiffArgs {
     /// The second picture, of the same size
     pub b: PathBuf,
 
-    /// Only this metric; all that apply if not given
+    /// The metric to compute; all that apply if not given
     #[arg(long, value_enum)]
     pub metric: Option<Metric>,
     /// Exit with 1 where the metric is worse: a mean angle (degrees), mean FLIP error or RMSE above X, an SSIM or
     /// PSNR (dB) below X
     #[arg(long, value_name = "X", value_parser = options::number, requires = "metric", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
-    /// What the numbers in the files mean
+    /// Meaning of the numbers in the files
     #[arg(long, value_enum, default_value_t = Encoding::Auto)]
     pub encoding: Encoding,
-    /// What transparent pictures are laid over
+    /// Colour behind transparent pictures
     #[arg(long, value_name = "COLOR", value_parser = options::color, default_value = "black")]
     pub background: Vec3,
-    /// How fine pixels are in the viewer's eye, for FLIP: on a screen of 0.7 m and 3840 pixels across, seen from 0.7 m
+    /// Pixels per degree of the viewer's sight, for FLIP; 67 is a screen 0.7 m and 3840 pixels wide, seen from 0.7 m
     #[arg(long, value_name = "N", value_parser = options::number, default_value_t = default_pixels_per_degree())]
     pub pixels_per_degree: f64,
 
-    /// Write a picture of where they differ (PNG), by --metric, else by FLIP or the angle
+    /// Write a heat map of the difference (PNG), of --metric, else of FLIP or the angle
     #[arg(long, value_name = "OUT", help_heading = "Heat map")]
     pub heat: Option<PathBuf>,
-    /// The difference that gets the last color; if not given 1 for FLIP and SSIM, else the 95 %
-    /// quantile
+    /// The difference shown by the last colour of the heat map; if not given 1 for FLIP and SSIM, else the 95 % quantile
     #[arg(long, value_name = "X", value_parser = options::number, requires = "heat", help_heading = "Heat map")]
     pub heat_top: Option<f64>,
 
-    /// Threads; all of the machine's if not given. Results do not depend on it
+    /// Number of threads; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print a report as JSON
@@ -64,7 +63,7 @@ pub struct DiffArgs {
     pub json: bool,
 }
 
-/// How a difference is measured.
+/// A measure of difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Metric {
     /// Angle between normals, degrees
@@ -79,7 +78,7 @@ pub enum Metric {
     Rmse,
 }
 
-/// What the numbers in the files mean.
+/// The meaning of the numbers in the files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Encoding {
     /// Normals where both files look like normal maps, else colors
@@ -131,7 +130,7 @@ impl DiffArgs {
         }
     }
 
-    /// What can be refused before any work is done.
+    /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         if self.threads == Some(0) {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");

@@ -1,4 +1,4 @@
-//! `taotie diff`: how two pictures, or the normals that two maps hold, differ.
+//! `taotie diff`: the difference of two pictures, or of the normals that two maps hold.
 //!
 //! [`Report`] is what came of it; the text and the JSON are two ways to print it.
 

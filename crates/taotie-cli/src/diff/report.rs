@@ -9,7 +9,7 @@ use taotie::Warnings;
 use taotie::compare::NormalEncoding;
 use taotie::comparison::diff::{self, DiffFigures, ImageContent, ImagePair};
 use taotie::names::Named;
-use taotie_report::spread::Spread;
+use taotie_report::summary;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
@@ -27,16 +27,16 @@ pub struct Report {
     size: [u32; 2],
     /// `pictures` or `normals`.
     compared_as: &'static str,
-    /// Whether every stored number is the same in both.
+    /// True if every stored number is the same in both.
     equal: bool,
     /// Texels that hold no normal in one of the files.
     left_out: usize,
     metrics: DiffFigures,
     pixels_per_degree: f64,
-    /// What was demanded.
+    /// The limit that was demanded.
     pub threshold: Option<Threshold>,
     heat: Option<String>,
-    /// What was put right and counted.
+    /// Warnings with their counts.
     #[serde(serialize_with = "counted")]
     pub warnings: Warnings,
 }
@@ -47,7 +47,7 @@ struct File {
     path: String,
     bits: u8,
     channels: u8,
-    /// How it stores normals: `unit` or `signed`.
+    /// The encoding of its normals: `unit` or `signed`.
     normals: Option<&'static str>,
     /// Texels without a normal because their alpha is 0.
     transparent: Option<usize>,
@@ -60,7 +60,7 @@ struct File {
 pub struct Threshold {
     metric: &'static str,
     limit: f64,
-    /// Whether the metric is worse than the limit.
+    /// True if the metric is worse than the limit.
     pub exceeded: bool,
 }
 
@@ -103,10 +103,10 @@ impl Report {
         let _ =
             writeln!(text, "size      {}x{}, compared as {}", self.size[0], self.size[1], self.compared_as);
         if self.compared_as == "normals" {
-            let _ = writeln!(text, "left out  {} texels without a normal in one of them", self.left_out);
+            let _ = writeln!(text, "left out  {} texels without a normal in one of the files", self.left_out);
         }
         if self.equal {
-            text.push_str("equal     every number is the same in both\n");
+            text.push_str("equal     every number is the same in both files\n");
         }
         text.push('\n');
         self.metrics_text(&mut text);
@@ -122,10 +122,10 @@ impl Report {
 
     fn metrics_text(&self, text: &mut String) {
         let m = &self.metrics;
-        if let Some(angle) = m.angle.map(Spread::from) {
-            let _ = writeln!(text, "angle  {}", angle.text(3, "°"));
+        if let Some(angle) = &m.angle {
+            let _ = writeln!(text, "angle  {}", summary::text(angle, 3, "°"));
             let _ =
-                writeln!(text, "       storing normals in 8 bits alone makes a mean of {FLOOR_OF_8_BITS}°");
+                writeln!(text, "       storing normals in 8 bits alone costs {FLOOR_OF_8_BITS}° on average");
         }
         if let Some(rmse) = m.rmse {
             let _ = writeln!(text, "rmse   {rmse:.5}");
@@ -139,11 +139,11 @@ impl Report {
         if let Some(ssim) = m.ssim {
             let _ = writeln!(text, "ssim   {ssim:.5}");
         }
-        if let Some(flip) = m.flip.map(Spread::from) {
+        if let Some(flip) = &m.flip {
             let _ = writeln!(
                 text,
                 "flip   {}, at {} pixels per degree",
-                flip.text(4, ""),
+                summary::text(flip, 4, ""),
                 self.pixels_per_degree
             );
         }

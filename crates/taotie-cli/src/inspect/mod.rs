@@ -1,4 +1,4 @@
-//! `taotie inspect`: what is in a model and what is wrong with it.
+//! `taotie inspect`: the content of a model file and its defects.
 //!
 //! The library's [`Inspection`] is made once; the text and the JSON are two ways to print it.
 
@@ -20,14 +20,14 @@ Examples:
   taotie inspect statue.glb
   taotie inspect statue.obj --json
 
-Counted as unhealthy:
-  uvs       triangles with a corner outside [0, 1], without uv area, or mirrored (uvs run clockwise)
+Counted as defects:
+  UVs       triangles with a corner outside [0, 1], without UV area, or mirrored (UVs run clockwise)
   tangents  more than 1 % from unit length, more than 1 degree from perpendicular to the normal,
             triangles whose corners differ in handedness; where the material has a normal map, the
             angle to MikkTSpace's tangents
   texels    of a tangent-space normal map whose blue is not above one half";
 
-/// Says what is in a model and what is wrong with it.
+/// Lists the content of a model file and its defects.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct InspectArgs {
@@ -38,7 +38,7 @@ pub struct InspectArgs {
     pub json: bool,
 }
 
-/// An inspection as it is told.
+/// The report as it is printed.
 #[derive(Debug, Serialize)]
 struct Report {
     /// [`SCHEMA`].
@@ -49,7 +49,7 @@ struct Report {
     model: String,
     #[serde(flatten)]
     inspection: Inspection,
-    /// What to try.
+    /// Suggestions.
     hints: Vec<String>,
 }
 

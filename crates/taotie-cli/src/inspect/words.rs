@@ -4,23 +4,23 @@ use taotie::inspection::{AnisotropyReport, ClearcoatReport, Hint, LayersReport};
 use taotie::scene::{GreenChannel, NormalSpace};
 use taotie::surface::{GreenVerdict, NormalMapKind};
 
-/// What to try; `None` for a hint that this program knows no option for.
+/// Returns a suggestion, or `None` where this program has no option for it.
 pub fn hint(hint: &Hint) -> Option<String> {
     Some(match hint {
         Hint::NoNormalMap { material } => {
-            format!("the normal map of '{material}' is no normal map by its pixels")
+            format!("the pixels of the normal map of '{material}' do not look like normals")
         }
         Hint::OtherSpace { material, drawn, by_pixels } => {
             let (drawn, kind) = (space(*drawn), space(*by_pixels));
             format!(
-                "the normal map of '{material}' is {kind}-space by its pixels but drawn as {drawn}-space; \
+                "the pixels of the normal map of '{material}' look {kind}-space, but it is drawn as {drawn}-space; \
                  give it as --normal-map FILE --normal-space {kind}"
             )
         }
         Hint::OtherGreen { material, drawn, by_pixels } => {
             let (drawn, found) = (green(*drawn), green(*by_pixels));
             format!(
-                "the normal map of '{material}' is green-{found} by its pixels but drawn green-{drawn}; \
+                "the pixels of the normal map of '{material}' look green-{found}, but it is drawn green-{drawn}; \
                  try --green {found}"
             )
         }
@@ -66,7 +66,7 @@ pub fn verdict(verdict: GreenVerdict) -> &'static str {
     }
 }
 
-/// What differs from a plain material.
+/// Returns the differences from a plain material.
 pub fn layers(layers: &LayersReport) -> Vec<String> {
     let mut words = Vec::new();
     if layers.ior != 1.5 {

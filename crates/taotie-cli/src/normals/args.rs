@@ -15,10 +15,11 @@ Examples:
   taotie normals object.png --to tangent --mesh statue.glb -o tangent.png
   taotie normals normals16.png --bits 8 --dither -o normals8.png
 
-Says by how many degrees the conversion changed normals: by storing them in so many bits, and on the \
-way back to where they came from. What --from and --green-in leave open is guessed from the pixels.";
+Prints the angles that the conversion cost: by storing the normals in so many bits, and by converting them back \
+to the input's space. Without --from and --green-in both are guessed from the pixels.";
 
-/// Makes normal maps from heights, converts them between tangent and object space, green up and down, 8 and 16 bits.
+/// Makes normal maps from height maps, and converts normal maps: tangent and object space, green up and down, 8 and 16
+/// bits.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct NormalsArgs {
@@ -28,49 +29,49 @@ pub struct NormalsArgs {
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 
-    /// What the input is
+    /// Content of the input
     #[arg(long, value_enum, default_value_t = From::Auto)]
     pub from: From,
-    /// Space of the output; if not given that of the input, tangent space for heights
+    /// Space of the output; if not given that of the input, and tangent space for height maps
     #[arg(long, value_enum)]
     pub to: Option<Space>,
-    /// Which way green points in the input: up (OpenGL, glTF) or down (DirectX); guessed if not given
+    /// Direction of green in the input: up (OpenGL, glTF) or down (DirectX); guessed if not given
     #[arg(long, value_enum)]
     pub green_in: Option<Green>,
-    /// Which way green points in the output
+    /// Direction of green in the output: up (OpenGL, glTF) or down (DirectX)
     #[arg(long, value_enum, default_value_t = Green::Up)]
     pub green: Green,
-    /// Bits a channel of the output; if not given those of the input where its space stays, else 16
+    /// Bits per channel of the output; if not given those of the input where its space stays, else 16
     #[arg(long, value_parser = ["8", "16"])]
     pub bits: Option<String>,
-    /// Add a pattern of less than a code before rounding: no steps in gentle curves, more error in each texel
+    /// Dither before rounding: no steps in gentle curves, but more error in each texel
     #[arg(long)]
     pub dither: bool,
 
-    /// Height of white: in texels, or in model units where there is a --mesh
+    /// Height of white, in texels of the map; with --mesh in model units
     #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Heights")]
     pub height_scale: Option<f64>,
-    /// How heights go on beyond the border of the map
+    /// Heights beyond the border of the map
     #[arg(long, value_enum, default_value_t = Border::Repeat, help_heading = "Heights")]
     pub border: Border,
 
     /// The model that the map is for: needed between tangent and object space (.gltf, .glb, .obj, .ply, .stl)
     #[arg(long, value_name = "MODEL", help_heading = "Mesh")]
     pub mesh: Option<PathBuf>,
-    /// Which mesh of the model, by name or number as `inspect` lists them; needed where there are several
+    /// The mesh of the model, by name or number as `inspect` lists them; needed where there are several
     #[arg(long, value_name = "NAME|N", requires = "mesh", help_heading = "Mesh")]
     pub part: Option<String>,
-    /// Uv set of the mesh
+    /// UV set of the mesh, from 0
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Mesh")]
     pub uv_set: usize,
-    /// How tangents are made: face, averaged, mikktspace; if not given the file's own, else mikktspace
+    /// Tangents: face, averaged, mikktspace; if not given those of the file, else mikktspace
     #[arg(long, value_parser = options::named::<TangentMethod>, help_heading = "Mesh")]
     pub tangents: Option<TangentMethod>,
-    /// How many texels charts are grown beyond their borders
+    /// Padding around UV islands, texels
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Mesh")]
     pub margin: u32,
 
-    /// Threads; all of the machine's if not given. Results do not depend on it
+    /// Number of threads; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print a report as JSON
@@ -78,10 +79,10 @@ pub struct NormalsArgs {
     pub json: bool,
 }
 
-/// What the input is.
+/// The content of the input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum From {
-    /// What its pixels look like
+    /// Guessed from its pixels
     Auto,
     /// Heights, white is high; the first channel
     Height,
@@ -91,14 +92,14 @@ pub enum From {
     Object,
 }
 
-/// How heights go on beyond the border.
+/// The heights beyond the border of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Border {
     /// The map repeats
     Repeat,
     /// Every second copy is mirrored
     Mirror,
-    /// The border goes on
+    /// The border texel is repeated
     Clamp,
 }
 
@@ -114,7 +115,7 @@ impl Border {
 }
 
 impl NormalsArgs {
-    /// What can be refused before any work is done.
+    /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         if self.threads == Some(0) {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");

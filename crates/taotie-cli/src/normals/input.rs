@@ -52,7 +52,7 @@ fn guess(args: &NormalsArgs, bitmap: &Bitmap) -> Result<MapContent> {
         MapContent::Normals(NormalSpace::Object) => "an object-space normal map",
         MapContent::Heights => "a height map",
     };
-    console::say(&format!("taotie: {path}: {name} by its pixels"));
+    console::say(&format!("taotie: {path}: its pixels look like {name}"));
     Ok(content)
 }
 
@@ -64,13 +64,13 @@ fn guessed_green(args: &NormalsArgs, bitmap: &Bitmap) -> GreenChannel {
         GreenVerdict::Down => (GreenChannel::Down, "down"),
         GreenVerdict::Unclear => {
             console::say(&format!(
-                "taotie: {path}: its pixels do not tell which way green points; taken as up (--green-in)"
+                "taotie: {path}: the direction of green is unclear from its pixels; taken as up, see --green-in"
             ));
             return GreenChannel::Up;
         }
     };
     console::say(&format!(
-        "taotie: {path}: green points {name} by its pixels ({:.0} % sure)",
+        "taotie: {path}: green points {name}, guessed from its pixels ({:.0} % sure)",
         guess.confidence * 100.0
     ));
     green

@@ -6,9 +6,10 @@ use crate::console;
 use serde::Serialize;
 use std::fmt::Write;
 use taotie::Warnings;
+use taotie::compare::{Field, Summary};
 use taotie::normal_map::{Conversion, MapSource};
 use taotie::scene::GreenChannel;
-use taotie_report::spread::Spread;
+use taotie_report::summary;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
@@ -31,16 +32,15 @@ pub struct Report {
     bits: u8,
     dither: bool,
     /// Degrees between the exact normals and the stored ones; `None` where the map holds no normal.
-    stored: Option<Spread>,
+    stored: Option<Summary>,
     /// Degrees between the input's normals and those that come back from the output.
-    round_trip: Option<Spread>,
+    round_trip: Option<Summary>,
     warnings: serde_json::Value,
 }
 
 impl Report {
     /// The report on a conversion.
     pub fn new(args: &NormalsArgs, input: &MapSource, made: &Conversion, warnings: &Warnings) -> Self {
-        let spread = |field: &taotie::compare::Field| field.summary().map(Spread::from);
         Self {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
@@ -53,8 +53,8 @@ impl Report {
             green: green_name(args.green.into()),
             bits: made.bitmap.bits(),
             dither: args.dither,
-            stored: spread(&made.stored),
-            round_trip: made.round_trip.as_ref().and_then(spread),
+            stored: made.stored.summary(),
+            round_trip: made.round_trip.as_ref().and_then(Field::summary),
             warnings: console::json_warnings(warnings),
         }
     }
@@ -68,10 +68,10 @@ impl Report {
         if self.to == "tangent" {
             let _ = write!(text, ", green {}", self.green);
         }
-        let what = if self.from == self.to { "changed" } else { "stored" };
-        for (name, spread) in [(what, &self.stored), ("there and back", &self.round_trip)] {
-            if let Some(spread) = spread {
-                let _ = write!(text, "\n{:<15} {}", name, spread.text(4, "°"));
+        let what = if self.from == self.to { "conversion" } else { "storing" };
+        for (name, angles) in [(what, &self.stored), ("round trip", &self.round_trip)] {
+            if let Some(angles) = angles {
+                let _ = write!(text, "\n{:<10} {}", name, summary::text(angles, 4, "°"));
             }
         }
         text

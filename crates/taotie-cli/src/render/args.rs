@@ -20,14 +20,14 @@ Examples:
   taotie render model.glb --turntable 36 -o turn.png
   taotie render model.glb --animation Walk --fps 24 -o walk.gif";
 
-/// Renders a model (glTF, GLB, OBJ, PLY, STL) to a picture (PNG, EXR) or a moving one (PNG, GIF).
+/// Renders a model (glTF, GLB, OBJ, PLY, STL) to a picture (PNG, EXR) or an animation (PNG, GIF).
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct RenderArgs {
     /// The model: .gltf, .glb, .obj, .ply or .stl
     pub model: PathBuf,
-    /// The picture to write: .png (sRGB) or .exr (linear). Of several pictures .png or .gif becomes one that moves,
-    /// beside the numbered ones
+    /// The picture to write: .png (sRGB) or .exr (linear). With several pictures a .png or .gif holds them as an
+    /// animation, and numbered pictures are written beside it
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
 
@@ -35,11 +35,11 @@ pub struct RenderArgs {
     /// cook-torrance-printed, blinn-phong-printed, ggx-printed
     #[arg(long, value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
     pub shading: Shading,
-    /// Where normals come from: facet, smooth, bump, bump-printed, object-normal, tangent-normal; the best that the
+    /// Source of the shading normals: facet, smooth, bump, bump-printed, object-normal, tangent-normal; the best that the
     /// material provides if not given
     #[arg(long, value_parser = options::named::<SurfaceMethod>, help_heading = "Surface")]
     pub surface: Option<SurfaceMethod>,
-    /// Height of white in model units for `bump`, the paper's factor for `bump-printed`
+    /// Height of white for `bump`, model units; for `bump-printed` the factor s of Guo and Wang 2025, which has no unit
     #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
     pub bump_scale: Option<f64>,
     #[command(flatten)]
@@ -48,7 +48,7 @@ pub struct RenderArgs {
     pub material: MaterialArgs,
     #[command(flatten)]
     pub light: LightArgs,
-    /// The object stands on a ground that shows nothing but its soft shadow
+    /// Add an invisible ground that catches the object's soft shadow
     #[arg(long, help_heading = "Light")]
     pub ground: bool,
     #[command(flatten)]
@@ -56,15 +56,16 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub motion: MotionArgs,
 
-    /// Pixels across and down
+    /// Width and height of the picture, pixels
     #[arg(long, value_name = "WxH", value_parser = options::size, default_value = "1024x1024", help_heading = "Picture")]
     pub size: [u32; 2],
     #[command(flatten)]
     pub film: FilmArgs,
-    /// Bits a channel of a PNG
+    /// Bits per channel of a PNG
     #[arg(long, value_parser = ["8", "16"], default_value = "8", help_heading = "Picture")]
     pub bits: String,
-    /// Also write what was seen, unfiltered, as OUT.NAME.exr and OUT.NAME.png: normals, depth, albedo, uv, triangle
+    /// Also write output variables (AOVs), unfiltered, as OUT.NAME.exr and OUT.NAME.png, separated by commas: normals,
+    /// depth, albedo, uv, triangle
     #[arg(long = "aov", value_name = "LIST", value_delimiter = ',', help_heading = "Picture")]
     pub aovs: Vec<String>,
 
@@ -76,7 +77,7 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
-    /// What can be refused before any work is done.
+    /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         if let Some(unknown) = self.aovs.iter().find(|name| !Aovs::NAMES.contains(&name.as_str())) {
             bail!("--aov {unknown}: there is no such output; choose from: {}", Aovs::NAMES.join(", "));
@@ -91,7 +92,7 @@ impl RenderArgs {
         super::output::check_place(&self.output)
     }
 
-    /// How the picture is taken.
+    /// Returns the settings of the renderer.
     pub fn settings(&self) -> RenderSettings {
         self.reflection.apply(RenderSettings {
             width: self.size[0],
@@ -102,17 +103,17 @@ impl RenderArgs {
                 method: self.surface,
                 tangents: self.material.tangents,
                 bump_scale: self.bump_scale.map(|scale| scale as f32),
+                simd: self.running.simd,
             },
             // Paths of light cannot but be cut off.
             shadows: self.light.shadows || self.integrator.reference().is_some(),
             ground: self.ground,
             aovs: !self.aovs.is_empty(),
-            simd: self.running.simd,
             ..RenderSettings::default()
         })
     }
 
-    /// What has to fit into the picture.
+    /// Returns the part of the scene that has to fit into the picture.
     pub fn framing(&self) -> Framing {
         Framing { size: self.size, all_around: self.motion.turntable.is_some() }
     }

@@ -1,4 +1,4 @@
-//! Which renderer finds the light.
+//! The choice of renderer: rasteriser or path tracer.
 
 use crate::options;
 use anyhow::{Result, bail};
@@ -7,24 +7,24 @@ use serde_json::json;
 use taotie::names::Named;
 use taotie::render::{NormalMapping, ReferenceSettings};
 
-/// Which renderer finds the light, and how hard it tries.
+/// The choice of renderer, and its options.
 #[derive(Args)]
 #[command(next_help_heading = "Integrator")]
 pub struct IntegratorArgs {
-    /// How light is found
+    /// Renderer
     #[arg(long, value_enum, default_value_t = Integrator::Raster)]
     pub integrator: Integrator,
-    /// Paths a pixel of `reference`, 64 if not given; four times as many halve the noise at least
+    /// Paths per pixel of `reference`, 64 if not given; four times as many halve the noise at least
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub spp: Option<u32>,
-    /// How often light of `reference` is reflected after its first reflection, 4 if not given; 0 is direct light
+    /// Reflections of light after the first one in `reference`, 4 if not given; 0 is direct light only
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(ReferenceSettings::MOST_BOUNCES)))]
     pub bounces: Option<u32>,
-    /// Another number gives `reference` other noise
+    /// Seed of the noise of `reference`
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
-    /// What a mapped normal means to `reference`: classic (if not given), or microfacet, a groove of two facets that
-    /// neither makes light nor turns black
+    /// Meaning of a mapped normal in `reference`: classic (if not given), or microfacet, a groove of two facets that
+    /// conserves energy and leaves no black pixels
     #[arg(long, value_name = "HOW", value_parser = options::named::<NormalMapping>)]
     pub normal_mapping: Option<NormalMapping>,
 }
@@ -32,9 +32,9 @@ pub struct IntegratorArgs {
 /// A renderer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Integrator {
-    /// Fast: triangles are filled, light comes from lights and the surroundings
+    /// Rasteriser: fast, direct light and environment
     Raster,
-    /// The judge: paths of light are followed, with shadows, from surface to surface
+    /// Path tracer: slow, the reference, with shadows and light from surface to surface
     Reference,
 }
 
@@ -56,14 +56,14 @@ impl IntegratorArgs {
                 }
             }
             Integrator::Reference if samples.is_some() => {
-                bail!("--samples: with --integrator reference, say how many paths a pixel by --spp N");
+                bail!("--samples: --integrator reference takes the number of paths per pixel from --spp N");
             }
             Integrator::Reference => {}
         }
         Ok(())
     }
 
-    /// How paths are followed, or `None` for the rasteriser.
+    /// Returns the settings of the path tracer, or `None` for the rasteriser.
     pub fn reference(&self) -> Option<ReferenceSettings> {
         let default = ReferenceSettings::default();
         (self.integrator == Integrator::Reference).then(|| ReferenceSettings {
@@ -75,7 +75,7 @@ impl IntegratorArgs {
         })
     }
 
-    /// For the report.
+    /// Returns the choice as JSON for reports.
     pub fn json(&self) -> serde_json::Value {
         match self.reference() {
             None => json!({ "name": "raster" }),

@@ -1,4 +1,4 @@
-//! `taotie render`: a model in, a picture or a moving one out.
+//! `taotie render`: a model in, a picture or an animation out.
 
 mod args;
 mod integrator;
@@ -22,7 +22,7 @@ use taotie::names::Named;
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 3;
 
-/// What came of a run.
+/// The result of a run.
 struct Report {
     files: Vec<PathBuf>,
     triangles: usize,

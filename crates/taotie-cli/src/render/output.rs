@@ -8,7 +8,7 @@ use taotie::image::Image;
 use taotie::io::{MovingFormat, PictureFormat, write_picture};
 use taotie::render::Frame;
 
-/// How the pictures of a run are stored.
+/// The file formats of the pictures of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Formats {
     /// Each of them.
@@ -18,7 +18,7 @@ pub struct Formats {
 }
 
 impl Formats {
-    /// What the output's extension asks for.
+    /// Chooses the formats by the output's extension.
     pub fn of(args: &RenderArgs) -> Result<Self> {
         let extension = args.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let png = if args.bits == "16" { PictureFormat::Png16 } else { PictureFormat::Png8 };
@@ -27,16 +27,14 @@ impl Formats {
             "gif" => (png, Some(MovingFormat::Gif)),
             "exr" => (PictureFormat::Exr, None),
             _ => bail!(
-                "{}: pictures are written as .png or .exr, moving ones as .png or .gif",
+                "{}: pictures are written as .png or .exr, animations as .png or .gif",
                 args.output.display()
             ),
         };
         let several = args.motion.takes_several();
         if !several && moving == Some(MovingFormat::Gif) {
             let path = args.output.display();
-            bail!(
-                "{path}: a .gif holds moving pictures; add --turntable, --frames or --fps, or write a .png"
-            );
+            bail!("{path}: a .gif holds an animation; add --turntable, --frames or --fps, or write a .png");
         }
         Ok(Self { still, moving: moving.filter(|_| several) })
     }

@@ -1,4 +1,4 @@
-//! Which pictures a run takes: one, those of a turn, or those of an animation.
+//! The pictures that a run takes: one, those of a turn, or those of an animation.
 
 use crate::options;
 use anyhow::{Result, bail};
@@ -7,30 +7,30 @@ use std::path::Path;
 use taotie::scene::animation::Rig;
 use taotie::studio::{Motion, Sequence};
 
-/// What moves, and how many pictures are taken of it.
+/// The motion of the object or camera, and the number of pictures.
 #[derive(Args)]
 #[command(next_help_heading = "Motion")]
 pub struct MotionArgs {
-    /// Writes N pictures around the object, numbered, and OUT as a moving picture of them
+    /// Write N numbered pictures around the object, and OUT as an animation of them
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Sequence::MOST)))]
     pub turntable: Option<u32>,
     /// An animation of the file by name, or by number from 0; the first if not given
     #[arg(long, value_name = "NAME|N")]
     pub animation: Option<String>,
-    /// The model at this time of its animation, in seconds
+    /// Time of the animation to show, seconds
     #[arg(long, value_name = "SECONDS", value_parser = options::number, allow_negative_numbers = true, conflicts_with = "frames")]
     pub time: Option<f64>,
-    /// Writes N pictures from the beginning of the animation to just before its end, numbered, and OUT as a moving
-    /// picture of them
+    /// Write N numbered pictures from the beginning of the animation to just before its end, and OUT as an animation of
+    /// them
     #[arg(long, value_name = "N", conflicts_with = "turntable", value_parser = clap::value_parser!(u32).range(1..=i64::from(Sequence::MOST)))]
     pub frames: Option<u32>,
-    /// Pictures a second; without --frames and --turntable as many as the animation needs
+    /// Pictures per second; without --frames and --turntable the whole animation is written at this rate
     #[arg(long, value_name = "RATE", value_parser = options::number)]
     pub fps: Option<f64>,
 }
 
 impl MotionArgs {
-    /// What can be refused before any work is done.
+    /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         if self.fps.is_some_and(|fps| !(fps > 0.0 && fps <= 1000.0)) {
             bail!("--fps: the rate must lie above 0 and be 1000 at most");
@@ -44,12 +44,12 @@ impl MotionArgs {
         Ok(())
     }
 
-    /// Whether a moment of an animation is wanted, and not only the model at rest.
+    /// Returns whether a moment of an animation is wanted, and not only the model at rest.
     pub fn animates(&self) -> bool {
         self.time.is_some() || self.frames.is_some() || (self.fps.is_some() && self.turntable.is_none())
     }
 
-    /// Whether a moving picture comes of it.
+    /// Returns whether several pictures are taken.
     pub fn takes_several(&self) -> bool {
         self.turntable.is_some() || self.frames.is_some() || self.fps.is_some()
     }

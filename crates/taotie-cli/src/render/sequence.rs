@@ -9,12 +9,12 @@ use std::path::PathBuf;
 use taotie::film::{self, Development};
 use taotie::image::{Image, Texels};
 use taotie::io::{MovingPicture, MovingSpec, PictureFormat, write_developed};
-use taotie::render::{EnvironmentLight, Frame, RenderSettings, Renderer, reference};
+use taotie::render::{EnvironmentLight, Frame, RenderSettings, Renderer, Shot, lend, reference};
 use taotie::scene::Scene;
-use taotie::studio::{Sequence, Shot};
+use taotie::studio::{Sequence, SequenceFrame};
 use taotie::{Progress, Warnings};
 
-/// What all pictures of a run have in common.
+/// The settings that all pictures of a run share, and its progress.
 pub struct Shooting<'a> {
     args: &'a RenderArgs,
     settings: RenderSettings,
@@ -22,9 +22,9 @@ pub struct Shooting<'a> {
     development: Development,
     plan: &'a Sequence,
     environment: Option<EnvironmentLight>,
-    /// Where the time went.
+    /// The time of each stage.
     pub watch: Watch,
-    /// How many pictures are written.
+    /// The number of pictures written.
     done: usize,
     files: Vec<PathBuf>,
 }
@@ -78,17 +78,20 @@ impl<'a> Shooting<'a> {
                 motion.pose(scene, seconds)?;
                 viewpoint.follow(&self.args.camera, scene)?;
             }
-            let renderer = Renderer::new(scene, &self.settings.surface)
-                .with_context(|| self.args.model.display().to_string())?;
-            if self.done == 0 {
-                warnings.absorb(renderer.prepared().warnings().clone());
-            }
-            self.watch.lap("prepare");
-            let mut stage = Stage { scene, renderer, viewpoint: &viewpoint, bar: &bar };
-            for shot in shots {
-                let picture = self.render(&mut stage, shot)?;
-                self.write(picture, moving.as_mut())?;
-            }
+            lend(scene, |scene| -> Result<()> {
+                let renderer = Renderer::new(scene.clone(), &self.settings.surface)
+                    .with_context(|| self.args.model.display().to_string())?;
+                if self.done == 0 {
+                    warnings.absorb(renderer.prepared().warnings().clone());
+                }
+                self.watch.lap("prepare");
+                let mut stage = Stage { renderer, viewpoint: &viewpoint, bar: &bar };
+                for shot in shots {
+                    let picture = self.render(&mut stage, shot)?;
+                    self.write(picture, moving.as_mut())?;
+                }
+                Ok(())
+            })?;
         }
         if let Some(picture) = moving {
             picture.finish()?;
@@ -111,11 +114,12 @@ impl<'a> Shooting<'a> {
         Ok(Some(MovingPicture::create(&self.args.output, &spec)?))
     }
 
-    fn render(&mut self, stage: &mut Stage, shot: &Shot) -> Result<Picture> {
+    fn render(&mut self, stage: &mut Stage<'_>, planned: &SequenceFrame) -> Result<Picture> {
         let environment = self.environment.as_ref();
+        let scene = stage.renderer.prepared().scene();
         let lighting =
-            studio::lighting(&self.args.light, environment, stage.scene, stage.viewpoint.at(shot.turn))?;
-        let (camera, settings) = (stage.viewpoint.camera(shot.turn), &self.settings);
+            studio::lighting(&self.args.light, environment, scene, stage.viewpoint.at(planned.turn))?;
+        let (camera, settings) = (stage.viewpoint.camera(planned.turn), &self.settings);
         let (before, count) = (self.done as f64, self.plan.shots.len() as f64);
         let bar = stage.bar;
         let told = |_: &str, part: f64| {
@@ -123,18 +127,16 @@ impl<'a> Shooting<'a> {
             true
         };
         let progress = Progress::new(&told);
+        let shot = Shot { camera: &camera, lighting: &lighting, settings };
         let renderer = &mut stage.renderer;
         let picture = match self.args.integrator.reference() {
             None if self.formats.still == PictureFormat::Png8 && !settings.aovs => {
                 let mut codes = Vec::new();
-                renderer.develop((&camera, &lighting), settings, &self.development, &mut codes, progress)?;
+                renderer.develop(&shot, &self.development, &mut codes, progress)?;
                 Picture::Developed(codes)
             }
-            None => Picture::Linear(renderer.render(&camera, &lighting, settings, progress)?),
-            Some(paths) => {
-                let prepared = renderer.prepared();
-                Picture::Linear(reference(prepared, &camera, &lighting, settings, &paths, progress)?)
-            }
+            None => Picture::Linear(renderer.render(&shot, progress)?),
+            Some(paths) => Picture::Linear(reference(renderer.prepared(), &shot, &paths, progress)?),
         };
         self.watch.lap("render");
         Ok(picture)
@@ -181,8 +183,7 @@ enum Picture {
 
 /// A pose of the scene, ready for pictures.
 struct Stage<'a> {
-    scene: &'a Scene,
-    renderer: Renderer<'a>,
+    renderer: Renderer,
     viewpoint: &'a Viewpoint,
     bar: &'a Bar,
 }

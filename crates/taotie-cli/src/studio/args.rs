@@ -1,4 +1,4 @@
-//! Options that say how a model is seen, shared by the subcommands that take pictures of one.
+//! The options of surface, light, camera and film, shared by the subcommands that take pictures of one.
 
 use crate::options;
 use anyhow::{Context, Result, anyhow, bail};
@@ -18,17 +18,17 @@ use taotie::studio::{
 };
 use taotie::surface::TangentMethod;
 
-/// What the surface is made of.
+/// The material of the surface.
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub struct MaterialArgs {
-    /// How tangents are made: face, averaged, mikktspace; if not given the file's own, else mikktspace
+    /// Tangents: face, averaged, mikktspace; if not given those of the file, else mikktspace
     #[arg(long, value_parser = options::named::<TangentMethod>)]
     pub tangents: Option<TangentMethod>,
-    /// A variant of the file: one of the sets of materials that it offers
+    /// Material variant of the file (KHR_materials_variants)
     #[arg(long, value_name = "NAME")]
     pub variant: Option<String>,
-    /// A preset's name or a TOML file; maps of the model stay
+    /// A preset, as `taotie materials` lists them, or a TOML file; the model keeps its maps
     #[arg(long, value_name = "NAME|FILE")]
     pub material: Option<String>,
     /// A base colour texture for every material
@@ -40,35 +40,34 @@ pub struct MaterialArgs {
     /// Space of the normal map
     #[arg(long, value_enum, default_value_t = Space::Tangent)]
     pub normal_space: Space,
-    /// Which way green points in normal maps: up (OpenGL, glTF) or down (DirectX)
+    /// Direction of green in normal maps: up (OpenGL, glTF) or down (DirectX)
     #[arg(long, value_enum, default_value_t = Green::Up)]
     pub green: Green,
-    /// A height map for every material, white is high
+    /// A height map for every material; white is high
     #[arg(long, value_name = "FILE")]
     pub height_map: Option<PathBuf>,
-    /// An occlusion map for every material
+    /// An ambient-occlusion map for every material
     #[arg(long, value_name = "FILE")]
     pub occlusion_map: Option<PathBuf>,
 }
 
-/// How exactly its reflection is computed.
+/// The details of reflection.
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub struct ReflectionArgs {
-    /// Whether light that meets several facets is given back by ggx and cook-torrance (compensated) or lost (single)
+    /// Light between microfacets in ggx and cook-torrance: compensated (multiple scattering) or single (lost)
     #[arg(long, value_parser = options::named::<Energy>, default_value = "compensated")]
     pub energy: Energy,
-    /// Whether relief too fine for a pixel widens the highlight instead of sparkling: on, off
+    /// Specular antialiasing: relief finer than a pixel widens the highlight instead of sparkling
     #[arg(long, value_name = "on|off", value_parser = options::switch, default_value = "on", action = ArgAction::Set)]
     pub specular_aa: bool,
-    /// Mapped normals that turn away from the viewer, and the edge between lit and dark: soften, or keep what the map
-    /// says
+    /// Mapped normals that face away from the viewer, and the edge between lit and dark: soften, or keep as in the map
     #[arg(long, value_name = "HOW", value_parser = options::named::<GrazingNormals>, default_value = "soften")]
     pub grazing_normals: GrazingNormals,
 }
 
 impl ReflectionArgs {
-    /// `settings` with what is asked for.
+    /// Returns `settings` with these details.
     pub fn apply(&self, settings: RenderSettings) -> RenderSettings {
         RenderSettings {
             energy: self.energy,
@@ -78,7 +77,7 @@ impl ReflectionArgs {
         }
     }
 
-    /// What was asked for, for reports.
+    /// Returns the options as JSON for reports.
     pub fn json(&self) -> serde_json::Value {
         json!({
             "energy": self.energy.name(),
@@ -88,7 +87,7 @@ impl ReflectionArgs {
     }
 }
 
-/// What shines on it.
+/// The light.
 #[derive(Args)]
 #[command(next_help_heading = "Light")]
 pub struct LightArgs {
@@ -97,50 +96,50 @@ pub struct LightArgs {
     /// Without any: the file's lights, else key, fill and rim
     #[arg(long = "light", value_name = "SPEC")]
     pub lights: Vec<String>,
-    /// Radiance from all around, a colour or a linear grey
+    /// Ambient light: radiance from all around, a colour or a linear grey value
     #[arg(long, value_name = "COLOR", value_parser = options::color)]
     pub ambient: Option<Vec3>,
     /// Lights cast shadows
     #[arg(long)]
     pub shadows: bool,
-    /// Light from all around: `studio`, which is built in, an equirectangular .hdr or .exr, or `none`. With one, only
-    /// the lights of --light and of the file shine beside it
+    /// Environment light: `studio`, which is built in, an equirectangular .hdr or .exr, or `none`. With one, only the
+    /// lights of --light and of the file are added
     #[arg(long, value_name = "FILE|studio|none")]
     pub env: Option<String>,
-    /// Turns the environment to the left as seen from above, degrees
+    /// Turn the environment counterclockwise as seen from above, degrees
     #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "0", allow_negative_numbers = true)]
     pub env_rotate_deg: f64,
-    /// Multiplies the environment's light
+    /// Factor of the environment's light
     #[arg(long, value_name = "X", value_parser = options::number, default_value = "1")]
     pub env_intensity: f64,
-    /// The environment is seen behind the model
+    /// Show the environment behind the model
     #[arg(long)]
     pub show_env: bool,
 }
 
-/// Where it is seen from.
+/// The camera.
 #[derive(Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArgs {
     /// A camera of the file by name
     #[arg(long, value_name = "NAME", conflicts_with = "orbit")]
     pub camera: Option<String>,
-    /// Look from AZIMUTH,ELEVATION in degrees at a distance in model units, or as far as frames the object
+    /// Look from AZIMUTH,ELEVATION in degrees at a distance in model units; without it the object fills the picture
     #[arg(long, value_name = "AZ,EL[,DIST]", value_parser = options::numbers, allow_hyphen_values = true)]
     pub orbit: Option<std::vec::Vec<f64>>,
-    /// What to look at; the object's middle if not given
+    /// Point to look at; the object's middle if not given
     #[arg(long, value_name = "X,Y,Z", value_parser = options::vector, allow_hyphen_values = true)]
     pub target: Option<Vec3<f64>>,
-    /// Vertical angle of view in degrees
+    /// Vertical field of view, degrees
     #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30")]
     pub fov_deg: f64,
 }
 
-/// How light becomes a picture.
+/// The development of a picture from light.
 #[derive(Args)]
 #[command(next_help_heading = "Picture")]
 pub struct FilmArgs {
-    /// Samples a pixel: 1, 4 or 16; 4 if not given
+    /// Samples per pixel: 1, 4 or 16; 4 if not given
     #[arg(long, value_name = "N")]
     pub samples: Option<u32>,
     /// Tone curve: neutral, linear, reinhard, aces, agx
@@ -149,16 +148,16 @@ pub struct FilmArgs {
     /// Exposure in stops
     #[arg(long, value_name = "STOPS", value_parser = options::number, default_value = "0", allow_negative_numbers = true)]
     pub exposure: f64,
-    /// A colour, or `transparent`
+    /// Background: a colour, or `transparent`
     #[arg(long, value_name = "COLOR|transparent", default_value = "#2a2b2e")]
     pub background: String,
 }
 
-/// How the work is done.
+/// Threads, SIMD level and output.
 #[derive(Args)]
 #[command(next_help_heading = "Running")]
 pub struct RunningArgs {
-    /// Threads; all of the machine's if not given. Pixels do not depend on it
+    /// Number of threads; all of the machine's if not given. Pixels do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
     /// SIMD level: auto, scalar, sse2, avx2, avx512, neon. Pixels do not depend on it
@@ -222,7 +221,7 @@ impl MaterialArgs {
         MaterialOptions { variant, material, maps, green: self.green.into() }
     }
 
-    /// What was asked for, for reports; absent where nothing was.
+    /// Returns the options as JSON for reports; null where nothing was asked for.
     pub fn json(&self) -> serde_json::Value {
         json!({
             "variant": self.variant,
@@ -238,12 +237,10 @@ impl MaterialArgs {
 }
 
 impl LightArgs {
-    /// What can be refused before any work is done.
+    /// Refuses values that cannot be used, before any work is done.
     pub fn check(&self) -> Result<()> {
         if self.show_env && self.environment_name().is_none() {
-            bail!(
-                "--show-env: there is no environment to be seen; name one by --env studio or --env FILE.hdr"
-            );
+            bail!("--show-env: there is no environment to show; name one by --env studio or --env FILE.hdr");
         }
         if !(self.env_intensity >= 0.0 && self.env_intensity.is_finite()) {
             bail!("--env-intensity {}: it must be 0 or more", self.env_intensity);
@@ -273,7 +270,7 @@ impl LightArgs {
         options.load(warnings).context("--env")
     }
 
-    /// What was asked for, for reports; null where there is none.
+    /// Returns the environment as JSON for reports; null where there is none.
     pub fn environment_json(&self) -> serde_json::Value {
         match self.environment_name() {
             None => serde_json::Value::Null,
@@ -326,7 +323,7 @@ impl CameraArgs {
         Ok(CameraOptions { azimuth, elevation, distance, ..framed })
     }
 
-    /// What can be refused before any work is done.
+    /// Refuses values that cannot be used, before any work is done.
     pub fn check(&self) -> Result<()> {
         if !(self.fov_deg > 0.0 && self.fov_deg < 180.0) {
             bail!("--fov-deg {}: the angle must lie between 0 and 180 degrees", self.fov_deg);
@@ -336,7 +333,7 @@ impl CameraArgs {
 }
 
 impl FilmArgs {
-    /// What can be refused before any work is done.
+    /// Refuses values that cannot be used, before any work is done.
     pub fn check(&self) -> Result<()> {
         taotie::raster::SamplePattern::new(self.samples())?;
         self.background()?;
@@ -348,7 +345,7 @@ impl FilmArgs {
         self.samples.unwrap_or(4)
     }
 
-    /// How the picture is developed.
+    /// Returns the settings of the development.
     pub fn development(&self, simd: SimdLevel) -> Result<Development> {
         let background = self.background()?;
         Ok(Development { exposure_stops: self.exposure as f32, tone: self.tone, background, simd })
@@ -363,12 +360,12 @@ impl FilmArgs {
 }
 
 impl RunningArgs {
-    /// What can be refused before any work is done.
+    /// Refuses values that cannot be used, before any work is done.
     pub fn check(&self) -> Result<()> {
         if self.threads == Some(0) {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
         }
-        self.simd.dispatch()?;
+        self.simd.check()?;
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use taotie::film::{Development, ToneCurve, develop8};
 use taotie::image::Texels;
 use taotie::io::{decode_bitmap, load_model, read_bytes};
 use taotie::math::Vec3;
-use taotie::render::{GrazingNormals, Lighting, RenderSettings, render};
+use taotie::render::{GrazingNormals, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Projection};
 use taotie::shade::Energy;
 
@@ -91,7 +91,8 @@ pub fn ours(folder: &Path, view: &View) -> Picture {
         energy: Energy::Single,
         ..RenderSettings::default()
     };
-    let frame = render(&scene, &view.camera, &lighting, &settings).unwrap();
+    let shot = Shot { camera: &view.camera, lighting: &lighting, settings: &settings };
+    let frame = render(&scene, &shot).unwrap();
     let development =
         Development { tone: ToneCurve::Linear, background: Some(Vec3::splat(0.0)), ..Development::default() };
     picture_of(&develop8(&frame.color, &development).unwrap(), view.size)

@@ -118,7 +118,7 @@ fn samples_with_the_integrator_that_follows_paths() {
     refused_beside_a_model(
         "render a.obj -o a.png --integrator reference --samples 4",
         str![[r#"
-taotie: error: --samples: with --integrator reference, say how many paths a pixel by --spp N
+taotie: error: --samples: --integrator reference takes the number of paths per pixel from --spp N
 
 "#]],
     );
@@ -225,7 +225,7 @@ fn unknown_picture_format() {
     refused_beside_a_model(
         "render a.obj -o a.bmp",
         str![[r#"
-taotie: error: a.bmp: pictures are written as .png or .exr, moving ones as .png or .gif
+taotie: error: a.bmp: pictures are written as .png or .exr, animations as .png or .gif
 
 "#]],
     );

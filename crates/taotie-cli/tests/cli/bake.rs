@@ -30,19 +30,19 @@ fn number(value: &Value, path: &str) -> f64 {
 fn a_scan_becomes_an_asset_with_its_proof() {
     let place = Place::with("scan.obj", SCAN.obj());
     let line = "bake scan.obj -o out.glb --triangles 1000 --size 128 --require mean-angle=2,missed=0.1%";
-    place.taotie(line).assert().success().stderr_eq("baking 9024 triangles takes about [..]\n").stdout_eq(
+    place.taotie(line).assert().success().stderr_eq("baking 9024 triangles needs about [..] of memory\n").stdout_eq(
         str![[r#"
 9024 triangles onto 1000, maps of 128×128
-normals off  mean [..]°, median [..]°, quartiles [..]° and [..]°, p95 [..]°, max [..]°
-             0.17° is what 8 bits cost at least
-without map  mean [..]° by vertex normals alone
-missed       0.000 % of the texels, 0.000 % of the samples; 0.000 % found nothing
-shape off    at most [..] ([..] % of the diagonal), RMS [..] ([..] %)
-texels       [..] a model unit (median), [..] % of the map used
-seen         FLIP [..], SSIM [..], mean of 8 views
-bytes        [..] in, [..] out
-required     met: mean-angle is [..], at most 2
-required     met: missed is 0.0000, at most 0.001
+normal error              mean [..]°, median [..]°, quartiles [..]° and [..]°, p95 [..]°, max [..]°
+                          storing normals in 8 bits alone costs 0.17° on average
+error without normal map  mean [..]°, by vertex normals alone
+ray missed                0.000 % of the texels, 0.000 % of the samples (closest point used); no hit: 0.000 % of the samples
+shape error               at most [..] ([..] % of the diagonal), RMS [..] ([..] %)
+texel density             [..] texels per unit (median), [..] % of the map used
+visual difference         FLIP [..], SSIM [..], mean of 8 views
+bytes                     [..] in, [..] out
+required                  met: mean-angle is [..], at most 2
+required                  met: missed is 0.0000, at most 0.001
 wrote out.glb
 wrote out.report.html
 wrote out.report.json
@@ -61,8 +61,8 @@ fn what_is_required_and_not_met_ends_with_one() {
     let line = "bake scan.obj --low low.obj -o out.glb --size 64 --require mean-angle=0.01,hausdorff=50%";
     let assert = place.taotie(line).assert().code(1);
     let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
-    assert!(text.contains("required     NOT met: mean-angle is "), "{text}");
-    assert!(text.contains(", at most 0.01\nrequired     met: hausdorff is "), "{text}");
+    assert!(text.contains("required                  NOT met: mean-angle is "), "{text}");
+    assert!(text.contains(", at most 0.01\nrequired                  met: hausdorff is "), "{text}");
     let files = ["low.obj", "out.glb", "out.report.html", "out.report.json", "scan.obj"];
     assert_eq!(place.files(), files, "the proof of a failure is of use");
     let report: Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
@@ -86,15 +86,15 @@ fn refusals() {
         ("scan.obj -o out.obj", "out.obj: assets are written as .glb or .gltf"),
         ("scan.obj -o out", "out: assets are written as .glb or .gltf"),
         ("scan.obj -o absent/out.glb", "absent: there is no such folder; make it first"),
-        ("scan.glb -o scan.glb", "scan.glb: it would overwrite what is baked from; give another name"),
-        ("scan.obj --low scan.glb -o scan.glb", "scan.glb: it would overwrite what is baked from"),
+        ("scan.glb -o scan.glb", "scan.glb: it would overwrite an input of the bake; choose another name"),
+        ("scan.obj --low scan.glb -o scan.glb", "scan.glb: it would overwrite an input of the bake"),
         (
             "scan.obj -o out.glb --lods 100,200",
-            "--lods: a level of 200 triangles after one of 100; each must have fewer",
+            "--lods: a level of 200 triangles follows one of 100; each must have fewer",
         ),
         (
             "scan.obj -o out.glb --triangles 500 --lods 500",
-            "--lods: a level of 500 triangles after one of 500",
+            "--lods: a level of 500 triangles follows one of 500",
         ),
         (
             "scan.obj -o out.glb --memory-limit 1M",
@@ -104,13 +104,16 @@ fn refusals() {
             "scan.obj -o out.glb --memory-limit 9K",
             "the limit is 9 KiB; raise the memory limit, free memory, or simplify",
         ),
-        ("scan.obj -o out.glb --memory-limit much", "`much` is no amount of memory; write it as 4G or 800M"),
+        (
+            "scan.obj -o out.glb --memory-limit much",
+            "`much` is not an amount of memory; write it as 4G or 800M",
+        ),
         (
             "low.obj -o out.glb --error 1",
             "a mean normal error of 1°: the scan has 528 triangles, too few to be made lighter; name the number",
         ),
-        ("scan.obj -o out.glb --error 1 --space object", "--error is met by a normal map in tangent space"),
-        ("scan.obj -o out.glb --error 1 --maps ao", "--error is met by a normal map in tangent space"),
+        ("scan.obj -o out.glb --error 1 --space object", "--error needs a normal map in tangent space"),
+        ("scan.obj -o out.glb --error 1 --maps ao", "--error needs a normal map in tangent space"),
         (
             "scan.obj -o out.glb --require mean-angle",
             "`mean-angle`: write a figure and the most it may be, such as mean-angle=2",

@@ -12,12 +12,14 @@ Guo and Wang 2025, Tables 2 and 3, recomputed
   Guo Huifang and Wang Junxiu, "Analysis and application of Physically-Based Rendering (PBR) normal mapping
   technology in bronze wares", Intelligent Computer and Applications 15(6), 2025, pp. 122–126,
   doi:10.20169/j.issn.2095-2163.24121501.
-  The paper cuts decimals: four of a normal, two of an angle. So a printed number stands for a range, and it
-  agrees with others where some numbers in their ranges would be printed so. Angles are arccos(a·b /
-  (|a||b|)).
-  In each row g is found: the multiple of one half, since it is half the difference of two grey levels, with
-  which most of the row's numbers agree. N4 cannot be recomputed: neither the mesh nor its textures were
-  published.
+  N1 is the mesh's normal, N2 and N3 are those of the bump method with the factors s = 5 and s = 50, N4 is
+  that of the paper's own method; θ1, θ2 and θ3 are the angles of N2, N3 and N4 to N1; g is half the
+  difference of two grey levels of the height map.
+  The paper cuts off decimals: it prints four of a normal and two of an angle. So a printed number stands for
+  a range, and it agrees with others where some numbers in their ranges would be printed so. Angles are
+  arccos(a·b / (|a||b|)).
+  In each row g is the multiple of one half with which most of the row's numbers agree. N4 cannot be
+  recomputed: neither the mesh nor its textures were published.
 
 The law of N2 and N3: n + s · (g/255) · (1, 1, 0), with s = 5 and 50
   row   N2.x   N2.y   N3.x   N3.y     g  numbers that agree
@@ -123,11 +125,11 @@ Misprints, of the journal or of the copy that was transcribed
   Table 3, row 2, θ2: 27.93 is printed, 27.98 must be
       N1 and N3 follow the law with g = -2 in every number, and enclose 27.981° to 27.983°.
 
-What follows
+Conclusion
   Bump 5 lies nearer to the paper's own method (N4) than bump 50: at 7 of 10 points, 24.5° against 36.6° on
   average (as printed: 7 points, 23.3° and 37.7°). The paper says of its Figure 8 that bump 5 is far from its
-  own method and bump 50 much the same: Tables 2 and 3 do not bear that out.
-  The bump of the paper moves the normal along (1, 1, 0) of the object, whatever way the surface faces, and
+  own method and bump 50 much the same: Tables 2 and 3 do not support that.
+  The paper's bump method moves the normal along (1, 1, 0) of the object, whichever way the surface faces, and
   does not normalise it: N1 is 0.998 to 1.000 long, N3 up to 5.84, and N4 0.87 to 1.00.
 
 "#]]);

@@ -65,7 +65,7 @@ fn equal_pictures() {
 a         a.png: 8 bits, 3 channels
 b         a.png: 8 bits, 3 channels
 size      40x40, compared as pictures
-equal     every number is the same in both
+equal     every number is the same in both files
 
 rmse   0.00000
 psnr   infinite
@@ -84,10 +84,10 @@ fn normal_maps_by_their_angle() {
 a         up.png: 8 bits, 3 channels, unit normals; 0 texels transparent, 0 no unit vector
 b         down.png: 8 bits, 3 channels, unit normals; 0 texels transparent, 0 no unit vector
 size      192x192, compared as normals
-left out  0 texels without a normal in one of them
+left out  0 texels without a normal in one of the files
 
 angle  mean 21.883°, median 19.381°, quartiles 9.420° and 37.874°, p95 49.687°, max 53.330°
-       storing normals in 8 bits alone makes a mean of 0.17°
+       storing normals in 8 bits alone costs 0.17° on average
 
 "#]]);
     write_ball(&place.path("ball.png"));
@@ -174,10 +174,10 @@ fn a_heat_map_for_every_metric() {
 a         flat.exr: 32 bits, 4 channels, signed normals; 1 texels transparent, 0 no unit vector
 b         tilted.exr: 32 bits, 4 channels, signed normals; 1 texels transparent, 0 no unit vector
 size      4x4, compared as normals
-left out  1 texels without a normal in one of them
+left out  1 texels without a normal in one of the files
 
 angle  mean 3.000°, median 3.000°, quartiles 3.000° and 3.000°, p95 3.000°, max 3.000°
-       storing normals in 8 bits alone makes a mean of 0.17°
+       storing normals in 8 bits alone costs 0.17° on average
 
 wrote angle.png
 

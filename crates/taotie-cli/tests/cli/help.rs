@@ -6,19 +6,19 @@ use snapbox::str;
 #[test]
 fn the_program_names_its_subcommands() {
     Place::new().taotie("--help").assert().success().stderr_eq("").stdout_eq(str![[r#"
-Puts a scan's relief on a light mesh and shades it by physics
+Bakes high-poly scans to low-poly glTF with normal maps, renders them, and measures the error
 
 Usage: taotie <COMMAND>
 
 Commands:
-  render     Renders a model to a picture
-  compare    Renders a model by several surface methods and measures how they differ
-  bake       Bakes a scan's relief onto a light mesh and proves that it looks the same
-  inspect    Says what is in a model and what is wrong with it
-  normals    Makes normal maps from heights, and converts them
-  diff       Says how two pictures or normal maps differ
-  materials  Lists the materials that `--material` knows
-  demo       Renders the built-in bronze jue by every method and model, and measures them
+  render     Renders a model to a picture or an animation
+  compare    Renders a model by several surface methods and measures their error
+  bake       Bakes a high-poly scan to a low-poly glTF asset with a normal map, and measures the error
+  inspect    Lists the content of a model file and its defects
+  normals    Makes normal maps from height maps, and converts normal maps
+  diff       Measures the difference of two pictures or normal maps
+  materials  Lists the material presets for `--material`
+  demo       Renders the built-in bronze by every surface method and shading model, and measures their error
 
 Options:
   -h, --help     Print help

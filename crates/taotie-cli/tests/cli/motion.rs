@@ -204,7 +204,7 @@ fn gif_of_a_still() {
     refused(
         "render a.gltf -o b.gif",
         str![[r#"
-taotie: error: b.gif: a .gif holds moving pictures; add --turntable, --frames or --fps, or write a .png
+taotie: error: b.gif: a .gif holds an animation; add --turntable, --frames or --fps, or write a .png
 
 "#]],
     );

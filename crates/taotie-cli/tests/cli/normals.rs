@@ -45,12 +45,12 @@ fn heights_become_normals() {
         .assert()
         .success()
         .stderr_eq(str![[r#"
-taotie: h.png: a height map by its pixels
+taotie: h.png: its pixels look like a height map
 
 "#]])
         .stdout_eq(str![[r#"
 wrote n.png: 32x32, 16 bits, tangent space, green up
-stored          mean 0.0012°, median 0.0012°, quartiles 0.0012° and 0.0012°, p95 0.0012°, max 0.0012°
+storing    mean 0.0012°, median 0.0012°, quartiles 0.0012° and 0.0012°, p95 0.0012°, max 0.0012°
 
 "#]]);
     let Texels::U16(texels) = picture(&place, "n.png").texels().clone() else {
@@ -83,21 +83,21 @@ fn object_space_and_back() {
         .assert()
         .success()
         .stderr_eq(str![[r#"
-taotie: a.png: a tangent-space normal map by its pixels
-taotie: a.png: green points up by its pixels (97 % sure)
+taotie: a.png: its pixels look like a tangent-space normal map
+taotie: a.png: green points up, guessed from its pixels (97 % sure)
 
 "#]])
         .stdout_eq(str![[r#"
 wrote object.png: 192x192, 16 bits, object space
-stored          mean 0.0005°, median 0.0006°, quartiles 0.0004° and 0.0007°, p95 0.0008°, max 0.0008°
-there and back  mean 0.0005°, median 0.0006°, quartiles 0.0004° and 0.0007°, p95 0.0008°, max 0.0008°
+storing    mean 0.0005°, median 0.0006°, quartiles 0.0004° and 0.0007°, p95 0.0008°, max 0.0008°
+round trip mean 0.0005°, median 0.0006°, quartiles 0.0004° and 0.0007°, p95 0.0008°, max 0.0008°
 
 "#]]);
     let back = "normals object.png --from object --to tangent --mesh square.obj -o back.png";
     place.taotie(back).assert().success().stderr_eq("").stdout_eq(str![[r#"
 wrote back.png: 192x192, 16 bits, tangent space, green up
-stored          mean 0.0001°, median 0.0000°, quartiles 0.0000° and 0.0000°, p95 0.0006°, max 0.0006°
-there and back  mean 0.0001°, median 0.0000°, quartiles 0.0000° and 0.0000°, p95 0.0006°, max 0.0006°
+storing    mean 0.0001°, median 0.0000°, quartiles 0.0000° and 0.0000°, p95 0.0006°, max 0.0006°
+round trip mean 0.0001°, median 0.0000°, quartiles 0.0000° and 0.0000°, p95 0.0006°, max 0.0006°
 
 "#]]);
     let report = place.json("diff a.png back.png --json");
@@ -113,13 +113,13 @@ fn green_is_turned_to_the_bit() {
         .assert()
         .success()
         .stderr_eq(str![[r#"
-taotie: a.png: a tangent-space normal map by its pixels
-taotie: a.png: green points down by its pixels (97 % sure)
+taotie: a.png: its pixels look like a tangent-space normal map
+taotie: a.png: green points down, guessed from its pixels (97 % sure)
 
 "#]])
         .stdout_eq(str![[r#"
 wrote up.png: 192x192, 8 bits, tangent space, green up
-changed         mean 0.0000°, median 0.0000°, quartiles 0.0000° and 0.0000°, p95 0.0000°, max 0.0000°
+conversion mean 0.0000°, median 0.0000°, quartiles 0.0000° and 0.0000°, p95 0.0000°, max 0.0000°
 
 "#]]);
     place.taotie("normals up.png -o down.png --green down").assert().success();
@@ -189,7 +189,7 @@ fn what_cannot_be_done_is_refused() {
     refused(
         "normals h.png -o n.png",
         str![[r#"
-taotie: h.png: a height map by its pixels
+taotie: h.png: its pixels look like a height map
 taotie: error: --height-scale is needed for heights: the height of white in texels, or in model units with --mesh
 
 "#]],
@@ -204,7 +204,7 @@ taotie: error: color.tga: it looks neither like a normal map nor like heights; s
     refused(
         "normals ball.png --to tangent -o n.png",
         str![[r#"
-taotie: ball.png: an object-space normal map by its pixels
+taotie: ball.png: its pixels look like an object-space normal map
 taotie: error: between tangent and object space the mesh has to be known; name the model with --mesh
 
 "#]],
@@ -212,7 +212,7 @@ taotie: error: between tangent and object space the mesh has to be known; name t
     refused(
         "normals ball.png --to tangent --mesh plain.obj -o n.png",
         str![[r#"
-taotie: ball.png: an object-space normal map by its pixels
+taotie: ball.png: its pixels look like an object-space normal map
 taotie: error: plain.obj: uv set 0 for tangents: the mesh has 0
 
 "#]],
@@ -220,7 +220,7 @@ taotie: error: plain.obj: uv set 0 for tangents: the mesh has 0
     refused(
         "normals h.png --height-scale 1 --to object -o n.png",
         str![[r#"
-taotie: h.png: a height map by its pixels
+taotie: h.png: its pixels look like a height map
 taotie: error: for object space the mesh has to be known; name the model with --mesh
 
 "#]],

@@ -1,11 +1,10 @@
 //! Relief finer than a pixel does not sparkle: a turntable of the demo's vessel, polished, against 64 samples a pixel.
 
-use taotie::Progress;
 use taotie::film::{Development, develop8, develop16};
 use taotie::image::{Bitmap, Encoding, Image, Texels, Texture};
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
-use taotie::render::{Lighting, Pass, Prepared, RenderSettings, render};
+use taotie::render::{Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Material, Orbit, Scene};
 use taotie_study::jue;
 
@@ -73,8 +72,8 @@ fn take(scene: &Scene, side: u32, samples: u32, specular_aa: bool) -> Vec<Image>
         RenderSettings { width: side, height: side, samples, specular_aa, ..RenderSettings::default() };
     let picture = |i: usize| {
         let scene = turned(scene, i as f64 * STEP);
-        let prepared = Prepared::new(&scene, &settings.surface).unwrap();
-        Pass::new(&prepared, &camera, &lamp(), &settings).unwrap().render(Progress::SILENT).unwrap().color
+        let lighting = lamp();
+        render(&scene, &Shot { camera: &camera, lighting: &lighting, settings: &settings }).unwrap().color
     };
     (0..PICTURES).map(picture).collect()
 }
@@ -178,7 +177,7 @@ fn greatest_difference(scene: &Scene, camera: &Camera, lighting: &Lighting) -> u
     let picture = |specular_aa| {
         let settings =
             RenderSettings { width: 128, height: 128, samples: 1, specular_aa, ..RenderSettings::default() };
-        let image = render(scene, camera, lighting, &settings).unwrap().color;
+        let image = render(scene, &Shot { camera, lighting, settings: &settings }).unwrap().color;
         assert!(linear(&image).iter().any(|light| *light > 1.0), "a highlight is in the picture");
         develop8(&image, &Development::default()).unwrap()
     };

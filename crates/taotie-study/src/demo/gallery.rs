@@ -92,9 +92,10 @@ pub fn write_large(vessel: &Vessel, folder: &Path) -> Result<PathBuf> {
 }
 
 fn settings(picture: &Picture, side: u32, samples: u32) -> RenderSettings {
-    let surface =
-        SurfaceSettings { method: Some(picture.surface), tangents: None, bump_scale: picture.bump_scale };
-    RenderSettings { shading: picture.shading, surface, ..Stage::settings(side, samples) }
+    let base = Stage::settings(side, samples);
+    let (method, bump_scale) = (Some(picture.surface), picture.bump_scale);
+    let surface = SurfaceSettings { method, bump_scale, ..base.surface };
+    RenderSettings { shading: picture.shading, surface, ..base }
 }
 
 /// Surface methods under `ggx`, then shading models on the tangent-space map.

@@ -1,5 +1,5 @@
-//! The demo's files: the vessel as models, its pictures by every surface method and shading model, and the figures of
-//! its pouring.
+//! The demo's files: the vessel as models, its pictures by every surface method and shading model, its methods measured
+//! against its relief as geometry, and the figures of its pouring.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -19,6 +19,7 @@ pub mod glb;
 pub mod moving;
 mod output;
 pub mod stage;
+pub mod truth;
 mod vessel;
 
 pub use output::Output;

@@ -8,11 +8,11 @@ use crate::jue::pour::{Eye, POURED, Pouring, RULE, TIP_DEG, Truth, angular_error
 use crate::jue::with_relief;
 use serde::Serialize;
 use std::path::PathBuf;
+use taotie::compare::Summary;
 use taotie::mesh::Mesh;
 use taotie::scene::Scene;
 use taotie::{Result, io};
 use taotie_report::sheet::{Cell, Sheet};
-use taotie_report::spread::Spread;
 
 /// Pixels along a side of the pictures that errors are measured in.
 const SIDE: u32 = 640;
@@ -38,9 +38,9 @@ pub struct MethodReport {
     /// The name of its surface method.
     pub method: &'static str,
     /// The error at rest.
-    pub at_rest: Spread,
+    pub at_rest: Summary,
     /// The error of the poured vessel.
-    pub poured: Spread,
+    pub poured: Summary,
 }
 
 /// The kinds of map with the reason for their figures.
@@ -86,7 +86,7 @@ fn measured(vessels: &mut [Pouring], truths: &[Truth; 2], scene: &Scene) -> Resu
     // From where the methods are compared at rest.
     let eye = Eye { camera: Stage::cup(scene)?.camera, side: SIDE };
     let measure = |(vessel, (method, _)): (&mut Pouring, (&'static str, &str))| {
-        let [at_rest, poured] = angular_errors(vessel, truths, &eye)?.map(Spread::from);
+        let [at_rest, poured] = angular_errors(vessel, truths, &eye)?;
         Ok(MethodReport { method, at_rest, poured })
     };
     vessels.iter_mut().zip(METHODS).map(measure).collect()

@@ -5,7 +5,7 @@ use taotie::film::{Development, develop8};
 use taotie::image::{Bitmap, Encoding, Image, Texels};
 use taotie::io;
 use taotie::math::Vec3;
-use taotie::render::{Lighting, RenderSettings, render};
+use taotie::render::{Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, fitting_distance, from_view};
 use taotie::{Error, Result};
 
@@ -68,7 +68,8 @@ impl Stage {
     /// # Errors
     /// Those of [`render`].
     pub fn take(&self, scene: &Scene, settings: &RenderSettings) -> Result<Image> {
-        Ok(render(scene, &self.camera, &self.lighting, settings)?.color)
+        let shot = Shot { camera: &self.camera, lighting: &self.lighting, settings };
+        Ok(render(scene, &shot)?.color)
     }
 
     /// Returns the settings that all square pictures have in common.

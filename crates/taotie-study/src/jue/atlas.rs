@@ -36,7 +36,7 @@ pub(super) const BOTTOM_SCALE: f64 = 4.4;
 pub(super) const BOTTOM_CENTER: Vec2<f64> = Vec2::new(0.222, 0.462);
 /// The scale of the interior's disk, and its origin (the vessel's axis).
 pub(super) const INSIDE_SCALE: f64 = 2.45;
-/// Where the vessel's axis meets the interior's chart.
+/// The point at which the vessel's axis meets the interior's chart.
 pub(super) const INSIDE_CENTER: Vec2<f64> = Vec2::new(0.728, 0.112);
 /// Middles of the two posts' charts.
 pub(super) const POST_CENTERS: [Vec2<f64>; 2] = [Vec2::new(0.690, 0.360), Vec2::new(0.690, 0.500)];

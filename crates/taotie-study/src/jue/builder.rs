@@ -34,7 +34,7 @@ impl Builder {
         self.positions.len() - 1
     }
 
-    /// Where a vertex lies in the atlas.
+    /// The place of a vertex in the atlas.
     pub fn uv(&self, vertex: usize) -> Vec2<f64> {
         self.uvs[vertex]
     }

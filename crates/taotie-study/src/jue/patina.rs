@@ -14,7 +14,7 @@ static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
 /// A texel's place, which decides its look.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    /// Where on the vessel, metres.
+    /// The place on the vessel, metres.
     pub position: Vec3,
     /// The interpolated vertex normal, not normalised.
     pub normal: Vec3,

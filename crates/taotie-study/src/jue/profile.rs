@@ -1,4 +1,4 @@
-//! Cross-sections of relief: how height depends on distance. Smooth, so that normals are.
+//! Cross-sections of relief: height by distance, smooth so that normals are.
 
 /// 0 below 0, 1 above 1, 3t² − 2t³ between.
 pub(super) fn smooth(t: f32) -> f32 {

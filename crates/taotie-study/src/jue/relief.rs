@@ -10,11 +10,11 @@ use taotie::math::{Vec2, scalar};
 /// The height of 1 of [`height`] above the low mesh, metres.
 pub const DEPTH: f64 = 0.0012;
 
-/// Where the mask's panel begins above the strip's lower edge, nominal millimetres.
+/// The height at which the mask's panel begins above the strip's lower edge, nominal millimetres.
 const PANEL_BOTTOM: f32 = 14.2;
 /// Middles of the borders below and above the panel.
 const BORDERS: [f32; 2] = [PANEL_BOTTOM - 2.6, PANEL_BOTTOM + HEIGHT + 2.6];
-/// Where the blades of the neck stand.
+/// The place of the blades on the neck.
 const BLADES: f32 = PANEL_BOTTOM + HEIGHT + 5.6;
 /// Half the width of a flange.
 const FLANGE: f32 = 1.35;

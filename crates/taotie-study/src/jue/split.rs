@@ -13,7 +13,7 @@ const PLAIN: f64 = 0.0008;
 /// about 3°.
 const SLACK: f64 = 0.0125;
 
-/// Where along an edge the relief is looked at.
+/// Points along an edge at which the relief is sampled, as fractions of it.
 const PROBES: [u32; 3] = [1, 2, 3];
 
 /// A split patch.
@@ -63,7 +63,7 @@ impl<'a, H: Fn(f32, f32) -> f32> Split<'a, H> {
         halves && (length > PLAIN || length > self.finest && self.leaves(a, b, length))
     }
 
-    /// Whether the relief between two points leaves the straight line.
+    /// Returns whether the relief between two points leaves the straight line.
     fn leaves(&self, a: Weights, b: Weights, length: f64) -> bool {
         let height = |weights: Weights| {
             let uv = self.patch.uv(weights);

@@ -13,7 +13,7 @@ pub struct Angle {
     pub printed: f64,
     /// The range that normals printed so may enclose, degrees.
     pub range: [f64; 2],
-    /// Whether some of that is printed as the paper prints it.
+    /// True if some angle in the range is printed so.
     pub agrees: bool,
 }
 

@@ -37,7 +37,7 @@ pub struct Number {
     pub range: [f64; 2],
     /// The middle of that, with its decimals cut.
     pub recomputed: f64,
-    /// Whether some number in the range is printed so.
+    /// True if some number in the range is printed so.
     pub agrees: bool,
 }
 

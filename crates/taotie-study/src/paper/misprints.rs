@@ -24,7 +24,7 @@ pub struct Misprint {
     place: Place,
 }
 
-/// Where in a row.
+/// The place of a misprint in its row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     Normal(usize, Normal),
@@ -109,7 +109,7 @@ fn reason_of_normal(fit: &Fit, which: usize, wrong: &[usize]) -> String {
     format!("{law} {}{slip}", leaves.join(" and "))
 }
 
-/// Whether y stands in x's place and z in y's.
+/// Returns whether y stands in x's place and z in y's.
 fn moved_left([x, y, z]: &[Number; 3]) -> bool {
     x.printed == y.recomputed && y.printed == z.recomputed
 }

@@ -30,7 +30,7 @@ impl Study {
             ],
             views: Vec::new(),
             sections: vec![
-                Section::Text { title: "How".into(), paragraphs: words::preface().split_off(1) },
+                Section::Text { title: "Method".into(), paragraphs: words::preface().split_off(1) },
                 Section::Text { title: words::CONCLUSION.into(), paragraphs: words::conclusion(self) },
                 misprints(self),
                 law(self),
@@ -83,7 +83,7 @@ fn law(study: &Study) -> Section {
     let names = ["row", "g by N2.x", "g by N2.y", "g by N3.x", "g by N3.y", "g", "numbers of 9 that agree"];
     Section::Table {
         title: words::LAW.into(),
-        note: "What g would be if a number were right, and the g that most numbers of the row agree with."
+        note: "The g that follows from each number by itself, and the g that most numbers of the row agree with."
             .into(),
         columns: names.map(|name| Column::numbers(name, "")).into(),
         rows: study.rows.iter().map(row).collect(),
@@ -96,7 +96,7 @@ fn normals(study: &Study) -> Section {
     columns.extend(names.map(|name| Column::numbers(name, "")));
     Section::Table {
         title: words::TABLE_2.into(),
-        note: "N1 is the mesh's normal, N2 that of bump 5, N3 of bump 50, N4 of the paper's method.".into(),
+        note: "N1 is the mesh's normal, N2 that of bump with s = 5, N3 with s = 50, N4 that of the paper's own method.".into(),
         columns,
         rows: study.rows.iter().flat_map(rows_of_normals).collect(),
     }
@@ -166,7 +166,7 @@ fn row_of_angle(row: &Row, which: usize) -> Vec<Cell> {
     ]
 }
 
-/// Whether an angle agrees; where it was itself corrected, with what.
+/// The mark of an angle that agrees or not; where it was itself corrected, with the corrected angle.
 fn agreement(printed: &Angle, angle: &Angle) -> Cell {
     let mark = |text: String, tone| Cell::Mark { text, tone, why: String::new() };
     match (angle.agrees, printed.printed == angle.printed) {

@@ -34,7 +34,7 @@ pub struct Row {
     pub angles_as_printed: [Angle; 3],
     /// The same after all corrections.
     pub angles_corrected: [Angle; 3],
-    /// Whether the law alone gives θ1 and θ2 as printed.
+    /// True if the law alone gives θ1 and θ2 as printed.
     pub explained: [bool; 2],
 }
 

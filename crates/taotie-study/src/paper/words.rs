@@ -13,7 +13,7 @@ pub const TABLE_3: &str = "Table 3, their angles in degrees";
 /// As [`LAW`].
 pub const MISPRINTS: &str = "Misprints, of the journal or of the copy that was transcribed";
 /// As [`LAW`].
-pub const CONCLUSION: &str = "What follows";
+pub const CONCLUSION: &str = "Conclusion";
 
 /// The study's title.
 pub fn title() -> &'static str {
@@ -25,22 +25,27 @@ pub const SOURCE: &str = "Guo Huifang and Wang Junxiu, \"Analysis and applicatio
     normal mapping technology in bronze wares\", Intelligent Computer and Applications 15(6), 2025, pp. 122–126, \
     doi:10.20169/j.issn.2095-2163.24121501";
 
-/// Says what is compared, and when two numbers agree.
+/// The meaning of the symbols.
+const LEGEND: &str = "N1 is the mesh's normal, N2 and N3 are those of the bump method with the factors s = 5 and s = 50, N4 is \
+    that of the paper's own method; θ1, θ2 and θ3 are the angles of N2, N3 and N4 to N1; g is half the difference of two \
+    grey levels of the height map.";
+
+/// Returns the source, the meaning of the symbols, and the rule by which two numbers agree.
 pub fn preface() -> Vec<String> {
     vec![
         format!("{SOURCE}."),
-        "The paper cuts decimals: four of a normal, two of an angle. So a printed number stands for a range, and it \
-         agrees with others where some numbers in their ranges would be printed so. Angles are \
+        LEGEND.into(),
+        "The paper cuts off decimals: it prints four of a normal and two of an angle. So a printed number stands for a \
+         range, and it agrees with others where some numbers in their ranges would be printed so. Angles are \
          arccos(a·b / (|a||b|))."
             .into(),
-        "In each row g is found: the multiple of one half, since it is half the difference of two grey levels, with \
-         which most of the row's numbers agree. N4 cannot be recomputed: neither the mesh nor its textures were \
-         published."
+        "In each row g is the multiple of one half with which most of the row's numbers agree. N4 cannot be recomputed: \
+         neither the mesh nor its textures were published."
             .into(),
     ]
 }
 
-/// Says how many angles agree.
+/// Returns the counts of angles that agree.
 pub fn counts(study: &Study) -> String {
     let counts = study.agreeing;
     format!(
@@ -55,7 +60,7 @@ pub fn counts(study: &Study) -> String {
     )
 }
 
-/// Says what follows from the corrected tables for the paper's methods.
+/// Returns the conclusions from the corrected tables for the paper's methods.
 pub fn conclusion(study: &Study) -> Vec<String> {
     let (corrected, points) = (study.conclusion.corrected, study.rows.len());
     let [n1, n3, n4] = study.conclusion.lengths;
@@ -63,7 +68,7 @@ pub fn conclusion(study: &Study) -> Vec<String> {
         format!(
             "{} at {} of {points} points, {:.1}° against {:.1}° on average (as printed: {} points, {:.1}° and \
              {:.1}°). The paper says of its Figure 8 that bump 5 is far from its own method and bump 50 much the \
-             same: Tables 2 and 3 do not bear that out.",
+             same: Tables 2 and 3 do not support that.",
             nearer(&corrected),
             most(&corrected, points),
             corrected.mean_bump_5,
@@ -73,7 +78,7 @@ pub fn conclusion(study: &Study) -> Vec<String> {
             study.conclusion.as_printed.mean_bump_50,
         ),
         format!(
-            "The bump of the paper moves the normal along (1, 1, 0) of the object, whatever way the surface faces, \
+            "The paper's bump method moves the normal along (1, 1, 0) of the object, whichever way the surface faces, \
              and does not normalise it: N1 is {:.3} to {:.3} long, N3 up to {:.2}, and N4 {:.2} to {:.2}.",
             n1[0], n1[1], n3[1], n4[0], n4[1]
         ),

@@ -7,7 +7,7 @@ use crate::film::Development;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::render::{Lighting, RenderSettings, Renderer};
+use crate::render::{Lighting, RenderSettings, Renderer, Shot};
 use crate::scene::{Camera, Material, Orbit, Scene, fitting_distance, three_point_rig};
 
 /// From how many sides.
@@ -52,9 +52,8 @@ pub(super) fn take(scan: Mesh, asset: Scene, side: u32, progress: Progress<'_>) 
     let high = scene_of(scan, neutral());
     let cameras = cameras(&high);
     let low = neutralised(asset);
-    let scan = pictures(&high, side, &cameras, progress.part(0.0, 0.5))?;
-    drop(high);
-    let asset = pictures(&low, side, &cameras, progress.part(0.5, 0.9))?;
+    let scan = pictures(high, side, &cameras, progress.part(0.0, 0.5))?;
+    let asset = pictures(low, side, &cameras, progress.part(0.5, 0.9))?;
     let mut views = Views { scan, asset, ..Views::default() };
     for (i, (a, b)) in views.scan.iter().zip(&views.asset).enumerate() {
         progress.at(0.9 + 0.1 * i as f64 / COUNT as f64)?;
@@ -103,7 +102,7 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
     (0..COUNT).map(camera).collect()
 }
 
-fn pictures(scene: &Scene, side: u32, cameras: &[Camera], progress: Progress<'_>) -> Result<Vec<Picture>> {
+fn pictures(scene: Scene, side: u32, cameras: &[Camera], progress: Progress<'_>) -> Result<Vec<Picture>> {
     let settings = RenderSettings { width: side, height: side, samples: 4, ..RenderSettings::default() };
     let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
     let mut renderer = Renderer::new(scene, &settings.surface)?;
@@ -112,13 +111,8 @@ fn pictures(scene: &Scene, side: u32, cameras: &[Camera], progress: Progress<'_>
         let [from, to] = [i, i + 1].map(|views| views as f64 / cameras.len() as f64);
         let lighting =
             Lighting { lights: three_point_rig(camera), ambient: Vec3::splat(0.15), environment: None };
-        renderer.develop(
-            (camera, &lighting),
-            &settings,
-            &development,
-            &mut codes,
-            progress.part(from, to),
-        )?;
+        let shot = Shot { camera, lighting: &lighting, settings: &settings };
+        renderer.develop(&shot, &development, &mut codes, progress.part(from, to))?;
         pictures.push(Picture::from_developed(side, side, &codes)?);
     }
     Ok(pictures)

@@ -3,8 +3,7 @@
 use crate::error::Result;
 use crate::image::Image;
 use crate::math::Vec3;
-use crate::progress::Progress;
-use crate::render::{GrazingNormals, Lighting, Pass, Prepared, RenderSettings};
+use crate::render::{Frame, GrazingNormals, Lighting, RenderSettings, Shot};
 use crate::scene::Camera;
 use rayon::prelude::*;
 
@@ -40,12 +39,11 @@ fn samples_per_side(settings: &RenderSettings) -> u32 {
     (1..=wanted).rev().find(|n| pixels * u64::from(n * n) <= MOST).unwrap_or(1)
 }
 
-/// Looks with as many samples a pixel as `settings` ask for, fewer where that would be too many.
+/// Looks with `take`, with as many samples a pixel as `settings` ask for, fewer where that would be too many.
 pub(super) fn look(
-    prepared: &Prepared<'_>,
     camera: &Camera,
     settings: &RenderSettings,
-    progress: Progress<'_>,
+    take: impl FnOnce(&Shot<'_>) -> Result<Frame>,
 ) -> Result<Look> {
     let per_side = samples_per_side(settings);
     let (width, height) = (settings.width * per_side, settings.height * per_side);
@@ -60,7 +58,8 @@ pub(super) fn look(
         grazing_normals,
         ..settings.clone()
     };
-    let frame = Pass::new(prepared, camera, &Lighting::default(), &settings)?.render(progress)?;
+    let lighting = Lighting::default();
+    let frame = take(&Shot { camera, lighting: &lighting, settings: &settings })?;
     let aovs = frame.aovs.expect("output variables were asked for");
     Ok(Look { normals: aovs.normals, depth: aovs.depth, uv: aovs.uv, camera: camera.clone(), per_side })
 }

@@ -21,7 +21,7 @@
 //! # }
 //! ```
 
-mod comparison;
+mod compared;
 mod convert;
 pub mod diff;
 mod look;
@@ -29,6 +29,7 @@ mod matching;
 mod method;
 mod options;
 mod parameters;
+mod photographer;
 mod relief;
 mod report;
 mod rules;
@@ -36,7 +37,7 @@ mod sample_points;
 mod subject;
 mod surfaces;
 
-pub use comparison::Comparison;
+pub use compared::Comparison;
 pub use matching::Matching;
 pub use method::Method;
 pub use options::ComparisonOptions;

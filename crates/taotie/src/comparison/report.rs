@@ -1,6 +1,6 @@
 //! The figures of a comparison as plain data.
 
-use super::comparison::Comparison;
+use super::compared::Comparison;
 use super::parameters::Parameters;
 use super::rules::Rules;
 use super::subject::SubjectReport;

@@ -2,7 +2,7 @@
 
 use super::ToneCurve;
 use super::codes8::SRGB_CODES;
-use super::develop::{Development, developed_light};
+use super::development::{Development, developed_light};
 use super::encode::{round_to_codes, srgb_from_linear};
 use crate::error::{Error, Result};
 use crate::math::codes::{Codes, in_low_bits};
@@ -142,14 +142,15 @@ fn all_codes<P: Pack, C: Code>(token: P::Token, recipe: &Recipe, pixels: &[[f32;
     let runs = count - count % RUN;
     let mut columns = [[0.0; RUN]; 4];
     let nothing = prepared::<P, C>(recipe.light([P::splat(token, 0.0); 4]));
+    let runner = Runner { token, recipe, nothing };
     for (pixels, out) in pixels[..runs].chunks_exact(RUN).zip(out.chunks_exact_mut(RUN)) {
-        let kind = develop_run::<P, C>((token, recipe), &nothing, pixels, &mut columns);
+        let kind = runner.develop::<C>(pixels, &mut columns);
         store_codes(kind, &columns, out);
     }
     if runs < count {
         let mut last = [[0.0; 4]; RUN];
         last[..count - runs].copy_from_slice(&pixels[runs..count]);
-        let kind = develop_run::<P, C>((token, recipe), &nothing, &last, &mut columns);
+        let kind = runner.develop::<C>(&last, &mut columns);
         store_codes(kind, &columns, &mut out[runs..count]);
     }
 }
@@ -162,45 +163,50 @@ enum Kind {
     Mixed,
 }
 
-/// Fills `columns` for [`RUN`] pixels. Pictures are in large part wholly transparent or wholly opaque, and both are
-/// cheaper.
-#[inline(always)]
-fn develop_run<P: Pack, C: Code>(
-    (token, recipe): (P::Token, &Recipe),
-    nothing: &[P; 4],
-    pixels: &[[f32; 4]],
-    columns: &mut Columns,
-) -> Kind {
-    let (mut some_seen, mut all_opaque) = (false, true);
-    for (i, pixels) in pixels.chunks_exact(P::LANES).enumerate() {
-        let rgba = P::load_pixels(token, pixels);
-        let alpha = rgba[3];
-        let is_seen = alpha.lit(0.0).lt(alpha).any();
-        let is_opaque = !alpha.lit(1.0).le(alpha).not().any();
-        let prepared = if is_opaque {
-            let light = recipe.opaque_light(rgba);
-            prepared::<P, C>((light, alpha.lit(1.0)))
-        } else if is_seen {
-            prepared::<P, C>(recipe.light(rgba))
+/// Develops runs of pixels.
+struct Runner<'r, P: Pack> {
+    token: P::Token,
+    recipe: &'r Recipe,
+    /// What becomes of pixels that show nothing.
+    nothing: [P; 4],
+}
+
+impl<P: Pack> Runner<'_, P> {
+    /// Fills `columns` for [`RUN`] pixels. Pictures are in large part wholly transparent or wholly opaque, and both are
+    /// cheaper.
+    #[inline(always)]
+    fn develop<C: Code>(&self, pixels: &[[f32; 4]], columns: &mut Columns) -> Kind {
+        let (mut some_seen, mut all_opaque) = (false, true);
+        for (i, pixels) in pixels.chunks_exact(P::LANES).enumerate() {
+            let rgba = P::load_pixels(self.token, pixels);
+            let alpha = rgba[3];
+            let is_seen = alpha.lit(0.0).lt(alpha).any();
+            let is_opaque = !alpha.lit(1.0).le(alpha).not().any();
+            let prepared = if is_opaque {
+                let light = self.recipe.opaque_light(rgba);
+                prepared::<P, C>((light, alpha.lit(1.0)))
+            } else if is_seen {
+                prepared::<P, C>(self.recipe.light(rgba))
+            } else {
+                self.nothing
+            };
+            let [r, g, b, a] = prepared;
+            let [reds, greens, blues, alphas] = &mut *columns;
+            let at = i * P::LANES;
+            r.store(&mut reds[at..]);
+            g.store(&mut greens[at..]);
+            b.store(&mut blues[at..]);
+            a.store(&mut alphas[at..]);
+            some_seen |= is_seen;
+            all_opaque &= is_opaque;
+        }
+        if all_opaque {
+            Kind::Opaque
+        } else if some_seen {
+            Kind::Mixed
         } else {
-            *nothing
-        };
-        let [r, g, b, a] = prepared;
-        let [reds, greens, blues, alphas] = &mut *columns;
-        let at = i * P::LANES;
-        r.store(&mut reds[at..]);
-        g.store(&mut greens[at..]);
-        b.store(&mut blues[at..]);
-        a.store(&mut alphas[at..]);
-        some_seen |= is_seen;
-        all_opaque &= is_opaque;
-    }
-    if all_opaque {
-        Kind::Opaque
-    } else if some_seen {
-        Kind::Mixed
-    } else {
-        Kind::Transparent
+            Kind::Transparent
+        }
     }
 }
 

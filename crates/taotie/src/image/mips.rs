@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// All levels, the given one first. Each halves the size, rounding down.
 pub(super) fn chain(finest: Bitmap, encoding: Encoding) -> Vec<Bitmap> {
-    let level = SimdLevel::default().dispatch().unwrap_or(Level::fallback());
+    let level = SimdLevel::fastest();
     chain_at(level, finest, encoding)
 }
 

@@ -12,7 +12,7 @@ mod texture;
 
 pub use bitmap::{Bitmap, Texels};
 pub use encoding::Encoding;
-pub use lookup::{Lookup, LookupPoints};
+pub(crate) use lookup::{Lookup, LookupPoints};
 pub use picture::Image;
 pub use sampler::{MipFilter, Sampler, TexelFilter, Wrap};
 pub use texture::Texture;

@@ -5,7 +5,7 @@ use super::material::{MaterialReport, Materials};
 use super::mesh::{self, MeshReport};
 use crate::error::Warnings;
 use crate::io::Loaded;
-use crate::render::{Prepared, SurfaceSettings};
+use crate::render::{SurfaceSettings, foreseen_warnings};
 use crate::scene::animation::Animation;
 use crate::scene::{Camera, Light, LightKind, Projection, Scene};
 
@@ -223,8 +223,8 @@ fn named_camera(camera: &Camera) -> Listed {
 /// Everything that reading noted and that rendering would note.
 fn warnings(loaded: &Loaded) -> Vec<Counted> {
     let mut all: Warnings = loaded.warnings.clone();
-    match Prepared::new(&loaded.scene, &SurfaceSettings::default()) {
-        Ok(prepared) => all.absorb(prepared.warnings().clone()),
+    match foreseen_warnings(&loaded.scene, &SurfaceSettings::default()) {
+        Ok(foreseen) => all.absorb(foreseen),
         Err(error) => all.note(format!("it cannot be rendered: {error}"), 1),
     }
     all.iter().map(|(what, count)| Counted { what: what.to_owned(), count }).collect()

@@ -41,10 +41,24 @@ impl SimdLevel {
         named.filter(|level| *level != Self::Auto && level.dispatch().is_ok()).collect()
     }
 
+    /// Checks that this machine can run the level.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] where the processor lacks the level.
+    pub fn check(self) -> Result<()> {
+        self.dispatch().map(|_| ())
+    }
+
+    /// The proof that this machine can run the level that is fastest on it.
+    pub(crate) fn fastest() -> Level {
+        Self::Auto.dispatch().unwrap_or(Level::fallback())
+    }
+
     /// The proof that this machine can run this level.
     ///
     /// # Errors
     /// [`Error::Unsupported`] where the processor lacks the level.
+    #[doc(hidden)]
     pub fn dispatch(self) -> Result<Level> {
         let machine = Level::new();
         let level = match self {

@@ -81,9 +81,9 @@ pub fn convert_map(
     let space = options.space.or(own).unwrap_or(NormalSpace::Tangent);
     let task = Task { source, options, surface, space };
     match own {
-        None => task.from_heights(),
-        Some(own) if own == space => task.in_same_space(),
-        Some(own) => task.from_other_space(own),
+        None => task.of_heights(),
+        Some(own) if own == space => task.of_same_space(),
+        Some(own) => task.of_other_space(own),
     }
 }
 
@@ -115,7 +115,7 @@ struct Task<'a> {
 }
 
 impl Task<'_> {
-    fn from_heights(self) -> Result<Conversion> {
+    fn of_heights(self) -> Result<Conversion> {
         let Some(scale) = self.options.height_scale else {
             let why = "say how high white stands: in texels, or in model units on a mesh";
             return Err(Error::invalid("heights without a scale", why));
@@ -133,7 +133,7 @@ impl Task<'_> {
     }
 
     /// Other bits, green turned: number by number, so that what can stay does.
-    fn in_same_space(self) -> Result<Conversion> {
+    fn of_same_space(self) -> Result<Conversion> {
         let (source, green) = (self.source, self.options.green);
         let turned = self.space == NormalSpace::Tangent && source.green != green;
         let turned = turned.then(|| green_turned(&source.bitmap));
@@ -146,7 +146,7 @@ impl Task<'_> {
         Ok(Conversion { bitmap, space: self.space, stored, round_trip: None, warnings })
     }
 
-    fn from_other_space(self, own: NormalSpace) -> Result<Conversion> {
+    fn of_other_space(self, own: NormalSpace) -> Result<Conversion> {
         let surface = self.needed_surface()?;
         let before = decoded_normals(&self.source.bitmap, own, self.source.green)?;
         let (there, back): (Turn, Turn) = match self.space {

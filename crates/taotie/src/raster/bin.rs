@@ -3,7 +3,7 @@
 use super::cull::{BLOCK, Corners, Culling, Verdict};
 use super::setup::{ScreenTriangle, Setup};
 use super::vertices::ScreenVertices;
-use super::{SUBPIXELS, SamplePattern, TILE_SIZE};
+use super::{Faces, SUBPIXELS, TILE_SIZE, Viewport};
 use crate::error::Result;
 use crate::math::SimdLevel;
 use fearless_simd::Level;
@@ -14,42 +14,6 @@ const MAX_CHUNKS: usize = 64;
 
 /// The fewest triangles worth a chunk.
 const MIN_CHUNK: usize = 4096;
-
-/// The picture to draw into.
-#[derive(Debug, Clone, Copy)]
-pub struct Viewport {
-    /// Pixels across, 1 to 16384.
-    pub width: u32,
-    /// Pixels down, 1 to 16384.
-    pub height: u32,
-    /// Where in a pixel it is sampled.
-    pub pattern: SamplePattern,
-}
-
-impl Viewport {
-    /// How many tiles there are across and down.
-    pub fn tiles(&self) -> (u32, u32) {
-        (self.width.div_ceil(TILE_SIZE), self.height.div_ceil(TILE_SIZE))
-    }
-}
-
-/// Which faces are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Faces {
-    /// Those that turn counter-clockwise as seen.
-    CounterClockwise,
-    /// Those that turn clockwise as seen: the front of a mirrored mesh.
-    Clockwise,
-    /// All.
-    Both,
-}
-
-impl Faces {
-    /// Whether clockwise triangles and counter-clockwise ones are drawn.
-    pub(super) fn turns(self) -> [bool; 2] {
-        [self != Self::CounterClockwise, self != Self::Clockwise]
-    }
-}
 
 /// Triangles to draw.
 #[derive(Debug, Clone, Copy)]

@@ -9,6 +9,7 @@ mod bin;
 mod clip;
 mod cull;
 mod few;
+mod rasterize;
 mod samples;
 mod scan;
 mod setup;
@@ -17,13 +18,14 @@ mod small;
 mod tile;
 mod triangle;
 mod vertices;
+mod viewport;
 
 pub use barycentric::{Barycentric, PerspectiveTriangle};
-pub use bin::{Bins, Faces, Geometry, Viewport, bin};
+pub use bin::{Bins, Geometry, bin};
+pub use rasterize::{rasterize_layers, rasterize_opaque};
 pub use samples::SamplePattern;
-pub use tile::{
-    Layer, NO_TRIANGLE, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, rasterize_layers, rasterize_opaque,
-};
+pub use tile::{Layer, NO_TRIANGLE, Tile, TilePlane, TileSample};
+pub use viewport::{Faces, TILE_PIXELS, TILE_SIZE, Viewport};
 
 /// Subpixel positions in a pixel, along each axis.
 const SUBPIXELS: i32 = 256;

@@ -5,25 +5,31 @@ use super::setup::ScreenTriangle;
 use super::sink::Sink;
 use super::small::{BLOCK, Corners, PACK, Samples, Setups};
 use super::triangle::{TileTriangle, scan_packs};
-use super::{Bins, Tile};
+use super::{Bins, TileSample};
 use fearless_simd::{Simd, i32x8, mask32x8, prelude::*};
 
 /// Hands what the triangles of `bins` cover to `sink`, in drawing order.
 #[inline(always)]
-pub(super) fn scan<S: Simd, K: Sink>(simd: S, bins: &Bins, tile: &Tile, offset: [i32; 2], sink: &mut K) {
-    let samples = Samples::new(tile, offset);
-    let mut scan = Scan { simd, tile, offset, samples, corners: Corners::new(), few: Few::new() };
-    for (triangles, members) in bins.tile(tile.index) {
+pub(super) fn scan<S: Simd, K: Sink>(simd: S, bins: &Bins, at: TileSample<'_>, sink: &mut K) {
+    let samples = Samples::new(at.tile, at.offset);
+    let mut scan = Scan { simd, at, samples, corners: Corners::new(), few: Few::new() };
+    for (triangles, members) in bins.tile(at.tile.index) {
         for members in members.chunks(BLOCK) {
-            scan.block(triangles, members, sink);
+            scan.block(Members { triangles, members }, sink);
         }
     }
 }
 
+/// Some of a chunk's triangles, by index.
+#[derive(Clone, Copy)]
+struct Members<'t> {
+    triangles: &'t [ScreenTriangle],
+    members: &'t [u32],
+}
+
 struct Scan<'a, S> {
     simd: S,
-    tile: &'a Tile,
-    offset: [i32; 2],
+    at: TileSample<'a>,
     samples: Samples,
     corners: Corners,
     few: Few,
@@ -32,13 +38,14 @@ struct Scan<'a, S> {
 impl<S: Simd> Scan<'_, S> {
     /// At most [`BLOCK`] triangles.
     #[inline(always)]
-    fn block<K: Sink>(&mut self, triangles: &[ScreenTriangle], members: &[u32], sink: &mut K) {
+    fn block<K: Sink>(&mut self, block: Members<'_>, sink: &mut K) {
+        let Members { triangles, members } = block;
         for (i, member) in members.iter().enumerate() {
             self.corners.set(i, &triangles[*member as usize]);
         }
         for (i, members) in members.chunks(PACK).enumerate() {
             let (setups, small) = Setups::new(self.simd, &self.corners, i * PACK, &self.samples);
-            self.pack(&setups, small, triangles, members, sink);
+            self.pack(&setups, small, Members { triangles, members }, sink);
         }
     }
 
@@ -48,8 +55,7 @@ impl<S: Simd> Scan<'_, S> {
         &mut self,
         setups: &Setups<S>,
         small: mask32x8<S>,
-        triangles: &[ScreenTriangle],
-        members: &[u32],
+        Members { triangles, members }: Members<'_>,
         sink: &mut K,
     ) {
         let all = (1 << members.len()) - 1;
@@ -71,7 +77,7 @@ impl<S: Simd> Scan<'_, S> {
             }
             let setup = match small >> i & 1 == 1 {
                 true => columns.triangle(i, triangle.id),
-                false => TileTriangle::new(triangle, self.tile, self.offset),
+                false => TileTriangle::new(triangle, self.at.tile, self.at.offset),
             };
             if let Some(setup) = setup {
                 scan_packs(self.simd, &setup, sink);

@@ -1,17 +1,6 @@
-//! Which triangles are seen in one tile.
+//! Tiles of the picture, and what is seen in them.
 
-use super::scan::scan;
-use super::sink::{InFront, Nearest};
-use super::{Bins, Viewport};
-use crate::error::Result;
-use crate::math::SimdLevel;
-use fearless_simd::dispatch;
-
-/// The side of a tile in pixels.
-pub const TILE_SIZE: u32 = 64;
-
-/// The pixels of a tile.
-pub const TILE_PIXELS: usize = (TILE_SIZE * TILE_SIZE) as usize;
+use super::{TILE_PIXELS, TILE_SIZE, Viewport};
 
 /// The id that says "nothing here".
 pub const NO_TRIANGLE: u32 = u32::MAX;
@@ -43,6 +32,15 @@ impl Tile {
     }
 }
 
+/// One sample of each pixel of a tile.
+#[derive(Debug, Clone, Copy)]
+pub struct TileSample<'t> {
+    /// The tile.
+    pub tile: &'t Tile,
+    /// Where in the pixel, 1/256 pixel right and down from its corner.
+    pub offset: [i32; 2],
+}
+
 /// The nearest triangle at one sample of each pixel of a tile. Pixel (x, y) is at `y · TILE_SIZE + x`.
 #[derive(Debug, Clone)]
 pub struct TilePlane {
@@ -59,7 +57,7 @@ impl Default for TilePlane {
 }
 
 impl TilePlane {
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.ids.resize(TILE_PIXELS, NO_TRIANGLE);
         self.ids.fill(NO_TRIANGLE);
         self.depths.resize(TILE_PIXELS, 0.0);
@@ -76,43 +74,4 @@ pub struct Layer {
     pub id: u32,
     /// Reversed depth.
     pub depth: f32,
-}
-
-/// Fills `plane` with the nearest triangle of `bins` at the sample `offset` (1/256 pixel). At equal depth the
-/// triangle drawn first stays.
-///
-/// # Errors
-/// Where the SIMD level is not to be had on this machine.
-pub fn rasterize_opaque(
-    bins: &Bins,
-    tile: &Tile,
-    offset: [i32; 2],
-    simd: SimdLevel,
-    plane: &mut TilePlane,
-) -> Result<()> {
-    let level = simd.dispatch()?;
-    plane.clear();
-    if let (Some(ids), Some(depths)) = (plane.ids.first_chunk_mut(), plane.depths.first_chunk_mut()) {
-        let mut sink = Nearest { ids, depths };
-        dispatch!(level, simd => scan(simd, bins, tile, offset, &mut sink));
-    }
-    Ok(())
-}
-
-/// Lists every triangle of `bins` in front of `opaque` at the sample `offset`, in drawing order.
-///
-/// # Errors
-/// Where the SIMD level is not to be had on this machine.
-pub fn rasterize_layers(
-    bins: &Bins,
-    tile: &Tile,
-    offset: [i32; 2],
-    simd: SimdLevel,
-    opaque: &TilePlane,
-) -> Result<Vec<Layer>> {
-    let level = simd.dispatch()?;
-    let mut layers = Vec::new();
-    let mut sink = InFront { opaque: &opaque.depths, layers: &mut layers };
-    dispatch!(level, simd => scan(simd, bins, tile, offset, &mut sink));
-    Ok(layers)
 }

@@ -1,8 +1,10 @@
 //! The directional albedos of each fragment's lobes, from the tables.
 
-use super::batch::{Batch, Column, get3, load, load3};
-use super::prepare::Draw;
-use super::substance::takes_layers;
+use super::batch::{Batch, Lanes};
+use super::columns::{Column, get3};
+use super::draw::Draw;
+use super::model::{is_cook_torrance, takes_layers};
+use super::settings::RenderSettings;
 use crate::math::{Pack, Vec3, Words, dispatch_pack};
 use crate::scene::Material;
 use crate::shade::dfg::{self, Dfg, Place};
@@ -10,13 +12,9 @@ use crate::shade::{COAT_F0, Energy, Shading, ndf};
 use fearless_simd::Level;
 
 /// Fills `batch.dfg` and the albedos of the layers.
-pub(super) fn look_up(
-    level: Level,
-    (shading, energy): (Shading, Energy),
-    draw: &Draw<'_>,
-    batch: &mut Batch,
-) {
-    batch.compensated = energy == Energy::Compensated;
+pub(super) fn look_up(level: Level, settings: &RenderSettings, draw: &Draw<'_>, batch: &mut Batch) {
+    let shading = settings.shading;
+    batch.compensated = settings.energy == Energy::Compensated;
     let mut places = Places { node: Words::ZERO, across: Column::ZERO, down: Column::ZERO };
     dispatch_pack!(level, P, token => places.find::<P>(token, shading, draw.material, batch));
     let shares = places.across.iter().zip(places.down.iter());
@@ -44,21 +42,17 @@ impl Places {
     #[inline(always)]
     fn find<P: Pack>(&mut self, token: P::Token, shading: Shading, material: &Material, batch: &Batch) {
         for i in batch.packs::<P>() {
-            let n: Vec3<P> = load3(token, &batch.n, i);
-            let n_dot_v = n.dot(load3(token, &batch.v, i));
+            let at: Lanes<'_, P> = batch.lanes(token, i);
+            let n_dot_v = at.load3(&batch.n).dot(at.load3(&batch.v));
             let place = match is_cook_torrance(shading) {
-                true => Place::of_cook_torrance(n_dot_v, slope(token, material, batch, i)),
-                false => Place::of_ggx(n_dot_v, load(token, &batch.roughness, i)),
+                true => Place::of_cook_torrance(n_dot_v, slope(at, material)),
+                false => Place::of_ggx(n_dot_v, at.load(&batch.roughness)),
             };
             place.node.store_words(&mut self.node[i..]);
             place.across.store(&mut self.across[i..]);
             place.down.store(&mut self.down[i..]);
         }
     }
-}
-
-fn is_cook_torrance(shading: Shading) -> bool {
-    matches!(shading, Shading::CookTorrance | Shading::CookTorrancePrinted)
 }
 
 /// Fills the lacquer's albedo of entry `i` as seen from `v`.
@@ -80,31 +74,25 @@ fn look_up_layers(material: &Material, batch: &mut Batch, i: usize) {
     }
 }
 
-/// Beckmann's slope of the fragments from `i` on.
+/// Beckmann's slope of the fragments.
 #[inline(always)]
-fn slope<P: Pack>(token: P::Token, material: &Material, batch: &Batch, i: usize) -> P {
+fn slope<P: Pack>(at: Lanes<'_, P>, material: &Material) -> P {
     match material.classic.slope {
-        Some(slope) => (P::splat(token, slope * slope) + load::<P>(token, &batch.variance, i)).sqrt(),
-        None => load::<P>(token, &batch.roughness, i).squared(),
+        Some(slope) => (at.splat(slope * slope) + at.load(&at.batch.variance)).sqrt(),
+        None => at.load(&at.batch.roughness).squared(),
     }
 }
 
-/// The roughness of the GGX lobe that comes nearest to the model's highlight, [0, 1], of the fragments from `i` on.
+/// The roughness of the GGX lobe that comes nearest to the model's highlight, [0, 1], of the fragments.
 #[inline(always)]
-pub(super) fn lobe_roughness<P: Pack>(
-    token: P::Token,
-    shading: Shading,
-    material: &Material,
-    batch: &Batch,
-    i: usize,
-) -> P {
+pub(super) fn lobe_roughness<P: Pack>(at: Lanes<'_, P>, shading: Shading, material: &Material) -> P {
     match (shading, material.classic.shininess) {
         (Shading::CookTorrance | Shading::CookTorrancePrinted, _) => {
-            slope::<P>(token, material, batch, i).sqrt().min(P::splat(token, 1.0))
+            slope(at, material).sqrt().min(at.splat(1.0))
         }
         (Shading::Ggx | Shading::GgxPrinted | Shading::Lambert, _) | (_, None) => {
-            load(token, &batch.roughness, i)
+            at.load(&at.batch.roughness)
         }
-        (_, Some(shininess)) => P::splat(token, ndf::alpha_from_shininess(shininess).sqrt()),
+        (_, Some(shininess)) => at.splat(ndf::alpha_from_shininess(shininess).sqrt()),
     }
 }

@@ -1,14 +1,12 @@
 //! A few hundred fragments in columns, so that eight neighbours load as one pack.
 
-use super::corners::CornerColumns;
-use super::lookups::Lookups;
+use super::columns::{Column, Column3, ZERO, ZERO3, load, load3, splat3};
+use super::corners::{CornerColumns, Run};
+use super::lookups::{Lookups, UvSet};
 pub use crate::math::BATCH;
-pub(super) use crate::math::Column;
 use crate::math::{MOST_LANES, Pack, Quads, Vec3};
+use crate::shade::dfg::Dfg;
 use crate::shade::environment::{Gatherer, Mirrors};
-
-/// A vector of each fragment.
-pub(super) type Column3 = [Column; 3];
 
 /// Fragments of one draw between interpolation and film, those of a triangle together. Entries from `len` on hold what
 /// packs leave there, which nobody reads but packs.
@@ -92,29 +90,6 @@ pub struct Batch {
     pub(super) visibility: Vec<Column>,
 }
 
-/// The fragments of one triangle.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Run {
-    /// The triangle's number over all draws.
-    pub triangle: u32,
-    pub start: usize,
-    pub end: usize,
-}
-
-/// Texture coordinates, and their changes a sample to the right and down.
-#[derive(Debug, Clone)]
-pub(super) struct UvSet {
-    pub uv: [Column; 2],
-    pub d_x: [Column; 2],
-    pub d_y: [Column; 2],
-}
-
-impl Default for UvSet {
-    fn default() -> Self {
-        Self { uv: [ZERO; 2], d_x: [ZERO; 2], d_y: [ZERO; 2] }
-    }
-}
-
 /// What lies over or in the surface; filled where the material has it.
 #[derive(Debug, Clone)]
 pub(super) struct Layers {
@@ -145,9 +120,6 @@ pub(super) struct Surroundings {
     /// The radiance that the lacquer's highlight gathers.
     pub coat: Column3,
 }
-
-const ZERO: Column = Column::ZERO;
-const ZERO3: Column3 = [ZERO; 3];
 
 impl Batch {
     pub(super) fn new(lights: usize) -> Box<Self> {
@@ -241,42 +213,66 @@ impl Batch {
         0..self.len.next_multiple_of(MOST_LANES)
     }
 
+    /// The fragments from entry `i` on.
+    #[inline(always)]
+    pub(super) fn lanes<P: Pack>(&self, token: P::Token, i: usize) -> Lanes<'_, P> {
+        Lanes { token, batch: self, i }
+    }
+
     /// The first entries of the packs that hold the fragments.
     pub(super) fn packs<P: Pack>(&self) -> impl Iterator<Item = usize> + use<P> {
         (0..self.len).step_by(P::LANES)
     }
 }
 
-#[inline(always)]
-pub(super) fn set3(column: &mut Column3, i: usize, value: Vec3) {
-    column[0][i] = value.x;
-    column[1][i] = value.y;
-    column[2][i] = value.z;
+/// The fragments of a batch that a pack holds: those from entry `i` on.
+pub(super) struct Lanes<'b, P: Pack> {
+    pub token: P::Token,
+    pub batch: &'b Batch,
+    pub i: usize,
 }
 
-#[inline(always)]
-pub(super) fn get3(column: &Column3, i: usize) -> Vec3 {
-    Vec3::new(column[0][i], column[1][i], column[2][i])
+impl<P: Pack> Clone for Lanes<'_, P> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
 }
 
-#[inline(always)]
-pub(super) fn load<P: Pack>(token: P::Token, column: &Column, i: usize) -> P {
-    P::load(token, &column[i..])
-}
+impl<P: Pack> Copy for Lanes<'_, P> {}
 
-#[inline(always)]
-pub(super) fn load3<P: Pack>(token: P::Token, column: &Column3, i: usize) -> Vec3<P> {
-    Vec3::new(load(token, &column[0], i), load(token, &column[1], i), load(token, &column[2], i))
-}
+impl<P: Pack> Lanes<'_, P> {
+    /// The fragments' entries of a column.
+    #[inline(always)]
+    pub(super) fn load(&self, column: &Column) -> P {
+        load(self.token, column, self.i)
+    }
 
-#[inline(always)]
-pub(super) fn store3<P: Pack>(value: Vec3<P>, column: &mut Column3, i: usize) {
-    value.x.store(&mut column[0][i..]);
-    value.y.store(&mut column[1][i..]);
-    value.z.store(&mut column[2][i..]);
-}
+    #[inline(always)]
+    pub(super) fn load3(&self, column: &Column3) -> Vec3<P> {
+        load3(self.token, column, self.i)
+    }
 
-#[inline(always)]
-pub(super) fn splat3<P: Pack>(token: P::Token, value: Vec3) -> Vec3<P> {
-    Vec3::new(P::splat(token, value.x), P::splat(token, value.y), P::splat(token, value.z))
+    #[inline(always)]
+    pub(super) fn splat(&self, value: f32) -> P {
+        P::splat(self.token, value)
+    }
+
+    #[inline(always)]
+    pub(super) fn splat3(&self, value: Vec3) -> Vec3<P> {
+        splat3(self.token, value)
+    }
+
+    /// A colour of the material for all fragments.
+    #[inline(always)]
+    pub(super) fn everywhere(&self, rgb: [f32; 3]) -> Vec3<P> {
+        self.splat3(Vec3::from_array(rgb))
+    }
+
+    /// The directional albedos of the fragments' lobe.
+    #[inline(always)]
+    pub(super) fn dfg(&self) -> Dfg<P> {
+        let [scale, bias, edge, diffuse_edge] = P::load_pixels(self.token, &self.batch.dfg[self.i..]);
+        Dfg { scale, bias, edge, diffuse_edge }
+    }
 }

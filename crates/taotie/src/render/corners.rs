@@ -1,7 +1,16 @@
 //! What the corners of each fragment's triangle hold, in columns.
 
-use super::batch::{Column3, Run, load};
+use super::columns::{Column3, load};
 use crate::math::{Column, Pack, Vec3};
+
+/// The fragments of one triangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run {
+    /// The triangle's number over all draws.
+    pub triangle: u32,
+    pub start: usize,
+    pub end: usize,
+}
 
 /// Up to four numbers of each corner, side by side with the fragments of a batch.
 ///

@@ -1,6 +1,6 @@
 //! Tangents that follow a surface as it moves.
 
-use super::SurfaceSettings;
+use super::settings::SurfaceSettings;
 use crate::error::{Result, Warnings};
 use crate::mesh::Mesh;
 use crate::mesh::deform::Deformable;

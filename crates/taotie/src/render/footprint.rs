@@ -1,19 +1,25 @@
 //! A single point of a triangle, for rays that ask how opaque a surface is.
 
-use super::prepare::Draw;
+use super::draw::Draw;
 use crate::math::Vec2;
 use crate::scene::Scene;
+use crate::trace::Hit;
 
 /// A point of a triangle by its corners' barycentric weights.
 pub(super) struct Footprint {
-    pub vertices: [u32; 3],
-    pub weights: [f32; 3],
+    vertices: [u32; 3],
+    weights: [f32; 3],
 }
 
 /// The log2 of texels a pixel of a point without extent: it is looked up in the finest level.
 const POINT: f32 = -50.0;
 
 impl Footprint {
+    /// Where a ray met a triangle of `draw`, by its number over all draws.
+    pub(super) fn of(draw: &Draw<'_>, hit: &Hit) -> Self {
+        Self { vertices: draw.vertices(hit.triangle), weights: hit.weights }
+    }
+
     /// Opacity: factor, texture and vertex colour.
     pub(super) fn alpha(&self, scene: &Scene, draw: &Draw<'_>) -> f32 {
         let mut alpha = draw.material.base_color[3];

@@ -1,58 +1,18 @@
-//! From hits to fragments: which points of which triangles, and what textures say there.
+//! What fragments are made of: interpolated vertices, and what textures say.
 
-use super::batch::{BATCH, Batch, Column, Run, UvSet, get3, load};
-use super::interpolate::{Interpolation, Screen};
-use super::lookups::Lookups;
-use super::pass::Pass;
-use super::prepare::NormalSource;
-use super::shadows::shadow_origin;
+use super::batch::{BATCH, Batch};
+use super::columns::{Column, get3, load};
+use super::draw::NormalSource;
+use super::interpolate::Interpolation;
+use super::lookups::{Coordinates, Lookups, TextureUse};
+use super::shadows::SmoothTriangle;
 use super::view::Eye;
 use crate::math::{Aligned, Mask, Pack, Vec3, dispatch_pack, poly, scalar};
-use crate::raster::{TILE_SIZE, Tile};
 use crate::scene::{Clearcoat, HeightMap, TextureRef};
 use crate::shade::Hidden;
+use fearless_simd::Level;
 
-/// A triangle seen at a sample of a tile.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Key {
-    /// `y · TILE_SIZE + x` in the tile.
-    pub pixel: u32,
-    /// The triangle's number over all draws.
-    pub triangle: u32,
-    /// Reversed depth.
-    pub depth: f32,
-}
-
-/// Fills `batch` with the fragments of one draw that `keys` name, at most [`BATCH`].
-pub(super) fn gather(
-    pass: &Pass<'_, '_>,
-    (tile, sample): (&Tile, usize),
-    draw: usize,
-    keys: &[Key],
-    batch: &mut Batch,
-) {
-    let offset = pass.viewport.pattern.offsets()[sample].map(|o| o as f32 / 256.0);
-    batch.len = keys.len();
-    batch.runs.clear();
-    for (i, key) in keys.iter().enumerate() {
-        batch.place[0][i] = (key.pixel % TILE_SIZE) as f32 + offset[0];
-        batch.place[1][i] = (key.pixel / TILE_SIZE) as f32 + offset[1];
-        match batch.runs.last_mut() {
-            Some(run) if run.triangle == key.triangle => run.end = i + 1,
-            _ => batch.runs.push(Run { triangle: key.triangle, start: i, end: i + 1 }),
-        }
-    }
-    let interpolation = pass.interpolation(draw);
-    let screen = Screen {
-        viewport: &pass.viewport,
-        clip: &pass.kept.projected.clip[draw],
-        origin: [f64::from(tile.x), f64::from(tile.y)],
-    };
-    interpolation.weigh(&screen, batch);
-    interpolation.fill(Some(pass.view.eye), batch);
-}
-
-impl Interpolation<'_, '_> {
+impl Interpolation<'_> {
     /// Makes fragments of points whose runs and weights are there: interpolates, and reads textures.
     pub(super) fn fill(&self, eye: Option<Eye>, batch: &mut Batch) {
         self.interpolate(eye, batch);
@@ -69,14 +29,14 @@ impl Interpolation<'_, '_> {
     pub(super) fn origins(&self, lift: f32, batch: &Batch) -> [Vec3; BATCH] {
         let (draw, mut origins) = (self.draw, [Vec3::default(); BATCH]);
         for run in &batch.runs {
-            let vertices = draw.mesh.triangles()[(run.triangle - draw.first_triangle) as usize];
+            let vertices = draw.vertices(run.triangle);
             let corners = vertices.map(|v| draw.positions[v as usize]);
             let normals = vertices.map(|v| draw.normals[v as usize]);
             for (i, origin) in origins.iter_mut().enumerate().take(run.end).skip(run.start) {
-                let normals = normals.map(|n| n * batch.facing[i]);
+                let smooth = SmoothTriangle { corners, normals: normals.map(|n| n * batch.facing[i]) };
                 let weights = get3(&batch.weights, i).to_array();
                 let lift = get3(&batch.n_geom, i) * lift;
-                *origin = shadow_origin(get3(&batch.position, i), corners, normals, weights, lift);
+                *origin = smooth.shadow_origin(get3(&batch.position, i), weights, lift);
             }
         }
         origins
@@ -85,12 +45,12 @@ impl Interpolation<'_, '_> {
     /// What the method of the shading normal needs from textures, and what of the surface is too fine for the pixel.
     fn normal_inputs(&self, batch: &mut Batch) {
         let len = batch.len;
-        match self.draw.normal_source {
+        match &self.draw.normal_source {
             NormalSource::Facet | NormalSource::Smooth => batch.relief.fill(0.0),
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => {
                 let Batch { map: [x, y, z], relief, lookups, uv_sets, .. } = batch;
-                let at = (&uv_sets[..], len);
-                lookups.read(self.level, (self.scene, &map.texture), at, [x, y, z, relief]);
+                let at = Coordinates { sets: uv_sets, len };
+                lookups.read(self.texture(&map.texture), at, [x, y, z, relief]);
                 let squared = if self.specular_aa { map.scale * map.scale } else { 0.0 };
                 if squared != 1.0 {
                     scale(relief, squared, len);
@@ -99,8 +59,8 @@ impl Interpolation<'_, '_> {
             NormalSource::Bump(map, factor) => {
                 batch.relief.fill(0.0);
                 [batch.dh_du, batch.dh_dv] = self.height_derivatives(map, batch);
-                scale(&mut batch.dh_du, factor, len);
-                scale(&mut batch.dh_dv, factor, len);
+                scale(&mut batch.dh_du, *factor, len);
+                scale(&mut batch.dh_dv, *factor, len);
             }
             NormalSource::BumpPrinted(map, _) => {
                 // The paper's g: half the difference of the grey levels (0 to 255) of the two neighbours along u.
@@ -119,7 +79,8 @@ impl Interpolation<'_, '_> {
     fn height_derivatives(&self, map: &HeightMap, batch: &mut Batch) -> [Column; 2] {
         let texture = &self.scene.textures[map.texture.texture];
         let Batch { lookups, uv_sets, len, .. } = batch;
-        lookups.locate(self.level, texture, &map.texture, (uv_sets, *len));
+        let used = self.texture(&map.texture);
+        lookups.locate(used, Coordinates { sets: uv_sets, len: *len });
         let last = (texture.levels() - 1) as f32;
         let texels = Aligned(lookups.lod.map(|lod| poly::exp2(lod.clamp(0.0, last))));
         let size = [texture.width() as f32, texture.height() as f32];
@@ -131,7 +92,7 @@ impl Interpolation<'_, '_> {
                     let step = side * texels[i] / size[axis];
                     if axis == 0 { [step, 0.0] } else { [0.0, step] }
                 };
-                lookups.read_shifted(self.level, (self.scene, &map.texture), *len, shift, out.each_mut());
+                lookups.read_shifted(used, *len, shift, out.each_mut());
                 out[0]
             });
             for i in 0..*len {
@@ -146,8 +107,12 @@ impl Interpolation<'_, '_> {
         let (material, len) = (self.draw.material, batch.len);
         let colored = !self.draw.mesh.colors().is_empty();
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader =
-            Reader { interpolation: self, lookups, at: (&uv_sets[..], len), fresh: fresh || colored };
+        let mut reader = Reader {
+            interpolation: self,
+            lookups,
+            at: Coordinates { sets: uv_sets, len },
+            fresh: fresh || colored,
+        };
         let [r, g, b] = &mut batch.tint;
         let factors = [1.0, 1.0, 1.0, material.base_color[3]];
         reader.read(&material.base_color_texture, [r, g, b, &mut batch.alpha], factors);
@@ -178,7 +143,7 @@ impl Interpolation<'_, '_> {
         }
         let Batch { roughness, bend, relief, .. } = batch;
         if self.takes_roughness {
-            dispatch_pack!(self.level, P, token => widen::<P>(token, roughness, [bend, relief], len));
+            Unseen { bend, relief, len }.widen(self.level, roughness);
         }
     }
 
@@ -186,7 +151,8 @@ impl Interpolation<'_, '_> {
     fn specular(&self, batch: &mut Batch, fresh: bool) {
         let (specular, len) = (&self.draw.material.specular, batch.len);
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len), fresh };
+        let mut reader =
+            Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh };
         let factors = [1.0, 1.0, 1.0, specular.factor];
         reader.read(&specular.factor_texture, [spare, spare2, spare3, &mut batch.specular], factors);
         let ([r, g, b], [red, green, blue]) = (&mut batch.specular_color, specular.color);
@@ -199,7 +165,8 @@ impl Interpolation<'_, '_> {
             self.coat(coat, batch);
         }
         let Batch { lookups, uv_sets, layers, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len), fresh: true };
+        let mut reader =
+            Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh: true };
         if let Some(sheen) = &material.sheen {
             let ([r, g, b], [red, green, blue]) = (&mut layers.sheen_color, sheen.color);
             reader.read(&sheen.color_texture, [r, g, b, spare], [red, green, blue, 1.0]);
@@ -221,10 +188,15 @@ impl Interpolation<'_, '_> {
         }
     }
 
+    fn texture<'t>(&'t self, texture: &'t TextureRef) -> TextureUse<'t> {
+        TextureUse::new(self.level, self.scene, texture)
+    }
+
     fn coat(&self, coat: &Clearcoat, batch: &mut Batch) {
         let len = batch.len;
         let Batch { lookups, uv_sets, layers, bend, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader = Reader { interpolation: self, lookups, at: (&uv_sets[..], len), fresh: true };
+        let mut reader =
+            Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh: true };
         let factors = [coat.factor, 1.0, 1.0, 1.0];
         reader.read(&coat.factor_texture, [&mut layers.coat, spare, spare2, spare3], factors);
         let factors = [1.0, coat.roughness, 1.0, 1.0];
@@ -236,33 +208,28 @@ impl Interpolation<'_, '_> {
             reader.read(&Some(map.texture), [x, y, z, &mut relief], [1.0, 1.0, 1.0, squared]);
         }
         let roughness = &mut layers.coat_roughness;
-        dispatch_pack!(self.level, P, token => widen::<P>(token, roughness, [bend, &relief], len));
+        Unseen { bend, relief: &relief, len }.widen(self.level, roughness);
     }
 }
 
 /// Reads the textures of a batch.
-struct Reader<'b, 'i, 'p, 'a> {
-    interpolation: &'i Interpolation<'p, 'a>,
+struct Reader<'b, 'i> {
+    interpolation: &'i Interpolation<'i>,
     lookups: &'b mut Lookups,
-    at: (&'b [UvSet], usize),
+    at: Coordinates<'b>,
     /// Whether columns that no texture fills may hold something else than their factors.
     fresh: bool,
 }
 
-impl Reader<'_, '_, '_, '_> {
+impl Reader<'_, '_> {
     /// A texture's linear values times `factors`; without one it is white.
     fn read(&mut self, texture: &Option<TextureRef>, mut out: [&mut Column; 4], factors: [f32; 4]) {
-        let Interpolation { level, scene, .. } = self.interpolation;
         match texture {
             Some(texture) => {
-                self.lookups.read(
-                    *level,
-                    (scene, texture),
-                    self.at,
-                    out.each_mut().map(|column| &mut **column),
-                );
+                let used = self.interpolation.texture(texture);
+                self.lookups.read(used, self.at, out.each_mut().map(|column| &mut **column));
                 for (column, factor) in out.into_iter().zip(factors).filter(|(_, factor)| *factor != 1.0) {
-                    scale(column, factor, self.at.1);
+                    scale(column, factor, self.at.len);
                 }
             }
             None if self.fresh => {
@@ -275,14 +242,28 @@ impl Reader<'_, '_, '_, '_> {
     }
 }
 
-/// Widens roughness by what bend and relief hide within a pixel.
-#[inline(always)]
-fn widen<P: Pack>(token: P::Token, roughness: &mut Column, [bend, relief]: [&Column; 2], len: usize) {
-    let zero = P::splat(token, 0.0);
-    for i in (0..len).step_by(P::LANES) {
-        let hidden: Hidden<P> = Hidden { bend: load(token, bend, i), relief: load(token, relief, i) };
-        if zero.lt(hidden.variance()).any() {
-            hidden.widened(load(token, roughness, i)).store(&mut roughness[i..]);
+/// What the first `len` fragments hide within a pixel: how much their surface bends, and its relief.
+struct Unseen<'b> {
+    bend: &'b Column,
+    relief: &'b Column,
+    len: usize,
+}
+
+impl Unseen<'_> {
+    /// Widens roughness by what is hidden.
+    fn widen(&self, level: Level, roughness: &mut Column) {
+        dispatch_pack!(level, P, token => self.widen_packs::<P>(token, roughness));
+    }
+
+    #[inline(always)]
+    fn widen_packs<P: Pack>(&self, token: P::Token, roughness: &mut Column) {
+        let zero = P::splat(token, 0.0);
+        for i in (0..self.len).step_by(P::LANES) {
+            let (bend, relief) = (load(token, self.bend, i), load(token, self.relief, i));
+            let hidden: Hidden<P> = Hidden { bend, relief };
+            if zero.lt(hidden.variance()).any() {
+                hidden.widened(load(token, roughness, i)).store(&mut roughness[i..]);
+            }
         }
     }
 }

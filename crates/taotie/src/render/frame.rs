@@ -1,7 +1,7 @@
 //! The finished picture and its arbitrary output variables.
 
-use super::RenderSettings;
 use super::resolve::Resolve;
+use super::settings::RenderSettings;
 use super::tiles::{TileRows, tiles_of};
 use crate::error::Result;
 use crate::image::Image;

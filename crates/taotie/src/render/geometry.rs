@@ -1,6 +1,6 @@
 //! A scene's triangles as a camera sees them: projected and sorted into tiles.
 
-use super::prepare::Prepared;
+use super::draw::Draw;
 use super::view::View;
 use crate::error::Result;
 use crate::math::{Mat4, SimdLevel, Vec3};
@@ -29,18 +29,18 @@ impl Projected {
     /// Where the SIMD level is not to be had on this machine.
     pub fn rebuild(
         &mut self,
-        prepared: &Prepared<'_>,
+        draws: &[Draw<'_>],
         view: &View,
         viewport: &Viewport,
         simd: SimdLevel,
     ) -> Result<()> {
         let level = simd.dispatch()?;
-        self.clip.resize_with(prepared.draws.len(), Vec::new);
-        for (draw, clip) in prepared.draws.iter().zip(&mut self.clip) {
-            project(&draw.positions, &view.clip_from_world, level, clip);
+        self.clip.resize_with(draws.len(), Vec::new);
+        for (draw, clip) in draws.iter().zip(&mut self.clip) {
+            project(draw.positions, &view.clip_from_world, level, clip);
         }
-        self.opaque.rebuild(&geometry(prepared, &self.clip, false), viewport, simd)?;
-        self.layered.rebuild(&geometry(prepared, &self.clip, true), viewport, simd)
+        self.opaque.rebuild(&geometry(draws, &self.clip, false), viewport, simd)?;
+        self.layered.rebuild(&geometry(draws, &self.clip, true), viewport, simd)
     }
 }
 
@@ -76,9 +76,9 @@ fn transform<S: Simd>(simd: S, m: &Mat4, p: Vec3) -> f64x4<S> {
     a * f64::from(p.x) + b * f64::from(p.y) + c * f64::from(p.z) + d
 }
 
-fn geometry<'g>(prepared: &'g Prepared<'_>, clip: &'g [Vec<[f32; 4]>], layered: bool) -> Vec<Geometry<'g>> {
-    let draws = prepared.draws.iter().zip(clip);
-    draws
+fn geometry<'g>(draws: &'g [Draw<'_>], clip: &'g [Vec<[f32; 4]>], layered: bool) -> Vec<Geometry<'g>> {
+    let pairs = draws.iter().zip(clip);
+    pairs
         .filter(|(draw, _)| draw.layered() == layered)
         .map(|(draw, clip)| Geometry {
             clip,

@@ -1,12 +1,13 @@
 //! A shadow catcher: the ground under an object, of which nothing is seen but how much darker the object makes it.
 
-use super::lighting::Source;
-use super::prepare::Prepared;
 use super::rays::CameraRays;
 use super::settings::{EnvironmentLight, Lighting};
+use super::source::Source;
+use super::tree::Casters;
 use crate::math::Vec3;
 use crate::math::sequence::Sequence;
 use crate::raster::{TILE_SIZE, Tile};
+use crate::scene::Bounds;
 use crate::shade::sampling::{cosine_direction, cosine_pdf};
 use rayon::prelude::*;
 
@@ -33,9 +34,8 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// The ground under a scene, which is not empty.
-    pub(super) fn new(prepared: &Prepared<'_>, lighting: &Lighting, rays: CameraRays) -> Option<Self> {
-        let bounds = prepared.bounds()?;
+    /// The ground under casters with these bounds.
+    pub(super) fn new(casters: Casters<'_>, bounds: Bounds, lighting: &Lighting, rays: CameraRays) -> Self {
         let size = bounds.diagonal();
         let (middle, extent) = (bounds.center(), bounds.max - bounds.min);
         let half = REACH * 0.5 * (extent.x * extent.x + extent.z * extent.z).sqrt().max(0.2 * size);
@@ -43,9 +43,8 @@ impl Ground {
         let mut ground = Self { height, center: [middle.x, middle.z], half, shadow: Vec::new(), rays };
         let lights = Lights::new(lighting);
         let texels = 0..SIDE * SIDE;
-        ground.shadow =
-            texels.into_par_iter().map(|i| lights.missing_at(prepared, ground.texel(i))).collect();
-        Some(ground)
+        ground.shadow = texels.into_par_iter().map(|i| lights.missing_at(casters, ground.texel(i))).collect();
+        ground
     }
 
     /// The middle of a texel, world space.
@@ -127,11 +126,11 @@ impl Lights {
     }
 
     /// The share of light that does not arrive at a point of the ground.
-    fn missing_at(&self, prepared: &Prepared<'_>, point: Vec3) -> f32 {
+    fn missing_at(&self, casters: Casters<'_>, point: Vec3) -> f32 {
         let (mut all, mut seen) = (0.0f32, 0.0f32);
         let mut add = |irradiance: f32, direction: Vec3, limit: f32| {
             all += irradiance;
-            if irradiance > 0.0 && prepared.casters().sees(prepared, point, direction, limit) {
+            if irradiance > 0.0 && casters.sees(point, direction, limit) {
                 seen += irradiance;
             }
         };

@@ -1,6 +1,6 @@
 //! The pixels of a tile, sorted by the triangle that they show: what fragments of a triangle share is made once.
 
-use super::fragments::Key;
+use super::key::Key;
 use crate::raster::{NO_TRIANGLE, TILE_PIXELS, TILE_SIZE, TilePlane};
 
 /// Entries of the table from triangle to group; twice as many as there may be groups.

@@ -1,7 +1,10 @@
 //! Vertices to fragments: what corners hold, at points of their triangles.
 
-use super::batch::{Batch, Run, UvSet, load, load3, splat3, store3};
-use super::prepare::{Draw, NormalSource};
+use super::batch::Batch;
+use super::columns::{load, load3, splat3, store3};
+use super::corners::Run;
+use super::draw::{Draw, NormalSource};
+use super::lookups::UvSet;
 use super::view::Eye;
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::raster::{PerspectiveTriangle, Viewport};
@@ -11,10 +14,10 @@ use crate::surface;
 use fearless_simd::Level;
 
 /// Makes fragments of points on one draw's triangles.
-pub(super) struct Interpolation<'p, 'a> {
+pub(super) struct Interpolation<'p> {
     pub level: Level,
     pub scene: &'p Scene,
-    pub draw: &'p Draw<'a>,
+    pub draw: &'p Draw<'p>,
     /// Whether what is too fine for the pixel widens highlights.
     pub specular_aa: bool,
     /// Whether anything depends on the roughness.
@@ -30,7 +33,7 @@ pub(super) struct Screen<'p> {
     pub origin: [f64; 2],
 }
 
-impl Interpolation<'_, '_> {
+impl Interpolation<'_> {
     /// Fills the weights of fragments from their places on the screen.
     pub(super) fn weigh(&self, screen: &Screen<'_>, batch: &mut Batch) {
         dispatch_pack!(self.level, P, token => self.weigh_packs::<P>(token, screen, batch));
@@ -44,16 +47,11 @@ impl Interpolation<'_, '_> {
         dispatch_pack!(self.level, P, token => self.interpolate_packs::<P>(token, eye, batch));
     }
 
-    /// The corners of a triangle, whose number counts over all draws.
-    fn vertices(&self, triangle: u32) -> [u32; 3] {
-        self.draw.mesh.triangles()[(triangle - self.draw.first_triangle) as usize]
-    }
-
     #[inline(always)]
     fn weigh_packs<P: Pack>(&self, token: P::Token, screen: &Screen<'_>, batch: &mut Batch) {
         let Batch { len, runs, corners, place: [x, y], weights, d_x, d_y, .. } = batch;
         for run in runs.iter().copied() {
-            let clip = self.vertices(run.triangle).map(|v| screen.clip[v as usize]);
+            let clip = self.draw.vertices(run.triangle).map(|v| screen.clip[v as usize]);
             let triangle = PerspectiveTriangle::new(clip, screen.viewport, screen.origin);
             corners.write::<P, 3>(token, run, triangle.planes);
         }
@@ -91,7 +89,7 @@ impl Interpolation<'_, '_> {
     #[inline(always)]
     fn spread<P: Pack>(&self, token: P::Token, values: &[Vec3], batch: &mut Batch) {
         for run in batch.runs.iter().copied() {
-            let corners = self.vertices(run.triangle).map(|v| values[v as usize].to_array());
+            let corners = self.draw.vertices(run.triangle).map(|v| values[v as usize].to_array());
             batch.corners.spread::<P, 3>(token, run, corners);
         }
     }
@@ -99,7 +97,7 @@ impl Interpolation<'_, '_> {
     /// Position, sight and side.
     #[inline(always)]
     fn geometry<P: Pack>(&self, token: P::Token, eye: Option<Eye>, batch: &mut Batch) {
-        self.spread::<P>(token, &self.draw.positions, batch);
+        self.spread::<P>(token, self.draw.positions, batch);
         let sign = P::splat(token, if self.draw.mirrored { -1.0 } else { 1.0 });
         let up: Vec3<P> = splat3(token, Vec3::new(0.0, 0.0, 1.0));
         let (zero, one) = (P::splat(token, 0.0), P::splat(token, 1.0));
@@ -128,7 +126,7 @@ impl Interpolation<'_, '_> {
     #[inline(always)]
     fn normals<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         let draw = self.draw;
-        self.spread::<P>(token, &draw.normals, batch);
+        self.spread::<P>(token, draw.normals, batch);
         let bends = self.specular_aa && !matches!(draw.normal_source, NormalSource::Facet);
         for i in batch.packs::<P>() {
             let mut bent = P::splat(token, 0.0);
@@ -156,7 +154,7 @@ impl Interpolation<'_, '_> {
         };
         let uvs = &self.draw.mesh.uvs()[map.texture.uv_set];
         for Run { triangle, start, end } in batch.runs.iter().copied() {
-            let vertices = self.vertices(triangle);
+            let vertices = self.draw.vertices(triangle);
             let uvs = vertices.map(|v| map.texture.transform.apply(uvs[v as usize]));
             let corners = vertices.map(|v| self.draw.positions[v as usize]);
             let zero = (Vec3::default(), Vec3::default());
@@ -171,7 +169,7 @@ impl Interpolation<'_, '_> {
     #[inline(always)]
     fn tangents<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         for run in batch.runs.iter().copied() {
-            let mut corners = self.vertices(run.triangle).map(|v| self.draw.tangents[v as usize]);
+            let mut corners = self.draw.vertices(run.triangle).map(|v| self.draw.tangents[v as usize]);
             // The first corner's handedness serves the whole triangle.
             let [[_, _, _, handedness], ..] = corners;
             for corner in &mut corners {
@@ -190,7 +188,8 @@ impl Interpolation<'_, '_> {
         let Batch { len, runs, corners, weights, d_x, d_y, uv_sets, .. } = batch;
         for (set, uvs) in uv_sets.iter_mut().zip(self.draw.mesh.uvs()) {
             for run in runs.iter().copied() {
-                let numbers = self.vertices(run.triangle).map(|v| [uvs[v as usize].x, uvs[v as usize].y]);
+                let numbers =
+                    self.draw.vertices(run.triangle).map(|v| [uvs[v as usize].x, uvs[v as usize].y]);
                 corners.spread::<P, 2>(token, run, numbers);
             }
             for i in (0..*len).step_by(P::LANES) {
@@ -206,7 +205,7 @@ impl Interpolation<'_, '_> {
     #[inline(always)]
     fn colors<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         for run in batch.runs.iter().copied() {
-            let corners = self.vertices(run.triangle).map(|v| self.draw.mesh.colors()[v as usize]);
+            let corners = self.draw.vertices(run.triangle).map(|v| self.draw.mesh.colors()[v as usize]);
             batch.corners.spread::<P, 4>(token, run, corners);
         }
         for i in batch.packs::<P>() {

@@ -1,6 +1,6 @@
 //! What lies over the base of a surface: lacquer, fibres, and the soft edge of its relief's shadow.
 
-use super::batch::{Batch, load, load3};
+use super::batch::Lanes;
 use crate::math::{Lane, Pack, Vec3};
 use crate::shade::sheen::{d_charlie, v_neubelt};
 use crate::shade::{Angles, coat_lobe};
@@ -25,12 +25,12 @@ pub(super) struct Coat<L> {
 
 impl<P: Pack> Coat<P> {
     #[inline(always)]
-    pub(super) fn new(token: P::Token, batch: &Batch, i: usize) -> Self {
-        let n: Vec3<P> = load3(token, &batch.layers.coat_n, i);
-        let factor: P = load(token, &batch.layers.coat, i);
-        let albedo = load(token, &batch.layers.coat_albedo, i);
-        let kept = P::splat(token, 1.0) - factor * albedo;
-        Self { n, factor, roughness: load(token, &batch.layers.coat_roughness, i), kept, albedo }
+    pub(super) fn new(at: Lanes<'_, P>) -> Self {
+        let layers = &at.batch.layers;
+        let factor = at.load(&layers.coat);
+        let albedo = at.load(&layers.coat_albedo);
+        let kept = at.splat(1.0) - factor * albedo;
+        Self { n: at.load3(&layers.coat_n), factor, roughness: at.load(&layers.coat_roughness), kept, albedo }
     }
 }
 
@@ -60,12 +60,13 @@ pub(super) struct Fibres<L> {
 
 impl<P: Pack> Fibres<P> {
     #[inline(always)]
-    pub(super) fn new(token: P::Token, batch: &Batch, i: usize) -> Self {
-        let color: Vec3<P> = load3(token, &batch.layers.sheen_color, i);
-        let albedo = load(token, &batch.layers.sheen_albedo, i);
+    pub(super) fn new(at: Lanes<'_, P>) -> Self {
+        let layers = &at.batch.layers;
+        let color = at.load3(&layers.sheen_color);
+        let albedo = at.load(&layers.sheen_albedo);
         let most = color.x.max(color.y).max(color.z);
-        let roughness = load(token, &batch.layers.sheen_roughness, i);
-        Self { color, roughness, kept: P::splat(token, 1.0) - most * albedo, albedo }
+        let roughness = at.load(&layers.sheen_roughness);
+        Self { color, roughness, kept: at.splat(1.0) - most * albedo, albedo }
     }
 }
 
@@ -99,8 +100,8 @@ pub(super) struct Terminator<L> {
 
 impl<P: Pack> Terminator<P> {
     #[inline(always)]
-    pub(super) fn new(token: P::Token, batch: &Batch, i: usize) -> Self {
-        Self { smooth: load3(token, &batch.smooth, i), squared_slope: load(token, &batch.bump, i) }
+    pub(super) fn new(at: Lanes<'_, P>) -> Self {
+        Self { smooth: at.load3(&at.batch.smooth), squared_slope: at.load(&at.batch.bump) }
     }
 }
 

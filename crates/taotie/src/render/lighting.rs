@@ -1,78 +1,18 @@
 //! Radiance of each fragment: lights, surroundings and emission.
 
-use super::batch::{Batch, load, load3, splat3, store3};
-use super::point::{Model, SurfacePoint};
-use super::prepare::Draw;
-use crate::math::{Pack, Vec3, dispatch_pack, scalar};
-use crate::scene::{Falloff, Light, LightKind, Material};
-use crate::shade::{Shading, lights};
+use super::batch::{Batch, Lanes};
+use super::columns::store3;
+use super::draw::Draw;
+use super::model::Model;
+use super::point::SurfacePoint;
+use super::source::Source;
+use crate::math::{Pack, Vec3, dispatch_pack};
+use crate::scene::Material;
+use crate::shade::Shading;
 use fearless_simd::Level;
 
-/// A light made ready for shading.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Source {
-    color: Vec3,
-    /// The position, or for directional lights the unit direction to the light.
-    place: Vec3,
-    at_infinity: bool,
-    falloff: Falloff,
-    /// Axis of the cone and the cosines of its angles.
-    cone: Option<(Vec3, f32, f32)>,
-}
-
-impl Source {
-    pub(super) fn new(light: &Light) -> Self {
-        let (place, at_infinity, cone) = match light.kind {
-            LightKind::Point { position } => (position, false, None),
-            LightKind::Directional { direction } => (-direction, true, None),
-            LightKind::Spot { position, direction, inner, outer } => {
-                let cos = |angle: f32| scalar::cos(f64::from(angle)) as f32;
-                (position, false, Some((direction, cos(inner), cos(outer))))
-            }
-        };
-        Self { color: light.color, place, at_infinity, falloff: light.falloff, cone }
-    }
-
-    /// From a point to the light; not normalised.
-    pub(super) fn ray_from(&self, point: Vec3) -> Vec3 {
-        if self.at_infinity { self.place } else { self.place - point }
-    }
-
-    /// How far a shadow ray along [`Self::ray_from`] goes, in its lengths.
-    pub(super) fn ray_limit(&self) -> f32 {
-        if self.at_infinity { f32::INFINITY } else { 1.0 }
-    }
-
-    /// The unit direction to the light and the irradiance on a plane that faces it.
-    #[inline(always)]
-    pub(super) fn incidence<P: Pack>(&self, token: P::Token, position: Vec3<P>) -> (Vec3<P>, Vec3<P>) {
-        let color = splat3(token, self.color);
-        let place = splat3(token, self.place);
-        if self.at_infinity {
-            return (place, color);
-        }
-        let to_light = place - position;
-        let distance_squared = to_light.dot(to_light).max(P::splat(token, 1e-12));
-        let distance = distance_squared.sqrt();
-        let l = to_light * (P::splat(token, 1.0) / distance);
-        let mut attenuation = match self.falloff {
-            Falloff::None => P::splat(token, 1.0),
-            Falloff::InverseSquare => lights::inverse_square(distance_squared),
-            Falloff::Windowed(range) => {
-                lights::inverse_square(distance_squared)
-                    * lights::range_window(distance_squared, P::splat(token, range))
-            }
-        };
-        if let Some((axis, cos_inner, cos_outer)) = self.cone {
-            let cos = -splat3(token, axis).dot(l);
-            let (inner, outer) = (P::splat(token, cos_inner), P::splat(token, cos_outer));
-            attenuation = attenuation * lights::spot_cone(cos, inner, outer);
-        }
-        (l, color * attenuation)
-    }
-}
-
 /// What lighting needs beside a batch.
+#[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub shading: Shading,
     pub sources: &'a [Source],
@@ -115,11 +55,11 @@ fn all_packs<P: Pack, const MODEL: u8>(
     };
     for i in batch.packs::<P>() {
         let [r, g, b, _] = draw.material.base_color;
-        let tint: Vec3<P> = load3(token, &batch.tint, i);
-        let albedo = tint.mul_elements(splat3(token, Vec3::new(r, g, b)));
+        let at: Lanes<'_, P> = batch.lanes(token, i);
+        let albedo = at.load3(&batch.tint).mul_elements(at.splat3(Vec3::new(r, g, b)));
         let radiance = match draw.material.unlit {
             true => albedo,
-            false => lit_pack(token, (illumination, model), draw.material, batch, i),
+            false => lit_pack(at, illumination, model, draw.material),
         };
         store3(albedo, &mut batch.albedo, i);
         store3(radiance, &mut batch.radiance, i);
@@ -128,24 +68,24 @@ fn all_packs<P: Pack, const MODEL: u8>(
 
 #[inline(always)]
 fn lit_pack<P: Pack>(
-    token: P::Token,
-    (illumination, model): (&Illumination<'_>, Model),
+    at: Lanes<'_, P>,
+    illumination: &Illumination<'_>,
+    model: Model,
     material: &Material,
-    batch: &Batch,
-    i: usize,
 ) -> Vec3<P> {
-    let surface: SurfacePoint<P> = SurfacePoint::new(token, model, material, batch, i);
-    let position = load3(token, &batch.position, i);
-    let ambient = splat3(token, illumination.ambient) * load(token, &batch.occlusion, i);
+    let batch = at.batch;
+    let surface: SurfacePoint<P> = SurfacePoint::new(at, model, material);
+    let position = at.load3(&batch.position);
+    let ambient = at.splat3(illumination.ambient) * at.load(&batch.occlusion);
     let mut radiance = surface.emitted + surface.ambient.mul_elements(ambient);
     if illumination.surrounded {
-        radiance += surface.surrounded(token, batch, i);
+        radiance += surface.surrounded(at);
     }
     for (index, source) in illumination.sources.iter().enumerate() {
-        let (l, irradiance) = source.incidence(token, position);
+        let (l, irradiance) = source.incidence(at.token, position);
         let mut reflected = surface.reflect(l).mul_elements(irradiance);
         if illumination.shadows {
-            reflected = reflected * load(token, &batch.visibility[index], i);
+            reflected = reflected * at.load(&batch.visibility[index]);
         }
         radiance += reflected;
     }

@@ -1,6 +1,5 @@
 //! Textures of a batch: where they are read, and what is there.
 
-use super::batch::UvSet;
 use crate::image::{Lookup, LookupPoints, Sampler, Texture};
 use crate::math::{Column, Pack, dispatch_pack, poly};
 use crate::scene::{Scene, TextureRef, UvTransform};
@@ -14,6 +13,41 @@ pub(super) struct Lookups {
     placed: Option<Placement>,
     pub uv: [Column; 2],
     pub lod: Column,
+}
+
+/// Texture coordinates, and their changes a sample to the right and down.
+#[derive(Debug, Clone)]
+pub(super) struct UvSet {
+    pub uv: [Column; 2],
+    pub d_x: [Column; 2],
+    pub d_y: [Column; 2],
+}
+
+impl Default for UvSet {
+    fn default() -> Self {
+        Self { uv: [Column::ZERO; 2], d_x: [Column::ZERO; 2], d_y: [Column::ZERO; 2] }
+    }
+}
+
+/// Where points lie in texture space: the texture coordinates of the first `len`, set by set.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coordinates<'b> {
+    pub sets: &'b [UvSet],
+    pub len: usize,
+}
+
+/// A texture as a material uses it, to be read at a SIMD level.
+#[derive(Clone, Copy)]
+pub(super) struct TextureUse<'t> {
+    level: Level,
+    image: &'t Texture,
+    texture: &'t TextureRef,
+}
+
+impl<'t> TextureUse<'t> {
+    pub(super) fn new(level: Level, scene: &'t Scene, texture: &'t TextureRef) -> Self {
+        Self { level, image: &scene.textures[texture.texture], texture }
+    }
 }
 
 /// What decides about the texels that are read.
@@ -38,16 +72,9 @@ impl Lookups {
         self.placed = None;
     }
 
-    /// The linear RGBA values of a texture at the first `len` points. A mesh without the uv set shows the texel at the
-    /// origin.
-    pub(super) fn read(
-        &mut self,
-        level: Level,
-        (scene, texture): (&Scene, &TextureRef),
-        (sets, len): (&[UvSet], usize),
-        out: [&mut Column; 4],
-    ) {
-        let image = &scene.textures[texture.texture];
+    /// The linear RGBA values of a texture at the points. A mesh without the uv set shows the texel at the origin.
+    pub(super) fn read(&mut self, used: TextureUse<'_>, at: Coordinates<'_>, out: [&mut Column; 4]) {
+        let TextureUse { level, image, texture } = used;
         let placement = Placement {
             uv_set: texture.uv_set,
             transform: texture.transform,
@@ -55,24 +82,22 @@ impl Lookups {
             size: [image.width(), image.height()],
         };
         if self.placed != Some(placement) {
-            self.locate(level, image, texture, (sets, len));
-            let points = LookupPoints { uv: self.uv.each_ref(), lod: &self.lod, len };
+            self.locate(used, at);
+            let points = LookupPoints { uv: self.uv.each_ref(), lod: &self.lod, len: at.len };
             self.lookup.place(level, image, &texture.sampler, points);
             self.placed = Some(placement);
         }
         self.lookup.read(level, image, out);
     }
 
-    /// Reads a texture as [`Self::read`] does, moved by some uv: `shift(i)` for entry `i`.
+    /// Reads a texture as [`Self::read`] does at the first `len` points, moved by some uv: `shift(i)` for entry `i`.
     pub(super) fn read_shifted(
         &mut self,
-        level: Level,
-        (scene, texture): (&Scene, &TextureRef),
+        TextureUse { level, image, texture }: TextureUse<'_>,
         len: usize,
         shift: impl Fn(usize) -> [f32; 2],
         out: [&mut Column; 4],
     ) {
-        let image = &scene.textures[texture.texture];
         let mut moved = self.uv;
         let [moved_u, moved_v] = &mut moved;
         for (i, (u, v)) in moved_u.iter_mut().zip(moved_v.iter_mut()).enumerate().take(len) {
@@ -86,35 +111,23 @@ impl Lookups {
     }
 
     /// Fills `uv`, the places in a texture, and `lod`, log2 of the texels of its finest level that a pixel covers.
-    pub(super) fn locate(
-        &mut self,
-        level: Level,
-        image: &Texture,
-        texture: &TextureRef,
-        (sets, len): (&[UvSet], usize),
-    ) {
+    pub(super) fn locate(&mut self, used: TextureUse<'_>, at: Coordinates<'_>) {
         let nowhere;
-        let set = match sets.get(texture.uv_set) {
+        let set = match at.sets.get(used.texture.uv_set) {
             Some(set) => set,
             None => {
                 nowhere = UvSet::default();
                 &nowhere
             }
         };
-        let size = [image.width() as f32, image.height() as f32];
-        dispatch_pack!(level, P, token => self.transform::<P>(token, set, &texture.transform, size, len));
+        dispatch_pack!(used.level, P, token => self.transform::<P>(token, set, used, at.len));
     }
 
     #[inline(always)]
-    fn transform<P: Pack>(
-        &mut self,
-        token: P::Token,
-        set: &UvSet,
-        transform: &UvTransform,
-        [width, height]: [f32; 2],
-        len: usize,
-    ) {
-        let (width, height) = (P::splat(token, width), P::splat(token, height));
+    fn transform<P: Pack>(&mut self, token: P::Token, set: &UvSet, used: TextureUse<'_>, len: usize) {
+        let transform = &used.texture.transform;
+        let width = P::splat(token, used.image.width() as f32);
+        let height = P::splat(token, used.image.height() as f32);
         let [offset_u, offset_v] = transform.offset;
         let (offset_u, offset_v) = (P::splat(token, offset_u), P::splat(token, offset_v));
         for i in (0..len).step_by(P::LANES) {

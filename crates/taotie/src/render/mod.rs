@@ -1,13 +1,15 @@
 //! The one place where hits meet shading: a scene, a camera and lights become a picture.
 //!
-//! [`Prepared`] holds what does not change with the camera: world-space vertices, tangents, the BVH for shadows. A
-//! [`Pass`] is one picture of it. Tiles are independent; in a tile every sample goes through the same stages:
+//! [`Prepared`] holds what does not change with the camera: world-space vertices, tangents, the tree of triangles. A
+//! [`Pass`] is one picture of it, which [`Renderer`] takes in the memory of the one before. Tiles are independent; in a tile every sample goes through the same stages:
 //! visibility, fragments (interpolation and textures), normals, shadows, lighting, and resolve into the tile.
 
 mod albedos;
 mod backdrop;
 mod batch;
+mod columns;
 mod corners;
+mod draw;
 mod follow;
 mod footprint;
 mod fragments;
@@ -16,12 +18,17 @@ mod geometry;
 mod ground;
 mod grouping;
 mod interpolate;
+mod key;
 mod layers;
+mod lend;
 mod lighting;
 mod lookups;
+mod model;
 mod normals;
 mod pass;
+mod placed;
 mod point;
+mod preparation;
 mod prepare;
 mod rays;
 mod reference;
@@ -29,35 +36,38 @@ mod renderer;
 mod resolve;
 mod settings;
 mod shadows;
+mod source;
+mod stages;
 mod substance;
 mod surround;
 mod tiles;
+mod tree;
 mod view;
 
+#[doc(hidden)]
 pub use batch::{BATCH, Batch};
 pub use follow::bind_tangents;
-pub use fragments::Key;
 pub use frame::{Aovs, Frame};
+pub use lend::lend;
 pub use pass::Pass;
-pub use prepare::Prepared;
+pub use prepare::{Prepared, foreseen_warnings};
 pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, reference};
 pub use renderer::Renderer;
-pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, SurfaceSettings};
+pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, SurfaceSettings};
+#[doc(hidden)]
+pub use {key::Key, stages::Stages};
 
 use crate::error::Result;
 use crate::progress::Progress;
-use crate::scene::{Camera, Scene};
+use crate::scene::Scene;
+use pass::Kept;
+use prepare::{Parts, Ready};
 
 /// Prepares `scene` and takes one picture of it.
 ///
 /// # Errors
 /// As [`Prepared::new`] and [`Pass::new`].
-pub fn render(
-    scene: &Scene,
-    camera: &Camera,
-    lighting: &Lighting,
-    settings: &RenderSettings,
-) -> Result<Frame> {
-    let prepared = Prepared::new(scene, &settings.surface)?;
-    Pass::new(&prepared, camera, lighting, settings)?.render(Progress::SILENT)
+pub fn render(scene: &Scene, shot: &Shot<'_>) -> Result<Frame> {
+    let parts = Parts::new(scene, &shot.settings.surface)?;
+    Pass::with(Kept::default(), Ready { scene, parts: &parts }, shot)?.render(Progress::SILENT)
 }

@@ -1,9 +1,10 @@
 //! The shading normal of each fragment, by the method of its draw.
 
-use super::GrazingNormals;
-use super::batch::{Batch, load, load3, splat3, store3};
+use super::batch::{Batch, Lanes};
+use super::columns::store3;
+use super::draw::{Draw, NormalSource};
 use super::layers::squared_slope;
-use super::prepare::{Draw, NormalSource};
+use super::settings::GrazingNormals;
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::scene::{GreenChannel, NormalMap};
 use crate::surface;
@@ -16,28 +17,21 @@ pub(super) fn shade_normals(level: Level, draw: &Draw<'_>, grazing: GrazingNorma
 
 #[inline(always)]
 fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
-    let soften = grazing == GrazingNormals::Soften && is_mapped(&draw.normal_source);
+    let soften = grazing == GrazingNormals::Soften && draw.normal_source.is_mapped();
     for i in batch.packs::<P>() {
-        let side: P = side(token, draw, batch, i);
-        let smooth = load3(token, &batch.normal, i).normalize_or(load3(token, &batch.n_geom, i)) * side;
-        let mut n: Vec3<P> = pack_normal(token, draw, batch, i) * side;
+        let at: Lanes<'_, P> = batch.lanes(token, i);
+        let side = side(at, draw);
+        let smooth = at.load3(&batch.normal).normalize_or(at.load3(&batch.n_geom)) * side;
+        let mut n = pack_normal(at, draw) * side;
         if soften {
-            n = towards_viewer(n, smooth, load3(token, &batch.v, i));
+            n = towards_viewer(n, smooth, at.load3(&batch.v));
             squared_slope(smooth, n).store(&mut batch.bump[i..]);
         } else {
-            P::splat(token, 0.0).store(&mut batch.bump[i..]);
+            at.splat(0.0).store(&mut batch.bump[i..]);
         }
         store3(n, &mut batch.n, i);
         store3(smooth, &mut batch.smooth, i);
-        shade_layers(token, draw, batch, i, n);
-    }
-}
-
-/// Whether a picture turns the normals, and not as printed.
-pub(super) fn is_mapped(source: &NormalSource<'_>) -> bool {
-    match source {
-        NormalSource::Facet | NormalSource::Smooth | NormalSource::BumpPrinted(..) => false,
-        NormalSource::Bump(..) | NormalSource::ObjectMap(_) | NormalSource::TangentMap(_) => true,
+        shade_layers::<P>(token, draw, batch, i);
     }
 }
 
@@ -55,78 +49,96 @@ fn towards_viewer<P: Pack>(n: Vec3<P>, smooth: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
     Vec3::select(zero.lt(lacking), (n + v * lacking).normalize_or(smooth), n)
 }
 
-/// The lacquer's normal, and the direction of stretched highlights.
+/// The lacquer's normal, and the direction of stretched highlights, where `batch.n` and `batch.smooth` are there.
 #[inline(always)]
-fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i: usize, n: Vec3<P>) {
-    let (tangent, handedness): (Vec3<P>, P) =
-        (load3(token, &batch.tangent, i), load(token, &batch.handedness, i));
-    if let Some(coat) = &draw.material.clearcoat {
-        let smooth: Vec3<P> = load3(token, &batch.smooth, i);
-        let coat_n = match coat.normal.as_ref().filter(|_| !draw.tangents.is_empty()) {
-            Some(map) => {
-                let stored = decode(token, map, load3(token, &batch.layers.coat_map, i));
-                let normal = load3(token, &batch.normal, i);
-                surface::tangent_normal(normal, tangent, handedness, stored) * side(token, draw, batch, i)
-            }
-            None => smooth,
-        };
-        store3(towards_viewer(coat_n, smooth, load3(token, &batch.v, i)), &mut batch.layers.coat_n, i);
+fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i: usize) {
+    if draw.material.clearcoat.is_some() {
+        let at: Lanes<'_, P> = batch.lanes(token, i);
+        let smooth = at.load3(&batch.smooth);
+        let coat_n = towards_viewer(coat_normal(at, draw), smooth, at.load3(&batch.v));
+        store3(coat_n, &mut batch.layers.coat_n, i);
     }
     if draw.material.anisotropy.is_some() {
-        let [cos, sin] = [0, 1].map(|c| load(token, &batch.layers.stretch_turn[c], i));
-        let across = n.cross(tangent) * handedness;
+        let at: Lanes<'_, P> = batch.lanes(token, i);
+        let (n, tangent) = (at.load3(&batch.n), at.load3(&batch.tangent));
+        let [cos, sin] = &batch.layers.stretch_turn;
+        let (cos, sin) = (at.load(cos), at.load(sin));
+        let across = n.cross(tangent) * at.load(&batch.handedness);
         let along = tangent * cos + across * sin;
         let flat = along - n * n.dot(along);
         store3(flat.normalize_or(n.any_perpendicular()), &mut batch.layers.stretch_tangent, i);
     }
 }
 
+/// The lacquer's normal, before it is bent towards the viewer.
+#[inline(always)]
+fn coat_normal<P: Pack>(at: Lanes<'_, P>, draw: &Draw<'_>) -> Vec3<P> {
+    let batch = at.batch;
+    let map = draw.material.clearcoat.as_ref().and_then(|coat| coat.normal.as_ref());
+    match map.filter(|_| !draw.tangents.is_empty()) {
+        Some(map) => {
+            let stored = decode(at, map, at.load3(&batch.layers.coat_map));
+            let (normal, tangent) = (at.load3(&batch.normal), at.load3(&batch.tangent));
+            let handedness = at.load(&batch.handedness);
+            surface::tangent_normal(normal, tangent, handedness, stored) * side(at, draw)
+        }
+        None => at.load3(&batch.smooth),
+    }
+}
+
 /// The normal of the front.
 #[inline(always)]
-fn pack_normal<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &Batch, i: usize) -> Vec3<P> {
-    let interpolated = load3(token, &batch.normal, i);
-    match draw.normal_source {
-        NormalSource::Facet => load3(token, &batch.n_geom, i) * load(token, &batch.facing, i),
-        NormalSource::Smooth => interpolated.normalize_or(load3(token, &batch.n_geom, i)),
+fn pack_normal<P: Pack>(at: Lanes<'_, P>, draw: &Draw<'_>) -> Vec3<P> {
+    let batch = at.batch;
+    let interpolated = at.load3(&batch.normal);
+    match &draw.normal_source {
+        NormalSource::Facet => at.load3(&batch.n_geom) * at.load(&batch.facing),
+        NormalSource::Smooth => interpolated.normalize_or(at.load3(&batch.n_geom)),
         NormalSource::Bump(..) => {
-            let n = interpolated.normalize_or(load3(token, &batch.n_geom, i));
+            let n = interpolated.normalize_or(at.load3(&batch.n_geom));
             let gradient = surface::surface_gradient(
                 n,
-                [load3(token, &batch.dp_du, i), load3(token, &batch.dp_dv, i)],
-                [load(token, &batch.dh_du, i), load(token, &batch.dh_dv, i)],
+                [at.load3(&batch.dp_du), at.load3(&batch.dp_dv)],
+                [at.load(&batch.dh_du), at.load(&batch.dh_dv)],
             );
             surface::bump(n, gradient)
         }
         NormalSource::BumpPrinted(_, factor) => {
-            let n = interpolated.normalize_or(load3(token, &batch.n_geom, i));
-            let bumped = surface::bump_printed(n, P::splat(token, factor), load(token, &batch.dh_du, i));
-            let [x, y, z] = draw.normal_matrix.map(|column| splat3(token, column));
+            let n = interpolated.normalize_or(at.load3(&batch.n_geom));
+            let bumped = surface::bump_printed(n, at.splat(*factor), at.load(&batch.dh_du));
+            let [x, y, z] = normal_matrix(at, draw);
             x * bumped.x + y * bumped.y + z * bumped.z
         }
         NormalSource::ObjectMap(_) => {
-            let stored = surface::decode_object_normal(load3(token, &batch.map, i));
-            surface::object_normal(stored, draw.normal_matrix.map(|column| splat3(token, column)))
+            let stored = surface::decode_object_normal(at.load3(&batch.map));
+            surface::object_normal(stored, normal_matrix(at, draw))
         }
         NormalSource::TangentMap(map) => {
-            let stored = decode(token, map, load3(token, &batch.map, i));
-            let tangent = load3(token, &batch.tangent, i);
-            surface::tangent_normal(interpolated, tangent, load(token, &batch.handedness, i), stored)
+            let stored = decode(at, map, at.load3(&batch.map));
+            let tangent = at.load3(&batch.tangent);
+            surface::tangent_normal(interpolated, tangent, at.load(&batch.handedness), stored)
         }
     }
 }
 
 #[inline(always)]
-fn decode<P: Pack>(token: P::Token, map: &NormalMap, stored: Vec3<P>) -> Vec3<P> {
+fn normal_matrix<P: Pack>(at: Lanes<'_, P>, draw: &Draw<'_>) -> [Vec3<P>; 3] {
+    let [x, y, z] = draw.normal_matrix;
+    [at.splat3(x), at.splat3(y), at.splat3(z)]
+}
+
+#[inline(always)]
+fn decode<P: Pack>(at: Lanes<'_, P>, map: &NormalMap, stored: Vec3<P>) -> Vec3<P> {
     let green = match map.green {
         GreenChannel::Up => 1.0,
         GreenChannel::Down => -1.0,
     };
-    surface::decode_normal(stored, P::splat(token, map.scale), P::splat(token, green))
+    surface::decode_normal(stored, at.splat(map.scale), at.splat(green))
 }
 
 /// Seen from behind, the surface's normal is exactly the opposite one, relief and all: 1, or −1 there.
 #[inline(always)]
-fn side<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &Batch, i: usize) -> P {
-    let turns = draw.material.double_sided || batch.both_sides;
-    if turns { load(token, &batch.facing, i) } else { P::splat(token, 1.0) }
+fn side<P: Pack>(at: Lanes<'_, P>, draw: &Draw<'_>) -> P {
+    let turns = draw.material.double_sided || at.batch.both_sides;
+    if turns { at.load(&at.batch.facing) } else { at.splat(1.0) }
 }

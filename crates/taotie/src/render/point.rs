@@ -1,42 +1,24 @@
 //! A point of a surface with everything that its reflection depends on.
 
 use super::albedos;
-use super::batch::{Batch, load, load3, splat3};
+use super::batch::{Batch, Lanes};
+use super::draw::Draw;
 use super::layers::{Coat, Fibres, Terminator};
+use super::model::{Model, takes_albedos};
 use super::normals::shade_normals;
-use super::prepare::Draw;
-use super::settings::{GrazingNormals, RenderSettings};
-use super::substance::{substance, takes_albedos, takes_layers};
+use super::settings::RenderSettings;
+use super::substance::substance;
 use crate::math::{Pack, Vec3};
 use crate::scene::Material;
-use crate::shade::dfg::Dfg;
 use crate::shade::{self, Angles, Shading, Stretch, Substance};
 use fearless_simd::Level;
 
 /// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the directional
 /// albedos of the lobes.
 pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>, batch: &mut Batch) {
-    let shading = settings.shading;
-    let grazing = if shading.is_printed() { GrazingNormals::Keep } else { settings.grazing_normals };
-    shade_normals(level, draw, grazing, batch);
-    if takes_albedos(shading) {
-        albedos::look_up(level, (shading, settings.energy), draw, batch);
-    }
-}
-
-/// What is known of a model before any fragment: where it is a constant, what other models need is not even compiled.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Model {
-    pub shading: Shading,
-    /// Whether there may be lacquer, fibres or stretched highlights.
-    pub layered: bool,
-}
-
-impl Model {
-    pub(super) fn new(shading: Shading, material: &Material) -> Self {
-        let layers =
-            material.clearcoat.is_some() || material.sheen.is_some() || material.anisotropy.is_some();
-        Self { shading, layered: takes_layers(shading) && layers }
+    shade_normals(level, draw, settings.grazing_normals, batch);
+    if takes_albedos(settings.shading) {
+        albedos::look_up(level, settings, draw, batch);
     }
 }
 
@@ -61,26 +43,21 @@ pub(super) struct SurfacePoint<L> {
 impl<P: Pack> SurfacePoint<P> {
     /// The fragments of `batch` from `i` on.
     #[inline(always)]
-    pub(super) fn new(
-        token: P::Token,
-        Model { shading, layered }: Model,
-        material: &Material,
-        batch: &Batch,
-        i: usize,
-    ) -> Self {
-        let (substance, ambient) = substance(token, shading, material, batch, i);
-        let (n, v) = (load3(token, &batch.n, i), load3(token, &batch.v, i));
+    pub(super) fn new(at: Lanes<'_, P>, Model { shading, layered }: Model, material: &Material) -> Self {
+        let batch = at.batch;
+        let (substance, ambient) = substance(at, shading, material);
+        let (n, v) = (at.load3(&batch.n), at.load3(&batch.v));
         let stretched = layered && material.anisotropy.is_some();
         let stretch = stretched.then(|| {
-            let tangent = load3(token, &batch.layers.stretch_tangent, i);
-            let strength = load(token, &batch.layers.stretch, i);
+            let tangent = at.load3(&batch.layers.stretch_tangent);
+            let strength = at.load(&batch.layers.stretch);
             Stretch::new(tangent, n.cross(tangent), substance.roughness, strength)
         });
-        let coat = (layered && material.clearcoat.is_some()).then(|| Coat::new(token, batch, i));
-        let fibres = (layered && material.sheen.is_some()).then(|| Fibres::new(token, batch, i));
-        let emitted: Vec3<P> = load3(token, &batch.emissive, i);
+        let coat = (layered && material.clearcoat.is_some()).then(|| Coat::new(at));
+        let fibres = (layered && material.sheen.is_some()).then(|| Fibres::new(at));
+        let emitted = at.load3(&batch.emissive);
         let emitted = coat.as_ref().map_or(emitted, |coat| emitted * coat.kept);
-        let terminator = Terminator::new(token, batch, i);
+        let terminator = Terminator::new(at);
         Self { shading, substance, ambient, emitted, n, v, terminator, stretch, coat, fibres }
     }
 
@@ -112,33 +89,21 @@ impl<P: Pack> SurfacePoint<P> {
     /// Radiance to the viewer of what the environment sends, linear RGB; `batch.surround` and its tables must be
     /// filled.
     #[inline(always)]
-    pub(super) fn surrounded(&self, token: P::Token, batch: &Batch, i: usize) -> Vec3<P> {
-        let weights = shade::surround(self.shading, &self.substance, &dfg(token, batch, i));
-        let occlusion: P = load(token, &batch.occlusion, i);
-        let mean = load3(token, &batch.surround.mean, i) * occlusion;
+    pub(super) fn surrounded(&self, at: Lanes<'_, P>) -> Vec3<P> {
+        let batch = at.batch;
+        let weights = shade::surround(self.shading, &self.substance, &at.dfg());
+        let occlusion = at.load(&batch.occlusion);
+        let mean = at.load3(&batch.surround.mean) * occlusion;
         let n_dot_v = self.n.dot(self.v).clamp(0.0, 1.0);
         let seen = shade::specular_occlusion(n_dot_v, occlusion, self.substance.roughness);
-        let gathered = load3(token, &batch.surround.specular, i) * seen;
+        let gathered = at.load3(&batch.surround.specular) * seen;
         let mut radiance = weights.specular.mul_elements(gathered) + weights.diffuse.mul_elements(mean);
         if let Some(fibres) = &self.fibres {
             radiance = fibres.over_mean(radiance, mean);
         }
         match &self.coat {
-            Some(coat) => coat.over_surround(radiance, load3(token, &batch.surround.coat, i)),
+            Some(coat) => coat.over_surround(radiance, at.load3(&batch.surround.coat)),
             None => radiance,
         }
     }
-}
-
-/// The directional albedos of the fragments' lobe.
-#[inline(always)]
-pub(super) fn dfg<P: Pack>(token: P::Token, batch: &Batch, i: usize) -> Dfg<P> {
-    let [scale, bias, edge, diffuse_edge] = P::load_pixels(token, &batch.dfg[i..]);
-    Dfg { scale, bias, edge, diffuse_edge }
-}
-
-/// A colour of the material for all fragments.
-#[inline(always)]
-pub(super) fn everywhere<P: Pack>(token: P::Token, rgb: [f32; 3]) -> Vec3<P> {
-    splat3(token, Vec3::from_array(rgb))
 }

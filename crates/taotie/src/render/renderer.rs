@@ -1,33 +1,35 @@
 //! Pictures of one scene, one after the other.
 
+use super::frame::Frame;
 use super::pass::{Kept, Pass};
 use super::prepare::Prepared;
-use super::{Frame, Lighting, RenderSettings, SurfaceSettings};
+use super::settings::{Shot, SurfaceSettings};
 use crate::error::Result;
 use crate::film::Development;
 use crate::progress::Progress;
-use crate::scene::{Camera, Scene};
+use crate::scene::Scene;
+use std::sync::Arc;
 
 /// Takes pictures of one scene and keeps what does not change between them: vertices in world space, tangents, the tree
-/// of shadow casters and the mip chains; and the memory of what does. A turntable costs its frames.
+/// of triangles and the mip chains; and the memory of what does. A turntable costs its frames.
 ///
 /// The same picture has the same bits whatever was taken before.
-pub struct Renderer<'a> {
-    prepared: Prepared<'a>,
+pub struct Renderer {
+    prepared: Prepared,
     kept: Kept,
 }
 
-impl<'a> Renderer<'a> {
-    /// Prepares `scene`.
+impl Renderer {
+    /// Prepares `scene`. One that is shared already is not copied.
     ///
     /// # Errors
     /// As [`Prepared::new`].
-    pub fn new(scene: &'a Scene, settings: &SurfaceSettings) -> Result<Self> {
+    pub fn new(scene: impl Into<Arc<Scene>>, settings: &SurfaceSettings) -> Result<Self> {
         Ok(Self { prepared: Prepared::new(scene, settings)?, kept: Kept::default() })
     }
 
     /// The scene, prepared.
-    pub fn prepared(&self) -> &Prepared<'a> {
+    pub fn prepared(&self) -> &Prepared {
         &self.prepared
     }
 
@@ -35,14 +37,8 @@ impl<'a> Renderer<'a> {
     ///
     /// # Errors
     /// As [`Pass::new`] and [`Pass::render`].
-    pub fn render(
-        &mut self,
-        camera: &Camera,
-        lighting: &Lighting,
-        settings: &RenderSettings,
-        progress: Progress<'_>,
-    ) -> Result<Frame> {
-        self.with_pass((camera, lighting), settings, |pass| pass.render(progress))
+    pub fn render(&mut self, shot: &Shot<'_>, progress: Progress<'_>) -> Result<Frame> {
+        self.with_pass(shot, |pass| pass.render(progress))
     }
 
     /// Takes a picture and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is made as
@@ -52,27 +48,33 @@ impl<'a> Renderer<'a> {
     /// As [`Pass::new`] and [`Pass::develop`].
     pub fn develop(
         &mut self,
-        (camera, lighting): (&Camera, &Lighting),
-        settings: &RenderSettings,
+        shot: &Shot<'_>,
         development: &Development,
         codes: &mut Vec<[u8; 4]>,
         progress: Progress<'_>,
     ) -> Result<()> {
-        self.with_pass((camera, lighting), settings, |pass| {
-            codes.resize(settings.width as usize * settings.height as usize, [0; 4]);
+        let pixels = shot.settings.width as usize * shot.settings.height as usize;
+        self.with_pass(shot, |pass| {
+            codes.resize(pixels, [0; 4]);
             pass.develop(development, codes, progress)
         })
     }
 
-    fn with_pass<T>(
-        &mut self,
-        seen: (&Camera, &Lighting),
-        settings: &RenderSettings,
-        take: impl FnOnce(&Pass<'_, 'a>) -> Result<T>,
-    ) -> Result<T> {
-        let pass = Pass::with(std::mem::take(&mut self.kept), &self.prepared, seen, settings)?;
+    fn with_pass<T>(&mut self, shot: &Shot<'_>, take: impl FnOnce(&Pass<'_>) -> Result<T>) -> Result<T> {
+        let pass = Pass::with(std::mem::take(&mut self.kept), self.prepared.ready(), shot)?;
         let taken = take(&pass);
         self.kept = pass.into_kept();
         taken
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_can_be_kept_and_sent_anywhere() {
+        fn assert_owned<T: Send + Sync + 'static>() {}
+        assert_owned::<Renderer>();
     }
 }

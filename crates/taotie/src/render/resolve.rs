@@ -1,7 +1,8 @@
 //! What a tile collects over its samples.
 
-use super::batch::{Batch, get3};
-use super::fragments::Key;
+use super::batch::Batch;
+use super::columns::get3;
+use super::key::Key;
 use super::view::View;
 use crate::math::Vec3;
 use crate::raster::TILE_PIXELS;

@@ -2,13 +2,13 @@
 
 use crate::math::{Lane, SimdLevel, Vec3, scalar};
 use crate::names::Named;
-use crate::scene::Light;
+use crate::scene::{Camera, Light};
 use crate::shade::environment::Environment;
 use crate::shade::{Energy, Shading};
 use crate::surface::{SurfaceMethod, TangentMethod};
 use std::sync::Arc;
 
-/// Where shading normals come from.
+/// How surfaces are made ready: where shading normals come from.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SurfaceSettings {
     /// The method, or `None` for the best that each material provides: its normal map, else its height map, else
@@ -19,6 +19,9 @@ pub struct SurfaceSettings {
     /// For `bump` the height of 1 in model units, `None` for the material's; for `bump-printed` the paper's factor,
     /// `None` for 5.
     pub bump_scale: Option<f32>,
+    /// The SIMD level of everything that is done for a picture, from vertex normals to pixels: a choice of speed, never
+    /// of pixels.
+    pub simd: SimdLevel,
 }
 
 /// What becomes of mapped normals that turn away from the viewer, and of light where the surface turns away but its
@@ -60,10 +63,8 @@ pub struct RenderSettings {
     pub shadows: bool,
     /// Whether the object stands on a ground that shows nothing but its shadow.
     pub ground: bool,
-    /// Whether [`super::Frame::aovs`] is filled.
+    /// Whether [`Frame::aovs`](super::Frame::aovs) is filled.
     pub aovs: bool,
-    /// A choice of speed, never of pixels.
-    pub simd: SimdLevel,
 }
 
 impl Default for RenderSettings {
@@ -80,9 +81,19 @@ impl Default for RenderSettings {
             shadows: false,
             ground: false,
             aovs: false,
-            simd: SimdLevel::Auto,
         }
     }
+}
+
+/// A picture to take: from where, in what light, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct Shot<'a> {
+    /// Where it is taken from.
+    pub camera: &'a Camera,
+    /// The light on the scene.
+    pub lighting: &'a Lighting,
+    /// How it is taken.
+    pub settings: &'a RenderSettings,
 }
 
 /// Light from all around as it falls on a scene.

@@ -1,8 +1,9 @@
 //! What the environment sends to each fragment.
 
 use super::albedos::lobe_roughness;
-use super::batch::{Batch, load, load3, store3};
-use super::prepare::Draw;
+use super::batch::{Batch, Lanes};
+use super::columns::store3;
+use super::draw::Draw;
 use super::settings::EnvironmentLight;
 use crate::math::{Lane, Pack, Vec3, dispatch_pack};
 use crate::scene::Material;
@@ -10,24 +11,22 @@ use crate::shade::Shading;
 use crate::shade::environment::{Environment, Mirrors, Wanted};
 use fearless_simd::Level;
 
+/// An environment as a model of reflectance asks for it.
+#[derive(Clone, Copy)]
+pub(super) struct Surrounding<'l> {
+    pub light: &'l EnvironmentLight,
+    pub shading: Shading,
+}
+
 /// Fills `batch.surround`.
-pub(super) fn look_up(
-    level: Level,
-    light: &EnvironmentLight,
-    shading: Shading,
-    draw: &Draw<'_>,
-    batch: &mut Batch,
-) {
+pub(super) fn look_up(level: Level, asked: Surrounding<'_>, draw: &Draw<'_>, batch: &mut Batch) {
+    let light = asked.light;
     let (environment, len) = (&light.environment, batch.len);
     dispatch_pack!(level, P, token => normals::<P>(token, light, batch));
     let Batch { gatherer, mirrors, surround, .. } = batch;
-    environment.gather_mean(
-        level,
-        gatherer,
-        Wanted { mirrors, len, factor: light.intensity },
-        &mut surround.mean,
-    );
-    dispatch_pack!(level, P, token => mirrored::<P>(token, (light, shading), draw.material, batch));
+    let wanted = Wanted { mirrors, len, factor: light.intensity };
+    environment.gather_mean(level, gatherer, wanted, &mut surround.mean);
+    dispatch_pack!(level, P, token => mirrored::<P>(token, asked, draw.material, batch));
     let Batch { gatherer, mirrors, surround, .. } = batch;
     environment.gather(
         level,
@@ -50,7 +49,7 @@ pub(super) fn look_up(
 #[inline(always)]
 fn normals<P: Pack>(token: P::Token, light: &EnvironmentLight, batch: &mut Batch) {
     for i in batch.packs::<P>() {
-        let n: Vec3<P> = load3(token, &batch.n, i);
+        let n = batch.lanes::<P>(token, i).load3(&batch.n);
         let [u, v] = Environment::place_of(light.turn().to_environment(n));
         u.store(&mut batch.mirrors.place[0][i..]);
         v.store(&mut batch.mirrors.place[1][i..]);
@@ -58,47 +57,48 @@ fn normals<P: Pack>(token: P::Token, light: &EnvironmentLight, batch: &mut Batch
 }
 
 #[inline(always)]
-fn mirrored<P: Pack>(
-    token: P::Token,
-    (light, shading): (&EnvironmentLight, Shading),
-    material: &Material,
-    batch: &mut Batch,
-) {
+fn mirrored<P: Pack>(token: P::Token, asked: Surrounding<'_>, material: &Material, batch: &mut Batch) {
     for i in batch.packs::<P>() {
-        let (n, v): (Vec3<P>, Vec3<P>) = (load3(token, &batch.n, i), load3(token, &batch.v, i));
-        let roughness: P = lobe_roughness(token, shading, material, batch, i);
+        let at: Lanes<'_, P> = batch.lanes(token, i);
+        let (n, v) = (at.load3(&batch.n), at.load3(&batch.v));
+        let roughness = lobe_roughness(at, asked.shading, material);
         let lobe_normal = match material.anisotropy {
-            Some(_) => stretched_normal(token, (n, v), batch, i),
+            Some(_) => stretched_normal(at, n, v),
             None => n,
         };
         let direction = towards_normal(mirror(lobe_normal, v), n, roughness);
-        set(light, i, (direction, roughness), &mut batch.mirrors);
+        Gathering { direction, roughness }.set(asked.light, i, &mut batch.mirrors);
     }
 }
 
 #[inline(always)]
 fn coat<P: Pack>(token: P::Token, light: &EnvironmentLight, batch: &mut Batch) {
     for i in batch.packs::<P>() {
-        let n: Vec3<P> = load3(token, &batch.layers.coat_n, i);
-        let direction = mirror(n, load3(token, &batch.v, i));
-        let roughness = load(token, &batch.layers.coat_roughness, i);
-        set(light, i, (direction, roughness), &mut batch.mirrors);
+        let at: Lanes<'_, P> = batch.lanes(token, i);
+        let direction = mirror(at.load3(&batch.layers.coat_n), at.load3(&batch.v));
+        let roughness = at.load(&batch.layers.coat_roughness);
+        Gathering { direction, roughness }.set(light, i, &mut batch.mirrors);
     }
 }
 
-#[inline(always)]
-fn set<P: Pack>(
-    light: &EnvironmentLight,
-    i: usize,
-    (direction, roughness): (Vec3<P>, P),
-    mirrors: &mut Mirrors,
-) {
-    let direction = light.turn().to_environment(direction);
-    let [u, v] = Environment::place_of(direction);
-    store3(direction, &mut mirrors.direction, i);
-    u.store(&mut mirrors.place[0][i..]);
-    v.store(&mut mirrors.place[1][i..]);
-    roughness.store(&mut mirrors.roughness[i..]);
+/// Where a highlight gathers its light.
+struct Gathering<P> {
+    /// Unit, world space.
+    direction: Vec3<P>,
+    roughness: P,
+}
+
+impl<P: Pack> Gathering<P> {
+    /// Writes entries from `i` on.
+    #[inline(always)]
+    fn set(self, light: &EnvironmentLight, i: usize, mirrors: &mut Mirrors) {
+        let direction = light.turn().to_environment(self.direction);
+        let [u, v] = Environment::place_of(direction);
+        store3(direction, &mut mirrors.direction, i);
+        u.store(&mut mirrors.place[0][i..]);
+        v.store(&mut mirrors.place[1][i..]);
+        self.roughness.store(&mut mirrors.roughness[i..]);
+    }
 }
 
 #[inline(always)]
@@ -120,17 +120,12 @@ fn towards_normal<L: Lane>(mirrored: Vec3<L>, n: Vec3<L>, roughness: L) -> Vec3<
 /// The normal that a stretched highlight mirrors by: bent towards the viewer, across the stretch.
 /// Source: McAuley 2015, "Rendering the World of Far Cry 4"; the blend of KHR_materials_anisotropy.
 #[inline(always)]
-fn stretched_normal<P: Pack>(
-    token: P::Token,
-    (n, v): (Vec3<P>, Vec3<P>),
-    batch: &Batch,
-    i: usize,
-) -> Vec3<P> {
-    let one = P::splat(token, 1.0);
-    let bitangent = n.cross(load3(token, &batch.layers.stretch_tangent, i));
+fn stretched_normal<P: Pack>(at: Lanes<'_, P>, n: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
+    let one = at.splat(1.0);
+    let bitangent = n.cross(at.load3(&at.batch.layers.stretch_tangent));
     let bent = bitangent.cross(v).cross(bitangent).normalize_or(n);
-    let stretch: P = load(token, &batch.layers.stretch, i);
-    let round = one - stretch * (one - load::<P>(token, &batch.roughness, i));
+    let stretch = at.load(&at.batch.layers.stretch);
+    let round = one - stretch * (one - at.load(&at.batch.roughness));
     let share = round.squared().squared();
     (bent * (one - share) + n * share).normalize_or(n)
 }

@@ -3,7 +3,7 @@
 //! Options are plain structs: `Default` with fields set by hand. Angles are radians and lengths model units.
 //!
 //! ```no_run
-//! use taotie::render::{RenderSettings, render};
+//! use taotie::render::{RenderSettings, Shot, render};
 //! use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
 //!
 //! # fn main() -> taotie::Result<()> {
@@ -14,7 +14,7 @@
 //! let view = viewpoint.at(0.0);
 //! let lighting = LightOptions::default().lighting(None, &scene, view);
 //! let settings = RenderSettings { width: 800, height: 600, ..RenderSettings::default() };
-//! let frame = render(&scene, &view.camera(), &lighting, &settings)?;
+//! let frame = render(&scene, &Shot { camera: &view.camera(), lighting: &lighting, settings: &settings })?;
 //! # Ok(())
 //! # }
 //! ```
@@ -40,5 +40,5 @@ pub use material::MaterialOptions;
 pub use material_file::MaterialFile;
 pub use model::load;
 pub use motion::Motion;
-pub use sequence::{Sequence, Shot};
+pub use sequence::{Sequence, SequenceFrame};
 pub use viewpoint::{CameraOptions, Framing, View, Viewpoint};

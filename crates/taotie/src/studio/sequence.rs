@@ -24,7 +24,7 @@ const STILL_SECONDS: f64 = 1.0 / 24.0;
 #[non_exhaustive]
 pub struct Sequence {
     /// At least one.
-    pub shots: Vec<Shot>,
+    pub shots: Vec<SequenceFrame>,
     /// How long they last as a moving picture, seconds.
     pub seconds: f64,
 }
@@ -33,7 +33,7 @@ pub struct Sequence {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Shot {
+pub struct SequenceFrame {
     /// How far the turntable has turned, radians; see [`super::Viewpoint::at`].
     pub turn: f64,
     /// The time of the animation, seconds; `None` for the model at rest.
@@ -46,7 +46,7 @@ impl Sequence {
 
     /// One picture at a time of the animation in seconds, or of the model at rest.
     pub fn still(time: Option<f64>) -> Self {
-        Self { shots: vec![Shot { turn: 0.0, seconds: time }], seconds: 0.0 }
+        Self { shots: vec![SequenceFrame { turn: 0.0, seconds: time }], seconds: 0.0 }
     }
 
     /// `count` pictures around the object at one time of its animation, seconds, or at rest; `rate` of them a second,
@@ -56,7 +56,7 @@ impl Sequence {
     /// [`Error::Invalid`] where `count` is 0 or above [`Sequence::MOST`], or `rate` is not above 0.
     pub fn turntable(count: u32, time: Option<f64>, rate: Option<f64>) -> Result<Self> {
         check(count, rate)?;
-        let shots = (0..count).map(|i| Shot { turn: part_of_turn(i, count), seconds: time });
+        let shots = (0..count).map(|i| SequenceFrame { turn: part_of_turn(i, count), seconds: time });
         let seconds = rate.map_or(TURN_SECONDS, |rate| f64::from(count) / rate);
         Ok(Self { shots: shots.collect(), seconds })
     }
@@ -75,7 +75,7 @@ impl Sequence {
             (None, Some(rate)) => (needed(length, rate)?, 1.0 / rate),
         };
         check(count, rate)?;
-        let shots = (0..count).map(|i| Shot { turn: 0.0, seconds: Some(f64::from(i) * step) });
+        let shots = (0..count).map(|i| SequenceFrame { turn: 0.0, seconds: Some(f64::from(i) * step) });
         Ok(Self { shots: shots.collect(), seconds: f64::from(count) * step })
     }
 
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn turns_are_even_and_last_as_long_as_asked() {
         let turn = Sequence::turntable(4, Some(1.5), None).unwrap();
-        assert_eq!(turn.shots[1], Shot { turn: TAU / 4.0, seconds: Some(1.5) });
+        assert_eq!(turn.shots[1], SequenceFrame { turn: TAU / 4.0, seconds: Some(1.5) });
         assert_eq!((turn.shots.len(), turn.seconds), (4, TURN_SECONDS));
         assert_eq!(Sequence::turntable(4, None, Some(8.0)).unwrap().seconds, 0.5);
         assert!(Sequence::turntable(0, None, None).is_err());

@@ -56,10 +56,16 @@ fn any_level(mesh: &Mesh, first: usize, out: &mut [Share]) {
 
 /// The share of a triangle of any shape.
 fn any_share([a, b, c]: [Vec3<f64>; 3]) -> Share {
-    match super::frame::unit((b - a).cross(c - a)) {
+    match unit((b - a).cross(c - a)) {
         Some(normal) => Share { normal, angles: corner_angles([a, b, c]) },
         None => Share::NONE,
     }
+}
+
+/// The unit vector; `None` where nothing but rounding is left.
+pub(super) fn unit(v: Vec3<f64>) -> Option<Vec3<f64>> {
+    let length = v.length();
+    (length > 1e-300 && length.is_finite()).then(|| v / length)
 }
 
 /// The angle at each corner of a triangle, in radians.

@@ -51,12 +51,6 @@ pub(super) fn gram_schmidt(n: Vec3<f64>, tangent: Vec3<f64>) -> Option<Vec3<f64>
     (length > 0.0 && rest > 1e-6).then(|| t / rest)
 }
 
-/// The unit vector; `None` where nothing but rounding is left.
-pub(super) fn unit(v: Vec3<f64>) -> Option<Vec3<f64>> {
-    let length = v.length();
-    (length > 1e-300 && length.is_finite()).then(|| v / length)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

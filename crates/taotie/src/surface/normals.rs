@@ -1,7 +1,6 @@
 //! Normals from geometry alone: of a triangle, and of the vertices it shares.
 
-use super::angles::{self, Share};
-use super::frame::unit;
+use super::angles::{self, Share, unit};
 use super::weld::{self, Classes};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3};
@@ -28,8 +27,13 @@ pub fn facet_normal(corners: [Vec3; 3]) -> Option<Vec3> {
 /// Law: independent of how a flat polygon is split into triangles (`laws::surface::normals_ignore_the_triangulation`).
 /// Source: Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets".
 pub fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
+    vertex_normals_at(SimdLevel::fastest(), mesh)
+}
+
+/// [`vertex_normals`], computed at a SIMD level.
+fn vertex_normals_at(level: Level, mesh: &Mesh) -> Vec<Vec3> {
     let places = weld::by_position(mesh.positions());
-    let sums = angle_weighted_sums(mesh, &places);
+    let sums = angle_weighted_sums(level, mesh, &places);
     let firsts = if sums.par_iter().any(|s| unit(*s).is_none()) { first_facets(mesh) } else { Vec::new() };
     let normal_of = |(i, place): (usize, &u32)| match unit(sums[*place as usize]) {
         Some(normal) => normal.to_f32(),
@@ -43,17 +47,22 @@ pub fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
 /// # Errors
 /// None can happen to a mesh that was checked.
 pub fn with_normals(mesh: &Mesh) -> Result<Cow<'_, Mesh>> {
+    with_normals_at(SimdLevel::fastest(), mesh)
+}
+
+/// [`with_normals`], computed at a SIMD level.
+pub(crate) fn with_normals_at(level: Level, mesh: &Mesh) -> Result<Cow<'_, Mesh>> {
     if !mesh.normals().is_empty() {
         return Ok(Cow::Borrowed(mesh));
     }
     let mut data = mesh.clone().into_data();
-    data.normals = vertex_normals(mesh);
+    data.normals = vertex_normals_at(level, mesh);
     data.tangents = Vec::new();
     Ok(Cow::Owned(Mesh::new(data)?))
 }
 
 /// Sums in triangle order, whatever the number of threads: while one block is summed, the next is computed.
-fn angle_weighted_sums(mesh: &Mesh, places: &Classes) -> Vec<Vec3<f64>> {
+fn angle_weighted_sums(level: Level, mesh: &Mesh, places: &Classes) -> Vec<Vec3<f64>> {
     const BLOCK: usize = 1 << 15;
     let mut sums = vec![Vec3::splat(0.0); places.firsts.len()];
     let add = |block: usize, shares: &[Share], sums: &mut [Vec3<f64>]| {
@@ -68,7 +77,7 @@ fn angle_weighted_sums(mesh: &Mesh, places: &Classes) -> Vec<Vec3<f64>> {
     for block in 0..=blocks {
         let range = block * BLOCK..mesh.triangles().len().min((block + 1) * BLOCK);
         rayon::join(
-            || compute_shares(mesh, range, &mut next),
+            || compute_shares(level, mesh, range, &mut next),
             || add(block.saturating_sub(1), &ready, &mut sums),
         );
         std::mem::swap(&mut ready, &mut next);
@@ -77,9 +86,8 @@ fn angle_weighted_sums(mesh: &Mesh, places: &Classes) -> Vec<Vec3<f64>> {
 }
 
 /// Puts the shares of some triangles into `shares`, in place of what it holds.
-fn compute_shares(mesh: &Mesh, triangles: Range<usize>, shares: &mut Vec<Share>) {
+fn compute_shares(level: Level, mesh: &Mesh, triangles: Range<usize>, shares: &mut Vec<Share>) {
     const PART: usize = 1 << 10;
-    let level = SimdLevel::Auto.dispatch().unwrap_or(Level::fallback());
     shares.resize(triangles.len(), Share::NONE);
     let parts = shares.par_chunks_mut(PART).enumerate();
     parts.for_each(|(i, part)| angles::shares(level, mesh, triangles.start + i * PART, part));
@@ -152,6 +160,9 @@ mod tests {
         }
         let bits =
             |sums: &[Vec3<f64>]| sums.iter().flat_map(|s| s.to_array().map(f64::to_bits)).collect::<Vec<_>>();
-        assert!(bits(&angle_weighted_sums(&mesh, &places)) == bits(&sums));
+        for simd in SimdLevel::available() {
+            let ours = angle_weighted_sums(simd.dispatch().unwrap(), &mesh, &places);
+            assert!(bits(&ours) == bits(&sums), "{simd:?}");
+        }
     }
 }

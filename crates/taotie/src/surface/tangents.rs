@@ -2,11 +2,13 @@
 
 use super::corners::{CornerTangents, Corners, face_tangent, tangent_at, with_handedness};
 use super::frame::uv_determinant;
+use super::normals::with_normals_at;
 use super::weld::{Classes, bits};
-use super::{TangentMethod, mikktspace, with_normals};
+use super::{TangentMethod, mikktspace};
 use crate::error::Result;
-use crate::math::Vec3;
+use crate::math::{SimdLevel, Vec3};
 use crate::mesh::{Mesh, MeshData};
+use fearless_simd::Level;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -34,7 +36,17 @@ pub fn with_frames(
     uv_set: usize,
     method: Option<TangentMethod>,
 ) -> Result<(Cow<'_, Mesh>, usize)> {
-    let mesh = with_normals(mesh)?;
+    with_frames_at(SimdLevel::fastest(), mesh, uv_set, method)
+}
+
+/// [`with_frames`], with normals computed at a SIMD level.
+pub(crate) fn with_frames_at(
+    level: Level,
+    mesh: &Mesh,
+    uv_set: usize,
+    method: Option<TangentMethod>,
+) -> Result<(Cow<'_, Mesh>, usize)> {
+    let mesh = with_normals_at(level, mesh)?;
     if method.is_none() && !mesh.tangents().is_empty() {
         return Ok((mesh, 0));
     }

@@ -4,6 +4,7 @@ use super::Ray;
 use super::nearby::{Closest, closest};
 use super::tree::Tree;
 use super::walk::{Cast, Met, Span, walk};
+use crate::error::Result;
 use crate::math::{SimdLevel, Vec3, dispatch_eight};
 use crate::mesh::Point;
 use fearless_simd::Level;
@@ -42,8 +43,19 @@ impl Bvh {
     /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners `corners` gives. It is asked several
     /// times.
     pub fn of(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
-        let level = SimdLevel::Auto.dispatch().unwrap_or(Level::fallback());
-        Self { tree: Tree::new(count, corners), level }
+        Self { tree: Tree::new(count, corners), level: SimdLevel::fastest() }
+    }
+
+    /// The same tree, whose rays are traced at another SIMD level than the machine's fastest.
+    ///
+    /// # Errors
+    /// Where the SIMD level is not to be had on this machine.
+    pub fn with_simd(self, simd: SimdLevel) -> Result<Self> {
+        Ok(self.at(simd.dispatch()?))
+    }
+
+    pub(crate) fn at(self, level: Level) -> Self {
+        Self { level, ..self }
     }
 
     /// The nearest hit with a distance below `limit`.

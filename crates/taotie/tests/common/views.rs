@@ -8,7 +8,7 @@ use taotie::image::{Encoding, Image};
 use taotie::io::{PngColor, PngImage, PngSamples, write_png};
 use taotie::math::Vec3;
 use taotie::render::{
-    EnvironmentLight, Frame, Lighting, Prepared, ReferenceSettings, RenderSettings, reference,
+    EnvironmentLight, Frame, Lighting, Prepared, ReferenceSettings, RenderSettings, Shot, reference,
 };
 use taotie::scene::{Camera, Scene};
 use taotie::shade::environment::Environment;
@@ -38,8 +38,12 @@ impl View {
     }
 
     pub fn traced(&self, tracing: &ReferenceSettings) -> Frame {
-        let prepared = Prepared::new(&self.scene, &self.settings.surface).unwrap();
-        reference(&prepared, &self.camera, &self.lighting, &self.settings, tracing, Progress::SILENT).unwrap()
+        let prepared = Prepared::new(self.scene.clone(), &self.settings.surface).unwrap();
+        reference(&prepared, &self.shot(), tracing, Progress::SILENT).unwrap()
+    }
+
+    pub fn shot(&self) -> Shot<'_> {
+        Shot { camera: &self.camera, lighting: &self.lighting, settings: &self.settings }
     }
 }
 

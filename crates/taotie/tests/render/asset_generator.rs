@@ -17,7 +17,7 @@ use taotie::film::{Development, develop8};
 use taotie::image::Image;
 use taotie::io::load_model;
 use taotie::math::Vec3;
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
+use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Orbit, Scene};
 use taotie::shade::environment::Environment;
 
@@ -154,7 +154,8 @@ fn draw(
     };
     let size = scene.corners().map(|p| p.length()).fold(0.0, f64::max);
     let settings = RenderSettings { width, height, samples: 1, aovs: true, ..RenderSettings::default() };
-    let frame = render(scene, &orbit.camera(size), lighting, &settings).unwrap();
+    let camera = orbit.camera(size);
+    let frame = render(scene, &Shot { camera: &camera, lighting, settings: &settings }).unwrap();
     let picture = Picture::new(width, height, develop8(&frame.color, &Development::default()).unwrap());
     (picture, frame.aovs.expect("they were asked for").normals)
 }

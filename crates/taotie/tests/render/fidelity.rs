@@ -14,7 +14,7 @@ use taotie::film::{Development, ToneCurve, develop8};
 use taotie::image::Image;
 use taotie::io::load_model;
 use taotie::math::Vec3;
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
+use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Orbit, Scene};
 use taotie::shade::environment::Environment;
 
@@ -107,7 +107,9 @@ impl Scenario<'_> {
             ["width", "height"].map(|side| 2 * self.number(&format!("/dimensions/{side}")) as u32);
         let settings = RenderSettings { width, height, samples: 1, ..RenderSettings::default() };
         let scene = if self.has_model() { load_model(&self.file("model")).unwrap().scene } else { speck() };
-        let frame = render(&scene, &self.camera(&scene), &self.lighting(), &settings).unwrap();
+        let (camera, lighting) = (self.camera(&scene), self.lighting());
+        let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
+        let frame = render(&scene, &shot).unwrap();
         Picture::new(width, height, developed(&frame.color)).reduced(self.size())
     }
 

@@ -3,8 +3,8 @@
 use crate::random::Random;
 use taotie::math::SimdLevel;
 use taotie::raster::{
-    Bins, Faces, Geometry, SamplePattern, TILE_PIXELS, Tile, TilePlane, Viewport, bin, rasterize_layers,
-    rasterize_opaque,
+    Bins, Faces, Geometry, SamplePattern, TILE_PIXELS, Tile, TilePlane, TileSample, Viewport, bin,
+    rasterize_layers, rasterize_opaque,
 };
 
 const SIDE: u32 = 128;
@@ -20,7 +20,8 @@ fn coverage(bins: &Bins, viewport: &Viewport, sample: usize, simd: SimdLevel) ->
     let offset = viewport.pattern.offsets()[sample];
     for index in 0..(across * down) as usize {
         let tile = Tile::new(viewport, index);
-        for layer in rasterize_layers(bins, &tile, offset, simd, &TilePlane::default()).unwrap() {
+        let at = TileSample { tile: &tile, offset };
+        for layer in rasterize_layers(bins, at, simd, &TilePlane::default()).unwrap() {
             counts[index * TILE_PIXELS + layer.pixel as usize] += 1;
         }
     }
@@ -148,11 +149,12 @@ fn the_nearest_triangle_wins_and_levels_agree_to_the_bit() {
     let bins = bin(&[geometry], &viewport);
     let offset = viewport.pattern.offsets()[0];
     let tile = Tile::new(&viewport, 0);
+    let at = TileSample { tile: &tile, offset };
     let mut planes = Vec::new();
     for simd in SimdLevel::available() {
         let mut plane = TilePlane::default();
-        rasterize_opaque(&bins, &tile, offset, simd, &mut plane).unwrap();
-        let layers = rasterize_layers(&bins, &tile, offset, simd, &TilePlane::default()).unwrap();
+        rasterize_opaque(&bins, at, simd, &mut plane).unwrap();
+        let layers = rasterize_layers(&bins, at, simd, &TilePlane::default()).unwrap();
         for layer in &layers {
             assert!(layer.depth <= plane.depths[layer.pixel as usize]);
         }
@@ -238,7 +240,8 @@ fn seen(bins: &Bins, viewport: &Viewport, simd: SimdLevel) -> Vec<[u32; 4]> {
     for index in 0..(across * down) as usize {
         let tile = Tile::new(viewport, index);
         for (sample, offset) in viewport.pattern.offsets().iter().enumerate() {
-            let layers = rasterize_layers(bins, &tile, *offset, simd, &TilePlane::default()).unwrap();
+            let at = TileSample { tile: &tile, offset: *offset };
+            let layers = rasterize_layers(bins, at, simd, &TilePlane::default()).unwrap();
             let place = |pixel: u32| [tile.x + pixel % 64, tile.y + pixel / 64];
             seen.extend(layers.iter().map(|layer| {
                 let [x, y] = place(layer.pixel);

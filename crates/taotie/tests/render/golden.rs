@@ -14,7 +14,7 @@ use taotie::io::{PngColor, PngImage, PngSamples, read_bitmap, write_png, write_t
 use taotie::math::{SimdLevel, Vec3};
 use taotie::names::Named;
 use taotie::render::{
-    EnvironmentLight, Frame, GrazingNormals, Lighting, RenderSettings, SurfaceSettings, render,
+    EnvironmentLight, Frame, GrazingNormals, Lighting, RenderSettings, Shot, SurfaceSettings, render,
 };
 use taotie::scene::{Camera, Light, NormalSpace, Scene};
 use taotie::shade::environment::Environment;
@@ -54,9 +54,11 @@ impl Golden {
     }
 
     fn take(&self, simd: SimdLevel, threads: usize) -> Frame {
-        let settings = RenderSettings { simd, ..self.settings.clone() };
+        let mut settings = self.settings.clone();
+        settings.surface.simd = simd;
+        let shot = Shot { camera: &self.camera, lighting: &self.lighting, settings: &settings };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| render(&self.scene, &self.camera, &self.lighting, &settings)).unwrap()
+        pool.install(|| render(&self.scene, &shot)).unwrap()
     }
 }
 

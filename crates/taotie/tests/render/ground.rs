@@ -3,7 +3,7 @@
 use taotie::image::Image;
 use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
+use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Instance, Light, LightKind, Material, Orbit, Scene};
 use taotie::shade::environment::Environment;
 
@@ -35,7 +35,8 @@ fn camera(elevation: f64) -> Camera {
 fn picture(scene: &Scene, lighting: &Lighting, elevation: f64) -> Image {
     let settings =
         RenderSettings { width: 65, height: 65, samples: 1, ground: true, ..RenderSettings::default() };
-    render(scene, &camera(elevation), lighting, &settings).unwrap().color
+    let camera = camera(elevation);
+    render(scene, &Shot { camera: &camera, lighting, settings: &settings }).unwrap().color
 }
 
 fn uniform() -> Lighting {

@@ -5,7 +5,7 @@ use crate::common::absent;
 use crate::files::data_files;
 use taotie::image::Image;
 use taotie::math::{Vec3, scalar};
-use taotie::render::{Lighting, RenderSettings, render};
+use taotie::render::{Lighting, RenderSettings, Shot, render};
 use taotie::scene::Orbit;
 
 const SIDE: u32 = 768;
@@ -20,7 +20,9 @@ fn normals(model: &std::path::Path) -> Image {
     let orbit = Orbit { azimuth: 0.0, elevation: 0.0, distance, target: bounds.center(), fov_y };
     let settings =
         RenderSettings { width: SIDE, height: SIDE, samples: 1, aovs: true, ..RenderSettings::default() };
-    let frame = render(&scene, &orbit.camera(size), &Lighting::default(), &settings).unwrap();
+    let (camera, lighting) = (orbit.camera(size), Lighting::default());
+    let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
+    let frame = render(&scene, &shot).unwrap();
     frame.aovs.unwrap().normals
 }
 

@@ -13,7 +13,7 @@ use taotie::surface::SurfaceMethod;
 
 /// Directly lit, both renderers give the same picture but for how they average over pixels.
 fn direct_light_agrees(name: &str, view: &View, spp: u32) {
-    let raster = render(&view.scene, &view.camera, &view.lighting, &view.settings).unwrap();
+    let raster = render(&view.scene, &view.shot()).unwrap();
     let tracing = ReferenceSettings { spp, bounces: 0, ..ReferenceSettings::default() };
     let traced = view.traced(&tracing);
     let difference = difference(&raster.color, &traced.color);
@@ -101,10 +101,10 @@ fn threads_and_simd_change_no_bit_and_seeds_do() {
         all.extend(aovs.named().map(|(_, image)| bits(image)));
         all
     };
-    view.settings.simd = SimdLevel::Scalar;
+    view.settings.surface.simd = SimdLevel::Scalar;
     let first = taken(&view, &tracing, 1);
     for simd in SimdLevel::available() {
-        view.settings.simd = simd;
+        view.settings.surface.simd = simd;
         for threads in [1, 3] {
             assert!(taken(&view, &tracing, threads) == first, "{} and {threads} threads", simd.name());
         }

@@ -6,7 +6,7 @@ use crate::skies::equirect;
 use std::sync::{Arc, LazyLock};
 use taotie::image::{Encoding, Image};
 use taotie::math::Vec3;
-use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, render};
+use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Material, Scene};
 use taotie::shade::environment::Environment;
 use taotie::shade::specular_occlusion;
@@ -37,7 +37,8 @@ fn lamp(aside: f64) -> Lighting {
 fn picture(scene: &Scene, lighting: &Lighting, grazing_normals: GrazingNormals) -> Image {
     let settings =
         RenderSettings { width: 96, height: 96, samples: 1, grazing_normals, ..RenderSettings::default() };
-    render(scene, &scenes::camera(0.0, 0.0, 3.4), lighting, &settings).unwrap().color
+    let camera = scenes::camera(0.0, 0.0, 3.4);
+    render(scene, &Shot { camera: &camera, lighting, settings: &settings }).unwrap().color
 }
 
 fn soft(scene: &Scene, lighting: &Lighting) -> Image {
@@ -75,7 +76,8 @@ fn occlusion_takes_all_of_its_share_of_diffuse_light() {
             ..RenderSettings::default()
         };
         let scene = occluded(&metal([0.8, 0.5, 0.3], 0.6), o);
-        render(&scene, &scenes::camera(0.0, 0.0, 3.4), &white_sky(), &settings).unwrap().color
+        let (camera, sky) = (scenes::camera(0.0, 0.0, 3.4), white_sky());
+        render(&scene, &Shot { camera: &camera, lighting: &sky, settings: &settings }).unwrap().color
     };
     for (bare, dark) in lambert(None).pixels().iter().zip(lambert(Some(OCCLUSION)).pixels()) {
         assert!((f64::from(dark[0]) - OCCLUSION * f64::from(bare[0])).abs() < 1e-6, "{bare:?} {dark:?}");

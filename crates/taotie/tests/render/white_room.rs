@@ -4,7 +4,7 @@ use crate::finishes;
 use crate::scenes;
 use std::sync::{Arc, LazyLock};
 use taotie::image::Image;
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
+use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Clearcoat, Material, Sheen};
 use taotie::shade::environment::Environment;
 use taotie::shade::{Energy, Shading};
@@ -24,7 +24,9 @@ fn extremes_with(material: Material, change: impl FnOnce(&mut RenderSettings)) -
     let mut settings = RenderSettings { width: 64, height: 64, samples: 1, ..RenderSettings::default() };
     change(&mut settings);
     let scene = finishes::sphere(material, Vec::new());
-    let picture = render(&scene, &scenes::camera(0.0, 0.0, 3.2), &room(), &settings).unwrap().color;
+    let (camera, room) = (scenes::camera(0.0, 0.0, 3.2), room());
+    let shot = Shot { camera: &camera, lighting: &room, settings: &settings };
+    let picture = render(&scene, &shot).unwrap().color;
     let channels = || picture.pixels().iter().flat_map(|[r, g, b, _]| [*r, *g, *b]);
     [channels().fold(f32::MAX, f32::min), channels().fold(f32::MIN, f32::max)]
 }
@@ -103,7 +105,9 @@ fn relief_of_white_metal_is_unseen_but_where_it_mirrors_into_itself() {
     let mut scene = finishes::polished_bosses(1.0, 0.4);
     scene.materials[0].base_color = [1.0; 4];
     let settings = RenderSettings { width: 96, height: 96, samples: 1, ..RenderSettings::default() };
-    let picture = render(&scene, &scenes::camera(0.0, 0.0, 3.2), &room(), &settings).unwrap().color;
+    let (camera, room) = (scenes::camera(0.0, 0.0, 3.2), room());
+    let shot = Shot { camera: &camera, lighting: &room, settings: &settings };
+    let picture = render(&scene, &shot).unwrap().color;
     let mut sum = 0.0;
     for [r, ..] in picture.pixels() {
         assert!(*r < 1.01, "{r}");

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use taotie::compare::{Summary, angular_error};
 use taotie::image::Image;
 use taotie::math::Vec2;
-use taotie::render::{Aovs, Lighting, RenderSettings, render};
+use taotie::render::{Aovs, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Scene};
 use taotie::{Error, Result};
 
@@ -67,7 +67,9 @@ impl Pouring {
         camera.world_from_view = self.motion(seconds)? * camera.world_from_view;
         let (width, height) = (eye.side, eye.side);
         let settings = RenderSettings { width, height, samples: 1, aovs: true, ..RenderSettings::default() };
-        let frame = render(self.at(seconds)?, &camera, &Lighting::default(), &settings)?;
+        let lighting = Lighting::default();
+        let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
+        let frame = render(self.at(seconds)?, &shot)?;
         frame.aovs.ok_or_else(nothing_seen)
     }
 }

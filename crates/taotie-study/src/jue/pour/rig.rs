@@ -16,7 +16,7 @@ pub const TIP_DEG: f64 = 45.0;
 /// The node that is the cup's joint.
 pub(super) const CUP: usize = 1;
 
-/// Where it turns, metres.
+/// The point about which it turns, metres.
 pub(super) const PIVOT: Vec3<f64> = Vec3::new(0.0, 0.085, 0.0);
 
 /// The axis about which it turns, times √2: to the spout and away from the mask at once.

@@ -1,13 +1,13 @@
 //! Mapped normals as grooves of two facets.
 
-use super::super::GrazingNormals;
 use super::super::albedos;
-use super::super::batch::{Batch, Column, Column3, get3, load, load3, set3};
-use super::super::normals::{is_mapped, shade_normals};
+use super::super::batch::{Batch, Lanes};
+use super::super::columns::{Column, Column3, get3, set3};
+use super::super::draw::Draw;
+use super::super::model::takes_albedos;
+use super::super::normals::shade_normals;
 use super::super::point::SurfacePoint;
-use super::super::prepare::Draw;
-use super::super::settings::RenderSettings;
-use super::super::substance::takes_albedos;
+use super::super::settings::{GrazingNormals, RenderSettings};
 use super::settings::{NormalMapping, ReferenceSettings};
 use crate::math::{Pack, Vec3};
 use crate::shade::Facets;
@@ -15,7 +15,7 @@ use fearless_simd::Level;
 
 /// Whether the draw's normals stand for grooves.
 pub(super) fn is_grooved(reference: &ReferenceSettings, draw: &Draw<'_>) -> bool {
-    reference.normal_mapping == NormalMapping::Microfacet && is_mapped(&draw.normal_source)
+    reference.normal_mapping == NormalMapping::Microfacet && draw.normal_source.is_mapped()
 }
 
 /// Which facet each fragment's viewer sees, in columns.
@@ -52,7 +52,7 @@ impl Grooves {
             };
         }
         if takes_albedos(settings.shading) {
-            albedos::look_up(level, (settings.shading, settings.energy), draw, batch);
+            albedos::look_up(level, settings, draw, batch);
             // The lacquer lies over the groove: the true viewer sees it.
             for i in batch.entries() {
                 albedos::look_up_coat(draw.material, batch, i, get3(&self.v, i));
@@ -69,17 +69,10 @@ pub(super) struct Groove<P> {
 }
 
 impl<P: Pack> Groove<P> {
-    /// Entries from `i` on.
     #[inline(always)]
-    pub(super) fn new(
-        token: P::Token,
-        grooves: &Grooves,
-        batch: &Batch,
-        i: usize,
-        surface: &SurfacePoint<P>,
-    ) -> Self {
-        let facets = Facets::new(load3(token, &batch.smooth, i), surface.n);
-        Self { facets, u: load(token, &grooves.u, i) }
+    pub(super) fn new(at: Lanes<'_, P>, grooves: &Grooves, surface: &SurfacePoint<P>) -> Self {
+        let facets = Facets::new(at.load3(&at.batch.smooth), surface.n);
+        Self { facets, u: at.load(&grooves.u) }
     }
 
     /// Radiance to the viewer per unit of irradiance from `l`, without lacquer.

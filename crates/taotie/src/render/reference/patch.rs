@@ -1,9 +1,10 @@
 //! A patch of the picture: its paths begin, and their light is added up.
 
-use super::super::batch::{Batch, get3};
+use super::super::batch::Batch;
+use super::super::columns::get3;
 use super::super::frame::Frame;
 use super::super::settings::RenderSettings;
-use super::Tracer;
+use super::tracer::Tracer;
 use super::walk::{Path, Workspace};
 use crate::image::Image;
 use crate::math::Vec3;
@@ -40,7 +41,7 @@ pub(super) fn patches(settings: &RenderSettings) -> Vec<Patch> {
         .collect()
 }
 
-impl Tracer<'_, '_> {
+impl Tracer<'_> {
     /// Follows all paths of a patch.
     pub(super) fn patch(&self, patch: &Patch) -> PatchPicture {
         let pixels = (patch.width * patch.height) as usize;
@@ -102,7 +103,7 @@ impl Tracer<'_, '_> {
     fn seen(&self, batch: &Batch, i: usize, triangle: u32) -> [[f32; 4]; 5] {
         let with_one = |v: Vec3| [v.x, v.y, v.z, 1.0];
         let depth = self.view.depth(get3(&batch.position, i));
-        let draw = &self.prepared.draws[self.prepared.draw_of(triangle)];
+        let draw = self.draws.of(triangle);
         let [r, g, b, _] = draw.material.base_color;
         let [u, v] = batch.first_uv(i);
         [

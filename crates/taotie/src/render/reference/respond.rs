@@ -1,9 +1,11 @@
 //! What surfaces answer to light: emission, reflection of every light, of the environment and of the direction in
 //! which a path goes on, for eight fragments at a time.
 
-use super::super::batch::{Batch, Column, Column3, load, load3, splat3, store3};
-use super::super::lighting::Source;
-use super::super::point::{Model, SurfacePoint};
+use super::super::batch::{Batch, Lanes};
+use super::super::columns::{Column, Column3, ZERO, ZERO3, store3};
+use super::super::model::Model;
+use super::super::point::SurfacePoint;
+use super::super::source::Source;
 use super::groove::{Groove, Grooves};
 use super::scatter::Scatter;
 use crate::math::{Pack, Vec3, dispatch_eight};
@@ -13,6 +15,8 @@ use fearless_simd::Level;
 
 /// What the answers depend on beside the fragments.
 pub(super) struct Question<'t> {
+    /// How many surfaces the paths have met before.
+    pub depth: u32,
     pub shading: Shading,
     pub material: &'t Material,
     pub sources: &'t [Source],
@@ -48,9 +52,6 @@ pub(super) struct Exchange {
     pub from_onward: Column3,
 }
 
-const ZERO: Column = Column::ZERO;
-const ZERO3: Column3 = [ZERO; 3];
-
 impl Exchange {
     pub(super) fn new(sources: usize) -> Box<Self> {
         Box::new(Self {
@@ -76,19 +77,20 @@ pub(super) fn respond(level: Level, question: &Question<'_>, batch: &Batch, exch
 #[inline(always)]
 fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, exchange: &mut Exchange) {
     for i in batch.packs::<P>() {
-        let seen: Seen<P> = Seen::new(token, question, batch, i, exchange);
-        store3(own(token, question, &seen.surface, batch, i), &mut exchange.own, i);
+        let at: Lanes<'_, P> = batch.lanes(token, i);
+        let seen: Seen<P> = Seen::new(at, question, exchange);
+        store3(own(at, question, &seen.surface), &mut exchange.own, i);
         let scatter = Scatter::new(&seen.surface, seen.from, seen.groove.as_ref());
         let [u, v, w] = &exchange.u;
-        let onward = scatter.direction([load(token, u, i), load(token, v, i), load(token, w, i)]);
+        let onward = scatter.direction([at.load(u), at.load(v), at.load(w)]);
         store3(onward, &mut exchange.onward, i);
-        let position = load3(token, &batch.position, i);
+        let position = at.load3(&batch.position);
         // One loop over all directions, so that reflection is compiled once.
         for request in question.requests() {
             let (l, irradiance) = match request {
                 Request::Source(number) => question.sources[number].incidence(token, position),
-                Request::Sky => (load3(token, &exchange.to_sky, i), splat3(token, ONE)),
-                Request::Onward => (onward, splat3(token, ONE)),
+                Request::Sky => (at.load3(&exchange.to_sky), at.splat3(ONE)),
+                Request::Onward => (onward, at.splat3(ONE)),
             };
             let shadowed = question.shadows || !matches!(request, Request::Source(_));
             let reflected = seen.reflected(l, shadowed).mul_elements(irradiance);
@@ -152,14 +154,8 @@ const ONE: Vec3 = Vec3::new(1.0, 1.0, 1.0);
 
 /// Emission and reflected ambient light.
 #[inline(always)]
-fn own<P: Pack>(
-    token: P::Token,
-    question: &Question<'_>,
-    surface: &SurfacePoint<P>,
-    batch: &Batch,
-    i: usize,
-) -> Vec3<P> {
-    let ambient = splat3(token, question.ambient) * load(token, &batch.occlusion, i);
+fn own<P: Pack>(at: Lanes<'_, P>, question: &Question<'_>, surface: &SurfacePoint<P>) -> Vec3<P> {
+    let ambient = at.splat3(question.ambient) * at.load(&at.batch.occlusion);
     surface.emitted + surface.ambient.mul_elements(ambient)
 }
 
@@ -173,14 +169,14 @@ struct Seen<P> {
 
 impl<P: Pack> Seen<P> {
     #[inline(always)]
-    fn new(token: P::Token, question: &Question<'_>, batch: &Batch, i: usize, exchange: &Exchange) -> Self {
+    fn new(at: Lanes<'_, P>, question: &Question<'_>, exchange: &Exchange) -> Self {
         let model = Model::new(question.shading, question.material);
-        let surface = SurfacePoint::new(token, model, question.material, batch, i);
+        let surface = SurfacePoint::new(at, model, question.material);
         if !question.grooved {
             return Self { from: surface.v, surface, groove: None };
         }
-        let groove = Groove::new(token, &exchange.grooves, batch, i, &surface);
-        Self { surface, from: load3(token, &exchange.grooves.v, i), groove: Some(groove) }
+        let groove = Groove::new(at, &exchange.grooves, &surface);
+        Self { surface, from: at.load3(&exchange.grooves.v), groove: Some(groove) }
     }
 
     /// Radiance per unit of irradiance; where light is `shadowed` behind the shading normal, 0 there.

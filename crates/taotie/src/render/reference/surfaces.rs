@@ -1,25 +1,11 @@
 //! Which surface a ray meets.
 
+use super::super::draw::{Draw, Draws};
 use super::super::footprint::Footprint;
-use super::super::prepare::{Draw, Prepared};
-use crate::math::Vec3;
+use super::super::tree::SceneTree;
 use crate::math::sequence::{hash, unit};
 use crate::scene::AlphaMode;
-use crate::trace::{Bvh, Hit, Ray};
-
-/// All triangles of a scene, sorted for rays.
-pub(in crate::render) struct Surfaces {
-    bvh: Bvh,
-}
-
-impl Surfaces {
-    pub(in crate::render) fn new(draws: &[Draw<'_>]) -> Self {
-        let triangles = |draw: &Draw<'_>| -> Vec<[Vec3; 3]> {
-            draw.mesh.triangles().iter().map(|t| t.map(|v| draw.positions[v as usize])).collect()
-        };
-        Self { bvh: Bvh::build(&draws.iter().flat_map(triangles).collect::<Vec<_>>()) }
-    }
-}
+use crate::trace::{Hit, Ray};
 
 /// Where a ray met a surface.
 #[derive(Debug, Clone, Copy)]
@@ -35,16 +21,18 @@ pub(super) struct Meeting {
 
 /// Rays through a scene. A mask is there where its alpha reaches the cutoff; a blended surface is there as often as its
 /// alpha says.
-pub(super) struct Sight<'t, 'a> {
-    prepared: &'t Prepared<'a>,
-    surfaces: &'t Surfaces,
+pub(super) struct Sight<'t> {
+    pub draws: &'t Draws<'t>,
+    pub tree: &'t SceneTree,
 }
 
-impl<'t, 'a> Sight<'t, 'a> {
-    pub(super) fn new(prepared: &'t Prepared<'a>) -> Self {
-        Self { prepared, surfaces: prepared.surfaces() }
-    }
+/// A blended surface that a ray met, and a number in [0, 1) that decides whether it is there.
+struct Blended {
+    hit: Hit,
+    chance: f32,
+}
 
+impl Sight<'_> {
     /// The nearest surface at a distance below `limit`. A `camera` sees single-sided surfaces from their front alone.
     /// `chance` is a number in [0, 1), asked for once, that decides which of the blended surfaces on the way is there.
     pub(super) fn nearest(
@@ -59,12 +47,12 @@ impl<'t, 'a> Sight<'t, 'a> {
             let culled = camera && !draw.material.double_sided && !from_front(draw, hit, ray);
             !culled && self.is_masked_in(draw, hit)
         };
-        let mut hit = self.surfaces.bvh.nearest_of(ray, limit, seen)?;
+        let mut hit = self.tree.0.nearest_of(ray, limit, seen)?;
         if self.draw(&hit).material.alpha == AlphaMode::Blend {
-            hit = self.nearest_by_chance(ray, limit, seen, (hit, chance()))?;
+            hit = self.nearest_by_chance(ray, limit, seen, Blended { hit, chance: chance() })?;
         }
-        let draw = self.prepared.draw_of(hit.triangle);
-        let front = from_front(&self.prepared.draws[draw], &hit, ray);
+        let draw = self.draws.number_of(hit.triangle);
+        let front = from_front(&self.draws.all[draw], &hit, ray);
         Some(Meeting { draw: draw as u32, triangle: hit.triangle, weights: hit.weights, front })
     }
 
@@ -75,7 +63,7 @@ impl<'t, 'a> Sight<'t, 'a> {
         ray: &Ray,
         limit: f32,
         seen: impl Fn(&Hit) -> bool,
-        (mut hit, mut chance): (Hit, f32),
+        Blended { mut hit, mut chance }: Blended,
     ) -> Option<Hit> {
         loop {
             let draw = self.draw(&hit);
@@ -89,8 +77,8 @@ impl<'t, 'a> Sight<'t, 'a> {
             chance = (chance - alpha.max(0.0)) / (1.0 - alpha.max(0.0));
             let passed = (hit.distance, hit.triangle);
             hit = self
-                .surfaces
-                .bvh
+                .tree
+                .0
                 .nearest_of(ray, limit, |hit| (hit.distance, hit.triangle) > passed && seen(hit))?;
         }
     }
@@ -98,7 +86,7 @@ impl<'t, 'a> Sight<'t, 'a> {
     /// Whether nothing stands in the way up to `limit` lengths of the ray. `chance` is the ray's own number: with the
     /// triangle's, it decides whether a blended surface is there.
     pub(super) fn is_free(&self, ray: &Ray, limit: f32, chance: u32) -> bool {
-        !self.surfaces.bvh.occluded(ray, limit, |hit| {
+        !self.tree.0.occluded(ray, limit, |hit| {
             let draw = self.draw(hit);
             match draw.material.alpha {
                 AlphaMode::Blend => unit(hash(chance, hit.triangle)) < self.alpha(draw, hit),
@@ -107,8 +95,8 @@ impl<'t, 'a> Sight<'t, 'a> {
         })
     }
 
-    fn draw(&self, hit: &Hit) -> &Draw<'a> {
-        &self.prepared.draws[self.prepared.draw_of(hit.triangle)]
+    fn draw(&self, hit: &Hit) -> &Draw<'_> {
+        self.draws.of(hit.triangle)
     }
 
     /// Whether no mask leaves the surface out.
@@ -120,15 +108,13 @@ impl<'t, 'a> Sight<'t, 'a> {
     }
 
     fn alpha(&self, draw: &Draw<'_>, hit: &Hit) -> f32 {
-        let vertices = draw.mesh.triangles()[(hit.triangle - draw.first_triangle) as usize];
-        Footprint { vertices, weights: hit.weights }.alpha(self.prepared.scene, draw)
+        Footprint::of(draw, hit).alpha(self.draws.scene, draw)
     }
 }
 
 /// Whether the ray comes from the triangle's front.
 fn from_front(draw: &Draw<'_>, hit: &Hit, ray: &Ray) -> bool {
-    let vertices = draw.mesh.triangles()[(hit.triangle - draw.first_triangle) as usize];
-    let [a, b, c] = vertices.map(|v| draw.positions[v as usize]);
+    let [a, b, c] = draw.vertices(hit.triangle).map(|v| draw.positions[v as usize]);
     let along = (b - a).cross(c - a).dot(ray.direction());
     if draw.mirrored { along > 0.0 } else { along < 0.0 }
 }

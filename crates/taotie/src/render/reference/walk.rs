@@ -1,14 +1,16 @@
 //! Paths from one surface to the next.
 
-use super::super::batch::{BATCH, Batch, Run, get3, set3};
+use super::super::batch::{BATCH, Batch};
+use super::super::columns::{get3, set3};
+use super::super::corners::Run;
+use super::super::draw::Draw;
 use super::super::interpolate::Interpolation;
 use super::super::point::complete;
-use super::super::prepare::Draw;
-use super::Tracer;
 use super::groove::is_grooved;
 use super::respond::{Exchange, Question, respond};
 use super::settings::EnvironmentSampling;
 use super::surfaces::Meeting;
+use super::tracer::Tracer;
 use crate::math::Vec3;
 use crate::math::sequence::{Sequence, hash};
 use crate::shade::environment::EnvironmentSample;
@@ -73,15 +75,15 @@ impl Workspace {
 }
 
 /// Where paths meet surfaces of one draw: a batch of them.
-struct Stop<'s, 'a> {
+struct Stop<'s> {
     /// How many surfaces the paths have met before.
     depth: u32,
-    draw: &'s Draw<'a>,
+    draw: &'s Draw<'s>,
     /// The path's number, and where it is.
     meetings: &'s [(u32, Meeting)],
 }
 
-impl Stop<'_, '_> {
+impl Stop<'_> {
     /// The path's number and its place of entry `i` of a batch. Packs read on to the next multiple of eight: there the
     /// last is repeated.
     fn entry(&self, i: usize) -> &(u32, Meeting) {
@@ -92,7 +94,7 @@ impl Stop<'_, '_> {
 /// Is told what the camera sees: the path, the batch with its normals, the entry, and the triangle's number.
 pub(super) type Witness<'w> = dyn FnMut(&Path, &Batch, usize, u32) + 'w;
 
-impl Tracer<'_, '_> {
+impl Tracer<'_> {
     /// Follows all paths to their ends.
     pub(super) fn walk(&self, paths: &mut [Path], work: &mut Workspace, witness: &mut Witness<'_>) {
         work.alive.clear();
@@ -103,7 +105,7 @@ impl Tracer<'_, '_> {
             work.alive.clear();
             let meetings = std::mem::take(&mut work.meetings);
             for same_draw in meetings.chunk_by(|(_, a), (_, b)| a.draw == b.draw) {
-                let draw = &self.prepared.draws[same_draw[0].1.draw as usize];
+                let draw = &self.draws.all[same_draw[0].1.draw as usize];
                 for meetings in same_draw.chunks(BATCH) {
                     self.meet(&Stop { depth, draw, meetings }, paths, work, witness);
                 }
@@ -153,8 +155,8 @@ impl Tracer<'_, '_> {
     }
 
     /// Gathers light where paths meet surfaces of one draw, and sends them on.
-    fn meet(&self, stop: &Stop<'_, '_>, paths: &mut [Path], work: &mut Workspace, witness: &mut Witness<'_>) {
-        if self.is_last(stop) && !shines(stop.draw) {
+    fn meet(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut Workspace, witness: &mut Witness<'_>) {
+        if self.is_last(stop) && !stop.draw.shines() {
             return;
         }
         self.gather(stop, paths, work);
@@ -174,17 +176,18 @@ impl Tracer<'_, '_> {
     }
 
     /// Whether only what the surface sends out by itself counts.
-    fn is_last(&self, stop: &Stop<'_, '_>) -> bool {
+    fn is_last(&self, stop: &Stop<'_>) -> bool {
         stop.depth > self.reference.bounces
     }
 
     /// Adds the light that surfaces emit and reflect, and sends paths on.
-    fn light(&self, stop: &Stop<'_, '_>, paths: &mut [Path], work: &mut Workspace) {
+    fn light(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut Workspace) {
         let last = self.is_last(stop);
         if !last {
             self.choose(stop, paths, work);
         }
         let question = Question {
+            depth: stop.depth,
             shading: self.settings.shading,
             material: stop.draw.material,
             sources: if last { &[] } else { &self.sources },
@@ -197,7 +200,7 @@ impl Tracer<'_, '_> {
         respond(self.level, &question, &work.batch, &mut work.exchange);
         for (i, (index, _)) in stop.meetings.iter().enumerate() {
             let path = &mut paths[*index as usize];
-            self.gain(stop.depth, i, path, (&question, work));
+            self.gain(&question, i, path, work);
             if question.onward && self.send_on(stop.depth, i, path, work) {
                 work.alive.push(*index);
             }
@@ -210,10 +213,10 @@ impl Tracer<'_, '_> {
     }
 
     /// Fills the batch, and where rays leave from.
-    fn gather(&self, stop: &Stop<'_, '_>, paths: &[Path], work: &mut Workspace) {
+    fn gather(&self, stop: &Stop<'_>, paths: &[Path], work: &mut Workspace) {
         let interpolation = Interpolation {
             level: self.level,
-            scene: self.prepared.scene,
+            scene: self.draws.scene,
             draw: stop.draw,
             specular_aa: false,
             takes_roughness: true,
@@ -233,20 +236,20 @@ impl Tracer<'_, '_> {
     }
 
     /// Fills the batch with what does not come by interpolation.
-    fn complete(&self, stop: &Stop<'_, '_>, paths: &[Path], work: &mut Workspace) {
+    fn complete(&self, stop: &Stop<'_>, paths: &[Path], work: &mut Workspace) {
         if !is_grooved(&self.reference, stop.draw) {
-            complete(self.level, self.settings, stop.draw, &mut work.batch);
+            complete(self.level, &self.settings, stop.draw, &mut work.batch);
             return;
         }
         for i in work.batch.entries() {
             let path = &paths[stop.entry(i).0 as usize];
             work.exchange.grooves.u[i] = path.sequence.four(path.index, 2 + 2 * stop.depth)[3];
         }
-        work.exchange.grooves.complete(self.level, self.settings, stop.draw, &mut work.batch);
+        work.exchange.grooves.complete(self.level, &self.settings, stop.draw, &mut work.batch);
     }
 
     /// Chooses numbers and directions to the environment.
-    fn choose(&self, stop: &Stop<'_, '_>, paths: &[Path], work: &mut Workspace) {
+    fn choose(&self, stop: &Stop<'_>, paths: &[Path], work: &mut Workspace) {
         work.sky.clear();
         let surround = self.surround.filter(|_| self.reference.environment != EnvironmentSampling::BySurface);
         for (i, (index, _)) in stop.meetings.iter().enumerate() {
@@ -263,7 +266,7 @@ impl Tracer<'_, '_> {
     }
 
     /// Adds the light that entry `i` emits and reflects from lights and environment.
-    fn gain(&self, depth: u32, i: usize, path: &mut Path, (question, work): (&Question<'_>, &Workspace)) {
+    fn gain(&self, question: &Question<'_>, i: usize, path: &mut Path, work: &Workspace) {
         let origin = work.origins[i];
         let mut light = get3(&work.exchange.own, i);
         for (number, (source, lit)) in question.sources.iter().zip(&work.exchange.lit).enumerate() {
@@ -272,13 +275,13 @@ impl Tracer<'_, '_> {
                 continue;
             }
             let ray = Ray::new(origin, source.ray_from(origin));
-            let chance = path.shadow(depth, 1 + number as u32);
+            let chance = path.shadow(question.depth, 1 + number as u32);
             if !self.settings.shadows || self.sight.is_free(&ray, source.ray_limit(), chance) {
                 light += reflected;
             }
         }
         if question.sky {
-            light += self.sky_light(depth, i, path, work);
+            light += self.sky_light(question.depth, i, path, work);
         }
         path.light += path.throughput.mul_elements(light);
     }
@@ -324,18 +327,13 @@ impl Tracer<'_, '_> {
 }
 
 /// What unlit surfaces send out.
-fn show_color(stop: &Stop<'_, '_>, paths: &mut [Path], work: &Workspace) {
+fn show_color(stop: &Stop<'_>, paths: &mut [Path], work: &Workspace) {
     let [r, g, b, _] = stop.draw.material.base_color;
     for (i, (index, _)) in stop.meetings.iter().enumerate() {
         let path = &mut paths[*index as usize];
         let color = get3(&work.batch.tint, i).mul_elements(Vec3::new(r, g, b));
         path.light += path.throughput.mul_elements(color);
     }
-}
-
-/// Whether a surface sends out light of its own.
-pub(super) fn shines(draw: &Draw<'_>) -> bool {
-    draw.material.unlit || draw.material.emissive != [0.0; 3]
 }
 
 impl Path {

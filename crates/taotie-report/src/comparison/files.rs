@@ -1,12 +1,11 @@
 //! The pictures of a comparison as files.
 
-use anyhow::Result;
+use crate::heat_map::HeatMap;
+use crate::sheet::{Cell, Sheet};
 use std::path::{Path, PathBuf};
 use taotie::comparison::{Comparison, RenderedSurface};
-use taotie::io;
 use taotie::names::Named;
-use taotie_report::heat_map::HeatMap;
-use taotie_report::sheet::{Cell, Sheet};
+use taotie::{Error, Result, io};
 
 /// The longest side of a picture on the contact sheet, pixels.
 const CELL: usize = 320;
@@ -16,7 +15,7 @@ pub struct Files {
     folder: PathBuf,
     /// The angle at the top of the heat maps' scale, degrees.
     pub heat_top: f32,
-    /// What was written, in order.
+    /// The files written, in order.
     pub written: Vec<PathBuf>,
 }
 
@@ -24,16 +23,16 @@ impl Files {
     /// Makes the folder where it is not there.
     ///
     /// # Errors
-    /// Where it cannot be made.
+    /// [`Error::Io`] where it cannot be made.
     pub fn new(folder: &Path, heat_top: f32) -> Result<Self> {
-        std::fs::create_dir_all(folder).map_err(|error| taotie::Error::io(folder, error))?;
+        std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
         Ok(Self { folder: folder.to_path_buf(), heat_top, written: Vec::new() })
     }
 
     /// Writes every picture and the contact sheet.
     ///
     /// # Errors
-    /// Where one cannot be written.
+    /// [`Error::Io`] where one cannot be written.
     pub fn write(&mut self, comparison: &Comparison) -> Result<()> {
         for surface in &comparison.surfaces {
             for (shading, picture) in &surface.pictures {
@@ -54,7 +53,7 @@ impl Files {
     /// Writes text into the folder.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// [`Error::Io`] where it cannot be written.
     pub fn write_text(&mut self, name: &str, text: &str) -> Result<()> {
         let path = self.folder.join(name);
         io::write_text(&path, text)?;
@@ -96,7 +95,7 @@ impl Files {
     fn error_cell(&self, surface: &RenderedSurface) -> Cell {
         let Some(difference) = &surface.difference else {
             let blank = Sheet::blank(surface.normals.width() as usize, surface.normals.height() as usize);
-            return cell("error".into(), "what the others are measured against".into(), &blank);
+            return cell("error".into(), "the reference of the others".into(), &blank);
         };
         let note = match difference.inner_angles.summary() {
             Some(summary) => format!("mean {:.2}°, 95 % below {:.1}°", summary.mean, summary.p95),

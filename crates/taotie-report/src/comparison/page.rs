@@ -1,34 +1,37 @@
 //! `report.html`: the comparison as a page that opens from disk.
 
-use super::report::{self, Report};
-use anyhow::Result;
+use super::{Document, Options};
+use crate::heat_map::HeatMap;
+use crate::sheet::Sheet;
+use crate::summary;
+use crate::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
+use taotie::Result;
 use taotie::compare::{ColorMap, Summary};
 use taotie::comparison::{Comparison, MethodReport, RenderedSurface};
-use taotie::io;
-use taotie_report::heat_map::HeatMap;
-use taotie_report::sheet::Sheet;
-use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
 
-/// The page of a comparison.
+/// Makes the page of a comparison, whose figures are in `report`.
 ///
 /// # Errors
-/// Where a picture cannot be encoded.
-pub fn page(title: &str, report: &Report, comparison: &Comparison, top: f32) -> Result<Page> {
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
+pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options) -> Result<Page> {
     let subtitle = match &report.subject.reference {
         Some(reference) => format!("Surface methods measured against {reference}"),
-        None => format!("Surface methods measured against {}: there is no reference", report.against),
+        None => format!(
+            "Surface methods measured against the first one, {}, as there is no reference",
+            report.against
+        ),
     };
     Ok(Page {
-        title: title.into(),
+        title: options.title.clone(),
         subtitle,
         facts: facts(report),
-        views: views(report, comparison, top)?,
+        views: views(report, comparison, options.heat_top_deg as f32)?,
         sections: sections(report),
-        footer: format!("Made by taotie {}. All figures stand in report.json.", report.version),
+        footer: format!("Made by taotie {}. All figures are in report.json.", report.version),
     })
 }
 
-fn facts(report: &Report) -> Vec<Fact> {
+fn facts(report: &Document) -> Vec<Fact> {
     let subject = &report.subject;
     let mut facts = vec![
         Fact::new("Model", subject.model.clone()),
@@ -36,15 +39,15 @@ fn facts(report: &Report) -> Vec<Fact> {
     ];
     if let (Some(reference), Some(triangles)) = (&subject.reference, subject.reference_triangles) {
         facts.push(Fact::new("Reference", reference.clone()));
-        facts.push(Fact::new("Its triangles", triangles.to_string()));
+        facts.push(Fact::new("Reference triangles", triangles.to_string()));
     }
     let size = &report.parameters["size"];
     facts.push(Fact::new("Pictures", format!("{} × {}", size[0], size[1])));
-    facts.push(Fact::new("Samples a pixel", report.parameters["samples"].to_string()));
+    facts.push(Fact::new("Samples per pixel", report.parameters["samples"].to_string()));
     facts
 }
 
-fn views(report: &Report, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
+fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
     let mut views = Vec::new();
     for (i, picture) in report.methods[0].pictures.iter().enumerate() {
         let shading = &picture.shading;
@@ -57,7 +60,7 @@ fn views(report: &Report, comparison: &Comparison, top: f32) -> Result<Vec<View>
                 .as_ref()
                 .map(|difference| HeatMap::of_flip(&difference.pictures[i].flip).plain())
         };
-        let note = format!("What an observer would see of the difference from {}.", report.against);
+        let note = format!("FLIP is the difference from {} that an observer sees.", report.against);
         let view = view(format!("{shading}: FLIP"), note, comparison, &flip)?;
         views.push(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view });
     }
@@ -83,13 +86,12 @@ fn view(
     let mut pictures = Vec::new();
     for surface in &comparison.surfaces {
         let Some(pixels) = pixels(surface) else { continue };
-        let png = io::encode_png(&pixels.png())?;
-        pictures.push(Picture { label: surface.id(), note: surface.describe(), png });
+        pictures.push(Picture::new(surface.id(), surface.describe(), &pixels)?);
     }
     Ok(View { name, note, pictures, legend: None })
 }
 
-fn sections(report: &Report) -> Vec<Section> {
+fn sections(report: &Document) -> Vec<Section> {
     let mut sections = vec![error_table(report), histogram(report)];
     for i in 0..report.methods[0].pictures.len() {
         sections.push(picture_table(report, i));
@@ -102,7 +104,7 @@ fn sections(report: &Report) -> Vec<Section> {
     sections
 }
 
-fn error_table(report: &Report) -> Section {
+fn error_table(report: &Document) -> Section {
     let figures = ["mean", "median", "95 %", "max"];
     let mut columns = vec![Column::words("method")];
     columns.extend(figures.map(|figure| Column::numbers(figure, "°")));
@@ -118,8 +120,8 @@ fn error_table(report: &Report) -> Section {
     Section::Table {
         title: "Angular error".into(),
         note: format!(
-            "Against {}, over all pixels with a corresponding point there ({:.2} % of the samples have none), and inner: \
-             over those away from silhouettes.",
+            "The angle to the normals of {}, over all pixels with a corresponding point there ({:.2} % of the samples have \
+             none). The columns named inner leave out pixels near silhouettes.",
             report.against,
             report.unmatched * 100.0
         ),
@@ -129,20 +131,20 @@ fn error_table(report: &Report) -> Section {
 }
 
 fn figure_cells(summary: Option<&Summary>) -> [Cell; 4] {
-    match summary.map(report::figures) {
-        Some(figures) => figures.map(|figure| Cell::number(figure, 2)),
+    match summary.map(summary::figures) {
+        Some(numbers) => numbers.map(|figure| Cell::number(figure, 2)),
         None => std::array::from_fn(|_| Cell::Number { value: None, digits: 2 }),
     }
 }
 
-fn histogram(report: &Report) -> Section {
+fn histogram(report: &Document) -> Section {
     let series = report.methods.iter().filter_map(|method| {
         let counts = method.error.as_ref()?.histogram.clone();
         Some(Series { label: method.method.clone(), counts })
     });
     Section::Histogram {
         title: "Histograms of angular error".into(),
-        note: format!("Pixels by their angle to {}; one bin a degree.", report.against),
+        note: format!("Pixels by their angle to {}; one bin per degree.", report.against),
         unit: "°".into(),
         bin_width: 1.0,
         last_is_open: true,
@@ -150,7 +152,7 @@ fn histogram(report: &Report) -> Section {
     }
 }
 
-fn picture_table(report: &Report, i: usize) -> Section {
+fn picture_table(report: &Document, i: usize) -> Section {
     let columns = vec![
         Column::words("method"),
         Column::numbers("RMSE", ""),
@@ -162,14 +164,14 @@ fn picture_table(report: &Report, i: usize) -> Section {
         Column::numbers("FLIP max", ""),
     ];
     let row = |method: &MethodReport| {
-        let figures = method.pictures[i].difference.as_ref()?;
+        let difference = method.pictures[i].difference.as_ref()?;
         let mut cells = vec![
             Cell::text(method.method.clone()),
-            Cell::number(figures.rmse, 4),
-            Cell::Number { value: figures.psnr, digits: 2 },
-            Cell::number(figures.ssim, 4),
+            Cell::number(difference.rmse, 4),
+            Cell::Number { value: difference.psnr, digits: 2 },
+            Cell::number(difference.ssim, 4),
         ];
-        cells.extend(match figures.flip.as_ref().map(report::figures) {
+        cells.extend(match difference.flip.as_ref().map(summary::figures) {
             Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
             None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
         });
@@ -184,7 +186,7 @@ fn picture_table(report: &Report, i: usize) -> Section {
 }
 
 /// Table 2 of Guo and Wang 2025 on this model.
-fn normals_table(report: &Report) -> Section {
+fn normals_table(report: &Document) -> Section {
     let mut columns = point_columns();
     for method in &report.methods {
         columns.extend(["x", "y", "z"].map(|axis| Column::numbers(format!("{} {axis}", method.method), "")));
@@ -206,7 +208,7 @@ fn normals_table(report: &Report) -> Section {
 }
 
 /// Table 3 of Guo and Wang 2025 on this model.
-fn angles_table(report: &Report) -> Section {
+fn angles_table(report: &Document) -> Section {
     let first = &report.methods[0].method;
     let mut columns = point_columns();
     let others = || report.methods.iter().skip(1).enumerate();
@@ -233,11 +235,11 @@ fn point_cells(index: usize, [x, y]: [u32; 2]) -> Vec<Cell> {
     [index as f64 + 1.0, x.into(), y.into()].map(|value| Cell::number(value, 0)).into()
 }
 
-fn remarks(report: &Report) -> Section {
+fn remarks(report: &Document) -> Section {
     let mut paragraphs = report.rules.in_words();
     paragraphs.extend(report.notes.iter().cloned());
     let skipped = report.skipped.iter();
     paragraphs
-        .extend(skipped.map(|skipped| format!("{} was not drawn: {}.", skipped.method, skipped.reason)));
+        .extend(skipped.map(|skipped| format!("{} could not be drawn: {}.", skipped.method, skipped.reason)));
     Section::Text { title: "How it was measured".into(), paragraphs }
 }

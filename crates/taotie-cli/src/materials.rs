@@ -1,15 +1,15 @@
 //! `taotie materials`: the presets, their measured colours, and what they look like.
 
-mod swatches;
-
 use crate::console;
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
+use taotie::io;
 use taotie::math::Vec3;
 use taotie::scene::{Material, PRESETS, Preset, preset};
 use taotie::shade::fresnel::{COS_82, f_schlick};
+use taotie_report::swatches;
 use taotie_report::table::Table;
 
 /// Version of the JSON that `--json` prints.
@@ -24,16 +24,16 @@ Examples:
   taotie materials -o swatches.png
   taotie render vessel.glb --material brass --env studio -o vessel.png
 
-F0 is the reflectance along the normal, F82 that at 82 degrees, both linear sRGB.";
+F0 is the reflectance along the normal, F82 that at 82 degrees from it, both in linear sRGB.";
 
-/// Lists the materials that `--material` knows.
+/// Lists the material presets for `--material`.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct MaterialsArgs {
-    /// Also draw a sphere of each, in the built-in studio, to a PNG
+    /// Also write a PNG with a sphere of each preset in the built-in studio environment
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
-    /// Pixels across each sphere's picture
+    /// Width and height of each sphere's picture, pixels
     #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(16..=2048))]
     pub size: u32,
     /// Print the list as JSON
@@ -41,7 +41,7 @@ pub struct MaterialsArgs {
     pub json: bool,
 }
 
-/// A preset as it is told.
+/// A preset as it is listed.
 #[derive(Serialize)]
 struct Entry {
     name: &'static str,
@@ -52,14 +52,14 @@ struct Entry {
     roughness: f32,
     f0: [f32; 3],
     f82: [f32; 3],
-    /// Whether F82 is given; else it is Schlick's.
+    /// True if F82 is measured; else it is Schlick's.
     f82_given: bool,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &MaterialsArgs) -> Result<()> {
     if let Some(path) = &args.output {
-        swatches::write(path, args.size)?;
+        io::write_png(path, &swatches::sheet(args.size)?.png())?;
     }
     let entries: Vec<Entry> = PRESETS.iter().filter_map(Entry::new).collect();
     if args.json {

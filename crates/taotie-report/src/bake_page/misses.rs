@@ -1,10 +1,10 @@
-//! Pictures of maps for people to look at.
+//! The map of missed rays as a picture.
 
+use crate::sheet::{GROUND, Sheet};
 use taotie::asset::Misses;
 use taotie::bake::TexelStatus;
-use taotie_report::sheet::{GROUND, Sheet};
 
-/// Where rays missed: amber took the closest point, red found nothing.
+/// Draws texels whose rays missed the scan: amber where the closest point was used, red where there was no hit.
 pub fn misses(misses: &Misses) -> Sheet {
     const COVERED: [u8; 3] = [70, 90, 80];
     const CLOSEST: [u8; 3] = [240, 170, 40];

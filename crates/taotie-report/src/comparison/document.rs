@@ -1,18 +1,20 @@
-//! `report.json`: the library's report with what the command line adds.
+//! `report.json`: the library's report with what the caller adds.
 
+use super::Options;
 use serde::Serialize;
 use serde_json::{Value, json};
-use taotie::compare::Summary;
 use taotie::comparison::{
-    self, CountedWarning, MethodReport, PointReport, Rules, SkippedMethod, SubjectReport,
+    Comparison, CountedWarning, MethodReport, PointReport, Rules, SkippedMethod, SubjectReport,
 };
+use taotie::{Error, Result};
 
 /// Version of `report.json`.
 pub const SCHEMA: u32 = 1;
 
-/// The file as a whole.
-#[derive(Serialize)]
-pub struct Report {
+/// The content of `report.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Document {
     /// Version of this layout.
     pub schema: u32,
     /// The kind of report.
@@ -27,7 +29,7 @@ pub struct Report {
     pub parameters: Value,
     /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
     pub unmatched: f64,
-    /// How pixels and points are chosen and what the figures mean.
+    /// The rules by which pixels and points are chosen, and the meaning of the figures.
     pub rules: Rules,
     /// The methods in their order, then the reference.
     pub methods: Vec<MethodReport>,
@@ -41,26 +43,17 @@ pub struct Report {
     pub warnings: Vec<CountedWarning>,
 }
 
-/// Options of the command line that the library does not know, for the report.
-pub struct Echoes {
-    /// The options of materials; null where there are none.
-    pub material: Value,
-    /// The environment; null where there is none.
-    pub environment: Value,
-    /// The angle at the top of the heat maps' scale, degrees.
-    pub heat_top_deg: f64,
-}
-
-impl Report {
-    /// Adds what the command knows to the library's report.
+impl Document {
+    /// Adds the caller's options to the report of a comparison.
     ///
     /// # Errors
-    /// Where a parameter cannot be written as JSON, which all can.
-    pub fn new(report: comparison::Report, echoes: &Echoes) -> serde_json::Result<Self> {
-        let mut parameters = serde_json::to_value(&report.parameters)?;
-        parameters["material"] = echoes.material.clone();
-        parameters["environment"] = echoes.environment.clone();
-        parameters["heat_top_deg"] = json!(echoes.heat_top_deg);
+    /// [`Error::Invalid`] where a parameter cannot be written as JSON; every parameter can.
+    pub fn new(comparison: &Comparison, options: &Options) -> Result<Self> {
+        let report = comparison.report();
+        let mut parameters = serde_json::to_value(&report.parameters).map_err(not_json)?;
+        parameters["material"] = options.material.clone();
+        parameters["environment"] = options.environment.clone();
+        parameters["heat_top_deg"] = json!(options.heat_top_deg);
         Ok(Self {
             schema: SCHEMA,
             kind: "taotie compare",
@@ -78,13 +71,20 @@ impl Report {
         })
     }
 
-    /// The figures of a method by its name.
+    /// Returns the document as JSON, without an end of line.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where a number cannot be written as JSON; every number can.
+    pub fn json(&self) -> Result<String> {
+        serde_json::to_string_pretty(self).map_err(not_json)
+    }
+
+    /// Returns the figures of a method by its name.
     pub fn method(&self, name: &str) -> Option<&MethodReport> {
         self.methods.iter().find(|method| method.method == name)
     }
 }
 
-/// Mean, median, 95th percentile and maximum.
-pub fn figures(summary: &Summary) -> [f64; 4] {
-    [summary.mean, summary.median, summary.p95, summary.max]
+fn not_json(error: serde_json::Error) -> Error {
+    Error::invalid("report.json", error.to_string())
 }

@@ -1,22 +1,23 @@
-//! A sphere of each preset in the built-in studio.
+//! A sphere of each material preset in the built-in studio.
 
-use anyhow::Result;
-use std::path::Path;
+use crate::sheet::{Cell, Sheet};
 use std::sync::Arc;
+use taotie::Result;
 use taotie::film::{Development, develop8};
-use taotie::io::write_png;
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
-use taotie::render::{EnvironmentLight, Lighting, RenderSettings, render};
+use taotie::render::{EnvironmentLight, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Instance, Material, Orbit, PRESETS, Scene, preset};
 use taotie::shade::environment::{Environment, studio};
-use taotie_report::sheet::{Cell, Sheet};
 
 /// Spheres in a row.
 const COLUMNS: usize = 4;
 
-/// Writes the sheet of all presets; each sphere's picture is `size` pixels wide.
-pub fn write(path: &Path, size: u32) -> Result<()> {
+/// Draws the sheet of all presets; each sphere's picture is `size` pixels wide.
+///
+/// # Errors
+/// Those of [`render`].
+pub fn sheet(size: u32) -> Result<Sheet> {
     let environment = Arc::new(Environment::new(studio())?);
     let light = EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: false };
     let lighting = Lighting { environment: Some(light), ..Lighting::default() };
@@ -26,8 +27,7 @@ pub fn write(path: &Path, size: u32) -> Result<()> {
         Ok(Cell { title: listed.name.into(), note: listed.source.into(), pixels })
     });
     let cells = cells.collect::<Result<Vec<_>>>()?;
-    let sheet = Sheet::new(&cells, [size as usize; 2], COLUMNS);
-    Ok(write_png(path, &sheet.png())?)
+    Ok(Sheet::new(&cells, [size as usize; 2], COLUMNS))
 }
 
 fn sphere(material: Material, lighting: &Lighting, size: u32) -> Result<Vec<[u8; 3]>> {
@@ -39,7 +39,8 @@ fn sphere(material: Material, lighting: &Lighting, size: u32) -> Result<Vec<[u8;
     };
     let orbit = Orbit { azimuth: 0.4, elevation: 0.25, distance: 4.4, target: Vec3::default(), fov_y: 0.52 };
     let settings = RenderSettings { width: size, height: size, samples: 16, ..RenderSettings::default() };
-    let frame = render(&scene, &orbit.camera(1.0), lighting, &settings)?;
+    let camera = orbit.camera(1.0);
+    let frame = render(&scene, &Shot { camera: &camera, lighting, settings: &settings })?;
     let development = Development { background: Some(Vec3::splat(0.02)), ..Development::default() };
     Ok(develop8(&frame.color, &development)?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
 }

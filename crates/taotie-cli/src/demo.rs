@@ -1,16 +1,16 @@
-//! `taotie demo`: the built-in bronze by every surface method and every shading model, and measured against the truth.
+//! `taotie demo`: the built-in bronze by every surface method and every shading model, measured against its relief as
+//! geometry.
 
-mod truth;
-
-use crate::compare::Report;
 use crate::console::{self, Bar};
 use crate::studio::in_pool;
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
+use taotie::Progress;
+use taotie_report::comparison::Document;
 use taotie_study::demo::gallery::{self, Made};
-use taotie_study::demo::{Output, Vessel, export, glb, moving};
+use taotie_study::demo::{Output, Vessel, export, glb, moving, truth};
 use taotie_study::jue;
 
 const EXAMPLES: &str = "\
@@ -22,20 +22,20 @@ Examples:
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 2;
 
-/// Renders the built-in bronze jue by every method and model, and measures them.
+/// Renders the built-in bronze jue, a ritual vessel, by every surface method and shading model, and measures their error.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct DemoArgs {
-    /// Folder to write to; made if it is not there
+    /// Folder to write to; created if missing
     #[arg(long, value_name = "DIR", default_value = "taotie-demo")]
     pub out: PathBuf,
-    /// Side of each picture of the contact sheet, pixels
+    /// Width and height of each picture of the contact sheet, pixels
     #[arg(long, value_name = "N", default_value_t = 360, value_parser = clap::value_parser!(u32).range(64..=2048))]
     pub size: u32,
-    /// Also writes the bronze with its relief as geometry, more than two million triangles, as jue-high.glb
+    /// Also write the bronze with its relief as geometry, more than two million triangles, as jue-high.glb
     #[arg(long)]
     pub high: bool,
-    /// Threads; all of the machine's if not given
+    /// Number of threads; all of the machine's if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub threads: Option<u32>,
     /// Print a report as JSON
@@ -50,7 +50,7 @@ const MAPS: u32 = 2048;
 struct Demo {
     files: Vec<PathBuf>,
     made: Vec<Made>,
-    comparison: Report,
+    comparison: Document,
     moving: moving::Report,
 }
 
@@ -84,9 +84,11 @@ fn demo(args: &DemoArgs) -> Result<Demo> {
     files.push(sheet);
     drop(bar);
     let high = jue::with_relief(vessel.scene(), high);
-    let (comparison, written) = truth::write(&args.out, vessel.scene(), high)?;
-    files.extend(written);
-    Ok(Demo { files, made, comparison, moving })
+    let bar = Bar::new("compare");
+    let listener = |_: &'static str, done: f64| bar.hear(done);
+    let compared = truth::write(&args.out, vessel.scene(), &high, Progress::new(&listener))?;
+    files.extend(compared.files);
+    Ok(Demo { files, made, comparison: compared.document, moving })
 }
 
 fn line_of(made: &Made) -> String {

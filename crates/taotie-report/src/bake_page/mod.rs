@@ -1,0 +1,65 @@
+//! The proof of a bake as a page that opens from disk.
+//!
+//! ```no_run
+//! use std::path::Path;
+//! use taotie::asset::{BakeOptions, Baker, Limits, Packing, Report, Scan, VerifyOptions};
+//! use taotie::{Progress, io};
+//!
+//! let quiet = Progress::SILENT;
+//! let scan = Scan::read("scan.ply", &Limits::default(), quiet)?;
+//! let asset = Baker::new(BakeOptions::default()).bake(&scan, quiet)?;
+//! let written = asset.write("scan.glb", &Packing::default(), quiet)?;
+//! let mut report = Report::of(&written)?;
+//! let proof = written.verify(scan, &VerifyOptions::default(), quiet)?;
+//! report.proof = Some(proof.figures.clone());
+//! let page = taotie_report::bake_page::page(&report, &proof, written.asset().textures())?;
+//! io::write_text(Path::new("scan.report.html"), &taotie_report::html(&page))?;
+//! # Ok::<(), taotie::Error>(())
+//! ```
+
+mod misses;
+mod sections;
+mod views;
+
+use crate::{Fact, Page};
+use std::path::Path;
+use taotie::Result;
+use taotie::asset::{Figures, Proof, Report, Textures};
+
+/// Makes the page of a bake: facts, views of scan and asset, maps, and every figure.
+///
+/// # Errors
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
+pub fn page(report: &Report, proof: &Proof, textures: &Textures) -> Result<Page> {
+    let figures = &proof.figures;
+    let title = Path::new(&report.high).file_name().unwrap_or_default().to_string_lossy();
+    Ok(Page {
+        title: title.into_owned(),
+        subtitle: "The scan, and the low-poly asset baked from it".into(),
+        facts: facts(report, figures),
+        views: views::views(proof, textures)?,
+        sections: sections::sections(report, figures),
+        footer: format!(
+            "Made by taotie {}. All figures are in the .json file beside this page.",
+            report.version
+        ),
+    })
+}
+
+fn facts(report: &Report, proof: &Figures) -> Vec<Fact> {
+    let triangles = report.triangles.first().copied().unwrap_or_default();
+    let mut facts = vec![
+        Fact::new("Scan", format!("{} triangles, {} bytes", report.high_triangles, proof.bytes_in)),
+        Fact::new("Asset", format!("{triangles} triangles, {} bytes", proof.bytes_out)),
+        Fact::new("Maps", format!("{} × {}", report.size[0], report.size[1])),
+    ];
+    if let Some(angles) = &proof.angles {
+        facts.push(Fact::new("Normal error, mean", format!("{:.2}°", angles.mean)));
+    }
+    facts.push(Fact::new("Texels with a missed ray", format!("{:.3} %", proof.missed_texels * 100.0)));
+    facts.push(Fact::new(
+        "Shape error, largest",
+        format!("{:.3} % of the diagonal", proof.hausdorff_of_diagonal * 100.0),
+    ));
+    facts
+}

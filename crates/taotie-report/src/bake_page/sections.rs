@@ -1,0 +1,145 @@
+//! The tables, histogram and texts of a proof.
+
+use crate::summary::figures;
+use crate::{Cell, Column, Section, Series, Tone};
+use taotie::asset::{BIN_WIDTH, Figures, Met, Report, StageTime, ViewFigures, Warning};
+use taotie::compare::Summary;
+use taotie::names::Named;
+
+/// Makes all sections in order.
+pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
+    let mut sections = Vec::new();
+    if !report.required.is_empty() {
+        sections.push(required(report));
+    }
+    sections.extend([normals(proof), histogram(proof), shape(proof), views(proof), stages(report)]);
+    let warnings: Vec<String> = report.warnings.iter().map(warning).collect();
+    if !warnings.is_empty() {
+        sections.push(Section::Text { title: "Warnings".into(), paragraphs: warnings });
+    }
+    sections
+}
+
+fn warning(warning: &Warning) -> String {
+    match warning.count {
+        1 => warning.what.clone(),
+        count => format!("{} ({count} times)", warning.what),
+    }
+}
+
+fn required(report: &Report) -> Section {
+    Section::Table {
+        title: "Required".into(),
+        note: "The figures demanded by --require.".into(),
+        columns: vec![
+            Column::words("figure"),
+            Column::numbers("value", ""),
+            Column::numbers("at most", ""),
+            Column::words("result"),
+        ],
+        rows: report.required.iter().map(row_of_requirement).collect(),
+    }
+}
+
+fn row_of_requirement(met: &Met) -> Vec<Cell> {
+    let (text, tone) = if met.met { ("met", Tone::Good) } else { ("not met", Tone::Bad) };
+    vec![
+        Cell::text(met.figure.name()),
+        met.value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value, 4)),
+        Cell::number(met.most, 4),
+        Cell::Mark { text: text.into(), tone, why: String::new() },
+    ]
+}
+
+fn normals(proof: &Figures) -> Section {
+    let mut columns = vec![Column::words("figure")];
+    columns.extend(["mean", "median", "95 %", "max"].map(|name| Column::numbers(name, "°")));
+    let rows = [("normal error", &proof.angles), ("error without normal map", &proof.without_map)];
+    let row = |(name, summary): (&str, &Option<Summary>)| {
+        let numbers = figures(summary.as_ref()?).map(|value| Cell::number(value, 3));
+        Some([Cell::text(name)].into_iter().chain(numbers).collect())
+    };
+    Section::Table {
+        title: "Normal error".into(),
+        note: format!(
+            "The angle between the normals of asset and scan, at points spread evenly over the asset as it was written \
+             and read back. Storing normals in 8 bits alone costs {}° on average and {}° at most; dithering raises the \
+             average a little and removes the steps in gentle curves.",
+            proof.floor_8_bit[0], proof.floor_8_bit[1]
+        ),
+        columns,
+        rows: rows.into_iter().filter_map(row).collect(),
+    }
+}
+
+fn histogram(proof: &Figures) -> Section {
+    Section::Histogram {
+        title: "Histogram of normal error".into(),
+        note: "Points by their normal error; the last bin holds all that is larger.".into(),
+        unit: "°".into(),
+        bin_width: BIN_WIDTH,
+        last_is_open: true,
+        series: vec![Series { label: "asset".into(), counts: proof.histogram.clone() }],
+    }
+}
+
+fn shape(proof: &Figures) -> Section {
+    let row = |name: &str, value: f64, digits: usize, unit: &str| {
+        vec![Cell::text(name), Cell::number(value, digits), Cell::text(unit)]
+    };
+    let mut rows = vec![
+        row("shape error, largest (Hausdorff distance)", proof.hausdorff, 6, "model units"),
+        row("shape error, largest", proof.hausdorff_of_diagonal * 100.0, 4, "% of the diagonal"),
+        row("shape error, root mean square", proof.rms, 6, "model units"),
+        row("shape error, root mean square", proof.rms_of_diagonal * 100.0, 4, "% of the diagonal"),
+        row("texels with a missed ray", proof.missed_texels * 100.0, 4, "%"),
+        row("samples whose ray missed (closest point used)", proof.fallback * 100.0, 4, "%"),
+        row("samples with no hit (low-poly normal used)", proof.lost * 100.0, 4, "%"),
+        row("map covered by UV islands", proof.uv_use * 100.0, 1, "%"),
+    ];
+    if let Some(density) = &proof.density {
+        rows.push(row("texel density, median", density.median, 2, "texels per unit"));
+    }
+    Section::Table {
+        title: "Shape, rays and map".into(),
+        note: "The shape error is the distance from points spread evenly over each surface to the other. A ray misses \
+               where it meets no surface of the scan that faces it."
+            .into(),
+        columns: vec![Column::words("figure"), Column::numbers("value", ""), Column::words("unit")],
+        rows,
+    }
+}
+
+fn views(proof: &Figures) -> Section {
+    let row = |view: &ViewFigures| {
+        vec![
+            Cell::number(view.azimuth_deg, 0),
+            Cell::number(view.elevation_deg, 0),
+            Cell::number(view.flip, 4),
+            Cell::number(view.ssim, 4),
+        ]
+    };
+    Section::Table {
+        title: "Visual difference".into(),
+        note: "Pictures of scan and asset, compared pixel by pixel: FLIP is 0 and SSIM is 1 where they are equal. Both \
+               also count where the low-poly mesh lies beside the scan."
+            .into(),
+        columns: vec![
+            Column::numbers("azimuth", "°"),
+            Column::numbers("elevation", "°"),
+            Column::numbers("FLIP", ""),
+            Column::numbers("SSIM", ""),
+        ],
+        rows: proof.views.iter().map(row).collect(),
+    }
+}
+
+fn stages(report: &Report) -> Section {
+    let row = |stage: &StageTime| vec![Cell::text(stage.stage), Cell::number(stage.milliseconds, 1)];
+    Section::Table {
+        title: "Time".into(),
+        note: String::new(),
+        columns: vec![Column::words("stage"), Column::numbers("time", "ms")],
+        rows: report.stages.iter().map(row).collect(),
+    }
+}

@@ -1,0 +1,26 @@
+//! Mean, quantiles and maximum of many numbers, in words.
+
+use taotie::compare::Summary;
+
+/// Returns mean, median, 95th percentile and maximum, the columns of tables.
+pub fn figures(summary: &Summary) -> [f64; 4] {
+    [summary.mean, summary.median, summary.p95, summary.max]
+}
+
+/// Returns all numbers with so many digits behind the point, each with its unit.
+///
+/// ```
+/// use taotie::compare::Field;
+/// use taotie_report::summary;
+///
+/// let angles = Field::new(2, 1, vec![1.0, 2.0])?.summary().expect("two numbers");
+/// let text = summary::text(&angles, 1, "°");
+/// assert_eq!(text, "mean 1.5°, median 1.5°, quartiles 1.2° and 1.8°, p95 1.9°, max 2.0°");
+/// # Ok::<(), taotie::Error>(())
+/// ```
+pub fn text(summary: &Summary, digits: usize, unit: &str) -> String {
+    let number = |value: f64| format!("{value:.digits$}{unit}");
+    let [mean, median, p95, max] = figures(summary).map(number);
+    let [first, third] = summary.quartiles.map(number);
+    format!("mean {mean}, median {median}, quartiles {first} and {third}, p95 {p95}, max {max}")
+}

@@ -1,0 +1,56 @@
+//! The jue's methods measured against its relief as geometry.
+
+use super::stage::{self, Stage};
+use std::path::Path;
+use taotie::comparison::{Comparison, ComparisonOptions, Matching, Subject};
+use taotie::scene::Scene;
+use taotie::{Progress, Result};
+use taotie_report::comparison::{self, Document, Written};
+
+/// Pixels along a side of the comparison's pictures.
+const SIDE: u32 = 560;
+
+/// Compares the methods on the cup with the displaced mesh `reference`; writes the report to `out/comparison`.
+///
+/// # Errors
+/// Those of rendering and writing, and [`taotie::Error::Cancelled`].
+pub fn write(out: &Path, scene: &Scene, reference: &Scene, progress: Progress<'_>) -> Result<Written> {
+    let Stage { camera, lighting } = Stage::cup(scene)?;
+    let options = ComparisonOptions {
+        // The displaced mesh keeps the low mesh's uvs.
+        matching: Matching::Uv,
+        camera: Some(camera),
+        lighting: Some(lighting),
+        settings: Stage::settings(SIDE, 4),
+        development: stage::development(),
+        ..ComparisonOptions::default()
+    };
+    let subject = Subject::new("the built-in jue", scene).with_reference("its relief as geometry", reference);
+    let compared = Comparison::of(&subject, &options, progress)?;
+    let options = comparison::Options {
+        title: "A bronze jue of 251 vertices".into(),
+        ..comparison::Options::default()
+    };
+    comparison::write(&compared, &options, &out.join("comparison"))
+}
+
+/// Returns the errors of three methods as lines of text, with the reasons for their order.
+pub fn lines(report: &Document) -> Vec<String> {
+    let mut lines = vec!["mean angular error against the displaced mesh, away from silhouettes:".to_string()];
+    for (name, why) in REASONS {
+        let mean = report.method(name).and_then(|method| method.inner_mean());
+        let Some(mean) = mean else { continue };
+        lines.push(format!("  {name:<15} {mean:>6.2}°  {why}"));
+    }
+    lines
+}
+
+/// The methods with the reasons for their errors, the largest error first.
+const REASONS: [(&str, &str); 3] = [
+    ("smooth", "has no relief: its error is the relief's own slope"),
+    (
+        "bump",
+        "has the relief's slope from its heights, but not how the bronze differs from the mesh's smooth normals",
+    ),
+    ("tangent-normal", "has the bronze's own normals: the rest is the size of texels and their filtering"),
+];

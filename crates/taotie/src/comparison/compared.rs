@@ -1,0 +1,119 @@
+//! Every method's pictures from one camera in one light, measured.
+
+use super::look::Look;
+use super::matching::Matching;
+use super::options::ComparisonOptions;
+use super::parameters::Parameters;
+use super::photographer::{Expected, Photographer};
+use super::relief::Relief;
+use super::rules::Rules;
+use super::subject::{Subject, SubjectReport};
+use super::surfaces::{RenderedSurface, SkippedMethod};
+use crate::error::{Result, Warnings};
+use crate::image::Image;
+use crate::progress::Progress;
+use crate::scene::Scene;
+use crate::surface::SurfaceMethod;
+
+/// A model by several surface methods in pictures and angles: see [`Comparison::of`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Comparison {
+    /// Names and sizes of model and reference.
+    pub subject: SubjectReport,
+    /// Everything that the pictures depend on.
+    pub parameters: Parameters,
+    /// The rules behind the figures.
+    pub rules: Rules,
+    /// The methods that could be drawn in their order, then the reference.
+    pub surfaces: Vec<RenderedSurface>,
+    /// The methods that could not be drawn.
+    pub skipped: Vec<SkippedMethod>,
+    /// Which of `surfaces` the others are compared with: the reference, else the first method.
+    pub against: usize,
+    /// The true normal at the point of the model that each pixel shows; the fourth channel is 1 where there is one.
+    pub truth: Image,
+    /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
+    pub unmatched: f64,
+    /// Which pixels are away from silhouettes, row by row.
+    pub inner: Vec<bool>,
+    /// The pixels whose normals are listed.
+    pub points: Vec<[u32; 2]>,
+    /// Whatever could not be drawn as asked, counted.
+    pub warnings: Warnings,
+    /// Notes on maps that were derived from others.
+    pub notes: Vec<String>,
+}
+
+impl Comparison {
+    /// Renders the model by every method and the reference, and measures them. `progress` has one stage, `compare`.
+    ///
+    /// A method that the model's materials do not allow is skipped; see [`Comparison::skipped`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] for options that cannot be met and where no method can be drawn, those of rendering, and
+    /// [`crate::Error::Cancelled`].
+    pub fn of(subject: &Subject<'_>, options: &ComparisonOptions, progress: Progress<'_>) -> Result<Self> {
+        options.check()?;
+        let mut photographer = Photographer::new(subject, options, progress.stage("compare"))?;
+        subject.check_place(&mut photographer.warnings);
+        let mut scene = subject.model.scene.clone();
+        let mut relief = Relief::new(&mut scene, options.settings.surface.tangents);
+        let (mut surfaces, skipped) = photographer.by_all_methods(&mut scene, &mut relief)?;
+        let smooth = photographer.look(&scene, Some(SurfaceMethod::Smooth))?;
+        let truth = match subject.reference {
+            Some(reference) => {
+                surfaces.push(photographer.surface(reference.scene, None)?);
+                Truth::on(reference.scene, &photographer, &smooth)?
+            }
+            None => Truth { matched: smooth.normals.clone(), normals: surfaces[0].normals.clone() },
+        };
+        let against = if subject.reference.is_some() { surfaces.len() - 1 } else { 0 };
+        let inner = smooth.inner(&truth.matched);
+        photographer.measure(&mut surfaces, against, &Expected { normals: &truth.normals, inner: &inner })?;
+        let seen = covered(&smooth.normals);
+        Ok(Self {
+            subject: subject.report(),
+            parameters: photographer.parameters(),
+            rules: Rules::new(options.matching, &options.points),
+            points: options.points.choose(&inner, options.settings.width as usize),
+            unmatched: (seen - covered(&truth.matched)) / seen.max(1.0),
+            surfaces,
+            skipped,
+            against,
+            truth: truth.normals,
+            inner,
+            warnings: photographer.warnings,
+            notes: relief.notes().to_vec(),
+        })
+    }
+
+    /// Returns the name of what the others are compared with.
+    pub fn against(&self) -> String {
+        self.surfaces[self.against].id()
+    }
+}
+
+/// How many samples saw something.
+fn covered(image: &Image) -> f64 {
+    image.pixels().iter().filter(|pixel| pixel[3] == 1.0).count() as f64
+}
+
+/// The true normals.
+struct Truth {
+    /// At the points that samples show.
+    matched: Image,
+    /// At the points that pixels show: the means of their samples.
+    normals: Image,
+}
+
+impl Truth {
+    /// The reference's normals at the points of the model that `smooth` shows.
+    fn on(reference: &Scene, photographer: &Photographer<'_>, smooth: &Look) -> Result<Self> {
+        let matched = match photographer.options.matching {
+            Matching::Pixel => photographer.look(reference, None)?.normals,
+            matching => matching.normals(smooth, reference, photographer.diagonal)?,
+        };
+        Ok(Self { normals: smooth.mean_normals(&matched)?, matched })
+    }
+}

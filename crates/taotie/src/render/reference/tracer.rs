@@ -1,0 +1,76 @@
+//! What all paths of a picture need.
+
+use super::super::draw::{Draw, Draws};
+use super::super::ground::Ground;
+use super::super::model::as_taken;
+use super::super::prepare::Ready;
+use super::super::rays::CameraRays;
+use super::super::settings::{RenderSettings, Shot};
+use super::super::source::Source;
+use super::super::tree::Casters;
+use super::super::view::View;
+use super::settings::ReferenceSettings;
+use super::surfaces::Sight;
+use super::surround::Surround;
+use crate::error::Result;
+use crate::math::Vec3;
+use fearless_simd::Level;
+
+/// What all paths of a picture need.
+pub(super) struct Tracer<'t> {
+    pub draws: &'t Draws<'t>,
+    pub sight: Sight<'t>,
+    pub view: View,
+    pub camera: CameraRays,
+    pub sources: Vec<Source>,
+    pub ambient: Vec3,
+    pub ground: Option<Ground>,
+    pub surround: Option<Surround<'t>>,
+    /// As the model takes them.
+    pub settings: RenderSettings,
+    pub reference: ReferenceSettings,
+    pub level: Level,
+    /// How far above the surface rays leave, model units.
+    pub lift: f32,
+    /// Whether any surface shines by itself.
+    pub emitters: bool,
+}
+
+impl<'t> Tracer<'t> {
+    /// Checks and prepares what paths need.
+    ///
+    /// # Errors
+    /// As [`super::reference`].
+    pub(super) fn new(
+        ready: Ready<'t>,
+        draws: &'t Draws<'t>,
+        shot: &Shot<'t>,
+        paths: &ReferenceSettings,
+    ) -> Result<Self> {
+        paths.check()?;
+        let (settings, lighting) = (as_taken(shot.settings), shot.lighting);
+        let (width, height) = (settings.width, settings.height);
+        crate::image::Image::check_size(width, height)?;
+        let camera = CameraRays::new(shot.camera, [width, height]);
+        let view = View::new(shot.camera, width, height)?;
+        let level = settings.surface.simd.dispatch()?;
+        let tree = ready.tree();
+        let bounds = ready.bounds().filter(|_| settings.ground);
+        let ground = |bounds| Ground::new(Casters { tree, draws }, bounds, lighting, camera);
+        Ok(Self {
+            draws,
+            sight: Sight { draws, tree },
+            view,
+            camera,
+            sources: lighting.lights.iter().map(Source::new).collect(),
+            ambient: lighting.ambient,
+            ground: bounds.map(ground),
+            surround: lighting.environment.as_ref().map(Surround::new),
+            settings,
+            reference: *paths,
+            level,
+            lift: ready.lift(),
+            emitters: draws.all.iter().any(Draw::shines),
+        })
+    }
+}

@@ -1,0 +1,265 @@
+//! The stages of a picture: visibility, fragments, normals, shadows, lighting, and resolve into the tile.
+
+use super::batch::{BATCH, Batch};
+use super::corners::Run;
+use super::draw::Draws;
+use super::geometry::Projected;
+use super::grouping::Grouping;
+use super::interpolate::{Interpolation, Screen};
+use super::key::Key;
+use super::lighting::{Illumination, light};
+use super::model::{as_taken, takes_roughness};
+use super::point::complete;
+use super::prepare::Ready;
+use super::resolve::Resolve;
+use super::settings::{EnvironmentLight, RenderSettings, Shot};
+use super::shadows::trace_shadows;
+use super::source::Source;
+use super::surround::{self, Surrounding};
+use super::tree::Casters;
+use super::view::View;
+use crate::error::Result;
+use crate::math::Vec3;
+use crate::raster::{self, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, TileSample, Viewport};
+use fearless_simd::Level;
+
+/// The stages that each tile of a picture goes through, and what they read.
+pub struct Stages<'p> {
+    ready: Ready<'p>,
+    draws: Draws<'p>,
+    projected: Projected,
+    view: View,
+    viewport: Viewport,
+    sources: Vec<Source>,
+    ambient: Vec3,
+    environment: Option<EnvironmentLight>,
+    /// As the model takes them.
+    settings: RenderSettings,
+    level: Level,
+    lift: f32,
+}
+
+/// What drawing a tile needs.
+pub(super) struct Desk {
+    pub resolve: Resolve,
+    pub codes: Vec<[u8; 4]>,
+    plane: TilePlane,
+    grouping: Grouping,
+    keys: Vec<Key>,
+    batch: Box<Batch>,
+}
+
+impl<'p> Stages<'p> {
+    /// Projects, clips and bins the triangles, in the memory of `projected`.
+    ///
+    /// # Errors
+    /// As [`super::Pass::new`].
+    pub(super) fn new(ready: Ready<'p>, shot: &Shot<'_>, mut projected: Projected) -> Result<Self> {
+        let settings = as_taken(shot.settings);
+        let (width, height) = (settings.width, settings.height);
+        // Checks the size before anything is made of it.
+        crate::image::Image::check_size(width, height)?;
+        let viewport = Viewport { width, height, pattern: SamplePattern::new(settings.samples)? };
+        let view = View::new(shot.camera, width, height)?;
+        let draws = ready.draws();
+        projected.rebuild(&draws.all, &view, &viewport, settings.surface.simd)?;
+        Ok(Self {
+            ready,
+            draws,
+            projected,
+            view,
+            viewport,
+            sources: shot.lighting.lights.iter().map(Source::new).collect(),
+            ambient: shot.lighting.ambient,
+            environment: shot.lighting.environment.clone(),
+            level: settings.surface.simd.dispatch()?,
+            settings,
+            lift: ready.lift(),
+        })
+    }
+
+    /// The triangles' memory, for the next picture.
+    pub(super) fn into_projected(self) -> Projected {
+        self.projected
+    }
+
+    /// The settings as the model takes them.
+    pub(super) fn settings(&self) -> &RenderSettings {
+        &self.settings
+    }
+
+    /// What throws shadows; the tree is made when first asked for.
+    pub(super) fn casters(&self) -> Casters<'_> {
+        Casters { tree: self.ready.tree(), draws: &self.draws }
+    }
+
+    /// How many tiles the picture has.
+    pub fn tile_count(&self) -> usize {
+        let (across, down) = self.viewport.tiles();
+        (across * down) as usize
+    }
+
+    /// The picture's size and sampling pattern.
+    pub fn viewport(&self) -> &Viewport {
+        &self.viewport
+    }
+
+    /// A batch with room for the visibility of every light.
+    pub fn batch(&self) -> Box<Batch> {
+        Batch::new(self.sources.len())
+    }
+
+    /// What drawing a tile needs, empty.
+    pub(super) fn desk(&self) -> Desk {
+        Desk {
+            resolve: Resolve::default(),
+            codes: vec![[0; 4]; TILE_PIXELS],
+            plane: TilePlane::default(),
+            grouping: Grouping::default(),
+            keys: Vec::new(),
+            batch: self.batch(),
+        }
+    }
+
+    /// Draws what stands in a tile.
+    ///
+    /// # Errors
+    /// Where the SIMD level is not to be had.
+    pub(super) fn tile(&self, tile: &Tile, desk: &mut Desk) -> Result<()> {
+        let offsets = self.viewport.pattern.offsets();
+        desk.batch.begin(self.sources.len());
+        desk.resolve.begin(offsets.len(), self.settings.aovs);
+        for (sample, offset) in offsets.iter().enumerate() {
+            let at = TileSample { tile, offset: *offset };
+            let Desk { plane, grouping, keys, .. } = desk;
+            keys.clear();
+            self.find(at, plane, grouping, keys)?;
+            self.shade(at, sample == 0, desk);
+        }
+        Ok(())
+    }
+
+    /// Stage 1: which triangles are seen at a sample of a tile, those of a draw and of a triangle together; `plane` is
+    /// scratch.
+    ///
+    /// # Errors
+    /// Where the SIMD level is not to be had.
+    pub fn visible(&self, at: TileSample<'_>, plane: &mut TilePlane) -> Result<Vec<Key>> {
+        let mut keys = Vec::new();
+        self.find(at, plane, &mut Grouping::default(), &mut keys)?;
+        Ok(keys)
+    }
+
+    fn find(
+        &self,
+        at: TileSample<'_>,
+        plane: &mut TilePlane,
+        grouping: &mut Grouping,
+        keys: &mut Vec<Key>,
+    ) -> Result<()> {
+        let simd = self.settings.surface.simd;
+        raster::rasterize_opaque(&self.projected.opaque, at, simd, plane)?;
+        let layers = raster::rasterize_layers(&self.projected.layered, at, simd, plane)?;
+        grouping.append(plane, |triangle| self.draws.number_of(triangle), keys);
+        // Layers come in the order of drawing, and no draw has both.
+        keys.extend(layers.iter().map(|l| Key { pixel: l.pixel, triangle: l.id, depth: l.depth }));
+        Ok(())
+    }
+
+    /// Stages 2 to 5 for all fragments of a sample, the first of its tile or a later one.
+    fn shade(&self, at: TileSample<'_>, first: bool, desk: &mut Desk) {
+        let Desk { keys, batch, resolve, .. } = desk;
+        let layered = self.runs(keys).any(|(draw, _)| self.draws.all[draw].layered());
+        for (draw, keys) in self.runs(keys) {
+            let alpha = self.draws.all[draw].material.alpha;
+            for keys in keys.chunks(BATCH) {
+                self.gather(at, draw, keys, batch);
+                self.light(draw, batch);
+                if layered {
+                    resolve.keep(keys, alpha, batch);
+                } else {
+                    resolve.add_opaque(keys, batch);
+                }
+                if first {
+                    resolve.note_aovs(keys, alpha, batch, &self.view);
+                }
+            }
+        }
+        resolve.add_layers();
+    }
+
+    /// The parts of `keys`, in which those of a draw are together, with the draw's number.
+    pub fn runs<'k>(&self, mut keys: &'k [Key]) -> impl Iterator<Item = (usize, &'k [Key])> {
+        std::iter::from_fn(move || {
+            let draw = self.draws.number_of(keys.first()?.triangle);
+            let triangles = self.draws.all[draw].numbers();
+            let same = keys.iter().take_while(|key| triangles.contains(&key.triangle)).count();
+            let (run, rest) = keys.split_at(same.max(1));
+            keys = rest;
+            Some((draw, run))
+        })
+    }
+
+    /// Stage 2: interpolates vertices and reads textures for at most [`BATCH`] keys of one draw.
+    pub fn gather(&self, at: TileSample<'_>, draw: usize, keys: &[Key], batch: &mut Batch) {
+        place(keys, at.offset.map(|o| o as f32 / 256.0), batch);
+        let interpolation = self.interpolation(draw);
+        let screen = Screen {
+            viewport: &self.viewport,
+            clip: &self.projected.clip[draw],
+            origin: [f64::from(at.tile.x), f64::from(at.tile.y)],
+        };
+        interpolation.weigh(&screen, batch);
+        interpolation.fill(Some(self.view.eye), batch);
+    }
+
+    /// Makes fragments of a draw.
+    fn interpolation(&self, draw: usize) -> Interpolation<'_> {
+        let draw = &self.draws.all[draw];
+        Interpolation {
+            level: self.level,
+            scene: self.draws.scene,
+            draw,
+            specular_aa: self.settings.specular_aa,
+            takes_roughness: self.environment.is_some()
+                || takes_roughness(self.settings.shading, draw.material),
+        }
+    }
+
+    /// Stages 3 to 5: shading normals, shadows, lighting.
+    pub fn light(&self, draw: usize, batch: &mut Batch) {
+        let settings = &self.settings;
+        let interpolation = self.interpolation(draw);
+        let draw = &self.draws.all[draw];
+        complete(self.level, settings, draw, batch);
+        if let Some(light) = &self.environment {
+            surround::look_up(self.level, Surrounding { light, shading: settings.shading }, draw, batch);
+        }
+        if settings.shadows {
+            let origins = interpolation.origins(self.lift, batch);
+            trace_shadows(self.casters(), &self.sources, &origins, batch);
+        }
+        let illumination = Illumination {
+            shading: settings.shading,
+            sources: &self.sources,
+            ambient: self.ambient,
+            shadows: settings.shadows,
+            surrounded: self.environment.is_some(),
+        };
+        light(self.level, &illumination, draw, batch);
+    }
+}
+
+/// Empties `batch` and fills in the places of `keys`, seen at `offset` within their pixels.
+fn place(keys: &[Key], offset: [f32; 2], batch: &mut Batch) {
+    batch.len = keys.len();
+    batch.runs.clear();
+    for (i, key) in keys.iter().enumerate() {
+        batch.place[0][i] = (key.pixel % TILE_SIZE) as f32 + offset[0];
+        batch.place[1][i] = (key.pixel / TILE_SIZE) as f32 + offset[1];
+        match batch.runs.last_mut() {
+            Some(run) if run.triangle == key.triangle => run.end = i + 1,
+            _ => batch.runs.push(Run { triangle: key.triangle, start: i, end: i + 1 }),
+        }
+    }
+}
