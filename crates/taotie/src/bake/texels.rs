@@ -15,7 +15,7 @@ use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::progress::Progress;
 use crate::scene::NormalSpace;
-use crate::shade::Hidden;
+use crate::shade::SubPixelVariance;
 use crate::surface::tangent_space_normal;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -321,8 +321,9 @@ impl Job<'_> {
         }
         if maps.has(MapKind::Roughness) {
             let mean = cell.normal * share;
-            let relief = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
-            planes.roughness[i] = Hidden { bend: 0.0f32, relief }.widened(self.settings.roughness);
+            let normal_variance = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
+            planes.roughness[i] =
+                SubPixelVariance { curvature: 0.0f32, normal_variance }.widened(self.settings.roughness);
         }
     }
 

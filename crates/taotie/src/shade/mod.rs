@@ -35,4 +35,4 @@ pub use facets::Facets;
 pub use models::{reflect, reflect_stretched};
 pub use shading::Shading;
 pub use substance::Substance;
-pub use widening::{Hidden, bend};
+pub use widening::{SubPixelVariance, curvature_variance};
