@@ -25,7 +25,9 @@ use taotie::raster::PerspectiveTriangle;
 use taotie::render::{Lighting, RenderSettings, Renderer, Shot};
 use taotie::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Scene};
 use taotie::shade::dfg::Dfg;
-use taotie::shade::{Angles, Hidden, Shading, Substance, bend, compensation, lights, reflect};
+use taotie::shade::{
+    Angles, Shading, SubPixelVariance, Substance, compensation, curvature_variance, lights, reflect,
+};
 use taotie::surface::tangent_normal;
 
 /// Texels across each map.
@@ -60,7 +62,7 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let [positions, normals, tangents] = constants.corners;
     let (position, normal) = (mix(positions, bary.weights), mix(normals, bary.weights));
     let tangent = mix(tangents, bary.weights);
-    let hidden_bend = bend(change(normals, bary.d_x), change(normals, bary.d_y));
+    let curvature = curvature_variance(change(normals, bary.d_x), change(normals, bary.d_y));
     let facet = positions[1].cross(positions[2]).normalize_or(normal);
     let v = (Vec3::new(zero, zero, x.lit(3.0)) - position).normalize_or(facet);
 
@@ -107,7 +109,7 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let [sx, sy, sz, relief] = stored;
     let map = Vec3::new(sx + sx - one, sy + sy - one, sz + sz - one);
     let n = tangent_normal(normal, tangent, one, map);
-    let roughness = Hidden { bend: hidden_bend, relief }.widened(x.lit(0.5));
+    let roughness = SubPixelVariance { curvature, normal_variance: relief }.widened(x.lit(0.5));
     let dfg = Dfg { scale: at[9], bias: at[10], edge: zero, diffuse_edge: zero };
     let substance = Substance {
         base_color: color,

@@ -254,7 +254,7 @@ fn files() -> cycles::Files {
 
 #[test]
 fn no_module_imports_itself_in_a_circle() {
-    let found: Vec<_> = files().cycles().into_iter().map(|files| Vec::from_iter(files)).collect();
+    let found: Vec<_> = files().cycles().into_iter().map(Vec::from_iter).collect();
     let excepted = |files: &[String]| CIRCLES.iter().any(|(circle, _)| circle.iter().eq(files));
     let faults = found.iter().filter(|files| !excepted(files)).map(|files| {
         format!("these files import one another; move what they share to a lower file: {}", files.join(", "))

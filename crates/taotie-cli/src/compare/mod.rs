@@ -44,7 +44,7 @@ fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<Writ
         .transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
     let environment = args.light.environment(&mut warnings)?;
-    let lighting = studio::lighting(&args.light, environment.as_ref(), &loaded.scene, &viewpoint, 0.0)?;
+    let lighting = studio::lighting(&args.light, environment.as_ref(), &loaded.scene, viewpoint.at(0.0))?;
     let camera = viewpoint.camera(0.0);
     let options = ComparisonOptions { camera: Some(camera), lighting: Some(lighting), ..options(args)? };
     let name = model.display().to_string();

@@ -114,7 +114,8 @@ impl<'a> Shooting<'a> {
     fn render(&mut self, stage: &mut Stage<'_>, planned: &SequenceFrame) -> Result<Picture> {
         let environment = self.environment.as_ref();
         let scene = stage.renderer.prepared().scene();
-        let lighting = studio::lighting(&self.args.light, environment, scene, stage.viewpoint, planned.turn)?;
+        let lighting =
+            studio::lighting(&self.args.light, environment, scene, stage.viewpoint.at(planned.turn))?;
         let (camera, settings) = (stage.viewpoint.camera(planned.turn), &self.settings);
         let (before, count) = (self.done as f64, self.plan.shots.len() as f64);
         let bar = stage.bar;

@@ -14,7 +14,7 @@ use std::path::Path;
 use taotie::io::Loaded;
 use taotie::render::{EnvironmentLight, Lighting};
 use taotie::scene::Scene;
-use taotie::studio::MaterialFile;
+use taotie::studio::{MaterialFile, View};
 
 /// Reads a model, chooses the variant asked for, and gives its materials what the options ask for. `height_scale` is
 /// the height of white in model units, where it was asked for.
@@ -39,15 +39,14 @@ fn of_material(choice: Option<&str>, error: taotie::Error) -> anyhow::Error {
     }
 }
 
-/// The light on a scene after it has turned by `turn` radians on a turntable.
+/// The light on a scene in this view.
 pub fn lighting(
     args: &LightArgs,
     environment: Option<&EnvironmentLight>,
     scene: &Scene,
-    viewpoint: &Viewpoint,
-    turn: f64,
+    view: View<'_>,
 ) -> Result<Lighting> {
-    Ok(args.options()?.lighting(environment, scene, viewpoint.at(turn)))
+    Ok(args.options()?.lighting(environment, scene, view))
 }
 
 /// Runs `work` on `threads` threads, or on all of the machine's.

@@ -8,7 +8,7 @@ use snapbox::str;
 use taotie::image::Texels;
 use taotie::io::{GltfAsset, GltfFormat, GltfLevel, load_model, read_bitmap, write_gltf};
 
-/// A folder with a scan and a light mesh.
+/// A folder with a scan and a low-poly mesh.
 fn pair() -> Place {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", LIGHT.obj());
@@ -177,7 +177,7 @@ fn maps_stand_where_they_say_and_mean_what_they_say() {
         assert_eq!(maps[map]["file"], name);
         assert_eq!(bits(&name), wanted, "{map}");
     }
-    // The scan lies 0.06 outside; facets of the light mesh sag by 0.002 at most.
+    // The scan lies 0.06 outside; facets of the low-poly mesh sag by 0.002 at most.
     let [black, white] = ["black", "white"].map(|end| number(maps, &format!("/height/{end}")));
     assert!((0.057..0.0601).contains(&black) && (0.0599..0.064).contains(&white), "{maps}");
     assert_eq!(

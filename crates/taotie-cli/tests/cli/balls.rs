@@ -1,4 +1,4 @@
-//! Balls to be baked: scans with waves on them, and light meshes to stand for these.
+//! Balls to be baked: scans with waves on them, and low-poly meshes to stand for these.
 
 use std::fmt::Write;
 use taotie::math::scalar::{cos, sin};
@@ -23,7 +23,7 @@ pub struct Ball {
 pub const SCAN: Ball =
     Ball { rings: 48, meridians: 96, radius: 1.0, waves: 0.01, center: [0.0; 3], uv: None };
 
-/// A light mesh of 528 triangles that fits [`SCAN`].
+/// A low-poly mesh of 528 triangles that fits [`SCAN`].
 pub const LIGHT: Ball = Ball { rings: 12, meridians: 24, waves: 0.0, uv: Some(|u, v| [u, v]), ..SCAN };
 
 impl Ball {

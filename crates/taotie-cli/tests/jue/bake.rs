@@ -2,7 +2,7 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeSettings, Cage, Scan, SimplifyOptions, UnwrapOptions, Verifier, bake, simplify, unwrap,
+    BakeInput, BakeSettings, Cage, Scan, SimplifyOptions, UnwrapOptions, Verifier, bake, simplify, unwrap,
 };
 use taotie::image::{Encoding, Texture};
 use taotie::mesh::Mesh;
@@ -26,18 +26,19 @@ fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     let scanned = scan(truth);
     let options = SimplifyOptions { triangles: 2000, ..SimplifyOptions::default() };
     let low = simplify(scanned.mesh(), &options, Progress::SILENT).unwrap();
-    assert!(low.reached, "{:?}", low.means);
+    assert!(low.reached, "{:?}", low.method);
     let low = unwrap(&low.mesh, &UnwrapOptions { size: SIZE, padding: 4 }, Progress::SILENT).unwrap().mesh;
     let low = with_frames(&low, 0, None).unwrap().0.into_owned();
     let cage = Cage::automatic(&low, &scanned);
     let settings = BakeSettings { size: [SIZE; 2], side: 1, ..BakeSettings::default() };
-    let baked = bake(&low, &cage, &scanned, &settings, Progress::SILENT).unwrap();
+    let baked =
+        bake(BakeInput { low: &low, cage: &cage, scan: &scanned }, &settings, Progress::SILENT).unwrap();
     let storage = Storage { bits: 8, dither: true };
-    let bitmap = store_unit_vectors(baked.planes.size(), &baked.planes.normal, storage).unwrap();
+    let bitmap = store_unit_vectors(baked.maps.size(), &baked.maps.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
 
     let verifier =
         Verifier { mesh: &low, normal: Some((&texture, NormalSpace::Tangent)), cage: &cage, scan: &scanned };
-    let angles = verifier.verdict(100_000).unwrap().angles.summary().unwrap();
+    let angles = verifier.normal_error(100_000).unwrap().angles.summary().unwrap();
     assert!(angles.mean < 1.0, "{angles:?}");
 }

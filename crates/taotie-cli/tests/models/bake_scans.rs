@@ -1,4 +1,4 @@
-//! `taotie bake` on real scans: pairs of heavy and light meshes, and scans alone. What is written is proved by the
+//! `taotie bake` on real scans: pairs of high-poly and low-poly meshes, and scans alone. What is written is proved by the
 //! command itself and once more here, against meshes read anew.
 
 use crate::common::absent;
@@ -28,7 +28,7 @@ fn number(report: &Value, path: &str) -> f64 {
     report.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {report}"))
 }
 
-/// Folders of the data that hold `count` OBJ files, and these: the heavy ones first.
+/// Folders of the data that hold `count` OBJ files, and these: the high-poly ones first.
 fn objects(count: usize) -> Vec<Vec<PathBuf>> {
     let mut folders = BTreeMap::<PathBuf, Vec<PathBuf>>::new();
     for file in data_files("odedstein-meshes", &["obj"]) {

@@ -187,7 +187,7 @@ fn displaced_normal(base: ReliefBase<f64>, relief: Relief<f64>) -> Vec3<f64> {
 
 /// The mesh with its tangents on a map of `size` × `size`, charts grown by 1/128 of a side.
 pub(super) fn laid_out(mesh: &Mesh, size: u32) -> TexelSurface {
-    let grid = TexelGrid { width: size, height: size, uv_set: 0, margin: (size / 128).max(2) };
+    let grid = TexelGrid { width: size, height: size, uv_set: 0, padding: (size / 128).max(2) };
     TexelSurface::new(with_frames(mesh), &grid).expect("the vessel has uvs, and its maps can be made")
 }
 

@@ -3,7 +3,7 @@
 use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made};
-use super::maps::{BakedMaps, bake_maps};
+use super::maps::{StoredMaps, bake_maps};
 use super::memory::{Bytes, Limits, Need, ScanSize};
 use super::notes;
 use super::options::BakeOptions;
@@ -44,13 +44,15 @@ impl Baker {
 
     /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; judges the result.
     ///
-    /// The listener hears the stages `simplify`, `unwrap`, `read the light mesh`, `tangents`, `measure the gap`, `bake`,
+    /// The listener hears the stages `simplify`, `unwrap`, `read the light mesh`, `tangents`, `measure the gap`,
+    /// `bake`,
     /// `store`, `levels of detail` and `inspect the scan`, and is asked about every 20 ms whether to go on.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`BakeOptions::check`] and of reading what the options
     /// name; [`Error::Limit`](crate::Error::Limit) where the memory does not suffice;
-    /// [`Error::Invalid`](crate::Error::Invalid) where no ray met the scan, or no mesh and map come as near as is wanted.
+    /// [`Error::Invalid`](crate::Error::Invalid) where no ray met the scan, or no mesh and map come as near as is
+    /// wanted.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
         let (options, scan) = (Arc::clone(&self.options), scan.into());
         options.check()?;
@@ -69,7 +71,7 @@ impl Baker {
 /// A low-poly mesh and its maps.
 struct Lightened {
     low: LowPoly,
-    maps: BakedMaps,
+    maps: StoredMaps,
     size: u32,
     trials: Vec<Trial>,
 }

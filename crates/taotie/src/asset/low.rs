@@ -4,7 +4,7 @@ use super::kept::Kept;
 use super::notes;
 use super::options::{BakeOptions, MeshSource};
 use super::scan::{Scan, check_extent};
-use crate::bake::{self, Means, Simplified, SimplifyOptions, UnwrapOptions};
+use crate::bake::{self, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
 use crate::error::{Result, Warnings};
 use crate::io;
 use crate::mesh::Mesh;
@@ -62,7 +62,7 @@ impl LowPoly {
         let material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
         notes::left_of_low(&material, options, warnings);
         let kept = Kept::of(&material, &scene);
-        let mesh = bake::light_mesh(scene)?;
+        let mesh = bake::low_poly_mesh(scene)?;
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
@@ -74,7 +74,7 @@ impl LowPoly {
 
     /// Unwraps a simplified scan for maps of this size.
     pub fn made(scan: &Scan, simplified: &Simplified, size: u32, progress: Progress<'_>) -> Result<Self> {
-        let means = means(simplified.means).to_owned();
+        let means = means(simplified.method).to_owned();
         let simplification = Simplification { means, error: simplified.error };
         let mut origin = Origin { simplified: Some(simplification), charts: None };
         let mesh = unwrapped(&simplified.mesh, size, &mut origin, progress)?;
@@ -83,12 +83,12 @@ impl LowPoly {
     }
 }
 
-fn means(means: Means) -> &'static str {
+fn means(means: SimplifyMethod) -> &'static str {
     match means {
-        Means::Kept => "kept",
-        Means::Collapsed => "collapsed",
-        Means::Pruned => "pruned",
-        Means::Clustered => "clustered",
+        SimplifyMethod::Kept => "kept",
+        SimplifyMethod::Collapsed => "collapsed",
+        SimplifyMethod::Pruned => "pruned",
+        SimplifyMethod::Clustered => "clustered",
     }
 }
 

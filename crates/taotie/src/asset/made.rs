@@ -1,7 +1,7 @@
 //! A baked asset.
 
 use super::low::{LowPoly, Origin};
-use super::maps::BakedMaps;
+use super::maps::StoredMaps;
 use super::options::BakeOptions;
 use super::scan::About;
 use super::search::Trial;
@@ -18,7 +18,7 @@ pub(super) struct Made {
     pub low: LowPoly,
     /// The levels of detail after the first.
     pub coarser: Vec<Mesh>,
-    pub maps: BakedMaps,
+    pub maps: StoredMaps,
     /// Texels along a side.
     pub size: u32,
     pub trials: Vec<Trial>,

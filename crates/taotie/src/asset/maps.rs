@@ -5,13 +5,13 @@ use super::low::read;
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::scan::Scan;
 use super::textures::Textures;
-use crate::bake::{self, BakeCounts, BakeSettings, Baked, Cage, Maps};
+use crate::bake::{self, BakeCounts, BakeInput, BakeSettings, Baked, Cage, Maps};
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 
 /// Maps as they were baked.
-pub(super) struct BakedMaps {
+pub(super) struct StoredMaps {
     pub textures: Textures,
     /// What became of the samples.
     pub counts: BakeCounts,
@@ -27,7 +27,7 @@ pub(super) fn bake_maps(
     size: u32,
     pair: Pair<'_>,
     progress: Progress<'_>,
-) -> Result<BakedMaps> {
+) -> Result<StoredMaps> {
     let Pair { scan, low } = pair;
     progress.begin("measure the gap")?;
     let mut warnings = Warnings::default();
@@ -42,12 +42,12 @@ pub(super) fn bake_maps(
         roughness: options.roughness.map_or(scan.about.material.roughness, |v| v as f32),
         dilation: options.dilation,
     };
-    let Baked { planes, counts } =
-        bake::bake(&low.mesh, &cage, &scan.high, &settings, progress.begin("bake")?)?;
+    let input = BakeInput { low: &low.mesh, cage: &cage, scan: &scan.high };
+    let Baked { maps, counts } = bake::bake(input, &settings, progress.begin("bake")?)?;
     refuse_no_hit(pair, &cage, &counts)?;
     progress.begin("store")?;
-    let textures = Textures::new(&planes, options, low.material.metallic)?;
-    Ok(BakedMaps { textures, counts, cage, warnings })
+    let textures = Textures::new(&maps, options, low.material.metallic)?;
+    Ok(StoredMaps { textures, counts, cage, warnings })
 }
 
 fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings) -> Result<Cage> {
@@ -55,7 +55,7 @@ fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings
         RayDistance::Auto => Ok(Cage::automatic(low, &scan.high)),
         RayDistance::Uniform(distance) => Cage::uniform(low, *distance as f32),
         RayDistance::Cage(source) => {
-            let mesh = bake::light_mesh(read(source, warnings)?)?;
+            let mesh = bake::low_poly_mesh(read(source, warnings)?)?;
             Cage::from_mesh(low, &mesh).map_err(|error| of_file(source, error))
         }
     }

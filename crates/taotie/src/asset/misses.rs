@@ -1,6 +1,6 @@
 //! Where projection rays missed the scan, small enough to look at.
 
-use crate::bake::{Planes, Texel};
+use crate::bake::{BakedMaps, TexelStatus};
 
 /// Texels along the longer side, at most.
 const SIDE: usize = 1024;
@@ -14,14 +14,14 @@ pub struct Misses {
     /// Blocks down.
     pub height: usize,
     /// Row by row from the top.
-    pub texels: Vec<Texel>,
+    pub texels: Vec<TexelStatus>,
 }
 
 impl Misses {
     /// Looks the map through; `None` where no ray missed.
-    pub(super) fn of(planes: &Planes) -> Option<Self> {
+    pub(super) fn of(planes: &BakedMaps) -> Option<Self> {
         let [width, height] = planes.size().map(|side| side as usize);
-        planes.texels.iter().find(|texel| matches!(texel, Texel::Closest | Texel::Lost))?;
+        planes.texels.iter().find(|texel| matches!(texel, TexelStatus::Closest | TexelStatus::Lost))?;
         let step = width.max(height).div_ceil(SIDE);
         let (across, down) = (width / step, height / step);
         let worst = |i: usize| {

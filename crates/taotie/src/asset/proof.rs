@@ -4,7 +4,7 @@ use super::made::Asset;
 use super::scan::Scan;
 use super::views::{self, ViewFigures, Views};
 use super::write::Written;
-use crate::bake::{self, Cage, Fit, MapKind, Verifier, light_mesh};
+use crate::bake::{self, Cage, Fit, MapKind, Verifier, low_poly_mesh};
 use crate::compare::{Field, Summary};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
@@ -175,16 +175,16 @@ impl Written {
 
     fn measure(&self, subject: &Subject<'_>, options: &VerifyOptions) -> Result<Figures> {
         let mapped = subject.verifier(true);
-        let verdict = mapped.verdict(options.points)?;
-        let plain = subject.verifier(false).verdict(options.points / 10)?;
+        let normal_error = mapped.normal_error(options.points)?;
+        let plain = subject.verifier(false).normal_error(options.points / 10)?;
         let deviation = mapped.deviation(options.distance_points)?;
         let diagonal = subject.scan.mesh().diagonal();
         let Asset { made } = &self.asset;
         let (counts, size) = (&made.maps.counts, made.size);
         let part = |of: usize, all: usize| of as f64 / all.max(1) as f64;
         Ok(Figures {
-            histogram: verdict.angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
-            angles: verdict.angles.summary(),
+            histogram: normal_error.angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
+            angles: normal_error.angles.summary(),
             without_map: plain.angles.summary(),
             floor_8_bit: FLOOR_8_BIT,
             missed_texels: part(counts.missed_texels, counts.texels),
@@ -238,7 +238,7 @@ impl<'a> Shown<'a> {
         let map = scene.materials()[first.material].normal.as_ref();
         let inside = map.map(|map| (&scene.textures()[map.texture.texture], NormalSpace::Tangent));
         let normal = object_map.map(|map| (map, NormalSpace::Object)).or(inside);
-        let mesh = with_frames(&light_mesh(finest)?, 0, None)?.0.into_owned();
+        let mesh = with_frames(&low_poly_mesh(finest)?, 0, None)?.0.into_owned();
         Ok(Self { mesh, normal })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::judgement::Pair;
 use super::low::{self, LowPoly};
-use super::maps::{BakedMaps, bake_maps};
+use super::maps::{StoredMaps, bake_maps};
 use super::options::BakeOptions;
 use super::scan::Scan;
 use crate::bake::{Simplified, Verifier};
@@ -38,7 +38,7 @@ pub struct Trial {
 /// The mesh and map that were found.
 pub(super) struct Found {
     pub low: LowPoly,
-    pub maps: BakedMaps,
+    pub maps: StoredMaps,
     /// Texels along a side.
     pub size: u32,
     pub trials: Vec<Trial>,
@@ -107,7 +107,7 @@ fn none_near_enough(most: f64, trials: &[Trial], scan: usize) -> Error {
     Error::invalid(format!("a mean normal error of {most}°"), why)
 }
 
-fn mean_angle(pair: Pair<'_>, maps: &BakedMaps) -> Result<f64> {
+fn mean_angle(pair: Pair<'_>, maps: &StoredMaps) -> Result<f64> {
     let Some(bitmap) = maps.textures.normal.clone() else {
         return Err(Error::invalid("a mean normal error", "it needs a normal map in tangent space"));
     };
@@ -118,6 +118,6 @@ fn mean_angle(pair: Pair<'_>, maps: &BakedMaps) -> Result<f64> {
         cage: &maps.cage,
         scan: &pair.scan.high,
     };
-    let angles = verifier.verdict(POINTS)?.angles;
+    let angles = verifier.normal_error(POINTS)?.angles;
     Ok(angles.summary().map_or(f64::INFINITY, |summary| summary.mean))
 }

@@ -3,7 +3,7 @@
 use super::kept::Kept;
 use super::misses::Misses;
 use super::options::BakeOptions;
-use crate::bake::{MapKind, Planes};
+use crate::bake::{BakedMaps, MapKind};
 use crate::error::Result;
 use crate::image::Bitmap;
 use crate::io::{GltfImage, GltfMaterial};
@@ -66,7 +66,7 @@ pub struct Range {
 
 impl Textures {
     /// Stores the maps that were baked; `metallic` is that of the material.
-    pub(super) fn new(planes: &Planes, options: &BakeOptions, metallic: f32) -> Result<Self> {
+    pub(super) fn new(planes: &BakedMaps, options: &BakeOptions, metallic: f32) -> Result<Self> {
         let mut textures = Self { misses: Misses::of(planes), ..Self::default() };
         let storage = Storage { bits: options.bits, dither: options.bits == 8 };
         if !planes.normal.is_empty() {
@@ -91,7 +91,7 @@ impl Textures {
             textures.beside.push(Beside { map: MapKind::Bent, bitmap, range: None });
         }
         let numbers = [
-            (MapKind::Height, &planes.lift, "model units"),
+            (MapKind::Height, &planes.heights, "model units"),
             (MapKind::Curvature, &planes.curvature, "1 / model unit"),
         ];
         for (map, plane, unit) in numbers.into_iter().filter(|(_, plane, _)| !plane.is_empty()) {
@@ -144,12 +144,12 @@ impl Beside {
     }
 }
 
-fn color(planes: &Planes) -> Result<Bitmap> {
+fn color(planes: &BakedMaps) -> Result<Bitmap> {
     let encode = |v: f32| srgb_from_linear(f64::from(v.clamp(0.0, 1.0))) as f32;
     store_codes(planes.size(), |i| planes.albedo[i].map(encode), 3, Storage { bits: 8, dither: true })
 }
 
-fn orm(planes: &Planes, has: Has, metallic: f32) -> Result<Bitmap> {
+fn orm(planes: &BakedMaps, has: Has, metallic: f32) -> Result<Bitmap> {
     let at = |plane: &[f32], i: usize, none: f32| plane.get(i).copied().unwrap_or(none);
     let codes = |i: usize| [at(&planes.occlusion, i, 1.0), at(&planes.roughness, i, 1.0), metallic];
     let channels = if has.roughness { 3 } else { 1 };
@@ -158,7 +158,7 @@ fn orm(planes: &Planes, has: Has, metallic: f32) -> Result<Bitmap> {
 }
 
 /// A map of numbers, in 16 bits.
-fn of_numbers(map: MapKind, planes: &Planes, plane: &[f32], unit: &'static str) -> Result<Beside> {
+fn of_numbers(map: MapKind, planes: &BakedMaps, plane: &[f32], unit: &'static str) -> Result<Beside> {
     let [black, white] = range(map, planes, plane);
     let number = |v: f32| (v - black) / (white - black);
     let fine = Storage { bits: 16, dither: false };
@@ -169,7 +169,7 @@ fn of_numbers(map: MapKind, planes: &Planes, plane: &[f32], unit: &'static str) 
 
 /// The values of black and white: from the least to the greatest height, and as much curvature either way as all but
 /// the hundredth part of the texels have.
-fn range(map: MapKind, planes: &Planes, plane: &[f32]) -> [f32; 2] {
+fn range(map: MapKind, planes: &BakedMaps, plane: &[f32]) -> [f32; 2] {
     let mut covered = planes.covered(plane);
     covered.sort_unstable_by(f32::total_cmp);
     let (Some(least), Some(most)) = (covered.first(), covered.last()) else { return [0.0, 1.0] };

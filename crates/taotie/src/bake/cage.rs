@@ -1,15 +1,15 @@
-//! Which way and how far the heavy surface is looked for.
+//! Which way and how far the high-poly surface is looked for.
 
-use super::projection::{Match, Probe};
-use super::scan::{Scan, blend};
+use super::projection::{Correspondence, ProjectionRay};
+use super::scan::Scan;
 use crate::error::{Error, Result};
 use crate::math::{Vec3, sequence};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Point, blend};
 use crate::surface;
 use crate::trace::Bvh;
 use rayon::prelude::*;
 
-/// For each vertex of a light mesh the direction in which its scan is looked for, and how far.
+/// For each vertex of a low-poly mesh the direction in which its scan is looked for, and how far.
 ///
 /// Directions are the means of the mesh's normals at a place, so that they do not part at hard edges and uv seams, and
 /// no gap opens between the lines of neighbouring texels.
@@ -17,8 +17,8 @@ use rayon::prelude::*;
 pub struct Cage {
     /// Outward, unit.
     directions: Vec<Vec3>,
-    /// How far lines go into the light surface and out of it, model units.
-    reach: Vec<f32>,
+    /// How far lines go into the low-poly surface and out of it, model units.
+    distances: Vec<f32>,
     /// The longest of these.
     longest: f32,
 }
@@ -29,8 +29,9 @@ const MARGIN: f32 = 2.0;
 const LEAST: f64 = 2e-4;
 /// The gap is sought no farther than this part of the mesh's diagonal.
 const MOST: f64 = 0.1;
-/// A point seen along the direction, farther away than this part of the mesh's diagonal, is that of the gap only if it is
-/// no farther away than [`OBLIQUE`] times the closest point of all; else the line ran past the scan and met another part.
+/// A point seen along the direction, farther away than this part of the mesh's diagonal, is that of the gap only if it
+/// is no farther away than [`OBLIQUE`] times the closest point of all; else the line ran past the scan and met another
+/// part.
 const NEAR: f64 = 1e-2;
 const OBLIQUE: f32 = 4.0;
 
@@ -38,9 +39,9 @@ const OBLIQUE: f32 = 4.0;
 const FALLBACK: f32 = 4.0;
 
 impl Cage {
-    fn new(directions: Vec<Vec3>, reach: Vec<f32>) -> Self {
-        let longest = reach.iter().fold(0.0, |most: f32, v| most.max(*v));
-        Self { directions, reach, longest }
+    fn new(directions: Vec<Vec3>, distances: Vec<f32>) -> Self {
+        let longest = distances.iter().fold(0.0, |most: f32, v| most.max(*v));
+        Self { directions, distances, longest }
     }
 
     /// Finds the distances: from points all over each triangle the scan is looked for along the directions and as the
@@ -48,18 +49,16 @@ impl Cage {
     pub fn automatic(low: &Mesh, scan: &Scan) -> Self {
         let directions = directions(low);
         let diagonal = low.diagonal();
-        let gaps: Vec<f32> = (0..low.triangles().len())
-            .into_par_iter()
-            .map(|t| largest_gap(low, &directions, scan, t, diagonal))
-            .collect();
-        let mut reach = vec![(diagonal * LEAST) as f32; directions.len()];
+        let search = GapSearch { low, directions: &directions, scan, diagonal };
+        let gaps: Vec<f32> = (0..low.triangles().len()).into_par_iter().map(|t| search.largest(t)).collect();
+        let mut distances = vec![(diagonal * LEAST) as f32; directions.len()];
         for (triangle, gap) in low.triangles().iter().zip(gaps) {
             for v in triangle {
-                reach[*v as usize] = reach[*v as usize].max(gap * MARGIN);
+                distances[*v as usize] = distances[*v as usize].max(gap * MARGIN);
             }
         }
-        surface::shared_by_position(low, &mut reach);
-        Self::new(directions, reach)
+        surface::shared_by_position(low, &mut distances);
+        Self::new(directions, distances)
     }
 
     /// The same distance everywhere, both ways.
@@ -74,12 +73,12 @@ impl Cage {
             ));
         }
         let directions = directions(low);
-        let reach = vec![distance; directions.len()];
-        Ok(Self::new(directions, reach))
+        let distances = vec![distance; directions.len()];
+        Ok(Self::new(directions, distances))
     }
 
-    /// From a cage mesh: the light mesh with its vertices moved outward, in the same order. Lines end at the cage, and
-    /// go as far inward.
+    /// From a cage mesh: the low-poly mesh with its vertices moved outward, in the same order. Lines end at the cage,
+    /// and go as far inward.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the cage has another number of vertices, or where it lies on the mesh or inside of it.
@@ -101,9 +100,9 @@ impl Cage {
                 format!("{inside} of its {count} vertices are not outside the light mesh; move them outward");
             return Err(Error::invalid("the cage", why));
         }
-        let reach: Vec<f32> = (0..count).map(|i| way(i).length()).collect();
+        let distances: Vec<f32> = (0..count).map(|i| way(i).length()).collect();
         let directions = (0..count).map(|i| way(i).normalize_or(normals[i])).collect();
-        Ok(Self::new(directions, reach))
+        Ok(Self::new(directions, distances))
     }
 
     /// The longest of the distances over which the scan is looked for, model units.
@@ -111,43 +110,43 @@ impl Cage {
         self.longest
     }
 
-    /// The line through a point of a triangle of the light mesh.
-    pub fn probe(&self, triangle: [u32; 3], point: Vec3, weights: [f32; 3]) -> Probe {
-        let [a, b, c] = triangle.map(|v| v as usize);
-        let [u, v, w] = weights;
-        let direction = self.directions[a] * u + self.directions[b] * v + self.directions[c] * w;
-        Probe {
-            point,
-            direction: direction.normalize_or(self.directions[a]),
-            reach: self.reach[a] * u + self.reach[b] * v + self.reach[c] * w,
+    /// The line through a point of the low-poly mesh.
+    pub fn projection_ray(&self, low: &Mesh, point: Point) -> ProjectionRay {
+        let vertices = point.vertices(low);
+        let directions = vertices.map(|v| self.directions[v]);
+        ProjectionRay {
+            point: point.position(low),
+            direction: blend(directions, point.weights).normalize_or(directions[0]),
+            distance: blend(vertices.map(|v| self.distances[v]), point.weights),
         }
     }
 
     /// What a line that met nothing stands for: the closest point of the scan, if it faces the same way.
-    pub(super) fn fallback(&self, scan: &Scan, probe: &Probe) -> Option<Match> {
-        scan.closest(probe.point, probe.direction, self.longest * FALLBACK)
+    pub(super) fn fallback(&self, scan: &Scan, projection: &ProjectionRay) -> Option<Correspondence> {
+        scan.closest(projection.point, projection.direction, self.longest * FALLBACK)
     }
 
-    /// The same cage for a copy of its mesh whose vertices stand in another order, or are fewer, or lie a little beside:
-    /// each takes what the cage has at the closest point of its own mesh.
+    /// The same cage for a copy of its mesh whose vertices stand in another order, or are fewer, or lie a little
+    /// beside: each takes what the cage has at the closest point of its own mesh.
     pub fn carried_over(&self, own: &Mesh, copy: &Mesh) -> Self {
         let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
         let at = |point: &Vec3| {
             let closest = surface.closest(*point, f32::INFINITY)?;
-            Some(self.probe(own.triangles()[closest.triangle as usize], *point, closest.weights))
+            Some(self.projection_ray(own, closest.point()))
         };
         // A mesh without triangles has no line to follow either.
-        let none = Probe { point: Vec3::default(), direction: Vec3::default(), reach: 0.0 };
-        let probes: Vec<Probe> = copy.positions().par_iter().map(|point| at(point).unwrap_or(none)).collect();
+        let none = ProjectionRay { point: Vec3::default(), direction: Vec3::default(), distance: 0.0 };
+        let projections: Vec<ProjectionRay> =
+            copy.positions().par_iter().map(|point| at(point).unwrap_or(none)).collect();
         Self::new(
-            probes.iter().map(|probe| probe.direction).collect(),
-            probes.iter().map(|probe| probe.reach).collect(),
+            projections.iter().map(|projection| projection.direction).collect(),
+            projections.iter().map(|projection| projection.distance).collect(),
         )
     }
 }
 
-/// The mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the triangles
-/// around it.
+/// The mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the
+/// triangles around it.
 fn directions(low: &Mesh) -> Vec<Vec3> {
     let around = surface::vertex_normals(low);
     if low.normals().is_empty() {
@@ -157,31 +156,46 @@ fn directions(low: &Mesh) -> Vec<Vec3> {
     means.into_iter().zip(around).map(|(mean, around)| mean.normalize_or(around)).collect()
 }
 
-/// How far the scan lies from a triangle, at most, over a few of its points.
-fn largest_gap(low: &Mesh, directions: &[Vec3], scan: &Scan, t: usize, diagonal: f64) -> f32 {
-    /// Points looked at over the whole mesh, roughly.
-    const POINTS: usize = 60_000;
-    let [near, most] = [NEAR, MOST].map(|part| (diagonal * part) as f32);
-    let triangle = low.triangles()[t];
-    let corners = low.corners(t);
-    let count = (POINTS / low.triangles().len()).clamp(2, 64) as u32;
-    let points = sequence::Sequence::new(t as u32);
-    let gap = |i: u32| {
-        let [u, v, ..] = points.four(i, 0);
-        let weights = triangle_weights(u, v);
-        let point = blend(corners, weights);
-        let direction = blend(triangle.map(|v| directions[v as usize]), weights).normalize_or(directions[0]);
-        let height = |reach: f32| {
-            let probe = Probe { point, direction, reach };
-            scan.project(&probe).map(|found| found.height.abs())
+/// Where gaps between a mesh and its scan are sought.
+struct GapSearch<'a> {
+    low: &'a Mesh,
+    /// Of the mesh's vertices.
+    directions: &'a [Vec3],
+    scan: &'a Scan,
+    /// Of the mesh, model units.
+    diagonal: f64,
+}
+
+impl GapSearch<'_> {
+    /// Returns how far the scan lies from a triangle, at most, over a few of its points.
+    fn largest(&self, t: usize) -> f32 {
+        /// Points looked at over the whole mesh, roughly.
+        const POINTS: usize = 60_000;
+        let count = (POINTS / self.low.triangles().len()).clamp(2, 64) as u32;
+        let points = sequence::Sequence::new(t as u32);
+        let gap = |i: u32| {
+            let [u, v, ..] = points.four(i, 0);
+            self.gap(Point { triangle: t as u32, weights: triangle_weights(u, v) })
+        };
+        (0..count).filter_map(gap).fold(0.0, f32::max)
+    }
+
+    /// Returns how far the scan lies from a point: along the direction there, or as the closest point of all.
+    fn gap(&self, at: Point) -> Option<f32> {
+        let [near, most] = [NEAR, MOST].map(|part| (self.diagonal * part) as f32);
+        let point = at.position(self.low);
+        let directions = at.vertices(self.low).map(|v| self.directions[v]);
+        let direction = blend(directions, at.weights).normalize_or(self.directions[0]);
+        let height = |distance: f32| {
+            let projection = ProjectionRay { point, direction, distance };
+            self.scan.project(&projection).map(|found| found.height.abs())
         };
         if let Some(height) = height(near) {
             return Some(height);
         }
-        let closest = scan.bvh().closest(point, most)?.distance;
+        let closest = self.scan.bvh().closest(point, most)?.distance;
         Some(height((closest * OBLIQUE).max(near)).unwrap_or(closest))
-    };
-    (0..count).filter_map(gap).fold(0.0, f32::max)
+    }
 }
 
 /// Weights of a triangle's corners, evenly spread for (u, v) evenly spread over [0, 1)².

@@ -1,17 +1,13 @@
 //! Which triangle of a mesh each texel of a map belongs to.
 
 use super::grow::grow;
+use super::owner::{NONE, PADDING};
 use super::raster::{Canvas, Rasterizer};
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::Vec2;
 use crate::mesh::Mesh;
 use rayon::prelude::*;
-
-/// Marks texels that belong to no triangle.
-pub(super) const NONE: u32 = u32::MAX;
-/// Marks texels of the margin; the other bits are the triangle.
-pub(super) const MARGIN: u32 = 1 << 31;
 
 /// The map that a mesh is to be laid out on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +19,7 @@ pub struct TexelGrid {
     /// Which uv set of the mesh.
     pub uv_set: usize,
     /// How many texels charts are grown beyond their borders.
-    pub margin: u32,
+    pub padding: u32,
 }
 
 /// Which triangle each texel belongs to.
@@ -32,13 +28,13 @@ pub struct TexelGrid {
 /// of triangles that share an edge one alone covers a centre on it. Where triangles lie over one another, the one
 /// with the lowest number has the texel. Uvs outside [0, 1] are wrapped.
 ///
-/// A texel in the margin, which is around charts and goes on across the map's borders, belongs to the triangle of the
+/// A texel in the padding, which is around charts and goes on across the map's borders, belongs to the triangle of the
 /// nearest covered texel, counted in steps to the left, the right, up and down.
 #[derive(Debug, Clone)]
 pub struct Coverage {
     width: u32,
     height: u32,
-    /// The triangle, with [`MARGIN`] where its texel is in the margin; [`NONE`].
+    /// The triangle, with [`PADDING`] where its texel is in the padding; [`NONE`].
     texels: Vec<u32>,
     covered: usize,
     shared: usize,
@@ -55,7 +51,7 @@ impl Coverage {
     pub fn new(mesh: &Mesh, grid: &TexelGrid) -> Result<Self> {
         let TexelGrid { width, height, .. } = *grid;
         Image::check_size(width, height)?;
-        if mesh.triangles().len() >= MARGIN as usize {
+        if mesh.triangles().len() >= PADDING as usize {
             return Err(Error::limit("a mesh of 2^31 triangles for a map", "split it"));
         }
         let uvs = uv_set(mesh, grid.uv_set)?;
@@ -65,7 +61,7 @@ impl Coverage {
             (0..mesh.triangles().len()).into_par_iter().filter(|t| !rasterizer.draw(*t, &canvas)).count();
         let (mut texels, shared) = canvas.finish();
         let covered = texels.par_iter().filter(|t| **t != NONE).count();
-        grow(&mut texels, width as usize, grid.margin);
+        grow(&mut texels, width as usize, grid.padding);
         Ok(Self { width, height, texels, covered, shared, skipped })
     }
 
@@ -79,20 +75,20 @@ impl Coverage {
         self.height
     }
 
-    /// The triangle that a texel belongs to, margins included.
+    /// The triangle that a texel belongs to, padding included.
     pub fn triangle(&self, x: u32, y: u32) -> Option<u32> {
         let texel = self.texels[self.index(x, y)];
-        (texel != NONE).then_some(texel & !MARGIN)
+        (texel != NONE).then_some(texel & !PADDING)
     }
 
-    /// Whether a triangle covers the centre of a texel, margins excluded.
+    /// Whether a triangle covers the centre of a texel, padding excluded.
     pub fn is_covered(&self, x: u32, y: u32) -> bool {
-        self.texels[self.index(x, y)] < MARGIN
+        self.texels[self.index(x, y)] < PADDING
     }
 
     /// For each texel, row by row from the top, whether a triangle covers its centre.
     pub fn mask(&self) -> Vec<bool> {
-        self.texels.par_iter().map(|texel| *texel < MARGIN).collect()
+        self.texels.par_iter().map(|texel| *texel < PADDING).collect()
     }
 
     /// How many texels have a triangle over their centre.
@@ -138,8 +134,8 @@ mod tests {
         Mesh::new(MeshData { positions, uvs: vec![uvs], triangles, ..MeshData::default() }).unwrap()
     }
 
-    fn grid(width: u32, height: u32, margin: u32) -> TexelGrid {
-        TexelGrid { width, height, uv_set: 0, margin }
+    fn grid(width: u32, height: u32, padding: u32) -> TexelGrid {
+        TexelGrid { width, height, uv_set: 0, padding }
     }
 
     /// The map as text: the triangle's number, in brackets nothing.
@@ -179,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn margins_go_around_charts_and_across_borders() {
+    fn padding_goes_around_charts_and_across_borders() {
         let left = [[0.0, 0.25], [0.0, 0.45], [0.2, 0.25]];
         let coverage = Coverage::new(&mesh(&left), &grid(8, 8, 0)).unwrap();
         assert_eq!(

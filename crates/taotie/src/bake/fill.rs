@@ -1,22 +1,22 @@
 //! Filling what lies between charts, so that no filter and no mip level shows a seam.
 
-use super::planes::{Planes, Texel};
+use super::baked_maps::{BakedMaps, TexelStatus};
 use rayon::prelude::*;
 
 /// Texels around each chart that take the value of the nearest one before the rest is filled: more than any bilinear or
 /// anisotropic lookup at the finest level reaches over a border.
-const SKIRT: u32 = 4;
+const PADDING: u32 = 4;
 
-/// Gives free texels values: `steps` of growing charts, each texel from a neighbour; or with `None` first a narrow skirt
-/// and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels are, that
-/// holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
-pub(super) fn fill(planes: &mut Planes, steps: Option<u32>) {
+/// Gives free texels values: `steps` of growing charts, each texel from a neighbour; or with `None` first a narrow
+/// padding and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels
+/// are, that holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
+pub(super) fn fill(planes: &mut BakedMaps, steps: Option<u32>) {
     let size = [planes.width as usize, planes.height as usize];
-    let mut known: Vec<bool> = planes.texels.iter().map(|texel| *texel != Texel::Free).collect();
+    let mut known: Vec<bool> = planes.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();
     if !known.contains(&true) {
         return;
     }
-    for _ in 0..steps.unwrap_or(SKIRT) {
+    for _ in 0..steps.unwrap_or(PADDING) {
         let grown = neighbours(&known, size);
         each(planes, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
         grown.iter().for_each(|(to, _)| known[*to] = true);
@@ -27,9 +27,9 @@ pub(super) fn fill(planes: &mut Planes, steps: Option<u32>) {
 }
 
 /// Does the same to every plane that is there.
-fn each(planes: &mut Planes, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
-    let Planes { occlusion, lift, curvature, roughness, .. } = planes;
-    for plane in [occlusion, lift, curvature, roughness] {
+fn each(planes: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
+    let BakedMaps { occlusion, heights, curvature, roughness, .. } = planes;
+    for plane in [occlusion, heights, curvature, roughness] {
         one(plane.as_chunks_mut::<1>().0);
     }
     for plane in [&mut planes.normal, &mut planes.albedo, &mut planes.bent] {
@@ -122,8 +122,9 @@ mod tests {
     use crate::bake::{MapKind, Maps};
 
     /// Two charts of different heights on a map of 64 × 64.
-    fn charts() -> Planes {
-        let mut planes = Planes::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
+    fn charts() -> BakedMaps {
+        let mut planes =
+            BakedMaps::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
         for y in 0..64 {
             for x in 0..64 {
                 let height = match (x, y) {
@@ -131,8 +132,8 @@ mod tests {
                     (40..=60, 9..=44) => 3.0,
                     _ => continue,
                 };
-                planes.texels[y * 64 + x] = Texel::Met;
-                planes.lift[y * 64 + x] = height;
+                planes.texels[y * 64 + x] = TexelStatus::Met;
+                planes.heights[y * 64 + x] = height;
                 planes.albedo[y * 64 + x] = [height; 3];
             }
         }
@@ -143,9 +144,9 @@ mod tests {
     fn every_mip_texel_is_made_of_charts_alone() {
         let mut planes = charts();
         // What free texels hold before is not to be seen anywhere.
-        for i in 0..planes.lift.len() {
-            if planes.texels[i] == Texel::Free {
-                planes.lift[i] = -1000.0;
+        for i in 0..planes.heights.len() {
+            if planes.texels[i] == TexelStatus::Free {
+                planes.heights[i] = -1000.0;
             }
         }
         let before = planes.clone();
@@ -153,10 +154,10 @@ mod tests {
         let rounding = 1e-5;
         let is_of_charts = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
         for (i, texel) in before.texels.iter().enumerate() {
-            assert!(*texel == Texel::Free || planes.lift[i] == before.lift[i]);
-            assert!(is_of_charts(&planes.lift[i]), "{}", planes.lift[i]);
+            assert!(*texel == TexelStatus::Free || planes.heights[i] == before.heights[i]);
+            assert!(is_of_charts(&planes.heights[i]), "{}", planes.heights[i]);
         }
-        let mut level = planes.lift;
+        let mut level = planes.heights;
         let mut width = 64;
         while width > 2 {
             let at = |x: usize, y: usize| level[y * width + x];
@@ -176,12 +177,12 @@ mod tests {
     fn a_skirt_is_as_wide_as_asked() {
         let mut planes = charts();
         fill(&mut planes, Some(3));
-        let at = |x: usize, y: usize| (planes.lift[y * 64 + x], planes.albedo[y * 64 + x]);
+        let at = |x: usize, y: usize| (planes.heights[y * 64 + x], planes.albedo[y * 64 + x]);
         assert_eq!(at(23, 10), (1.0, [1.0; 3]));
         assert_eq!(at(24, 10), (0.0, [0.0; 3]));
         assert_eq!(at(0, 10), (1.0, [1.0; 3]));
-        let mut empty = Planes::new([8, 8], Maps::default().with(MapKind::Height));
+        let mut empty = BakedMaps::new([8, 8], Maps::default().with(MapKind::Height));
         fill(&mut empty, None);
-        assert!(empty.lift.iter().all(|v| *v == 0.0));
+        assert!(empty.heights.iter().all(|v| *v == 0.0));
     }
 }

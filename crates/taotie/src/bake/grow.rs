@@ -1,6 +1,6 @@
 //! Growing charts beyond their borders.
 
-use super::coverage::{MARGIN, NONE};
+use super::owner::{NONE, PADDING};
 use rayon::prelude::*;
 
 /// Grows every chart by `steps` texels into free ones, across the map's borders too.
@@ -23,7 +23,7 @@ fn step(texels: &mut [u32], width: usize, front: &[usize]) -> Vec<usize> {
     let count = texels.len();
     let triangle = |i: usize| neighbors(i, width, count).into_iter().map(|k| texels[k]).find(|t| *t != NONE);
     let grown: Vec<(usize, u32)> =
-        front.par_iter().filter_map(|i| triangle(*i).map(|t| (*i, t | MARGIN))).collect();
+        front.par_iter().filter_map(|i| triangle(*i).map(|t| (*i, t | PADDING))).collect();
     for (i, triangle) in &grown {
         texels[*i] = *triangle;
     }

@@ -1,10 +1,10 @@
-//! A light mesh laid out on a map, band by band.
+//! A low-poly mesh laid out on a map, band by band.
 
-use super::coverage::NONE;
+use super::owner::NONE;
 use super::raster::Rasterizer;
 use crate::error::Result;
 use crate::math::Vec2;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Point};
 use std::ops::Range;
 
 /// Texel rows of a band, and the side of the tiles that it is cut into.
@@ -38,6 +38,13 @@ pub(super) struct Sample {
     pub at: [u16; 2],
     /// The weights of the triangle's corners.
     pub weights: [f32; 3],
+}
+
+impl Patch {
+    /// The point of the mesh that a sample of the patch shows.
+    pub fn point(&self, sample: &Sample) -> Point {
+        Point { triangle: self.triangle, weights: sample.weights }
+    }
 }
 
 impl<'a> Layout<'a> {

@@ -13,7 +13,7 @@ pub enum MapKind {
     Occlusion,
     /// The scan's base colour, of its vertices, materials and textures.
     Albedo,
-    /// How far the scan lies above the light mesh.
+    /// How far the scan lies above the low-poly mesh.
     Height,
     /// The mean open direction.
     Bent,

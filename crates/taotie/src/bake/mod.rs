@@ -1,10 +1,11 @@
-//! Baking: heavy surfaces made light and unwrapped, which point of a heavy surface a point of a light one stands for,
-//! and which point of a mesh each texel of a map shows.
+//! Baking: high-poly surfaces simplified and unwrapped, which point of a high-poly surface a point of a low-poly one
+//! stands for, and which point of a mesh each texel of a map shows.
 //!
 //! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in
 //! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
 //! threads.
 
+mod baked_maps;
 mod cage;
 mod color;
 mod coverage;
@@ -15,7 +16,7 @@ mod grow;
 mod layout;
 mod levels;
 mod maps;
-mod planes;
+mod owner;
 mod projection;
 mod raster;
 mod scan;
@@ -28,17 +29,17 @@ mod unwrap;
 mod uv_lookup;
 mod verify;
 
+pub use baked_maps::{BakedMaps, TexelStatus};
 pub use cage::Cage;
 pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;
 pub use levels::{Level, levels};
 pub use maps::{MapKind, Maps};
-pub use planes::{Planes, Texel};
-pub use projection::{Match, Probe};
-pub use scan::{Scan, light_mesh};
-pub use simplify::{Means, Simplified, SimplifyOptions, simplify};
+pub use projection::{Correspondence, ProjectionRay};
+pub use scan::{Scan, low_poly_mesh};
+pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};
-pub use texels::{BakeCounts, BakeSettings, Baked, bake};
+pub use texels::{BakeCounts, BakeInput, BakeSettings, Baked, bake};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
-pub use verify::{Deviation, Fit, Verdict, Verifier};
+pub use verify::{Deviation, Fit, NormalError, Verifier};

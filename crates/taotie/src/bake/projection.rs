@@ -1,76 +1,67 @@
-//! From a light surface to the heavy one that it stands for.
+//! From a low-poly mesh to the high-poly surface that it stands for.
 
 use super::scan::Scan;
 use crate::math::Vec3;
+use crate::mesh::Point;
 use crate::trace::{Hit, Ray, Stretch};
 
-/// The point of the heavy surface that a point of the light one stands for.
+/// The point of the high-poly surface that a point of the low-poly mesh stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Match {
-    /// Along the direction that was followed: above 0 outside the light surface, model units.
+pub struct Correspondence {
+    /// Along the direction that was followed: above 0 outside the low-poly surface, model units.
     pub height: f32,
     /// The interpolated normal there: unit, world space.
     pub normal: Vec3,
-    /// Index of the triangle there.
-    pub triangle: u32,
-    /// Weights of its corners.
-    pub weights: [f32; 3],
+    /// The point itself, on the scan's mesh.
+    pub point: Point,
 }
 
-/// A line through a point of a light surface on which its match is sought.
+/// A ray through a point of the low-poly mesh on which its correspondence is sought.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Probe {
-    /// A point of the light surface, world space.
+pub struct ProjectionRay {
+    /// A point of the low-poly surface, world space.
     pub point: Vec3,
     /// Outward, unit.
     pub direction: Vec3,
-    /// How far the line goes into the light surface and out of it, model units.
-    pub reach: f32,
+    /// How far the ray goes into the low-poly surface and out of it, model units.
+    pub distance: f32,
 }
 
-impl Probe {
-    /// The probe as a ray from its inner end beside others that run along `main`, and the stretch of it that matters.
+impl ProjectionRay {
+    /// The ray from its inner end, beside others that run along `main`, and the stretch of it that matters.
     pub(super) fn ray(&self, main: Vec3) -> (Ray, Stretch) {
-        let ray = Ray::beside(self.point - self.direction * self.reach, self.direction, main);
-        (ray, Stretch { from: 0.0, center: self.reach, to: self.reach + self.reach })
+        let ray = Ray::beside(self.point - self.direction * self.distance, self.direction, main);
+        (ray, Stretch { from: 0.0, center: self.distance, to: self.distance + self.distance })
     }
 
-    /// What a hit of [`Probe::ray`] on a surface with this normal stands for.
-    pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Match {
-        Match { height: hit.distance - self.reach, normal, triangle: hit.triangle, weights: hit.weights }
+    /// What a hit of [`ProjectionRay::ray`] on a surface with this normal stands for.
+    pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Correspondence {
+        Correspondence { height: hit.distance - self.distance, normal, point: hit.point() }
     }
 }
 
 impl Scan {
-    /// The nearest point on the probe where the scan faces as the probe does: whatever faces the other way is the far
-    /// side of something else.
-    pub fn project(&self, probe: &Probe) -> Option<Match> {
-        let (ray, stretch) = probe.ray(probe.direction);
-        let (hit, normal) = self.bvh().nearest_to(&ray, stretch, |hit| self.facing(hit, probe))?;
-        Some(probe.found(&hit, normal))
+    /// The nearest point on the ray where the scan faces as the ray does: whatever faces the other way is the
+    /// far side of something else.
+    pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
+        let (ray, stretch) = projection.ray(projection.direction);
+        let (hit, normal) = self.bvh().nearest_to(&ray, stretch, |hit| self.facing(hit, projection))?;
+        Some(projection.found(&hit, normal))
     }
 
-    /// The scan's normal at a hit, if it faces as the probe does.
-    pub(super) fn facing(&self, hit: &Hit, probe: &Probe) -> Option<Vec3> {
-        let normal = self.normal(hit.triangle, hit.weights);
-        (normal.dot(probe.direction) > 0.0).then_some(normal)
+    /// The scan's normal at a hit, if it faces as the ray does.
+    pub(super) fn facing(&self, hit: &Hit, projection: &ProjectionRay) -> Option<Vec3> {
+        let normal = hit.point().normal(self.mesh());
+        (normal.dot(projection.direction) > 0.0).then_some(normal)
     }
 
     /// The closest point of the scan within `reach`, if it faces as `direction` does.
-    pub fn closest(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Match> {
+    pub fn closest(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Correspondence> {
         let closest = self.bvh().closest(point, reach)?;
-        let normal = self.normal(closest.triangle, closest.weights);
-        let side = if (self.point(closest.triangle, closest.weights) - point).dot(direction) < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
-        let found = Match {
-            height: closest.distance * side,
-            normal,
-            triangle: closest.triangle,
-            weights: closest.weights,
-        };
+        let there = closest.point();
+        let normal = there.normal(self.mesh());
+        let side = if (there.position(self.mesh()) - point).dot(direction) < 0.0 { -1.0 } else { 1.0 };
+        let found = Correspondence { height: closest.distance * side, normal, point: there };
         (normal.dot(direction) > 0.0).then_some(found)
     }
 }
@@ -102,9 +93,12 @@ mod tests {
     fn finds_the_nearest_sheet_that_faces_the_same_way() {
         let scan = sheets();
         let up = Vec3::new(0.0, 0.0, 1.0);
-        let probe =
-            |z: f32, direction: Vec3, reach: f32| Probe { point: Vec3::new(0.3, 0.4, z), direction, reach };
-        let at = |z: f32, reach: f32| scan.project(&probe(z, up, reach));
+        let projection = |z: f32, direction: Vec3, distance: f32| ProjectionRay {
+            point: Vec3::new(0.3, 0.4, z),
+            direction,
+            distance,
+        };
+        let at = |z: f32, reach: f32| scan.project(&projection(z, up, reach));
         let below = at(0.2, 0.5).unwrap();
         assert!((below.height + 0.2).abs() < 1e-6 && (below.normal - up).length() < 1e-6);
         assert!((at(-0.1, 0.5).unwrap().height - 0.1).abs() < 1e-6);
@@ -116,7 +110,7 @@ mod tests {
             (at(0.9, 1.0).unwrap().height + 0.9).abs() < 1e-6,
             "what faces the other way is passed through"
         );
-        let down = scan.project(&probe(0.9, -up, 0.5)).unwrap();
+        let down = scan.project(&projection(0.9, -up, 0.5)).unwrap();
         assert!((down.height + 0.1).abs() < 1e-6);
     }
 

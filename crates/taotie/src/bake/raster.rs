@@ -1,6 +1,6 @@
 //! The exact coverage of texel centres by triangles in uv space.
 
-use super::coverage::NONE;
+use super::owner::NONE;
 use crate::error::{Error, Result};
 use crate::math::Vec2;
 use rayon::prelude::*;

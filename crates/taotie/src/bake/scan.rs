@@ -1,14 +1,14 @@
-//! The heavy surface that is baked from.
+//! The high-poly surface that is baked from.
 
 use super::color::Colors;
 use crate::error::Result;
 use crate::math::{Mat4, Vec3};
-use crate::mesh::{Mesh, MeshData};
+use crate::mesh::{Mesh, MeshData, Point};
 use crate::scene::{Instance, Scene};
 use crate::surface;
 use crate::trace::Bvh;
 
-/// The triangles of a heavy scene, sorted so that they can be found from points of a light one.
+/// The triangles of a high-poly scene, sorted so that they can be found from points of a low-poly one.
 ///
 /// Its relief is its geometry: normal maps of its materials are not read.
 pub struct Scan {
@@ -46,34 +46,18 @@ impl Scan {
         &self.bvh
     }
 
-    /// The interpolated unit normal of a point of a triangle.
-    pub fn normal(&self, triangle: u32, weights: [f32; 3]) -> Vec3 {
-        let normals = self.mesh.triangles()[triangle as usize].map(|v| self.mesh.normals()[v as usize]);
-        blend(normals, weights).normalize_or(normals[0])
-    }
-
-    /// The point of a triangle with these weights.
-    pub fn point(&self, triangle: u32, weights: [f32; 3]) -> Vec3 {
-        blend(self.mesh.corners(triangle as usize), weights)
-    }
-
-    /// The base colour of a point of a triangle, linear RGB.
-    pub fn color(&self, triangle: u32, weights: [f32; 3]) -> [f32; 3] {
-        self.colors.at(&self.mesh, triangle, weights)
+    /// The base colour at a point, linear RGB.
+    pub fn color(&self, point: Point) -> [f32; 3] {
+        self.colors.at(&self.mesh, point)
     }
 }
 
-/// The mean of three vectors with these weights.
-pub(super) fn blend([a, b, c]: [Vec3; 3], [u, v, w]: [f32; 3]) -> Vec3 {
-    a * u + b * v + c * w
-}
-
-/// The light mesh of a scene: all its instances as one mesh in world space, with normals. A single one that is not moved
-/// stays as it is, tangents included.
+/// The low-poly mesh of a scene: all its instances as one mesh in world space, with normals. A single one that is not
+/// moved stays as it is, tangents included.
 ///
 /// # Errors
 /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
-pub fn light_mesh(scene: Scene) -> Result<Mesh> {
+pub fn low_poly_mesh(scene: Scene) -> Result<Mesh> {
     let mut scene = scene.into_data();
     merged(&mut scene.meshes, &scene.instances)
 }

@@ -1,69 +1,76 @@
 //! The places on a scan of all samples of a patch at once.
 
 use super::layout::Patch;
-use super::projection::{Match, Probe};
-use super::scan::{Scan, blend};
+use super::projection::{Correspondence, ProjectionRay};
+use super::scan::Scan;
 use crate::math::Vec3;
-use crate::trace::{Nearest, Ray, Sheaf, SheafView};
+use crate::mesh::blend;
+use crate::trace::{Nearest, PacketView, Ray, RayPacket};
 
 /// Fewer samples are found faster one by one.
 const FEW: usize = 6;
 
-/// Directions that part more than this from the patch's own are no sheaf: within it, all run along one axis.
+/// Directions that part more than this from the patch's own are no packet: within it, all run along one axis.
 const LEAST_COSINE: f32 = 0.9;
 
-/// The match of each probe of a patch, as [`Scan::project`] finds it.
+/// The match of each projection of a patch, as [`Scan::project`] finds it.
 ///
-/// Neighbouring samples look in nearly the same direction, so their probes are a sheaf: columns and rows are those of the
-/// tile, and depths run along the mean direction.
-pub(super) fn search(scan: &Scan, patch: &Patch, corners: [Vec3; 3], probes: &[Probe]) -> Vec<Option<Match>> {
-    let one_by_one = || probes.iter().map(|probe| scan.project(probe)).collect();
-    if probes.len() <= FEW {
+/// Neighbouring samples look in nearly the same direction, so their projections are a packet: columns and rows are
+/// those of the tile, and depths run along the mean direction.
+pub(super) fn search(
+    scan: &Scan,
+    patch: &Patch,
+    corners: [Vec3; 3],
+    projections: &[ProjectionRay],
+) -> Vec<Option<Correspondence>> {
+    let one_by_one = || projections.iter().map(|projection| scan.project(projection)).collect();
+    if projections.len() <= FEW {
         return one_by_one();
     }
-    let Some(view) = view(patch, corners, probes) else { return one_by_one() };
-    let (rays, mut nearest): (Vec<Ray>, Vec<Nearest<Vec3>>) = probes
+    let Some(view) = view(patch, corners, projections) else { return one_by_one() };
+    let (rays, mut nearest): (Vec<Ray>, Vec<Nearest<Vec3>>) = projections
         .iter()
-        .map(|probe| {
-            let (ray, stretch) = probe.ray(view.axes[2]);
+        .map(|projection| {
+            let (ray, stretch) = projection.ray(view.axes[2]);
             (ray, Nearest::on(stretch))
         })
         .unzip();
     let places: Vec<[f32; 2]> = patch.samples.iter().map(|sample| sample.at.map(f32::from)).collect();
-    let Some(sheaf) = Sheaf::new(&rays, &places, view) else { return one_by_one() };
-    scan.bvh().meet_all(&sheaf, |i, hit| {
-        nearest[i].offer(hit, |hit| scan.facing(hit, &probes[i]));
+    let Some(packet) = RayPacket::new(&rays, &places, view) else { return one_by_one() };
+    scan.bvh().meet_all(&packet, |i, hit| {
+        nearest[i].offer(hit, |hit| scan.facing(hit, &projections[i]));
         true
     });
-    let found = |(probe, nearest): (&Probe, Nearest<Vec3>)| {
-        nearest.best().map(|(hit, normal)| probe.found(&hit, normal))
+    let found = |(projection, nearest): (&ProjectionRay, Nearest<Vec3>)| {
+        nearest.best().map(|(hit, normal)| projection.found(&hit, normal))
     };
-    probes.iter().zip(nearest).map(found).collect()
+    projections.iter().zip(nearest).map(found).collect()
 }
 
-/// How the probes of a patch are seen; `None` where the patch is seen edge on.
+/// How the projections of a patch are seen; `None` where the patch is seen edge on.
 ///
 /// A sample at column x and row y looks along corner + x · across + y · down + depth · direction.
-fn view(patch: &Patch, corners: [Vec3; 3], probes: &[Probe]) -> Option<SheafView> {
+fn view(patch: &Patch, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Option<PacketView> {
     let [origin, across, down] = patch.weights.map(|weights| blend(corners, weights));
     let (across, down) = (across - origin, down - origin);
-    let sum = probes.iter().fold(Vec3::default(), |sum, probe| sum + probe.direction);
-    let mean = sum.normalize_or(probes[0].direction);
+    let sum = projections.iter().fold(Vec3::default(), |sum, projection| sum + projection.direction);
+    let mean = sum.normalize_or(projections[0].direction);
     let scale = 1.0 / across.cross(down).dot(mean);
     let axes = [down.cross(mean) * scale, mean.cross(across) * scale, across.cross(down) * scale];
-    let parts = |probe: &Probe| probe.direction.dot(axes[2].normalize_or(mean)) < LEAST_COSINE;
-    if !axes.iter().all(|axis| axis.is_finite()) || probes.iter().any(parts) {
+    let parts =
+        |projection: &ProjectionRay| projection.direction.dot(axes[2].normalize_or(mean)) < LEAST_COSINE;
+    if !axes.iter().all(|axis| axis.is_finite()) || projections.iter().any(parts) {
         return None;
     }
     let mut slack = [0.0f32; 2];
     let mut depths = [f32::INFINITY, f32::NEG_INFINITY];
     let mut reach = 0.0f32;
-    for probe in probes {
-        for way in [-probe.reach, probe.reach] {
-            let end = probe.point + probe.direction * way;
+    for projection in projections {
+        for way in [-projection.distance, projection.distance] {
+            let end = projection.point + projection.direction * way;
             reach = reach.max((end - origin).length()).max(end.length());
             for k in 0..2 {
-                slack[k] = slack[k].max((axes[k].dot(probe.direction) * way).abs());
+                slack[k] = slack[k].max((axes[k].dot(projection.direction) * way).abs());
             }
             let depth = axes[2].dot(end - origin);
             depths = [depths[0].min(depth), depths[1].max(depth)];
@@ -71,7 +78,7 @@ fn view(patch: &Patch, corners: [Vec3; 3], probes: &[Probe]) -> Option<SheafView
     }
     // Rounding of places and of their shadows, generously.
     let rounding = axes.map(|axis| axis.length() * reach * 2e-6);
-    Some(SheafView {
+    Some(PacketView {
         origin,
         axes,
         slack: [slack[0] + rounding[0] + 1e-3, slack[1] + rounding[1] + 1e-3],
@@ -85,7 +92,7 @@ mod tests {
     use crate::bake::Cage;
     use crate::bake::layout::Layout;
     use crate::math::Mat4;
-    use crate::mesh::{Mesh, MeshData};
+    use crate::mesh::{Mesh, MeshData, Point};
     use crate::scene::{Instance, Material, Scene, SceneData};
 
     /// A sphere with bumps as fine as its triangles, and a smaller one inside that faces out too.
@@ -119,20 +126,22 @@ mod tests {
                 for band in 0..layout.band_count() {
                     layout.patches(band, |patch| {
                         let corners = low.corners(patch.triangle as usize);
-                        let triangle = low.triangles()[patch.triangle as usize];
-                        let probe = |weights| cage.probe(triangle, blend(corners, weights), weights);
-                        let probes: Vec<Probe> = patch.samples.iter().map(|s| probe(s.weights)).collect();
-                        let all = search(&scan, patch, corners, &probes);
-                        for (probe, found) in probes.iter().zip(all) {
-                            let alone = scan.project(probe);
-                            // Rays of a sheaf are all intersected along one axis, which rounds otherwise.
+                        let projection =
+                            |weights| cage.projection_ray(&low, Point { triangle: patch.triangle, weights });
+                        let projections: Vec<ProjectionRay> =
+                            patch.samples.iter().map(|s| projection(s.weights)).collect();
+                        let all = search(&scan, patch, corners, &projections);
+                        for (projection, found) in projections.iter().zip(all) {
+                            let alone = scan.project(projection);
+                            // Rays of a packet are all intersected along one axis, which rounds otherwise.
                             let apart = match (alone, found) {
                                 (Some(a), Some(b)) => (a.height - b.height).abs(),
                                 (None, None) => 0.0,
                                 _ => f32::INFINITY,
                             };
-                            let at_end =
-                                |m: Option<Match>| m.is_some_and(|m| m.height.abs() > distance * 0.9999);
+                            let at_end = |m: Option<Correspondence>| {
+                                m.is_some_and(|m| m.height.abs() > distance * 0.9999)
+                            };
                             assert!(apart < 1e-5 || at_end(alone) || at_end(found), "{alone:?} {found:?}");
                             *(if found.is_some() { &mut met } else { &mut missed }) += 1;
                         }

@@ -1,10 +1,10 @@
 //! How much of the hemisphere over each point of a scan is open.
 
-use super::projection::Match;
+use super::projection::Correspondence;
 use super::scan::Scan;
 use crate::math::{Vec3, scalar};
 use crate::surface;
-use crate::trace::{Ray, Sheaf, SheafView};
+use crate::trace::{PacketView, Ray, RayPacket};
 
 /// Directions all over the sphere, the same for every point of a map, so that neighbouring texels differ by what they
 /// see and not by chance, and their rays run side by side.
@@ -15,11 +15,11 @@ pub(super) struct Sky {
     /// How far what is in the way counts, model units.
     reach: f32,
     /// How far rays begin above the surface.
-    lift: f32,
+    offset: f32,
 }
 
 /// A point from which the sky is looked at.
-pub(super) struct Outlook {
+pub(super) struct AoSample {
     origin: Vec3,
     normal: Vec3,
     facet: Vec3,
@@ -56,35 +56,35 @@ impl Sky {
             directions: (0..count).map(direction).collect(),
             classes,
             reach,
-            lift: (diagonal * 1e-5) as f32,
+            offset: (diagonal * 1e-5) as f32,
         }
     }
 
     /// The point of the scan that a sample found; `class` is the sample's number in its texel.
-    pub fn outlook(&self, scan: &Scan, found: &Match, class: u32) -> Outlook {
-        let corners = scan.mesh().corners(found.triangle as usize);
+    pub fn ao_sample(&self, scan: &Scan, found: &Correspondence, class: u32) -> AoSample {
+        let corners = scan.mesh().corners(found.point.triangle as usize);
         let facet = surface::facet_normal(corners).unwrap_or(found.normal);
         let facet = if facet.dot(found.normal) < 0.0 { -facet } else { facet };
-        let origin = scan.point(found.triangle, found.weights) + facet * self.lift;
-        Outlook { origin, normal: found.normal, facet, class: class % self.classes }
+        let origin = found.point.position(scan.mesh()) + facet * self.offset;
+        AoSample { origin, normal: found.normal, facet, class: class % self.classes }
     }
 
     /// Looks out from each of these points, which should lie near one another.
-    pub fn open(&self, scan: &Scan, outlooks: &[Outlook]) -> Vec<Open> {
-        let mut open = vec![Open::default(); outlooks.len()];
-        let mut looking = Vec::with_capacity(outlooks.len());
+    pub fn open(&self, scan: &Scan, ao_samples: &[AoSample]) -> Vec<Open> {
+        let mut open = vec![Open::default(); ao_samples.len()];
+        let mut looking = Vec::with_capacity(ao_samples.len());
         for (i, direction) in self.directions.iter().enumerate() {
             looking.clear();
             // Below its facet a point sees nothing; the smooth surface that the facet stands for would.
-            looking.extend((0..outlooks.len()).filter(|k| {
-                let Outlook { normal, facet, class, .. } = &outlooks[*k];
+            looking.extend((0..ao_samples.len()).filter(|k| {
+                let AoSample { normal, facet, class, .. } = &ao_samples[*k];
                 i as u32 % self.classes == *class
                     && normal.dot(*direction) > 0.0
                     && facet.dot(*direction) > 0.0
             }));
-            let blocked = self.blocked(scan, outlooks, &looking, *direction);
+            let blocked = self.blocked(scan, ao_samples, &looking, *direction);
             for (k, blocked) in looking.iter().zip(blocked) {
-                let weight = outlooks[*k].normal.dot(*direction);
+                let weight = ao_samples[*k].normal.dot(*direction);
                 open[*k].looked += weight;
                 if !blocked {
                     open[*k].seen += weight;
@@ -96,17 +96,17 @@ impl Sky {
     }
 
     /// Whether something stands in the way from each of these points.
-    fn blocked(&self, scan: &Scan, outlooks: &[Outlook], looking: &[usize], direction: Vec3) -> Vec<bool> {
+    fn blocked(&self, scan: &Scan, ao_samples: &[AoSample], looking: &[usize], direction: Vec3) -> Vec<bool> {
         /// Fewer rays are faster one by one.
         const FEW: usize = 6;
-        let rays: Vec<Ray> = looking.iter().map(|k| Ray::new(outlooks[*k].origin, direction)).collect();
-        let sheaf = (rays.len() > FEW).then(|| self.sheaf(&rays, direction)).flatten();
-        let Some(sheaf) = sheaf else {
+        let rays: Vec<Ray> = looking.iter().map(|k| Ray::new(ao_samples[*k].origin, direction)).collect();
+        let packet = (rays.len() > FEW).then(|| self.packet(&rays, direction)).flatten();
+        let Some(packet) = packet else {
             return rays.iter().map(|ray| scan.bvh().occluded(ray, self.reach, |_| true)).collect();
         };
         let mut blocked = vec![false; rays.len()];
         let mut open = rays.len();
-        scan.bvh().meet_all(&sheaf, |ray, hit| {
+        scan.bvh().meet_all(&packet, |ray, hit| {
             if hit.distance < self.reach && !blocked[ray] {
                 blocked[ray] = true;
                 open -= 1;
@@ -116,7 +116,7 @@ impl Sky {
         blocked
     }
 
-    fn sheaf<'a>(&self, rays: &'a [Ray], direction: Vec3) -> Option<Sheaf<'a>> {
+    fn packet<'a>(&self, rays: &'a [Ray], direction: Vec3) -> Option<RayPacket<'a>> {
         let x = direction.any_perpendicular();
         let axes = [x, direction.cross(x), direction];
         let origin = rays.first()?.origin();
@@ -125,8 +125,8 @@ impl Sky {
         let nearest = rays.iter().map(|ray| local(ray, 2)).fold(f32::INFINITY, f32::min);
         let farthest = rays.iter().map(|ray| local(ray, 2)).fold(f32::NEG_INFINITY, f32::max);
         // Rounding of places and of their shadows, which grows with how far away they are from zero.
-        let slack = (origin.length() + farthest - nearest) * 2e-6 + self.lift * 0.1;
+        let slack = (origin.length() + farthest - nearest) * 2e-6 + self.offset * 0.1;
         let depths = [nearest - slack, farthest + self.reach];
-        Sheaf::new(rays, &places, SheafView { origin, axes, slack: [slack; 2], depths })
+        RayPacket::new(rays, &places, PacketView { origin, axes, slack: [slack; 2], depths })
     }
 }

@@ -31,7 +31,7 @@ pub struct TexelSurface {
     coverage: Coverage,
 }
 
-/// A margin reaches no farther from its triangle than the triangle is large: its weights stay above this.
+/// Padding reaches no farther from its triangle than the triangle is large: its weights stay above this.
 const LEAST_WEIGHT: f64 = -1.0;
 
 impl TexelSurface {
@@ -61,7 +61,7 @@ impl TexelSurface {
         &self.mesh
     }
 
-    /// The surface at the centre of a texel; in margins as if the triangle went on. `None` away from all charts.
+    /// The surface at the centre of a texel; in padding as if the triangle went on. `None` away from all charts.
     pub fn point(&self, x: u32, y: u32) -> Option<SurfacePoint> {
         Some(Patch::new(self, self.coverage.triangle(x, y)?).at(&self.coverage, x, y))
     }
@@ -175,8 +175,8 @@ impl Patch {
         }
     }
 
-    /// The copy of a uv in [0, 1] that lies in the triangle, or nearest to it, and not too far away; `beyond` is 1 where
-    /// copies beyond those that the triangle touches have to be looked at.
+    /// The copy of a uv in [0, 1] that lies in the triangle, or nearest to it, and not too far away; `beyond` is 1
+    /// where copies beyond those that the triangle touches have to be looked at.
     fn unwrapped(&self, uv: Vec2<f64>, beyond: u8) -> Vec2<f64> {
         let copies = |of: fn(&Vec2<f64>) -> f64| {
             let (low, high) =

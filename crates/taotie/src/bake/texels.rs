@@ -1,21 +1,21 @@
 //! Baking: each sample of each texel finds its place on the scan, and the texel takes the mean of what is there.
 
+use super::baked_maps::{BakedMaps, BandMaps, TexelStatus};
 use super::cage::Cage;
 use super::curvature::mean_curvatures;
 use super::fill::fill;
 use super::layout::{BAND, Layout, Patch};
 use super::maps::{MapKind, Maps};
-use super::planes::{BandPlanes, Planes, Texel};
-use super::projection::{Match, Probe};
-use super::scan::{Scan, blend};
+use super::projection::{Correspondence, ProjectionRay};
+use super::scan::Scan;
 use super::search::search;
-use super::sky::{Outlook, Sky};
+use super::sky::{AoSample, Sky};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Point};
 use crate::progress::Progress;
 use crate::scene::NormalSpace;
-use crate::shade::Hidden;
+use crate::shade::SubPixelVariance;
 use crate::surface::tangent_space_normal;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -60,19 +60,20 @@ impl Default for BakeSettings {
 /// What became of the samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BakeCounts {
-    /// Samples on the light mesh.
+    /// Samples on the low-poly mesh.
     pub samples: usize,
     /// Those whose line met nothing that faces the right way, so that the closest point of the scan was taken.
     pub missed: usize,
-    /// Those of them whose closest point faces the wrong way too, or is too far away: they have the light mesh's normal.
+    /// Those of them whose closest point faces the wrong way too, or is too far away: they have the low-poly mesh's
+    /// normal.
     pub lost: usize,
     /// Samples under more than one triangle.
     pub shared: usize,
-    /// Texels on the light mesh.
+    /// Texels on the low-poly mesh.
     pub texels: usize,
     /// Texels with a sample that missed.
     pub missed_texels: usize,
-    /// Triangles of the light mesh whose uvs span no area.
+    /// Triangles of the low-poly mesh whose uvs span no area.
     pub flat: usize,
 }
 
@@ -94,23 +95,29 @@ impl BakeCounts {
 #[derive(Debug, Clone)]
 pub struct Baked {
     /// The maps.
-    pub planes: Planes,
+    pub maps: BakedMaps,
     /// How it went.
     pub counts: BakeCounts,
 }
 
-/// Bakes `scan` onto `low`, which has uvs, normals and tangents, as in [`crate::surface::with_frames`].
+/// What is baked onto what.
+#[derive(Clone, Copy)]
+pub struct BakeInput<'a> {
+    /// The low-poly mesh, with uvs, normals and tangents, as in [`crate::surface::with_frames`].
+    pub low: &'a Mesh,
+    /// Where each of its points is looked for on the scan.
+    pub cage: &'a Cage,
+    /// The high-poly surface.
+    pub scan: &'a Scan,
+}
+
+/// Bakes the maps of a scan for a low-poly mesh.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh lacks uvs, normals or tangents, or a setting is out of range; [`Error::Limit`] where
-/// uvs span too many copies of the map.
-pub fn bake(
-    low: &Mesh,
-    cage: &Cage,
-    scan: &Scan,
-    settings: &BakeSettings,
-    progress: Progress<'_>,
-) -> Result<Baked> {
+/// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh lacks uvs, normals or tangents, or a setting is out of
+/// range; [`Error::Limit`] where uvs span too many copies of the map.
+pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_>) -> Result<Baked> {
+    let BakeInput { low, cage, scan } = input;
     check(low, settings)?;
     let layout = Layout::new(low, settings.size, settings.side)?;
     let wants = |kind| settings.maps.has(kind);
@@ -122,7 +129,7 @@ pub fn bake(
         scan,
         settings,
     };
-    let mut planes = Planes::new(settings.size, settings.maps);
+    let mut planes = BakedMaps::new(settings.size, settings.maps);
     let done = AtomicUsize::new(0);
     let bands = job.layout.band_count();
     let counts = planes
@@ -137,7 +144,7 @@ pub fn bake(
         .try_reduce(BakeCounts::default, |a, b| Ok(a.and(b)))?;
     let counts = BakeCounts { flat: job.layout.flat, ..counts };
     fill(&mut planes, settings.dilation);
-    Ok(Baked { planes, counts })
+    Ok(Baked { maps: planes, counts })
 }
 
 fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {
@@ -179,11 +186,11 @@ struct Cell {
     lost: u32,
     /// Of the scan.
     normal: Vec3,
-    /// The light mesh's frame.
+    /// The low-poly mesh's frame.
     n: Vec3,
     t: Vec3,
     handedness: f32,
-    lift: f32,
+    heights: f32,
     color: Vec3,
     /// Of directions over the hemisphere: all, and open ones.
     looked: f32,
@@ -193,7 +200,7 @@ struct Cell {
 }
 
 impl Job<'_> {
-    fn band(&self, band: usize, mut planes: BandPlanes<'_>) -> BakeCounts {
+    fn band(&self, band: usize, mut planes: BandMaps<'_>) -> BakeCounts {
         let mut cells = vec![Cell::default(); planes.texels.len()];
         let shared = self.layout.patches(band, |patch| self.patch(patch, &mut cells));
         let mut counts = BakeCounts { shared, ..BakeCounts::default() };
@@ -211,28 +218,31 @@ impl Job<'_> {
     /// Finds the places of a patch's samples on the scan.
     fn patch(&self, patch: &Patch, cells: &mut [Cell]) {
         let corners = self.layout.mesh.corners(patch.triangle as usize);
-        let probes: Vec<Probe> =
-            patch.samples.iter().map(|sample| self.probe(patch.triangle, corners, sample.weights)).collect();
-        let found = search(self.scan, patch, corners, &probes);
-        let mut outlooks = Vec::new();
-        for ((sample, probe), found) in patch.samples.iter().zip(&probes).zip(found) {
+        let projections: Vec<ProjectionRay> = patch
+            .samples
+            .iter()
+            .map(|sample| self.cage.projection_ray(self.layout.mesh, patch.point(sample)))
+            .collect();
+        let found = search(self.scan, patch, corners, &projections);
+        let mut ao_samples = Vec::new();
+        for ((sample, projection), found) in patch.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells[sample.texel as usize];
-            self.add_frame(patch.triangle, sample.weights, cell);
-            let Some(found) = self.found(probe, found, cell) else { continue };
+            self.add_frame(patch.point(sample), cell);
+            let Some(found) = self.found(projection, found, cell) else { continue };
             self.add(&found, cell);
             if let Some(sky) = &self.sky {
                 let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
                 let class = y * self.layout.side + x;
-                outlooks.push((sample.texel, sky.outlook(self.scan, &found, class)));
+                ao_samples.push((sample.texel, sky.ao_sample(self.scan, &found, class)));
             }
         }
-        self.add_sky(outlooks, cells);
+        self.add_sky(ao_samples, cells);
     }
 
-    fn add_sky(&self, outlooks: Vec<(u32, Outlook)>, cells: &mut [Cell]) {
+    fn add_sky(&self, ao_samples: Vec<(u32, AoSample)>, cells: &mut [Cell]) {
         let Some(sky) = &self.sky else { return };
-        let (texels, outlooks): (Vec<u32>, Vec<Outlook>) = outlooks.into_iter().unzip();
-        for (texel, open) in texels.into_iter().zip(sky.open(self.scan, &outlooks)) {
+        let (texels, ao_samples): (Vec<u32>, Vec<AoSample>) = ao_samples.into_iter().unzip();
+        for (texel, open) in texels.into_iter().zip(sky.open(self.scan, &ao_samples)) {
             let cell = &mut cells[texel as usize];
             cell.looked += open.looked;
             cell.open += open.seen;
@@ -240,61 +250,56 @@ impl Job<'_> {
         }
     }
 
-    fn probe(&self, triangle: u32, corners: [Vec3; 3], weights: [f32; 3]) -> Probe {
-        let triangle = self.layout.mesh.triangles()[triangle as usize];
-        self.cage.probe(triangle, blend(corners, weights), weights)
-    }
-
-    /// Adds the light mesh's frame at a sample.
-    fn add_frame(&self, triangle: u32, weights: [f32; 3], cell: &mut Cell) {
-        let mesh = self.layout.mesh;
-        let [a, b, c] = mesh.triangles()[triangle as usize].map(|v| v as usize);
-        let tangent = |v: usize| {
-            let [x, y, z, _] = mesh.tangents()[v];
-            Vec3::new(x, y, z)
-        };
+    /// Adds the low-poly mesh's frame at a sample.
+    fn add_frame(&self, point: Point, cell: &mut Cell) {
+        let frame = point.frame(self.layout.mesh);
         cell.samples += 1;
-        cell.n += blend([mesh.normals()[a], mesh.normals()[b], mesh.normals()[c]], weights);
-        cell.t += blend([tangent(a), tangent(b), tangent(c)], weights);
-        cell.handedness = mesh.tangents()[a][3];
+        cell.n += frame.normal;
+        cell.t += frame.tangent;
+        cell.handedness = frame.handedness;
     }
 
     /// What a sample stands for: what its line met, else the closest point of the scan.
-    fn found(&self, probe: &Probe, met: Option<Match>, cell: &mut Cell) -> Option<Match> {
+    fn found(
+        &self,
+        projection: &ProjectionRay,
+        met: Option<Correspondence>,
+        cell: &mut Cell,
+    ) -> Option<Correspondence> {
         let found = met.or_else(|| {
             cell.missed += 1;
-            self.cage.fallback(self.scan, probe)
+            self.cage.fallback(self.scan, projection)
         });
         if found.is_none() {
             cell.lost += 1;
-            cell.normal += probe.direction;
-            cell.bent += probe.direction;
+            cell.normal += projection.direction;
+            cell.bent += projection.direction;
         }
         found
     }
 
-    fn add(&self, found: &Match, cell: &mut Cell) {
+    fn add(&self, found: &Correspondence, cell: &mut Cell) {
         cell.normal += found.normal;
-        cell.lift += found.height;
+        cell.heights += found.height;
         if self.settings.maps.has(MapKind::Albedo) {
-            cell.color += Vec3::from_array(self.scan.color(found.triangle, found.weights));
+            cell.color += Vec3::from_array(self.scan.color(found.point));
         }
         if !self.curvatures.is_empty() {
-            let corners = self.scan.mesh().triangles()[found.triangle as usize];
-            for (v, weight) in corners.into_iter().zip(found.weights) {
-                cell.curvature += self.curvatures[v as usize] * weight;
+            let vertices = found.point.vertices(self.scan.mesh());
+            for (v, weight) in vertices.into_iter().zip(found.point.weights) {
+                cell.curvature += self.curvatures[v] * weight;
             }
         }
     }
 
     /// Writes the means.
-    fn store(&self, i: usize, cell: &Cell, planes: &mut BandPlanes<'_>) {
+    fn store(&self, i: usize, cell: &Cell, planes: &mut BandMaps<'_>) {
         let share = 1.0 / cell.samples as f32;
         let maps = self.settings.maps;
         planes.texels[i] = match cell {
-            cell if cell.lost > 0 => Texel::Lost,
-            cell if cell.missed > 0 => Texel::Closest,
-            _ => Texel::Met,
+            cell if cell.lost > 0 => TexelStatus::Lost,
+            cell if cell.missed > 0 => TexelStatus::Closest,
+            _ => TexelStatus::Met,
         };
         if maps.has(MapKind::Normal) {
             planes.normal[i] = self.turned(cell, cell.normal).to_array();
@@ -306,7 +311,7 @@ impl Job<'_> {
             planes.albedo[i] = (cell.color * share).to_array();
         }
         if maps.has(MapKind::Height) {
-            planes.lift[i] = cell.lift * share;
+            planes.heights[i] = cell.heights * share;
         }
         if maps.has(MapKind::Occlusion) {
             planes.occlusion[i] = if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 };
@@ -316,8 +321,9 @@ impl Job<'_> {
         }
         if maps.has(MapKind::Roughness) {
             let mean = cell.normal * share;
-            let relief = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
-            planes.roughness[i] = Hidden { bend: 0.0f32, relief }.widened(self.settings.roughness);
+            let normal_variance = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
+            planes.roughness[i] =
+                SubPixelVariance { curvature: 0.0f32, normal_variance }.widened(self.settings.roughness);
         }
     }
 

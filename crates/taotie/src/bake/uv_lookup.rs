@@ -1,6 +1,6 @@
 //! A surface looked up by its uvs, for pairs of meshes that share them.
 
-use super::scan::{blend, merged};
+use super::scan::merged;
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::Mesh;
@@ -33,9 +33,7 @@ impl UvLookup {
     pub fn at(&self, uv: Vec2) -> Option<(Vec3, Vec3)> {
         let ray = Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0));
         let hit = self.bvh.nearest(&ray, f32::INFINITY)?;
-        let corners = self.mesh.triangles()[hit.triangle as usize].map(|v| v as usize);
-        let normals = corners.map(|v| self.mesh.normals()[v]);
-        let position = blend(corners.map(|v| self.mesh.positions()[v]), hit.weights);
-        Some((position, blend(normals, hit.weights).normalize_or(normals[0])))
+        let point = hit.point();
+        Some((point.position(&self.mesh), point.normal(&self.mesh)))
     }
 }

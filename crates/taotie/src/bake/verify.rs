@@ -1,19 +1,19 @@
-//! Whether a light mesh with its normal map looks as the scan it was baked from.
+//! Whether a low-poly mesh with its normal map looks as the scan it was baked from.
 
 use super::cage::{Cage, triangle_weights};
 use super::layout::{BAND, Layout};
-use super::scan::{Scan, blend};
+use super::scan::Scan;
 use crate::compare::{Field, angle_deg};
 use crate::error::{Error, Result};
 use crate::image::{Sampler, Texture};
-use crate::math::{Vec2, Vec3, sequence::Sequence};
-use crate::mesh::Mesh;
+use crate::math::{Vec3, sequence::Sequence};
+use crate::mesh::{Mesh, Point};
 use crate::scene::NormalSpace;
 use crate::surface::{decode_normal, decode_object_normal, facet_normal, tangent_normal};
 use crate::trace::Bvh;
 use rayon::prelude::*;
 
-/// A light mesh as a viewer shows it.
+/// A low-poly mesh as a viewer shows it.
 pub struct Verifier<'a> {
     /// With uvs, normals and tangents.
     pub mesh: &'a Mesh,
@@ -27,8 +27,8 @@ pub struct Verifier<'a> {
 
 /// How far normals are from those of the scan.
 #[derive(Debug, Clone)]
-pub struct Verdict {
-    /// Degrees, one number for each of many points spread evenly over the light mesh.
+pub struct NormalError {
+    /// Degrees, one number for each of many points spread evenly over the low-poly mesh.
     pub angles: Field,
     /// The part of the points whose line missed the scan, so that its closest point was taken: [0, 1].
     pub missed: f64,
@@ -39,9 +39,9 @@ pub struct Verdict {
 /// How far two surfaces lie from one another, model units.
 #[derive(Debug, Clone)]
 pub struct Deviation {
-    /// From points of the scan to the light mesh.
+    /// From points of the scan to the low-poly mesh.
     pub of_scan: Field,
-    /// From points of the light mesh to the scan.
+    /// From points of the low-poly mesh to the scan.
     pub of_light: Field,
 }
 
@@ -63,26 +63,19 @@ impl Deviation {
     }
 }
 
-/// A place on a mesh.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    triangle: u32,
-    weights: [f32; 3],
-}
-
 impl Verifier<'_> {
     /// Measures the angle between the normal that a viewer shows, the map looked up bilinearly at its finest level, and
-    /// the scan's, at `count` points spread evenly over the light mesh's area.
+    /// the scan's, at `count` points spread evenly over the low-poly mesh's area.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the mesh has no area, or lacks uvs, normals or tangents for its map.
-    pub fn verdict(&self, count: usize) -> Result<Verdict> {
+    pub fn normal_error(&self, count: usize) -> Result<NormalError> {
         self.check()?;
         let found: Vec<(f32, Way)> =
-            spread(self.mesh, count)?.par_iter().map(|place| self.angle(*place)).collect();
+            spread(self.mesh, count)?.par_iter().map(|point| self.angle(*point)).collect();
         let part = |way: Way| found.iter().filter(|(_, w)| *w == way).count() as f64 / count as f64;
         let angles = found.iter().map(|(angle, _)| *angle).collect();
-        Ok(Verdict {
+        Ok(NormalError {
             angles: Field::new(count as u32, 1, angles)?,
             missed: part(Way::Closest) + part(Way::Lost),
             lost: part(Way::Lost),
@@ -92,7 +85,7 @@ impl Verifier<'_> {
     /// The same angle at the middle of each texel of a map of this size, NaN away from all charts.
     ///
     /// # Errors
-    /// As [`Verifier::verdict`].
+    /// As [`Verifier::normal_error`].
     pub fn error_map(&self, size: [u32; 2]) -> Result<Field> {
         self.check()?;
         let layout = Layout::new(self.mesh, size, 1)?;
@@ -100,8 +93,7 @@ impl Verifier<'_> {
         values.par_chunks_mut((BAND * size[0]) as usize).enumerate().for_each(|(band, values)| {
             layout.patches(band, |patch| {
                 for sample in &patch.samples {
-                    let place = Place { triangle: patch.triangle, weights: sample.weights };
-                    values[sample.texel as usize] = self.angle(place).0;
+                    values[sample.texel as usize] = self.angle(patch.point(sample)).0;
                 }
             });
         });
@@ -115,9 +107,8 @@ impl Verifier<'_> {
     pub fn deviation(&self, count: usize) -> Result<Deviation> {
         let light = Bvh::of(self.mesh.triangles().len(), |t| self.mesh.corners(t));
         let measure = |from: &Mesh, to: &Bvh| {
-            let distance = |place: &Place| {
-                let point = blend(from.corners(place.triangle as usize), place.weights);
-                to.closest(point, f32::INFINITY).map_or(f32::NAN, |closest| closest.distance)
+            let distance = |point: &Point| {
+                to.closest(point.position(from), f32::INFINITY).map_or(f32::NAN, |closest| closest.distance)
             };
             let distances = spread(from, count)?.par_iter().map(distance).collect();
             Field::new(count as u32, 1, distances)
@@ -128,7 +119,7 @@ impl Verifier<'_> {
         })
     }
 
-    /// Texels a model unit on each triangle of the light mesh, on a map of this size; NaN for those without area.
+    /// Texels a model unit on each triangle of the low-poly mesh, on a map of this size; NaN for those without area.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the mesh has no uvs or no triangles.
@@ -161,40 +152,31 @@ impl Verifier<'_> {
     }
 
     /// The angle between what is shown and what should be, degrees; NaN where nothing was found.
-    fn angle(&self, place: Place) -> (f32, Way) {
-        let corners = self.mesh.triangles()[place.triangle as usize];
-        let point = blend(self.mesh.corners(place.triangle as usize), place.weights);
-        let probe = self.cage.probe(corners, point, place.weights);
-        let (found, way) = match self.scan.project(&probe) {
+    fn angle(&self, point: Point) -> (f32, Way) {
+        let projection = self.cage.projection_ray(self.mesh, point);
+        let (found, way) = match self.scan.project(&projection) {
             Some(found) => (Some(found), Way::Met),
-            None => match self.cage.fallback(self.scan, &probe) {
+            None => match self.cage.fallback(self.scan, &projection) {
                 Some(found) => (Some(found), Way::Closest),
                 None => (None, Way::Lost),
             },
         };
-        let shown = self.shown(place).to_f64();
+        let shown = self.shown(point).to_f64();
         let angle = found.map_or(f32::NAN, |found| angle_deg(shown, found.normal.to_f64()) as f32);
         (angle, way)
     }
 
     /// The normal that a viewer shows.
-    fn shown(&self, place: Place) -> Vec3 {
+    fn shown(&self, point: Point) -> Vec3 {
         let mesh = self.mesh;
-        let corners = mesh.triangles()[place.triangle as usize].map(|v| v as usize);
-        let n = blend(corners.map(|v| mesh.normals()[v]), place.weights);
-        let Some((texture, space)) = self.normal else { return n };
-        let [a, b, c] = corners.map(|v| mesh.uvs()[0][v]);
-        let [u, v, w] = place.weights;
-        let uv: Vec2 = a * u + b * v + c * w;
-        let [r, g, b, _] = Sampler::BILINEAR.sample(texture, uv, 0.0);
+        let Some((texture, space)) = self.normal else { return point.mean_normal(mesh) };
+        let [r, g, b, _] = Sampler::BILINEAR.sample(texture, point.uv(mesh, 0), 0.0);
         if space == NormalSpace::Object {
             return decode_object_normal(Vec3::new(r, g, b));
         }
-        let tangent =
-            |v: usize| Vec3::new(mesh.tangents()[v][0], mesh.tangents()[v][1], mesh.tangents()[v][2]);
-        let t = blend(corners.map(tangent), place.weights);
+        let frame = point.frame(mesh);
         let map = decode_normal(Vec3::new(r, g, b), 1.0, 1.0);
-        tangent_normal(n, t, mesh.tangents()[corners[0]][3], map)
+        tangent_normal(frame.normal, frame.tangent, frame.handedness, map)
     }
 }
 
@@ -207,7 +189,7 @@ enum Way {
 }
 
 /// Points spread evenly over a mesh's area, the same for the same mesh.
-fn spread(mesh: &Mesh, count: usize) -> Result<Vec<Place>> {
+fn spread(mesh: &Mesh, count: usize) -> Result<Vec<Point>> {
     let mut sum = 0.0;
     let sums: Vec<f64> = (0..mesh.triangles().len())
         .map(|t| {
@@ -220,14 +202,14 @@ fn spread(mesh: &Mesh, count: usize) -> Result<Vec<Place>> {
         return Err(Error::invalid("the mesh", "its triangles have no area"));
     }
     let points = Sequence::new(0);
-    let place = |i: usize| {
+    let point = |i: usize| {
         // One point in each of equal parts of the area.
         let [jitter, u, v, _] = points.four(i as u32 % Sequence::MOST, (i as u32 / Sequence::MOST) * 2);
         let target = (i as f64 + f64::from(jitter)) / count as f64 * sum;
         let triangle = sums.partition_point(|s| *s <= target).min(sums.len() - 1);
-        Place { triangle: triangle as u32, weights: triangle_weights(u, v) }
+        Point { triangle: triangle as u32, weights: triangle_weights(u, v) }
     };
-    Ok((0..count).into_par_iter().map(place).collect())
+    Ok((0..count).into_par_iter().map(point).collect())
 }
 
 fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
@@ -237,19 +219,18 @@ fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
 
 /// What is wrong with a pair of meshes, told before anything is baked.
 impl Verifier<'_> {
-    /// Of points spread over the light mesh: the part near which the scan has no surface at all, the part where its
+    /// Of points spread over the low-poly mesh: the part near which the scan has no surface at all, the part where its
     /// closest surface faces the other way, and the mean distance to it as a part of `diagonal`; `None` where the mesh
     /// has no area.
     pub fn fit(&self, count: usize, diagonal: f64) -> Option<Fit> {
-        let places = spread(self.mesh, count).ok()?;
-        let look = |place: &Place| {
-            let point = blend(self.mesh.corners(place.triangle as usize), place.weights);
-            let facing = facet_normal(self.mesh.corners(place.triangle as usize)).unwrap_or_default();
-            let closest = self.scan.bvh().closest(point, f32::INFINITY)?;
-            let normal = self.scan.normal(closest.triangle, closest.weights);
+        let points = spread(self.mesh, count).ok()?;
+        let look = |point: &Point| {
+            let facing = facet_normal(self.mesh.corners(point.triangle as usize)).unwrap_or_default();
+            let closest = self.scan.bvh().closest(point.position(self.mesh), f32::INFINITY)?;
+            let normal = closest.point().normal(self.scan.mesh());
             Some((f64::from(closest.distance) / diagonal, normal.dot(facing) < 0.0))
         };
-        let found: Vec<(f64, bool)> = places.par_iter().filter_map(look).collect();
+        let found: Vec<(f64, bool)> = points.par_iter().filter_map(look).collect();
         let part = |of: &dyn Fn(&(f64, bool)) -> bool| {
             found.iter().filter(|f| of(f)).count() as f64 / found.len().max(1) as f64
         };
@@ -261,13 +242,13 @@ impl Verifier<'_> {
     }
 }
 
-/// Farther than this part of the diagonal, a scan is not the surface that a light mesh stands for.
+/// Farther than this part of the diagonal, a scan is not the surface that a low-poly mesh stands for.
 const AWAY: f64 = 0.02;
 
-/// How well a light mesh and a scan fit together.
+/// How well a low-poly mesh and a scan fit together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
-    /// The part of the light mesh that lies farther than a fiftieth of the diagonal from the scan, [0, 1].
+    /// The part of the low-poly mesh that lies farther than a fiftieth of the diagonal from the scan, [0, 1].
     pub away: f64,
     /// The part that faces the other way than the closest surface of the scan, [0, 1].
     pub turned: f64,

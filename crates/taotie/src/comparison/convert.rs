@@ -9,7 +9,7 @@ use crate::scene::{GreenChannel, NormalMap, NormalSpace};
 use crate::surface::{TangentMethod, with_frames};
 
 /// Texels around charts that are filled too, as a part of the map's side: enough for the mip levels that are seen.
-const MARGIN: u32 = 128;
+const PADDING: u32 = 128;
 
 /// A converted map.
 pub(super) struct Converted {
@@ -57,8 +57,8 @@ fn laid_out(
     for uv in &mut data.uvs[uv_set] {
         *uv = map.texture.transform.apply(*uv);
     }
-    let margin = (width.max(height) / MARGIN).max(2);
-    TexelSurface::new(Mesh::new(data)?, &TexelGrid { width, height, uv_set, margin })
+    let padding = (width.max(height) / PADDING).max(2);
+    TexelSurface::new(Mesh::new(data)?, &TexelGrid { width, height, uv_set, padding })
 }
 
 /// glTF's `scale` on x and y of tangent-space normals.

@@ -3,7 +3,7 @@
 //! A low-poly mesh lies beside the high-poly one, so at the same pixel the two show different points of the relief.
 
 use super::look::Look;
-use crate::bake::{Probe, Scan, UvLookup};
+use crate::bake::{ProjectionRay, Scan, UvLookup};
 use crate::error::Result;
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
@@ -47,8 +47,8 @@ impl Matching {
         }
     }
 
-    /// Returns the reference's normals at the points that correspond to each sample's; the fourth channel is 1 where there
-    /// is one.
+    /// Returns the reference's normals at the points that correspond to each sample's; the fourth channel is 1 where
+    /// there is one.
     ///
     /// `smooth` shows the model without relief, whose diagonal is `diagonal`. By pixel nothing corresponds: what the
     /// reference shows there is for the caller to see.
@@ -67,15 +67,15 @@ impl Matching {
             }
             Self::Normal => {
                 let scan = Scan::new(reference.clone())?;
-                let reach = (REACH * diagonal) as f32;
+                let distance = (REACH * diagonal) as f32;
                 let size = [smooth.depth.width(), smooth.depth.height()];
                 matched(smooth, |at| {
                     let [depth, ..] = smooth.depth.pixel(at[0], at[1]);
                     let [x, y, z, _] = smooth.normals.pixel(at[0], at[1]);
                     let point = smooth.camera.point_at(at, depth.into(), size).to_f32();
                     let direction = Vec3::new(x, y, z);
-                    let probe = Probe { point, direction, reach };
-                    scan.project(&probe).map(|found| found.normal)
+                    let projection = ProjectionRay { point, direction, distance };
+                    scan.project(&projection).map(|found| found.normal)
                 })
             }
         }

@@ -91,25 +91,29 @@ impl Default for Lookup {
     }
 }
 
+/// Points that a texture is looked up at.
+#[derive(Clone, Copy)]
+pub struct LookupPoints<'a> {
+    /// u and v; origin top left.
+    pub uv: [&'a Column; 2],
+    /// log2 of the texels of the finest level that a pixel covers.
+    pub lod: &'a Column,
+    /// How many entries of the columns are points, at most [`BATCH`].
+    pub len: usize,
+}
+
 impl Lookup {
-    /// Finds the texels for the first `len` entries of `uv` (origin top left), at most [`BATCH`]; `lod` is log2 of the
-    /// texels of the finest level that a pixel covers. `texture` is any of the textures that are to be read.
-    pub fn place(
-        &mut self,
-        level: Level,
-        (texture, sampler): (&Texture, &Sampler),
-        uv: [&Column; 2],
-        lod: &Column,
-        len: usize,
-    ) {
+    /// Finds the texels for some points. `texture` is any of the textures that are to be read.
+    pub fn place(&mut self, level: Level, texture: &Texture, sampler: &Sampler, points: LookupPoints<'_>) {
+        let LookupPoints { uv, lod, len } = points;
         self.len = len.min(BATCH);
         let last = (texture.levels() - 1) as f32;
         dispatch_pack!(level, P, token => self.choose_levels::<P>(token, sampler, last, lod));
         self.blended = self.share[..self.len].iter().any(|share| *share > 0.0);
-        let smooth = &self.smooth;
+        let wanted = Wanted { sampler, smooth: &self.smooth, uv, len: self.len };
         for taps in [&mut self.fine].into_iter().chain(self.blended.then_some(&mut self.coarse)) {
             taps.look_up_sizes(texture, self.len);
-            dispatch_pack!(level, P, token => taps.place::<P>(token, sampler, smooth, uv, self.len));
+            dispatch_pack!(level, P, token => taps.place::<P>(token, &wanted));
         }
     }
 
@@ -152,6 +156,15 @@ impl Lookup {
     }
 }
 
+/// Points whose texels are to be found.
+struct Wanted<'a> {
+    sampler: &'a Sampler,
+    /// 1 where texels are filtered, 0 where the nearest is taken.
+    smooth: &'a Column,
+    uv: [&'a Column; 2],
+    len: usize,
+}
+
 impl Taps {
     /// Fills the sizes of the levels, and finds neighbours of one level.
     fn look_up_sizes(&mut self, texture: &Texture, len: usize) {
@@ -170,14 +183,8 @@ impl Taps {
     }
 
     #[inline(always)]
-    fn place<P: Pack>(
-        &mut self,
-        token: P::Token,
-        sampler: &Sampler,
-        smooth: &Column,
-        [u, v]: [&Column; 2],
-        len: usize,
-    ) {
+    fn place<P: Pack>(&mut self, token: P::Token, wanted: &Wanted<'_>) {
+        let Wanted { sampler, smooth, uv: [u, v], len } = *wanted;
         self.neighbours = true;
         for i in (0..len).step_by(P::LANES) {
             let smooth = P::load(token, &smooth[i..]);
@@ -335,10 +342,10 @@ impl Filter<'_> {
                 true => self.mean::<P, T>(token, taps, 3, i),
                 false => P::splat(token, 1.0),
             };
-            W::lay(token, red, share, r, i).store(&mut r[i..]);
-            W::lay(token, green, share, g, i).store(&mut g[i..]);
-            W::lay(token, blue, share, b, i).store(&mut b[i..]);
-            W::lay(token, alpha, share, a, i).store(&mut a[i..]);
+            W::lay(token, red, &share[i..], &r[i..]).store(&mut r[i..]);
+            W::lay(token, green, &share[i..], &g[i..]).store(&mut g[i..]);
+            W::lay(token, blue, &share[i..], &b[i..]).store(&mut b[i..]);
+            W::lay(token, alpha, &share[i..], &a[i..]).store(&mut a[i..]);
         }
     }
 
@@ -355,14 +362,14 @@ impl Filter<'_> {
 
 /// What becomes of filtered values.
 trait Way {
-    fn lay<P: Pack>(token: P::Token, mean: P, share: &Column, out: &Column, i: usize) -> P;
+    fn lay<P: Pack>(token: P::Token, mean: P, share: &[f32], out: &[f32]) -> P;
 }
 
 struct Fill;
 
 impl Way for Fill {
     #[inline(always)]
-    fn lay<P: Pack>(_: P::Token, mean: P, _: &Column, _: &Column, _: usize) -> P {
+    fn lay<P: Pack>(_: P::Token, mean: P, _: &[f32], _: &[f32]) -> P {
         mean
     }
 }
@@ -371,8 +378,8 @@ struct Blend;
 
 impl Way for Blend {
     #[inline(always)]
-    fn lay<P: Pack>(token: P::Token, mean: P, share: &Column, out: &Column, i: usize) -> P {
-        mix(P::load(token, &out[i..]), mean, P::load(token, &share[i..]))
+    fn lay<P: Pack>(token: P::Token, mean: P, share: &[f32], out: &[f32]) -> P {
+        mix(P::load(token, out), mean, P::load(token, share))
     }
 }
 
@@ -558,7 +565,8 @@ mod tests {
             for texture in textures() {
                 for sampler in samplers() {
                     for len in [BATCH, 37] {
-                        lookup.place(level, (&texture, &sampler), [&u, &v], &lod, len);
+                        let points = LookupPoints { uv: [&u, &v], lod: &lod, len };
+                        lookup.place(level, &texture, &sampler, points);
                         lookup.read(level, &texture, out.each_mut());
                         for i in 0..len {
                             let alone = sampler.sample(&texture, Vec2::new(u[i], v[i]), lod[i]);

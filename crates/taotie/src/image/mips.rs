@@ -52,6 +52,13 @@ struct Shrink {
     is_plain: bool,
 }
 
+/// What a band of the next level is made of.
+struct Source<'a, S> {
+    /// All texels of the level.
+    texels: &'a [[S; 4]],
+    rows: &'a [Span],
+}
+
 impl Shrink {
     fn new([width, height]: [u32; 2], [half_width, half_height]: [u32; 2]) -> Self {
         Self {
@@ -68,21 +75,22 @@ impl Shrink {
         let mut out = vec![[T::default(); 4]; self.half_width * self.rows.len()];
         let rows = TASK.div_ceil(self.half_width);
         out.par_chunks_mut(rows * self.half_width).enumerate().for_each(|(i, out)| {
-            let rows = &self.rows[i * rows..];
-            dispatch_pack!(level, P, token => self.band::<P, S, T>(token, codec, (texels, rows), out));
+            let from = Source { texels, rows: &self.rows[i * rows..] };
+            dispatch_pack!(level, P, token => self.band::<P, S, T>(token, codec, &from, out));
         });
         out
     }
 
-    /// Some rows of the next level, which `rows` starts with.
+    /// Some rows of the next level, which the source's rows start with.
     #[inline(always)]
     fn band<P: Pack, S: Texel, T: Texel>(
         &self,
         token: P::Token,
         codec: &Codec,
-        (texels, rows): (&[[S; 4]], &[Span]),
+        from: &Source<'_, S>,
         out: &mut [[T; 4]],
     ) {
+        let Source { texels, rows } = *from;
         let room = |width: usize| vec![[0.0; 4]; width.next_multiple_of(MOST_LANES)];
         let mut decoded = [room(self.width), room(self.width), room(self.width)];
         let mut means = room(self.half_width);

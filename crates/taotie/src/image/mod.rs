@@ -3,6 +3,7 @@
 mod bitmap;
 mod codec;
 mod decode;
+mod encoding;
 mod lookup;
 mod mips;
 mod picture;
@@ -10,7 +11,8 @@ mod sampler;
 mod texture;
 
 pub use bitmap::{Bitmap, Texels};
-pub(crate) use lookup::Lookup;
+pub use encoding::Encoding;
+pub(crate) use lookup::{Lookup, LookupPoints};
 pub use picture::Image;
 pub use sampler::{MipFilter, Sampler, TexelFilter, Wrap};
-pub use texture::{Encoding, Texture};
+pub use texture::Texture;

@@ -1,20 +1,9 @@
 //! A texture: a bitmap with its mip chain, decoded to linear values at each lookup.
 
+use super::encoding::Encoding;
 use super::{Bitmap, Texels, codec, mips};
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// What stored numbers mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Encoding {
-    /// Colour encoded by the sRGB transfer function; alpha is linear.
-    Srgb,
-    /// The numbers themselves: roughness, heights.
-    Linear,
-    /// Unit vectors, (n + 1)/2. Coarser levels hold the mean of the unit vectors below, which is shorter the more they
-    /// diverge, and in the fourth channel their variance 1 − |mean|²; the finest level has none.
-    Normal,
-}
 
 /// A bitmap, its mip chain and the meaning of its numbers. Texels stay in stored precision. Copies share them.
 #[derive(Debug, Clone)]

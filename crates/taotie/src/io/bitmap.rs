@@ -4,25 +4,18 @@
 mod exr;
 #[cfg(feature = "basis")]
 mod ktx;
+mod limits;
 mod png;
+mod widen;
 
 use super::file;
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Texels};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use limits::{Failure, MAX_TEXELS, MAX_TEXELS_OF_PLAIN, check_size, credible};
 use std::io::Cursor;
 use std::path::Path;
-
-/// The most texels of one image: 16,384 × 16,384.
-const MAX_TEXELS: u64 = 1 << 28;
-
-/// No format read here but WebP and KTX2 packs more texels into a byte: deflate reaches 1032 to 1, and a byte holds 8 one-bit
-/// texels. A declared size beyond it is refused before anything is allocated.
-const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
-
-/// WebP and KTX2 hold a picture of one colour in a few bytes, whatever its size; so many texels, 4096 × 4096, are
-/// believed.
-const MAX_TEXELS_OF_PLAIN: u64 = 1 << 24;
+use widen::expand;
 
 /// Reads an image file.
 ///
@@ -65,30 +58,6 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
         _ => decode(bytes, format),
     };
     decoded.map_err(|failure| failure.into_error(path, at()))
-}
-
-/// Why an image cannot be had, before it is known which file is to blame.
-enum Failure {
-    Damaged(String),
-    TooLarge(String),
-    Unsupported(String),
-}
-
-impl Failure {
-    fn into_error(self, path: &Path, at: String) -> Error {
-        match self {
-            Self::Damaged(what) => Error::parse(path, at, one_line(&what)),
-            Self::TooLarge(why) => Error::limit(format!("{}: {at}", path.display()), why),
-            Self::Unsupported(what) => Error::unsupported(
-                format!("{}: {at}: {}", path.display(), one_line(&what)),
-                "convert it to PNG",
-            ),
-        }
-    }
-}
-
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// What KTX2 files begin with.
@@ -137,25 +106,6 @@ fn decode(bytes: &[u8], format: ImageFormat) -> std::result::Result<Bitmap, Fail
     bitmap_from(picture)
 }
 
-/// How many texels `bytes` may hold.
-fn credible(bytes: &[u8]) -> u64 {
-    (bytes.len() as u64).saturating_mul(MAX_TEXELS_PER_BYTE)
-}
-
-/// Refuses sizes that cannot be drawn, and those of more than `credible` texels, which cannot be true.
-fn check_size(width: u64, height: u64, credible: u64) -> std::result::Result<(), Failure> {
-    let side = u64::from(Bitmap::MAX_SIDE);
-    if width > side || height > side || width * height > MAX_TEXELS {
-        let why = format!("{width}×{height}; at most {side} a side and 16384×16384 in all: scale it down");
-        return Err(Failure::TooLarge(why));
-    }
-    if width * height > credible {
-        let why = format!("so few bytes cannot hold {width}×{height} texels; save it again");
-        return Err(Failure::Damaged(why));
-    }
-    Ok(())
-}
-
 fn failure(error: ImageError) -> Failure {
     match error {
         ImageError::Limits(e) => Failure::TooLarge(e.to_string()),
@@ -183,35 +133,19 @@ fn bitmap_from(picture: DynamicImage) -> std::result::Result<Bitmap, Failure> {
     Bitmap::new(width, height, channels, texels).map_err(|e| Failure::Damaged(e.to_string()))
 }
 
-/// RGBA texels from interleaved samples; grey is repeated, missing alpha is `one`.
-fn expand<T: Copy + Default>(samples: &[T], channels: u8, one: T) -> Vec<[T; 4]> {
-    let mut texels = vec![[T::default(); 4]; samples.len() / usize::from(channels)];
-    widen(samples, channels, one, &mut texels);
-    texels
-}
-
-/// [`expand`] into memory that is there.
-fn widen<T: Copy>(samples: &[T], channels: u8, one: T, texels: &mut [[T; 4]]) {
-    match channels {
-        1 => each(samples, texels, |[v]| [v, v, v, one]),
-        2 => each(samples, texels, |[v, a]| [v, v, v, a]),
-        3 => each(samples, texels, |[r, g, b]| [r, g, b, one]),
-        _ => each(samples, texels, |texel| texel),
-    }
-}
-
-/// Texels from samples of a width that the compiler knows.
-fn each<T: Copy, const N: usize>(samples: &[T], texels: &mut [[T; 4]], texel: impl Fn([T; N]) -> [T; 4]) {
-    for (to, samples) in texels.iter_mut().zip(samples.as_chunks().0) {
-        *to = texel(*samples);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn tga(kind: u8, (width, height): (u8, u8), bits: u8, descriptor: u8, data: &[u8]) -> Result<Bitmap> {
+    struct Tga {
+        kind: u8,
+        size: [u8; 2],
+        bits: u8,
+        descriptor: u8,
+    }
+
+    fn tga(head: Tga, data: &[u8]) -> Result<Bitmap> {
+        let Tga { kind, size: [width, height], bits, descriptor } = head;
         let mut bytes = vec![0, 0, kind, 0, 0, 0, 0, 0, 0, 0, 0, 0, width, 0, height, 0, bits, descriptor];
         bytes.extend_from_slice(data);
         decode_bitmap(&bytes, "x.TGA", Path::new("x.TGA"))
@@ -225,7 +159,8 @@ mod tests {
     #[test]
     fn tga_origins() {
         let data = [0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4]; // blue, green, red of a 2×2 picture
-        let order = |descriptor| reds(&tga(2, (2, 2), 24, descriptor, &data).unwrap());
+        let order =
+            |descriptor| reds(&tga(Tga { kind: 2, size: [2, 2], bits: 24, descriptor }, &data).unwrap());
         assert_eq!(order(0x20), [1, 2, 3, 4], "top left");
         assert_eq!(order(0x00), [3, 4, 1, 2], "bottom left");
         assert_eq!(order(0x30), [2, 1, 4, 3], "top right");
@@ -235,11 +170,13 @@ mod tests {
     #[test]
     fn tga_run_lengths_and_truncation() {
         let packets = [0x82, 9, 9, 7, 0x00, 9, 9, 5]; // three times red 7, then one red 5
-        let bitmap = tga(10, (2, 2), 24, 0x20, &packets).unwrap();
+        let head = || Tga { kind: 10, size: [2, 2], bits: 24, descriptor: 0x20 };
+        let bitmap = tga(head(), &packets).unwrap();
         assert_eq!(reds(&bitmap), [7, 7, 7, 5]);
-        let error = tga(10, (2, 2), 24, 0x20, &packets[..6]).unwrap_err();
+        let error = tga(head(), &packets[..6]).unwrap_err();
         assert!(matches!(error, Error::Parse { .. }), "{error}");
-        let grey = tga(3, (2, 1), 8, 0x20, &[3, 250]).unwrap();
+        let head = Tga { kind: 3, size: [2, 1], bits: 8, descriptor: 0x20 };
+        let grey = tga(head, &[3, 250]).unwrap();
         assert_eq!((grey.channels(), reds(&grey)), (1, vec![3, 250]));
     }
 

@@ -5,6 +5,7 @@ pub(crate) mod cache;
 mod environment;
 mod file;
 mod gltf;
+mod loaded;
 mod locate;
 mod obj;
 mod ply;
@@ -23,6 +24,7 @@ pub use bitmap::{decode_bitmap, read_bitmap};
 pub use cache::cache_folder;
 pub use environment::decode_environment;
 pub use file::{file_size, read as read_bytes, sha256};
+pub use loaded::Loaded;
 pub use stopwatch::Stopwatch;
 pub use system::free_memory;
 pub use variants::Variants;
@@ -36,56 +38,8 @@ pub use write::{
 };
 pub use xmp::Provenance;
 
-use crate::error::{Error, Result, Warnings};
-use crate::scene::animation::Rig;
-use crate::scene::{Scene, SceneData};
+use crate::error::{Error, Result};
 use std::path::Path;
-
-/// What a model file held: the scene, what was put right, and what a report about the file wants to know.
-#[derive(Debug, Clone, Default)]
-pub struct Loaded {
-    /// What is drawn.
-    pub scene: Scene,
-    /// What was wrong or ignored, but could be drawn without.
-    pub warnings: Warnings,
-    /// The format read: `glTF`, `GLB`, `OBJ`, `PLY` or `STL`.
-    pub format: &'static str,
-    /// The program that wrote the file, where the file says so.
-    pub generator: Option<String>,
-    /// The rights notice in the file.
-    pub copyright: Option<String>,
-    /// XMP packets in the file as JSON-LD, that of the whole asset first; see [`Provenance`].
-    pub xmp: Vec<serde_json::Value>,
-    /// glTF extensions that the file uses.
-    pub extensions_used: Vec<String>,
-    /// glTF extensions that the file requires.
-    pub extensions_required: Vec<String>,
-    /// Names of `scene.meshes`, in the same order; shorter where the format has no names.
-    pub mesh_names: Vec<String>,
-    /// Files or names of `scene.textures`, in the same order.
-    pub texture_names: Vec<String>,
-    /// Files that the model names and that are not there.
-    pub missing_files: Vec<String>,
-    /// What moves the scene, where the file has animations; the scene itself is at rest.
-    pub rig: Option<Rig>,
-    /// The sets of materials that the file offers; the scene itself has none of them applied.
-    pub variants: Variants,
-}
-
-impl Loaded {
-    /// A scene with nothing more to tell.
-    pub fn new(scene: Scene, warnings: Warnings, format: &'static str) -> Self {
-        Self { scene, warnings, format, ..Self::default() }
-    }
-}
-
-/// Checks the parts of the scene that a file holds.
-fn checked(path: &Path, parts: SceneData) -> Result<Scene> {
-    Scene::new(parts).map_err(|error| match error {
-        Error::Invalid { what, why } => Error::parse(path, what, why),
-        other => other,
-    })
-}
 
 /// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case. Where the first bytes of the
 /// file contradict the extension, the bytes are believed.

@@ -2,7 +2,8 @@
 
 use super::file;
 use super::obj::neutral;
-use super::{Loaded, checked, text};
+use super::loaded::{Loaded, checked};
+use super::text;
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
 use crate::mesh::{Mesh, MeshData, first};

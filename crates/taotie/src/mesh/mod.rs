@@ -1,9 +1,12 @@
 //! Triangle meshes whose arrays are checked once, so that nothing after them can fail.
 
 pub mod deform;
+mod point;
 mod repair;
 mod sphere;
 
+pub(crate) use point::blend;
+pub use point::{Frame, Point};
 pub(crate) use repair::repair;
 
 use crate::error::{Error, Result};

@@ -25,9 +25,9 @@ pub struct Batch {
     pub(super) uv_sets: Vec<UvSet>,
     /// Vertex colours, where the mesh has some.
     pub(super) color: [Column; 4],
-    /// What the bend of the smooth surface, and what the normal map's relief, add to α² within a pixel.
-    pub(super) bend: Column,
-    pub(super) relief: Column,
+    /// What the curvature of the smooth surface, and what the normal map, add to α² within a pixel.
+    pub(super) curvature: Column,
+    pub(super) normal_variance: Column,
     pub(super) lookups: Lookups,
     /// The first triangle of the draw whose constants fill the columns that no texture does; none while they may hold
     /// anything.
@@ -64,7 +64,7 @@ pub struct Batch {
     /// Strength of a dielectric's reflection, and the colour that its F0 is multiplied by.
     pub(super) specular: Column,
     pub(super) specular_color: Column3,
-    /// The sum of `bend` and `relief`.
+    /// The sum of `curvature` and `normal_variance`.
     pub(super) variance: Column,
     pub(super) layers: Layers,
     /// Unit: the normal before any map, on the side that `n` is on.
@@ -133,8 +133,8 @@ impl Batch {
             corners: CornerColumns::ZERO,
             uv_sets: Vec::new(),
             color: [ZERO; 4],
-            bend: ZERO,
-            relief: ZERO,
+            curvature: ZERO,
+            normal_variance: ZERO,
             lookups: Lookups::default(),
             constants_of: None,
             spare: [ZERO; 3],

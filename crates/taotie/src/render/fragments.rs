@@ -9,7 +9,7 @@ use super::shadows::SmoothTriangle;
 use super::view::Eye;
 use crate::math::{Aligned, Mask, Pack, Vec3, dispatch_pack, poly, scalar};
 use crate::scene::{Clearcoat, HeightMap, TextureRef};
-use crate::shade::Hidden;
+use crate::shade::SubPixelVariance;
 use fearless_simd::Level;
 
 impl Interpolation<'_> {
@@ -46,32 +46,32 @@ impl Interpolation<'_> {
     fn normal_inputs(&self, batch: &mut Batch) {
         let len = batch.len;
         match &self.draw.normal_source {
-            NormalSource::Facet | NormalSource::Smooth => batch.relief.fill(0.0),
+            NormalSource::Facet | NormalSource::Smooth => batch.normal_variance.fill(0.0),
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => {
-                let Batch { map: [x, y, z], relief, lookups, uv_sets, .. } = batch;
+                let Batch { map: [x, y, z], normal_variance, lookups, uv_sets, .. } = batch;
                 let at = Coordinates { sets: uv_sets, len };
-                lookups.read(self.texture(&map.texture), at, [x, y, z, relief]);
+                lookups.read(self.texture(&map.texture), at, [x, y, z, normal_variance]);
                 let squared = if self.specular_aa { map.scale * map.scale } else { 0.0 };
                 if squared != 1.0 {
-                    scale(relief, squared, len);
+                    scale(normal_variance, squared, len);
                 }
             }
             NormalSource::Bump(map, factor) => {
-                batch.relief.fill(0.0);
+                batch.normal_variance.fill(0.0);
                 [batch.dh_du, batch.dh_dv] = self.height_derivatives(map, batch);
                 scale(&mut batch.dh_du, *factor, len);
                 scale(&mut batch.dh_dv, *factor, len);
             }
             NormalSource::BumpPrinted(map, _) => {
                 // The paper's g: half the difference of the grey levels (0 to 255) of the two neighbours along u.
-                batch.relief.fill(0.0);
+                batch.normal_variance.fill(0.0);
                 let width = self.scene.textures()[map.texture.texture].width() as f32;
                 [batch.dh_du, _] = self.height_derivatives(map, batch);
                 scale(&mut batch.dh_du, 255.0 / width, len);
             }
         }
         for i in 0..len {
-            batch.variance[i] = batch.bend[i] + batch.relief[i];
+            batch.variance[i] = batch.curvature[i] + batch.normal_variance[i];
         }
     }
 
@@ -141,9 +141,9 @@ impl Interpolation<'_> {
                 *occlusion = 1.0 + material.occlusion_strength * (*occlusion - 1.0);
             }
         }
-        let Batch { roughness, bend, relief, .. } = batch;
+        let Batch { roughness, curvature, normal_variance, .. } = batch;
         if self.takes_roughness {
-            Unseen { bend, relief, len }.widen(self.level, roughness);
+            Unseen { curvature, normal_variance, len }.widen(self.level, roughness);
         }
     }
 
@@ -195,21 +195,21 @@ impl Interpolation<'_> {
 
     fn coat(&self, coat: &Clearcoat, batch: &mut Batch) {
         let len = batch.len;
-        let Batch { lookups, uv_sets, layers, bend, spare: [spare, spare2, spare3], .. } = batch;
+        let Batch { lookups, uv_sets, layers, curvature, spare: [spare, spare2, spare3], .. } = batch;
         let mut reader =
             Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh: true };
         let factors = [coat.factor, 1.0, 1.0, 1.0];
         reader.read(&coat.factor_texture, [&mut layers.coat, spare, spare2, spare3], factors);
         let factors = [1.0, coat.roughness, 1.0, 1.0];
         reader.read(&coat.roughness_texture, [spare, &mut layers.coat_roughness, spare2, spare3], factors);
-        let mut relief = Column::ZERO;
+        let mut normal_variance = Column::ZERO;
         if let Some(map) = &coat.normal {
             let [x, y, z] = &mut layers.coat_map;
             let squared = if self.specular_aa { map.scale * map.scale } else { 0.0 };
-            reader.read(&Some(map.texture), [x, y, z, &mut relief], [1.0, 1.0, 1.0, squared]);
+            reader.read(&Some(map.texture), [x, y, z, &mut normal_variance], [1.0, 1.0, 1.0, squared]);
         }
         let roughness = &mut layers.coat_roughness;
-        Unseen { bend, relief: &relief, len }.widen(self.level, roughness);
+        Unseen { curvature, normal_variance: &normal_variance, len }.widen(self.level, roughness);
     }
 }
 
@@ -243,10 +243,10 @@ impl Reader<'_, '_> {
     }
 }
 
-/// What the first `len` fragments hide within a pixel: how much their surface bends, and its relief.
+/// What the first `len` fragments hide within a pixel: the variance that the curvature of their surface and its normal map add.
 struct Unseen<'b> {
-    bend: &'b Column,
-    relief: &'b Column,
+    curvature: &'b Column,
+    normal_variance: &'b Column,
     len: usize,
 }
 
@@ -260,8 +260,9 @@ impl Unseen<'_> {
     fn widen_packs<P: Pack>(&self, token: P::Token, roughness: &mut Column) {
         let zero = P::splat(token, 0.0);
         for i in (0..self.len).step_by(P::LANES) {
-            let (bend, relief) = (load(token, self.bend, i), load(token, self.relief, i));
-            let hidden: Hidden<P> = Hidden { bend, relief };
+            let curvature = load(token, self.curvature, i);
+            let normal_variance = load(token, self.normal_variance, i);
+            let hidden: SubPixelVariance<P> = SubPixelVariance { curvature, normal_variance };
             if zero.lt(hidden.variance()).any() {
                 hidden.widened(load(token, roughness, i)).store(&mut roughness[i..]);
             }

@@ -9,7 +9,7 @@ use super::view::Eye;
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::raster::{PerspectiveTriangle, Viewport};
 use crate::scene::Scene;
-use crate::shade::bend;
+use crate::shade::curvature_variance;
 use crate::surface;
 use fearless_simd::Level;
 
@@ -133,9 +133,9 @@ impl Interpolation<'_> {
             if bends {
                 let d_x = batch.corners.change3::<P>(token, &batch.d_x, i);
                 let d_y = batch.corners.change3::<P>(token, &batch.d_y, i);
-                bent = bend(d_x, d_y);
+                bent = curvature_variance(d_x, d_y);
             }
-            bent.store(&mut batch.bend[i..]);
+            bent.store(&mut batch.curvature[i..]);
             store3(batch.corners.at3::<P>(token, &batch.weights, i), &mut batch.normal, i);
         }
         if let NormalSource::BumpPrinted(..) = draw.normal_source {

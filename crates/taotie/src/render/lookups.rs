@@ -1,6 +1,6 @@
 //! Textures of a batch: where they are read, and what is there.
 
-use crate::image::{Lookup, Sampler, Texture};
+use crate::image::{Lookup, LookupPoints, Sampler, Texture};
 use crate::math::{Column, Pack, dispatch_pack, poly};
 use crate::scene::{Scene, TextureRef, UvTransform};
 use fearless_simd::Level;
@@ -83,13 +83,8 @@ impl Lookups {
         };
         if self.placed != Some(placement) {
             self.locate(used, at);
-            self.lookup.place(
-                level,
-                (image, &texture.sampler),
-                [&self.uv[0], &self.uv[1]],
-                &self.lod,
-                at.len,
-            );
+            let points = LookupPoints { uv: self.uv.each_ref(), lod: &self.lod, len: at.len };
+            self.lookup.place(level, image, &texture.sampler, points);
             self.placed = Some(placement);
         }
         self.lookup.read(level, image, out);
@@ -109,7 +104,8 @@ impl Lookups {
             let [du, dv] = shift(i);
             (*u, *v) = (*u + du, *v + dv);
         }
-        self.lookup.place(level, (image, &texture.sampler), [&moved[0], &moved[1]], &self.lod, len);
+        let points = LookupPoints { uv: moved.each_ref(), lod: &self.lod, len };
+        self.lookup.place(level, image, &texture.sampler, points);
         self.lookup.read(level, image, out);
         self.placed = None;
     }

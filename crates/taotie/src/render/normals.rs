@@ -98,10 +98,8 @@ fn pack_normal<P: Pack>(at: Lanes<'_, P>, draw: &Draw<'_>) -> Vec3<P> {
             let n = interpolated.normalize_or(at.load3(&batch.n_geom));
             let gradient = surface::surface_gradient(
                 n,
-                at.load3(&batch.dp_du),
-                at.load3(&batch.dp_dv),
-                at.load(&batch.dh_du),
-                at.load(&batch.dh_dv),
+                [at.load3(&batch.dp_du), at.load3(&batch.dp_dv)],
+                [at.load(&batch.dh_du), at.load(&batch.dh_dv)],
             );
             surface::bump(n, gradient)
         }

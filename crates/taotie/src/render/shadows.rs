@@ -36,9 +36,9 @@ impl SmoothTriangle {
     /// the geometric normal against rounding.
     pub(super) fn shadow_origin(&self, point: Vec3, weights: [f32; 3], lift: Vec3) -> Vec3 {
         let mut shift = Vec3::default();
-        for i in 0..3 {
-            let height = (point - self.corners[i]).dot(self.normals[i]).min(0.0);
-            shift += self.normals[i] * (-height * weights[i]);
+        for ((corner, normal), weight) in self.corners.into_iter().zip(self.normals).zip(weights) {
+            let height = (point - corner).dot(normal).min(0.0);
+            shift += normal * (-height * weight);
         }
         // A surface seen from behind bulges away from the viewer: no shift.
         let shift = if shift.dot(lift) > 0.0 { shift } else { Vec3::default() };

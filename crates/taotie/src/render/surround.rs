@@ -8,7 +8,7 @@ use super::settings::EnvironmentLight;
 use crate::math::{Lane, Pack, Vec3, dispatch_pack};
 use crate::scene::Material;
 use crate::shade::Shading;
-use crate::shade::environment::{Environment, Mirrors};
+use crate::shade::environment::{Environment, Mirrors, Wanted};
 use fearless_simd::Level;
 
 /// An environment as a model of reflectance asks for it.
@@ -24,14 +24,25 @@ pub(super) fn look_up(level: Level, asked: Surrounding<'_>, draw: &Draw<'_>, bat
     let (environment, len) = (&light.environment, batch.len);
     dispatch_pack!(level, P, token => normals::<P>(token, light, batch));
     let Batch { gatherer, mirrors, surround, .. } = batch;
-    environment.gather_mean(level, gatherer, (mirrors, len), light.intensity, &mut surround.mean);
+    let wanted = Wanted { mirrors, len, factor: light.intensity };
+    environment.gather_mean(level, gatherer, wanted, &mut surround.mean);
     dispatch_pack!(level, P, token => mirrored::<P>(token, asked, draw.material, batch));
     let Batch { gatherer, mirrors, surround, .. } = batch;
-    environment.gather(level, gatherer, (mirrors, len), light.intensity, &mut surround.specular);
+    environment.gather(
+        level,
+        gatherer,
+        Wanted { mirrors, len, factor: light.intensity },
+        &mut surround.specular,
+    );
     if draw.material.clearcoat.is_some() {
         dispatch_pack!(level, P, token => coat::<P>(token, light, batch));
         let Batch { gatherer, mirrors, surround, .. } = batch;
-        environment.gather(level, gatherer, (mirrors, len), light.intensity, &mut surround.coat);
+        environment.gather(
+            level,
+            gatherer,
+            Wanted { mirrors, len, factor: light.intensity },
+            &mut surround.coat,
+        );
     }
 }
 

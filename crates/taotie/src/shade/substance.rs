@@ -1,6 +1,6 @@
 //! What a surface is made of at a point.
 
-use super::Compensation;
+use super::compensation::Compensation;
 use crate::math::Vec3;
 
 /// What a surface is made of at a point. Each model reads the fields it knows and ignores the rest.

@@ -3,23 +3,23 @@
 use super::ndf::{MIN_ALPHA, alpha_squared_from_divergence_ggx, divergence_ggx};
 use crate::math::{Lane, Vec3};
 
-/// What hides within a pixel.
+/// The variance of normals within a pixel or texel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hidden<L = f32> {
-    /// What the bend of the smooth surface adds to α².
-    pub bend: L,
+pub struct SubPixelVariance<L = f32> {
+    /// What the curvature of the smooth surface adds to α².
+    pub curvature: L,
     /// The variance of the normal map's vectors, E|n − mean|² = 1 − |mean|², [0, 1].
-    pub relief: L,
+    pub normal_variance: L,
 }
 
-impl<L: Lane> Hidden<L> {
-    /// What it adds to Beckmann's m², which is twice the variance of a slope: a Gaussian's variances add.
+impl<L: Lane> SubPixelVariance<L> {
+    /// The sum, which is added to Beckmann's m², which is twice the variance of a slope: a Gaussian's variances add.
     #[inline(always)]
     pub fn variance(self) -> L {
-        self.bend + self.relief
+        self.curvature + self.normal_variance
     }
 
-    /// The roughness of a GGX lobe that shows `roughness` and what is hidden.
+    /// The roughness of a GGX lobe that shows `roughness` and this variance.
     ///
     /// The slopes of GGX have no variance to which one could add. But its facets have a mean normal, and where one
     /// distribution of directions is spread by another, the lengths of their mean vectors multiply. So the widened
@@ -33,22 +33,22 @@ impl<L: Lane> Hidden<L> {
         let (zero, one) = (roughness.lit(0.0), roughness.lit(1.0));
         let alpha = (roughness * roughness).max(roughness.lit(MIN_ALPHA));
         let own = alpha * alpha;
-        let map = one - (one - self.relief).max(zero).sqrt();
+        let map = one - (one - self.normal_variance).max(zero).sqrt();
         let divergence = divergence_ggx(alpha);
         let squared = alpha_squared_from_divergence_ggx(divergence + map - divergence * map);
-        let squared = L::select(zero.lt(self.relief), own.max(squared), own);
-        let widened = (squared + self.bend).min(one).sqrt().sqrt();
+        let squared = L::select(zero.lt(self.normal_variance), own.max(squared), own);
+        let widened = (squared + self.curvature).min(one).sqrt().sqrt();
         L::select(zero.lt(self.variance()), widened, roughness)
     }
 }
 
-/// What the bend of the smooth surface within a pixel adds to α²: the squared change of its unit normal from pixel
+/// What the curvature of the smooth surface within a pixel adds to α²: the squared change of its unit normal from pixel
 /// to pixel, as the variance of a normal distribution that wide, at most 0.18.
 ///
 /// Source: Tokuyoshi and Kaplanyan 2019, "Improved Geometric Specular Antialiasing", eq. 9 and §4 (σ² = 1/4, κ = 0.18),
 /// in its form without directions.
 #[inline(always)]
-pub fn bend<L: Lane>(dx: Vec3<L>, dy: Vec3<L>) -> L {
+pub fn curvature_variance<L: Lane>(dx: Vec3<L>, dy: Vec3<L>) -> L {
     const SIGMA_SQUARED: f64 = 0.25;
     const MOST: f64 = 0.18;
     let squared = dx.dot(dx) + dy.dot(dy);

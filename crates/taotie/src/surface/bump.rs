@@ -11,7 +11,11 @@ use crate::math::{Lane, Vec3};
 /// Law: the gradient of a linear ramp tilts a plane exactly (`laws::maps::bump_of_a_ramp_is_the_tilted_plane`).
 /// Source: Mikkelsen 2020, "Surface gradient–based bump mapping framework", JCGT 9(3), eq. 4.
 #[inline(always)]
-pub fn surface_gradient<L: Lane>(n: Vec3<L>, dp_du: Vec3<L>, dp_dv: Vec3<L>, dh_du: L, dh_dv: L) -> Vec3<L> {
+pub fn surface_gradient<L: Lane>(
+    n: Vec3<L>,
+    [dp_du, dp_dv]: [Vec3<L>; 2],
+    [dh_du, dh_dv]: [L; 2],
+) -> Vec3<L> {
     let across_v = dp_dv.cross(n);
     let across_u = n.cross(dp_du);
     let area = dp_du.dot(across_v);
@@ -63,11 +67,11 @@ pub fn relief_normal<L: Lane>(base: ReliefBase<L>, relief: Relief<L>) -> Vec3<L>
     let length = base.n.length();
     let n = base.n / length;
     let scale = relief.height / length;
-    let [p_u, p_v] = [0, 1].map(|k| {
+    let dp = [0, 1].map(|k| {
         let p = base.dp[k] + base.dn[k] * scale;
         p - n * n.dot(p)
     });
-    bump(n, surface_gradient(n, p_u, p_v, relief.by_u, relief.by_v))
+    bump(n, surface_gradient(n, dp, [relief.by_u, relief.by_v]))
 }
 
 /// The seed paper's bump mapping as its Table 2 prints it: n + s · (g / 255) · (1, 1, 0). *Not* normalised.
@@ -114,7 +118,7 @@ mod tests {
     fn no_area_means_no_bump() {
         let n = Vec3::new(0.0, 0.0, 1.0);
         let along = Vec3::new(1.0, 0.0, 0.0);
-        assert_eq!(surface_gradient(n, along, along, 1.0, 1.0), Vec3::splat(0.0));
+        assert_eq!(surface_gradient(n, [along; 2], [1.0; 2]), Vec3::splat(0.0));
         assert_eq!(bump(n, Vec3::splat(0.0)), n);
     }
 }

@@ -1,6 +1,6 @@
 //! MikkTSpace: its contract kept, and its weak spots on hostile meshes guarded.
 
-use super::tangents::{CornerTangents, Corners, face_tangent};
+use super::corners::{CornerTangents, Corners, face_tangent};
 use super::weld::Classes;
 use crate::math::Vec3;
 use bevy_mikktspace::{Geometry, Ops, TangentSpace, generate_tangents};

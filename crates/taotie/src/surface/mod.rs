@@ -5,6 +5,7 @@
 
 mod angles;
 mod bump;
+mod corners;
 mod frame;
 mod inspect;
 mod maps;

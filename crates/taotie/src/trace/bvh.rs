@@ -3,9 +3,10 @@
 use super::Ray;
 use super::nearby::{Closest, closest};
 use super::tree::Tree;
-use super::walk::{Met, Span, walk};
+use super::walk::{Cast, Met, Span, walk};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3, dispatch_eight};
+use crate::mesh::Point;
 use fearless_simd::Level;
 
 /// A point where a ray meets a triangle.
@@ -17,6 +18,14 @@ pub struct Hit {
     pub weights: [f32; 3],
     /// Distance in lengths of the ray's direction.
     pub distance: f32,
+}
+
+impl Hit {
+    /// The point of the mesh whose triangles were given.
+    #[inline]
+    pub fn point(&self) -> Point {
+        Point { triangle: self.triangle, weights: self.weights }
+    }
 }
 
 /// Triangles sorted for rays. Hits have the same bits on every machine.
@@ -84,7 +93,7 @@ impl Bvh {
 
     fn walk(&self, ray: &Ray, span: Span, mut meet: impl FnMut(Hit, Span) -> Span) {
         dispatch_eight!(self.level, P, token => {
-            walk::<P>(token, &self.tree, ray, span, |met, span| meet(self.hit(&met), span));
+            walk::<P>(token, &self.tree, Cast { ray, span }, |met, span| meet(self.hit(&met), span));
         });
     }
 

@@ -2,6 +2,7 @@
 
 use super::tree::{Boxes, Tree, WIDTH};
 use crate::math::Vec3;
+use crate::mesh::Point;
 
 /// The point of a surface that is closest to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,6 +13,13 @@ pub struct Closest {
     pub weights: [f32; 3],
     /// How far away it is.
     pub distance: f32,
+}
+
+impl Closest {
+    /// The point of the mesh whose triangles were given.
+    pub fn point(&self) -> Point {
+        Point { triangle: self.triangle, weights: self.weights }
+    }
 }
 
 /// Nodes from near to far, those passed over that begin farther away than the best so far.

@@ -2,7 +2,7 @@
 
 use super::Ray;
 use super::bvh::{Bvh, Hit};
-use super::walk::{Met, Span, walk};
+use super::walk::{Cast, Met, Span, walk};
 use crate::math::dispatch_eight;
 
 /// A stretch of a ray on which the hit nearest to a place in it is sought: distances in lengths of the direction.
@@ -79,7 +79,7 @@ impl Bvh {
             nearest.offer(self.hit(&met), &judge);
             nearest.span()
         };
-        dispatch_eight!(self.level, P, token => walk::<P>(token, &self.tree, ray, span, meet));
+        dispatch_eight!(self.level, P, token => walk::<P>(token, &self.tree, Cast { ray, span }, meet));
         nearest.best()
     }
 }

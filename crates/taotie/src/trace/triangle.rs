@@ -19,8 +19,8 @@ impl Ray {
         Self::beside(origin, direction, direction)
     }
 
-    /// The same ray, intersected along the axis that `main` runs along, as all rays of a sheaf must be. The direction's
-    /// part along that axis must have the sign of `main`'s.
+    /// The same ray, intersected along the axis that `main` runs along, as all rays of a packet must be. The
+    /// direction's part along that axis must have the sign of `main`'s.
     pub fn beside(origin: Vec3, direction: Vec3, main: Vec3) -> Self {
         let m = main.to_array();
         let d = direction.to_array();
@@ -62,8 +62,8 @@ impl Ray {
         (t >= 0.0).then_some((t, weights))
     }
 
-    /// The first half of [`Ray::intersect`] for as many triangles as a pack has lanes, `corners[corner][axis]`, with the
-    /// same bits. `None` where the ray passes all of them by.
+    /// The first half of [`Ray::intersect`] for as many triangles as a pack has lanes, `corners[corner][axis]`, with
+    /// the same bits. `None` where the ray passes all of them by.
     #[inline(always)]
     pub(super) fn edges<P: Pack>(&self, token: P::Token, corners: [[P; 3]; 3]) -> Option<Edges<P>> {
         let [kx, ky, kz] = self.axes;
@@ -81,14 +81,14 @@ impl Ray {
 }
 
 /// Rays that run along the same axis the same way, component by component, in packs.
-pub(super) struct RayPack {
+pub(super) struct RayColumns {
     axes: [usize; 3],
     /// Origins and shears in the order of `axes`, with room for a pack beyond the last.
     origin: [Vec<f32>; 3],
     shear: [Vec<f32>; 3],
 }
 
-impl RayPack {
+impl RayColumns {
     /// Of some rays in some order; `None` where they run along different axes.
     pub fn new(rays: &[Ray], order: &[u32]) -> Option<Self> {
         let axes = rays.first()?.axes;

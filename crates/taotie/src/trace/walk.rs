@@ -16,6 +16,13 @@ impl Span {
     pub const NONE: Self = Self { from: f32::INFINITY, to: f32::NEG_INFINITY };
 }
 
+/// A ray, and what of it matters.
+#[derive(Clone, Copy)]
+pub(super) struct Cast<'a> {
+    pub ray: &'a Ray,
+    pub span: Span,
+}
+
 /// A triangle that a ray meets.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Met {
@@ -42,10 +49,10 @@ struct Waiting {
 pub(super) fn walk<P: Pack>(
     token: P::Token,
     tree: &Tree,
-    ray: &Ray,
-    mut span: Span,
+    cast: Cast<'_>,
     mut meet: impl FnMut(Met, Span) -> Span,
 ) {
+    let Cast { ray, mut span } = cast;
     let slabs = Slabs::new(ray);
     let mut stack = [Waiting { enters: 0.0, level: tree.levels.len() as u32, node: 0 }; STACK];
     let mut waiting = usize::from(!tree.leaves.is_empty());
@@ -57,8 +64,8 @@ pub(super) fn walk<P: Pack>(
         }
         if level == 0 {
             let leaf = &tree.leaves[node as usize];
-            span = meet_leaf::<P>(token, leaf, ray, span, |i, distance, weights, span| {
-                meet(Met { slot: node as usize * WIDTH + i, distance, weights }, span)
+            span = meet_leaf::<P>(token, leaf, Cast { ray, span }, |met, span| {
+                meet(Met { slot: node as usize * WIDTH + met.slot, ..met }, span)
             });
             continue;
         }
@@ -124,15 +131,15 @@ impl Slabs {
     }
 }
 
-/// Calls `meet` with the triangles of a leaf that the ray meets within the span: place, distance, weights.
+/// Calls `meet` with the triangles of a leaf that the ray meets within the span; slots are places in the leaf.
 #[inline(always)]
 pub(super) fn meet_leaf<P: Pack>(
     token: P::Token,
     leaf: &Leaf,
-    ray: &Ray,
-    mut span: Span,
-    mut meet: impl FnMut(usize, f32, [f32; 3], Span) -> Span,
+    cast: Cast<'_>,
+    mut meet: impl FnMut(Met, Span) -> Span,
 ) -> Span {
+    let Cast { ray, mut span } = cast;
     for k in (0..WIDTH).step_by(P::LANES) {
         let mut corners = [[P::splat(token, 0.0); 3]; 3];
         for (corner, stored) in corners.iter_mut().zip(&leaf.corners) {
@@ -164,7 +171,8 @@ pub(super) fn meet_leaf<P: Pack>(
         while hit != 0 {
             let i = hit.trailing_zeros() as usize;
             hit &= hit - 1;
-            span = meet(k + i, distances[i], [weights[0][i], weights[1][i], weights[2][i]], span);
+            let weights = [weights[0][i], weights[1][i], weights[2][i]];
+            span = meet(Met { slot: k + i, distance: distances[i], weights }, span);
         }
     }
     span

@@ -15,8 +15,8 @@ use taotie::surface::{TangentMethod, with_tangents};
 
 const PLAIN: [Storage; 2] = [Storage { bits: 8, dither: false }, Storage { bits: 16, dither: false }];
 
-fn grid(side: u32, margin: u32) -> TexelGrid {
-    TexelGrid { width: side, height: side, uv_set: 0, margin }
+fn grid(side: u32, padding: u32) -> TexelGrid {
+    TexelGrid { width: side, height: side, uv_set: 0, padding }
 }
 
 /// A quarter of a tube of radius 1 and height 2 about y, in two halves side by side on the map; the second half is
@@ -147,7 +147,7 @@ impl Statue {
         let stem = model.file_stem().unwrap().to_string_lossy().into_owned();
         let map = read_bitmap(&model.with_file_name(format!("{stem}_normals.png"))).unwrap();
         let mesh = load_model(model).unwrap().scene.meshes()[0].clone();
-        let size = TexelGrid { width: map.width(), height: map.height(), uv_set: 0, margin: 4 };
+        let size = TexelGrid { width: map.width(), height: map.height(), uv_set: 0, padding: 4 };
         let tangent = decoded_normals(&map, NormalSpace::Tangent, GreenChannel::Up).unwrap();
         Self { surface: laid_out(&mesh, &size), tangent }
     }

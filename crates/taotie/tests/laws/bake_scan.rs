@@ -2,7 +2,8 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeSettings, Baked, Cage, MapKind, Maps, Planes, Scan, Texel, UnwrapOptions, Verifier, bake, unwrap,
+    BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapKind, Maps, Scan, TexelStatus, UnwrapOptions,
+    Verifier, bake, unwrap,
 };
 use taotie::image::{Encoding, Texture};
 use taotie::math::Vec3;
@@ -40,7 +41,7 @@ fn light(mesh: &Mesh, size: u32) -> Mesh {
 
 fn baked(low: &Mesh, scan: &Scan, settings: &BakeSettings) -> (Baked, Cage) {
     let cage = Cage::automatic(low, scan);
-    let baked = bake(low, &cage, scan, settings, Progress::SILENT).unwrap();
+    let baked = bake(BakeInput { low, cage: &cage, scan }, settings, Progress::SILENT).unwrap();
     (baked, cage)
 }
 
@@ -48,18 +49,18 @@ fn settings(size: u32, maps: &[MapKind]) -> BakeSettings {
     BakeSettings { size: [size; 2], maps: maps.iter().copied().collect(), ..BakeSettings::default() }
 }
 
-fn covered(planes: &Planes) -> impl Iterator<Item = usize> + '_ {
-    (0..planes.texels.len()).filter(|i| planes.texels[*i] != Texel::Free)
+fn covered(planes: &BakedMaps) -> impl Iterator<Item = usize> + '_ {
+    (0..planes.texels.len()).filter(|i| planes.texels[*i] != TexelStatus::Free)
 }
 
 /// Angles over the surface as a viewer shows it, degrees: mean and largest.
-fn shown_angles(low: &Mesh, planes: &Planes, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
+fn shown_angles(low: &Mesh, planes: &BakedMaps, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
     let bitmap = store_unit_vectors(planes.size(), &planes.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
     let verifier = Verifier { mesh: low, normal: Some((&texture, NormalSpace::Tangent)), cage, scan };
-    let verdict = verifier.verdict(20_000).unwrap();
-    assert_eq!(verdict.lost, 0.0);
-    let summary = verdict.angles.summary().unwrap();
+    let normal_error = verifier.normal_error(20_000).unwrap();
+    assert_eq!(normal_error.lost, 0.0);
+    let summary = normal_error.angles.summary().unwrap();
     [summary.mean, summary.max]
 }
 
@@ -70,15 +71,15 @@ fn a_coarse_sphere_looks_like_a_fine_one() {
     let (baked, cage) = baked(&low, &scan, &settings(512, &[MapKind::Normal]));
     assert_eq!((baked.counts.missed, baked.counts.lost, baked.counts.shared), (0, 0, 0));
     let fine = Storage { bits: 16, dither: false };
-    let [mean, max] = shown_angles(&low, &baked.planes, fine, (&cage, &scan));
+    let [mean, max] = shown_angles(&low, &baked.maps, fine, (&cage, &scan));
     // Bilinear lookups at the borders of charts take in texels of the skirt.
     assert!(mean < 0.01 && max < 2.0, "16 bits: {mean}° {max}°");
     let exact = mean;
     let coarse = Storage { bits: 8, dither: false };
-    let [mean, _] = shown_angles(&low, &baked.planes, coarse, (&cage, &scan));
+    let [mean, _] = shown_angles(&low, &baked.maps, coarse, (&cage, &scan));
     assert!(mean > 0.05 && mean < 0.25, "8 bits: {mean}°");
     let verifier = Verifier { mesh: &low, normal: None, cage: &cage, scan: &scan };
-    let plain = verifier.verdict(20_000).unwrap().angles.summary().unwrap().mean;
+    let plain = verifier.normal_error(20_000).unwrap().angles.summary().unwrap().mean;
     assert!(plain > 20.0 * exact, "without the map: {plain}°");
 }
 
@@ -114,13 +115,14 @@ fn the_order_of_vertices_does_not_matter_to_the_proof() {
     let fine = Storage { bits: 16, dither: false };
     let copy = turned_round(&low);
     let carried = cage.carried_over(&low, &copy);
-    let [mean, max] = shown_angles(&low, &baked.planes, fine, (&cage, &scan));
-    let [again, largest] = shown_angles(&copy, &baked.planes, fine, (&carried, &scan));
+    let [mean, max] = shown_angles(&low, &baked.maps, fine, (&cage, &scan));
+    let [again, largest] = shown_angles(&copy, &baked.maps, fine, (&carried, &scan));
     assert!(
         (mean - again).abs() < 1e-4 && (max - largest).abs() < 0.1,
         "{mean}° {max}°, {again}° {largest}°"
     );
-    let strange = Verifier { mesh: &copy, normal: None, cage: &cage, scan: &scan }.verdict(20_000).unwrap();
+    let strange =
+        Verifier { mesh: &copy, normal: None, cage: &cage, scan: &scan }.normal_error(20_000).unwrap();
     assert!(strange.missed > 0.5, "a cage that is not carried over is another one: {}", strange.missed);
 }
 
@@ -130,7 +132,8 @@ fn object_space_holds_the_directions_of_a_sphere() {
     let low = light(&bare_sphere(1.0, 32, 16), 256);
     let settings = BakeSettings { space: NormalSpace::Object, ..settings(256, &[MapKind::Normal]) };
     let cage = Cage::automatic(&low, &scan);
-    let planes = bake(&low, &cage, &scan, &settings, Progress::SILENT).unwrap().planes;
+    let planes =
+        bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().maps;
     // Every direction is there, and each texel beside another is nearly the same.
     let mut seen = [false; 6];
     for i in covered(&planes) {
@@ -149,13 +152,13 @@ fn heights_are_distances_to_the_scan() {
     let low = light(&bare_sphere(1.0, 64, 32), 256);
     let (baked, _) = baked(&low, &scan, &settings(256, &[MapKind::Height, MapKind::Curvature]));
     assert_eq!(baked.counts.missed, 0);
-    for i in covered(&baked.planes) {
+    for i in covered(&baked.maps) {
         // The light sphere's facets lie up to 1 − cos(π/64) inside of it.
-        assert!((0.0495..0.0565).contains(&baked.planes.lift[i]), "{}", baked.planes.lift[i]);
+        assert!((0.0495..0.0565).contains(&baked.maps.heights[i]), "{}", baked.maps.heights[i]);
         // Triangles at the poles are so small that the rounding of their corners bends them.
-        assert!((baked.planes.curvature[i] * 1.05 - 1.0).abs() < 0.1, "{}", baked.planes.curvature[i]);
+        assert!((baked.maps.curvature[i] * 1.05 - 1.0).abs() < 0.1, "{}", baked.maps.curvature[i]);
     }
-    let curvatures: Vec<f32> = covered(&baked.planes).map(|i| baked.planes.curvature[i]).collect();
+    let curvatures: Vec<f32> = covered(&baked.maps).map(|i| baked.maps.curvature[i]).collect();
     let mean = curvatures.iter().sum::<f32>() / curvatures.len() as f32;
     assert!((mean * 1.05 - 1.0).abs() < 2e-3, "{mean}");
 }
@@ -197,7 +200,8 @@ fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
     let settings =
         BakeSettings { sky_rays: 256, ..settings(32, &[MapKind::Occlusion, MapKind::Bent, MapKind::Normal]) };
     let cage = Cage::uniform(&low, 0.01).unwrap();
-    let planes = bake(&low, &cage, &scan, &settings, Progress::SILENT).unwrap().planes;
+    let planes =
+        bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().maps;
     for (i, open) in planes.occlusion.iter().enumerate() {
         let x = f64::from((i % 32) as u32) / 32.0 * 2.0 - 1.0 + 1.0 / 32.0;
         // A long wall of height 1 at distance d hides (1 − sin of its elevation's complement)/2 of the cosine-weighted
@@ -230,7 +234,7 @@ fn a_nearer_sheet_goes_before_one_behind_it_and_backs_do_not_count() {
     let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
     let (baked, _) = baked(&low, &scan, &settings(16, &[MapKind::Height]));
     assert_eq!(baked.counts.missed, 0);
-    assert!(baked.planes.lift.iter().all(|h| (h + 0.02).abs() < 1e-6), "{:?}", baked.planes.lift[0]);
+    assert!(baked.maps.heights.iter().all(|h| (h + 0.02).abs() < 1e-6), "{:?}", baked.maps.heights[0]);
 }
 
 #[test]
@@ -242,24 +246,25 @@ fn what_is_not_there_is_counted_and_never_made_up() {
     let scan = scan(Mesh::new(data).unwrap());
     let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
     let cage = Cage::uniform(&low, 0.02).unwrap();
-    let baked = bake(&low, &cage, &scan, &settings(64, &[MapKind::Normal]), Progress::SILENT).unwrap();
+    let input = BakeInput { low: &low, cage: &cage, scan: &scan };
+    let baked = bake(input, &settings(64, &[MapKind::Normal]), Progress::SILENT).unwrap();
     let counts = baked.counts;
     assert_eq!(counts.samples, 64 * 64 * 4);
     assert_eq!(counts.missed, counts.samples / 2, "the right half");
     // Closest points are taken from as far as four times the rays reach.
     let within = (0.08f64 / 2.0 * 128.0).floor() as usize * 128;
     assert!(counts.missed - counts.lost <= within + 128 && counts.missed - counts.lost > within / 2);
-    for (i, texel) in baked.planes.texels.iter().enumerate() {
+    for (i, texel) in baked.maps.texels.iter().enumerate() {
         match i % 64 {
-            0..32 => assert_eq!(*texel, Texel::Met),
-            36.. => assert_eq!(*texel, Texel::Lost),
+            0..32 => assert_eq!(*texel, TexelStatus::Met),
+            36.. => assert_eq!(*texel, TexelStatus::Lost),
             _ => {}
         }
     }
 }
 
 /// Every map of two bakes: the name, and the greatest difference of a number.
-fn differences(a: &Planes, b: &Planes) -> [(&'static str, f32); 7] {
+fn differences(a: &BakedMaps, b: &BakedMaps) -> [(&'static str, f32); 7] {
     let most = |a: &[f32], b: &[f32]| {
         assert_eq!(a.len(), b.len());
         a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
@@ -268,7 +273,7 @@ fn differences(a: &Planes, b: &Planes) -> [(&'static str, f32); 7] {
         ("normal", most(a.normal.as_flattened(), b.normal.as_flattened())),
         ("occlusion", most(&a.occlusion, &b.occlusion)),
         ("albedo", most(a.albedo.as_flattened(), b.albedo.as_flattened())),
-        ("lift", most(&a.lift, &b.lift)),
+        ("lift", most(&a.heights, &b.heights)),
         ("bent", most(a.bent.as_flattened(), b.bent.as_flattened())),
         ("curvature", most(&a.curvature, &b.curvature)),
         ("roughness", most(&a.roughness, &b.roughness)),
@@ -290,7 +295,7 @@ fn maps_depend_on_neither_threads_nor_order() {
     let of = |low: &Mesh, fine: &Mesh, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let settings = BakeSettings { maps, sky_rays: 8, ..settings(128, &[]) };
-        pool.install(|| baked(low, &scan(fine.clone()), &settings).0.planes)
+        pool.install(|| baked(low, &scan(fine.clone()), &settings).0.maps)
     };
     let one = of(&low, &fine, 1);
     assert!([one.occlusion.len(), one.curvature.len(), one.roughness.len()] == [one.texels.len(); 3]);
@@ -345,7 +350,7 @@ fn relief_finer_than_a_texel_becomes_roughness() {
     let bake_at = |size: u32, side: u32| {
         let settings =
             BakeSettings { roughness: 0.3, side, ..settings(size, &[MapKind::Roughness, MapKind::Normal]) };
-        baked(&low, &scan, &settings).0.planes
+        baked(&low, &scan, &settings).0.maps
     };
     let coarse = bake_at(16, 8);
     let middle = coarse.roughness[8 * 16 + 8];

@@ -3,7 +3,7 @@
 use crate::distance::deviation;
 use crate::files::data_files;
 use crate::hostile;
-use taotie::bake::{Means, Simplified, SimplifyOptions, simplify};
+use taotie::bake::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
 use taotie::io::load_model;
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
@@ -36,7 +36,7 @@ fn an_embossed_ball_keeps_its_shape() {
             "{wanted}: {} triangles, mean {found_mean:.1e}, most {found_most:.1e}",
             light.mesh.triangles().len()
         );
-        assert!(light.reached && light.means == Means::Collapsed, "{light:?}");
+        assert!(light.reached && light.method == SimplifyMethod::Collapsed, "{light:?}");
         assert!(light.mesh.triangles().len().abs_diff(wanted) * 50 <= wanted);
         assert!(found_mean < mean && found_most < most, "{wanted}: {found_mean} {found_most}");
         assert!(light.error > 0.0 && light.error < 0.2, "{}", light.error);
@@ -95,7 +95,7 @@ fn borders_stay() {
 fn few_triangles_are_kept_and_nothing_is_refused() {
     let ball = hostile::embossed_ball(1_000);
     let light = to(&ball, 5_000);
-    assert_eq!((light.means, light.reached, light.error), (Means::Kept, true, 0.0));
+    assert_eq!((light.method, light.reached, light.error), (SimplifyMethod::Kept, true, 0.0));
     assert_eq!(light.mesh.triangles().len(), ball.triangles().len());
     let refused = |mesh: &Mesh, options: SimplifyOptions| {
         simplify(mesh, &options, Progress::SILENT).unwrap_err().to_string()
@@ -143,11 +143,11 @@ fn hostile_surfaces_end_near_the_number_or_say_so() {
                 continue;
             };
             let found = light.mesh.triangles().len();
-            println!("{name}: {before} to {wanted}: {found}, {:?}, {:?}", light.means, light.notes);
+            println!("{name}: {before} to {wanted}: {found}, {:?}, {:?}", light.method, light.notes);
             assert!(found <= before);
             assert!(light.error.is_finite());
             let near = found.abs_diff(wanted) as f64 <= (0.02 * wanted as f64).max(1.0);
-            assert_eq!(light.reached, near || light.means == Means::Kept, "{name}");
+            assert_eq!(light.reached, near || light.method == SimplifyMethod::Kept, "{name}");
         }
     }
 }
@@ -174,7 +174,7 @@ fn scans_by_others_keep_their_shape() {
             println!(
                 "{name} {} to {wanted}: {found} {:?}, mean {found_mean:.1e}, most {found_most:.1e}, {:?}",
                 mesh.triangles().len(),
-                light.means,
+                light.method,
                 light.notes
             );
             assert!(light.reached && found <= wanted + wanted / 50, "{name}");

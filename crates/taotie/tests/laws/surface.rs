@@ -353,7 +353,7 @@ fn formulas_agree_with_the_oracle() {
         // v points down the picture, so b = −∂p/∂v side.
         assert_eq!(n.cross(dp_du).dot(-dp_dv).signum(), f64::from(d.handedness));
         let (n, dh) = (vector(&case["n"]), &case["dh"]);
-        let gradient = surface_gradient(n, dp_du, dp_dv, number(&dh[0]), number(&dh[1]));
+        let gradient = surface_gradient(n, [dp_du, dp_dv], [number(&dh[0]), number(&dh[1])]);
         assert!((bump(n, gradient) - vector(&case["bumped"])).length() < 1e-9);
         let map = decode_normal(vector(&case["color"]), 1.0, 1.0);
         let mapped = tangent_normal(n, vector(&case["t"]), number(&case["w"]), map);

@@ -16,7 +16,7 @@ fn unwrapped(mesh: &Mesh, size: u32, padding: u32) -> Unwrapped {
 }
 
 fn coverage(mesh: &Mesh, size: u32) -> Coverage {
-    Coverage::new(mesh, &TexelGrid { width: size, height: size, uv_set: 0, margin: 0 }).unwrap()
+    Coverage::new(mesh, &TexelGrid { width: size, height: size, uv_set: 0, padding: 0 }).unwrap()
 }
 
 /// All that holds of every result.
@@ -221,7 +221,7 @@ fn levels_share_the_map_and_have_no_crack() {
     let base = unwrapped(&ball, options.size, options.padding).mesh;
     let made = levels(&base, &[30_000, 5_000, 1_000], Progress::SILENT).unwrap();
     assert_eq!(made[0].mesh.positions(), base.positions());
-    let grid = TexelGrid { width: 1024, height: 1024, uv_set: 0, margin: options.padding };
+    let grid = TexelGrid { width: 1024, height: 1024, uv_set: 0, padding: options.padding };
     let drawn = Coverage::new(&base, &grid).unwrap();
     for (level, (wanted, outside, moved)) in
         made[1..].iter().zip([(5_000, 0.001, 0.006), (1_000, 0.008, 0.04)])

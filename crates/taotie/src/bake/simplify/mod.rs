@@ -1,6 +1,7 @@
-//! A heavy surface made light: few triangles that lie near many.
+//! A high-poly surface simplified: few triangles that lie near many.
 
 mod blocks;
+mod options;
 mod part;
 mod weld;
 mod whole;
@@ -9,69 +10,39 @@ use crate::error::{Error, Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
 use crate::surface::vertex_normals;
+pub use options::{SimplifyMethod, SimplifyOptions};
 use part::Part;
 pub(super) use part::{Frame, adapter, compact, triples};
 pub(super) use weld::{morton, places};
 pub(super) use whole::is_near;
 
-/// How a surface is made light.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SimplifyOptions {
-    /// How many triangles are wanted, at least 1.
-    pub triangles: usize,
-    /// What the turn of a vertex normal counts beside distances: 0 is nothing, 1 much. With more, creases and fine
-    /// waves keep their triangles and flat parts lose theirs.
-    pub normal_weight: f32,
-}
-
-impl Default for SimplifyOptions {
-    fn default() -> Self {
-        Self { triangles: 10_000, normal_weight: 0.0 }
-    }
-}
-
-/// What had to be done to reach a number of triangles, from mild to rough.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Means {
-    /// The surface had no more triangles than were wanted.
-    Kept,
-    /// Edges were collapsed; what is connected stays so, and holes and handles stay.
-    Collapsed,
-    /// Edges were collapsed across places where more than two triangles meet too, and parts without a connection to
-    /// the rest that are smaller than a twentieth of the whole were left out, the smallest first.
-    Pruned,
-    /// Vertices that lie near one another were made one, whatever they belong to: holes may close, and parts may
-    /// touch. For triangle soup nothing else helps.
-    Clustered,
-}
-
-/// A surface made light.
+/// A simplified surface.
 #[derive(Debug, Clone)]
 pub struct Simplified {
-    /// Positions (to the bit those of the heavy surface), normals and triangles; neither uvs nor colours.
+    /// Positions (to the bit those of the high-poly surface), normals and triangles; neither uvs nor colours.
     pub mesh: Mesh,
-    /// How far the light surface lies from the heavy one, model units: the estimate of meshoptimizer, of the size of
-    /// the root mean square near the worst place, not a bound.
+    /// How far the low-poly surface lies from the high-poly one, model units: the estimate of meshoptimizer, of the
+    /// size of the root mean square near the worst place, not a bound.
     pub error: f64,
     /// What had to be done.
-    pub means: Means,
+    pub method: SimplifyMethod,
     /// Whether the number of triangles is the wanted one, or less than 2 % off, or the surface had fewer. Where it is
-    /// `false` all means were tried, [`Means::Clustered`] among them, and this is the best.
+    /// `false` all methods were tried, [`SimplifyMethod::Clustered`] among them, and this is the best.
     pub reached: bool,
     /// What was left out, counted.
     pub notes: Warnings,
 }
 
-/// Makes a surface light.
+/// Simplifies a surface.
 ///
 /// Positions that are equal to the last bit are made one vertex first, whatever normals, uvs and colours they have;
 /// triangles with two equal corners, and all but one of equal triangles, are left out and counted. The normals are
-/// those of [`vertex_normals`]. Large surfaces are first made lighter block by block, in parallel; the result does
+/// those of [`vertex_normals`]. Large surfaces are first simplified block by block, in parallel; the result does
 /// not depend on the number of threads.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh has no triangle with
-/// three corners, or none is left since so few are wanted.
+/// [`Error::Cancelled`]; [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh
+/// has no triangle with three corners, or none is left since so few are wanted.
 ///
 /// Source: Garland and Heckbert 1997, "Surface simplification using quadric error metrics", as meshoptimizer does it.
 pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) -> Result<Simplified> {
@@ -96,11 +67,11 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
         ));
     }
     let error = (f64::from(in_blocks) + f64::from(reduced.error)) * frame.extent;
-    let means = if in_blocks > 0.0 { reduced.means.max(Means::Collapsed) } else { reduced.means };
+    let method = if in_blocks > 0.0 { reduced.method.max(SimplifyMethod::Collapsed) } else { reduced.method };
     let mesh = finish(mesh, &part, reduced.triangles)?;
-    let reached = whole::is_near(found, options.triangles) || means == Means::Kept;
+    let reached = whole::is_near(found, options.triangles) || method == SimplifyMethod::Kept;
     progress.at(1.0)?;
-    Ok(Simplified { mesh, error, means, reached, notes })
+    Ok(Simplified { mesh, error, method, reached, notes })
 }
 
 fn check(options: &SimplifyOptions) -> Result<()> {

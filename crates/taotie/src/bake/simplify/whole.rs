@@ -1,7 +1,7 @@
-//! The last step: all triangles at once, by the mildest means that reach the number.
+//! The last step: all triangles at once, by the mildest method that reaches the number.
 
+use super::options::{SimplifyMethod, SimplifyOptions};
 use super::part::{Part, adapter, triples};
-use super::{Means, SimplifyOptions};
 use crate::math::Vec3;
 use meshopt::SimplifyOptions as Choices;
 
@@ -17,7 +17,7 @@ pub(super) struct Reduced {
     pub triangles: Vec<[u32; 3]>,
     /// In parts of the unit cube.
     pub error: f32,
-    pub means: Means,
+    pub method: SimplifyMethod,
 }
 
 /// Whether a number of triangles is the wanted one, or nearly.
@@ -29,7 +29,7 @@ pub(in crate::bake) fn is_near(found: usize, wanted: usize) -> bool {
 pub(super) fn reduce(part: &Part, options: &SimplifyOptions) -> Reduced {
     let wanted = options.triangles;
     if part.triangles.len() <= wanted {
-        return Reduced { triangles: part.triangles.clone(), error: 0.0, means: Means::Kept };
+        return Reduced { triangles: part.triangles.clone(), error: 0.0, method: SimplifyMethod::Kept };
     }
     let first = collapsed_exactly(part, options);
     if !is_too_many(&first, wanted) {
@@ -83,7 +83,7 @@ fn collapsed(part: &Part, triangles: Vec<[u32; 3]>, options: &SimplifyOptions, m
         more | Choices::ErrorAbsolute,
         Some(&mut error),
     );
-    Reduced { triangles: triples(corners), error, means: Means::Collapsed }
+    Reduced { triangles: triples(corners), error, method: SimplifyMethod::Collapsed }
 }
 
 /// Goes on from where collapses ended, across places where many triangles meet, and without the smallest parts.
@@ -94,7 +94,7 @@ fn pruned(part: &Part, from: Reduced, options: &SimplifyOptions) -> Reduced {
         true => collapsed(part, free.triangles, options, Choices::Permissive | Choices::Prune),
         false => free,
     };
-    Reduced { triangles, error: earlier + error, means: Means::Pruned }
+    Reduced { triangles, error: earlier + error, method: SimplifyMethod::Pruned }
 }
 
 /// Joins vertices by nearness to a few times the number, and collapses edges from there.
@@ -107,7 +107,7 @@ fn clustered(part: &Part, options: &SimplifyOptions) -> Reduced {
     if fine.triangles.is_empty() || is_too_many(&fine, wanted) {
         return sloppy(part, wanted);
     }
-    Reduced { error: rough_error + fine.error, means: Means::Clustered, ..fine }
+    Reduced { error: rough_error + fine.error, method: SimplifyMethod::Clustered, ..fine }
 }
 
 fn sloppy(part: &Part, target: usize) -> Reduced {
@@ -119,7 +119,7 @@ fn sloppy(part: &Part, target: usize) -> Reduced {
         1.0,
         Some(&mut error),
     );
-    Reduced { triangles: triples(corners), error, means: Means::Clustered }
+    Reduced { triangles: triples(corners), error, method: SimplifyMethod::Clustered }
 }
 
 /// One normal a point, weighted by the triangles' areas.

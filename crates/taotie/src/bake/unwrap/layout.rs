@@ -1,8 +1,8 @@
 //! The largest scale at which all charts fit into the map.
 
-use super::UnwrapOptions;
 use super::flatten::bounds;
 use super::mask::{Mask, corner, turned};
+use super::options::UnwrapOptions;
 use super::pack::{Field, Placement, pack};
 use crate::error::{Error, Result};
 use crate::progress::Progress;

@@ -6,6 +6,7 @@ mod flatten;
 mod layout;
 mod mask;
 mod merge;
+mod options;
 mod pack;
 mod patches;
 mod topology;
@@ -21,6 +22,7 @@ use crate::progress::Progress;
 use flatten::{Chart, Measure};
 use layout::Layout;
 use merge::{Limits, Merger};
+pub use options::UnwrapOptions;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use topology::{NONE, Topology};
@@ -39,21 +41,6 @@ const FINER: f64 = 2.0;
 const ROUNDS: u32 = 8;
 /// No chart is longer than this part of the map: a blade in one piece would leave the rest of it empty.
 const LONGEST: f64 = 0.95;
-
-/// The map that a mesh is unwrapped for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct UnwrapOptions {
-    /// Texels along a side of the square map, 1 to [`Image::MAX_SIDE`].
-    pub size: u32,
-    /// Texels between charts, and between charts and the map's border.
-    pub padding: u32,
-}
-
-impl Default for UnwrapOptions {
-    fn default() -> Self {
-        Self { size: 2048, padding: 4 }
-    }
-}
 
 /// A mesh with uvs.
 #[derive(Debug, Clone)]
@@ -78,8 +65,9 @@ pub struct Unwrapped {
 /// this size. The result depends neither on the order of vertices nor on the number of threads.
 ///
 /// # Errors
-/// [`Error::Cancelled`]; [`Error::Invalid`] where the map is empty or all padding, or no triangle has an area; [`Error::Limit`] where it is
-/// larger than [`Image::MAX_SIDE`] or the mesh has so many charts that their padding fills it.
+/// [`Error::Cancelled`]; [`Error::Invalid`] where the map is empty or all padding, or no triangle has an area;
+/// [`Error::Limit`] where it is larger than [`Image::MAX_SIDE`] or the mesh has so many charts that their padding fills
+/// it.
 pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> Result<Unwrapped> {
     check(options)?;
     let topology = Topology::new(mesh);
@@ -88,6 +76,7 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
         return Err(Error::invalid("the mesh to unwrap", "it has no triangle with an area; check the file"));
     }
     progress.at(0.1)?;
+    let flat = Flat { mesh, topology: &topology, size: f64::from(options.size) };
     let (labels, axes) = charted(&topology, surface, progress)?;
     let scale = (COVER / surface).sqrt();
     let measure = Measure { density: FINER * f64::from(options.size) * scale, longest: LONGEST / scale };
@@ -97,7 +86,7 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
         let laid: Vec<Vec<[[f64; 2]; 3]>> = charts.par_iter().map(|chart| chart.laid(&topology)).collect();
         let attempt = progress.part(1.0 - 0.5 / f64::from(round + 1), 1.0);
         let layout = layout::lay_out(&laid, options, scale, attempt)?;
-        let unwrapped = cut(mesh, &topology, &charts, &layout, options)?;
+        let unwrapped = flat.cut(&charts, &layout)?;
         let overlaps = overlaps(&unwrapped, options.size)?;
         if overlaps.is_empty() {
             progress.at(1.0)?;
@@ -185,40 +174,43 @@ fn flat_charts(topology: &Topology, labels: &[u32], axes: &[Vec3<f64>], measure:
     charts.into_iter().flatten().collect()
 }
 
-/// The mesh with its vertices split between charts.
-fn cut(
-    mesh: &Mesh,
-    topology: &Topology,
-    charts: &[Chart],
-    layout: &Layout,
-    options: &UnwrapOptions,
-) -> Result<Unwrapped> {
-    let mut chart_of = vec![None; topology.len()];
-    for (chart, number) in charts.iter().zip(0u32..) {
-        chart.triangles.iter().for_each(|t| chart_of[*t as usize] = Some(number));
+/// A mesh that is to be laid flat on a map.
+struct Flat<'a> {
+    mesh: &'a Mesh,
+    topology: &'a Topology,
+    /// Texels along a side of the map.
+    size: f64,
+}
+
+impl Flat<'_> {
+    /// Returns the mesh with its vertices split between charts.
+    fn cut(&self, charts: &[Chart], layout: &Layout) -> Result<Unwrapped> {
+        let mut chart_of = vec![None; self.topology.len()];
+        for (chart, number) in charts.iter().zip(0u32..) {
+            chart.triangles.iter().for_each(|t| chart_of[*t as usize] = Some(number));
+        }
+        let mut split = Split::default();
+        let mut covered = 0.0;
+        for (t, chart) in chart_of.iter().enumerate() {
+            let places = match chart {
+                Some(chart) => {
+                    self.topology.corners[t].map(|p| layout.place(*chart, charts[*chart as usize].place(p)))
+                }
+                None => [[0.0; 2]; 3],
+            };
+            covered += area(places);
+            let uvs = places.map(|p| p.map(|v| (v / self.size) as f32));
+            split.add(self.mesh.triangles()[t], chart.unwrap_or(NONE), uvs);
+        }
+        let extent = Frame::of(self.mesh.positions()).extent;
+        Ok(Unwrapped {
+            mesh: split.mesh(self.mesh)?,
+            charts: charts.len(),
+            chart_of,
+            utilisation: covered / (self.size * self.size),
+            texels_per_unit: layout.scale / extent,
+        })
     }
-    let size = f64::from(options.size);
-    let mut split = Split::default();
-    let mut covered = 0.0;
-    for (t, chart) in chart_of.iter().enumerate() {
-        let places = match chart {
-            Some(chart) => {
-                topology.corners[t].map(|p| layout.place(*chart, charts[*chart as usize].place(p)))
-            }
-            None => [[0.0; 2]; 3],
-        };
-        covered += area(places);
-        let uvs = places.map(|p| p.map(|v| (v / size) as f32));
-        split.add(mesh.triangles()[t], chart.unwrap_or(NONE), uvs);
-    }
-    let extent = Frame::of(mesh.positions()).extent;
-    Ok(Unwrapped {
-        mesh: split.mesh(mesh)?,
-        charts: charts.len(),
-        chart_of,
-        utilisation: covered / (size * size),
-        texels_per_unit: layout.scale / extent,
-    })
 }
 
 fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {

@@ -1,6 +1,6 @@
 //! OpenEXR through the `exr` crate, which reads any channels: `image` wants red, green and blue.
 
-use super::{Failure, check_size, credible};
+use super::limits::{Failure, check_size, credible};
 use crate::image::{Bitmap, Texels};
 use exr::block::reader::Reader;
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, Layer, ReadChannels, ReadLayers, read};

@@ -1,6 +1,6 @@
 //! KTX2 pictures of Basis Universal, ETC1S or UASTC, through the `basisu` crate: what KHR_texture_basisu allows.
 
-use super::{Failure, MAX_TEXELS_OF_PLAIN, check_size, credible};
+use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, check_size, credible};
 use crate::image::{Bitmap, Texels};
 use basisu::{DecodeFlags, Error, TargetFormat, Transcoder};
 

@@ -1,6 +1,7 @@
 //! PNG row by row into texels, without a copy of the whole picture in between.
 
-use super::{Failure, check_size, credible, widen};
+use super::limits::{Failure, check_size, credible};
+use super::widen::widen;
 use crate::image::{Bitmap, Texels};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Reader, Transformations};
 use std::io::Cursor;

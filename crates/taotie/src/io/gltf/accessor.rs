@@ -1,6 +1,7 @@
 //! Typed elements out of buffers: any component type, normalised or not, interleaved, sparse.
 
-use super::document::{Document, Reason, no_such};
+use super::document::Document;
+use super::reason::{Reason, no_such};
 use super::supplied::Supplied;
 use gltf::json::accessor::{Accessor as Json, ComponentType, Type};
 use gltf::json::validation::Checked;
@@ -66,7 +67,7 @@ impl<'a> Accessor<'a> {
         let dense = match json.buffer_view {
             Some(view) => {
                 let offset = json.byte_offset.map_or(0, |o| o.0);
-                Some(strided(document, view.value(), offset, (count, size))?)
+                Some(strided(document, view.value(), offset, Elements { count, size })?)
             }
             None if count > MAX_IMPLICIT => {
                 return Err(format!("{count} elements without data; at most {MAX_IMPLICIT}"));
@@ -94,9 +95,9 @@ impl<'a> Accessor<'a> {
         };
         let count = sparse.count.0;
         let (view, offset) = (sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0);
-        let indices = strided(document, view, offset, (count, kind.0.size()))?;
+        let indices = strided(document, view, offset, Elements { count, size: kind.0.size() })?;
         let (view, offset) = (sparse.values.buffer_view.value(), sparse.values.byte_offset.0);
-        self.sparse_values = strided(document, view, offset, (count, self.size()))?.bytes;
+        self.sparse_values = strided(document, view, offset, Elements { count, size: self.size() })?.bytes;
         for place in 0..count as usize {
             let index = unsigned(&indices.bytes[place * indices.stride..], kind.0);
             if index as usize >= self.count {
@@ -167,13 +168,15 @@ impl<'a> Accessor<'a> {
     }
 }
 
-/// The part of a buffer view that holds `count` elements of `size` bytes from `offset` on.
-fn strided(
-    document: &Document,
-    view: usize,
-    offset: u64,
-    (count, size): (u64, usize),
-) -> Reason<Strided<'_>> {
+/// How many elements there are, and how many bytes each has.
+struct Elements {
+    count: u64,
+    size: usize,
+}
+
+/// The part of a buffer view that holds some elements from `offset` on.
+fn strided(document: &Document, view: usize, offset: u64, elements: Elements) -> Reason<Strided<'_>> {
+    let Elements { count, size } = elements;
     let (bytes, stride) = document.view(view)?;
     let stride = stride.filter(|s| *s != 0).unwrap_or(size);
     if stride < size {

@@ -1,7 +1,8 @@
 //! Animations: channels and keyframes, each checked by itself.
 
 use super::accessor::Accessor;
-use super::document::{Document, Reason, no_such};
+use super::document::Document;
+use super::reason::{Reason, no_such};
 use crate::error::Warnings;
 use crate::scene::animation::{Animation, Channel, Interpolation, Node, Path, Sampler};
 use gltf::json::animation::{Interpolation as JsonInterpolation, Property};

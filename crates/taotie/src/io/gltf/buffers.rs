@@ -1,7 +1,7 @@
 //! The bytes of buffers and of their views, unpacked where they are compressed.
 
-use super::document::{Reason, no_such};
 use super::meshopt::{self, Packed};
+use super::reason::{Reason, no_such};
 use super::uri;
 use crate::error::{Error, Result, Warnings};
 use crate::io::file;

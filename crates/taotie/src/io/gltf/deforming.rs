@@ -1,7 +1,8 @@
 //! What deforms a primitive: its morph targets, its joint weights, and the skins.
 
 use super::accessor::Accessor;
-use super::document::{Document, Reason, no_such};
+use super::document::Document;
+use super::reason::{Reason, no_such};
 use super::vertices::{Vertices, attribute, vec3};
 use crate::error::Warnings;
 use crate::math::{Mat4, Vec3};

@@ -5,14 +5,12 @@ use super::container::split;
 #[cfg(feature = "draco")]
 use super::draco;
 use super::extensions::check_extensions;
+use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
 use crate::error::{Error, Result, Warnings};
 use crate::io::{file, xmp};
 use gltf::json::{self, Root, Value};
 use std::path::{Path, PathBuf};
-
-/// Why something cannot be read; the caller knows where in the file that is.
-pub(super) type Reason<T> = std::result::Result<T, String>;
 
 /// A parsed file with its buffers.
 pub(super) struct Document {
@@ -71,11 +69,6 @@ impl Document {
         let supplied = self.supply.values().flatten().map(|supplied| supplied.bytes.len());
         self.buffers.total_bytes() + supplied.sum::<usize>()
     }
-}
-
-/// The usual words for an index out of range.
-pub(super) fn no_such(what: &str, index: usize) -> String {
-    format!("it names {what} {index}, which does not exist")
 }
 
 /// The typed JSON, and what is taken out of it.

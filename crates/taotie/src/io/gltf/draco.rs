@@ -4,7 +4,7 @@
 //! what their buffer views hold, so that nothing else needs to know.
 
 use super::buffers::Buffers;
-use super::document::{Reason, no_such};
+use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
 use crate::error::Warnings;
 use draco_core::draco_types::DataType;
@@ -35,7 +35,7 @@ pub(super) fn supply(root: &Root, buffers: &Buffers, warnings: &mut Warnings) ->
     };
     for (m, mesh) in root.meshes.iter().enumerate() {
         for (p, primitive) in mesh.primitives.iter().enumerate() {
-            let Some(json) = super::vertices::extension(primitive, NAME) else { continue };
+            let Some(json) = super::extensions::extension(primitive, NAME) else { continue };
             if let Err(why) = unpacker.primitive(primitive, json) {
                 let why = format!("it is compressed by Draco: {why}");
                 if unpacker.refuse(primitive, &why) {

@@ -1,7 +1,8 @@
 //! Which extensions of a file are understood.
 
 use crate::error::{Error, Result, Warnings};
-use gltf::json::Root;
+use gltf::json::mesh::Primitive;
+use gltf::json::{Root, Value};
 use std::path::Path;
 
 /// Extensions of glTF whose meaning is drawn.
@@ -27,6 +28,11 @@ pub const SUPPORTED: [&str; 16] = [
 /// Extensions that do not change a picture with the default materials: of levels of detail the finest is drawn, and
 /// the channels of KHR_animation_pointer are left out with a warning of their own.
 const WITHOUT_EFFECT: [&str; 4] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod"];
+
+/// The JSON of an extension that the parser does not know.
+pub(super) fn extension<'a>(primitive: &'a Primitive, name: &str) -> Option<&'a Value> {
+    primitive.extensions.as_ref()?.others.get(name)
+}
 
 /// The extension and the feature that reads it, where this build lacks that.
 fn lacking(name: &str) -> Option<(&'static str, &'static str)> {

@@ -1,6 +1,7 @@
 //! Images: which of them a texture shows, where their bytes are, and how they are decoded.
 
-use super::document::{Document, Reason, no_such};
+use super::document::Document;
+use super::reason::{Reason, no_such};
 use super::uri;
 use crate::image::Bitmap;
 use crate::io::{decode_bitmap, file};

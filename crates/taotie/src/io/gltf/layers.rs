@@ -3,10 +3,9 @@
 //! A layer whose factor switches it off is not there, so neither are its textures. The JSON of extensions that the
 //! parser does not know is read member by member: one that is wrong is left at its default, with a warning.
 
-use super::TextureUse;
 use super::materials::Reader;
 use crate::image::Encoding;
-use crate::scene::{Anisotropy, Clearcoat, Material, NormalMap, Sheen, Specular};
+use crate::scene::{Anisotropy, Clearcoat, Material, NormalMap, Sheen, Specular, TextureRef};
 use gltf::json::{Value, deserialize, extensions, material};
 
 impl Reader<'_, '_> {
@@ -84,7 +83,7 @@ impl Reader<'_, '_> {
         self.fraction(name, value)
     }
 
-    fn slot(&mut self, json: &Value, name: &str, encoding: Encoding) -> Option<TextureUse> {
+    fn slot(&mut self, json: &Value, name: &str, encoding: Encoding) -> Option<TextureRef> {
         let info = self.member(json, name, |value| deserialize::from_value(value.clone()).ok())?;
         self.texture(Some(&info), encoding)
     }

@@ -1,7 +1,8 @@
 //! Cameras and the lights of KHR_lights_punctual, placed in the world by their nodes.
 
-use super::document::{Document, no_such};
+use super::document::Document;
 use super::nodes::Nodes;
+use super::reason::no_such;
 use crate::error::Warnings;
 use crate::math::Vec3;
 use crate::scene::{Camera, Falloff, Light, LightKind, Projection, rigid};

@@ -73,7 +73,7 @@ impl Reader<'_, '_> {
         &mut self,
         info: Option<&json::texture::Info>,
         encoding: Encoding,
-    ) -> Option<super::TextureUse> {
+    ) -> Option<crate::scene::TextureRef> {
         let slot = Slot::from_info(info?);
         self.textures.resolve(&slot, encoding, (&self.place, self.warnings))
     }

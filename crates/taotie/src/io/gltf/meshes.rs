@@ -1,10 +1,11 @@
 //! Primitives to meshes, each built once for all nodes that show it alike.
 
 use super::deforming;
-use super::document::{Document, Reason, no_such};
+use super::document::Document;
 use super::nodes::Nodes;
 use super::primitives::{Built, NOT_TRIANGLES, Pose, Primitives, Stop};
-use super::variants::Mappings;
+use super::reason::{Reason, no_such};
+use super::variants::{Mappings, PrimitiveIndex};
 use crate::error::{Result, Warnings};
 use crate::io::Variants;
 use crate::math::Mat4;
@@ -141,7 +142,8 @@ impl Builder<'_> {
                 Ok(Some(built)) => {
                     let name = mesh.name.clone().unwrap_or_else(|| format!("mesh {index}"));
                     parts.push((self.add(built, name, &pose, node), self.material_of(primitive, &place)));
-                    self.mappings.add((index, p), primitive, (&place, self.reader.warnings));
+                    let at = PrimitiveIndex { mesh: index, primitive: p };
+                    self.mappings.add(at, primitive, &place, self.reader.warnings);
                 }
                 Ok(None) => {}
                 Err(Stop::Here(why)) => self.failures.push((place, why)),

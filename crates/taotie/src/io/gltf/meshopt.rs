@@ -2,8 +2,8 @@
 //!
 //! The decoders take their sizes on trust, so everything that the extension demands is checked before.
 
-use super::document::Reason;
 use super::filters::{self, Width};
+use super::reason::Reason;
 use gltf::json::Value;
 use gltf::json::buffer::{Buffer, View};
 

@@ -1,6 +1,7 @@
 //! The node hierarchy: world matrices, and which nodes the scene shows.
 
-use super::document::{Document, no_such};
+use super::document::Document;
+use super::reason::no_such;
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
 use crate::scene::animation::{Node, Transform, world_matrices};

@@ -1,6 +1,6 @@
 //! What accessors hold in place of what their buffer views say.
 
-use super::document::Reason;
+use super::reason::Reason;
 use gltf::json::accessor::ComponentType;
 use std::collections::BTreeMap;
 

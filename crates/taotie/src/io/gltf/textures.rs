@@ -1,7 +1,8 @@
 //! Texture slots, samplers and images, each image decoded once and kept once an encoding.
 
-use super::document::{Document, Reason};
+use super::document::Document;
 use super::images::{image_name, read_image, sources};
+use super::reason::Reason;
 use super::samplers::sampler_from;
 use super::vertices::MAX_UV_SETS;
 use crate::error::Warnings;

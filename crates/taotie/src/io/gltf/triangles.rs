@@ -1,7 +1,7 @@
 //! From primitive modes and indices to triangles.
 
 use super::accessor::Accessor;
-use super::document::Reason;
+use super::reason::Reason;
 use crate::mesh::first;
 use gltf::json::mesh::Mode;
 use rayon::prelude::*;

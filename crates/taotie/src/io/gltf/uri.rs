@@ -1,6 +1,6 @@
 //! Where a buffer or image is: in a data URI or in a file beside the model. The network is never asked.
 
-use super::document::Reason;
+use super::reason::Reason;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};

@@ -1,7 +1,8 @@
 //! KHR_materials_variants: which primitive has which material in which variant.
 
-use super::document::{Document, no_such};
-use super::vertices::extension;
+use super::document::Document;
+use super::extensions::extension;
+use super::reason::no_such;
 use crate::error::Warnings;
 use crate::io::variants::{Mapping, Variants};
 use gltf::json::Value;
@@ -21,12 +22,19 @@ pub(super) fn names(document: &Document) -> Vec<String> {
     variants.and_then(Value::as_array).into_iter().flatten().enumerate().map(name).collect()
 }
 
+/// The numbers in the file of a mesh, and of a primitive of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct PrimitiveIndex {
+    pub mesh: usize,
+    pub primitive: usize,
+}
+
 /// Collects the mappings of primitives while meshes are built.
 pub(super) struct Mappings {
     /// What was collected; `authored` is still empty.
     pub variants: Variants,
     materials: usize,
-    known: BTreeMap<(usize, usize), usize>,
+    known: BTreeMap<PrimitiveIndex, usize>,
 }
 
 impl Mappings {
@@ -36,14 +44,9 @@ impl Mappings {
         Self { variants, materials: document.root.materials.len(), known: BTreeMap::new() }
     }
 
-    /// Notes that the next mesh of the scene is the primitive at (mesh, primitive) of the file. Mappings to what does
+    /// Notes that the next mesh of the scene is the primitive `at` of the file. Mappings to what does
     /// not exist are left out with a warning that starts with `place`.
-    pub fn add(
-        &mut self,
-        at: (usize, usize),
-        primitive: &Primitive,
-        (place, warnings): (&str, &mut Warnings),
-    ) {
+    pub fn add(&mut self, at: PrimitiveIndex, primitive: &Primitive, place: &str, warnings: &mut Warnings) {
         let json = extension(primitive, NAME).filter(|_| !self.variants.names.is_empty());
         let mapping = json.map(|json| match self.known.get(&at) {
             Some(known) => *known,

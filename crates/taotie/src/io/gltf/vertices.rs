@@ -1,11 +1,11 @@
 //! The vertex arrays of a primitive, as they are stored.
 
 use super::accessor::Accessor;
-use super::document::{Document, Reason};
+use super::document::Document;
+use super::reason::Reason;
 use crate::error::Warnings;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::MeshData;
-use gltf::json::Value;
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 use rayon::prelude::*;
@@ -82,11 +82,6 @@ impl<'a> Vertices<'a> {
 /// The accessor index of an attribute.
 pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
     primitive.attributes.get(&Checked::Valid(semantic)).map(|i| i.value())
-}
-
-/// The JSON of an extension that the parser does not know.
-pub(super) fn extension<'a>(primitive: &'a Primitive, name: &str) -> Option<&'a Value> {
-    primitive.extensions.as_ref()?.others.get(name)
 }
 
 fn primitive_is_compressed(primitive: &Primitive) -> bool {

@@ -1,7 +1,6 @@
 //! The text of an OBJ file in blocks of whole statements, which are read in parallel.
 
 use super::super::text;
-use super::parse::split_keyword;
 
 /// Bytes of a block, or a line more.
 const BLOCK: usize = 1 << 20;
@@ -37,6 +36,11 @@ impl Place {
         self.counts.iter_mut().zip(length.counts).for_each(|(count, more)| *count += more);
         so_far
     }
+}
+
+/// The word that a statement starts with, and what follows it.
+pub(super) fn split_keyword(statement: &str) -> (&str, &str) {
+    statement.split_once(char::is_whitespace).unwrap_or((statement, ""))
 }
 
 /// Cuts `text` behind lines that do not go on in the next.

@@ -93,17 +93,16 @@ fn set_base_color(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings
     }
     let [r, g, b] = color;
     m.base_color = [r, g, b, opacity];
-    if let Some(map) = &mtl.dissolve_map {
-        set_opacity_map(m, mtl, map, textures, warnings);
-    }
+    set_opacity_map(m, mtl, textures, warnings);
 }
 
 fn color_encoding(map: &Map) -> Encoding {
     if map.linear { Encoding::Linear } else { Encoding::Srgb }
 }
 
-/// Puts the opacity map into the alpha channel of the base colour texture.
-fn set_opacity_map(m: &mut Material, mtl: &Mtl, map: &Map, textures: &mut Textures, warnings: &mut Warnings) {
+/// Puts the opacity map, where there is one, into the alpha channel of the base colour texture.
+fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
+    let Some(map) = &mtl.dissolve_map else { return };
     let key = format!("opacity {map:?} of {:?} in {}", mtl.diffuse_map, mtl.folder.display());
     let colored = mtl.diffuse_map.as_ref().filter(|_| m.base_color_texture.is_some());
     let index = textures.keyed(key, &names([colored, Some(map)]), |textures| {
@@ -196,7 +195,7 @@ fn set_relief(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &m
         && let Some(texture) = textures.relief(map, &mtl.folder, warnings)
     {
         match is_normal_map(textures.list[texture].bitmap()) {
-            NormalMapKind::No => m.height = height_map(texture, map, mtl, textures, warnings),
+            NormalMapKind::No => m.height = height_map(texture, mtl, textures, warnings),
             kind => m.normal = Some(normal_map(texture, map, kind)),
         }
     }
@@ -216,11 +215,11 @@ fn normal_map(texture: usize, map: &Map, kind: NormalMapKind) -> NormalMap {
 /// -bm is the height of white, in model units. Heights in a channel other than red are moved there.
 fn height_map(
     texture: usize,
-    map: &Map,
     mtl: &Mtl,
     textures: &mut Textures,
     warnings: &mut Warnings,
 ) -> Option<HeightMap> {
+    let map = mtl.bump_map.as_ref()?;
     let bitmap = textures.list[texture].bitmap();
     let colorful = is_colorful(bitmap);
     warnings.note("a colour picture is used as heights: its red channel is read", usize::from(colorful));

@@ -14,7 +14,8 @@ mod textures;
 pub(super) use material::neutral;
 
 use super::text::{self, quote};
-use super::{Loaded, checked, locate};
+use super::locate;
+use super::loaded::{Loaded, checked};
 use crate::error::{Result, Warnings};
 use crate::math::Mat4;
 use crate::mesh::Mesh;

@@ -2,7 +2,7 @@
 
 use super::super::polygon::Cutter;
 use super::super::text::{self, quote};
-use super::blocks::{Place, blocks};
+use super::blocks::{Place, blocks, split_keyword};
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::first;
@@ -261,11 +261,6 @@ impl Whole {
         }
         id
     }
-}
-
-/// The word that a statement starts with, and what follows it.
-pub(super) fn split_keyword(statement: &str) -> (&str, &str) {
-    statement.split_once(char::is_whitespace).unwrap_or((statement, ""))
 }
 
 /// Statements that change nothing in the picture: names, groups, and the attributes of free-form geometry.

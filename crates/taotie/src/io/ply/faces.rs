@@ -1,8 +1,8 @@
 //! Rows of faces into triangles, block by block.
 
 use super::super::polygon::{Cutter, Outline};
-use super::names::slot;
-use super::payload::{Element, Role, Rows};
+use super::names::{Role, slot};
+use super::payload::{Element, Rows};
 use super::vertices::attribute;
 use crate::math::Vec3;
 

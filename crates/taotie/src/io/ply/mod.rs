@@ -14,7 +14,7 @@ mod vertices;
 
 use super::file;
 use super::obj::neutral;
-use super::{Loaded, checked};
+use super::loaded::{Loaded, checked};
 use crate::error::{Error, Result, Warnings};
 use crate::math::Mat4;
 use crate::scene::{Instance, Scene, SceneData};

@@ -1,6 +1,5 @@
 //! What the elements and properties of a PLY file are called, and what they mean by it.
 
-use super::payload::Role;
 use ply_rs_bw::ply::{ElementDef, Header, PropertyType, ScalarType};
 
 /// The numbers that a vertex can have.
@@ -10,6 +9,19 @@ pub(super) mod slot {
     pub const UV: usize = 6;
     pub const COLOR: usize = 8;
     pub const COUNT: usize = 12;
+}
+
+/// What a field is read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// It is passed over.
+    Ignored,
+    /// One of the numbers of [`slot`].
+    Slot(usize),
+    /// The vertices of a face, or of strips.
+    Corners,
+    /// A uv for each corner of a face.
+    Uvs,
 }
 
 /// The slot of a vertex property, by the names in use.

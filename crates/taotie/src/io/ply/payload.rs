@@ -4,7 +4,7 @@
 //! walk over the file, which notes where each block of them starts, and the blocks are decoded in parallel.
 
 use super::ascii::Tokens;
-use super::names;
+use super::names::{self, Role};
 use crate::error::{Error, Result};
 use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
 use rayon::prelude::*;
@@ -13,19 +13,6 @@ use std::path::Path;
 
 /// How many rows are decoded at a time.
 const BLOCK: usize = 1 << 15;
-
-/// What a field is read for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
-    /// It is passed over.
-    Ignored,
-    /// One of the numbers of [`names::slot`].
-    Slot(usize),
-    /// The vertices of a face, or of strips.
-    Corners,
-    /// A uv for each corner of a face.
-    Uvs,
-}
 
 /// One property of an element.
 pub(super) struct Field {

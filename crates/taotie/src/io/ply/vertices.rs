@@ -1,7 +1,7 @@
 //! Rows of vertices into columns.
 
-use super::names::{Attributes, ColorCode, full_intensity, slot};
-use super::payload::{Element, Role, Rows};
+use super::names::{Attributes, ColorCode, Role, full_intensity, slot};
+use super::payload::{Element, Rows};
 use crate::error::Result;
 use crate::math::srgb::linear_from_srgb;
 use crate::math::{Vec2, Vec3};

@@ -9,15 +9,12 @@ pub mod integrate;
 
 mod cook_torrance;
 mod ggx;
+mod grid;
 mod sheen;
 
+pub use grid::{COLUMNS, ROWS};
+
 use crate::math::{Lane, Vec3};
-
-/// Nodes along √(n·v).
-pub const COLUMNS: usize = 64;
-
-/// Nodes along the roughness.
-pub const ROWS: usize = 48;
 
 /// What a lobe reflects in all, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.
 #[derive(Debug, Clone, Copy, PartialEq)]

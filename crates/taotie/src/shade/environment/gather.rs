@@ -18,6 +18,16 @@ pub(crate) struct Mirrors {
     pub roughness: Column,
 }
 
+/// Which light is gathered.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    pub mirrors: &'a Mirrors,
+    /// How many of them count, from the first on.
+    pub len: usize,
+    /// What the light is multiplied by.
+    pub factor: f32,
+}
+
 impl Default for Mirrors {
     fn default() -> Self {
         Self { direction: [Column::ZERO; 3], place: [Column::ZERO; 2], roughness: Column::ZERO }
@@ -67,15 +77,15 @@ impl Default for Gatherer {
 }
 
 impl Environment {
-    /// [`Self::specular`] of the first `len` mirrors, times `factor`.
+    /// [`Self::specular`] of the mirrors, times the factor.
     pub(crate) fn gather(
         &self,
         level: Level,
         gatherer: &mut Gatherer,
-        (mirrors, len): (&Mirrors, usize),
-        factor: f32,
+        wanted: Wanted<'_>,
         out: &mut [Column; 3],
     ) {
+        let Wanted { mirrors, len, factor } = wanted;
         dispatch_pack!(level, P, token => gatherer.choose::<P>(token, &mirrors.roughness, len));
         let Gatherer { below, above, number, .. } = gatherer;
         for (i, number) in number.iter().take(len).enumerate() {
@@ -97,15 +107,15 @@ impl Environment {
         }
     }
 
-    /// [`Self::irradiance`] at the first `len` places, times `factor`/π.
+    /// [`Self::irradiance`] at the places, times the factor over π.
     pub(crate) fn gather_mean(
         &self,
         level: Level,
         gatherer: &mut Gatherer,
-        (mirrors, len): (&Mirrors, usize),
-        factor: f32,
+        wanted: Wanted<'_>,
         out: &mut [Column; 3],
     ) {
+        let Wanted { mirrors, len, factor } = wanted;
         let (taps, roughest) = (&mut gatherer.below, self.levels.count() - 1);
         (0..len).for_each(|i| taps.choose(i, &self.levels, roughest));
         taps.read(level, &self.levels, &mirrors.place, len);

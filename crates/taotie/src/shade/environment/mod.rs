@@ -18,7 +18,7 @@ use crate::error::Result;
 use crate::image::Image;
 use crate::math::{Lane, Vec3};
 use distribution::Distribution;
-pub(crate) use gather::{Gatherer, Mirrors};
+pub(crate) use gather::{Gatherer, Mirrors, Wanted};
 pub use irradiance::IrradianceHarmonics;
 use levels::Levels;
 use picture::{Picture, uv_of};

@@ -5,7 +5,7 @@ use super::maps::{MapKind, Maps};
 /// What became of a texel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
-pub enum Texel {
+pub enum TexelStatus {
     /// No triangle covers it.
     #[default]
     Free,
@@ -13,19 +13,19 @@ pub enum Texel {
     Met,
     /// A line missed and took the closest point of the scan.
     Closest,
-    /// Not even that faces the right way: the light mesh's own normal stands there.
+    /// Not even that faces the right way: the low-poly mesh's own normal stands there.
     Lost,
 }
 
 /// Baked maps; those that were not asked for are empty.
 #[derive(Debug, Clone, Default)]
-pub struct Planes {
+pub struct BakedMaps {
     /// Texels across.
     pub width: u32,
     /// Texels down.
     pub height: u32,
     /// What became of each texel.
-    pub texels: Vec<Texel>,
+    pub texels: Vec<TexelStatus>,
     /// Unit normals, in the space asked for.
     pub normal: Vec<[f32; 3]>,
     /// Open part of the hemisphere, [0, 1].
@@ -33,7 +33,7 @@ pub struct Planes {
     /// Linear RGB.
     pub albedo: Vec<[f32; 3]>,
     /// Model units.
-    pub lift: Vec<f32>,
+    pub heights: Vec<f32>,
     /// Unit, in the space asked for.
     pub bent: Vec<[f32; 3]>,
     /// 1 over model units.
@@ -42,7 +42,7 @@ pub struct Planes {
     pub roughness: Vec<f32>,
 }
 
-impl Planes {
+impl BakedMaps {
     pub(super) fn new([width, height]: [u32; 2], maps: Maps) -> Self {
         let count = width as usize * height as usize;
         let of = |kind: MapKind| if maps.has(kind) { count } else { 0 };
@@ -50,11 +50,11 @@ impl Planes {
         Self {
             width,
             height,
-            texels: vec![Texel::Free; count],
+            texels: vec![TexelStatus::Free; count],
             normal: vec![UP; of(MapKind::Normal)],
             occlusion: vec![1.0; of(MapKind::Occlusion)],
             albedo: vec![[0.0; 3]; of(MapKind::Albedo)],
-            lift: vec![0.0; of(MapKind::Height)],
+            heights: vec![0.0; of(MapKind::Height)],
             bent: vec![UP; of(MapKind::Bent)],
             curvature: vec![0.0; of(MapKind::Curvature)],
             roughness: vec![0.0; of(MapKind::Roughness)],
@@ -68,12 +68,12 @@ impl Planes {
 
     /// The numbers of a plane where a triangle covers the texel.
     pub fn covered(&self, plane: &[f32]) -> Vec<f32> {
-        let covered = self.texels.iter().zip(plane).filter(|(texel, _)| **texel != Texel::Free);
+        let covered = self.texels.iter().zip(plane).filter(|(texel, _)| **texel != TexelStatus::Free);
         covered.map(|(_, v)| *v).collect()
     }
 
     /// Cut into bands of rows, each with at most `rows`.
-    pub(super) fn bands(&mut self, rows: u32) -> Vec<BandPlanes<'_>> {
+    pub(super) fn bands(&mut self, rows: u32) -> Vec<BandMaps<'_>> {
         let count = rows as usize * self.width as usize;
         let bands = self.height.div_ceil(rows) as usize;
         fn cut<T>(plane: &mut [T], count: usize, bands: usize) -> impl Iterator<Item = &mut [T]> {
@@ -84,18 +84,18 @@ impl Planes {
         let mut normal = cut(&mut self.normal, count, bands);
         let mut occlusion = cut(&mut self.occlusion, count, bands);
         let mut albedo = cut(&mut self.albedo, count, bands);
-        let mut lift = cut(&mut self.lift, count, bands);
+        let mut heights = cut(&mut self.heights, count, bands);
         let mut bent = cut(&mut self.bent, count, bands);
         let mut curvature = cut(&mut self.curvature, count, bands);
         let mut roughness = cut(&mut self.roughness, count, bands);
         (0..bands)
             .filter_map(|_| {
-                Some(BandPlanes {
+                Some(BandMaps {
                     texels: texels.next()?,
                     normal: normal.next()?,
                     occlusion: occlusion.next()?,
                     albedo: albedo.next()?,
-                    lift: lift.next()?,
+                    heights: heights.next()?,
                     bent: bent.next()?,
                     curvature: curvature.next()?,
                     roughness: roughness.next()?,
@@ -105,13 +105,13 @@ impl Planes {
     }
 }
 
-/// The rows of [`Planes`] that a band covers.
-pub(super) struct BandPlanes<'a> {
-    pub texels: &'a mut [Texel],
+/// The rows of [`BakedMaps`] that a band covers.
+pub(super) struct BandMaps<'a> {
+    pub texels: &'a mut [TexelStatus],
     pub normal: &'a mut [[f32; 3]],
     pub occlusion: &'a mut [f32],
     pub albedo: &'a mut [[f32; 3]],
-    pub lift: &'a mut [f32],
+    pub heights: &'a mut [f32],
     pub bent: &'a mut [[f32; 3]],
     pub curvature: &'a mut [f32],
     pub roughness: &'a mut [f32],

@@ -1,18 +1,18 @@
 //! Rays that run side by side, met by triangles instead of meeting them.
 //!
 //! Neighbouring samples of a map look the same way, for triangles of about their own size. To ask for each ray which
-//! triangles it meets costs a walk through the tree a ray. Here the tree is walked once for all: a triangle near the rays
-//! casts a shadow along their direction, and only the rays in its shadow are tested.
+//! triangles it meets costs a walk through the tree a ray. Here the tree is walked once for all: a triangle near the
+//! rays casts a shadow along their direction, and only the rays in its shadow are tested.
 
 use super::bvh::{Bvh, Hit};
 use super::tree::{Boxes, Leaf, WIDTH};
-use super::{Ray, triangle::RayPack};
+use super::{Ray, triangle::RayColumns};
 use crate::math::{Mask, Pack, Vec3, dispatch_eight};
 
-/// How a sheaf of rays is seen: a place V has the coordinates column · (V − origin), row · (V − origin) and
+/// How a packet of rays is seen: a place V has the coordinates column · (V − origin), row · (V − origin) and
 /// depth · (V − origin). Along the rays' mean direction column and row do not change.
 #[derive(Debug, Clone, Copy)]
-pub struct SheafView {
+pub struct PacketView {
     /// Where coordinates are zero.
     pub origin: Vec3,
     /// Column, row and depth.
@@ -24,9 +24,9 @@ pub struct SheafView {
 }
 
 /// Rays that run side by side.
-pub struct Sheaf<'a> {
+pub struct RayPacket<'a> {
     rays: &'a [Ray],
-    view: SheafView,
+    view: PacketView,
     /// The least column and row, and cells per unit of each.
     corner: [f32; 2],
     scale: [f32; 2],
@@ -35,13 +35,13 @@ pub struct Sheaf<'a> {
     starts: Vec<u32>,
     /// The rays cell by cell.
     order: Vec<u32>,
-    pack: RayPack,
+    columns: RayColumns,
 }
 
-impl<'a> Sheaf<'a> {
+impl<'a> RayPacket<'a> {
     /// Of rays that lie at these columns and rows; `None` where there is no ray, where they run along different axes,
     /// or where the slack spreads each over many others, so that one ray at a time is faster.
-    pub fn new(rays: &'a [Ray], places: &[[f32; 2]], view: SheafView) -> Option<Self> {
+    pub fn new(rays: &'a [Ray], places: &[[f32; 2]], view: PacketView) -> Option<Self> {
         /// Cells that a ray may be spread over by the slack, along each side.
         const WIDEST: f32 = 16.0;
         if rays.is_empty() {
@@ -73,8 +73,8 @@ impl<'a> Sheaf<'a> {
             order[*slot as usize] = i as u32;
             *slot += 1;
         }
-        let pack = RayPack::new(rays, &order)?;
-        is_sane.then_some(Self { rays, view, corner, scale, cells, starts, order, pack })
+        let columns = RayColumns::new(rays, &order)?;
+        is_sane.then_some(Self { rays, view, corner, scale, cells, starts, order, columns })
     }
 
     /// The cells that a stretch of columns (0) or rows (1) touches.
@@ -97,18 +97,18 @@ impl<'a> Sheaf<'a> {
 }
 
 impl Bvh {
-    /// Calls `meet` with each ray of a sheaf, by its number, and each triangle that it meets at any distance from 0 on, in
-    /// no particular order, until it says that nothing more is wanted.
-    pub fn meet_all(&self, sheaf: &Sheaf<'_>, meet: impl FnMut(usize, Hit) -> bool) {
-        dispatch_eight!(self.level, P, token => walk_sheaf::<P>(token, self, sheaf, meet));
+    /// Calls `meet` with each ray of a packet, by its number, and each triangle that it meets at any distance from 0
+    /// on, in no particular order, until it says that nothing more is wanted.
+    pub fn meet_all(&self, packet: &RayPacket<'_>, meet: impl FnMut(usize, Hit) -> bool) {
+        dispatch_eight!(self.level, P, token => walk_packet::<P>(token, self, packet, meet));
     }
 }
 
 #[inline(always)]
-fn walk_sheaf<P: Pack>(
+fn walk_packet<P: Pack>(
     token: P::Token,
     bvh: &Bvh,
-    sheaf: &Sheaf<'_>,
+    packet: &RayPacket<'_>,
     mut meet: impl FnMut(usize, Hit) -> bool,
 ) {
     /// As for one ray: seven siblings wait on each level.
@@ -122,13 +122,14 @@ fn walk_sheaf<P: Pack>(
         if level == 0 {
             let mut shadows = Shadows::default();
             let leaf = &bvh.tree.leaves[node as usize];
-            let mut cast = shadows.cast::<P>(token, leaf, sheaf);
+            let mut cast = shadows.cast::<P>(token, leaf, packet);
             while cast != 0 {
                 let i = cast.trailing_zeros() as usize;
                 cast &= cast - 1;
                 let slot = node as usize * WIDTH + i;
                 let Some(triangle) = bvh.tree.order.get(slot) else { continue };
-                let going = in_shadow::<P>(token, (sheaf, &shadows), (leaf, i), |ray, distance, weights| {
+                let caster = Caster { packet, shadows: &shadows, leaf, i };
+                let going = in_shadow::<P>(token, &caster, |ray, distance, weights| {
                     meet(ray, Hit { triangle: *triangle, weights, distance })
                 });
                 if !going {
@@ -137,7 +138,7 @@ fn walk_sheaf<P: Pack>(
             }
             continue;
         }
-        let mut touched = touched::<P>(token, &bvh.tree.levels[level as usize - 1][node as usize], sheaf);
+        let mut touched = touched::<P>(token, &bvh.tree.levels[level as usize - 1][node as usize], packet);
         while touched != 0 {
             waiting[count] = (level - 1, node * WIDTH as u32 + touched.trailing_zeros());
             touched &= touched - 1;
@@ -148,15 +149,15 @@ fn walk_sheaf<P: Pack>(
 
 /// Which boxes the rays may run through, a bit each.
 #[inline(always)]
-fn touched<P: Pack>(token: P::Token, boxes: &Boxes, sheaf: &Sheaf<'_>) -> u64 {
+fn touched<P: Pack>(token: P::Token, boxes: &Boxes, packet: &RayPacket<'_>) -> u64 {
     let mut touched = 0;
     for k in (0..WIDTH).step_by(P::LANES) {
         let zero = P::splat(token, 0.0);
         let (mut within, half) = (zero.le(zero), P::splat(token, 0.5));
         for axis in 0..3 {
-            let direction = sheaf.view.axes[axis].to_array();
-            let origin = sheaf.view.origin.to_array();
-            let [low, high] = sheaf.limits(axis);
+            let direction = packet.view.axes[axis].to_array();
+            let origin = packet.view.origin.to_array();
+            let [low, high] = packet.limits(axis);
             let (mut middle, mut reach) = (zero, zero);
             for i in 0..3 {
                 let (min, max) = (P::load(token, &boxes.min[i][k..]), P::load(token, &boxes.max[i][k..]));
@@ -184,14 +185,14 @@ struct Shadows {
 impl Shadows {
     /// Which triangles may be met, a bit each.
     #[inline(always)]
-    fn cast<P: Pack>(&mut self, token: P::Token, leaf: &Leaf, sheaf: &Sheaf<'_>) -> u64 {
+    fn cast<P: Pack>(&mut self, token: P::Token, leaf: &Leaf, packet: &RayPacket<'_>) -> u64 {
         let mut cast = 0;
-        let origin = sheaf.view.origin.to_array();
+        let origin = packet.view.origin.to_array();
         for k in (0..WIDTH).step_by(P::LANES) {
             let zero = P::splat(token, 0.0);
             let mut within = zero.le(zero);
             for axis in 0..3 {
-                let direction = sheaf.view.axes[axis].to_array();
+                let direction = packet.view.axes[axis].to_array();
                 let mut at = [zero; 3];
                 for (at, corner) in at.iter_mut().zip(&leaf.corners) {
                     for i in 0..3 {
@@ -200,7 +201,7 @@ impl Shadows {
                     }
                 }
                 let (least, most) = (at[0].min(at[1]).min(at[2]), at[0].max(at[1]).max(at[2]));
-                let [low, high] = sheaf.limits(axis);
+                let [low, high] = packet.limits(axis);
                 within = within.and(least.le(P::splat(token, high)));
                 within = within.and(P::splat(token, low).le(most));
                 if axis < 2 {
@@ -214,24 +215,32 @@ impl Shadows {
     }
 }
 
-/// Tests the rays in the shadow of a leaf's triangle `i`.
+/// The triangle `i` of a leaf, and the rays that may lie in its shadow.
+struct Caster<'a> {
+    packet: &'a RayPacket<'a>,
+    shadows: &'a Shadows,
+    leaf: &'a Leaf,
+    i: usize,
+}
+
+/// Tests the rays in the shadow of a triangle.
 #[inline(always)]
 fn in_shadow<P: Pack>(
     token: P::Token,
-    (sheaf, shadows): (&Sheaf<'_>, &Shadows),
-    (leaf, i): (&Leaf, usize),
+    caster: &Caster<'_>,
     mut meet: impl FnMut(usize, f32, [f32; 3]) -> bool,
 ) -> bool {
-    let [left, right] = sheaf.cells(0, shadows.low[0][i], shadows.high[0][i]);
-    let [top, bottom] = sheaf.cells(1, shadows.low[1][i], shadows.high[1][i]);
+    let Caster { packet, shadows, leaf, i } = *caster;
+    let [left, right] = packet.cells(0, shadows.low[0][i], shadows.high[0][i]);
+    let [top, bottom] = packet.cells(1, shadows.low[1][i], shadows.high[1][i]);
     for row in top..=bottom {
-        let first = sheaf.starts[row * sheaf.cells[0] + left.min(sheaf.cells[0] - 1)] as usize;
-        let end = sheaf.starts[row * sheaf.cells[0] + right + 1] as usize;
+        let first = packet.starts[row * packet.cells[0] + left.min(packet.cells[0] - 1)] as usize;
+        let end = packet.starts[row * packet.cells[0] + right + 1] as usize;
         let mut from = first;
         while from < end {
             let (mut hit, mut unsure) = (0, 0);
             let (mut distances, mut weights) = ([0.0; WIDTH], [[0.0; WIDTH]; 3]);
-            if let Some(edges) = sheaf.pack.edges::<P>(token, from, &leaf.corners, i) {
+            if let Some(edges) = packet.columns.edges::<P>(token, from, &leaf.corners, i) {
                 let met = edges.meet();
                 hit = P::bits(met.hit);
                 unsure = P::bits(edges.unsure);
@@ -245,10 +254,10 @@ fn in_shadow<P: Pack>(
             while any != 0 {
                 let lane = any.trailing_zeros() as usize;
                 any &= any - 1;
-                let ray = sheaf.order[from + lane] as usize;
+                let ray = packet.order[from + lane] as usize;
                 let met = match unsure & 1 << lane {
                     0 => Some((distances[lane], [weights[0][lane], weights[1][lane], weights[2][lane]])),
-                    _ => sheaf.rays[ray].intersect(leaf.triangle(i)),
+                    _ => packet.rays[ray].intersect(leaf.triangle(i)),
                 };
                 if let Some((distance, weights)) = met
                     && !meet(ray, distance, weights)
@@ -302,10 +311,10 @@ mod tests {
                     places.push([at.x, at.y]);
                 }
                 let slack = spread * depths[1] + 1e-4;
-                let view = SheafView { origin: corner, axes: [x, y, direction], slack: [slack; 2], depths };
-                let sheaf = Sheaf::new(&rays, &places, view).unwrap();
+                let view = PacketView { origin: corner, axes: [x, y, direction], slack: [slack; 2], depths };
+                let packet = RayPacket::new(&rays, &places, view).unwrap();
                 let mut found = Vec::new();
-                bvh.meet_all(&sheaf, |ray, hit| {
+                bvh.meet_all(&packet, |ray, hit| {
                     found.push((ray, hit.triangle, hit.distance, hit.weights));
                     true
                 });

@@ -1,0 +1,32 @@
+//! Options of simplification, and which method reached the number of triangles.
+
+/// How a surface is simplified.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SimplifyOptions {
+    /// How many triangles are wanted, at least 1.
+    pub triangles: usize,
+    /// What the turn of a vertex normal counts beside distances: 0 is nothing, 1 much. With more, creases and fine
+    /// waves keep their triangles and flat parts lose theirs.
+    pub normal_weight: f32,
+}
+
+impl Default for SimplifyOptions {
+    fn default() -> Self {
+        Self { triangles: 10_000, normal_weight: 0.0 }
+    }
+}
+
+/// What had to be done to reach a number of triangles, from mild to rough.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SimplifyMethod {
+    /// The surface had no more triangles than were wanted.
+    Kept,
+    /// Edges were collapsed; what is connected stays so, and holes and handles stay.
+    Collapsed,
+    /// Edges were collapsed across places where more than two triangles meet too, and parts without a connection to
+    /// the rest that are smaller than a twentieth of the whole were left out, the smallest first.
+    Pruned,
+    /// Vertices that lie near one another were made one, whatever they belong to: holes may close, and parts may
+    /// touch. For triangle soup nothing else helps.
+    Clustered,
+}

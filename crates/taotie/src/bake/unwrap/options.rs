@@ -1,0 +1,16 @@
+//! Options of unwrapping.
+
+/// The map that a mesh is unwrapped for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnwrapOptions {
+    /// Texels along a side of the square map, 1 to [`crate::image::Image::MAX_SIDE`].
+    pub size: u32,
+    /// Texels between charts, and between charts and the map's border.
+    pub padding: u32,
+}
+
+impl Default for UnwrapOptions {
+    fn default() -> Self {
+        Self { size: 2048, padding: 4 }
+    }
+}

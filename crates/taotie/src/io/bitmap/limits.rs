@@ -1,0 +1,63 @@
+//! Which sizes of images are believed, and why an image cannot be had.
+
+use crate::error::Error;
+use crate::image::Bitmap;
+use std::path::Path;
+
+/// The most texels of one image: 16,384 × 16,384.
+pub(super) const MAX_TEXELS: u64 = 1 << 28;
+
+/// No format read here but WebP and KTX2 packs more texels into a byte: deflate reaches 1032 to 1, and a byte holds 8 one-bit
+/// texels. A declared size beyond it is refused before anything is allocated.
+const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
+
+/// WebP and KTX2 hold a picture of one colour in a few bytes, whatever its size; so many texels, 4096 × 4096, are
+/// believed.
+pub(super) const MAX_TEXELS_OF_PLAIN: u64 = 1 << 24;
+
+/// Why an image cannot be had, before it is known which file is to blame.
+pub(super) enum Failure {
+    /// Its content is wrong.
+    Damaged(String),
+    /// It has more texels than can be drawn.
+    TooLarge(String),
+    /// It has content that is not read.
+    Unsupported(String),
+}
+
+impl Failure {
+    /// Returns the error about the file `path`, at the place `at` in it.
+    pub fn into_error(self, path: &Path, at: String) -> Error {
+        match self {
+            Self::Damaged(what) => Error::parse(path, at, one_line(&what)),
+            Self::TooLarge(why) => Error::limit(format!("{}: {at}", path.display()), why),
+            Self::Unsupported(what) => Error::unsupported(
+                format!("{}: {at}: {}", path.display(), one_line(&what)),
+                "convert it to PNG",
+            ),
+        }
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// How many texels `bytes` may hold.
+pub(super) fn credible(bytes: &[u8]) -> u64 {
+    (bytes.len() as u64).saturating_mul(MAX_TEXELS_PER_BYTE)
+}
+
+/// Refuses sizes that cannot be drawn, and those of more than `credible` texels, which cannot be true.
+pub(super) fn check_size(width: u64, height: u64, credible: u64) -> std::result::Result<(), Failure> {
+    let side = u64::from(Bitmap::MAX_SIDE);
+    if width > side || height > side || width * height > MAX_TEXELS {
+        let why = format!("{width}×{height}; at most {side} a side and 16384×16384 in all: scale it down");
+        return Err(Failure::TooLarge(why));
+    }
+    if width * height > credible {
+        let why = format!("so few bytes cannot hold {width}×{height} texels; save it again");
+        return Err(Failure::Damaged(why));
+    }
+    Ok(())
+}

@@ -1,0 +1,134 @@
+//! Points on triangles, and what a mesh is there.
+
+use super::Mesh;
+use crate::math::{Vec2, Vec3};
+use std::ops::{Add, Mul};
+
+/// A point on a triangle of a mesh.
+///
+/// All that a mesh says at its vertices is interpolated linearly in between.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Barycentric weights of its corners, which sum to 1; none is below 0 within the triangle.
+    pub weights: [f32; 3],
+}
+
+/// The interpolated tangent frame at a point; its vectors are not normalised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Between the normals of the corners.
+    pub normal: Vec3,
+    /// Between the tangents of the corners.
+    pub tangent: Vec3,
+    /// ±1: the bitangent is this times cross(normal, tangent). That of the first corner.
+    pub handedness: f32,
+}
+
+/// The mean of three values with these weights, added in the order of the corners.
+#[inline]
+pub(crate) fn blend<T: Mul<f32, Output = T> + Add<Output = T>>([a, b, c]: [T; 3], [u, v, w]: [f32; 3]) -> T {
+    a * u + b * v + c * w
+}
+
+/// Each method reads the mesh that the point lies on.
+///
+/// # Panics
+/// All do where that mesh has no such triangle; those that read an array do where the mesh lacks it.
+impl Point {
+    /// The vertices of the triangle.
+    #[inline]
+    pub fn vertices(&self, mesh: &Mesh) -> [usize; 3] {
+        mesh.triangles()[self.triangle as usize].map(|v| v as usize)
+    }
+
+    /// The position, object space.
+    #[inline]
+    pub fn position(&self, mesh: &Mesh) -> Vec3 {
+        blend(mesh.corners(self.triangle as usize), self.weights)
+    }
+
+    /// The interpolated normal, unit; where it vanishes, that of the first corner.
+    #[inline]
+    pub fn normal(&self, mesh: &Mesh) -> Vec3 {
+        let normals = self.vertices(mesh).map(|v| mesh.normals()[v]);
+        blend(normals, self.weights).normalize_or(normals[0])
+    }
+
+    /// The mean of the corners' normals with the point's weights, not normalised.
+    #[inline]
+    pub fn mean_normal(&self, mesh: &Mesh) -> Vec3 {
+        blend(self.vertices(mesh).map(|v| mesh.normals()[v]), self.weights)
+    }
+
+    /// The interpolated tangent frame.
+    #[inline]
+    pub fn frame(&self, mesh: &Mesh) -> Frame {
+        let vertices = self.vertices(mesh);
+        let tangent = |v: usize| {
+            let [x, y, z, _] = mesh.tangents()[v];
+            Vec3::new(x, y, z)
+        };
+        Frame {
+            normal: self.mean_normal(mesh),
+            tangent: blend(vertices.map(tangent), self.weights),
+            handedness: mesh.tangents()[vertices[0]][3],
+        }
+    }
+
+    /// The interpolated uv of a set.
+    #[inline]
+    pub fn uv(&self, mesh: &Mesh, set: usize) -> Vec2 {
+        blend(self.vertices(mesh).map(|v| mesh.uvs()[set][v]), self.weights)
+    }
+
+    /// The interpolated vertex colour, linear RGB.
+    #[inline]
+    pub fn color(&self, mesh: &Mesh) -> Vec3 {
+        let color = |v: usize| Vec3::new(mesh.colors()[v][0], mesh.colors()[v][1], mesh.colors()[v][2]);
+        blend(self.vertices(mesh).map(color), self.weights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::MeshData;
+
+    #[test]
+    fn everything_is_interpolated_with_the_same_weights() {
+        let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let mesh = Mesh::new(MeshData {
+            positions: vec![corner(0.0, 0.0), corner(4.0, 0.0), corner(0.0, 4.0)],
+            normals: vec![Vec3::new(0.0, 0.0, 1.0), Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)],
+            tangents: vec![[1.0, 0.0, 0.0, -1.0], [0.0, 1.0, 0.0, -1.0], [0.0, 0.0, 1.0, -1.0]],
+            uvs: vec![vec![Vec2::new(0.0, 0.0), Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)]],
+            colors: vec![[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]],
+            triangles: vec![[0, 1, 2]],
+        })
+        .unwrap();
+        let point = Point { triangle: 0, weights: [0.25, 0.25, 0.5] };
+        assert_eq!(point.position(&mesh), corner(1.0, 2.0));
+        assert_eq!(point.uv(&mesh, 0), Vec2::new(0.25, 0.5));
+        assert_eq!(point.color(&mesh), Vec3::new(0.25, 0.25, 0.5));
+        let frame = point.frame(&mesh);
+        assert_eq!(frame.normal, Vec3::new(0.25, 0.5, 0.25));
+        assert_eq!((frame.tangent, frame.handedness), (Vec3::new(0.25, 0.25, 0.5), -1.0));
+        assert!((point.normal(&mesh).length() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_normal_that_vanishes_is_that_of_the_first_corner() {
+        let up = Vec3::new(0.0, 0.0, 1.0);
+        let mesh = Mesh::new(MeshData {
+            positions: vec![Vec3::default(); 3],
+            normals: vec![up, -up, up],
+            triangles: vec![[0, 1, 2]],
+            ..MeshData::default()
+        })
+        .unwrap();
+        let point = Point { triangle: 0, weights: [0.25, 0.5, 0.25] };
+        assert_eq!(point.normal(&mesh), up);
+    }
+}
