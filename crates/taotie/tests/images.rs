@@ -5,8 +5,12 @@ mod common;
 #[path = "common/files.rs"]
 mod files;
 
-use common::{absent, data_folder};
-use files::{all_files_below, data_files, files_below};
+#[cfg(feature = "exr")]
+use common::absent;
+use common::data_folder;
+#[cfg(feature = "exr")]
+use files::all_files_below;
+use files::{data_files, files_below};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};

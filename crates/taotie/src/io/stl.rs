@@ -1,8 +1,8 @@
 //! STL: loose triangles, ascii or binary, welded where positions are equal to the bit.
 
 use super::file;
-use super::obj::neutral;
 use super::loaded::{Loaded, checked};
+use super::obj::neutral;
 use super::text;
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};

@@ -1,5 +1,4 @@
 //! The Khronos validator finds no fault in what is written as glTF.
-#![cfg(feature = "webp")]
 
 use crate::{bumpy, rich, validator};
 use taotie::io::{

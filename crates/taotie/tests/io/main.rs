@@ -24,7 +24,9 @@ mod gltf_packed_write;
 mod gltf_pictures;
 mod gltf_read;
 mod gltf_scene;
+#[cfg(all(feature = "basis", feature = "webp"))]
 mod gltf_textures;
+#[cfg(feature = "webp")]
 mod gltf_validator;
 mod gltf_write;
 mod mutations;

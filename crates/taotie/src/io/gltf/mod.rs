@@ -32,8 +32,8 @@ mod vertices;
 
 pub use extensions::SUPPORTED;
 
-use super::variants::Mapping;
 use super::loaded::{Loaded, checked};
+use super::variants::Mapping;
 use super::variants::Variants;
 use crate::error::{Result, Warnings};
 use crate::math::Vec2;

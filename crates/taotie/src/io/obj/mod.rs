@@ -13,9 +13,9 @@ mod textures;
 
 pub(super) use material::neutral;
 
-use super::text::{self, quote};
-use super::locate;
 use super::loaded::{Loaded, checked};
+use super::locate;
+use super::text::{self, quote};
 use crate::error::{Result, Warnings};
 use crate::math::Mat4;
 use crate::mesh::Mesh;

@@ -13,8 +13,8 @@ mod texture;
 mod vertices;
 
 use super::file;
-use super::obj::neutral;
 use super::loaded::{Loaded, checked};
+use super::obj::neutral;
 use crate::error::{Error, Result, Warnings};
 use crate::math::Mat4;
 use crate::scene::{Instance, Scene, SceneData};
