@@ -3,7 +3,7 @@
 use super::Field;
 use crate::names::Named;
 
-/// How numbers become colours.
+/// The map from numbers to colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorMap {
     /// Dark blue over green to yellow; van der Walt and Smith 2015.

@@ -1,9 +1,9 @@
-//! What is looked at: a picture as a screen shows it.
+//! An image as a screen shows it.
 
 use super::{one_per_pixel, same_size};
 use crate::error::{Error, Result};
 
-/// A picture as a screen shows it: sRGB-encoded red, green and blue in [0, 1], row by row from the top.
+/// An image as a screen shows it: sRGB-encoded red, green and blue in [0, 1], row by row from the top.
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub(super) width: u32,

@@ -45,5 +45,5 @@ pub fn develop16(image: &Image, development: &Development) -> Result<Vec<[u16; 4
     Ok(out)
 }
 
-/// How many pixels one task takes at a time; whole packs.
+/// The number of pixels that one task takes at a time; whole packs.
 const BAND: usize = 4096;

@@ -23,7 +23,7 @@ impl Image {
         Ok(Self { width, height, pixels: vec![fill; width as usize * height as usize] })
     }
 
-    /// Whether a picture of this size can be made.
+    /// Checks that an image of this size can be made.
     ///
     /// # Errors
     /// As [`Image::new`].

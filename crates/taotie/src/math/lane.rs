@@ -11,7 +11,7 @@ pub trait Mask: Copy {
     fn or(self, other: Self) -> Self;
     /// True where `self` is false.
     fn not(self) -> Self;
-    /// Whether any lane is true.
+    /// Says whether any lane is true.
     fn any(self) -> bool;
 }
 
@@ -26,7 +26,7 @@ pub trait Mask: Copy {
 pub trait Lane:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// What a comparison gives.
+    /// The result of a comparison.
     type Mask: Mask;
 
     /// The constant `value`, rounded to this type.

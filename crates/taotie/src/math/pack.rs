@@ -11,7 +11,7 @@ pub const MOST_LANES: usize = 16;
 pub trait Pack: Lane {
     /// The proof that the processor has the pack's instructions.
     type Token: Copy;
-    /// How many numbers it holds.
+    /// The number of lanes.
     const LANES: usize;
     /// All lanes equal to `value`.
     fn splat(token: Self::Token, value: f32) -> Self;
@@ -198,7 +198,7 @@ macro_rules! dispatch_pack {
 }
 pub(crate) use dispatch_pack;
 
-/// As [`dispatch_pack`], with packs of at most eight, for what comes in eights.
+/// Does the same as [`dispatch_pack`], with packs of at most eight, for what comes in eights.
 macro_rules! dispatch_eight {
     ($level:expr, $pack:ident, $token:ident => $call:expr) => {{
         #[allow(unused_imports, reason = "the scalar level needs none")]
