@@ -74,10 +74,10 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Does work on separate threads, as many as the caller's pool has, and asks the listener about every 20 ms whether to
-    /// go on, however long the work reports nothing. So long calls that cannot be split do not delay a cancel.
+    /// Does work on separate threads, as many as the caller's pool has, and asks the listener about every 20 ms whether
+    /// to go on, however long the work reports nothing. So long calls that cannot be split do not delay a cancel.
     ///
-    /// The listener is called from the caller's thread alone. Without a listener the work is done on the caller's thread.
+    /// The listener is called from the caller's thread alone. Without a listener that thread does the work itself.
     ///
     /// # Errors
     /// Those of the work; [`Error::Cancelled`], at once, where the listener wants it to stop: the work then ends by

@@ -18,7 +18,7 @@ pub fn pow5<L: Lane>(x: L) -> L {
 ///
 /// `f0` linear RGB in [0, 1]; `v_dot_h` in [0, 1].
 /// Law: F0 at v·h = 1, 1 at v·h = 0 (`laws::shade::schlick_ends`).
-/// Source: Schlick 1994, eq. 15. The seed paper's eq. 6 prints the exponent 2.
+/// Source: Schlick 1994, eq. 15. Guo and Wang 2025, eq. 6, print the exponent 2.
 #[inline(always)]
 pub fn f_schlick<L: Lane>(f0: Vec3<L>, v_dot_h: L) -> Vec3<L> {
     f_schlick_f90(f0, Vec3::splat(v_dot_h.lit(1.0)), v_dot_h)

@@ -37,7 +37,7 @@ impl<'a> Corners<'a> {
         Ok(Self { mesh, normals, uvs: uvs.iter().map(|uv| usable_uv(*uv)).collect() })
     }
 
-    /// How many triangles.
+    /// The number of triangles.
     pub fn len(&self) -> usize {
         self.mesh.triangles().len()
     }

@@ -45,15 +45,15 @@ pub struct Environment {
 pub struct EnvironmentSample {
     /// Unit, to the light.
     pub direction: Vec3,
-    /// What comes from there, linear RGB.
+    /// The radiance from there, linear RGB.
     pub radiance: Vec3,
     /// Density of the choice, sr⁻¹, above 0.
     pub pdf: f32,
 }
 
 impl Environment {
-    /// From an equirectangular picture, linear RGB. Texels that no light can have are mended and counted: what is
-    /// negative or not a number becomes 0, what is infinite 65504 or the largest number of the picture.
+    /// Makes an environment from an equirectangular image, linear RGB. Texels that no light can have are corrected and
+    /// counted: what is negative or not a number becomes 0, what is infinite 65504 or the largest number of the image.
     ///
     /// # Errors
     /// None yet.
@@ -65,7 +65,7 @@ impl Environment {
         Ok(Self { levels, picture, distribution: OnceLock::new(), mended })
     }
 
-    /// How many texels of the picture were mended.
+    /// The number of texels of the image that were corrected.
     pub fn mended_texels(&self) -> usize {
         self.mended
     }
@@ -94,7 +94,7 @@ impl Environment {
         self.levels.at(n, 1.0, || self.radiance(n)) * std::f32::consts::PI
     }
 
-    /// Where a direction of any length lies in the filtered maps.
+    /// The place of a direction of any length in the filtered maps.
     #[inline(always)]
     pub(crate) fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
         octahedron::place_of(direction)

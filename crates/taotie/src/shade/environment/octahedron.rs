@@ -96,7 +96,7 @@ pub(super) fn taps<L: Lane>(u: L, side: L) -> (L, L) {
     (first, x - first)
 }
 
-/// Which texel inside shows what a border texel does: each edge of the square is sewn to itself, turned round.
+/// The texel inside that shows what a border texel does: each edge of the square is sewn to itself, turned round.
 fn inside([x, y]: [usize; 2], side: usize) -> [usize; 2] {
     let turned = |i: usize| side + 1 - i;
     let (x, y) = if x == 0 || x == side + 1 { (x.clamp(1, side), turned(y)) } else { (x, y) };

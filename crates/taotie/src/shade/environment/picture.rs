@@ -13,7 +13,7 @@ pub(super) struct Picture {
     texels: HalfTexels,
 }
 
-/// Where a unit direction lies in the picture: u and v in [0, 1] from the top left, u = ½ at +x and ¾ at +z.
+/// The place of a unit direction in the image: u and v in [0, 1] from the top left, u = ½ at +x and ¾ at +z.
 pub(super) fn uv_of(direction: Vec3) -> [f32; 2] {
     let Vec3 { x, y, z } = direction;
     // Near the poles the arc cosine of y would lose half the digits.
@@ -57,7 +57,7 @@ impl Picture {
         self.texels.get(y * self.width + x)
     }
 
-    /// What shines from the direction at u and v in [0, 1], linear RGB: the mean of the four texels around it, by
+    /// The radiance from the direction at u and v in [0, 1], linear RGB: the mean of the four texels around it, by
     /// nearness.
     pub(super) fn radiance_at(&self, [u, v]: [f32; 2]) -> Vec3 {
         // One column on, so that what is cut off is what lies below.

@@ -53,7 +53,7 @@ impl Ggx {
         sums.iter().map(|sum| sum / sums[0]).collect()
     }
 
-    /// How much of the lobe is a [`Fisher`] lobe of concentration `kappa`, where concentrations are a factor of two
+    /// The share of a [`Fisher`] lobe of concentration `kappa` in the lobe, where concentrations are a factor of two
     /// apart: the sum over all of them is K / ∫ K within 1e-4, but for what lies behind the surface.
     ///
     /// (1 + bq)⁻² is ∫ κ/b² exp(−κ/b) exp(−κq) dκ, a mixture with Gamma's density; the factor 1 − q turns the density

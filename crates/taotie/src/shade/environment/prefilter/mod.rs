@@ -31,7 +31,8 @@ const WIDEST: f64 = 0.075;
 /// The narrowest Gaussian, in rings.
 const NARROWEST: f64 = 0.5;
 
-/// How wide, in rings, a Gaussian must be to be shown by them, and by the coarsest: rough levels are made of these.
+/// The least width, in rings, of a Gaussian that they can show, and that the coarsest can: rough levels are made of
+/// these.
 const SHOWN: [f64; 2] = [1.4, 1.9];
 
 /// From this α on, half as many rings show the smooth rest.

@@ -18,11 +18,11 @@ pub(super) struct Rings {
     pub(super) pixels: Vec<Pixel>,
 }
 
-/// What each pixel of a row stands for in an integral over the sphere; the scale does not matter.
+/// The weight of each pixel of a row in an integral over the sphere; the scale does not matter.
 pub(super) enum Areas {
     /// Its solid angle: light is even in each texel.
     Solid,
-    /// What integrates exactly all that rings of this number can show.
+    /// The weight that integrates exactly all that rings of this number can show.
     Smooth,
 }
 
