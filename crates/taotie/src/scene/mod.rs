@@ -1,5 +1,5 @@
-//! What is looked at: meshes, materials, textures, instances, lights, cameras, and how they move. Data, and the poses
-//! that follow from it.
+//! Scenes: meshes, materials, textures, instances, lights, cameras, and how they move. Data, and the poses that follow
+//! from it.
 
 pub mod animation;
 mod bounds;
@@ -140,7 +140,7 @@ impl Scene {
         })
     }
 
-    /// How many triangles the instances draw.
+    /// The number of triangles that the instances draw.
     pub fn triangle_count(&self) -> usize {
         self.instances().iter().map(|i| self.meshes()[i.mesh].triangles().len()).sum()
     }

@@ -3,7 +3,8 @@
 use super::compensation::Compensation;
 use crate::math::Vec3;
 
-/// A material sample: the parameters of a surface at a point. Each model reads the fields it knows and ignores the rest.
+/// A material sample: the parameters of a surface at a point. Each model reads the fields it knows and ignores the
+/// rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Substance<L> {
     /// ρ, linear RGB in [0, 1]; diffuse colour of `lambert`, `ggx` and `ggx-printed`.
