@@ -12,7 +12,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture from encoded pixels, row by row from the top.
+    /// An image from encoded pixels, row by row from the top.
     ///
     /// # Errors
     /// [`Error::Invalid`] where a side is zero, the count is not `width · height`, or a value is outside [0, 1].
@@ -28,7 +28,7 @@ impl Picture {
         Ok(Self { width, height, pixels })
     }
 
-    /// A picture as it was developed, opaque: its fourth channel is not looked at.
+    /// An image as it was developed, opaque: its fourth channel is not looked at.
     ///
     /// # Errors
     /// As [`Picture::new`].
@@ -37,7 +37,7 @@ impl Picture {
         Self::from_8bit(width, height, &pixels)
     }
 
-    /// A picture from the codes of an 8-bit file, row by row from the top.
+    /// An image from the codes of an 8-bit file, row by row from the top.
     ///
     /// # Errors
     /// As [`Picture::new`].

@@ -12,7 +12,7 @@ pub struct Development {
     pub exposure_stops: f32,
     /// The curve that fits light into the range of a screen.
     pub tone: ToneCurve,
-    /// The colour that is seen where the picture is transparent: linear, display-referred, in [0, 1]. It is laid
+    /// The colour that is seen where the image is transparent: linear, display-referred, in [0, 1]. It is laid
     /// under after the tone curve. `None` leaves transparency in the file.
     pub background: Option<Vec3>,
     /// The SIMD level; no level changes a bit.

@@ -299,7 +299,7 @@ impl Points<'_> {
 struct Filter<'w> {
     found: &'w Found,
     format: Format,
-    /// Whether the fourth channel may be anything but 1.
+    /// Says whether the fourth channel may be anything but 1.
     alpha: bool,
     len: usize,
 }
@@ -501,7 +501,7 @@ fn mix<L: Lane>(a: L, b: L, t: L) -> L {
     a + (b - a) * t
 }
 
-/// Whether the fourth channel may be anything but 1.
+/// Says whether the fourth channel may be anything but 1.
 fn has_alpha(texture: &Texture) -> bool {
     texture.encoding() == Encoding::Normal || matches!(texture.bitmap().channels(), 2 | 4)
 }

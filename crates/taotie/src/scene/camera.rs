@@ -41,8 +41,8 @@ pub enum Projection {
 }
 
 impl Camera {
-    /// Returns the size of a pixel at the distance `depth` along the axis of sight, model units. `width` and `height` are
-    /// the image's, pixels.
+    /// Returns the size of a pixel at the distance `depth` along the axis of sight, model units. `width` and `height`
+    /// are the image's, pixels.
     pub fn pixel_size(&self, depth: f64, width: u32, height: u32) -> f64 {
         let half = self.projection.half_height(f64::from(width) / f64::from(height));
         let at_depth = match self.projection {

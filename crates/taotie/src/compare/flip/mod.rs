@@ -1,9 +1,9 @@
-//! FLIP: how different two pictures look when one is flipped to the other in place.
+//! FLIP: how different two images look when one is flipped to the other in place.
 //!
 //! Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A Difference Evaluator for
 //! Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020. Section and
 //! equation numbers below are the paper's; where it leaves a choice, the authors' published code decides (half
-//! widths of three standard deviations, pictures that go on beyond their border).
+//! widths of three standard deviations, images that go on beyond their border).
 
 mod color;
 mod features;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 /// FLIP's default resolution, in pixels a degree: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f32 = 67.020_64;
 
-/// FLIP's error map, [0, 1]: 0 where the pictures look alike. `reference` and `test` may change places; the map is
+/// FLIP's error map, [0, 1]: 0 where the images look alike. `reference` and `test` may change places; the map is
 /// the same.
 ///
 /// `pixels_per_degree` says how fine pixels are in the eye of the viewer; the published code's default is

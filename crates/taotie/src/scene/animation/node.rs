@@ -27,7 +27,7 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// Makes a matrix from its parts; the quaternion is made unit.
+    /// Makes a transform from its parts; the quaternion is made unit.
     pub fn parts(translation: Vec3<f64>, rotation: [f64; 4], scale: Vec3<f64>) -> Self {
         Self::Parts { translation, rotation: unit_quaternion(rotation), scale }
     }

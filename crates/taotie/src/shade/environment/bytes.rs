@@ -1,6 +1,6 @@
 //! An environment as bytes, so that its levels need not be made anew: little endian, checked by length and sum.
 //!
-//! After the header come the number of mended texels, the picture and the levels. Texels
+//! After the header come the number of mended texels, the image and the levels. Texels
 //! are six bytes, three half floats, after the exponent of two that they are multiplied by.
 
 use super::levels::{Level, Levels, alphas};

@@ -29,7 +29,7 @@ pub(super) struct Distribution {
 }
 
 impl Distribution {
-    /// For the light of a picture.
+    /// For the light of an image.
     pub(super) fn new(picture: &Picture) -> Self {
         let columns = picture.width().min(MOST[0]);
         let rows = picture.height().min(MOST[1]);

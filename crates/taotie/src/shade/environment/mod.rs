@@ -1,6 +1,6 @@
-//! Light from infinitely far all around: an equirectangular picture and what is made of it once.
+//! Light from infinitely far all around: an equirectangular image and what is made of it once.
 //!
-//! Directions are unit, in the environment's own space, with +y up. The picture's convention is u = atan2(z, x)/(2π) +
+//! Directions are unit, in the environment's own space, with +y up. The image's convention is u = atan2(z, x)/(2π) +
 //! 1/2, v = acos(y)/π, both from the top left.
 
 mod bytes;
@@ -26,7 +26,7 @@ use std::sync::OnceLock;
 
 pub use studio::{STUDIO_VERSION, studio};
 
-/// Version of what [`Environment::new`] makes and of the bytes that it is kept in: the same picture gives the same bits
+/// Version of what [`Environment::new`] makes and of the bytes that it is kept in: the same image gives the same bits
 /// as long as it stays.
 pub const ENVIRONMENT_VERSION: u32 = 3;
 

@@ -4,7 +4,7 @@ use super::texels::HalfTexels;
 use crate::math::{Lane, Vec3};
 use rayon::prelude::*;
 
-/// A picture of the sphere with a border, so that lookup between texels is seamless.
+/// An image of the sphere with a border, so that lookup between texels is seamless.
 ///
 /// Source: Engelhardt and Dachsbacher 2008, "Octahedron Environment Maps".
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,11 @@
-//! The equirectangular picture itself: where a direction lies in it, and what shines from there.
+//! The equirectangular image itself: where a direction lies in it, and what shines from there.
 
 use super::texels::{HalfTexels, MAX_RADIANCE};
 use crate::image::Image;
 use crate::math::{Vec3, scalar};
 use std::f32::consts::PI;
 
-/// An equirectangular picture.
+/// An equirectangular image.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Picture {
     width: usize,
@@ -29,7 +29,7 @@ pub(super) fn direction_at(u: f64, y: f64) -> Vec3 {
 }
 
 impl Picture {
-    /// From a picture whose texels were [`mended`].
+    /// From an image whose texels were [`mended`].
     pub(super) fn new(image: &Image) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
         Self { width, height, texels: HalfTexels::encode(image.pixels()) }
@@ -74,7 +74,7 @@ impl Picture {
 }
 
 /// Makes every number one that light can have, and counts the texels that had another: neither a number nor positive
-/// becomes 0, infinite becomes 65504, the largest half float, or the largest number of the picture where that is more.
+/// becomes 0, infinite becomes 65504, the largest half float, or the largest number of the image where that is more.
 pub(super) fn mended(image: &mut Image) -> usize {
     let sound = |v: f32| (0.0..=MAX_RADIANCE).contains(&v);
     let largest = |most: f32, v: f32| if sound(v) && v > most { v } else { most };

@@ -63,7 +63,7 @@ const PANELS: [Panel; 4] = [
     },
 ];
 
-/// An equirectangular picture of the studio, linear and grey, so that what it lights keeps its colour.
+/// An equirectangular image of the studio, linear and grey, so that what it lights keeps its colour.
 ///
 /// Law: its bits are those of [`STUDIO_VERSION`], and its irradiance is what its exposure says
 /// (`laws::environment::the_studio_*`).

@@ -1,9 +1,9 @@
-//! Light in half floats: an environment's picture and its levels are large, and are read far more often than made.
+//! Light in half floats: an environment's image and its levels are large, and are read far more often than made.
 
 use crate::math::Vec3;
 use half::f16;
 
-/// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no picture holds it whole.
+/// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no image holds it whole.
 pub(super) const MAX_RADIANCE: f32 = 1e9;
 
 /// Texels of three half floats, all times one power of two, which lets the brightest come near the end of the range.

@@ -1,4 +1,4 @@
-//! Blurring a picture of the sphere by a lobe, exactly alike everywhere: near the poles too, where pixels are narrow.
+//! Blurring an image of the sphere by a lobe, exactly alike everywhere: near the poles too, where pixels are narrow.
 
 use super::lobe::Fisher;
 use super::rings::{Areas, Pixel, Rings, accumulate, catmull_rom};

@@ -5,7 +5,7 @@
 use crate::math::{quadrature, scalar};
 use std::f64::consts::LN_2;
 
-/// Legendre coefficients of a lobe, from degree 0: by what it multiplies the harmonics of a picture.
+/// Legendre coefficients of a lobe, from degree 0: by what it multiplies the harmonics of an image.
 pub(super) type Coefficients = Vec<f64>;
 
 /// The lobe of GGX where the surface is seen from straight above, times n·l, as the split sum wants it:

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 /// A pixel: linear RGB, and a fourth number that is carried along for the sake of speed.
 pub(super) type Pixel = [f32; 4];
 
-/// An equirectangular picture on its way.
+/// An equirectangular image on its way.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rings {
     /// Pixels a ring, even.
@@ -59,7 +59,7 @@ impl Rings {
         (0..self.height).map(|y| area(self.polar(y))).collect()
     }
 
-    /// Adds pictures of the same size, each times its weight.
+    /// Adds images of the same size, each times its weight.
     pub(super) fn add(&mut self, others: &[(f32, &Self)]) {
         self.pixels.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| {
             for (weight, other) in others {
@@ -70,7 +70,7 @@ impl Rings {
         });
     }
 
-    /// The picture on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`].
+    /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`].
     pub(super) fn doubled(&self) -> Self {
         let mut output = Self::black(self.width * 2, self.height * 2);
         output.pixels.par_chunks_mut(self.width * 2).enumerate().for_each(|(y, row)| {
@@ -91,7 +91,7 @@ impl Rings {
         output
     }
 
-    /// The picture at (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
+    /// The image at (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
     pub(super) fn cubic(&self, [u, v]: [f32; 2]) -> Pixel {
         // One pixel on, so that what is cut off is what lies below.
         let (x, y) = (u * self.width as f32 + 0.5, v * self.height as f32 + 0.5);
