@@ -38,7 +38,7 @@ fn same_size(a: (u32, u32), b: (u32, u32)) -> Result<()> {
     ))
 }
 
-/// That there is one element for each pixel of an image that is not empty.
+/// Checks that there is one element for each pixel of an image that is not empty.
 ///
 /// # Errors
 /// [`Error::Invalid`] where it is not so.

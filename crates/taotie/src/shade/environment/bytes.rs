@@ -182,7 +182,7 @@ mod tests {
         Environment::new(image).unwrap()
     }
 
-    /// With the sum made right again.
+    /// Reads bytes with one value changed and the sum corrected.
     fn changed(mut bytes: Vec<u8>, at: usize, value: &[u8]) -> Result<Environment> {
         bytes[at..at + value.len()].copy_from_slice(value);
         let sum = crc32fast::hash(&bytes[HEADER..]).to_le_bytes();

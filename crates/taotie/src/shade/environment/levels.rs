@@ -44,7 +44,7 @@ pub(super) struct Between<L> {
 }
 
 impl<L: Lane> Between<L> {
-    /// Of a `roughness` in [0, 1].
+    /// Finds the levels of a `roughness` in [0, 1].
     ///
     /// Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel, since
     /// the second derivative of a lobe by ln α is, as far as it is like the first, its negative.

@@ -49,7 +49,7 @@ fn folded(x: f32, z: f32) -> (f32, f32) {
 }
 
 impl Octahedron {
-    /// From what is seen in each of [`directions`].
+    /// Makes a map from what is seen in each of [`directions`].
     pub(super) fn new(side: usize, light: impl Fn(usize) -> [f32; 4] + Sync) -> Self {
         let mut colors = vec![[0.0; 4]; (side + 2) * (side + 2)];
         colors.par_chunks_mut(side + 2).skip(1).take(side).enumerate().for_each(|(y, row)| {
@@ -64,7 +64,7 @@ impl Octahedron {
         Self { side, texels: HalfTexels::encode(&colors) }
     }
 
-    /// From stored texels, as many as a map of this side has with its border.
+    /// Takes stored texels, as many as a map of this side has with its border.
     pub(super) fn from_texels(side: usize, texels: HalfTexels) -> Self {
         Self { side, texels }
     }

@@ -29,13 +29,13 @@ pub(super) fn direction_at(u: f64, y: f64) -> Vec3 {
 }
 
 impl Picture {
-    /// From an image whose texels were [`mended`].
+    /// Encodes an image whose texels were [`mended`].
     pub(super) fn new(image: &Image) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
         Self { width, height, texels: HalfTexels::encode(image.pixels()) }
     }
 
-    /// From stored texels, as many as the size says.
+    /// Takes stored texels, as many as the size says.
     pub(super) fn from_texels(width: usize, height: usize, texels: HalfTexels) -> Self {
         Self { width, height, texels }
     }

@@ -19,7 +19,7 @@ pub(super) struct Harmonics {
 type Pair = [f64; 6];
 
 impl Harmonics {
-    /// Of an image that shows no degree above its number of rings less `degree`.
+    /// Makes the harmonics of an image that shows no degree above its number of rings less `degree`.
     pub(super) fn new(rings: &Rings, degree: usize) -> Self {
         let waves = Waves::new(rings.width, degree);
         let areas = rings.areas(&Areas::Smooth);
@@ -104,7 +104,7 @@ struct Legendre {
     degree: usize,
     /// sin θ, cos θ.
     rings: Vec<[f64; 2]>,
-    /// For each order, the factors of the recurrence for each degree.
+    /// The factors of the recurrence, for each order and degree.
     factors: Vec<Vec<[f64; 2]>>,
 }
 

@@ -74,12 +74,12 @@ impl Ggx {
 /// Source: Fisher 1953, eq. 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fisher {
-    /// At least 10.
+    /// The concentration, at least 10.
     pub(super) kappa: f64,
 }
 
 impl Fisher {
-    /// Of about this standard deviation, radians.
+    /// Makes a lobe of about this standard deviation, radians.
     pub(super) fn of_width(sigma: f64) -> Self {
         Self { kappa: 1.0 / (sigma * sigma) }
     }

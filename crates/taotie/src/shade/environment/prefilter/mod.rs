@@ -69,7 +69,7 @@ pub(super) fn levels(picture: &Picture) -> Levels {
 
 /// The image at all scales.
 struct Scales {
-    /// Pixels a ring of each size of image, finest first.
+    /// The number of pixels a ring, for each size of image, finest first.
     widths: Vec<usize>,
     blurred: Vec<Scale>,
     /// Those of the image blurred like `reference`.
@@ -81,7 +81,7 @@ struct Scales {
 struct Scale {
     lobe: Fisher,
     rings: Rings,
-    /// Of all blurs that led here.
+    /// The coefficients of all blurs that led here.
     coefficients: Coefficients,
 }
 

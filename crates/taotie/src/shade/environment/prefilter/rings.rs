@@ -133,7 +133,7 @@ fn across(row: &[Pixel], x: isize, weights: [f32; 4]) -> Pixel {
     sum
 }
 
-/// For pixel `x` of twice as many: the first of its four neighbours among the half, and their weights.
+/// The neighbours of pixel `x` of twice as many: the first of four among the half, and their weights.
 fn halfway(x: usize) -> (isize, [f32; 4]) {
     let (half, odd) = ((x / 2) as isize, x % 2);
     if odd == 1 { (half - 1, catmull_rom(0.25)) } else { (half - 2, catmull_rom(0.75)) }
