@@ -29,8 +29,8 @@ use crate::mesh::Mesh;
 /// A scene: every index in it is in range, every transform of an instance or camera finite, every factor of a material
 /// within its range.
 ///
-/// A mesh may lack the uv set that a material names: textures are then read at uv (0, 0), and maps of normals and heights
-/// left out with a warning.
+/// A mesh may lack the uv set that a material names: textures are then read at uv (0, 0), and maps of normals and
+/// heights left out with a warning.
 ///
 /// A copy is cheap: it shares meshes and textures with its original.
 #[derive(Debug, Clone, Default)]
@@ -42,8 +42,8 @@ impl Scene {
     /// Checks `data`.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] naming the first part that does not fit: an instance whose mesh or material is not there,
-    /// a transform that is infinite or NaN, a material whose texture is not there or whose factor is out of range.
+    /// [`crate::Error::Invalid`] naming the first part that does not fit: an instance whose mesh or material is not
+    /// there, a transform that is infinite or NaN, a material whose texture is not there or whose factor is out of range.
     pub fn new(data: SceneData) -> Result<Self> {
         data.check()?;
         Ok(Self { data })

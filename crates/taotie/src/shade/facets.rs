@@ -7,7 +7,8 @@
 //! twice is lost.
 //!
 //! The formulas are those of Schüssler, Heitz, Hanika and Dachsbacher 2017, "Microfacet-based normal mapping for robust
-//! Monte Carlo path tracing": §4 for the facets, §5 for their masking, and the form with a specular tangent facet of §6.
+//! Monte Carlo path tracing": §4 for the facets, §5 for their masking, and the form with a specular tangent facet of
+//! §6.
 
 use crate::math::{Lane, Vec3};
 

@@ -53,8 +53,8 @@ pub fn f82_drop<L: Lane>(f0: Vec3<L>, f82: Vec3<L>) -> Vec3<L> {
 ///
 /// F = F_schlick(v·h) − a · v·h (1 − v·h)⁶, kept in [0, 1]
 ///
-/// `f0` linear RGB in [0, 1]; `f90` in [0, 1], 1 for metals; `drop` is a, from [`f82_drop`]; `v_dot_h` in [0, 1]. The bounds act only where a
-/// strong `drop` would pull the curve out of what a reflectance can be.
+/// `f0` linear RGB in [0, 1]; `f90` in [0, 1], 1 for metals; `drop` is a, from [`f82_drop`]; `v_dot_h` in [0, 1]. The
+/// bounds act only where a strong `drop` would pull the curve out of what a reflectance can be.
 /// Law: `laws::shade::f82_passes_through_both_points`.
 /// Source: Kutz, Hašan and Edmondson 2021 (F82-tint), as in the OpenPBR Surface specification.
 #[inline(always)]

@@ -86,8 +86,8 @@ impl Environment {
         self.levels.at(direction, roughness, || self.radiance(direction))
     }
 
-    /// The irradiance on a plane with the unit normal `n`, linear RGB: π times the level of roughness 1, whose lobe is the
-    /// cosine.
+    /// The irradiance on a plane with the unit normal `n`, linear RGB: π times the level of roughness 1, whose lobe is
+    /// the cosine.
     ///
     /// Law: within 2 % of the integral over all texels (`laws::environment::irradiance_is_the_integral_over_all_texels`).
     pub fn irradiance(&self, n: Vec3) -> Vec3 {
@@ -100,8 +100,8 @@ impl Environment {
         octahedron::place_of(direction)
     }
 
-    /// The irradiance up to the second degree of spherical harmonics, for engines that take light so. On the dark side of
-    /// a room with few lamps it is off by a quarter, where [`Self::irradiance`] is exact.
+    /// The irradiance up to the second degree of spherical harmonics, for engines that take light so. On the dark side
+    /// of a room with few lamps it is off by a quarter, where [`Self::irradiance`] is exact.
     pub fn irradiance_harmonics(&self) -> IrradianceHarmonics {
         IrradianceHarmonics::new(&self.picture)
     }

@@ -87,8 +87,8 @@ impl Octahedron {
     }
 }
 
-/// The first of the two texels around the coordinate `u` of a map of `side` texels, counted with the border, and how far
-/// it is on the way to the next.
+/// The first of the two texels around the coordinate `u` of a map of `side` texels, counted with the border, and the
+/// fraction of the way to the next.
 #[inline(always)]
 pub(super) fn taps<L: Lane>(u: L, side: L) -> (L, L) {
     let x = u * side + u.lit(0.5);
