@@ -43,7 +43,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`crate::Error::Invalid`] naming the first part that does not fit: an instance whose mesh or material is not
-    /// there, a transform that is infinite or NaN, a material whose texture is not there or whose factor is out of range.
+    /// there, a transform that is infinite or NaN, a material whose texture is not there or whose factor is out of
+    /// range.
     pub fn new(data: SceneData) -> Result<Self> {
         data.check()?;
         Ok(Self { data })
