@@ -1,4 +1,4 @@
-//! What can go wrong, sorted by who can mend it, and what was put right in silence but counted.
+//! The errors, sorted by who can correct them, and the notes that count what was corrected without an error.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ pub enum Error {
     Io {
         /// The file or folder concerned.
         path: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         cause: std::io::Error,
     },
     /// A file does not hold what its format demands: the file needs attention.
@@ -25,9 +25,9 @@ pub enum Error {
     Parse {
         /// The file concerned.
         path: PathBuf,
-        /// Where in the file: a line, a byte, or an element such as `mesh 0, primitive 2, POSITION`.
+        /// The place in the file: a line, a byte, or an element such as `mesh 0, primitive 2, POSITION`.
         at: String,
-        /// What was wrong and what to do.
+        /// The fault and its remedy.
         what: String,
     },
     /// A value is outside what the call allows: the caller needs attention.
@@ -43,13 +43,13 @@ pub enum Error {
     Unsupported {
         /// The feature asked for.
         what: String,
-        /// What to do instead.
+        /// The alternative.
         why: String,
     },
     /// The request is sound but larger than this program takes.
     #[error("{what} is too large: {why}")]
     Limit {
-        /// What is too large.
+        /// The thing that is too large.
         what: String,
         /// The limit, and what to do.
         why: String,
@@ -143,7 +143,7 @@ impl Warnings {
         self.entries.iter().map(|(what, count)| (what.as_str(), *count))
     }
 
-    /// Whether nothing was noted.
+    /// Says whether nothing was noted.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

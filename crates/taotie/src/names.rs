@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 
 /// A closed set of values, each with the name that users write.
 pub trait Named: Copy + PartialEq + 'static {
-    /// What the set is called in messages, such as `shading model`.
+    /// The name of the set in messages, such as `shading model`.
     const WHAT: &'static str;
     /// Every value with its name.
     const NAMES: &'static [(&'static str, Self)];

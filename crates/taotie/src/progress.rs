@@ -1,4 +1,4 @@
-//! How far long work has come, and whether it is to go on.
+//! The progress of long work, and its cancellation.
 
 use crate::error::{Error, Result};
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
-/// How often a listener is asked whether to go on while work runs apart.
+/// The interval at which a listener is asked whether to go on, while work runs on other threads.
 const POLL: Duration = Duration::from_millis(20);
 
 /// A caller's function: takes the stage and the fraction of it that is done, in [0, 1], and returns whether to go on.
@@ -36,7 +36,7 @@ pub struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Tells nobody and never stops.
+    /// Reports to no listener and never stops.
     pub const SILENT: Progress<'static> = Progress { listener: None, stage: "", range: [0.0, 1.0] };
 
     /// Tells `listener`.
@@ -44,7 +44,7 @@ impl<'a> Progress<'a> {
         Self { listener: Some(listener), ..Progress::SILENT }
     }
 
-    /// Returns the same line for a stage of its own, from 0 to 1.
+    /// Returns the same progress line for a separate stage, from 0 to 1.
     pub fn stage(self, stage: &'static str) -> Self {
         Self { stage, range: [0.0, 1.0], ..self }
     }
@@ -74,10 +74,10 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Does work on threads of its own, as many as the caller's pool has, and asks the listener about every 20 ms whether
-    /// to go on, however long the work says nothing. So long calls that cannot be split do not delay a cancel.
+    /// Does work on separate threads, as many as the caller's pool has, and asks the listener about every 20 ms whether
+    /// to go on, however long the work reports nothing. So long calls that cannot be split do not delay a cancel.
     ///
-    /// The listener is called from the caller's thread alone. Where nobody listens the work is done at once, right here.
+    /// The listener is called from the caller's thread alone. Without a listener that thread does the work itself.
     ///
     /// # Errors
     /// Those of the work; [`Error::Cancelled`], at once, where the listener wants it to stop: the work then ends by
@@ -120,19 +120,19 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// How far work apart has come.
+/// The progress of work on other threads.
 struct Told {
     stage: &'static str,
     fraction: f64,
 }
 
-/// What work apart sends to its caller.
+/// A message from work on other threads to its caller.
 enum News<T> {
     Told(Told),
     Done(Result<T>),
 }
 
-/// Where work apart begins, and with how many threads.
+/// The start of work on other threads: the stage, its range and the number of threads.
 struct Begin {
     stage: &'static str,
     range: [f64; 2],

@@ -1,4 +1,4 @@
-//! The angle between directions, and between the normals of two pictures.
+//! The angle between directions, and between the normals of two images.
 
 use super::{Field, same_size};
 use crate::error::Result;
@@ -22,7 +22,7 @@ fn scaled(v: Vec3<f64>) -> Option<Vec3<f64>> {
     (finite && largest > 0.0).then(|| v / largest)
 }
 
-/// The angle in degrees between two pictures of normals, such as [`Aovs::normals`](crate::render::Aovs::normals):
+/// The angle in degrees between two images of normals, such as [`Aovs::normals`](crate::render::Aovs::normals):
 /// x, y and z in [-1, 1], and a fourth channel above 0 where there is something. NaN where one of them has nothing.
 ///
 /// # Errors

@@ -13,7 +13,7 @@ pub fn rmse(a: &Picture, b: &Picture) -> Result<f64> {
 }
 
 /// The peak signal-to-noise ratio in decibels, −10 log₁₀ of the mean squared difference, the peak being 1; infinite
-/// for equal pictures.
+/// for equal images.
 ///
 /// # Errors
 /// As [`rmse`].

@@ -18,7 +18,7 @@ pub struct Field {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Summary {
-    /// How many pixels have a number, at least 1.
+    /// The number of pixels that have a number, at least 1.
     pub count: usize,
     /// The arithmetic mean, summed in double precision in the order of pixels.
     pub mean: f64,
@@ -73,8 +73,8 @@ impl Field {
         })
     }
 
-    /// How many numbers fall into each of `bins` equal parts of [0, `top`); what lies at or above `top` falls into
-    /// the last, what lies below 0 into the first.
+    /// Counts the numbers in each of `bins` equal parts of [0, `top`); what lies at or above `top` falls into the last,
+    /// what lies below 0 into the first.
     pub fn histogram(&self, bins: usize, top: f32) -> Vec<u64> {
         let mut counts = vec![0; bins];
         let Some(last) = bins.checked_sub(1) else { return counts };

@@ -1,15 +1,15 @@
-//! Fields as pictures.
+//! Fields as images.
 
 use super::Field;
 use crate::names::Named;
 
-/// How numbers become colours.
+/// The map from numbers to colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorMap {
     /// Dark blue over green to yellow; van der Walt and Smith 2015.
     #[default]
     Viridis,
-    /// Black over purple to a light yellow; of the same makers, and that of FLIP's own pictures.
+    /// Black over purple to a light yellow; of the same makers, and that of FLIP's own images.
     Magma,
     /// Black to white.
     Gray,

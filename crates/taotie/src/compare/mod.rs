@@ -1,4 +1,4 @@
-//! Comparison: the angle between normals, the error and the likeness of pictures, and pictures of both.
+//! Comparison: the angle between normals, the error and the likeness of images, and images of both.
 //!
 //! Nothing here depends on the number of threads: pixels are independent of one another, and sums run in the order
 //! of pixels.
@@ -38,7 +38,7 @@ fn same_size(a: (u32, u32), b: (u32, u32)) -> Result<()> {
     ))
 }
 
-/// That there is one element for each pixel of a picture that is not empty.
+/// Checks that there is one element for each pixel of an image that is not empty.
 ///
 /// # Errors
 /// [`Error::Invalid`] where it is not so.

@@ -1,9 +1,9 @@
-//! What is looked at: a picture as a screen shows it.
+//! An image as a screen shows it.
 
 use super::{one_per_pixel, same_size};
 use crate::error::{Error, Result};
 
-/// A picture as a screen shows it: sRGB-encoded red, green and blue in [0, 1], row by row from the top.
+/// An image as a screen shows it: sRGB-encoded red, green and blue in [0, 1], row by row from the top.
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub(super) width: u32,
@@ -12,7 +12,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture from encoded pixels, row by row from the top.
+    /// An image from encoded pixels, row by row from the top.
     ///
     /// # Errors
     /// [`Error::Invalid`] where a side is zero, the count is not `width · height`, or a value is outside [0, 1].
@@ -28,7 +28,7 @@ impl Picture {
         Ok(Self { width, height, pixels })
     }
 
-    /// A picture as it was developed, opaque: its fourth channel is not looked at.
+    /// An image as it was developed, opaque: its fourth channel is not looked at.
     ///
     /// # Errors
     /// As [`Picture::new`].
@@ -37,7 +37,7 @@ impl Picture {
         Self::from_8bit(width, height, &pixels)
     }
 
-    /// A picture from the codes of an 8-bit file, row by row from the top.
+    /// An image from the codes of an 8-bit file, row by row from the top.
     ///
     /// # Errors
     /// As [`Picture::new`].

@@ -1,11 +1,11 @@
-//! The structural similarity of pictures.
+//! The structural similarity of images.
 
 use super::plane::Plane;
 use super::{Field, Picture};
 use crate::error::{Error, Result};
 use crate::math::scalar;
 
-/// The side of the window that structural similarity looks through, in pixels: pictures must not be smaller.
+/// The side of the window that structural similarity looks through, in pixels: images must not be smaller.
 pub const SSIM_WINDOW: u32 = 11;
 
 /// The standard deviation of the window's Gaussian weights, in pixels.
@@ -14,9 +14,9 @@ const SIGMA: f64 = 1.5;
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
-/// The mean structural similarity, (−1, 1]; 1 for equal pictures.
+/// The mean structural similarity, (−1, 1]; 1 for equal images.
 ///
-/// The mean of [`ssim_map`]: over every window that lies within the pictures and over the channels red, green, blue.
+/// The mean of [`ssim_map`]: over every window that lies within the images and over the channels red, green, blue.
 ///
 /// Source: Wang, Bovik, Sheikh and Simoncelli 2004, equations 13 to 17: 11×11 Gaussian weights of standard deviation
 /// 1.5, K₁ = 0.01, K₂ = 0.03.
@@ -28,7 +28,7 @@ pub fn ssim(a: &Picture, b: &Picture) -> Result<f64> {
     Ok(inside.iter().sum::<f64>() / inside.len() as f64)
 }
 
-/// The structural similarity about each pixel, the mean of its channels; NaN where the window leaves the picture.
+/// The structural similarity about each pixel, the mean of its channels; NaN where the window leaves the image.
 ///
 /// # Errors
 /// As [`ssim`].

@@ -1,4 +1,4 @@
-//! What is compared, from the texels that a file stores.
+//! The conversion from the texels that a file stores to what is compared.
 
 use super::Picture;
 use crate::error::Result;
@@ -7,7 +7,7 @@ use crate::math::Vec3;
 use crate::math::srgb::{linear_from_srgb, srgb_from_linear};
 use rayon::prelude::*;
 
-/// How a file stores unit vectors.
+/// The encoding by which a file stores unit vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NormalEncoding {
     /// As (n + 1) / 2, so that they fit [0, 1]: what is called a normal map.
@@ -27,7 +27,7 @@ pub struct StoredNormals {
     pub not_unit: usize,
 }
 
-/// How far from unit length a stored normal may be.
+/// The largest difference of a stored normal's length from 1.
 const NEAR_UNIT: f32 = 0.2;
 
 /// The normals that a file stores, whatever their space.
@@ -51,8 +51,8 @@ pub fn stored_normals(bitmap: &Bitmap, encoding: NormalEncoding) -> Result<Store
     Ok(StoredNormals { normals, transparent, not_unit: without - transparent })
 }
 
-/// What a screen shows of a file over `background`, which is linear and in [0, 1], and how many pixels were brighter
-/// than white or below black and had to be clipped.
+/// Returns what a screen shows of a file over `background`, which is linear and in [0, 1], and the number of pixels
+/// that were brighter than white or below black and had to be clipped.
 ///
 /// Integer texels are sRGB-encoded with straight alpha, as PNG stores them; float texels are linear and
 /// premultiplied by alpha, as OpenEXR stores them. Alpha is laid over the background in linear light; where it is 1,

@@ -53,7 +53,7 @@ pub fn reinhard<L: Lane>(rgb: Vec3<L>) -> Vec3<L> {
 }
 
 /// Hill's fit of the ACES reference rendering transform and the sRGB output transform, for colours divided by 0.6
-/// beforehand, as three.js has it, which lifts mid grey to where other curves have it.
+/// beforehand, as three.js has it, which brightens mid grey to the level of the other curves.
 ///
 /// Source: Stephen Hill, BakingLab `ACES.hlsl` (2016), MIT; the factor: three.js `ACESFilmicToneMapping`.
 #[inline(always)]

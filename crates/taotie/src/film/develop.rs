@@ -1,4 +1,4 @@
-//! Developing a picture: every step between scene-referred light and a file.
+//! Developing an image: every step between scene-referred light and a file.
 
 use super::developer::Developer;
 use super::development::Development;
@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::image::Image;
 use rayon::prelude::*;
 
-/// The picture in 8 bits a channel: sRGB, straight alpha, row by row from the top.
+/// The image in 8 bits a channel: sRGB, straight alpha, row by row from the top.
 ///
 /// # Errors
 /// [`Error::Invalid`] for an exposure or a background out of range, [`Error::Unsupported`] for a SIMD level that
@@ -17,7 +17,7 @@ pub fn develop8(image: &Image, development: &Development) -> Result<Vec<[u8; 4]>
     Ok(out)
 }
 
-/// [`develop8`] into memory that is there: `out` has as many pixels as the picture.
+/// [`develop8`] into memory that is there: `out` has as many pixels as the image.
 ///
 /// # Errors
 /// As [`develop8`], and [`Error::Invalid`] for an `out` of another size.
@@ -33,7 +33,7 @@ pub fn develop8_into(image: &Image, development: &Development, out: &mut [[u8; 4
     Ok(())
 }
 
-/// The picture in 16 bits a channel: sRGB, straight alpha, row by row from the top.
+/// The image in 16 bits a channel: sRGB, straight alpha, row by row from the top.
 ///
 /// # Errors
 /// As [`develop8`].
@@ -45,5 +45,5 @@ pub fn develop16(image: &Image, development: &Development) -> Result<Vec<[u16; 4
     Ok(out)
 }
 
-/// How many pixels one task takes at a time; whole packs.
+/// The number of pixels that one task takes at a time; whole packs.
 const BAND: usize = 4096;

@@ -32,13 +32,13 @@ impl Developer {
         dispatch_pack!(self.level, P, token => all_codes::<P, u8>(token, &self.recipe, pixels, out));
     }
 
-    /// As [`Self::codes8`], 16 bits a channel.
+    /// Returns codes as [`Self::codes8`] does, with 16 bits a channel.
     pub fn codes16(&self, pixels: &[[f32; 4]], out: &mut [[u16; 4]]) {
         dispatch_pack!(self.level, P, token => all_codes::<P, u16>(token, &self.recipe, pixels, out));
     }
 }
 
-/// What a pack of pixels needs to know.
+/// The settings for a pack of pixels.
 #[derive(Debug, Clone, Copy)]
 struct Recipe {
     exposure: f32,
@@ -76,21 +76,21 @@ impl Recipe {
     }
 }
 
-/// How many pixels are developed before their codes are looked up: whole packs, whatever the level.
+/// The number of pixels developed before their codes are looked up: whole packs, whatever the level.
 const RUN: usize = 64;
 
-/// What is known of a run of pixels, channel by channel: prepared light, and the codes of alpha.
+/// A run of pixels, channel by channel: prepared light, and the codes of alpha.
 type Columns = [[f32; RUN]; 4];
 
 /// Code values of some depth.
 trait Code: Copy + Default {
     /// The code of one.
     const TOP: Self;
-    /// What is kept of light in [0, 1] until [`Self::of`] finds its code.
+    /// Prepares light in [0, 1], so that [`Self::of`] finds its code.
     fn prepared<L: Lane>(light: L) -> L;
     /// The code of prepared light.
     fn of(prepared: f32) -> Self;
-    /// What is kept of an alpha in [0, 1] until [`Self::of_alpha`] finds its code.
+    /// Prepares an alpha in [0, 1], so that [`Self::of_alpha`] finds its code.
     fn prepared_alpha<L: Lane>(alpha: L) -> L;
     /// The code of a prepared alpha.
     fn of_alpha(prepared: f32) -> Self;
@@ -155,7 +155,7 @@ fn all_codes<P: Pack, C: Code>(token: P::Token, recipe: &Recipe, pixels: &[[f32;
     }
 }
 
-/// What pixels of a run are.
+/// The kind of pixels in a run.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Transparent,
@@ -167,7 +167,7 @@ enum Kind {
 struct Runner<'r, P: Pack> {
     token: P::Token,
     recipe: &'r Recipe,
-    /// What becomes of pixels that show nothing.
+    /// The values of pixels that show nothing.
     nothing: [P; 4],
 }
 

@@ -1,21 +1,21 @@
-//! How light becomes what a screen shows: the settings, and the formula for a pixel.
+//! Development from light to what a screen shows: the settings, and the formula for a pixel.
 
 use super::ToneCurve;
 use super::encode::srgb_from_linear;
 use super::tone::clamped;
 use crate::math::{Lane, SimdLevel, Vec3};
 
-/// How a picture is developed.
+/// The settings by which an image is developed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Development {
     /// Light is multiplied by two to this power; [−60, 60].
     pub exposure_stops: f32,
-    /// How light is fitted into what a screen shows.
+    /// The curve that fits light into the range of a screen.
     pub tone: ToneCurve,
-    /// The colour that is seen where the picture is transparent: linear, display-referred, in [0, 1]. It is laid
+    /// The colour that is seen where the image is transparent: linear, display-referred, in [0, 1]. It is laid
     /// under after the tone curve. `None` leaves transparency in the file.
     pub background: Option<Vec3>,
-    /// Which SIMD level runs; no level changes a bit.
+    /// The SIMD level; no level changes a bit.
     pub simd: SimdLevel,
 }
 

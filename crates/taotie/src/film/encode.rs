@@ -1,4 +1,4 @@
-//! From display-referred light to code values.
+//! Encoding from display-referred light to code values.
 
 use crate::math::{Lane, poly};
 

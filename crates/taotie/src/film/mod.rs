@@ -1,4 +1,4 @@
-//! From scene-referred light to a file's code values: exposure, tone curve, background, sRGB, rounding.
+//! Development from scene-referred light to a file's code values: exposure, tone curve, background, sRGB, rounding.
 
 mod codes8;
 mod curves;

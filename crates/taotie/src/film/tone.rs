@@ -4,7 +4,7 @@ use super::curves::{aces, agx, linear, neutral, reinhard};
 use crate::math::{Lane, Vec3};
 use crate::names::Named;
 
-/// How unbounded light is fitted into what a screen shows.
+/// The curve that fits unbounded light into the range of a screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ToneCurve {
     /// Khronos PBR Neutral: authored colours come out as authored, only highlights are compressed.

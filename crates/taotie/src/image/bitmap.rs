@@ -14,7 +14,7 @@ pub enum Texels {
 }
 
 impl Texels {
-    /// How many texels there are.
+    /// The number of texels.
     pub fn len(&self) -> usize {
         match self {
             Self::U8(t) => t.len(),
@@ -23,7 +23,7 @@ impl Texels {
         }
     }
 
-    /// Whether there are none.
+    /// Says whether there are no texels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -74,7 +74,7 @@ impl Bitmap {
         self.height
     }
 
-    /// How many channels the file held, 1 to 4.
+    /// The number of channels that the file held, 1 to 4.
     pub fn channels(&self) -> u8 {
         self.channels
     }

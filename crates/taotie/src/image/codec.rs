@@ -5,7 +5,7 @@ use super::decode::linear_from_code;
 use crate::math::codes::{Codes, in_low_bits};
 use crate::math::{Lane, Pack, Vec3};
 
-/// What the numbers of one level mean.
+/// The meaning of the numbers of one level.
 #[derive(Debug, Clone)]
 pub(super) struct Codec {
     pub encoding: Encoding,
@@ -14,7 +14,7 @@ pub(super) struct Codec {
     srgb: Option<Box<Srgb>>,
 }
 
-/// How 8 bits of colour are read and written.
+/// The tables by which 8 bits of colour are read and written.
 #[derive(Debug, Clone)]
 struct Srgb {
     decode: [f32; 256],
@@ -55,7 +55,7 @@ fn nearest_codes(table: &[f32; 256]) -> Codes {
 
 /// Numbers of some stored precision. Rows of floats are as long as whole packs.
 pub(super) trait Texel: Copy + Default + Send + Sync {
-    /// What a row of texels adds to the means of the next level.
+    /// Decodes a row of texels into its contribution to the means of the next level.
     fn decode<P: Pack>(token: P::Token, codec: &Codec, from: &[[Self; 4]], to: &mut [[f32; 4]]);
     /// The texels of a row of means, which is changed.
     fn encode<P: Pack>(token: P::Token, codec: &Codec, means: &mut [[f32; 4]], to: &mut [[Self; 4]]);

@@ -1,4 +1,4 @@
-//! From stored codes to linear values, as the same polynomial in every lane.
+//! Decoding from stored codes to linear values, as the same polynomial in every lane.
 
 use crate::math::Lane;
 

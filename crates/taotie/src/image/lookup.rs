@@ -7,11 +7,11 @@ use crate::math::{BATCH, COLUMN, Column, Lane, Mask, Pack, Quads, Words, dispatc
 use fearless_simd::Level;
 use std::ops::Range;
 
-/// What is read of the four texels around each point, as the bits of floats; see [`Format`].
+/// The four texels read around each point, as the bits of floats; see [`Format`].
 type Found = [Quads; 4];
 
-/// Where [`BATCH`] points are looked up in textures of one size: levels, texels and weights. It serves every texture
-/// that has this size and is read by the same sampler at the same places.
+/// A lookup of [`BATCH`] points in textures of one size: levels, texels and weights. It serves every texture that has
+/// this size and is read by the same sampler at the same places.
 #[derive(Debug, Clone)]
 pub struct Lookup {
     len: usize,
@@ -19,11 +19,11 @@ pub struct Lookup {
     smooth: Column,
     fine: Taps,
     coarse: Taps,
-    /// How much of the coarse level is in the mean.
+    /// The weight of the coarse level in the mean.
     share: Column,
-    /// Whether any point needs the coarse level.
+    /// `true` where any point needs the coarse level.
     blended: bool,
-    /// What was last read.
+    /// The texels last read.
     found: Found,
 }
 
@@ -33,24 +33,24 @@ struct Taps {
     level: Words,
     /// Neighbours of one level: the level, and where they end.
     runs: Vec<(usize, usize)>,
-    /// Whether no point lies between the last texel of a row and what follows by wrapping.
+    /// `true` where no point lies between the last texel of a row and the texel that follows by wrapping.
     neighbours: bool,
     width: Column,
     height: Column,
     /// Top left and bottom left: indices in the level.
     place: [Words; 2],
-    /// From the left texels to the right ones, modulo 2³².
+    /// The step from the left texels to the right ones, modulo 2³².
     step: Words,
-    /// How far the point is on the way to the right and to the lower texels.
+    /// The fraction of the way to the right texels, and with `down` to the lower ones.
     across: Column,
     down: Column,
-    /// What filtered values of [`Format::Wide`], and the fourth channel of [`Format::Codes`] and [`Format::Srgb`], are
-    /// multiplied by.
+    /// The factor of filtered values of [`Format::Wide`], and of the fourth channel of [`Format::Codes`] and
+    /// [`Format::Srgb`].
     scale: Column,
     alpha: Column,
 }
 
-/// How texels are stored, and how those around a point lie in [`Found`].
+/// The storage of texels, and the order in [`Found`] of those around a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Format {
     /// Four codes of 8 bits: all four texels are the first quad.
@@ -98,7 +98,7 @@ pub struct LookupPoints<'a> {
     pub uv: [&'a Column; 2],
     /// log2 of the texels of the finest level that a pixel covers.
     pub lod: &'a Column,
-    /// How many entries of the columns are points, at most [`BATCH`].
+    /// The number of entries of the columns that are points, at most [`BATCH`].
     pub len: usize,
 }
 
@@ -236,7 +236,7 @@ impl Taps {
 /// Points that are looked up in one level.
 struct Points<'t> {
     taps: &'t Taps,
-    /// Whether the fourth channel counts.
+    /// `true` where the fourth channel counts.
     alpha: bool,
     span: Range<usize>,
 }
@@ -295,11 +295,11 @@ impl Points<'_> {
     }
 }
 
-/// What was read, to be filtered within its level.
+/// The texels read, to be filtered within their level.
 struct Filter<'w> {
     found: &'w Found,
     format: Format,
-    /// Whether the fourth channel may be anything but 1.
+    /// Says whether the fourth channel may be anything but 1.
     alpha: bool,
     len: usize,
 }
@@ -360,7 +360,7 @@ impl Filter<'_> {
     }
 }
 
-/// What becomes of filtered values.
+/// The use that is made of filtered values.
 trait Way {
     fn lay<P: Pack>(token: P::Token, mean: P, share: &[f32], out: &[f32]) -> P;
 }
@@ -385,7 +385,7 @@ impl Way for Blend {
 
 /// A way of storing channels.
 trait Stored {
-    /// What means are multiplied by.
+    /// The factor of the means.
     fn scale<P: Pack>(token: P::Token, taps: &Taps, channel: usize, i: usize) -> P;
     /// A channel of the four texels around the points from `i` on.
     fn load<P: Pack>(token: P::Token, found: &Found, channel: usize, i: usize) -> [P; 4];
@@ -473,7 +473,7 @@ fn around<L: Lane>(wrap: Wrap, u: L, size: L, smooth: L) -> [L; 3] {
     [wrapped(wrap, first, size), wrapped(wrap, second, size), share]
 }
 
-/// The texel, [0, size), that the integral coordinate `i` stands for; 0 for what is no number.
+/// The texel, [0, size), at the integral coordinate `i`; 0 for what is no number.
 #[inline(always)]
 fn wrapped<L: Lane>(wrap: Wrap, i: L, size: L) -> L {
     let (zero, one) = (i.lit(0.0), i.lit(1.0));
@@ -501,7 +501,7 @@ fn mix<L: Lane>(a: L, b: L, t: L) -> L {
     a + (b - a) * t
 }
 
-/// Whether the fourth channel may be anything but 1.
+/// Says whether the fourth channel may be anything but 1.
 fn has_alpha(texture: &Texture) -> bool {
     texture.encoding() == Encoding::Normal || matches!(texture.bitmap().channels(), 2 | 4)
 }

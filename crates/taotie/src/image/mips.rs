@@ -38,10 +38,10 @@ fn halved(level: Level, codec: &Codec, bitmap: &Bitmap) -> Bitmap {
     Bitmap::new(size[0], size[1], bitmap.channels(), texels).expect("half of a valid size is a valid size")
 }
 
-/// How many texels one task makes, about.
+/// The approximate number of texels that one task makes.
 const TASK: usize = 1 << 14;
 
-/// Which texels of a level make one of the next.
+/// The texels of a level that make each one of the next.
 struct Shrink {
     /// Texels across, of either level.
     width: usize,
@@ -52,7 +52,7 @@ struct Shrink {
     is_plain: bool,
 }
 
-/// What a band of the next level is made of.
+/// The source of a band of the next level.
 struct Source<'a, S> {
     /// All texels of the level.
     texels: &'a [[S; 4]],
@@ -126,7 +126,7 @@ impl Shrink {
     }
 }
 
-/// What [`Shrink::means`] gives where every texel is the mean of 2×2, bit for bit.
+/// Computes [`Shrink::means`] where every texel is the mean of 2×2, bit for bit.
 #[inline(always)]
 fn plain_means([top, bottom, _]: &[Vec<[f32; 4]>; 3], means: &mut [[f32; 4]]) {
     let pairs = top.as_chunks::<2>().0.iter().zip(bottom.as_chunks::<2>().0);

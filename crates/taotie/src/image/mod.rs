@@ -1,4 +1,4 @@
-//! Images: linear float pictures, stored texel arrays, mip chains and filtered lookup.
+//! Images: linear float images, stored texel arrays, mip chains and filtered lookup.
 
 mod bitmap;
 mod codec;

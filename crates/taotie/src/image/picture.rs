@@ -1,8 +1,8 @@
-//! A linear float picture: what rendering writes and comparing reads.
+//! A linear float image: what rendering writes and comparing reads.
 
 use crate::error::{Error, Result};
 
-/// A linear RGBA picture, row by row from the top. Colour is premultiplied by alpha where alpha means coverage.
+/// A linear RGBA image, row by row from the top. Colour is premultiplied by alpha where alpha means coverage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     width: u32,
@@ -14,7 +14,7 @@ impl Image {
     /// The largest width or height.
     pub const MAX_SIDE: u32 = 16_384;
 
-    /// A picture with every pixel equal to `fill`.
+    /// An image with every pixel equal to `fill`.
     ///
     /// # Errors
     /// [`Error::Invalid`] where a side is zero, [`Error::Limit`] where one is above [`Image::MAX_SIDE`].
@@ -23,7 +23,7 @@ impl Image {
         Ok(Self { width, height, pixels: vec![fill; width as usize * height as usize] })
     }
 
-    /// Whether a picture of this size can be made.
+    /// Checks that an image of this size can be made.
     ///
     /// # Errors
     /// As [`Image::new`].

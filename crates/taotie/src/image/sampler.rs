@@ -3,10 +3,10 @@
 use super::Texture;
 use crate::math::Vec2;
 
-/// What happens outside [0, 1].
+/// The continuation of a texture outside [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Wrap {
-    /// The picture repeats.
+    /// The image repeats.
     #[default]
     Repeat,
     /// Every second copy is mirrored.
@@ -15,7 +15,7 @@ pub enum Wrap {
     Clamp,
 }
 
-/// How texels of one level are combined.
+/// The way in which texels of one level are combined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TexelFilter {
     /// The texel whose square holds the point.
@@ -25,7 +25,7 @@ pub enum TexelFilter {
     Linear,
 }
 
-/// How mip levels are combined under minification.
+/// The way in which mip levels are combined under minification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MipFilter {
     /// Only the finest level.
@@ -40,15 +40,15 @@ pub enum MipFilter {
 /// The wrap and filter modes of one use of a texture. The default is trilinear with repetition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sampler {
-    /// Along u.
+    /// The continuation along u.
     pub wrap_u: Wrap,
-    /// Along v.
+    /// The continuation along v.
     pub wrap_v: Wrap,
-    /// Where a texel is larger than a pixel.
+    /// The filter where a texel is larger than a pixel.
     pub magnify: TexelFilter,
-    /// Where a texel is smaller than a pixel.
+    /// The filter where a texel is smaller than a pixel.
     pub minify: TexelFilter,
-    /// Between levels, under minification.
+    /// The filter between levels, under minification.
     pub mip: MipFilter,
 }
 

@@ -47,12 +47,12 @@ impl Texture {
         &self.levels[level]
     }
 
-    /// What the stored numbers mean.
+    /// The meaning of the stored numbers.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// How many levels there are, at least 1.
+    /// The number of levels, at least 1.
     pub fn levels(&self) -> usize {
         self.levels.len()
     }
@@ -73,7 +73,7 @@ impl Texture {
         }
     }
 
-    /// As [`Self::texel`], but for a factor, so that filtering multiplies once.
+    /// Returns [`Self::texel`] but for a factor, so that filtering multiplies once.
     #[inline]
     pub(super) fn unscaled(&self, level: usize, x: usize, y: usize) -> [f32; 4] {
         let bitmap = &self.levels[level];

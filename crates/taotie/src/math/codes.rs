@@ -6,7 +6,7 @@
 
 use super::Lane;
 
-/// How many low bits of a float do not choose its bucket.
+/// The number of low bits of a float that do not choose its bucket.
 const SHIFT: u32 = 16;
 /// The least value that is looked up, and below the first threshold.
 const LEAST: f32 = 1.0 / 8192.0;
@@ -19,8 +19,8 @@ const BUCKETS: usize = 2048;
 
 /// The table of one function from [2⁻¹³, 1] to codes.
 ///
-/// What is to be added to the bits of a value so that its code stands above the lowest 16 bits: the code at the start
-/// of its bucket in place of the bucket's number, and so much that from the threshold on it carries one more.
+/// An entry is added to the bits of a value, so that its code stands above the lowest 16 bits: the code at the start
+/// of its bucket replaces the bucket's number, and from the threshold on the sum carries one more.
 /// A bucket stands at its number modulo the size.
 #[derive(Debug, Clone)]
 pub struct Codes([u32; BUCKETS]);

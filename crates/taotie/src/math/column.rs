@@ -3,10 +3,10 @@
 use super::pack::MOST_LANES;
 use std::ops::{Deref, DerefMut};
 
-/// How many points go through a stage together; small enough to stay in the nearest caches.
+/// The number of points that go through a stage together; small enough to stay in the nearest caches.
 pub const BATCH: usize = 256;
 
-/// As many entries as a column has: a pack may be stored from any point on.
+/// The number of entries of a column: a pack may be stored from any point on.
 pub const COLUMN: usize = BATCH + MOST_LANES;
 
 /// Something of each point, where registers are read in one piece.

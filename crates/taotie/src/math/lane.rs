@@ -11,14 +11,14 @@ pub trait Mask: Copy {
     fn or(self, other: Self) -> Self;
     /// True where `self` is false.
     fn not(self) -> Self;
-    /// Whether any lane is true.
+    /// Says whether any lane is true.
     fn any(self) -> bool;
 }
 
 /// A number or a pack of numbers; all that a formula may use.
 ///
-/// Implementations for `f32`, `f64`, [`f32x8`] and [`f32x16`] round alike: every operation here is one of IEEE 754's basic
-/// operations or exact, so lane `i` of a pack has the bits that `f32` would have. There is no fused multiply-add
+/// Implementations for `f32`, `f64`, [`f32x8`] and [`f32x16`] round alike: every operation here is one of IEEE 754's
+/// basic operations or exact, so lane `i` of a pack has the bits that `f32` would have. There is no fused multiply-add
 /// and no approximate reciprocal. Branches are written as [`Lane::select`].
 ///
 /// Constants are made from a value at hand, [`Lane::lit`], since a pack needs the proof of its SIMD level and a
@@ -26,7 +26,7 @@ pub trait Mask: Copy {
 pub trait Lane:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// What a comparison gives.
+    /// The result of a comparison.
     type Mask: Mask;
 
     /// The constant `value`, rounded to this type.

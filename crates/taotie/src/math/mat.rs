@@ -123,7 +123,7 @@ impl Mat4 {
         Some(inverse)
     }
 
-    /// Whether no entry is infinite or NaN.
+    /// Says whether all entries are finite: none is infinite or NaN.
     pub fn is_finite(&self) -> bool {
         self.columns.iter().flatten().all(|v| v.is_finite())
     }

@@ -11,7 +11,7 @@ pub const MOST_LANES: usize = 16;
 pub trait Pack: Lane {
     /// The proof that the processor has the pack's instructions.
     type Token: Copy;
-    /// How many numbers it holds.
+    /// The number of lanes.
     const LANES: usize;
     /// All lanes equal to `value`.
     fn splat(token: Self::Token, value: f32) -> Self;
@@ -27,8 +27,8 @@ pub trait Pack: Lane {
     fn store_pixels(channels: [Self; 4], to: &mut [[f32; 4]]);
     /// The bits of each lane, `shift` further down and only those of `mask`, as a number.
     fn field(self, shift: u32, mask: u32) -> Self;
-    /// The lower or, with `n` of 1, the higher half of the bits of each lane as a positive half float, but for a factor of
-    /// 2^112: its exponent and mantissa, moved to where a float has them.
+    /// The lower or, with `n` of 1, the higher half of the bits of each lane as a positive half float, but for a factor
+    /// of 2^112: its exponent and mantissa, moved to where a float has them.
     fn half_float(self, n: u32) -> Self;
     /// Writes integral lanes of a magnitude below 2^31, modulo 2^32, to the first [`Self::LANES`] words of `to`.
     fn store_words(self, to: &mut [u32]);
@@ -198,7 +198,7 @@ macro_rules! dispatch_pack {
 }
 pub(crate) use dispatch_pack;
 
-/// As [`dispatch_pack`], with packs of at most eight, for what comes in eights.
+/// Does the same as [`dispatch_pack`], with packs of at most eight, for what comes in eights.
 macro_rules! dispatch_eight {
     ($level:expr, $pack:ident, $token:ident => $call:expr) => {{
         #[allow(unused_imports, reason = "the scalar level needs none")]

@@ -21,7 +21,7 @@ impl Sequence {
 
     /// Four coordinates of point `index`, below [`Sequence::MOST`]: those of dimensions 4 · `set` and on.
     ///
-    /// From set 64 on, further sequences are used, each with a seed of its own.
+    /// From set 64 on, further sequences are used, each with its own seed.
     pub fn four(self, index: u32, set: u32) -> [f32; 4] {
         let sets = sobol_burley::NUM_DIMENSION_SETS_4D;
         let seed = if set < sets { self.seed } else { hash(self.seed, set / sets) };

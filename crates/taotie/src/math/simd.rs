@@ -1,4 +1,4 @@
-//! Which SIMD level runs: a choice of speed, never of pixels.
+//! The choice of the SIMD level: it changes the speed, never the pixels.
 
 use crate::error::{Error, Result};
 use crate::names::Named;

@@ -154,7 +154,7 @@ impl Vec3<f32> {
         Vec3::new(f64::from(self.x), f64::from(self.y), f64::from(self.z))
     }
 
-    /// Whether no component is infinite or NaN.
+    /// Says whether all components are finite: none is infinite or NaN.
     pub fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
     }

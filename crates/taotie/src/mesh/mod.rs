@@ -39,7 +39,7 @@ pub struct Mesh {
 }
 
 impl MeshData {
-    /// Whether a mesh can be made of it.
+    /// Checks that a mesh can be made of it.
     ///
     /// # Errors
     /// As [`Mesh::new`].
@@ -135,7 +135,7 @@ impl Mesh {
         (pick(f64::max) - pick(f64::min)).length()
     }
 
-    /// How many triangles have no area, to the last bit.
+    /// The number of triangles that have no area, to the last bit.
     pub fn degenerate_triangles(&self) -> usize {
         (0..self.data.triangles.len())
             .into_par_iter()

@@ -18,9 +18,9 @@ pub struct Point {
 /// The interpolated tangent frame at a point; its vectors are not normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
-    /// Between the normals of the corners.
+    /// The normal, interpolated between those of the corners.
     pub normal: Vec3,
-    /// Between the tangents of the corners.
+    /// The tangent, interpolated between those of the corners.
     pub tangent: Vec3,
     /// ±1: the bitangent is this times cross(normal, tangent). That of the first corner.
     pub handedness: f32,

@@ -64,7 +64,7 @@ fn area_weighted_normals(data: &MeshData) -> Vec<Vec3> {
     sums.into_iter().map(|s| s.normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32()).collect()
 }
 
-/// Drops all tangents where one is unusable: one vertex cannot be mended without its neighbours.
+/// Drops all tangents where one is unusable: one vertex cannot be corrected without its neighbours.
 fn mend_tangents(data: &mut MeshData) -> usize {
     let usable = |[x, y, z, _]: &[f32; 4]| {
         let t = Vec3::new(*x, *y, *z);

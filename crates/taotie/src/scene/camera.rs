@@ -1,4 +1,4 @@
-//! Where a picture is taken from.
+//! Cameras and their projections.
 
 use crate::math::{Mat4, Vec3, scalar};
 
@@ -9,18 +9,18 @@ pub struct Camera {
     pub name: String,
     /// A rigid transform from view space to world space.
     pub world_from_view: Mat4,
-    /// How view space is projected.
+    /// The projection of view space.
     pub projection: Projection,
 }
 
-/// How view space is projected to the picture.
+/// A projection of view space to the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
     /// Central projection.
     Perspective {
         /// Full vertical angle in radians, in (0, π).
         fov_y: f64,
-        /// Width over height as authored; `None` takes the picture's.
+        /// Width over height as authored; `None` takes the image's.
         aspect: Option<f64>,
         /// Distance of the near plane, above 0, model units.
         near: f64,
@@ -41,8 +41,8 @@ pub enum Projection {
 }
 
 impl Camera {
-    /// How large a pixel is at the distance `depth` along the axis of sight, model units. `width` and `height` are
-    /// the picture's, pixels.
+    /// Returns the size of a pixel at the distance `depth` along the axis of sight, model units. `width` and `height`
+    /// are the image's, pixels.
     pub fn pixel_size(&self, depth: f64, width: u32, height: u32) -> f64 {
         let half = self.projection.half_height(f64::from(width) / f64::from(height));
         let at_depth = match self.projection {
@@ -53,7 +53,7 @@ impl Camera {
     }
 
     /// The point in world space that the middle of pixel `(x, y)` shows at the distance `depth` along the axis of
-    /// sight. `width` and `height` are the picture's, pixels.
+    /// sight. `width` and `height` are the image's, pixels.
     pub fn point_at(&self, [x, y]: [u32; 2], depth: f64, [width, height]: [u32; 2]) -> Vec3<f64> {
         let size = self.pixel_size(depth, width, height);
         let from_middle = |i: u32, n: u32| f64::from(i) + 0.5 - f64::from(n) / 2.0;
@@ -63,9 +63,9 @@ impl Camera {
 }
 
 impl Projection {
-    /// Half the height that a picture of this width over height shows: at distance 1 in perspective, anywhere else.
+    /// Half the height that an image of this width over height shows: at distance 1 in perspective, anywhere else.
     ///
-    /// A camera narrower or wider than the picture keeps all it sees: the other direction shows more.
+    /// A camera narrower or wider than the image keeps all it sees: the other direction shows more.
     pub fn half_height(&self, picture_aspect: f64) -> f64 {
         match *self {
             Self::Perspective { fov_y, aspect, .. } => {
@@ -85,9 +85,9 @@ pub struct Orbit {
     pub azimuth: f64,
     /// Radians above the horizon.
     pub elevation: f64,
-    /// From the target, model units.
+    /// The distance from the target, model units.
     pub distance: f64,
-    /// What is looked at, world space.
+    /// The point looked at, world space.
     pub target: Vec3<f64>,
     /// Full vertical angle, radians.
     pub fov_y: f64,
@@ -124,7 +124,7 @@ pub fn rigid(world: &Mat4) -> Mat4 {
 }
 
 /// The least distance from `orbit.target` at which all `points` (world space) lie within the part `fill` of the
-/// picture's width and height, for width over height `aspect`. `orbit.distance` is not read.
+/// image's width and height, for width over height `aspect`. `orbit.distance` is not read.
 pub fn fitting_distance(
     orbit: &Orbit,
     aspect: f64,

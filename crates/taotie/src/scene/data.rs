@@ -35,7 +35,7 @@ pub struct Instance {
 }
 
 impl SceneData {
-    /// Checks whether a scene can be made of it. Takes time for instances, materials and cameras, none for the arrays of
+    /// Checks that a scene can be made of it. Takes time for instances, materials and cameras, none for the arrays of
     /// meshes, which are checked already.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ pub struct Light {
     pub kind: LightKind,
     /// Linear RGB strength: intensity in W/sr (candela) for points and spots, irradiance (lux) for directions.
     pub color: Vec3,
-    /// How the strength of points and spots falls with distance.
+    /// The falloff of points and spots with distance.
     pub falloff: Falloff,
 }
 
@@ -42,7 +42,7 @@ pub enum LightKind {
     },
 }
 
-/// How the irradiance of a point or spot light falls with the distance d.
+/// The falloff of the irradiance of a point or spot light with the distance d.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Falloff {
@@ -51,7 +51,7 @@ pub enum Falloff {
     InverseSquare,
     /// E = I / d², faded to zero at the range given (KHR_lights_punctual's window), model units.
     Windowed(f32),
-    /// E = I at any distance, as in the seed paper.
+    /// E = I at any distance, as in Guo and Wang 2025.
     None,
 }
 

@@ -1,4 +1,4 @@
-//! What a surface is made of: factors and textures.
+//! Materials: factors and textures.
 
 use crate::image::Sampler;
 use crate::math::Vec2;
@@ -8,9 +8,9 @@ use crate::math::Vec2;
 pub struct TextureRef {
     /// Index into [`super::SceneData::textures`].
     pub texture: usize,
-    /// Which uv set of the mesh.
+    /// The uv set of the mesh.
     pub uv_set: usize,
-    /// How texels are wrapped and filtered.
+    /// The wrapping and filtering of texels.
     pub sampler: Sampler,
     /// Applied to the uv before the lookup.
     pub transform: UvTransform,
@@ -47,18 +47,18 @@ impl UvTransform {
     }
 }
 
-/// Which way the green channel of a normal map points.
+/// The direction of the green channel of a normal map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GreenChannel {
-    /// +Y, towards decreasing v (up in the picture): OpenGL and glTF.
+    /// +Y, towards decreasing v (up in the image): OpenGL and glTF.
     #[default]
     Up,
     /// −Y: DirectX.
     Down,
 }
 
-/// In which space a normal map's vectors are written.
+/// The space in which a normal map's vectors are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalSpace {
@@ -91,7 +91,7 @@ pub struct HeightMap {
     pub scale: f32,
 }
 
-/// What happens where a surface is not fully there.
+/// The treatment of alpha, where a surface is not fully there.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum AlphaMode {
     /// Alpha is ignored.
@@ -137,40 +137,40 @@ impl Default for Specular {
     }
 }
 
-/// A clear lacquer over the surface: KHR_materials_clearcoat.
+/// A clearcoat over the surface: KHR_materials_clearcoat.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clearcoat {
-    /// How much of the surface it covers, [0, 1].
+    /// The share of the surface that it covers, [0, 1].
     pub factor: f32,
     /// Red multiplies `factor`; linear.
     pub factor_texture: Option<TextureRef>,
-    /// What artists set, [0, 1].
+    /// The roughness as artists set it, [0, 1].
     pub roughness: f32,
     /// Green multiplies `roughness`; linear.
     pub roughness_texture: Option<TextureRef>,
-    /// The lacquer's own normal map; without one it lies on the smooth surface.
+    /// The clearcoat's normal map; without one it lies on the smooth surface.
     pub normal: Option<NormalMap>,
 }
 
-/// Highlights stretched along a direction: KHR_materials_anisotropy.
+/// Anisotropic highlights, wider along one direction: KHR_materials_anisotropy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anisotropy {
     /// [0, 1].
     pub strength: f32,
-    /// The stretch's direction, radians counter-clockwise from the tangent.
+    /// The direction of the anisotropy, radians counter-clockwise from the tangent.
     pub rotation: f64,
     /// Red and green turn the direction further, blue multiplies `strength`; linear.
     pub texture: Option<TextureRef>,
 }
 
-/// Fibres standing on the surface: KHR_materials_sheen.
+/// Sheen, the reflection of fibres standing on the surface: KHR_materials_sheen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sheen {
     /// Linear RGB, [0, 1].
     pub color: [f32; 3],
     /// Multiplies `color`; sRGB-encoded colour.
     pub color_texture: Option<TextureRef>,
-    /// What artists set, [0, 1].
+    /// The roughness as artists set it, [0, 1].
     pub roughness: f32,
     /// Alpha multiplies `roughness`; linear.
     pub roughness_texture: Option<TextureRef>,
@@ -187,7 +187,7 @@ pub struct Material {
     pub base_color_texture: Option<TextureRef>,
     /// [0, 1].
     pub metallic: f32,
-    /// What artists set, [0, 1]; α is its square.
+    /// The roughness as artists set it, [0, 1]; α is its square.
     pub roughness: f32,
     /// Green is roughness, blue is metallic; linear.
     pub metallic_roughness_texture: Option<TextureRef>,
@@ -199,11 +199,11 @@ pub struct Material {
     pub ior: f32,
     /// The strength of the dielectric part's reflection.
     pub specular: Specular,
-    /// A clear lacquer over the surface.
+    /// The clearcoat over the surface.
     pub clearcoat: Option<Clearcoat>,
-    /// Highlights stretched along a direction.
+    /// The anisotropy of highlights.
     pub anisotropy: Option<Anisotropy>,
-    /// Fibres standing on the surface.
+    /// The sheen.
     pub sheen: Option<Sheen>,
     /// The normal map.
     pub normal: Option<NormalMap>,
@@ -217,11 +217,11 @@ pub struct Material {
     pub emissive: [f32; 3],
     /// Multiplies `emissive`; sRGB-encoded colour.
     pub emissive_texture: Option<TextureRef>,
-    /// What alpha does.
+    /// The treatment of alpha.
     pub alpha: AlphaMode,
-    /// Whether back faces are drawn, with the normal turned.
+    /// `true` where back faces are drawn, with the normal turned.
     pub double_sided: bool,
-    /// KHR_materials_unlit: the base colour is the picture.
+    /// `true` for KHR_materials_unlit: the base colour is shown without light.
     pub unlit: bool,
     /// The parameters of the classic models.
     pub classic: Classic,

@@ -1,4 +1,4 @@
-//! Whether a material can be shaded: its textures are there, and its factors within their ranges.
+//! Checks that a material can be shaded: its textures are there, and its factors within their ranges.
 
 use super::{AlphaMode, Material};
 

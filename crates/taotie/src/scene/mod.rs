@@ -1,5 +1,5 @@
-//! What is looked at: meshes, materials, textures, instances, lights, cameras, and how they move. Data, and the poses
-//! that follow from it.
+//! Scenes: meshes, materials, textures, instances, lights, cameras, and how they move. Data, and the poses that follow
+//! from it.
 
 pub mod animation;
 mod bounds;
@@ -29,8 +29,8 @@ use crate::mesh::Mesh;
 /// A scene: every index in it is in range, every transform of an instance or camera finite, every factor of a material
 /// within its range.
 ///
-/// A mesh may lack the uv set that a material names: textures are then read at uv (0, 0), and maps of normals and heights
-/// left out with a warning.
+/// A mesh may lack the uv set that a material names: textures are then read at uv (0, 0), and maps of normals and
+/// heights left out with a warning.
 ///
 /// A copy is cheap: it shares meshes and textures with its original.
 #[derive(Debug, Clone, Default)]
@@ -42,8 +42,9 @@ impl Scene {
     /// Checks `data`.
     ///
     /// # Errors
-    /// [`crate::Error::Invalid`] naming the first part that does not fit: an instance whose mesh or material is not there,
-    /// a transform that is infinite or NaN, a material whose texture is not there or whose factor is out of range.
+    /// [`crate::Error::Invalid`] naming the first part that does not fit: an instance whose mesh or material is not
+    /// there, a transform that is infinite or NaN, a material whose texture is not there or whose factor is out of
+    /// range.
     pub fn new(data: SceneData) -> Result<Self> {
         data.check()?;
         Ok(Self { data })
@@ -140,7 +141,7 @@ impl Scene {
         })
     }
 
-    /// How many triangles the instances draw.
+    /// The number of triangles that the instances draw.
     pub fn triangle_count(&self) -> usize {
         self.instances().iter().map(|i| self.meshes()[i.mesh].triangles().len()).sum()
     }

@@ -12,9 +12,9 @@ use super::{Classic, Material};
 pub struct Preset {
     /// The name on the command line.
     pub name: &'static str,
-    /// What it is.
+    /// A short description.
     pub what: &'static str,
-    /// Whose measurement its colours are computed from, or how else they were found.
+    /// The source of its colours: a measurement, or another origin.
     pub source: &'static str,
 }
 
@@ -88,7 +88,7 @@ fn matte(base_color: [f32; 3], roughness: f32) -> Material {
     Material { base_color: opaque(base_color), metallic: 0.0, roughness, ..Material::default() }
 }
 
-/// Source: the seed paper's Table 1. The metallic-roughness values beside it are ours: k_d for the base colour and
+/// Source: Guo and Wang 2025, Table 1. The metallic-roughness values beside it are ours: k_d for the base colour and
 /// the roughness whose α equals the slope.
 fn guo_wang_2025() -> Material {
     let diffuse = [0.614, 0.341, 0.041];

@@ -31,7 +31,7 @@ pub struct Angles<L> {
 impl<L: Lane> Angles<L> {
     /// The cosines of unit vectors `n`, `v` (to the viewer) and `l` (to the light).
     ///
-    /// Where v = −l, h has no direction; n·h is then 0, so that no model shows a highlight, and v·h is 5e-7.
+    /// For v = −l, h has no direction; n·h is then 0, so that no model shows a highlight, and v·h is 5e-7.
     #[inline(always)]
     pub fn new(n: Vec3<L>, v: Vec3<L>, l: Vec3<L>) -> Self {
         let n_dot_l = n.dot(l).clamp(-1.0, 1.0);

@@ -1,4 +1,4 @@
-//! Highlights stretched along a direction, as of brushed metal.
+//! Anisotropic highlights, wider along one direction, as of brushed metal.
 
 use super::Angles;
 use super::ndf::alpha_from_roughness;
@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 /// A GGX lobe with one width along a tangent and another across.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch<L> {
-    /// Unit, along the stretch, at a right angle to the normal.
+    /// The direction of the anisotropy, unit, at a right angle to the normal.
     pub tangent: Vec3<L>,
     /// Unit, at a right angle to both.
     pub bitangent: Vec3<L>,

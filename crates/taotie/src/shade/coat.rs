@@ -1,4 +1,4 @@
-//! A clear lacquer over a surface, as glTF has it: KHR_materials_clearcoat.
+//! A clearcoat over a surface, as glTF has it: KHR_materials_clearcoat.
 
 use super::Angles;
 use super::fresnel::pow5;
@@ -6,14 +6,14 @@ use super::masking::v_smith_ggx;
 use super::ndf::{alpha_from_roughness, d_ggx};
 use crate::math::Lane;
 
-/// Reflectance of a lacquer of index 1.5 at normal incidence.
+/// Reflectance of a clearcoat of index 1.5 at normal incidence.
 pub const COAT_F0: f64 = 0.04;
 
-/// What a lacquer that covers everything reflects: f · n·l, colourless.
+/// The reflection of a clearcoat that covers everything: f · n·l, colourless.
 ///
 /// f = D_ggx V_smith F_schlick
 ///
-/// `roughness` in [0, 1]; the angles are those of the lacquer's own normal.
+/// `roughness` in [0, 1]; the angles are those of the clearcoat's normal.
 /// Source: KHR_materials_clearcoat.
 #[inline(always)]
 pub fn coat_lobe<L: Lane>(roughness: L, a: &Angles<L>) -> L {
@@ -23,7 +23,7 @@ pub fn coat_lobe<L: Lane>(roughness: L, a: &Angles<L>) -> L {
     L::select(zero.lt(a.n_dot_l), lobe * coat_fresnel(a.v_dot_h) * a.n_dot_l, zero)
 }
 
-/// Schlick's reflectance of the lacquer, [0.04, 1].
+/// Schlick's reflectance of the clearcoat, [0.04, 1].
 ///
 /// `cosine` in [0, 1].
 #[inline(always)]

@@ -1,9 +1,9 @@
-//! What single scattering loses of a lobe, given back.
+//! Energy compensation: the light that single scattering loses of a lobe.
 
 use super::dfg::Dfg;
 use crate::math::{Lane, Vec3};
 
-/// What makes a microfacet model keep its energy, at one n·v.
+/// The compensation that makes a microfacet model keep its energy, at one n·v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compensation<L> {
     /// Multiplies the highlight, linear RGB, at least 1.

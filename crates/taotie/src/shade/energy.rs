@@ -1,13 +1,13 @@
-//! How the energy of microfacet models is kept, and what a surface reflects of light from all around.
+//! The energy of microfacet models, and the reflection of light from all around.
 
 use super::dfg::Dfg;
 use super::{Shading, Substance};
 use crate::math::{Lane, Vec3};
 
-/// How the energy of microfacet models is kept.
+/// The treatment of the energy of microfacet models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Energy {
-    /// What scatters several times is given back: a white surface returns all light at any roughness.
+    /// Light that scatters several times is added: a white surface returns all light at any roughness.
     #[default]
     Compensated,
     /// Light is followed to its first facet only, as in glTF's formulas; rough metals darken.
@@ -20,12 +20,12 @@ impl crate::names::Named for Energy {
         &[("compensated", Self::Compensated), ("single", Self::Single)];
 }
 
-/// What a surface reflects of light that comes from all around, as weights of two radiances, linear RGB.
+/// The reflection of light that comes from all around, as weights of two radiances, linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surround<L> {
-    /// Of the radiance that the highlight gathers.
+    /// The weight of the radiance that the highlight gathers.
     pub specular: Vec3<L>,
-    /// Of the mean radiance over the hemisphere, which is the irradiance over π.
+    /// The weight of the mean radiance over the hemisphere, which is the irradiance over π.
     pub diffuse: Vec3<L>,
 }
 
@@ -61,7 +61,7 @@ pub fn surround<L: Lane>(shading: Shading, s: &Substance<L>, dfg: &Dfg<L>) -> Su
     }
 }
 
-/// How much of a highlight's surround is seen where `occlusion` of the hemisphere's is.
+/// The share of a highlight's surround that is seen where `occlusion` of the hemisphere's is.
 ///
 /// Lobes narrower than the hemisphere are occluded less seen along the normal and more at grazing angles:
 /// (n·v + o)^(2^(−16 r − 1)) − 1 + o, kept in [0, 1]; r the roughness.

@@ -1,17 +1,18 @@
 //! Two facets for a mapped normal: the microfacet way to use a normal map.
 //!
 //! A normal map turns the normal of a surface that stays where it is, which no surface can: light is lost and made at
-//! grazing angles. Here each point stands for a groove of two facets instead: one with the mapped normal p, and a
+//! grazing angles. Here each point is a groove of two facets instead: one with the mapped normal p, and a
 //! mirror t that stands upright and makes up for it, so that the mean of their normals is the surface's own, g. What
 //! one facet hides or mirrors is what grooves hide and mirror, so no light is made; what would meet the mapped facet
 //! twice is lost.
 //!
 //! The formulas are those of Schüssler, Heitz, Hanika and Dachsbacher 2017, "Microfacet-based normal mapping for robust
-//! Monte Carlo path tracing": §4 for the facets, §5 for their masking, and the form with a specular tangent facet of §6.
+//! Monte Carlo path tracing": §4 for the facets, §5 for their masking, and the form with a specular tangent facet of
+//! §6.
 
 use crate::math::{Lane, Vec3};
 
-/// The least cosine between the two normals: a steeper map is bent back, so that the upright facet stays finite.
+/// The least cosine between the two normals: a steeper map is turned back, so that the upright facet stays finite.
 const LEAST_COSINE: f64 = 0.02;
 
 /// A groove of two facets. Directions are unit and leave the surface.
@@ -28,7 +29,7 @@ pub struct Facets<L> {
 }
 
 impl<L: Lane> Facets<L> {
-    /// For the unit normals of the surface and of its map.
+    /// Makes the groove for the unit normals of the surface and of its map.
     ///
     /// Law: the facets' areas 1/cos θ and tan θ, times their normals, add up to `g`
     /// (`laws::facets::the_mean_normal_is_the_surface_s`).
@@ -42,7 +43,7 @@ impl<L: Lane> Facets<L> {
         Self { g, p: g * cos + side * sin, t: -side, cos, sin }
     }
 
-    /// How much of what a viewer at `w` sees is the upright facet, [0, 1].
+    /// The share of the upright facet in what a viewer at `w` sees, [0, 1].
     ///
     /// λ_t = tan θ (w·t)⁺ / ((w·p)⁺/cos θ + tan θ (w·t)⁺), and 0 where neither is seen.
     #[inline(always)]
@@ -51,7 +52,7 @@ impl<L: Lane> Facets<L> {
         upright / self.seen(w)
     }
 
-    /// How much of the light that leaves a facet towards `w` gets out of the groove, [0, 1]: that of both facets that
+    /// The share of the light leaving a facet towards `w` that gets out of the groove, [0, 1]: that of both facets that
     /// face it; 0 below the surface.
     ///
     /// G₁ = min(1, (w·g)⁺ / ((w·p)⁺/cos θ + tan θ (w·t)⁺))

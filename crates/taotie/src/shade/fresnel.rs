@@ -18,7 +18,7 @@ pub fn pow5<L: Lane>(x: L) -> L {
 ///
 /// `f0` linear RGB in [0, 1]; `v_dot_h` in [0, 1].
 /// Law: F0 at v·h = 1, 1 at v·h = 0 (`laws::shade::schlick_ends`).
-/// Source: Schlick 1994, eq. 15. The seed paper's eq. 6 prints the exponent 2.
+/// Source: Schlick 1994, eq. 15. Guo and Wang 2025, eq. 6, print the exponent 2.
 #[inline(always)]
 pub fn f_schlick<L: Lane>(f0: Vec3<L>, v_dot_h: L) -> Vec3<L> {
     f_schlick_f90(f0, Vec3::splat(v_dot_h.lit(1.0)), v_dot_h)
@@ -53,8 +53,8 @@ pub fn f82_drop<L: Lane>(f0: Vec3<L>, f82: Vec3<L>) -> Vec3<L> {
 ///
 /// F = F_schlick(v·h) − a · v·h (1 − v·h)⁶, kept in [0, 1]
 ///
-/// `f0` linear RGB in [0, 1]; `f90` in [0, 1], 1 for metals; `drop` is a, from [`f82_drop`]; `v_dot_h` in [0, 1]. The bounds act only where a
-/// strong `drop` would pull the curve out of what a reflectance can be.
+/// `f0` linear RGB in [0, 1]; `f90` in [0, 1], 1 for metals; `drop` is a, from [`f82_drop`]; `v_dot_h` in [0, 1]. The
+/// bounds act only where a strong `drop` would pull the curve out of what a reflectance can be.
 /// Law: `laws::shade::f82_passes_through_both_points`.
 /// Source: Kutz, Hašan and Edmondson 2021 (F82-tint), as in the OpenPBR Surface specification.
 #[inline(always)]

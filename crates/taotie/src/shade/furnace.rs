@@ -1,4 +1,4 @@
-//! How much of the light that arrives a surface gives back, by numerical integration: the white furnace.
+//! The share of the arriving light that a surface reflects, by numerical integration: the white furnace.
 //!
 //! A surface that absorbs nothing, under a sky of equal radiance all over, cannot be told from that sky: its albedo is
 //! one at every angle. Above one, light is made of nothing; below, the model loses what it does not follow.
@@ -27,7 +27,7 @@ pub fn over_hemisphere(fineness: usize, f: impl FnMut(Vec3<f64>) -> Vec3<f64>) -
     over_part(fineness, |_| PI / 2.0, f)
 }
 
-/// As [`over_hemisphere`], only to the polar angle `end` of cos φ, so that no step of f lies between nodes.
+/// Integrates as [`over_hemisphere`], only to the polar angle `end` of cos φ, so that no step of f lies between nodes.
 pub(super) fn over_part(
     fineness: usize,
     end: impl Fn(f64) -> f64,

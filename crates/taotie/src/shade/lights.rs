@@ -1,4 +1,4 @@
-//! How strongly a light arrives: distance and cone.
+//! The strength with which a light arrives: distance and cone.
 
 use crate::math::Lane;
 

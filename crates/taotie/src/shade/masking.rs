@@ -10,7 +10,7 @@ use crate::math::Lane;
 ///
 /// `n_dot_l`, `n_dot_v`, `n_dot_h` in [0, 1]; `v_dot_h` in (0, 1].
 /// Law: G ≤ 1, symmetric in n·l and n·v (`laws::shade::masking_is_a_share`).
-/// Source: Cook and Torrance 1982, §4, after Torrance and Sparrow 1967; the seed paper's eq. 8.
+/// Source: Cook and Torrance 1982, §4, after Torrance and Sparrow 1967; Guo and Wang 2025, eq. 8.
 #[inline(always)]
 pub fn g_v_cavity<L: Lane>(n_dot_l: L, n_dot_v: L, n_dot_h: L, v_dot_h: L) -> L {
     let slope = n_dot_h * n_dot_h.lit(2.0) / v_dot_h;

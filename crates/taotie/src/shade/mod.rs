@@ -1,9 +1,10 @@
-//! How much light a surface sends to the viewer: numbers in, numbers out, each formula written once over
+//! Reflectance, the light that a surface sends to the viewer: numbers in, numbers out, each formula written once over
 //! [`Lane`](crate::math::Lane).
 //!
 //! [`fresnel`], [`ndf`] and [`masking`] are the parts, free to combine; [`reflect`] evaluates the named models of
-//! [`Shading`], and [`furnace`] adds up what they give back. Nothing here knows of a scene: the caller samples textures into a [`Substance`], makes [`Angles`]
-//! from its directions and multiplies the result by the irradiance that [`lights`] helps to find.
+//! [`Shading`], and [`furnace`] adds up what they reflect. Nothing here knows of a scene: the caller samples textures
+//! into a [`Substance`], makes [`Angles`] from its directions and multiplies the result by the irradiance that
+//! [`lights`] helps to find.
 
 mod angles;
 mod anisotropy;

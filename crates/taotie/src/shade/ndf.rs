@@ -54,7 +54,8 @@ pub fn shininess_from_alpha<L: Lane>(alpha: L) -> L {
 ///
 /// `n_dot_h` and `sin2_h` in [0, 1]; `slope` m above 0, taken as at least 1e-3.
 /// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws::shade::ndf_is_normalised`).
-/// Source: Cook and Torrance 1982, eq. 5 with today's 1/π; Walter et al. 2007, eq. 25. The seed paper's eq. 7 has no 1/π.
+/// Source: Cook and Torrance 1982, eq. 5 with today's 1/π; Walter et al. 2007, eq. 25. Eq. 7 of Guo and Wang 2025 has
+/// no 1/π.
 #[inline(always)]
 pub fn d_beckmann<L: Lane>(n_dot_h: L, sin2_h: L, slope: L) -> L {
     let cos2 = (n_dot_h * n_dot_h).max(slope.lit(MIN_COS2));
@@ -90,7 +91,7 @@ pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
     scale * poly::pow(n_dot_h, shininess)
 }
 
-/// How far the facets of a GGX surface diverge: 1 − ∫ D(m) (n·m)² dm, one less the length of their mean normal.
+/// The divergence of the facets of a GGX surface: 1 − ∫ D(m) (n·m)² dm, one less the length of their mean normal.
 ///
 /// α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, rising. Computed as r²/3 with r/α a fraction of
 /// two polynomials, within 1.5e-4 of it.

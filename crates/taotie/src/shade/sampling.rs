@@ -115,7 +115,7 @@ pub fn raised<L: Lane>(n: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
     Vec3::select(n_dot_v.lt(least), lifted, v)
 }
 
-/// How much a direction found in one way counts where another way could have found it too: p²/(p² + q²).
+/// The weight of a direction found in one way where another way could have found it too: p²/(p² + q²).
 ///
 /// `own` above 0 and `other` at least 0 are the densities of both ways. The two weights of a direction add up to 1.
 /// Source: Veach and Guibas 1995, "Optimally combining sampling techniques for Monte Carlo rendering", §3: the power
@@ -131,15 +131,15 @@ pub fn power_heuristic<L: Lane>(own: L, other: L) -> L {
 pub struct Lobes<L> {
     /// Widths of the GGX surface along x and y, each in [[`MIN_ALPHA`], 1].
     pub alpha: [L; 2],
-    /// How often a facet is chosen, [0, 1].
+    /// The probability that a facet is chosen, [0, 1].
     pub glossy: L,
-    /// How often all directions are equally likely, [0, 1 − `glossy`]. What remains goes by cosine.
+    /// The probability that all directions are equally likely, [0, 1 − `glossy`]. The rest goes by cosine.
     pub even: L,
 }
 
 impl<L: Lane> Lobes<L> {
-    /// What suits a model, so that reflectance divided by density stays bounded but for models whose highlight has
-    /// wider skirts than GGX.
+    /// The choice that suits a model: reflectance divided by density stays bounded but for models whose highlight has
+    /// wider tails than GGX.
     ///
     /// `n_dot_v` in (0, 1].
     /// Law: sampled albedos agree with the quadrature (`laws::sampling::the_furnace_by_sampling_is_that_by_quadrature`).

@@ -3,7 +3,7 @@
 use crate::names::Named;
 
 /// A reflectance model. The correct models bear their standard names; a model ending in `Printed` computes what
-/// the seed paper or article prints, errors included, so that its pictures can be reproduced and compared.
+/// a paper or article prints, errors included, so that its images can be reproduced and compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Shading {
     /// Perfectly diffuse, f = ρ/π.
@@ -28,7 +28,7 @@ pub enum Shading {
 }
 
 impl Shading {
-    /// Whether it computes what a seed prints, errors included, and nothing may be mended around it.
+    /// Says whether it computes what a paper or article prints, errors included, so that no correction may be added.
     pub fn is_printed(self) -> bool {
         matches!(self, Self::CookTorrancePrinted | Self::BlinnPhongPrinted | Self::GgxPrinted)
     }

@@ -1,9 +1,9 @@
-//! Fibres that stand on a surface, as of velvet.
+//! Sheen, the reflection of fibres that stand on a surface, as of velvet.
 
 use crate::math::{Lane, poly};
 use std::f64::consts::FRAC_1_PI;
 
-/// The least roughness of fibres: sharper ones would be seen edge-on only.
+/// The least roughness of sheen: a sharper one would be seen edge-on only.
 const MIN_ROUGHNESS: f64 = 0.07;
 
 /// The "Charlie" distribution of inverted Gaussian-like fibres, D(h), in sr⁻¹.
@@ -21,7 +21,7 @@ pub fn d_charlie<L: Lane>(sin2_h: L, roughness: L) -> L {
     (inverse + one.lit(2.0)) * sine * one.lit(0.5 * FRAC_1_PI)
 }
 
-/// The visibility of soft fibres, V in sr⁻¹.
+/// The visibility of sheen, V in sr⁻¹.
 ///
 /// V = 1 / (4 (n·l + n·v − n·l n·v)), at most 1
 ///

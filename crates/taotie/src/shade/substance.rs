@@ -1,16 +1,17 @@
-//! What a surface is made of at a point.
+//! The material sample: the parameters of a surface at a point.
 
 use super::compensation::Compensation;
 use crate::math::Vec3;
 
-/// What a surface is made of at a point. Each model reads the fields it knows and ignores the rest.
+/// A material sample: the parameters of a surface at a point. Each model reads the fields it knows and ignores the
+/// rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Substance<L> {
     /// ρ, linear RGB in [0, 1]; diffuse colour of `lambert`, `ggx` and `ggx-printed`.
     pub base_color: Vec3<L>,
     /// [0, 1]; 1 has no diffuse part in `ggx`.
     pub metallic: L,
-    /// What artists set, [0, 1]; α is its square (in `ggx-printed` α is the roughness itself).
+    /// The roughness as artists set it, [0, 1]; α is its square (in `ggx-printed` α is the roughness itself).
     pub roughness: L,
     /// Reflectance at normal incidence, linear RGB in [0, 1], the mix by `metallic` already done.
     pub f0: Vec3<L>,

@@ -6,7 +6,7 @@ use crate::math::{Lane, Vec3};
 /// The variance of normals within a pixel or texel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SubPixelVariance<L = f32> {
-    /// What the curvature of the smooth surface adds to α².
+    /// The addition to α² by the curvature of the smooth surface.
     pub curvature: L,
     /// The variance of the normal map's vectors, E|n − mean|² = 1 − |mean|², [0, 1].
     pub normal_variance: L,
@@ -42,8 +42,8 @@ impl<L: Lane> SubPixelVariance<L> {
     }
 }
 
-/// What the curvature of the smooth surface within a pixel adds to α²: the squared change of its unit normal from pixel
-/// to pixel, as the variance of a normal distribution that wide, at most 0.18.
+/// The addition to α² by the curvature of the smooth surface within a pixel: the squared change of its unit normal from
+/// pixel to pixel, as the variance of a normal distribution that wide, at most 0.18.
 ///
 /// Source: Tokuyoshi and Kaplanyan 2019, "Improved Geometric Specular Antialiasing", eq. 9 and §4 (σ² = 1/4, κ = 0.18),
 /// in its form without directions.

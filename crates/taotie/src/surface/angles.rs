@@ -9,10 +9,10 @@ use crate::mesh::Mesh;
 use fearless_simd::Level;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-/// How many triangles are computed together.
+/// The number of triangles computed together.
 const WIDTH: usize = 8;
 
-/// What a triangle adds to the normals of its corners.
+/// The contribution of a triangle to the normals of its corners.
 #[derive(Clone, Copy)]
 pub(super) struct Share {
     /// Its unit normal; zero without an area.
@@ -87,12 +87,12 @@ fn tangent(a: Vec3<f64>, b: Vec3<f64>) -> (f64, f64) {
 struct Wide {
     normal: [[f64; WIDTH]; 3],
     angles: [[f64; WIDTH]; 3],
-    /// Whether the triangle is in the range of this form.
+    /// `true` where the triangle is in the range of this form.
     tame: [bool; WIDTH],
 }
 
 impl Wide {
-    /// Of triangles by corner, coordinate and lane.
+    /// Computes the shares of triangles, given by corner, coordinate and lane.
     #[inline(always)]
     fn of(corners: &[[[f64; WIDTH]; 3]; 3]) -> Self {
         let mut wide = Self { normal: [[0.0; WIDTH]; 3], angles: [[0.0; WIDTH]; 3], tame: [false; WIDTH] };
@@ -118,7 +118,7 @@ impl Wide {
     }
 }
 
-/// Whether [`tame_atan2`] is defined.
+/// Says whether [`tame_atan2`] is defined.
 #[inline(always)]
 fn is_tame(y: f64, x: f64) -> bool {
     const STEEPEST: f64 = 1.0 / (1u64 << 60) as f64;

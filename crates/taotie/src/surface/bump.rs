@@ -74,7 +74,7 @@ pub fn relief_normal<L: Lane>(base: ReliefBase<L>, relief: Relief<L>) -> Vec3<L>
     bump(n, surface_gradient(n, dp, [relief.by_u, relief.by_v]))
 }
 
-/// The seed paper's bump mapping as its Table 2 prints it: n + s · (g / 255) · (1, 1, 0). *Not* normalised.
+/// Bump mapping as Table 2 of Guo and Wang 2025 prints it: n + s · (g / 255) · (1, 1, 0). *Not* normalised.
 ///
 /// `bump_scale` s is the paper's "bump" (5 and 50); `g` is half the central grey difference of the height map in
 /// grey levels, in [−127.5, 127.5], one number for both axes; the direction (1, 1, 0) is in object space.

@@ -21,7 +21,7 @@ impl<'a> Corners<'a> {
     /// Makes what is not fit for use fit.
     ///
     /// # Errors
-    /// As [`super::with_tangents`].
+    /// Those of [`super::with_tangents`].
     pub fn new(mesh: &'a Mesh, uv_set: usize) -> Result<Self> {
         if mesh.normals().is_empty() && !mesh.positions().is_empty() {
             return Err(Error::invalid("tangents", "the mesh has no normals; make vertex normals first"));
@@ -37,7 +37,7 @@ impl<'a> Corners<'a> {
         Ok(Self { mesh, normals, uvs: uvs.iter().map(|uv| usable_uv(*uv)).collect() })
     }
 
-    /// How many triangles.
+    /// The number of triangles.
     pub fn len(&self) -> usize {
         self.mesh.triangles().len()
     }

@@ -2,14 +2,14 @@
 
 use crate::math::{Vec2, Vec3};
 
-/// How position changes with uv over a triangle, in model units.
+/// The derivatives of position by uv over a triangle, in model units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UvDerivatives {
     /// ∂p/∂u, in the plane of the triangle.
     pub dp_du: Vec3,
-    /// ∂p/∂v, in the plane of the triangle. With the uv origin top left it points *down* the picture.
+    /// ∂p/∂v, in the plane of the triangle. With the uv origin top left it points *down* the image.
     pub dp_dv: Vec3,
-    /// The `w` of glTF's TANGENT: +1 where b = cross(n, t) points up the picture, −1 where the uvs are mirrored.
+    /// The `w` of glTF's TANGENT: +1 where b = cross(n, t) points up the image, −1 where the uvs are mirrored.
     pub handedness: f32,
 }
 
@@ -28,7 +28,7 @@ pub fn uv_derivatives(corners: [Vec3; 3], uvs: [Vec2; 3]) -> Option<UvDerivative
     (dp_du.is_finite() && dp_dv.is_finite()).then_some(UvDerivatives { dp_du, dp_dv, handedness })
 }
 
-/// Twice the signed uv area, negative where a picture is not mirrored (v points down); `None` without an area.
+/// Twice the signed uv area, negative where an image is not mirrored (v points down); `None` without an area.
 pub(super) fn uv_determinant(uvs: [Vec2; 3]) -> Option<f64> {
     const SMALLEST_SINE: f64 = 1e-6;
     let [(u1, v1), (u2, v2)] = uv_edges(uvs);

@@ -1,10 +1,10 @@
-//! What a texture's pixels say about it: is it a normal map, which way is green, what is broken.
+//! Inspection of a texture's pixels: is it a normal map, which way is green, what is broken.
 
 use crate::image::{Bitmap, Texels};
 use crate::math::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// What a texture seems to be.
+/// The probable kind of a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalMapKind {
@@ -17,7 +17,7 @@ pub enum NormalMapKind {
     No,
 }
 
-/// Which way a normal map's green channel points.
+/// The direction of a normal map's green channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GreenVerdict {
@@ -34,11 +34,11 @@ pub enum GreenVerdict {
 pub struct GreenGuess {
     /// The direction.
     pub verdict: GreenVerdict,
-    /// How sure, [0, 1]; 0 where unclear.
+    /// The confidence, [0, 1]; 0 where unclear.
     pub confidence: f32,
 }
 
-/// How many texels cannot be tangent-space normals: those with blue at or below 0.5.
+/// Counts the texels that cannot be tangent-space normals: those with blue at or below 0.5.
 pub fn invalid_texels(bitmap: &Bitmap) -> usize {
     match bitmap.texels() {
         Texels::U8(texels) => texels.par_iter().filter(|t| t[2] <= 127).count(),
@@ -125,7 +125,7 @@ pub fn green_direction(bitmap: &Bitmap) -> GreenGuess {
     GreenGuess { verdict, confidence: confidence as f32 }
 }
 
-/// Σ ∂p/∂y · ∂q/∂x of each block, y pointing up the picture: positive where green does.
+/// Σ ∂p/∂y · ∂q/∂x of each block, y pointing up the image: positive where green does.
 fn block_votes(bitmap: &Bitmap) -> Vec<f64> {
     const SIDE: usize = 32;
     let (w, h) = (bitmap.width() as usize - 1, bitmap.height() as usize - 1);

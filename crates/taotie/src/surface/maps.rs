@@ -9,7 +9,7 @@ const SMALLEST_Z: f64 = 1.0 / 65535.0;
 ///
 /// x = (2r − 1) · scale, y = (2g − 1) · scale · green, z = 2b − 1, with `rgb` linear in [0, 1]. The centre of an
 /// 8-bit channel is 127.5, between two codes, so the usual (128, 128, 255) is tilted by 0.32°.
-/// `scale` is glTF's `normalTexture.scale`; `green` is +1 where green points up the picture (OpenGL, glTF) and −1
+/// `scale` is glTF's `normalTexture.scale`; `green` is +1 where green points up the image (OpenGL, glTF) and −1
 /// where it points down (DirectX). z at or below zero (blue ≤ 0.5) is no tangent-space normal and is raised to
 /// 1/65535; [`super::invalid_texels`] counts such texels.
 ///

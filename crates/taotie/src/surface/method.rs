@@ -2,7 +2,7 @@
 
 use crate::names::Named;
 
-/// Where the shading normal comes from.
+/// The source of the shading normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum SurfaceMethod {
     /// The geometric normal of the triangle.
@@ -11,7 +11,7 @@ pub enum SurfaceMethod {
     Smooth,
     /// A height map by the surface-gradient method (Mikkelsen 2020).
     Bump,
-    /// The seed paper's bump mapping as its Table 2 prints it: not normalised, see [`super::bump_printed`].
+    /// Bump mapping as Table 2 of Guo and Wang 2025 prints it: not normalised, see [`super::bump_printed`].
     BumpPrinted,
     /// Read from an object-space map.
     ObjectNormal,
@@ -32,7 +32,7 @@ impl Named for SurfaceMethod {
     ];
 }
 
-/// How tangents are made.
+/// The method by which tangents are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum TangentMethod {
     /// Each triangle's own solution of the two edge equations.

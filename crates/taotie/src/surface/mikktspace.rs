@@ -29,7 +29,7 @@ pub(super) fn tangents(corners: &Corners) -> Vec<CornerTangents> {
     found
 }
 
-/// Which triangles are handed over.
+/// The choice of the triangles that are handed over.
 struct Sieve<'a> {
     corners: &'a Corners<'a>,
     places: &'a Classes,
@@ -53,7 +53,7 @@ impl<'a> Sieve<'a> {
         !self.collapsed(t) && !self.crowded(t)
     }
 
-    /// Whether two corners are at one position.
+    /// Says whether two corners of triangle `t` are at one position.
     fn collapsed(&self, t: usize) -> bool {
         let [a, b, c] = self.corners.triangle(t).map(|v| self.places.of[v]);
         a == b || b == c || c == a
@@ -89,7 +89,7 @@ impl<'a> Sieve<'a> {
     }
 }
 
-/// What the algorithm sees: triangles that share nothing, v pointing up.
+/// The mesh as the algorithm takes it: triangles that share nothing, v pointing up.
 struct Soup<'a> {
     corners: &'a Corners<'a>,
     scale: f32,

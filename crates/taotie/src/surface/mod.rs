@@ -1,4 +1,4 @@
-//! Where the shading normal comes from: facets, vertex normals, bump and normal maps, and the tangents they need.
+//! The sources of the shading normal: facets, vertex normals, bump and normal maps, and the tangents they need.
 //!
 //! The formulas that run per pixel ([`tangent_normal`], [`bump`] and their like) are written once over
 //! [`crate::math::Lane`]; what runs once per mesh or per texture works on whole arrays.

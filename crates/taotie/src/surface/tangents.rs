@@ -57,7 +57,7 @@ pub(crate) fn with_frames_at(
 /// Gives `mesh` tangents that follow its uv set `uv_set` (origin top left); those it has are replaced.
 ///
 /// Each tangent is a unit vector perpendicular to its vertex normal, with the handedness w = ±1 of glTF 2.0:
-/// the bitangent w · cross(n, t) points up the picture. The three corners of a triangle whose uvs span an area
+/// the bitangent w · cross(n, t) points up the image. The three corners of a triangle whose uvs span an area
 /// share w. Normals that are not unit are normalised for this; a normal that is zero or NaN counts as (0, 0, 1).
 ///
 /// - `face`: ∂p/∂u of the triangle, made perpendicular to each corner's normal.

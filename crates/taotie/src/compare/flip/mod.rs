@@ -1,9 +1,9 @@
-//! FLIP: how different two pictures look when one is flipped to the other in place.
+//! FLIP: how different two images look when one is flipped to the other in place.
 //!
 //! Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström and Fairchild, "FLIP: A Difference Evaluator for
 //! Alternating Images", Proceedings of the ACM on Computer Graphics and Interactive Techniques 3(2), 2020. Section and
 //! equation numbers below are the paper's; where it leaves a choice, the authors' published code decides (half
-//! widths of three standard deviations, pictures that go on beyond their border).
+//! widths of three standard deviations, images that go on beyond their border).
 
 mod color;
 mod features;
@@ -15,10 +15,10 @@ use crate::error::{Error, Result};
 use crate::math::{Vec3, scalar};
 use rayon::prelude::*;
 
-/// What FLIP assumes where nobody says otherwise: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
+/// FLIP's default resolution, in pixels a degree: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f32 = 67.020_64;
 
-/// FLIP's error map, [0, 1]: 0 where the pictures look alike. `reference` and `test` may change places; the map is
+/// FLIP's error map, [0, 1]: 0 where the images look alike. `reference` and `test` may change places; the map is
 /// the same.
 ///
 /// `pixels_per_degree` says how fine pixels are in the eye of the viewer; the published code's default is
@@ -44,7 +44,7 @@ pub fn flip(reference: &Picture, test: &Picture, pixels_per_degree: f32) -> Resu
     Field::new(reference.width, reference.height, values)
 }
 
-/// What the eye gets of a picture.
+/// An image as the eye perceives it.
 struct Seen {
     width: u32,
     height: u32,
@@ -54,7 +54,7 @@ struct Seen {
 struct SeenPixel {
     /// The colour after the eye's blur: L*, and a* and b* after Hunt's effect.
     lab: Vec3<f64>,
-    /// How strong edges and points are here, [0, √2] each.
+    /// The strengths of edges and points here, [0, √2] each.
     features: [f64; 2],
 }
 

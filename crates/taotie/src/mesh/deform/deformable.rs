@@ -6,7 +6,7 @@ use crate::math::{Mat4, Vec3};
 use crate::mesh::MeshData;
 use std::collections::HashMap;
 
-/// What a morph target of weight one adds to each vertex; arrays that it leaves alone are empty.
+/// The displacements that a morph target of weight one adds to each vertex; arrays that it leaves alone are empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MorphTarget {
     /// Added to positions, model units.
@@ -24,7 +24,7 @@ pub struct Deformable {
     pub base: MeshData,
     /// The morph targets.
     pub targets: Vec<MorphTarget>,
-    /// Which joints move which vertex; `None` where no skin does.
+    /// The joints that move each vertex; `None` where no skin does.
     pub binding: Option<Binding>,
 }
 

@@ -19,10 +19,10 @@ pub fn morph(values: &mut [Vec3], deltas: &[Vec3], weight: f32) {
     }
 }
 
-/// Which joints move each vertex and how much.
+/// The joints that move each vertex, with their weights.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Binding {
-    /// How many joints a vertex has.
+    /// The number of joints of a vertex.
     pub per_vertex: usize,
     /// `per_vertex` joint indices a vertex.
     pub joints: Vec<u32>,

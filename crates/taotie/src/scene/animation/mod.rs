@@ -1,4 +1,4 @@
-//! What moves: nodes, skins and morph weights that keyframes drive, in the words of glTF 2.0.
+//! Animation: nodes, skins and morph weights that keyframes drive, in the words of glTF 2.0.
 
 mod node;
 mod pose;
@@ -14,18 +14,18 @@ pub use sampler::{Interpolation, Sampler};
 pub struct Animation {
     /// Its name; may be empty.
     pub name: String,
-    /// What is moved.
+    /// The properties that are moved.
     pub channels: Vec<Channel>,
     /// The keyframes.
     pub samplers: Vec<Sampler>,
 }
 
-/// What a sampler's values are written to.
+/// The target to which a sampler's values are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Channel {
     /// The node moved, by number.
     pub node: usize,
-    /// Which of its properties.
+    /// The property of the node.
     pub path: Path,
     /// The keyframes, as a number into [`Animation::samplers`].
     pub sampler: usize,
@@ -34,9 +34,9 @@ pub struct Channel {
 /// A property of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Path {
-    /// Where it stands: three numbers, model units.
+    /// Its position: three numbers, model units.
     Translation,
-    /// How it is turned: a quaternion (x, y, z, w).
+    /// Its rotation: a quaternion (x, y, z, w).
     Rotation,
     /// Its size: a factor an axis.
     Scale,
@@ -52,10 +52,11 @@ impl Animation {
         ends.fold(0.0, |longest, end| f64::from(*end).max(longest))
     }
 
-    /// Whether `channel` can be applied to `nodes`, else why not.
+    /// Checks that `channel` can be applied to `nodes`.
     ///
     /// # Errors
-    /// What is wrong: a node or sampler that does not exist, values of a wrong width, or a node that cannot move so.
+    /// A message that names the fault: a node or sampler that does not exist, values of a wrong width, or a node that
+    /// cannot move so.
     pub fn check_channel(&self, channel: &Channel, nodes: &[Node]) -> Result<(), String> {
         let sampler = self.samplers.get(channel.sampler).ok_or("its sampler does not exist")?;
         let node = nodes.get(channel.node).ok_or("its node does not exist")?;

@@ -4,7 +4,7 @@ use super::sampler::unit_quaternion;
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
 
-/// Where a node stands relative to its parent.
+/// The position, rotation and scale of a node relative to its parent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Transform {
     /// Scaled, then rotated, then moved; these parts can be animated.
@@ -27,7 +27,7 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// From its parts; the quaternion is made unit.
+    /// Makes a transform from its parts; the quaternion is made unit.
     pub fn parts(translation: Vec3<f64>, rotation: [f64; 4], scale: Vec3<f64>) -> Self {
         Self::Parts { translation, rotation: unit_quaternion(rotation), scale }
     }

@@ -22,7 +22,7 @@ impl Rig {
         self.place(scene, &self.posed(animation, seconds)?)
     }
 
-    /// What takes each node's space to the world at a moment, as [`Rig::pose`] understands it.
+    /// The matrices that take each node's space to the world at a moment, as [`Rig::pose`] understands it.
     ///
     /// # Errors
     /// [`Error::Invalid`] where there is no such animation.
@@ -78,7 +78,7 @@ impl Rig {
         Ok(())
     }
 
-    /// What was mended at rest was reported then, and is mended without a word now.
+    /// Makes the deformed mesh. Faults corrected at rest were reported then, and are corrected without a note now.
     fn mesh(&self, deformed: &Deformed, nodes: &[Node], world: &[Mat4]) -> Result<Mesh> {
         let joints = deformed.skin.map(|skin| self.data().skins[skin].joint_matrices(world));
         let weights = &nodes[deformed.node].weights;

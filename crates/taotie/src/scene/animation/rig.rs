@@ -1,4 +1,4 @@
-//! Which parts of a scene hang on which node.
+//! The rig of a scene: the parts that hang on each node.
 
 use super::{Animation, Node, world_matrices};
 use crate::error::{Error, Result};
@@ -30,12 +30,12 @@ pub struct RigData {
 pub struct Skin {
     /// The nodes that are its joints.
     pub joints: Vec<usize>,
-    /// For each joint, what takes the mesh's space at bind time to the joint's.
+    /// The matrix of each joint that takes the mesh's space at bind time to the joint's.
     pub inverse_bind_matrices: Vec<Mat4>,
 }
 
 impl Skin {
-    /// For each joint, what takes the mesh's space at bind time to the world.
+    /// The matrix of each joint that takes the mesh's space at bind time to the world.
     pub fn joint_matrices(&self, world: &[Mat4]) -> Vec<Mat4> {
         let pairs = self.joints.iter().zip(&self.inverse_bind_matrices);
         pairs.map(|(joint, inverse_bind)| world[*joint] * *inverse_bind).collect()
@@ -45,19 +45,19 @@ impl Skin {
 /// A mesh of the scene that is deformed.
 #[derive(Debug, Clone)]
 pub struct Deformed {
-    /// Which of the scene's meshes.
+    /// The mesh, by its number in the scene.
     pub mesh: usize,
     /// The node whose weights morph it.
     pub node: usize,
     /// The skin, where its shape has a binding.
     pub skin: Option<usize>,
-    /// What it is made from.
+    /// The shape that it is made from.
     pub shape: Deformable,
 }
 
-/// What lets a scene move: every number in it is in range.
+/// The data that lets a scene move: every number in it is in range.
 ///
-/// Nothing in it is read for a picture of the scene at rest.
+/// Nothing in it is read for an image of the scene at rest.
 #[derive(Debug, Clone, Default)]
 pub struct Rig {
     data: RigData,
@@ -98,7 +98,7 @@ impl Rig {
         &self.data.animations
     }
 
-    /// What the rig is made of.
+    /// The data that the rig is made of.
     pub fn data(&self) -> &RigData {
         &self.data
     }

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::math::scalar;
 
-/// How a value goes from one keyframe to the next.
+/// The interpolation of a value from one keyframe to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Interpolation {
     /// It stays until the next keyframe.
@@ -28,9 +28,9 @@ pub struct Sampler {
 struct Segment {
     from: usize,
     to: usize,
-    /// How far the time is from the first to the second, in [0, 1).
+    /// The fraction of the way from the first to the second, in [0, 1).
     t: f64,
-    /// Between the two, seconds.
+    /// The time between the two, seconds.
     length: f64,
 }
 
@@ -63,7 +63,7 @@ impl Sampler {
         Ok(sampler)
     }
 
-    /// How many numbers a value has.
+    /// The number of numbers in a value.
     pub fn width(&self) -> usize {
         self.values.len() / (self.times.len() * self.elements_per_key())
     }

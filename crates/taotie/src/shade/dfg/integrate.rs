@@ -21,7 +21,7 @@ pub fn ggx(n_dot_v: f64, roughness: f64) -> [f64; 4] {
     numbers(n_dot_v, alpha, |a| d_ggx(a.n_dot_h, a.sin2_h, alpha) * v_smith_ggx(a.n_dot_l, a.n_dot_v, alpha))
 }
 
-/// As [`ggx`], for Beckmann's distribution between V-shaped cavities.
+/// Integrates as [`ggx`], for Beckmann's distribution between V-shaped cavities.
 pub fn cook_torrance(n_dot_v: f64, slope: f64) -> [f64; 4] {
     numbers(n_dot_v, slope, |a| {
         let g = g_v_cavity(a.n_dot_l, a.n_dot_v, a.n_dot_h, a.v_dot_h);
@@ -29,7 +29,7 @@ pub fn cook_torrance(n_dot_v: f64, slope: f64) -> [f64; 4] {
     })
 }
 
-/// What white fibres reflect in all.
+/// The total reflection of white sheen.
 pub fn sheen(n_dot_v: f64, roughness: f64) -> f64 {
     let (n, v) = directions(n_dot_v.max(LEAST_COSINE));
     over_hemisphere(FINENESS, |l| {

@@ -16,7 +16,7 @@ pub use grid::{COLUMNS, ROWS};
 
 use crate::math::{Lane, Vec3};
 
-/// What a lobe reflects in all, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.
+/// The total reflection of a lobe, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dfg<L> {
     /// ∫ D V (1 − (1 − v·h)⁵) n·l dl, [0, 1].
@@ -45,7 +45,7 @@ impl<L: Lane> Dfg<L> {
     }
 }
 
-/// Of the GGX lobe.
+/// Reads the table of the GGX lobe.
 ///
 /// `n_dot_v` and `roughness` in [0, 1]; α is the square of the roughness.
 /// Law: within 0.5 % of the quadrature (`laws::energy::tables_are_exact_between_their_nodes`).
@@ -54,7 +54,7 @@ pub fn of_ggx(n_dot_v: f32, roughness: f32) -> Dfg<f32> {
     from_array(bilinear(&ggx::TABLE, n_dot_v, roughness))
 }
 
-/// Of the Cook-Torrance lobe: Beckmann's distribution between V-shaped cavities.
+/// Reads the table of the Cook-Torrance lobe: Beckmann's distribution between V-shaped cavities.
 ///
 /// `n_dot_v` in [0, 1]; `slope` at least 0, beyond 1 taken as 1.
 /// Law: within 0.5 % of the quadrature (`laws::energy::tables_are_exact_between_their_nodes`).
@@ -62,7 +62,7 @@ pub fn of_cook_torrance(n_dot_v: f32, slope: f32) -> Dfg<f32> {
     from_array(bilinear(&cook_torrance::TABLE, n_dot_v, slope.max(0.0).sqrt()))
 }
 
-/// The share of light that fibres of the colour white reflect, [0, 2].
+/// The share of light that sheen of the colour white reflects, [0, 2].
 ///
 /// The lobe as published sends back more than arrives where it is seen edge-on: up to 1.9 times at n·v below 0.1 and
 /// roughness below 0.3.
@@ -88,19 +88,19 @@ pub fn row_roughness(j: usize) -> f64 {
     j as f64 / (ROWS - 1) as f64
 }
 
-/// Where a table is read.
+/// The place at which a table is read.
 #[derive(Debug, Clone, Copy)]
 pub struct Place<L> {
     /// The node below, an integer: its row times [`COLUMNS`] plus its column.
     pub node: L,
-    /// How far the cosine is on the way to the next node, [0, 1].
+    /// The fraction of the way from this node to the next along the cosine, [0, 1].
     pub across: L,
     /// The same of the roughness.
     pub down: L,
 }
 
 impl<L: Lane> Place<L> {
-    /// For `n_dot_v` and `roughness` in [0, 1].
+    /// Finds the place for `n_dot_v` and `roughness` in [0, 1].
     #[inline(always)]
     pub fn of_ggx(n_dot_v: L, roughness: L) -> Self {
         let (i, across) = node(n_dot_v.max(n_dot_v.lit(0.0)).sqrt(), COLUMNS);
@@ -108,7 +108,7 @@ impl<L: Lane> Place<L> {
         Self { node: j * j.lit(COLUMNS as f64) + i, across, down }
     }
 
-    /// For `n_dot_v` in [0, 1] and a `slope` of at least 0.
+    /// Finds the place for `n_dot_v` in [0, 1] and a `slope` of at least 0.
     #[inline(always)]
     pub fn of_cook_torrance(n_dot_v: L, slope: L) -> Self {
         Self::of_ggx(n_dot_v, slope.max(slope.lit(0.0)).sqrt())

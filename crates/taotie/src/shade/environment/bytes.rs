@@ -1,6 +1,6 @@
 //! An environment as bytes, so that its levels need not be made anew: little endian, checked by length and sum.
 //!
-//! After the header come the number of mended texels, the picture and the levels. Texels
+//! After the header come the number of mended texels, the image and the levels. Texels
 //! are six bytes, three half floats, after the exponent of two that they are multiplied by.
 
 use super::levels::{Level, Levels, alphas};
@@ -14,7 +14,7 @@ use crc32fast::Hasher;
 use std::io::{self, Read};
 use std::sync::OnceLock;
 
-/// How such bytes begin; then come [`ENVIRONMENT_VERSION`] and the CRC-32 of all that follows.
+/// The first bytes; then come [`ENVIRONMENT_VERSION`] and the CRC-32 of all that follows.
 const SIGNATURE: &[u8; 8] = b"taotie\0E";
 const HEADER: usize = 16;
 
@@ -42,7 +42,7 @@ impl Environment {
         bytes
     }
 
-    /// What [`Self::to_bytes`] made, to the same bits.
+    /// Reads what [`Self::to_bytes`] made, to the same bits.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the bytes are none of an environment, of another version, cut off or damaged.
@@ -103,13 +103,13 @@ fn wrong(why: &str) -> Error {
     Error::invalid("the bytes of an environment", why)
 }
 
-/// How many bytes of texels are read at once: few enough to stay in the cache until they are texels.
+/// The number of bytes of texels read at once: few enough to stay in the cache until they are texels.
 const PIECE: usize = 6 << 13;
 
-/// How many texels are believed to come before they have; more are made room for as they do.
+/// The most texels for which room is made before they are read; more room is made as they are.
 const BELIEVED: usize = 1 << 22;
 
-/// What is still to be read.
+/// The rest, still to be read.
 struct Rest<R> {
     from: R,
     /// The sum of what was read since the header.
@@ -182,7 +182,7 @@ mod tests {
         Environment::new(image).unwrap()
     }
 
-    /// With the sum made right again.
+    /// Reads bytes with one value changed and the sum corrected.
     fn changed(mut bytes: Vec<u8>, at: usize, value: &[u8]) -> Result<Environment> {
         bytes[at..at + value.len()].copy_from_slice(value);
         let sum = crc32fast::hash(&bytes[HEADER..]).to_le_bytes();

@@ -20,16 +20,16 @@ const FLOOR: f64 = 0.02;
 pub(super) struct Distribution {
     columns: usize,
     rows: usize,
-    /// For each row the probability of all above it, and at the end 1.
+    /// The probability of all above each row, and at the end 1.
     above: Vec<f64>,
-    /// For each row and column the probability in the row of all to the left, and at the end 1.
+    /// The probability in each row of all to the left of each column, and at the end 1.
     left: Vec<f64>,
     /// The density in each cell, sr⁻¹.
     density: Vec<f32>,
 }
 
 impl Distribution {
-    /// For the light of a picture.
+    /// Makes the distribution for the light of an image.
     pub(super) fn new(picture: &Picture) -> Self {
         let columns = picture.width().min(MOST[0]);
         let rows = picture.height().min(MOST[1]);
@@ -98,7 +98,7 @@ fn find(rising: &[f64], u: f64) -> (usize, f64) {
     (step, ((u - from) / (to - from)).clamp(0.0, 1.0))
 }
 
-/// For each cell the mean of the channels where filtered lookup finds most, row by row.
+/// The mean of the channels where filtered lookup finds most, for each cell, row by row.
 fn brightest(picture: &Picture, columns: usize, rows: usize) -> Vec<f64> {
     let (width, height) = (picture.width(), picture.height());
     let mut across = Vec::with_capacity(height * columns);

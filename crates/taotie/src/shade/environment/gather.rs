@@ -1,5 +1,5 @@
-//! What many directions see at once: levels and places are found in packs, texels read one by one, and decoded and
-//! filtered in packs.
+//! Environment lookup of many directions at once: levels and places are found in packs, texels read one by one, and
+//! decoded and filtered in packs.
 
 use super::Environment;
 use super::levels::{Between, Levels};
@@ -7,10 +7,11 @@ use super::octahedron::taps;
 use crate::math::{Column, Pack, Quads, Vec3, Words, dispatch_pack};
 use fearless_simd::Level;
 
-/// Where and how rough mirrors gather light, at most [`crate::math::BATCH`] of them, in the environment's space.
+/// The directions and roughnesses for which light is gathered, at most [`crate::math::BATCH`], in the environment's
+/// space.
 #[derive(Debug, Clone)]
 pub(crate) struct Mirrors {
-    /// Where light comes from, of any length.
+    /// The directions that light comes from, of any length.
     pub direction: [Column; 3],
     /// [`Environment::place_of`] it.
     pub place: [Column; 2],
@@ -18,13 +19,13 @@ pub(crate) struct Mirrors {
     pub roughness: Column,
 }
 
-/// Which light is gathered.
+/// The light to be gathered.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
     pub mirrors: &'a Mirrors,
-    /// How many of them count, from the first on.
+    /// The number of them that count, from the first on.
     pub len: usize,
-    /// What the light is multiplied by.
+    /// The factor of the light.
     pub factor: f32,
 }
 
@@ -41,7 +42,7 @@ pub(crate) struct Gatherer {
     above: Taps,
     /// The number of the level below; −1 where all are rougher.
     number: Column,
-    /// How much of the level above is in the mean.
+    /// The weight of the level above in the mean.
     share: Column,
 }
 

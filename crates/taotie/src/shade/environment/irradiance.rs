@@ -22,7 +22,7 @@ const FACTORS: [f64; 9] = {
 };
 
 impl IrradianceHarmonics {
-    /// Of a picture whose texels each shine evenly.
+    /// Makes the harmonics of an image whose texels each shine evenly.
     pub(super) fn new(picture: &Picture) -> Self {
         let waves = waves(picture.width());
         let rows = (0..picture.height()).into_par_iter();

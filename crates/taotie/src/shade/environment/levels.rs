@@ -15,8 +15,8 @@ pub(super) struct Level {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Levels(pub(super) Vec<Level>);
 
-/// Where levels become dense, and how dense they are below and above. Going between two lobes of GGX that are a factor
-/// of e^δ apart in α errs by up to 0.18 δ² in the mean square; steps above are 1.14.
+/// The α from which levels are dense; next their density below and above. Going between two lobes of GGX that are a
+/// factor of e^δ apart in α errs by up to 0.18 δ² in the mean square; steps above are 1.14.
 const DENSE_FROM: f64 = 0.04;
 const SPARSE: (u32, f64) = (6, 1.5);
 const DENSE: u32 = 24;
@@ -35,16 +35,16 @@ pub(super) fn alphas() -> Vec<f64> {
     sparse.chain(dense).collect()
 }
 
-/// Between which levels a roughness lies.
+/// The two levels between which a roughness lies.
 pub(super) struct Between<L> {
     /// The number of the level below; −1 where all are rougher.
     pub(super) below: L,
-    /// How much of the level above is in the mean.
+    /// The weight of the level above in the mean.
     pub(super) share: L,
 }
 
 impl<L: Lane> Between<L> {
-    /// Of a `roughness` in [0, 1].
+    /// Finds the levels of a `roughness` in [0, 1].
     ///
     /// Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel, since
     /// the second derivative of a lobe by ln α is, as far as it is like the first, its negative.
@@ -85,7 +85,7 @@ impl Levels {
         &self.0[number.min(self.0.len() - 1)].map
     }
 
-    /// How many there are; at least one.
+    /// The number of levels; at least one.
     pub(super) fn count(&self) -> usize {
         self.0.len()
     }

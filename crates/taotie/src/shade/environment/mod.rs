@@ -1,6 +1,6 @@
-//! Light from infinitely far all around: an equirectangular picture and what is made of it once.
+//! Light from infinitely far all around: an equirectangular image and what is made of it once.
 //!
-//! Directions are unit, in the environment's own space, with +y up. The picture's convention is u = atan2(z, x)/(2π) +
+//! Directions are unit, in the environment's own space, with +y up. The image's convention is u = atan2(z, x)/(2π) +
 //! 1/2, v = acos(y)/π, both from the top left.
 
 mod bytes;
@@ -26,7 +26,7 @@ use std::sync::OnceLock;
 
 pub use studio::{STUDIO_VERSION, studio};
 
-/// Version of what [`Environment::new`] makes and of the bytes that it is kept in: the same picture gives the same bits
+/// Version of what [`Environment::new`] makes and of the bytes that it is kept in: the same image gives the same bits
 /// as long as it stays.
 pub const ENVIRONMENT_VERSION: u32 = 3;
 
@@ -45,15 +45,15 @@ pub struct Environment {
 pub struct EnvironmentSample {
     /// Unit, to the light.
     pub direction: Vec3,
-    /// What comes from there, linear RGB.
+    /// The radiance from there, linear RGB.
     pub radiance: Vec3,
     /// Density of the choice, sr⁻¹, above 0.
     pub pdf: f32,
 }
 
 impl Environment {
-    /// From an equirectangular picture, linear RGB. Texels that no light can have are mended and counted: what is
-    /// negative or not a number becomes 0, what is infinite 65504 or the largest number of the picture.
+    /// Makes an environment from an equirectangular image, linear RGB. Texels that no light can have are corrected and
+    /// counted: what is negative or not a number becomes 0, what is infinite 65504 or the largest number of the image.
     ///
     /// # Errors
     /// None yet.
@@ -65,7 +65,7 @@ impl Environment {
         Ok(Self { levels, picture, distribution: OnceLock::new(), mended })
     }
 
-    /// How many texels of the picture were mended.
+    /// The number of texels of the image that were corrected.
     pub fn mended_texels(&self) -> usize {
         self.mended
     }
@@ -86,22 +86,22 @@ impl Environment {
         self.levels.at(direction, roughness, || self.radiance(direction))
     }
 
-    /// The irradiance on a plane with the unit normal `n`, linear RGB: π times the level of roughness 1, whose lobe is the
-    /// cosine.
+    /// The irradiance on a plane with the unit normal `n`, linear RGB: π times the level of roughness 1, whose lobe is
+    /// the cosine.
     ///
     /// Law: within 2 % of the integral over all texels (`laws::environment::irradiance_is_the_integral_over_all_texels`).
     pub fn irradiance(&self, n: Vec3) -> Vec3 {
         self.levels.at(n, 1.0, || self.radiance(n)) * std::f32::consts::PI
     }
 
-    /// Where a direction of any length lies in the filtered maps.
+    /// The place of a direction of any length in the filtered maps.
     #[inline(always)]
     pub(crate) fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
         octahedron::place_of(direction)
     }
 
-    /// The irradiance up to the second degree of spherical harmonics, for engines that take light so. On the dark side of
-    /// a room with few lamps it is off by a quarter, where [`Self::irradiance`] is exact.
+    /// The irradiance up to the second degree of spherical harmonics, for engines that take light so. On the dark side
+    /// of a room with few lamps it is off by a quarter, where [`Self::irradiance`] is exact.
     pub fn irradiance_harmonics(&self) -> IrradianceHarmonics {
         IrradianceHarmonics::new(&self.picture)
     }

@@ -4,7 +4,7 @@ use super::texels::HalfTexels;
 use crate::math::{Lane, Vec3};
 use rayon::prelude::*;
 
-/// A picture of the sphere with a border, so that lookup between texels is seamless.
+/// An image of the sphere with a border, so that lookup between texels is seamless.
 ///
 /// Source: Engelhardt and Dachsbacher 2008, "Octahedron Environment Maps".
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +49,7 @@ fn folded(x: f32, z: f32) -> (f32, f32) {
 }
 
 impl Octahedron {
-    /// From what is seen in each of [`directions`].
+    /// Makes a map from what is seen in each of [`directions`].
     pub(super) fn new(side: usize, light: impl Fn(usize) -> [f32; 4] + Sync) -> Self {
         let mut colors = vec![[0.0; 4]; (side + 2) * (side + 2)];
         colors.par_chunks_mut(side + 2).skip(1).take(side).enumerate().for_each(|(y, row)| {
@@ -64,7 +64,7 @@ impl Octahedron {
         Self { side, texels: HalfTexels::encode(&colors) }
     }
 
-    /// From stored texels, as many as a map of this side has with its border.
+    /// Takes stored texels, as many as a map of this side has with its border.
     pub(super) fn from_texels(side: usize, texels: HalfTexels) -> Self {
         Self { side, texels }
     }
@@ -87,8 +87,8 @@ impl Octahedron {
     }
 }
 
-/// The first of the two texels around the coordinate `u` of a map of `side` texels, counted with the border, and how far
-/// it is on the way to the next.
+/// The first of the two texels around the coordinate `u` of a map of `side` texels, counted with the border, and the
+/// fraction of the way to the next.
 #[inline(always)]
 pub(super) fn taps<L: Lane>(u: L, side: L) -> (L, L) {
     let x = u * side + u.lit(0.5);
@@ -96,7 +96,7 @@ pub(super) fn taps<L: Lane>(u: L, side: L) -> (L, L) {
     (first, x - first)
 }
 
-/// Which texel inside shows what a border texel does: each edge of the square is sewn to itself, turned round.
+/// The texel inside that shows what a border texel does: each edge of the square is sewn to itself, turned round.
 fn inside([x, y]: [usize; 2], side: usize) -> [usize; 2] {
     let turned = |i: usize| side + 1 - i;
     let (x, y) = if x == 0 || x == side + 1 { (x.clamp(1, side), turned(y)) } else { (x, y) };

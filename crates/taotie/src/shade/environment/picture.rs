@@ -1,11 +1,11 @@
-//! The equirectangular picture itself: where a direction lies in it, and what shines from there.
+//! The equirectangular image itself: where a direction lies in it, and what shines from there.
 
 use super::texels::{HalfTexels, MAX_RADIANCE};
 use crate::image::Image;
 use crate::math::{Vec3, scalar};
 use std::f32::consts::PI;
 
-/// An equirectangular picture.
+/// An equirectangular image.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Picture {
     width: usize,
@@ -13,7 +13,7 @@ pub(super) struct Picture {
     texels: HalfTexels,
 }
 
-/// Where a unit direction lies in the picture: u and v in [0, 1] from the top left, u = ½ at +x and ¾ at +z.
+/// The place of a unit direction in the image: u and v in [0, 1] from the top left, u = ½ at +x and ¾ at +z.
 pub(super) fn uv_of(direction: Vec3) -> [f32; 2] {
     let Vec3 { x, y, z } = direction;
     // Near the poles the arc cosine of y would lose half the digits.
@@ -29,13 +29,13 @@ pub(super) fn direction_at(u: f64, y: f64) -> Vec3 {
 }
 
 impl Picture {
-    /// From a picture whose texels were [`mended`].
+    /// Encodes an image whose texels were [`mended`].
     pub(super) fn new(image: &Image) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
         Self { width, height, texels: HalfTexels::encode(image.pixels()) }
     }
 
-    /// From stored texels, as many as the size says.
+    /// Takes stored texels, as many as the size says.
     pub(super) fn from_texels(width: usize, height: usize, texels: HalfTexels) -> Self {
         Self { width, height, texels }
     }
@@ -57,7 +57,7 @@ impl Picture {
         self.texels.get(y * self.width + x)
     }
 
-    /// What shines from the direction at u and v in [0, 1], linear RGB: the mean of the four texels around it, by
+    /// The radiance from the direction at u and v in [0, 1], linear RGB: the mean of the four texels around it, by
     /// nearness.
     pub(super) fn radiance_at(&self, [u, v]: [f32; 2]) -> Vec3 {
         // One column on, so that what is cut off is what lies below.
@@ -74,7 +74,7 @@ impl Picture {
 }
 
 /// Makes every number one that light can have, and counts the texels that had another: neither a number nor positive
-/// becomes 0, infinite becomes 65504, the largest half float, or the largest number of the picture where that is more.
+/// becomes 0, infinite becomes 65504, the largest half float, or the largest number of the image where that is more.
 pub(super) fn mended(image: &mut Image) -> usize {
     let sound = |v: f32| (0.0..=MAX_RADIANCE).contains(&v);
     let largest = |most: f32, v: f32| if sound(v) && v > most { v } else { most };

@@ -12,21 +12,21 @@ pub const STUDIO_VERSION: u32 = 1;
 /// Pixels across; half as many down.
 const WIDTH: u32 = 1024;
 
-/// What all is multiplied by, so that a white matt plane that faces +z is about as bright as one under the sky of
+/// The factor of all radiance, so that a white matt plane that faces +z is about as bright as one under the sky of
 /// radiance 0.8.
 const EXPOSURE: f64 = 0.502;
 
 /// A lamp: a rectangle that faces the middle, soft at its edges.
 struct Panel {
-    /// Where its middle is seen.
+    /// The direction of its middle.
     toward: [f64; 3],
-    /// Which way its width goes, roughly.
+    /// The rough direction of its width.
     right: [f64; 3],
     /// Half its width and height at distance 1.
     half: [f64; 2],
-    /// How wide its edges are.
+    /// The width of its edges.
     edge: f64,
-    /// In its middle; at the edges it is dimmer.
+    /// The radiance in its middle; at the edges it is dimmer.
     radiance: f64,
 }
 
@@ -63,7 +63,7 @@ const PANELS: [Panel; 4] = [
     },
 ];
 
-/// An equirectangular picture of the studio, linear and grey, so that what it lights keeps its colour.
+/// An equirectangular image of the studio, linear and grey, so that what it lights keeps its colour.
 ///
 /// Law: its bits are those of [`STUDIO_VERSION`], and its irradiance is what its exposure says
 /// (`laws::environment::the_studio_*`).

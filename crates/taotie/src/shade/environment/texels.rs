@@ -1,14 +1,14 @@
-//! Light in half floats: an environment's picture and its levels are large, and are read far more often than made.
+//! Light in half floats: an environment's image and its levels are large, and are read far more often than made.
 
 use crate::math::Vec3;
 use half::f16;
 
-/// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no picture holds it whole.
+/// The largest radiance that is stored; the disc of the sun has 1.6e9 in cd/m², and no image holds it whole.
 pub(super) const MAX_RADIANCE: f32 = 1e9;
 
 /// Texels of three half floats, all times one power of two, which lets the brightest come near the end of the range.
 ///
-/// A texel is within 2⁻¹¹ of what it stands for, and black where that is below 2⁻²⁹ of the brightest.
+/// A texel is within 2⁻¹¹ of its true value, and black where that is below 2⁻²⁹ of the brightest.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HalfTexels {
     exponent: i32,
@@ -17,7 +17,7 @@ pub(super) struct HalfTexels {
 }
 
 impl HalfTexels {
-    /// From linear RGB in [0, [`MAX_RADIANCE`]]; a fourth channel is not looked at.
+    /// Encodes linear RGB in [0, [`MAX_RADIANCE`]]; a fourth channel is not looked at.
     pub(super) fn encode(colors: &[[f32; 4]]) -> Self {
         let brightest =
             colors.iter().flat_map(|c| &c[..3]).fold(0.0f32, |most, v| if *v > most { *v } else { most });
@@ -73,7 +73,7 @@ impl HalfTexels {
         }
     }
 
-    /// What half floats are multiplied by whose exponent and mantissa are moved to where a float has them.
+    /// The factor of half floats whose exponent and mantissa are moved to where a float has them.
     #[inline]
     pub(super) fn factor(&self) -> f32 {
         self.decode

@@ -22,7 +22,7 @@ pub(super) fn lambert<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
 ///
 /// Ambient light is the caller's.
 /// Law: none of the physical ones (`laws::shade::unphysical_models_earn_their_names`).
-/// Source: Phong 1975; the seed paper's eq. 1, 3 and §1.2.
+/// Source: Phong 1975; Guo and Wang 2025, eq. 1, 3 and §1.2.
 #[inline(always)]
 pub(super) fn phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
     s.diffuse * a.n_dot_l + s.specular * poly::pow(a.r_dot_v, s.shininess)

@@ -42,7 +42,7 @@ pub(super) fn ggx<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
     ggx_with_lobe(s, a, d_ggx(a.n_dot_h, a.sin2_h, alpha) * v_smith_ggx(a.n_dot_l, a.n_dot_v, alpha))
 }
 
-/// As [`ggx`], for another D V.
+/// Computes [`ggx`] for another D V.
 #[inline(always)]
 pub(super) fn ggx_with_lobe<L: Lane>(s: &Substance<L>, a: &Angles<L>, lobe: L) -> Vec3<L> {
     let one = a.n_dot_l.lit(1.0);

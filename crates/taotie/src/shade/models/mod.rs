@@ -28,7 +28,7 @@ pub fn reflect<L: Lane>(shading: Shading, s: &Substance<L>, a: &Angles<L>) -> Ve
     }
 }
 
-/// As [`reflect`] with [`Shading::Ggx`], for a highlight that is stretched; `v` and `l` are those of `a`.
+/// Computes [`reflect`] with [`Shading::Ggx`], for an anisotropic highlight; `v` and `l` are those of `a`.
 #[inline(always)]
 pub fn reflect_stretched<L: Lane>(
     s: &Substance<L>,

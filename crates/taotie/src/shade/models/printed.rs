@@ -1,4 +1,4 @@
-//! The models as the seed paper and article print them, errors included. Nothing else may use these.
+//! The models as Guo and Wang 2025 and an article print them, errors included. Nothing else may use these.
 
 use super::classic::normalisation;
 use crate::math::{Lane, Vec3};
@@ -19,7 +19,7 @@ const MIN_N_DOT_L: f64 = 1e-6;
 /// factor n·l of the irradiance and is four times as strong; the diffuse part lacks 1/π. (D without 1/π and F/π
 /// are the right 1/π in another place.) Ambient light is the caller's.
 /// Law: neither reciprocal nor within energy (`laws::shade::unphysical_models_earn_their_names`).
-/// Source: the seed paper's eq. 1–8.
+/// Source: Guo and Wang 2025, eq. 1–8.
 #[inline(always)]
 pub(super) fn cook_torrance_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
     let one = a.n_dot_l.lit(1.0);
@@ -51,7 +51,7 @@ pub(super) fn blinn_phong_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> V
 /// V = g(n·l) g(n·v) / (4 (n·l/2 + 1/2) n·v), g(x) = x/(k + (1 − k)x), k = (roughness + 1)²/8;
 /// k_d = F0, k_s = (1 − F0)(1 − metallic)
 ///
-/// What differs from [`super::microfacet::ggx`]: F falls where it should rise and takes n·h for v·h; k_d and k_s
+/// It differs from [`super::microfacet::ggx`]: F falls where it should rise and takes n·h for v·h; k_d and k_s
 /// are swapped; the denominator has half-Lambert for n·l; α is not squared; there is no factor n·l, so the side
 /// turned away from the light is lit. The shader stores F, k_d and k_s in scalars, which keeps the **first channel
 /// of F0 alone**: so do we, and the highlight is grey. The bits of its half floats are not imitated. α is at

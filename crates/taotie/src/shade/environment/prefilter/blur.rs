@@ -1,4 +1,4 @@
-//! Blurring a picture of the sphere by a lobe, exactly alike everywhere: near the poles too, where pixels are narrow.
+//! Blurring an image of the sphere by a lobe, exactly alike everywhere: near the poles too, where pixels are narrow.
 
 use super::lobe::Fisher;
 use super::rings::{Areas, Pixel, Rings, accumulate, catmull_rom};
@@ -90,7 +90,7 @@ impl Sources {
         }
     }
 
-    /// What of a ring the lobe reaches from the ring at `polar`.
+    /// The part of a ring that the lobe reaches from the ring at `polar`.
     fn part<'a>(&self, ring: &'a Source, lobe: Fisher, polar: f64, ratio: usize) -> Option<Part<'a>> {
         let apart = scalar::sin((polar - ring.polar) / 2.0);
         let round = 2.0 * scalar::sin(polar) * scalar::sin(ring.polar);
@@ -118,7 +118,7 @@ impl Sources {
 
 /// Neighbours in a ring and their weights.
 struct Part<'a> {
-    /// Where they begin, from the pixel that the output's first lies on.
+    /// The first neighbour, counted from the pixel that the output's first lies on.
     first: isize,
     weights: Vec<f64>,
     twice: &'a [Pixel],
@@ -135,7 +135,7 @@ impl Part<'_> {
     }
 }
 
-/// How many sums are taken at once: additions wait for the last of their own sum only.
+/// The number of sums taken at once: additions wait for the last of their own sum only.
 const BLOCK: usize = 4;
 
 /// Adds weighted pixels to each of the sums.

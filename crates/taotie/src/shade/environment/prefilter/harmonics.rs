@@ -1,4 +1,4 @@
-//! The smooth part of a picture of the sphere as spherical harmonics.
+//! The smooth part of an image of the sphere as spherical harmonics.
 
 use super::lobe::Coefficients;
 use super::rings::{Areas, Pixel, Rings, accumulate};
@@ -6,7 +6,7 @@ use crate::math::scalar;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// The light of a picture up to a degree: for each order m its coefficients for l from m on, with cos mφ and sin mφ.
+/// The light of an image up to a degree: for each order m its coefficients for l from m on, with cos mφ and sin mφ.
 ///
 /// Source: Green 2003, "Spherical Harmonic Lighting", for real harmonics; Holmes and Featherstone 2002, eq. 11 and
 /// 12, for the recurrence.
@@ -19,7 +19,7 @@ pub(super) struct Harmonics {
 type Pair = [f64; 6];
 
 impl Harmonics {
-    /// Of a picture that shows no degree above its number of rings less `degree`.
+    /// Makes the harmonics of an image that shows no degree above its number of rings less `degree`.
     pub(super) fn new(rings: &Rings, degree: usize) -> Self {
         let waves = Waves::new(rings.width, degree);
         let areas = rings.areas(&Areas::Smooth);
@@ -41,7 +41,7 @@ impl Harmonics {
         Self { degree, orders: (0..=degree).into_par_iter().map(order).collect() }
     }
 
-    /// The picture on rings of `width` pixels, half as many rings, each degree multiplied by its coefficient.
+    /// The image on rings of `width` pixels, half as many rings, each degree multiplied by its coefficient.
     pub(super) fn rings(&self, coefficients: &Coefficients, width: usize) -> Rings {
         let mut output = Rings::black(width, width / 2);
         let legendre = Legendre::new(&output, self.degree);
@@ -104,7 +104,7 @@ struct Legendre {
     degree: usize,
     /// sin θ, cos θ.
     rings: Vec<[f64; 2]>,
-    /// For each order, the factors of the recurrence for each degree.
+    /// The factors of the recurrence, for each order and degree.
     factors: Vec<Vec<[f64; 2]>>,
 }
 

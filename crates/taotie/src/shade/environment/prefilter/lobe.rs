@@ -5,7 +5,7 @@
 use crate::math::{quadrature, scalar};
 use std::f64::consts::LN_2;
 
-/// Legendre coefficients of a lobe, from degree 0: by what it multiplies the harmonics of a picture.
+/// Legendre coefficients of a lobe, from degree 0: by what it multiplies the harmonics of an image.
 pub(super) type Coefficients = Vec<f64>;
 
 /// The lobe of GGX where the surface is seen from straight above, times n·l, as the split sum wants it:
@@ -53,7 +53,7 @@ impl Ggx {
         sums.iter().map(|sum| sum / sums[0]).collect()
     }
 
-    /// How much of the lobe is a [`Fisher`] lobe of concentration `kappa`, where concentrations are a factor of two
+    /// The share of a [`Fisher`] lobe of concentration `kappa` in the lobe, where concentrations are a factor of two
     /// apart: the sum over all of them is K / ∫ K within 1e-4, but for what lies behind the surface.
     ///
     /// (1 + bq)⁻² is ∫ κ/b² exp(−κ/b) exp(−κq) dκ, a mixture with Gamma's density; the factor 1 − q turns the density
@@ -74,12 +74,12 @@ impl Ggx {
 /// Source: Fisher 1953, eq. 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fisher {
-    /// At least 10.
+    /// The concentration, at least 10.
     pub(super) kappa: f64,
 }
 
 impl Fisher {
-    /// Of about this standard deviation, radians.
+    /// Makes a lobe of about this standard deviation, radians.
     pub(super) fn of_width(sigma: f64) -> Self {
         Self { kappa: 1.0 / (sigma * sigma) }
     }

@@ -1,7 +1,7 @@
 //! Filtering an environment's light by the lobes of rough mirrors.
 //!
 //! The lobe of GGX has a sharp peak and a long tail, so a sum over what it covers would be long for every texel. But it
-//! is a sum of Gaussians a factor of √2 apart in width ([`lobe::Ggx::share`]). So the picture is blurred once by each
+//! is a sum of Gaussians a factor of √2 apart in width ([`lobe::Ggx::share`]). So the image is blurred once by each
 //! Gaussian that is narrow, one after the other and on coarser and coarser rings ([`blur`]), and what is left of a lobe
 //! is so smooth that spherical harmonics of a low degree hold it exactly ([`harmonics`]). A level is the weighted sum of
 //! these. The weights are those of the lobe's Legendre coefficients, so all light is kept.
@@ -25,13 +25,14 @@ use std::f64::consts::{SQRT_2, TAU};
 /// Up to this degree light is kept as spherical harmonics.
 const DEGREE: usize = 64;
 
-/// The widest Gaussian that the picture is blurred by, radians: the next has nothing left above [`DEGREE`].
+/// The widest Gaussian that the image is blurred by, radians: the next has nothing left above [`DEGREE`].
 const WIDEST: f64 = 0.075;
 
 /// The narrowest Gaussian, in rings.
 const NARROWEST: f64 = 0.5;
 
-/// How wide, in rings, a Gaussian must be to be shown by them, and by the coarsest: rough levels are made of these.
+/// The least width, in rings, of a Gaussian that they can show, and that the coarsest can: rough levels are made of
+/// these.
 const SHOWN: [f64; 2] = [1.4, 1.9];
 
 /// From this α on, half as many rings show the smooth rest.
@@ -48,7 +49,7 @@ const TEXELS: [f64; 2] = [14.0, 24.0];
 const MOST_TEXELS: [f64; 2] = [0.625, 1.2];
 const FEWEST_TEXELS: f64 = 64.0;
 
-/// The light of a picture at each roughness.
+/// The light of an image at each roughness.
 pub(super) fn levels(picture: &Picture) -> Levels {
     let scales = Scales::new(resize::rings(picture));
     let mut places = Vec::new();
@@ -66,21 +67,21 @@ pub(super) fn levels(picture: &Picture) -> Levels {
     Levels(alphas().into_iter().map(level).collect())
 }
 
-/// The picture at all scales.
+/// The image at all scales.
 struct Scales {
-    /// Pixels a ring of each size of picture, finest first.
+    /// The number of pixels a ring, for each size of image, finest first.
     widths: Vec<usize>,
     blurred: Vec<Scale>,
-    /// Those of the picture blurred like `reference`.
+    /// Those of the image blurred like `reference`.
     harmonics: Harmonics,
     reference: usize,
 }
 
-/// The picture blurred.
+/// The image blurred.
 struct Scale {
     lobe: Fisher,
     rings: Rings,
-    /// Of all blurs that led here.
+    /// The coefficients of all blurs that led here.
     coefficients: Coefficients,
 }
 
@@ -110,7 +111,7 @@ impl Scales {
         Self { widths, blurred, harmonics, reference }
     }
 
-    /// The picture filtered by a lobe.
+    /// The image filtered by a lobe.
     fn sum(&self, lobe: Ggx) -> Sum {
         let finer = (1..).map(|n| lobe.share(self.blurred[0].lobe.kappa * f64::from(1u32 << n)));
         let sharp: f64 = finer.take(24).sum();
@@ -154,7 +155,7 @@ impl Scale {
     }
 }
 
-/// A filtered picture: one that is smooth, and a share of the picture itself.
+/// A filtered image: one that is smooth, and a share of the image itself.
 struct Sum {
     sharp: f32,
     rings: Rings,

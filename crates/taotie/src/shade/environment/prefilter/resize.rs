@@ -1,4 +1,4 @@
-//! The size at which a picture is filtered.
+//! The size at which an image is filtered.
 
 use super::rings::{Pixel, Rings, accumulate};
 use crate::math::scalar;
@@ -6,11 +6,11 @@ use crate::shade::environment::picture::Picture;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// The narrowest and the widest picture that is filtered.
+/// The narrowest and the widest image that is filtered.
 const WIDTHS: [usize; 2] = [256, 2048];
 
-/// The picture on rings, half as many as pixels a ring. Their number can be halved until rings of 256 pixels to 511
-/// are left. A picture that already is like this stays as it is.
+/// The image on rings, half as many as pixels a ring. Their number can be halved until rings of 256 pixels to 511
+/// are left. An image that already is like this stays as it is.
 pub(super) fn rings(picture: &Picture) -> Rings {
     let wanted = picture.width().clamp(WIDTHS[0], WIDTHS[1]);
     let unit = 2 << (wanted / 256).ilog2();

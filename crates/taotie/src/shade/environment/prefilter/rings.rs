@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 /// A pixel: linear RGB, and a fourth number that is carried along for the sake of speed.
 pub(super) type Pixel = [f32; 4];
 
-/// An equirectangular picture on its way.
+/// An equirectangular image on its way.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rings {
     /// Pixels a ring, even.
@@ -18,11 +18,11 @@ pub(super) struct Rings {
     pub(super) pixels: Vec<Pixel>,
 }
 
-/// What each pixel of a row stands for in an integral over the sphere; the scale does not matter.
+/// The weight of each pixel of a row in an integral over the sphere; the scale does not matter.
 pub(super) enum Areas {
     /// Its solid angle: light is even in each texel.
     Solid,
-    /// What integrates exactly all that rings of this number can show.
+    /// The weight that integrates exactly all that rings of this number can show.
     Smooth,
 }
 
@@ -59,7 +59,7 @@ impl Rings {
         (0..self.height).map(|y| area(self.polar(y))).collect()
     }
 
-    /// Adds pictures of the same size, each times its weight.
+    /// Adds images of the same size, each times its weight.
     pub(super) fn add(&mut self, others: &[(f32, &Self)]) {
         self.pixels.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| {
             for (weight, other) in others {
@@ -70,7 +70,7 @@ impl Rings {
         });
     }
 
-    /// The picture on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`].
+    /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`].
     pub(super) fn doubled(&self) -> Self {
         let mut output = Self::black(self.width * 2, self.height * 2);
         output.pixels.par_chunks_mut(self.width * 2).enumerate().for_each(|(y, row)| {
@@ -91,7 +91,7 @@ impl Rings {
         output
     }
 
-    /// The picture at (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
+    /// The image at (u, v) in [0, 1]² by Catmull and Rom's cubic, smooth across the seam and through the poles.
     pub(super) fn cubic(&self, [u, v]: [f32; 2]) -> Pixel {
         // One pixel on, so that what is cut off is what lies below.
         let (x, y) = (u * self.width as f32 + 0.5, v * self.height as f32 + 0.5);
@@ -133,7 +133,7 @@ fn across(row: &[Pixel], x: isize, weights: [f32; 4]) -> Pixel {
     sum
 }
 
-/// For pixel `x` of twice as many: the first of its four neighbours among the half, and their weights.
+/// The neighbours of pixel `x` of twice as many: the first of four among the half, and their weights.
 fn halfway(x: usize) -> (isize, [f32; 4]) {
     let (half, odd) = ((x / 2) as isize, x % 2);
     if odd == 1 { (half - 1, catmull_rom(0.25)) } else { (half - 2, catmull_rom(0.75)) }
