@@ -2,7 +2,7 @@
 
 use super::Viewport;
 
-/// How far outside the picture vertices may lie before they are clipped, pixels.
+/// The distance outside the image at which vertices are clipped, pixels.
 const GUARD: f64 = 8192.0;
 
 /// A vertex in clip space: x, y, z, w.
@@ -22,9 +22,9 @@ pub(super) struct Polygon {
 /// coordinates small enough for exact edge functions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ClipVolume {
-    /// How far |x/w| may go.
+    /// The limit of |x/w|.
     pub guard_x: f64,
-    /// How far |y/w| may go.
+    /// The limit of |y/w|.
     pub guard_y: f64,
 }
 

@@ -6,10 +6,10 @@ use super::small::{PACK, Setups};
 use super::triangle::clamped;
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
 
-/// How many columns and how many rows of samples are few.
+/// The number of columns, and of rows, of samples up to which they are few.
 pub(super) const FEW: usize = 5;
 
-/// Which samples eight triangles cover, and how near they are there.
+/// The samples that eight triangles cover, and how near they are there.
 pub(super) struct Few {
     /// The pixel of the top left sample around each triangle.
     first: [i32; PACK],

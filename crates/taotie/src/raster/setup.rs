@@ -30,7 +30,7 @@ impl ScreenTriangle {
     }
 }
 
-/// What turning clip space into screen triangles needs.
+/// The inputs for turning clip space into screen triangles.
 pub(super) struct Setup<'a> {
     viewport: &'a Viewport,
     volume: ClipVolume,
@@ -78,7 +78,7 @@ impl<'a> Setup<'a> {
         self.may_cover(&triangle).then_some(triangle)
     }
 
-    /// Whether the triangle's box holds a sample of the picture.
+    /// Says whether the triangle's box holds a sample of the image.
     fn may_cover(&self, triangle: &ScreenTriangle) -> bool {
         let [left, top, right, bottom] = triangle.bounds();
         if right < 0 || bottom < 0 {

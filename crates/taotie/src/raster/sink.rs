@@ -1,4 +1,4 @@
-//! What becomes of covered pixels.
+//! Receivers of covered pixels.
 
 use super::{Layer, TILE_PIXELS};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};

@@ -37,7 +37,7 @@ impl Tile {
 pub struct TileSample<'t> {
     /// The tile.
     pub tile: &'t Tile,
-    /// Where in the pixel, 1/256 pixel right and down from its corner.
+    /// The place in the pixel, 1/256 pixel right and down from its corner.
     pub offset: [i32; 2],
 }
 

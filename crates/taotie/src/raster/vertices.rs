@@ -25,7 +25,7 @@ pub(super) struct ScreenVertices {
 /// The x of vertices outside; the planes come on top of it.
 const OUTSIDE: f64 = -1_073_741_824.0;
 
-/// How far apart the x of vertices outside different planes are.
+/// The distance in x between vertices outside different planes.
 const OUTSIDE_STEP: f64 = 65536.0;
 
 impl ScreenVertices {
@@ -43,7 +43,7 @@ impl ScreenVertices {
     }
 }
 
-/// What snapping a pack of vertices needs.
+/// The inputs for snapping a pack of vertices.
 struct Snap<S> {
     simd: S,
     volume: ClipVolume,

@@ -15,18 +15,18 @@ pub struct Viewport {
     pub width: u32,
     /// Pixels down, 1 to 16384.
     pub height: u32,
-    /// Where in a pixel it is sampled.
+    /// The sample positions in a pixel.
     pub pattern: SamplePattern,
 }
 
 impl Viewport {
-    /// How many tiles there are across and down.
+    /// The number of tiles across and down.
     pub fn tiles(&self) -> (u32, u32) {
         (self.width.div_ceil(TILE_SIZE), self.height.div_ceil(TILE_SIZE))
     }
 }
 
-/// Which faces are drawn.
+/// The faces that are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Faces {
     /// Those that turn counter-clockwise as seen.
@@ -38,7 +38,7 @@ pub enum Faces {
 }
 
 impl Faces {
-    /// Whether clockwise triangles and counter-clockwise ones are drawn.
+    /// Says whether clockwise triangles and counter-clockwise ones are drawn.
     pub(super) fn turns(self) -> [bool; 2] {
         [self != Self::CounterClockwise, self != Self::Clockwise]
     }

@@ -25,7 +25,7 @@ pub struct Batch {
     pub(super) uv_sets: Vec<UvSet>,
     /// Vertex colours, where the mesh has some.
     pub(super) color: [Column; 4],
-    /// What the curvature of the smooth surface, and what the normal map, add to α² within a pixel.
+    /// The variance within a pixel that is added to α²: by the curvature of the smooth surface, and by the normal map.
     pub(super) curvature: Column,
     pub(super) normal_variance: Column,
     pub(super) lookups: Lookups,
@@ -45,7 +45,7 @@ pub struct Batch {
     pub(super) handedness: Column,
     /// 1 where the front is seen, −1 where the back is.
     pub(super) facing: Column,
-    /// Whether the normal turns to a viewer behind the surface even where the material is single-sided.
+    /// `true` where the normal turns to a viewer behind the surface even where the material is single-sided.
     pub(super) both_sides: bool,
     /// The normal map's stored vector, each component in [0, 1].
     pub(super) map: Column3,
@@ -73,7 +73,7 @@ pub struct Batch {
     pub(super) bump: Column,
     /// Directional albedos of the lobe: scale, bias, edge, diffuse edge; valid once they were looked up.
     pub(super) dfg: Quads,
-    /// Whether light that scatters several times is given back.
+    /// `true` where light that scatters several times is added.
     pub(super) compensated: bool,
     pub(super) surround: Surroundings,
     pub(super) mirrors: Mirrors,
@@ -84,18 +84,18 @@ pub struct Batch {
     pub(super) n: Column3,
     /// Base colour with its factor.
     pub(super) albedo: Column3,
-    /// What leaves towards the viewer, linear RGB.
+    /// The radiance that leaves towards the viewer, linear RGB.
     pub(super) radiance: Column3,
     /// For each light, 1 where it is seen and 0 where it is not.
     pub(super) visibility: Vec<Column>,
 }
 
-/// What lies over or in the surface; filled where the material has it.
+/// The layers over or in the surface; filled where the material has them.
 #[derive(Debug, Clone)]
 pub(super) struct Layers {
     pub coat: Column,
     pub coat_roughness: Column,
-    /// The lacquer's normal map's stored vector.
+    /// The stored vector of the clearcoat's normal map.
     pub coat_map: Column3,
     /// Unit, world space.
     pub coat_n: Column3,
@@ -104,20 +104,20 @@ pub(super) struct Layers {
     pub sheen_roughness: Column,
     pub sheen_albedo: Column,
     pub stretch: Column,
-    /// Cosine and sine of the stretch's angle from the tangent.
+    /// Cosine and sine of the angle of anisotropy from the tangent.
     pub stretch_turn: [Column; 2],
     /// Unit, world space.
     pub stretch_tangent: Column3,
 }
 
-/// What the environment sends to a fragment, linear RGB.
+/// The light of the environment at a fragment, linear RGB.
 #[derive(Debug, Clone)]
 pub(super) struct Surroundings {
     /// The radiance that the highlight gathers.
     pub specular: Column3,
     /// The irradiance over π.
     pub mean: Column3,
-    /// The radiance that the lacquer's highlight gathers.
+    /// The radiance that the clearcoat's highlight gathers.
     pub coat: Column3,
 }
 
@@ -198,12 +198,12 @@ impl Batch {
         self.uv_sets.first().map_or([0.0; 2], |set| [set.uv[0][i], set.uv[1][i]])
     }
 
-    /// How many fragments there are.
+    /// The number of fragments.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there are none.
+    /// Says whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

@@ -1,4 +1,4 @@
-//! What the corners of each fragment's triangle hold, in columns.
+//! The data at the corners of each fragment's triangle, in columns.
 
 use super::columns::{Column3, load};
 use crate::math::{Column, Pack, Vec3};

@@ -1,4 +1,4 @@
-//! What fragments are made of: interpolated vertices, and what textures say.
+//! Makes fragments from interpolated vertices and textures.
 
 use super::batch::{BATCH, Batch};
 use super::columns::{Column, get3, load};
@@ -25,7 +25,7 @@ impl Interpolation<'_> {
         batch.constants_of = Some(self.draw.first_triangle);
     }
 
-    /// Where rays leave from, `lift` above the surface, model units.
+    /// The origins of rays, at the height `lift` above the surface, model units.
     pub(super) fn origins(&self, lift: f32, batch: &Batch) -> [Vec3; BATCH] {
         let (draw, mut origins) = (self.draw, [Vec3::default(); BATCH]);
         for run in &batch.runs {
@@ -42,7 +42,7 @@ impl Interpolation<'_> {
         origins
     }
 
-    /// What the method of the shading normal needs from textures, and what of the surface is too fine for the pixel.
+    /// Fills in the texture data for the method of the shading normal, and the surface detail too fine for the pixel.
     fn normal_inputs(&self, batch: &mut Batch) {
         let len = batch.len;
         match &self.draw.normal_source {
@@ -218,7 +218,7 @@ struct Reader<'b, 'i> {
     interpolation: &'i Interpolation<'i>,
     lookups: &'b mut Lookups,
     at: Coordinates<'b>,
-    /// Whether columns that no texture fills may hold something else than their factors.
+    /// `true` where columns that no texture fills may hold something else than their factors.
     fresh: bool,
 }
 
@@ -243,7 +243,8 @@ impl Reader<'_, '_> {
     }
 }
 
-/// What the first `len` fragments hide within a pixel: the variance that the curvature of their surface and its normal map add.
+/// The detail that the first `len` fragments hide within a pixel: the variance that the curvature of their surface and
+/// its normal map add.
 struct Unseen<'b> {
     curvature: &'b Column,
     normal_variance: &'b Column,

@@ -11,11 +11,11 @@ use crate::image::Image;
 pub struct Frame {
     /// Linear radiance, premultiplied by coverage, which is the fourth channel.
     pub color: Image,
-    /// What was seen at the first sample of each pixel, where asked for.
+    /// The surface data at the first sample of each pixel, where asked for.
     pub aovs: Option<Aovs>,
 }
 
-/// What was seen at the first sample of each pixel. The fourth channel is 1 where something was.
+/// The surface data at the first sample of each pixel. The fourth channel is 1 where a surface was seen.
 #[derive(Debug, Clone)]
 pub struct Aovs {
     /// Unit shading normals, world space, components in [-1, 1].
@@ -46,7 +46,7 @@ impl Aovs {
     pub const NAMES: [&'static str; 5] = ["normals", "depth", "albedo", "uv", "triangle"];
 }
 
-/// Where a tile of a frame is written to.
+/// The memory that a tile of a frame is written to.
 pub(super) struct FrameTile<'f> {
     color: TileRows<'f, [f32; 4]>,
     /// In the order of [`Aovs::NAMES`]; none where not asked for.

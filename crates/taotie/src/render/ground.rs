@@ -23,7 +23,7 @@ const DIRECTIONS: u32 = 128;
 /// Below the object by this part of its size, so that what stands on the ground does not cut it.
 const GAP: f64 = 1e-4;
 
-/// How much of the light is missing on a horizontal square under the object.
+/// The part of the light that is missing on a horizontal square under the object.
 pub(super) struct Ground {
     height: f64,
     center: [f64; 2],
@@ -107,10 +107,10 @@ impl Ground {
     }
 }
 
-/// What lights the ground.
+/// The lights over the ground.
 struct Lights {
     sources: Vec<Source>,
-    /// Directions to the environment, with the irradiance that each stands for.
+    /// Directions to the environment, each with its irradiance.
     sky: Vec<(Vec3, f32)>,
 }
 

@@ -1,4 +1,4 @@
-//! What is seen at a sample of a pixel.
+//! The key of the surface that is seen at a sample of a pixel.
 
 /// A triangle seen at a sample of a tile.
 #[derive(Debug, Clone, Copy, PartialEq)]

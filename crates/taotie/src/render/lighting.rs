@@ -11,14 +11,14 @@ use crate::scene::Material;
 use crate::shade::Shading;
 use fearless_simd::Level;
 
-/// What lighting needs beside a batch.
+/// The inputs of lighting beside a batch.
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub shading: Shading,
     pub sources: &'a [Source],
     pub ambient: Vec3,
     pub shadows: bool,
-    /// Whether `batch.surround` is filled.
+    /// `true` where `batch.surround` is filled.
     pub surrounded: bool,
 }
 

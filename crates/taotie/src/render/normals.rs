@@ -49,7 +49,7 @@ fn towards_viewer<P: Pack>(n: Vec3<P>, smooth: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
     Vec3::select(zero.lt(lacking), (n + v * lacking).normalize_or(smooth), n)
 }
 
-/// The lacquer's normal, and the direction of stretched highlights, where `batch.n` and `batch.smooth` are there.
+/// The clearcoat's normal, and the direction of anisotropy, where `batch.n` and `batch.smooth` are there.
 #[inline(always)]
 fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i: usize) {
     if draw.material.clearcoat.is_some() {
@@ -70,7 +70,7 @@ fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i:
     }
 }
 
-/// The lacquer's normal, before it is bent towards the viewer.
+/// The clearcoat's normal, before it is turned towards the viewer.
 #[inline(always)]
 fn coat_normal<P: Pack>(at: Lanes<'_, P>, draw: &Draw<'_>) -> Vec3<P> {
     let batch = at.batch;

@@ -136,7 +136,7 @@ impl<'p> Pass<'p> {
         Ok(())
     }
 
-    /// What the next picture can use again.
+    /// Returns the memory that the next image can use again.
     pub(super) fn into_kept(self) -> Kept {
         let desks = self.desks.into_inner().unwrap_or_else(PoisonError::into_inner);
         Kept { projected: self.stages.into_projected(), desks }

@@ -28,7 +28,7 @@ pub(super) struct SurfacePoint<L> {
     pub substance: Substance<L>,
     /// k_a, linear RGB.
     pub ambient: Vec3<L>,
-    /// Emitted radiance that reaches the viewer, linear RGB.
+    /// Emitted radiance that arrives at the viewer, linear RGB.
     pub emitted: Vec3<L>,
     /// The shading normal, unit, world space.
     pub n: Vec3<L>,
@@ -72,7 +72,7 @@ impl<P: Pack> SurfacePoint<P> {
         }
     }
 
-    /// As [`Self::reflect`], without the lacquer.
+    /// As [`Self::reflect`], without the clearcoat.
     #[inline(always)]
     pub(super) fn reflect_bare(&self, l: Vec3<P>) -> Vec3<P> {
         let angles = Angles::new(self.n, self.v, l);

@@ -36,7 +36,7 @@ impl Source {
         if self.at_infinity { self.place } else { self.place - point }
     }
 
-    /// How far a shadow ray along [`Self::ray_from`] goes, in its lengths.
+    /// The limit of a shadow ray along [`Self::ray_from`], in its lengths.
     pub(super) fn ray_limit(&self) -> f32 {
         if self.at_infinity { f32::INFINITY } else { 1.0 }
     }

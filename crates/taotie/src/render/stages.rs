@@ -39,7 +39,7 @@ pub struct Stages<'p> {
     lift: f32,
 }
 
-/// What drawing a tile needs.
+/// The working memory for drawing a tile.
 pub(super) struct Desk {
     pub resolve: Resolve,
     pub codes: Vec<[u8; 4]>,
@@ -88,12 +88,12 @@ impl<'p> Stages<'p> {
         &self.settings
     }
 
-    /// What throws shadows; the tree is made when first asked for.
+    /// The shadow casters; the tree is made when first asked for.
     pub(super) fn casters(&self) -> Casters<'_> {
         Casters { tree: self.ready.tree(), draws: &self.draws }
     }
 
-    /// How many tiles the picture has.
+    /// The number of tiles of the image.
     pub fn tile_count(&self) -> usize {
         let (across, down) = self.viewport.tiles();
         (across * down) as usize
@@ -109,7 +109,7 @@ impl<'p> Stages<'p> {
         Batch::new(self.sources.len())
     }
 
-    /// What drawing a tile needs, empty.
+    /// Makes empty working memory for drawing a tile.
     pub(super) fn desk(&self) -> Desk {
         Desk {
             resolve: Resolve::default(),
@@ -121,10 +121,10 @@ impl<'p> Stages<'p> {
         }
     }
 
-    /// Draws what stands in a tile.
+    /// Draws the surfaces in a tile.
     ///
     /// # Errors
-    /// Where the SIMD level is not to be had.
+    /// Returns an error if the SIMD level is not available.
     pub(super) fn tile(&self, tile: &Tile, desk: &mut Desk) -> Result<()> {
         let offsets = self.viewport.pattern.offsets();
         desk.batch.begin(self.sources.len());
@@ -139,11 +139,11 @@ impl<'p> Stages<'p> {
         Ok(())
     }
 
-    /// Stage 1: which triangles are seen at a sample of a tile, those of a draw and of a triangle together; `plane` is
-    /// scratch.
+    /// Stage 1: finds the triangles that are seen at a sample of a tile, those of a draw and of a triangle together;
+    /// `plane` is scratch.
     ///
     /// # Errors
-    /// Where the SIMD level is not to be had.
+    /// Returns an error if the SIMD level is not available.
     pub fn visible(&self, at: TileSample<'_>, plane: &mut TilePlane) -> Result<Vec<Key>> {
         let mut keys = Vec::new();
         self.find(at, plane, &mut Grouping::default(), &mut keys)?;

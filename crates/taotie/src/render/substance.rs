@@ -1,4 +1,4 @@
-//! What a material says, in every model's terms.
+//! The values of a material, in every model's terms.
 
 use super::batch::Lanes;
 use super::model::{takes_compensation, takes_fresnel};
@@ -80,7 +80,7 @@ fn normal_and_grazing<P: Pack>(at: Lanes<'_, P>, material: &Material, base_color
     (f0, strength * (one - metallic) + metallic)
 }
 
-/// ((η − 1)/(η + 1))², and 1 for the index 0, which stands for total reflection.
+/// ((η − 1)/(η + 1))², and 1 for the index 0, which means total reflection.
 fn f0_of_index(ior: f32) -> f32 {
     let ratio = (ior - 1.0) / (ior + 1.0);
     ratio * ratio

@@ -13,7 +13,7 @@ pub(super) struct View {
     pub eye: Eye,
 }
 
-/// Where rays of sight come from.
+/// The origin of rays of sight.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Eye {
     /// A point, world space.

@@ -46,10 +46,10 @@ impl Bvh {
         Self { tree: Tree::new(count, corners), level: SimdLevel::fastest() }
     }
 
-    /// The same tree, whose rays are traced at another SIMD level than the machine's fastest.
+    /// Returns the same tree, whose rays are traced at another SIMD level than the machine's fastest.
     ///
     /// # Errors
-    /// Where the SIMD level is not to be had on this machine.
+    /// Returns an error if the SIMD level is not available on this machine.
     pub fn with_simd(self, simd: SimdLevel) -> Result<Self> {
         Ok(self.at(simd.dispatch()?))
     }
@@ -76,7 +76,7 @@ impl Bvh {
         best
     }
 
-    /// Whether anything that `blocks` is hit at a distance below `limit`.
+    /// Says whether anything that `blocks` is hit at a distance below `limit`.
     pub fn occluded(&self, ray: &Ray, limit: f32, blocks: impl Fn(&Hit) -> bool) -> bool {
         let mut blocked = false;
         self.walk(ray, Span { from: 0.0, to: limit }, |hit, span| {

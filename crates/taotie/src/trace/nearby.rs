@@ -11,7 +11,7 @@ pub struct Closest {
     pub triangle: u32,
     /// Weights of the triangle's corners.
     pub weights: [f32; 3],
-    /// How far away it is.
+    /// The distance to it.
     pub distance: f32,
 }
 

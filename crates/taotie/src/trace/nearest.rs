@@ -5,18 +5,18 @@ use super::bvh::{Bvh, Hit};
 use super::walk::{Cast, Met, Span, walk};
 use crate::math::dispatch_eight;
 
-/// A stretch of a ray on which the hit nearest to a place in it is sought: distances in lengths of the direction.
+/// An interval of a ray in which the hit nearest to its centre is sought: distances in lengths of the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Where it begins, at least 0.
+    /// The start of the interval, at least 0.
     pub from: f32,
-    /// What hits are to be near to.
+    /// The distance that hits are to be near to.
     pub center: f32,
-    /// Where it ends.
+    /// The end of the interval.
     pub to: f32,
 }
 
-/// The hit nearest to the centre of a stretch so far, with what was said of it.
+/// The hit nearest to the centre of an interval so far, with what was said of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest<T> {
     stretch: Stretch,
@@ -56,7 +56,7 @@ impl<T> Nearest<T> {
         order.then(hit.triangle.cmp(&best.triangle)).is_lt()
     }
 
-    /// Where a better hit may still lie.
+    /// The interval in which a better hit may still lie.
     fn span(&self) -> Span {
         let Stretch { from, center, to } = self.stretch;
         let reach = self.best.as_ref().map_or(f32::INFINITY, |(hit, _)| (hit.distance - center).abs());

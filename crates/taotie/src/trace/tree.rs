@@ -8,7 +8,7 @@ use super::hilbert::{BITS, hilbert_index};
 use crate::math::Vec3;
 use rayon::prelude::*;
 
-/// How many children a node has, and how many triangles a leaf.
+/// The number of children of a node, and of triangles in a leaf.
 pub(super) const WIDTH: usize = 8;
 
 /// Bits of a sort key that hold the triangle's number.

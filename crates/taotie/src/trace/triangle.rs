@@ -8,7 +8,7 @@ use crate::math::{Mask, Pack, Vec3};
 pub struct Ray {
     origin: Vec3,
     direction: Vec3,
-    /// Which axes become x, y, z, so that the ray runs along z.
+    /// The axes that become x, y, z, so that the ray runs along z.
     axes: [usize; 3],
     shear: [f32; 3],
 }
@@ -42,7 +42,7 @@ impl Ray {
         self.direction
     }
 
-    /// Where the ray meets the triangle, either side: distance ≥ 0 and the weights of the corners.
+    /// Returns the intersection of the ray with the triangle, either side: distance ≥ 0 and the weights of the corners.
     #[inline]
     pub fn intersect(&self, corners: [Vec3; 3]) -> Option<(f32, [f32; 3])> {
         let [kx, ky, kz] = self.axes;
@@ -135,7 +135,7 @@ impl RayColumns {
     }
 }
 
-/// How rays pass triangles: a pack of either.
+/// The tests of rays against the edges of triangles: a pack of either.
 pub(super) struct Edges<P: Pack> {
     /// Twice the areas opposite each corner.
     edges: [P; 3],
@@ -144,13 +144,13 @@ pub(super) struct Edges<P: Pack> {
     /// Lengths of the direction per length of that axis.
     stretch: P,
     inside: P::Mask,
-    /// Where it runs through an edge as far as single precision can tell, so that [`Ray::intersect`] has to be asked.
+    /// `true` where it runs through an edge as far as single precision can tell, so that [`Ray::intersect`] has to be asked.
     pub unsure: P::Mask,
 }
 
-/// Where a ray meets a pack of triangles.
+/// The intersections of a ray with a pack of triangles.
 pub(super) struct Meeting<P: Pack> {
-    /// Where it does.
+    /// `true` where the ray meets the triangle.
     pub hit: P::Mask,
     pub distance: P,
     pub weights: [P; 3],

@@ -4,7 +4,7 @@ use super::Ray;
 use super::tree::{Boxes, Leaf, Tree, WIDTH};
 use crate::math::{Mask, Pack};
 
-/// What of a ray still matters: distances in lengths of its direction.
+/// The part of a ray that still matters: distances in lengths of its direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
     pub from: f32,
@@ -100,7 +100,7 @@ impl Slabs {
         Self { origin: ray.origin().to_array(), inverse: ray.direction().to_array().map(steep) }
     }
 
-    /// Which boxes the ray runs through within the span, a bit each, and where it enters them.
+    /// Returns the boxes that the ray runs through within the span, a bit each, and the distances at which it enters them.
     #[inline(always)]
     pub fn entries<P: Pack>(&self, token: P::Token, boxes: &Boxes, span: Span) -> (u64, [f32; WIDTH]) {
         /// Rounding of a distance to a slab, as a part of it.

@@ -1,16 +1,16 @@
-//! The judge of every approximation: paths of light followed one by one, over the same scene, materials, normals and
-//! lights as the rasteriser, and without bias.
+//! A path tracer, the reference for every approximation. It follows paths of light one by one, without bias, over the
+//! same scene, materials, normals and lights as the rasteriser.
 //!
 //! A path begins at a point of a pixel, chosen evenly, and meets surfaces as [`surfaces`] tells. At each it gathers
 //! light directly: from every point, spot and directional light by a shadow ray, and from the environment in two ways
 //! that are weighed against each other: towards where it is bright, and where the surface reflects much ([`respond`]).
-//! Then it goes on in the second direction. Reflection is [`SurfacePoint::reflect`](super::point::SurfacePoint::reflect), so
-//! that every named model works, physical or not. Textures are read at their finest level, since a pixel's many paths
-//! average them.
+//! Then it goes on in the second direction. Reflection is
+//! [`SurfacePoint::reflect`](super::point::SurfacePoint::reflect), so that every named model works, physical or not.
+//! Textures are read at their finest level, since a pixel's many paths average them.
 //!
-//! What is the same as in the rasteriser, so that direct light is equal: interpolation, normals, where shadow rays leave
-//! from, and that light behind the shading normal counts as shadowed. What differs: blended surfaces let light through
-//! in proportion to what they lack, where the rasteriser's cast no shadow.
+//! The following is the same as in the rasteriser, so that direct light is equal: interpolation, normals, the origins of
+//! shadow rays, and that light behind the shading normal counts as shadowed. One thing differs: blended surfaces let
+//! light through in proportion to what they lack, while the rasteriser's cast no shadow.
 
 mod groove;
 mod patch;

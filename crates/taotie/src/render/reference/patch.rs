@@ -13,7 +13,7 @@ use crate::math::sequence::{Sequence, hash};
 /// The side of a patch in pixels.
 const SIDE: u32 = 16;
 
-/// How many paths of each pixel are followed together.
+/// The number of paths of each pixel that are followed together.
 const TOGETHER: u32 = 4;
 
 /// A patch of the picture, pixels.

@@ -1,4 +1,4 @@
-//! Where a surface sends paths: as its base reflects, or as its lacquer does.
+//! Chooses where a surface sends paths: as its base reflects, or as its clearcoat does.
 
 use super::super::layers::Coat;
 use super::super::point::SurfacePoint;
@@ -8,7 +8,7 @@ use crate::shade::coat_fresnel;
 use crate::shade::ndf::alpha_from_roughness;
 use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrored, raised};
 
-/// Where a surface point sends paths.
+/// The distribution of directions in which a surface point sends paths.
 pub(super) struct Scatter<'s, L> {
     base: Frame<L>,
     lobes: Lobes<L>,
@@ -16,11 +16,11 @@ pub(super) struct Scatter<'s, L> {
     groove: Option<&'s Groove<L>>,
 }
 
-/// A lacquer's own lobe.
+/// The clearcoat's own lobe.
 struct CoatLobe<L> {
     frame: Frame<L>,
     alpha: L,
-    /// How often it is chosen, (0, 1).
+    /// The probability with which it is chosen, (0, 1).
     share: L,
 }
 

@@ -36,13 +36,13 @@ pub(super) struct Path {
     pub origin: Vec3,
     /// Unit.
     pub direction: Vec3,
-    /// How far the ray goes, model units.
+    /// The length of the ray, model units.
     pub limit: f32,
     /// The density with which its surface chose the direction; 0 for rays of sight.
     pub pdf: f32,
-    /// Whether it left below the facet that it left from.
+    /// `true` where it left below the facet that it left from.
     pub below: bool,
-    /// What part of the light that it meets reaches the camera, linear RGB.
+    /// The part of the light it meets that arrives at the camera, linear RGB.
     pub throughput: Vec3,
     /// The light found so far, linear RGB.
     pub light: Vec3,
@@ -74,9 +74,9 @@ impl Workspace {
     }
 }
 
-/// Where paths meet surfaces of one draw: a batch of them.
+/// The points where paths meet surfaces of one draw: a batch of them.
 struct Stop<'s> {
-    /// How many surfaces the paths have met before.
+    /// The number of surfaces that the paths have met before.
     depth: u32,
     draw: &'s Draw<'s>,
     /// The path's number, and where it is.
@@ -175,7 +175,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Whether only what the surface sends out by itself counts.
+    /// Says whether only the light that the surface emits counts.
     fn is_last(&self, stop: &Stop<'_>) -> bool {
         stop.depth > self.reference.bounces
     }
@@ -207,7 +207,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Whether anything may be found beyond the surface.
+    /// Says whether anything may be found beyond the surface.
     fn goes_on(&self, depth: u32) -> bool {
         depth < self.reference.bounces || self.surround.is_some() || self.emitters
     }
@@ -326,7 +326,7 @@ impl Tracer<'_> {
     }
 }
 
-/// What unlit surfaces send out.
+/// Adds the light that unlit surfaces emit.
 fn show_color(stop: &Stop<'_>, paths: &mut [Path], work: &Workspace) {
     let [r, g, b, _] = stop.draw.material.base_color;
     for (i, (index, _)) in stop.meetings.iter().enumerate() {
