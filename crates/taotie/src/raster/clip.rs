@@ -18,7 +18,7 @@ pub(super) struct Polygon {
     count: usize,
 }
 
-/// The half-spaces that geometry must lie in: near, far, and four guard planes outside the picture that keep screen
+/// The half-spaces that geometry must lie in: near, far, and four guard planes outside the image that keep screen
 /// coordinates small enough for exact edge functions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ClipVolume {

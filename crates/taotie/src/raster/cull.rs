@@ -120,8 +120,8 @@ impl<S: Simd> Small<S> {
         Self { x, y, ..*self }
     }
 
-    /// Returns the triangles, of those `asked` for, that cover a sample of the image. Where more than two columns or rows of
-    /// samples lie around a triangle, it is taken to.
+    /// Returns the triangles, of those `asked` for, that cover a sample of the image. A triangle with more than two
+    /// columns or rows of samples around it counts as covering one.
     #[inline(always)]
     fn covers(&self, viewport: &Viewport, asked: mask32x8<S>) -> mask32x8<S> {
         let mut covers = self.splat(0).simd_lt(self.splat(0));

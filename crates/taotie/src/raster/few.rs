@@ -15,7 +15,7 @@ pub(super) struct Few {
     first: [i32; PACK],
     /// Bit `row · FEW + column` is set where that sample is covered.
     covered: [u32; PACK],
-    /// By `row · FEW + column`.
+    /// The depths, by `row · FEW + column`.
     depths: [[f32; PACK]; FEW * FEW],
 }
 
@@ -24,7 +24,7 @@ impl Few {
         Self { first: [0; PACK], covered: [0; PACK], depths: [[0.0; PACK]; FEW * FEW] }
     }
 
-    /// Looks at the triangles of `asked`, each of which has few samples around it.
+    /// Tests the triangles of `asked`, each of which has few samples around it.
     #[inline(always)]
     pub fn fill<S: Simd>(&mut self, simd: S, setups: &Setups<S>, asked: mask32x8<S>) {
         let [left, top, _, bottom] = setups.bounds;

@@ -21,7 +21,7 @@ impl ScreenTriangle {
         [low(self.x), low(self.y), high(self.x), high(self.y)]
     }
 
-    /// With the other turn.
+    /// Returns the triangle with the other turn.
     pub fn turned(mut self) -> Self {
         self.x.swap(1, 2);
         self.y.swap(1, 2);

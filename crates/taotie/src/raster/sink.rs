@@ -7,7 +7,7 @@ const PACK: usize = 8;
 
 /// Takes what triangles cover, in drawing order.
 pub(super) trait Sink {
-    /// Eight pixels from `pixel` on; `covered` says which, `depth` how near.
+    /// Takes eight pixels from `pixel` on; `covered` marks the covered ones, `depth` is how near they are.
     fn pack<S: Simd>(&mut self, pixel: usize, covered: mask32x8<S>, depth: f32x8<S>, id: u32);
 
     /// One pixel.

@@ -1,4 +1,4 @@
-//! From clip space to the screen's grid, once a vertex.
+//! Snaps vertices from clip space to the screen's grid, once a vertex.
 
 use super::clip::ClipVolume;
 use super::{SUBPIXELS, Viewport};

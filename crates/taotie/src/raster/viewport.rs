@@ -1,4 +1,4 @@
-//! The picture that is drawn into, and how it is cut into tiles.
+//! The image that is drawn into, and how it is cut into tiles.
 
 use super::SamplePattern;
 
@@ -8,7 +8,7 @@ pub const TILE_SIZE: u32 = 64;
 /// The pixels of a tile.
 pub const TILE_PIXELS: usize = (TILE_SIZE * TILE_SIZE) as usize;
 
-/// The picture to draw into.
+/// The image to draw into.
 #[derive(Debug, Clone, Copy)]
 pub struct Viewport {
     /// Pixels across, 1 to 16384.

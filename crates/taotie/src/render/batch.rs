@@ -9,7 +9,7 @@ use crate::shade::dfg::Dfg;
 use crate::shade::environment::{Gatherer, Mirrors};
 
 /// Fragments of one draw between interpolation and film, those of a triangle together. Entries from `len` on hold what
-/// packs leave there, which nobody reads but packs.
+/// packs leave there, which only packs read.
 #[derive(Debug, Clone)]
 pub struct Batch {
     pub(super) len: usize,
@@ -21,7 +21,7 @@ pub struct Batch {
     pub(super) d_x: Column3,
     pub(super) d_y: Column3,
     pub(super) corners: CornerColumns,
-    /// As many as the mesh has.
+    /// The uv sets, as many as the mesh has.
     pub(super) uv_sets: Vec<UvSet>,
     /// Vertex colours, where the mesh has some.
     pub(super) color: [Column; 4],
@@ -86,7 +86,7 @@ pub struct Batch {
     pub(super) albedo: Column3,
     /// The radiance that leaves towards the viewer, linear RGB.
     pub(super) radiance: Column3,
-    /// For each light, 1 where it is seen and 0 where it is not.
+    /// The visibility of each light: 1 where it is seen and 0 where it is not.
     pub(super) visibility: Vec<Column>,
 }
 
@@ -187,7 +187,7 @@ impl Batch {
         })
     }
 
-    /// Begins with a picture's tile: makes room for the visibility of so many lights, and forgets earlier materials.
+    /// Begins with an image's tile: makes room for the visibility of so many lights, and forgets earlier materials.
     pub(super) fn begin(&mut self, lights: usize) {
         self.visibility.resize(lights, Column::ONE);
         self.constants_of = None;

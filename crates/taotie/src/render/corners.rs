@@ -14,8 +14,8 @@ pub(super) struct Run {
 
 /// Up to four numbers of each corner, side by side with the fragments of a batch.
 ///
-/// Triangles may be smaller than a pixel. Written out for each fragment, what their corners hold can be weighted in packs
-/// that go over all fragments, whichever triangles they belong to.
+/// Triangles may be smaller than a pixel. Written out for each fragment, what their corners hold can be weighted in
+/// packs that go over all fragments, whichever triangles they belong to.
 #[derive(Debug, Clone)]
 pub(super) struct CornerColumns([[Column; 4]; 3]);
 
@@ -40,8 +40,8 @@ impl CornerColumns {
         }
     }
 
-    /// Writes the first corner's numbers and how far the others' are from them: two weights do then, and what is the same
-    /// at all corners stays as it is.
+    /// Writes the first corner's numbers and their differences to the others': two weights do then, and what is the
+    /// same at all corners stays as it is.
     #[inline(always)]
     pub(super) fn spread<P: Pack, const N: usize>(
         &mut self,

@@ -29,9 +29,9 @@ pub(super) struct Draw<'p> {
 pub(super) enum NormalSource {
     Facet,
     Smooth,
-    /// With the height of 1 in model units.
+    /// A height map, with the height of 1 in model units.
     Bump(HeightMap, f32),
-    /// With the paper's factor.
+    /// A height map, with the paper's factor.
     BumpPrinted(HeightMap, f32),
     ObjectMap(NormalMap),
     TangentMap(NormalMap),

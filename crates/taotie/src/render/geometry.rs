@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// Vertices that a task takes at once.
 const BLOCK: usize = 4096;
 
-/// The triangles of a picture. It can be made anew for the next one in the same memory.
+/// The triangles of an image. It can be made anew for the next one in the same memory.
 #[derive(Debug, Default)]
 pub(super) struct Projected {
     /// Each draw's vertices in clip space.

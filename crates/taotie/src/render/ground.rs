@@ -68,7 +68,7 @@ impl Ground {
         }
     }
 
-    /// The shadow that the middle of a pixel sees; none from below.
+    /// The shadow in the middle of a pixel; none from below.
     fn seen_at(&self, at: [f64; 2]) -> f32 {
         let ray = self.rays.through(at);
         self.shadow_along(ray.origin, ray.direction)
@@ -169,7 +169,7 @@ fn directions() -> impl Iterator<Item = [f32; 4]> {
     (0..DIRECTIONS).map(move |i| sequence.four(i, 0))
 }
 
-/// From z up to y up.
+/// Turns a vector from z up to y up.
 fn upward(v: Vec3) -> Vec3 {
     Vec3::new(v.x, v.z, -v.y)
 }

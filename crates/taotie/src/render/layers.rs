@@ -91,7 +91,8 @@ impl<L: Lane> Fibres<L> {
 /// A map turns normals without moving the surface, so light ends abruptly where the surface turns away but its mapped
 /// normal does not. The slope of the map is taken as a roughness of the surface's own facets, and the light fades by
 /// how much those would hide.
-/// Source: Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem".
+/// Source: Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
+/// Problem".
 pub(super) struct Terminator<L> {
     smooth: Vec3<L>,
     /// 0 where nothing is to be softened.

@@ -22,7 +22,7 @@ pub(super) struct Illumination<'a> {
     pub surrounded: bool,
 }
 
-/// The models that are compiled by themselves, since nearly all pictures show them: what the others need would cost
+/// The models that are compiled by themselves, since nearly all images show them: what the others need would cost
 /// them registers.
 const COOK_TORRANCE: u8 = 0;
 const PLAIN_GGX: u8 = 1;

@@ -20,9 +20,9 @@ impl Model {
     }
 }
 
-/// The settings as the model takes them: those printed in the paper know no corrections.
+/// The settings as the model takes them: models as printed in the paper take no corrections.
 ///
-/// This is the one place where a picture asks whether its model is as printed.
+/// This is the one place that asks whether an image's model is as printed.
 pub(super) fn as_taken(settings: &RenderSettings) -> RenderSettings {
     let corrected = !settings.shading.is_printed();
     RenderSettings {

@@ -39,7 +39,7 @@ fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, grazing: GrazingNormals,
 const LEAST_N_DOT_V: f64 = 0.25;
 const LEAST_AT_RIM: f64 = 0.01;
 
-/// A mapped normal that turns away from a viewer who sees the surface, bent towards him until he just sees it: the least
+/// A mapped normal that turns away from a viewer who sees the surface, turned back until it is just seen: the least
 /// change there is, and without a step, where mirroring the normal would light the wrong side of every steep slope.
 #[inline(always)]
 fn towards_viewer<P: Pack>(n: Vec3<P>, smooth: Vec3<P>, v: Vec3<P>) -> Vec3<P> {

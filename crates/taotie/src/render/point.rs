@@ -13,8 +13,8 @@ use crate::scene::Material;
 use crate::shade::{self, Angles, Shading, Stretch, Substance};
 use fearless_simd::Level;
 
-/// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the directional
-/// albedos of the lobes.
+/// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the
+/// directional albedos of the lobes.
 pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>, batch: &mut Batch) {
     shade_normals(level, draw, settings.grazing_normals, batch);
     if takes_albedos(settings.shading) {
@@ -72,7 +72,7 @@ impl<P: Pack> SurfacePoint<P> {
         }
     }
 
-    /// As [`Self::reflect`], without the clearcoat.
+    /// Does what [`Self::reflect`] does, without the clearcoat.
     #[inline(always)]
     pub(super) fn reflect_bare(&self, l: Vec3<P>) -> Vec3<P> {
         let angles = Angles::new(self.n, self.v, l);

@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 /// The height above the surface at which shadow rays start, as a fraction of the scene's size.
 const SHADOW_LIFT: f64 = 1e-5;
 
-/// A scene made ready for pictures from any camera. It owns its share of the scene and can be sent between threads.
+/// A scene made ready for images from any camera. It owns its share of the scene and can be sent between threads.
 pub struct Prepared {
     scene: Arc<Scene>,
     parts: Parts,

@@ -19,7 +19,7 @@ pub struct SurfaceSettings {
     /// For `bump` the height of 1 in model units, `None` for the material's; for `bump-printed` the paper's factor,
     /// `None` for 5.
     pub bump_scale: Option<f32>,
-    /// The SIMD level of everything that is done for a picture, from vertex normals to pixels: a choice of speed, never
+    /// The SIMD level of everything that is done for an image, from vertex normals to pixels: a choice of speed, never
     /// of pixels.
     pub simd: SimdLevel,
 }
@@ -28,10 +28,10 @@ pub struct SurfaceSettings {
 /// mapped normal does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum GrazingNormals {
-    /// The normal is bent until the viewer sees it, and light fades towards the surface's own horizon.
+    /// The normal is turned until the viewer sees it, and light fades towards the surface's own horizon.
     #[default]
     Soften,
-    /// As the map says: black fringes and hard edges where it cannot be.
+    /// The normal is kept as in the map: black fringes and hard edges where it cannot be.
     Keep,
 }
 

@@ -31,7 +31,7 @@ impl Source {
         Self { color: light.color, place, at_infinity, falloff: light.falloff, cone }
     }
 
-    /// From a point to the light; not normalised.
+    /// Returns the vector from a point to the light; not normalised.
     pub(super) fn ray_from(&self, point: Vec3) -> Vec3 {
         if self.at_infinity { self.place } else { self.place - point }
     }

@@ -1,4 +1,4 @@
-//! The stages of a picture: visibility, fragments, normals, shadows, lighting, and resolve into the tile.
+//! The stages of an image: visibility, fragments, normals, shadows, lighting, and resolve into the tile.
 
 use super::batch::{BATCH, Batch};
 use super::corners::Run;
@@ -23,7 +23,7 @@ use crate::math::Vec3;
 use crate::raster::{self, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, TileSample, Viewport};
 use fearless_simd::Level;
 
-/// The stages that each tile of a picture goes through, and what they read.
+/// The stages that each tile of an image goes through, and what they read.
 pub struct Stages<'p> {
     ready: Ready<'p>,
     draws: Draws<'p>,
@@ -33,7 +33,7 @@ pub struct Stages<'p> {
     sources: Vec<Source>,
     ambient: Vec3,
     environment: Option<EnvironmentLight>,
-    /// As the model takes them.
+    /// The settings, as the model takes them.
     settings: RenderSettings,
     level: Level,
     lift: f32,
@@ -78,7 +78,7 @@ impl<'p> Stages<'p> {
         })
     }
 
-    /// The triangles' memory, for the next picture.
+    /// The triangles' memory, for the next image.
     pub(super) fn into_projected(self) -> Projected {
         self.projected
     }
@@ -99,7 +99,7 @@ impl<'p> Stages<'p> {
         (across * down) as usize
     }
 
-    /// The picture's size and sampling pattern.
+    /// The image's size and sampling pattern.
     pub fn viewport(&self) -> &Viewport {
         &self.viewport
     }

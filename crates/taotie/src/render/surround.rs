@@ -117,7 +117,7 @@ fn towards_normal<L: Lane>(mirrored: Vec3<L>, n: Vec3<L>, roughness: L) -> Vec3<
     (mirrored * (roughness.lit(1.0) - share) + n * share).normalize_or(n)
 }
 
-/// The normal that an anisotropic highlight mirrors by: turned towards the viewer, across the anisotropy.
+/// The normal that an anisotropic highlight mirrors by: turned towards the viewer, across the direction of anisotropy.
 /// Source: McAuley 2015, "Rendering the World of Far Cry 4"; the blend of KHR_materials_anisotropy.
 #[inline(always)]
 fn stretched_normal<P: Pack>(at: Lanes<'_, P>, n: Vec3<P>, v: Vec3<P>) -> Vec3<P> {

@@ -1,10 +1,10 @@
-//! From a camera to clip space.
+//! The transform from a camera to clip space.
 
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
 use crate::scene::{Camera, Projection};
 
-/// A camera made ready for one picture.
+/// A camera made ready for one image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
     /// Reversed-z clip space: 1 at the near plane, 0 at the far plane or at infinity.

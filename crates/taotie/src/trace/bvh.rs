@@ -40,7 +40,7 @@ impl Bvh {
         Self::of(triangles.len(), |t| triangles[t])
     }
 
-    /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners `corners` gives. It is asked several
+    /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners `corners` returns. It is called several
     /// times.
     pub fn of(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
         Self { tree: Tree::new(count, corners), level: SimdLevel::fastest() }
@@ -63,7 +63,7 @@ impl Bvh {
         self.nearest_of(ray, limit, |_| true)
     }
 
-    /// The nearest hit with a distance below `limit` that `counts`, which may be asked of any hit, in any order.
+    /// Returns the nearest hit below the distance `limit` that `counts`, which may be called for any hit in any order.
     pub fn nearest_of(&self, ray: &Ray, limit: f32, counts: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.walk(ray, Span { from: 0.0, to: limit }, |hit, span| {

@@ -24,14 +24,14 @@ pub struct Nearest<T> {
 }
 
 impl<T> Nearest<T> {
-    /// Nothing yet.
+    /// Begins without a hit.
     pub fn on(stretch: Stretch) -> Self {
         Self { stretch, best: None }
     }
 
-    /// Takes a hit that lies on the stretch, is nearer than the best so far, and of which `judge` says something; of two
-    /// equally near the one farther along the ray, then the triangle with the lower number. So the order of hits does not
-    /// matter.
+    /// Takes a hit that lies in the interval, is nearer than the best so far, and for which `judge` returns something;
+    /// of two equally near the one farther along the ray, then the triangle with the lower number. So the order of hits
+    /// does not matter.
     pub fn offer(&mut self, hit: Hit, judge: impl FnOnce(&Hit) -> Option<T>) {
         if self.is_before(&hit)
             && let Some(said) = judge(&hit)
@@ -65,8 +65,8 @@ impl<T> Nearest<T> {
 }
 
 impl Bvh {
-    /// The hit on a stretch of a ray that is nearest to its centre, of those of which `judge` says something. It may be
-    /// asked of any hit, in any order; what it says of the nearest comes back with it.
+    /// Returns the hit in an interval of a ray that is nearest to its centre, of those for which `judge` returns
+    /// something. It may be called for any hit, in any order; its answer for the nearest is returned with it.
     pub fn nearest_to<T>(
         &self,
         ray: &Ray,

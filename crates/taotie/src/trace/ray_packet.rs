@@ -17,9 +17,9 @@ pub struct PacketView {
     pub origin: Vec3,
     /// Column, row and depth.
     pub axes: [Vec3; 3],
-    /// The distance beside its column and row at which a ray may meet something, since it parts from the mean direction.
+    /// The distance beside its column and row at which a ray may meet something, as it parts from the mean direction.
     pub slack: [f32; 2],
-    /// Between which depths the rays look.
+    /// The range of depths in which the rays look.
     pub depths: [f32; 2],
 }
 
@@ -39,8 +39,8 @@ pub struct RayPacket<'a> {
 }
 
 impl<'a> RayPacket<'a> {
-    /// Of rays that lie at these columns and rows; `None` where there is no ray, where they run along different axes,
-    /// or where the slack spreads each over many others, so that one ray at a time is faster.
+    /// Makes a packet of rays that lie at these columns and rows; `None` where there is no ray, where they run along
+    /// different axes, or where the slack spreads each over many others, so that one ray at a time is faster.
     pub fn new(rays: &'a [Ray], places: &[[f32; 2]], view: PacketView) -> Option<Self> {
         /// Cells that a ray may be spread over by the slack, along each side.
         const WIDEST: f32 = 16.0;
@@ -111,7 +111,7 @@ fn walk_packet<P: Pack>(
     packet: &RayPacket<'_>,
     mut meet: impl FnMut(usize, Hit) -> bool,
 ) {
-    /// As for one ray: seven siblings wait on each level.
+    /// The size of the stack, as for one ray: seven siblings wait on each level.
     const STACK: usize = 96;
     let mut waiting = [(0u32, 0u32); STACK];
     let mut count = usize::from(!bvh.tree.leaves.is_empty());

@@ -61,7 +61,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Of `count` triangles, at most 2^32, whose finite corners `corners` gives.
+    /// Makes the tree of `count` triangles, at most 2^32, whose finite corners `corners` returns.
     pub fn new(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
         let order = sorted(count, &corners);
         let leaves: Vec<Leaf> = order.par_chunks(WIDTH).map(|slots| leaf(slots, &corners)).collect();

@@ -14,7 +14,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// From any point along a direction that is not zero; distances count in lengths of `direction`.
+    /// Makes a ray from any point along a direction that is not zero; distances count in lengths of `direction`.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self::beside(origin, direction, direction)
     }
@@ -89,7 +89,7 @@ pub(super) struct RayColumns {
 }
 
 impl RayColumns {
-    /// Of some rays in some order; `None` where they run along different axes.
+    /// Makes columns of some rays in some order; `None` where they run along different axes.
     pub fn new(rays: &[Ray], order: &[u32]) -> Option<Self> {
         let axes = rays.first()?.axes;
         if rays.iter().any(|ray| ray.axes != axes) {
@@ -144,7 +144,7 @@ pub(super) struct Edges<P: Pack> {
     /// Lengths of the direction per length of that axis.
     stretch: P,
     inside: P::Mask,
-    /// `true` where it runs through an edge as far as single precision can tell, so that [`Ray::intersect`] has to be asked.
+    /// `true` where it runs through an edge, as far as single precision can tell: [`Ray::intersect`] must decide.
     pub unsure: P::Mask,
 }
 
@@ -157,7 +157,7 @@ pub(super) struct Meeting<P: Pack> {
 }
 
 impl<P: Pack> Edges<P> {
-    /// Of corners seen along the ray, `None` where all are passed by.
+    /// Returns the edges of corners seen along the ray, `None` where all are passed by.
     #[inline(always)]
     fn new([a, b, c]: [[P; 2]; 3], along: [P; 3], stretch: P) -> Option<Self> {
         let edges = [b[0] * c[1] - b[1] * c[0], c[0] * a[1] - c[1] * a[0], a[0] * b[1] - a[1] * b[0]];

@@ -100,7 +100,7 @@ impl Slabs {
         Self { origin: ray.origin().to_array(), inverse: ray.direction().to_array().map(steep) }
     }
 
-    /// Returns the boxes that the ray runs through within the span, a bit each, and the distances at which it enters them.
+    /// Returns the boxes that the ray runs through within the span, a bit each, and the distances of entry into them.
     #[inline(always)]
     pub fn entries<P: Pack>(&self, token: P::Token, boxes: &Boxes, span: Span) -> (u64, [f32; WIDTH]) {
         /// Rounding of a distance to a slab, as a part of it.

@@ -27,8 +27,8 @@ pub(super) struct Grooves {
 }
 
 impl Grooves {
-    /// As [`complete`](super::super::point::complete), and chooses for each fragment whether its viewer sees the mapped
-    /// facet directly or in the upright one.
+    /// Does what [`complete`](super::super::point::complete) does, and chooses for each fragment whether its viewer
+    /// sees the mapped facet directly or in the upright one.
     pub(super) fn complete(
         &mut self,
         level: Level,
@@ -64,7 +64,7 @@ impl Grooves {
 /// A groove at points of a surface.
 pub(super) struct Groove<P> {
     pub facets: Facets<P>,
-    /// In [0, 1), for [`Self::leaving`].
+    /// A number in [0, 1), for [`Self::leaving`].
     u: P,
 }
 

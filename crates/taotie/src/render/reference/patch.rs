@@ -1,4 +1,4 @@
-//! A patch of the picture: its paths begin, and their light is added up.
+//! A patch of the image: its paths begin, and their light is added up.
 
 use super::super::batch::Batch;
 use super::super::columns::get3;
@@ -16,7 +16,7 @@ const SIDE: u32 = 16;
 /// The number of paths of each pixel that are followed together.
 const TOGETHER: u32 = 4;
 
-/// A patch of the picture, pixels.
+/// A patch of the image, pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patch {
     x: u32,
@@ -32,7 +32,7 @@ pub(super) struct PatchPicture {
     aovs: [Vec<[f32; 4]>; 5],
 }
 
-/// The patches of a picture, row by row.
+/// The patches of an image, row by row.
 pub(super) fn patches(settings: &RenderSettings) -> Vec<Patch> {
     let (width, height) = (settings.width, settings.height);
     let rows = (0..height).step_by(SIDE as usize);

@@ -29,7 +29,7 @@ struct Frame<L> {
     t: Vec3<L>,
     b: Vec3<L>,
     n: Vec3<L>,
-    /// To the viewer, raised above the horizon.
+    /// The direction to the viewer, raised above the horizon.
     v: Vec3<L>,
 }
 

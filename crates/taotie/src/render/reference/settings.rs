@@ -51,12 +51,12 @@ impl Named for NormalMapping {
 /// The method that finds light of the environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EnvironmentSampling {
-    /// In both ways, each where it is the better one: the least noise.
+    /// Both ways are used, each where it is the better one: the least noise.
     #[default]
     Combined,
-    /// Towards where the environment is bright.
+    /// Directions are chosen towards where the environment is bright.
     ByLight,
-    /// Towards where the surface reflects much.
+    /// Directions are chosen towards where the surface reflects much.
     BySurface,
 }
 

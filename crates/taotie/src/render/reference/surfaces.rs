@@ -13,7 +13,7 @@ pub(super) struct Meeting {
     pub draw: u32,
     /// The triangle's number over all draws.
     pub triangle: u32,
-    /// Of its corners.
+    /// The weights of its corners.
     pub weights: [f32; 3],
     /// `true` where it was met from its front.
     pub front: bool,
@@ -83,8 +83,8 @@ impl Sight<'_> {
         }
     }
 
-    /// Says whether nothing stands in the way up to `limit` lengths of the ray. `chance` is the ray's own number: with the
-    /// triangle's, it decides whether a blended surface is there.
+    /// Says whether nothing stands in the way up to `limit` lengths of the ray. `chance` is the ray's own number: with
+    /// the triangle's, it decides whether a blended surface is there.
     pub(super) fn is_free(&self, ray: &Ray, limit: f32, chance: u32) -> bool {
         !self.tree.0.occluded(ray, limit, |hit| {
             let draw = self.draw(hit);

@@ -26,7 +26,7 @@ pub(super) struct Tracer<'t> {
     pub ambient: Vec3,
     pub ground: Option<Ground>,
     pub surround: Option<Surround<'t>>,
-    /// As the model takes them.
+    /// The settings, as the model takes them.
     pub settings: RenderSettings,
     pub reference: ReferenceSettings,
     pub level: Level,

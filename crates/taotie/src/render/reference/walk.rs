@@ -31,7 +31,7 @@ pub(super) struct Path {
     pub index: u32,
     /// The pixel's numbers.
     pub sequence: Sequence,
-    /// From which its shadow rays have their numbers.
+    /// The number from which its shadow rays have their numbers.
     pub shadows: u32,
     pub origin: Vec3,
     /// Unit.
@@ -91,7 +91,7 @@ impl Stop<'_> {
     }
 }
 
-/// Is told what the camera sees: the path, the batch with its normals, the entry, and the triangle's number.
+/// Receives what the camera sees: the path, the batch with its normals, the entry, and the triangle's number.
 pub(super) type Witness<'w> = dyn FnMut(&Path, &Batch, usize, u32) + 'w;
 
 impl Tracer<'_> {
@@ -131,7 +131,7 @@ impl Tracer<'_> {
         work.meetings.sort_by_key(|(_, meeting)| meeting.draw);
     }
 
-    /// Nothing stood in the way.
+    /// Ends a path that meets no surface.
     fn escape(&self, depth: u32, path: &mut Path) {
         if depth == 0
             && let Some(ground) = &self.ground
