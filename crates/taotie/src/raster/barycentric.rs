@@ -10,7 +10,7 @@ use crate::math::{Lane, Mask};
 /// Greer 1997. No clipping is needed.
 #[derive(Debug, Clone, Copy)]
 pub struct PerspectiveTriangle<L = f32> {
-    /// For each corner: value at the origin, step a pixel right, step a pixel down.
+    /// The planes of each corner: value at the origin, step a pixel right, step a pixel down.
     pub planes: [[L; 3]; 3],
 }
 

@@ -40,15 +40,15 @@ pub struct Bins {
 #[derive(Debug, Default)]
 struct Chunk {
     triangles: Vec<ScreenTriangle>,
-    /// For each triangle the tile that it lies in, or [`SEVERAL`].
+    /// The tile in which each triangle lies, or [`SEVERAL`].
     homes: Vec<u32>,
-    /// For each tile, where its part of `members` begins; two more at the end.
+    /// The start of each tile's part of `members`; two more at the end.
     starts: Vec<u32>,
     /// Indices into `triangles`.
     members: Vec<u32>,
 }
 
-/// Stands for more than one tile.
+/// The mark of more than one tile.
 const SEVERAL: u32 = u32::MAX;
 
 impl Bins {

@@ -39,7 +39,7 @@ impl ClipVolume {
         [w - z, z, self.guard_x * w + x, self.guard_x * w - x, self.guard_y * w + y, self.guard_y * w - y]
     }
 
-    /// One bit for each plane that the vertex is outside of.
+    /// Returns one bit for each plane that the vertex is outside of.
     pub(super) fn outcode(&self, vertex: ClipVertex) -> u8 {
         let mut code = 0;
         for (plane, distance) in self.distances(vertex).into_iter().enumerate() {
@@ -79,7 +79,7 @@ impl Polygon {
         }
     }
 
-    /// Sutherland and Hodgman 1974, against one plane.
+    /// Clips against one plane. Source: Sutherland and Hodgman 1974.
     fn clipped(&self, distance: impl Fn(ClipVertex) -> f64) -> Self {
         let mut result = Self { corners: [[0.0; 4]; MAX_CORNERS], count: 0 };
         for (i, &current) in self.corners().iter().enumerate() {

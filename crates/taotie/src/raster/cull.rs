@@ -19,11 +19,11 @@ pub(super) struct Corners {
 /// The facts known of the triangles of a block; bit i belongs to triangle i.
 #[derive(Debug, Default, Clone, Copy)]
 pub(super) struct Verdict {
-    /// Those that cover a sample, or have so many around them that they may.
+    /// The triangles that cover a sample, or have so many around them that they may.
     pub seen: u64,
-    /// Those that turn counter-clockwise.
+    /// The triangles that turn counter-clockwise.
     pub counter_clockwise: u64,
-    /// Those that are too large for this, or need clipping.
+    /// The triangles that are too large for this, or need clipping.
     pub unknown: u64,
 }
 
@@ -40,7 +40,7 @@ impl Culling {
         Self { viewport: *viewport, faces, level }
     }
 
-    /// Looks at the first `count` triangles of a block; the others must be there and may be anything.
+    /// Tests the first `count` triangles of a block; the others must be there and may be anything.
     pub fn verdict(&self, corners: &Corners, count: usize) -> Verdict {
         dispatch!(self.level, simd => self.block(simd, corners, count))
     }

@@ -96,7 +96,7 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// Twice the signed area, positive clockwise with y down.
+/// Returns twice the signed area, positive clockwise with y down.
 fn cross(x: [i32; 3], y: [i32; 3]) -> i64 {
     let [x, y] = [x.map(i64::from), y.map(i64::from)];
     (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])

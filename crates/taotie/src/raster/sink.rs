@@ -10,7 +10,7 @@ pub(super) trait Sink {
     /// Takes eight pixels from `pixel` on; `covered` marks the covered ones, `depth` is how near they are.
     fn pack<S: Simd>(&mut self, pixel: usize, covered: mask32x8<S>, depth: f32x8<S>, id: u32);
 
-    /// One pixel.
+    /// Takes one pixel.
     fn one(&mut self, pixel: usize, depth: f32, id: u32);
 }
 

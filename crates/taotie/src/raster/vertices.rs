@@ -88,7 +88,7 @@ impl<S: Simd> Snap<S> {
         depth.store_slice(depths);
     }
 
-    /// Snapped x and y, and depth.
+    /// Returns snapped x and y, and depth.
     #[inline(always)]
     fn four(&self, [x, y, z, w]: [f64x4<S>; 4]) -> [f64x4<S>; 3] {
         let planes = self.outside([x, y, z, w]);

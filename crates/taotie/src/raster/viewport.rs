@@ -29,11 +29,11 @@ impl Viewport {
 /// The faces that are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Faces {
-    /// Those that turn counter-clockwise as seen.
+    /// Triangles that turn counter-clockwise as seen.
     CounterClockwise,
-    /// Those that turn clockwise as seen: the front of a mirrored mesh.
+    /// Triangles that turn clockwise as seen: the front of a mirrored mesh.
     Clockwise,
-    /// All.
+    /// All triangles.
     Both,
 }
 

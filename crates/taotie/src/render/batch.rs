@@ -32,18 +32,18 @@ pub struct Batch {
     /// The first triangle of the draw whose constants fill the columns that no texture does; none while they may hold
     /// anything.
     pub(super) constants_of: Option<u32>,
-    /// Channels of textures that nothing needs.
+    /// Columns for the channels of textures that nothing needs.
     pub(super) spare: [Column; 3],
-    /// World space.
+    /// The position, world space.
     pub(super) position: Column3,
-    /// Unit, world space, on the side of the face that is seen.
+    /// The geometric normal: unit, world space, on the side of the face that is seen.
     pub(super) n_geom: Column3,
-    /// Interpolated, not normalised; object space for `bump-printed`, else world space.
+    /// The interpolated normal, not normalised; object space for `bump-printed`, else world space.
     pub(super) normal: Column3,
-    /// Interpolated, not normalised, world space.
+    /// The interpolated tangent, not normalised, world space.
     pub(super) tangent: Column3,
     pub(super) handedness: Column,
-    /// 1 where the front is seen, −1 where the back is.
+    /// The side that is seen: 1 for the front, −1 for the back.
     pub(super) facing: Column,
     /// `true` where the normal turns to a viewer behind the surface even where the material is single-sided.
     pub(super) both_sides: bool,
@@ -97,7 +97,7 @@ pub(super) struct Layers {
     pub coat_roughness: Column,
     /// The stored vector of the clearcoat's normal map.
     pub coat_map: Column3,
-    /// Unit, world space.
+    /// The clearcoat's normal: unit, world space.
     pub coat_n: Column3,
     pub coat_albedo: Column,
     pub sheen_color: Column3,
@@ -106,7 +106,7 @@ pub(super) struct Layers {
     pub stretch: Column,
     /// Cosine and sine of the angle of anisotropy from the tangent.
     pub stretch_turn: [Column; 2],
-    /// Unit, world space.
+    /// The direction of anisotropy: unit, world space.
     pub stretch_tangent: Column3,
 }
 

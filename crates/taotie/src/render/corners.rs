@@ -75,7 +75,7 @@ impl CornerColumns {
         self.written::<P>(token, 0, n, i) + self.change(token, weights, n, i)
     }
 
-    /// Its change where the weights change so.
+    /// Returns the change of the number for these changes of the weights.
     #[inline(always)]
     pub(super) fn change<P: Pack>(&self, token: P::Token, weights: &Column3, n: usize, i: usize) -> P {
         let (second, third): (P, P) = (load(token, &weights[1], i), load(token, &weights[2], i));
@@ -89,7 +89,7 @@ impl CornerColumns {
         Vec3::new(x, y, self.at(token, weights, 2, i))
     }
 
-    /// Their change where the weights change so.
+    /// Returns the change of the numbers for these changes of the weights.
     #[inline(always)]
     pub(super) fn change3<P: Pack>(&self, token: P::Token, weights: &Column3, i: usize) -> Vec3<P> {
         let (x, y) = (self.change(token, weights, 0, i), self.change(token, weights, 1, i));

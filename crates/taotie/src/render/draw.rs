@@ -12,11 +12,11 @@ pub(super) struct Draw<'p> {
     /// The number of its first triangle over all draws.
     pub first_triangle: u32,
     pub normal_source: NormalSource,
-    /// World space.
+    /// The vertices' positions, world space.
     pub positions: &'p [Vec3],
-    /// Unit, world space.
+    /// The vertices' normals: unit, world space.
     pub normals: &'p [Vec3],
-    /// Unit, world space, with handedness; empty unless a tangent-space map or a direction is read.
+    /// The tangents: unit, world space, with handedness; empty unless a tangent-space map or a direction is read.
     pub tangents: &'p [[f32; 4]],
     /// Takes object-space normals to world space, keeping the length of uniformly scaled ones.
     pub normal_matrix: [Vec3; 3],

@@ -75,7 +75,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
+    /// Computes ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
     fn height_derivatives(&self, map: &HeightMap, batch: &mut Batch) -> [Column; 2] {
         let texture = &self.scene.textures()[map.texture.texture];
         let Batch { lookups, uv_sets, len, .. } = batch;
@@ -102,7 +102,7 @@ impl Interpolation<'_> {
         derivatives
     }
 
-    /// Base colour, opacity, roughness, metalness, occlusion and emission.
+    /// Fills base colour, opacity, roughness, metalness, occlusion and emission.
     fn colors_and_widths(&self, batch: &mut Batch, fresh: bool) {
         let (material, len) = (self.draw.material, batch.len);
         let colored = !self.draw.mesh.colors().is_empty();
@@ -147,7 +147,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// Strength and colour of a dielectric's reflection.
+    /// Fills strength and colour of a dielectric's reflection.
     fn specular(&self, batch: &mut Batch, fresh: bool) {
         let (specular, len) = (&self.draw.material.specular, batch.len);
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;

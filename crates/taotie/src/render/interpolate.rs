@@ -1,4 +1,4 @@
-//! Vertices to fragments: what corners hold, at points of their triangles.
+//! Interpolation of vertices to fragments: what corners hold, at points of their triangles.
 
 use super::batch::Batch;
 use super::columns::{load, load3, splat3, store3};
@@ -94,7 +94,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// Position, sight and side.
+    /// Fills position, sight and side.
     #[inline(always)]
     fn geometry<P: Pack>(&self, token: P::Token, eye: Option<Eye>, batch: &mut Batch) {
         self.spread::<P>(token, self.draw.positions, batch);
@@ -122,7 +122,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// Normal, and the curvature of the surface.
+    /// Fills the normal, and the curvature of the surface.
     #[inline(always)]
     fn normals<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         let draw = self.draw;

@@ -3,7 +3,7 @@
 /// A triangle seen at a sample of a tile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Key {
-    /// `y · TILE_SIZE + x` in the tile.
+    /// The pixel, `y · TILE_SIZE + x` in the tile.
     pub pixel: u32,
     /// The triangle's number over all draws.
     pub triangle: u32,

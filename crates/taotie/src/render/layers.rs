@@ -12,7 +12,7 @@ use crate::shade::{Angles, coat_lobe};
 /// alone would leave a dark rim, since a rough coat seen at a grazing angle reflects less than F.
 /// Law: `white_room::lacquer_over_white_returns_what_arrives`.
 pub(super) struct Coat<L> {
-    /// Unit, world space.
+    /// The normal: unit, world space.
     pub n: Vec3<L>,
     /// The part of the surface that it covers, [0, 1].
     pub factor: L,
@@ -49,7 +49,7 @@ impl<L: Lane> Coat<L> {
     }
 }
 
-/// Fibres: KHR_materials_sheen.
+/// Sheen: KHR_materials_sheen.
 pub(super) struct Fibres<L> {
     color: Vec3<L>,
     roughness: L,
@@ -95,7 +95,7 @@ impl<L: Lane> Fibres<L> {
 /// Problem".
 pub(super) struct Terminator<L> {
     smooth: Vec3<L>,
-    /// 0 where nothing is to be softened.
+    /// The squared slope of the map; 0 where nothing is to be softened.
     squared_slope: L,
 }
 

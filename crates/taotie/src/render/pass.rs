@@ -143,7 +143,7 @@ impl<'p> Pass<'p> {
         Kept { projected: self.stages.into_projected(), desks }
     }
 
-    /// One that is free, or a new one.
+    /// Returns a desk that is free, or a new one.
     fn desk(&self) -> Desk {
         let free = self.desks().pop();
         free.unwrap_or_else(|| self.stages.desk())

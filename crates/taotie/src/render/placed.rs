@@ -39,7 +39,7 @@ pub(super) struct Placed {
     material: usize,
     first_triangle: u32,
     normal_source: NormalSource,
-    /// None where nothing moves the mesh's own.
+    /// The moved positions; none where nothing moves the mesh's own.
     positions: Option<Vec<Vec3>>,
     normals: Vec<Vec3>,
     tangents: Vec<[f32; 4]>,

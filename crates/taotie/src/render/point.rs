@@ -32,7 +32,7 @@ pub(super) struct SurfacePoint<L> {
     pub emitted: Vec3<L>,
     /// The shading normal, unit, world space.
     pub n: Vec3<L>,
-    /// Unit, to the viewer, world space.
+    /// The direction to the viewer: unit, world space.
     pub v: Vec3<L>,
     terminator: Terminator<L>,
     pub stretch: Option<Stretch<L>>,

@@ -20,14 +20,14 @@ pub(super) struct CameraRays {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SightRay {
     pub origin: Vec3,
-    /// Unit.
+    /// The direction, unit.
     pub direction: Vec3,
-    /// Model units.
+    /// The limit of the ray, model units.
     pub limit: f32,
 }
 
 impl CameraRays {
-    /// `width` and `height` of the image, pixels; the camera has been checked.
+    /// Makes the rays; `width` and `height` of the image, pixels; the camera has been checked.
     pub(super) fn new(camera: &Camera, [width, height]: [u32; 2]) -> Self {
         let size = [f64::from(width), f64::from(height)];
         let aspect = size[0] / size[1];

@@ -13,7 +13,7 @@ use crate::scene::AlphaMode;
 /// [`TILE_SIZE`]: crate::raster::TILE_SIZE
 #[derive(Default)]
 pub(super) struct Resolve {
-    /// Linear, premultiplied.
+    /// The colour, linear, premultiplied.
     pub color: Vec<[f32; 4]>,
     /// Normals, depth, albedo, uv, triangle; empty where not asked for.
     pub aovs: [Vec<[f32; 4]>; 5],
@@ -27,9 +27,9 @@ pub(super) struct Resolve {
 #[derive(Debug, Clone, Copy)]
 struct Shaded {
     key: Key,
-    /// Linear RGB, not premultiplied.
+    /// The radiance, linear RGB, not premultiplied.
     radiance: Vec3,
-    /// The part of what is behind that is covered, [0, 1].
+    /// The part of what is behind that is covered.
     coverage: f32,
 }
 
@@ -118,7 +118,7 @@ fn clear(plane: &mut Vec<[f32; 4]>) {
     plane.resize(TILE_PIXELS, [0.0; 4]);
 }
 
-/// The part of what is behind it that a fragment hides, [0, 1].
+/// The part of what is behind it that a fragment hides.
 fn coverage(mode: AlphaMode, alpha: f32) -> f32 {
     match mode {
         AlphaMode::Opaque => 1.0,

@@ -16,8 +16,8 @@ pub struct SurfaceSettings {
     pub method: Option<SurfaceMethod>,
     /// The method that makes tangents, or `None` for the mesh's own, else MikkTSpace.
     pub tangents: Option<TangentMethod>,
-    /// For `bump` the height of 1 in model units, `None` for the material's; for `bump-printed` the paper's factor,
-    /// `None` for 5.
+    /// The scale of the height map: for `bump` the height of 1 in model units, `None` for the material's; for
+    /// `bump-printed` the paper's factor, `None` for 5.
     pub bump_scale: Option<f32>,
     /// The SIMD level of everything that is done for an image, from vertex normals to pixels: a choice of speed, never
     /// of pixels.
@@ -103,7 +103,7 @@ pub struct EnvironmentLight {
     pub environment: Arc<Environment>,
     /// Radians by which it is turned about +y, counter-clockwise as seen from above.
     pub rotation: f64,
-    /// Multiplies its radiance, at least 0.
+    /// A factor of its radiance, at least 0.
     pub intensity: f32,
     /// `true` where it is seen wherever nothing stands before it.
     pub visible: bool,
@@ -150,7 +150,7 @@ impl Turn {
 /// The light on a scene.
 #[derive(Debug, Clone, Default)]
 pub struct Lighting {
-    /// Any number of lights.
+    /// The lights, of any number.
     pub lights: Vec<Light>,
     /// Radiance I_a from all around, linear RGB; reflected by k_a and darkened by occlusion maps.
     pub ambient: Vec3,

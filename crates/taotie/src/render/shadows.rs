@@ -26,7 +26,7 @@ pub(super) fn trace_shadows(
 /// A flat triangle of a smooth surface.
 pub(super) struct SmoothTriangle {
     pub corners: [Vec3; 3],
-    /// Unit, on the side that is seen.
+    /// The normals at the corners: unit, on the side that is seen.
     pub normals: [Vec3; 3],
 }
 

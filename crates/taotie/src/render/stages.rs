@@ -166,7 +166,7 @@ impl<'p> Stages<'p> {
         Ok(())
     }
 
-    /// Stages 2 to 5 for all fragments of a sample, the first of its tile or a later one.
+    /// Runs stages 2 to 5 for all fragments of a sample, the first of its tile or a later one.
     fn shade(&self, at: TileSample<'_>, first: bool, desk: &mut Desk) {
         let Desk { keys, batch, resolve, .. } = desk;
         let layered = self.runs(keys).any(|(draw, _)| self.draws.all[draw].layered());
@@ -226,7 +226,7 @@ impl<'p> Stages<'p> {
         }
     }
 
-    /// Stages 3 to 5: shading normals, shadows, lighting.
+    /// Runs stages 3 to 5: shading normals, shadows, lighting.
     pub fn light(&self, draw: usize, batch: &mut Batch) {
         let settings = &self.settings;
         let interpolation = self.interpolation(draw);

@@ -83,7 +83,7 @@ fn coat<P: Pack>(token: P::Token, light: &EnvironmentLight, batch: &mut Batch) {
 
 /// The direction and width from which a highlight gathers its light.
 struct Gathering<P> {
-    /// Unit, world space.
+    /// The direction: unit, world space.
     direction: Vec3<P>,
     roughness: P,
 }

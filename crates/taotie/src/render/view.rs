@@ -7,7 +7,7 @@ use crate::scene::{Camera, Projection};
 /// A camera made ready for one image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
-    /// Reversed-z clip space: 1 at the near plane, 0 at the far plane or at infinity.
+    /// The transform to reversed-z clip space: 1 at the near plane, 0 at the far plane or at infinity.
     pub clip_from_world: Mat4,
     pub view_from_world: Mat4,
     pub eye: Eye,

@@ -102,7 +102,7 @@ impl Bvh {
     }
 }
 
-/// Nearer; of equal distances the smaller index, whatever the order of the walk.
+/// Says whether a hit is nearer; of equal distances the smaller index, whatever the order of the walk.
 fn comes_before(hit: &Hit, best: &Hit) -> bool {
     hit.distance < best.distance || hit.distance == best.distance && hit.triangle < best.triangle
 }

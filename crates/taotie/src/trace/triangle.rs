@@ -107,7 +107,7 @@ impl RayColumns {
         })
     }
 
-    /// [`Ray::edges`] of as many rays as a pack has lanes, from the ray `from` on, and triangle `i` of a leaf's
+    /// Returns [`Ray::edges`] of as many rays as a pack has lanes, from the ray `from` on, and triangle `i` of a leaf's
     /// `corners[corner][axis][triangle]`.
     #[inline(always)]
     pub fn edges<P: Pack>(

@@ -12,7 +12,7 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Nothing: the walk ends.
+    /// The empty span: the walk ends.
     pub const NONE: Self = Self { from: f32::INFINITY, to: f32::NEG_INFINITY };
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Met {
     pub weights: [f32; 3],
 }
 
-/// Deeper than any tree of 2^32 triangles; of each node on the way down seven may wait.
+/// The size of the stack, deeper than any tree of 2^32 triangles; of each node on the way down seven may wait.
 const STACK: usize = 96;
 
 /// A node that waits: where the ray enters it, its level above the leaves (0 is a leaf), its number.

@@ -73,7 +73,7 @@ impl Tracer<'_> {
         PatchPicture { color, aovs }
     }
 
-    /// Path number `index` of each pixel.
+    /// Begins path number `index` of each pixel.
     fn begin(&self, patch: &Patch, index: u32) -> impl Iterator<Item = Path> {
         let Patch { x, y, width, height } = *patch;
         (0..width * height).map(move |pixel| {

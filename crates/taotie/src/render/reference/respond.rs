@@ -106,9 +106,9 @@ fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, e
 /// A direction in which reflection is asked for.
 #[derive(Clone, Copy)]
 enum Request {
-    /// Towards a light, by its number.
+    /// The direction towards a light, by its number.
     Source(usize),
-    /// Towards the environment.
+    /// The direction towards the environment.
     Sky,
     /// The direction in which the path goes on.
     Onward,

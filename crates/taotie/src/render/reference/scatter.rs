@@ -34,7 +34,7 @@ struct Frame<L> {
 }
 
 impl<'s, P: Pack> Scatter<'s, P> {
-    /// `v` is where the viewer truly is; the surface may be seen in the mirror of its groove.
+    /// Makes the distribution; `v` is where the viewer truly is; the surface may be seen in the mirror of its groove.
     #[inline(always)]
     pub(super) fn new(surface: &SurfacePoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
         let n = surface.n.normalize_or(surface.v);
@@ -98,7 +98,7 @@ impl<P: Pack> CoatLobe<P> {
 }
 
 impl<L: Lane> Frame<L> {
-    /// `n`, `t` and `v` unit, world space; `t` at a right angle to `n`.
+    /// Makes the frame; `n`, `t` and `v` unit, world space; `t` at a right angle to `n`.
     #[inline(always)]
     fn new(n: Vec3<L>, t: Vec3<L>, v: Vec3<L>) -> Self {
         let frame = Self { t, b: n.cross(t), n, v };

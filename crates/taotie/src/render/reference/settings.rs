@@ -11,7 +11,7 @@ pub struct ReferenceSettings {
     pub spp: u32,
     /// The most reflections of light after its first, up to 1000; 0 is direct light.
     pub bounces: u32,
-    /// Another number gives other noise.
+    /// The seed of the noise. Another number gives other noise.
     pub seed: u32,
     /// The meaning of a mapped normal.
     pub normal_mapping: NormalMapping,

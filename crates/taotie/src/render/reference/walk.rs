@@ -17,7 +17,7 @@ use crate::shade::environment::EnvironmentSample;
 use crate::shade::sampling::power_heuristic;
 use crate::trace::Ray;
 
-/// From this surface on, paths that carry little end by chance.
+/// The number of surfaces from which on paths that carry little end by chance.
 const ROULETTE_FROM: u32 = 3;
 
 /// The least chance to go on.
@@ -34,7 +34,7 @@ pub(super) struct Path {
     /// The number from which its shadow rays have their numbers.
     pub shadows: u32,
     pub origin: Vec3,
-    /// Unit.
+    /// The direction, unit.
     pub direction: Vec3,
     /// The length of the ray, model units.
     pub limit: f32,
@@ -46,7 +46,7 @@ pub(super) struct Path {
     pub throughput: Vec3,
     /// The light found so far, linear RGB.
     pub light: Vec3,
-    /// 1 where the camera saw something.
+    /// The coverage of the pixel: 1 where the camera saw something.
     pub coverage: f32,
 }
 
@@ -300,7 +300,7 @@ impl Tracer<'_> {
         reflected * (weight / sample.pdf)
     }
 
-    /// Turns the path of entry `i` into its next direction; whether it goes on.
+    /// Turns the path of entry `i` into its next direction; returns whether it goes on.
     fn send_on(&self, depth: u32, i: usize, path: &mut Path, work: &Workspace) -> bool {
         let pdf = work.exchange.onward_pdf[i];
         let reflected = get3(&work.exchange.from_onward, i);
