@@ -3,14 +3,14 @@
 use super::Viewport;
 use crate::math::{Lane, Mask};
 
-/// A triangle in clip space, ready to be asked for barycentrics at points of the screen.
+/// A triangle in clip space, from which barycentrics at points of the screen are computed.
 ///
 /// A point of the triangle is Σ bᵢ Pᵢ with Pᵢ = (x, y, w) of corner i, and is seen at (X, Y) where it is parallel
 /// to (X, Y, 1). So bᵢ/w is (Pⱼ × Pₖ)·(X, Y, 1) over the determinant of the corners, a plane over the screen: Olano and
 /// Greer 1997. No clipping is needed.
 #[derive(Debug, Clone, Copy)]
 pub struct PerspectiveTriangle<L = f32> {
-    /// For each corner: value at the origin, step a pixel right, step a pixel down.
+    /// The planes of each corner: value at the origin, step a pixel right, step a pixel down.
     pub planes: [[L; 3]; 3],
 }
 
@@ -26,8 +26,8 @@ pub struct Barycentric<L = f32> {
 }
 
 impl PerspectiveTriangle {
-    /// From the corners' (x, y, z, w). Points are told from `origin` on, pixels from the picture's top left corner; near
-    /// it they are most exact.
+    /// Makes the planes from the corners' (x, y, z, w). Points are counted from `origin`, in pixels from the image's
+    /// top left corner; near it they are most exact.
     pub fn new(corners: [[f32; 4]; 3], viewport: &Viewport, [x, y]: [f64; 2]) -> Self {
         let p = corners.map(|[x, y, _, w]| [x, y, w].map(f64::from));
         let (sx, sy) = (2.0 / f64::from(viewport.width), -2.0 / f64::from(viewport.height));

@@ -22,7 +22,7 @@ pub struct Geometry<'a> {
     pub clip: &'a [[f32; 4]],
     /// Indices into `clip`, in range.
     pub triangles: &'a [[u32; 3]],
-    /// Which faces are drawn.
+    /// The faces that are drawn.
     pub faces: Faces,
     /// The id of the first triangle; the others follow.
     pub first_id: u32,
@@ -40,15 +40,15 @@ pub struct Bins {
 #[derive(Debug, Default)]
 struct Chunk {
     triangles: Vec<ScreenTriangle>,
-    /// For each triangle the tile that it lies in, or [`SEVERAL`].
+    /// The tile in which each triangle lies, or [`SEVERAL`].
     homes: Vec<u32>,
-    /// For each tile, where its part of `members` begins; two more at the end.
+    /// The start of each tile's part of `members`; two more at the end.
     starts: Vec<u32>,
     /// Indices into `triangles`.
     members: Vec<u32>,
 }
 
-/// Stands for more than one tile.
+/// The mark of more than one tile.
 const SEVERAL: u32 = u32::MAX;
 
 impl Bins {
@@ -56,7 +56,7 @@ impl Bins {
     /// before. The result does not depend on threads, nor on `simd`.
     ///
     /// # Errors
-    /// Where the SIMD level is not to be had on this machine.
+    /// Returns an error if the SIMD level is not available on this machine.
     pub fn rebuild(&mut self, geometry: &[Geometry<'_>], viewport: &Viewport, simd: SimdLevel) -> Result<()> {
         let level = simd.dispatch()?;
         self.vertices.resize_with(geometry.len(), ScreenVertices::default);
@@ -93,7 +93,7 @@ impl Bins {
         })
     }
 
-    /// How many triangles are left after clipping and culling.
+    /// The number of triangles that are left after clipping and culling.
     pub fn triangle_count(&self) -> usize {
         self.chunks.iter().map(|chunk| chunk.triangles.len()).sum()
     }
@@ -107,7 +107,7 @@ pub fn bin(geometry: &[Geometry<'_>], viewport: &Viewport) -> Bins {
     bins
 }
 
-/// Where a chunk's triangles come from.
+/// The source of a chunk's triangles.
 struct Part<'a> {
     geometry: &'a Geometry<'a>,
     vertices: &'a ScreenVertices,
@@ -195,7 +195,7 @@ impl Part<'_> {
     }
 }
 
-/// How far coordinates in 1/256 pixel are shifted to those of tiles.
+/// The number of bits by which coordinates in 1/256 pixel are shifted to those of tiles.
 const TILE_SHIFT: u32 = (TILE_SIZE * SUBPIXELS as u32).trailing_zeros();
 
 /// The tiles that a triangle's box touches.

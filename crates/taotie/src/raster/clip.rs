@@ -2,7 +2,7 @@
 
 use super::Viewport;
 
-/// How far outside the picture vertices may lie before they are clipped, pixels.
+/// The distance outside the image at which vertices are clipped, pixels.
 const GUARD: f64 = 8192.0;
 
 /// A vertex in clip space: x, y, z, w.
@@ -18,13 +18,13 @@ pub(super) struct Polygon {
     count: usize,
 }
 
-/// The half-spaces that geometry must lie in: near, far, and four guard planes outside the picture that keep screen
+/// The half-spaces that geometry must lie in: near, far, and four guard planes outside the image that keep screen
 /// coordinates small enough for exact edge functions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ClipVolume {
-    /// How far |x/w| may go.
+    /// The limit of |x/w|.
     pub guard_x: f64,
-    /// How far |y/w| may go.
+    /// The limit of |y/w|.
     pub guard_y: f64,
 }
 
@@ -39,7 +39,7 @@ impl ClipVolume {
         [w - z, z, self.guard_x * w + x, self.guard_x * w - x, self.guard_y * w + y, self.guard_y * w - y]
     }
 
-    /// One bit for each plane that the vertex is outside of.
+    /// Returns one bit for each plane that the vertex is outside of.
     pub(super) fn outcode(&self, vertex: ClipVertex) -> u8 {
         let mut code = 0;
         for (plane, distance) in self.distances(vertex).into_iter().enumerate() {
@@ -79,7 +79,7 @@ impl Polygon {
         }
     }
 
-    /// Sutherland and Hodgman 1974, against one plane.
+    /// Clips against one plane. Source: Sutherland and Hodgman 1974.
     fn clipped(&self, distance: impl Fn(ClipVertex) -> f64) -> Self {
         let mut result = Self { corners: [[0.0; 4]; MAX_CORNERS], count: 0 };
         for (i, &current) in self.corners().iter().enumerate() {

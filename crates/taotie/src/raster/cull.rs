@@ -1,4 +1,4 @@
-//! Which of many small triangles can be seen at all, eight at a time and exactly.
+//! Finds the many small triangles that can be seen at all, eight at a time and exactly.
 
 use super::{Faces, SUBPIXELS, Viewport};
 use fearless_simd::{Level, Simd, dispatch, i32x8, mask32x8, prelude::*};
@@ -16,18 +16,18 @@ pub(super) struct Corners {
     pub places: [[[i32; 2]; BLOCK]; 3],
 }
 
-/// What is known of the triangles of a block; bit i stands for triangle i.
+/// The facts known of the triangles of a block; bit i belongs to triangle i.
 #[derive(Debug, Default, Clone, Copy)]
 pub(super) struct Verdict {
-    /// Those that cover a sample, or have so many around them that they may.
+    /// The triangles that cover a sample, or have so many around them that they may.
     pub seen: u64,
-    /// Those that turn counter-clockwise.
+    /// The triangles that turn counter-clockwise.
     pub counter_clockwise: u64,
-    /// Those that are too large for this, or need clipping.
+    /// The triangles that are too large for this, or need clipping.
     pub unknown: u64,
 }
 
-/// What can be seen in a viewport.
+/// The test for what can be seen in a viewport.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Culling {
     viewport: Viewport,
@@ -40,7 +40,7 @@ impl Culling {
         Self { viewport: *viewport, faces, level }
     }
 
-    /// Looks at the first `count` triangles of a block; the others must be there and may be anything.
+    /// Tests the first `count` triangles of a block; the others must be there and may be anything.
     pub fn verdict(&self, corners: &Corners, count: usize) -> Verdict {
         dispatch!(self.level, simd => self.block(simd, corners, count))
     }
@@ -96,7 +96,7 @@ impl<S: Simd> Small<S> {
         (right - left).simd_lt(long) & (bottom - top).simd_lt(long)
     }
 
-    /// Which turn counter-clockwise, and which have area and a face that is drawn.
+    /// Returns the triangles that turn counter-clockwise, and those that have area and a face that is drawn.
     #[inline(always)]
     fn turn(&self, faces: Faces) -> (mask32x8<S>, mask32x8<S>) {
         let ([x0, x1, x2], [y0, y1, y2]) = (self.x, self.y);
@@ -120,8 +120,8 @@ impl<S: Simd> Small<S> {
         Self { x, y, ..*self }
     }
 
-    /// Which cover a sample of the picture, of those `asked` for. Where more than two columns or rows of
-    /// samples lie around a triangle, it is taken to.
+    /// Returns the triangles, of those `asked` for, that cover a sample of the image. A triangle with more than two
+    /// columns or rows of samples around it counts as covering one.
     #[inline(always)]
     fn covers(&self, viewport: &Viewport, asked: mask32x8<S>) -> mask32x8<S> {
         let mut covers = self.splat(0).simd_lt(self.splat(0));
@@ -167,7 +167,7 @@ impl<S: Simd> Small<S> {
         ((high - offset) >> 8).min(self.splat(side as i32 - 1))
     }
 
-    /// Where no edge function is negative.
+    /// Returns the triangles for which no edge function is negative.
     #[inline(always)]
     fn inside(&self, edges: &[[i32x8<S>; 3]; 3]) -> mask32x8<S> {
         (edges[0][0] | edges[1][0] | edges[2][0]).simd_ge(self.splat(0))

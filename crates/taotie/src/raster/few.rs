@@ -6,16 +6,16 @@ use super::small::{PACK, Setups};
 use super::triangle::clamped;
 use fearless_simd::{Simd, f32x8, i32x8, mask32x8, prelude::*};
 
-/// How many columns and how many rows of samples are few.
+/// The number of columns, and of rows, of samples up to which they are few.
 pub(super) const FEW: usize = 5;
 
-/// Which samples eight triangles cover, and how near they are there.
+/// The samples that eight triangles cover, and how near they are there.
 pub(super) struct Few {
     /// The pixel of the top left sample around each triangle.
     first: [i32; PACK],
     /// Bit `row · FEW + column` is set where that sample is covered.
     covered: [u32; PACK],
-    /// By `row · FEW + column`.
+    /// The depths, by `row · FEW + column`.
     depths: [[f32; PACK]; FEW * FEW],
 }
 
@@ -24,7 +24,7 @@ impl Few {
         Self { first: [0; PACK], covered: [0; PACK], depths: [[0.0; PACK]; FEW * FEW] }
     }
 
-    /// Looks at the triangles of `asked`, each of which has few samples around it.
+    /// Tests the triangles of `asked`, each of which has few samples around it.
     #[inline(always)]
     pub fn fill<S: Simd>(&mut self, simd: S, setups: &Setups<S>, asked: mask32x8<S>) {
         let [left, top, _, bottom] = setups.bounds;

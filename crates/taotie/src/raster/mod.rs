@@ -1,4 +1,5 @@
-//! From clip space to visibility: clipping, binning to tiles, coverage and depth. Finds triangles, never colours.
+//! Rasterisation, from clip space to visibility: clipping, binning to tiles, coverage and depth. Finds triangles, never
+//! colours.
 //!
 //! Clip space has x right, y up, z reversed: z/w is 1 on the near plane and 0 on the far plane (or at infinity).
 //! Screen space has its origin top left, y down. Vertices are snapped to 1/256 pixel, so edge functions are exact

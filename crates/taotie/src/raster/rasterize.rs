@@ -1,4 +1,4 @@
-//! Which triangles are seen in one tile.
+//! Finds the triangles that are seen in one tile.
 
 use super::scan::scan;
 use super::sink::{InFront, Nearest};
@@ -11,7 +11,7 @@ use fearless_simd::dispatch;
 /// triangle drawn first stays.
 ///
 /// # Errors
-/// Where the SIMD level is not to be had on this machine.
+/// Returns an error if the SIMD level is not available on this machine.
 pub fn rasterize_opaque(
     bins: &Bins,
     at: TileSample<'_>,
@@ -30,7 +30,7 @@ pub fn rasterize_opaque(
 /// Lists every triangle of `bins` in front of `opaque` at a sample, in drawing order.
 ///
 /// # Errors
-/// Where the SIMD level is not to be had on this machine.
+/// Returns an error if the SIMD level is not available on this machine.
 pub fn rasterize_layers(
     bins: &Bins,
     at: TileSample<'_>,

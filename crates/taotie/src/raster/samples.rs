@@ -1,4 +1,4 @@
-//! Where in a pixel the samples lie.
+//! The positions of the samples in a pixel.
 
 use crate::error::{Error, Result};
 
@@ -48,7 +48,7 @@ impl SamplePattern {
         self.offsets
     }
 
-    /// How far apart samples lie along an axis, in pixels: 1, 1/2 or 1/4.
+    /// The distance between samples along an axis, in pixels: 1, 1/2 or 1/4.
     pub fn spacing(self) -> f32 {
         match self.offsets.len() {
             1 => 1.0,

@@ -36,7 +36,7 @@ struct Scan<'a, S> {
 }
 
 impl<S: Simd> Scan<'_, S> {
-    /// At most [`BLOCK`] triangles.
+    /// Scans at most [`BLOCK`] triangles.
     #[inline(always)]
     fn block<K: Sink>(&mut self, block: Members<'_>, sink: &mut K) {
         let Members { triangles, members } = block;
@@ -49,7 +49,7 @@ impl<S: Simd> Scan<'_, S> {
         }
     }
 
-    /// At most [`PACK`] triangles.
+    /// Scans at most [`PACK`] triangles.
     #[inline(always)]
     fn pack<K: Sink>(
         &mut self,
@@ -119,7 +119,7 @@ impl Columns {
         columns
     }
 
-    /// Triangle `i`, or `None` where no sample lies around it.
+    /// Returns triangle `i`, or `None` where no sample lies around it.
     #[inline(always)]
     fn triangle(&self, i: usize, id: u32) -> Option<TileTriangle> {
         let (n, f) = (&self.integers, &self.floats);

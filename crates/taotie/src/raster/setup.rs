@@ -21,7 +21,7 @@ impl ScreenTriangle {
         [low(self.x), low(self.y), high(self.x), high(self.y)]
     }
 
-    /// With the other turn.
+    /// Returns the triangle with the other turn.
     pub fn turned(mut self) -> Self {
         self.x.swap(1, 2);
         self.y.swap(1, 2);
@@ -30,7 +30,7 @@ impl ScreenTriangle {
     }
 }
 
-/// What turning clip space into screen triangles needs.
+/// The inputs for turning clip space into screen triangles.
 pub(super) struct Setup<'a> {
     viewport: &'a Viewport,
     volume: ClipVolume,
@@ -78,7 +78,7 @@ impl<'a> Setup<'a> {
         self.may_cover(&triangle).then_some(triangle)
     }
 
-    /// Whether the triangle's box holds a sample of the picture.
+    /// Says whether the triangle's box holds a sample of the image.
     fn may_cover(&self, triangle: &ScreenTriangle) -> bool {
         let [left, top, right, bottom] = triangle.bounds();
         if right < 0 || bottom < 0 {
@@ -96,7 +96,7 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// Twice the signed area, positive clockwise with y down.
+/// Returns twice the signed area, positive clockwise with y down.
 fn cross(x: [i32; 3], y: [i32; 3]) -> i64 {
     let [x, y] = [x.map(i64::from), y.map(i64::from)];
     (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])

@@ -1,4 +1,4 @@
-//! What becomes of covered pixels.
+//! Receivers of covered pixels.
 
 use super::{Layer, TILE_PIXELS};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
@@ -7,10 +7,10 @@ const PACK: usize = 8;
 
 /// Takes what triangles cover, in drawing order.
 pub(super) trait Sink {
-    /// Eight pixels from `pixel` on; `covered` says which, `depth` how near.
+    /// Takes eight pixels from `pixel` on; `covered` marks the covered ones, `depth` is how near they are.
     fn pack<S: Simd>(&mut self, pixel: usize, covered: mask32x8<S>, depth: f32x8<S>, id: u32);
 
-    /// One pixel.
+    /// Takes one pixel.
     fn one(&mut self, pixel: usize, depth: f32, id: u32);
 }
 

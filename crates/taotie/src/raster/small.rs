@@ -44,11 +44,11 @@ pub(super) struct Setups<S: Simd> {
     /// Pixels of the tile to visit: left, top, right, bottom, inclusive; none where left > right or top >
     /// bottom.
     pub bounds: [i32x8<S>; 4],
-    /// For each edge: value at pixel (0, 0), step a column, step a row. Inside where all values are ≥ 0.
+    /// The edge functions, each: value at pixel (0, 0), step a column, step a row. Inside where all values are ≥ 0.
     pub edges: [[i32x8<S>; 3]; 3],
     /// The same for depth.
     pub depth: [f32x8<S>; 3],
-    /// Depth stays within the corners'.
+    /// The range of the corners' depths; depth stays within it.
     pub depth_range: [f32x8<S>; 2],
 }
 
@@ -75,7 +75,7 @@ struct Octet<S: Simd> {
 }
 
 impl<S: Simd> Setups<S> {
-    /// Those of the triangles from `start` on, and which of them are small.
+    /// Sets up the triangles from `start` on, and returns which of them are small.
     #[inline(always)]
     pub fn new(simd: S, corners: &Corners, start: usize, samples: &Samples) -> (Self, mask32x8<S>) {
         let octet = Octet::load(simd, corners, start);
@@ -136,7 +136,7 @@ impl<S: Simd> Octet<S> {
         ((high - origin) >> 8).min(i32x8::splat(self.simd, side - 1))
     }
 
-    /// As `edge` of large triangles, where nothing overflows.
+    /// Does what `edge` of large triangles does, where nothing overflows.
     #[inline(always)]
     fn edge(&self, [i, j]: [usize; 2], [ox, oy]: [i32; 2]) -> [i32x8<S>; 3] {
         let (zero, one) = (i32x8::splat(self.simd, 0), i32x8::splat(self.simd, 1));
@@ -167,7 +167,7 @@ fn wide<S: Simd>(v: i32x8<S>) -> (f64x4<S>, f64x4<S>) {
     float.widen()
 }
 
-/// Depth at the first sample and its steps, from corners relative to the first one.
+/// Returns the depth at the first sample and its steps, from corners relative to the first one.
 #[inline(always)]
 fn plane<S: Simd>(
     [x1, x2]: [f64x4<S>; 2],

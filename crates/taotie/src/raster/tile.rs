@@ -1,11 +1,11 @@
-//! Tiles of the picture, and what is seen in them.
+//! Tiles of the image, and what is seen in them.
 
 use super::{TILE_PIXELS, TILE_SIZE, Viewport};
 
-/// The id that says "nothing here".
+/// The id that means "nothing here".
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// A tile by its place in the picture.
+/// A tile by its place in the image.
 #[derive(Debug, Clone, Copy)]
 pub struct Tile {
     /// Index, row by row.
@@ -14,9 +14,9 @@ pub struct Tile {
     pub x: u32,
     /// The top row of pixels.
     pub y: u32,
-    /// Columns that are inside the picture, 1 to [`TILE_SIZE`].
+    /// Columns that are inside the image, 1 to [`TILE_SIZE`].
     pub width: u32,
-    /// Rows that are inside the picture.
+    /// Rows that are inside the image.
     pub height: u32,
 }
 
@@ -37,7 +37,7 @@ impl Tile {
 pub struct TileSample<'t> {
     /// The tile.
     pub tile: &'t Tile,
-    /// Where in the pixel, 1/256 pixel right and down from its corner.
+    /// The place in the pixel, 1/256 pixel right and down from its corner.
     pub offset: [i32; 2],
 }
 

@@ -15,11 +15,11 @@ const FAR: i64 = 1 << 30;
 pub(super) struct TileTriangle {
     /// Pixels of the tile to visit: left, top, right, bottom, inclusive.
     pub bounds: [i32; 4],
-    /// For each edge: value at pixel (0, 0), step a column, step a row. Inside where all values are ≥ 0.
+    /// The edge functions, each: value at pixel (0, 0), step a column, step a row. Inside where all values are ≥ 0.
     pub edges: [[i32; 3]; 3],
     /// The same for depth.
     pub depth: [f32; 3],
-    /// Depth stays within the corners'.
+    /// The range of the corners' depths; depth stays within it.
     pub depth_range: [f32; 2],
     pub id: u32,
 }

@@ -1,4 +1,4 @@
-//! From clip space to the screen's grid, once a vertex.
+//! Snaps vertices from clip space to the screen's grid, once a vertex.
 
 use super::clip::ClipVolume;
 use super::{SUBPIXELS, Viewport};
@@ -25,7 +25,7 @@ pub(super) struct ScreenVertices {
 /// The x of vertices outside; the planes come on top of it.
 const OUTSIDE: f64 = -1_073_741_824.0;
 
-/// How far apart the x of vertices outside different planes are.
+/// The distance in x between vertices outside different planes.
 const OUTSIDE_STEP: f64 = 65536.0;
 
 impl ScreenVertices {
@@ -43,7 +43,7 @@ impl ScreenVertices {
     }
 }
 
-/// What snapping a pack of vertices needs.
+/// The inputs for snapping a pack of vertices.
 struct Snap<S> {
     simd: S,
     volume: ClipVolume,
@@ -88,7 +88,7 @@ impl<S: Simd> Snap<S> {
         depth.store_slice(depths);
     }
 
-    /// Snapped x and y, and depth.
+    /// Returns snapped x and y, and depth.
     #[inline(always)]
     fn four(&self, [x, y, z, w]: [f64x4<S>; 4]) -> [f64x4<S>; 3] {
         let planes = self.outside([x, y, z, w]);

@@ -1,4 +1,4 @@
-//! The picture that is drawn into, and how it is cut into tiles.
+//! The image that is drawn into, and how it is cut into tiles.
 
 use super::SamplePattern;
 
@@ -8,37 +8,37 @@ pub const TILE_SIZE: u32 = 64;
 /// The pixels of a tile.
 pub const TILE_PIXELS: usize = (TILE_SIZE * TILE_SIZE) as usize;
 
-/// The picture to draw into.
+/// The image to draw into.
 #[derive(Debug, Clone, Copy)]
 pub struct Viewport {
     /// Pixels across, 1 to 16384.
     pub width: u32,
     /// Pixels down, 1 to 16384.
     pub height: u32,
-    /// Where in a pixel it is sampled.
+    /// The sample positions in a pixel.
     pub pattern: SamplePattern,
 }
 
 impl Viewport {
-    /// How many tiles there are across and down.
+    /// The number of tiles across and down.
     pub fn tiles(&self) -> (u32, u32) {
         (self.width.div_ceil(TILE_SIZE), self.height.div_ceil(TILE_SIZE))
     }
 }
 
-/// Which faces are drawn.
+/// The faces that are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Faces {
-    /// Those that turn counter-clockwise as seen.
+    /// Triangles that turn counter-clockwise as seen.
     CounterClockwise,
-    /// Those that turn clockwise as seen: the front of a mirrored mesh.
+    /// Triangles that turn clockwise as seen: the front of a mirrored mesh.
     Clockwise,
-    /// All.
+    /// All triangles.
     Both,
 }
 
 impl Faces {
-    /// Whether clockwise triangles and counter-clockwise ones are drawn.
+    /// Says whether clockwise triangles and counter-clockwise ones are drawn.
     pub(super) fn turns(self) -> [bool; 2] {
         [self != Self::CounterClockwise, self != Self::Clockwise]
     }

@@ -31,7 +31,7 @@ pub(super) fn look_up(level: Level, settings: &RenderSettings, draw: &Draw<'_>, 
     }
 }
 
-/// Where fragments are looked up in the tables.
+/// The places in the tables where fragments are looked up.
 struct Places {
     node: Words,
     across: Column,
@@ -55,7 +55,7 @@ impl Places {
     }
 }
 
-/// Fills the lacquer's albedo of entry `i` as seen from `v`.
+/// Fills the clearcoat's albedo of entry `i` as seen from `v`.
 pub(super) fn look_up_coat(material: &Material, batch: &mut Batch, i: usize, v: Vec3) {
     if material.clearcoat.is_some() {
         let cosine = get3(&batch.layers.coat_n, i).dot(v);

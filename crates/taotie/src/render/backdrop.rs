@@ -11,7 +11,7 @@ pub(super) struct Backdrop {
 }
 
 impl Backdrop {
-    /// `None` where there is nothing to be seen.
+    /// Makes the backdrop; `None` where there is nothing to be seen.
     pub(super) fn new(light: Option<&EnvironmentLight>, rays: CameraRays) -> Option<Self> {
         light.filter(|light| light.visible).map(|light| Self { light: light.clone(), rays })
     }

@@ -9,7 +9,7 @@ use crate::shade::dfg::Dfg;
 use crate::shade::environment::{Gatherer, Mirrors};
 
 /// Fragments of one draw between interpolation and film, those of a triangle together. Entries from `len` on hold what
-/// packs leave there, which nobody reads but packs.
+/// packs leave there, which only packs read.
 #[derive(Debug, Clone)]
 pub struct Batch {
     pub(super) len: usize,
@@ -21,31 +21,31 @@ pub struct Batch {
     pub(super) d_x: Column3,
     pub(super) d_y: Column3,
     pub(super) corners: CornerColumns,
-    /// As many as the mesh has.
+    /// The uv sets, as many as the mesh has.
     pub(super) uv_sets: Vec<UvSet>,
     /// Vertex colours, where the mesh has some.
     pub(super) color: [Column; 4],
-    /// What the curvature of the smooth surface, and what the normal map, add to α² within a pixel.
+    /// The variance within a pixel that is added to α²: by the curvature of the smooth surface, and by the normal map.
     pub(super) curvature: Column,
     pub(super) normal_variance: Column,
     pub(super) lookups: Lookups,
     /// The first triangle of the draw whose constants fill the columns that no texture does; none while they may hold
     /// anything.
     pub(super) constants_of: Option<u32>,
-    /// Channels of textures that nothing needs.
+    /// Columns for the channels of textures that nothing needs.
     pub(super) spare: [Column; 3],
-    /// World space.
+    /// The position, world space.
     pub(super) position: Column3,
-    /// Unit, world space, on the side of the face that is seen.
+    /// The geometric normal: unit, world space, on the side of the face that is seen.
     pub(super) n_geom: Column3,
-    /// Interpolated, not normalised; object space for `bump-printed`, else world space.
+    /// The interpolated normal, not normalised; object space for `bump-printed`, else world space.
     pub(super) normal: Column3,
-    /// Interpolated, not normalised, world space.
+    /// The interpolated tangent, not normalised, world space.
     pub(super) tangent: Column3,
     pub(super) handedness: Column,
-    /// 1 where the front is seen, −1 where the back is.
+    /// The side that is seen: 1 for the front, −1 for the back.
     pub(super) facing: Column,
-    /// Whether the normal turns to a viewer behind the surface even where the material is single-sided.
+    /// `true` where the normal turns to a viewer behind the surface even where the material is single-sided.
     pub(super) both_sides: bool,
     /// The normal map's stored vector, each component in [0, 1].
     pub(super) map: Column3,
@@ -73,7 +73,7 @@ pub struct Batch {
     pub(super) bump: Column,
     /// Directional albedos of the lobe: scale, bias, edge, diffuse edge; valid once they were looked up.
     pub(super) dfg: Quads,
-    /// Whether light that scatters several times is given back.
+    /// `true` where light that scatters several times is added.
     pub(super) compensated: bool,
     pub(super) surround: Surroundings,
     pub(super) mirrors: Mirrors,
@@ -84,40 +84,40 @@ pub struct Batch {
     pub(super) n: Column3,
     /// Base colour with its factor.
     pub(super) albedo: Column3,
-    /// What leaves towards the viewer, linear RGB.
+    /// The radiance that leaves towards the viewer, linear RGB.
     pub(super) radiance: Column3,
-    /// For each light, 1 where it is seen and 0 where it is not.
+    /// The visibility of each light: 1 where it is seen and 0 where it is not.
     pub(super) visibility: Vec<Column>,
 }
 
-/// What lies over or in the surface; filled where the material has it.
+/// The layers over or in the surface; filled where the material has them.
 #[derive(Debug, Clone)]
 pub(super) struct Layers {
     pub coat: Column,
     pub coat_roughness: Column,
-    /// The lacquer's normal map's stored vector.
+    /// The stored vector of the clearcoat's normal map.
     pub coat_map: Column3,
-    /// Unit, world space.
+    /// The clearcoat's normal: unit, world space.
     pub coat_n: Column3,
     pub coat_albedo: Column,
     pub sheen_color: Column3,
     pub sheen_roughness: Column,
     pub sheen_albedo: Column,
     pub stretch: Column,
-    /// Cosine and sine of the stretch's angle from the tangent.
+    /// Cosine and sine of the angle of anisotropy from the tangent.
     pub stretch_turn: [Column; 2],
-    /// Unit, world space.
+    /// The direction of anisotropy: unit, world space.
     pub stretch_tangent: Column3,
 }
 
-/// What the environment sends to a fragment, linear RGB.
+/// The light of the environment at a fragment, linear RGB.
 #[derive(Debug, Clone)]
 pub(super) struct Surroundings {
     /// The radiance that the highlight gathers.
     pub specular: Column3,
     /// The irradiance over π.
     pub mean: Column3,
-    /// The radiance that the lacquer's highlight gathers.
+    /// The radiance that the clearcoat's highlight gathers.
     pub coat: Column3,
 }
 
@@ -187,7 +187,7 @@ impl Batch {
         })
     }
 
-    /// Begins with a picture's tile: makes room for the visibility of so many lights, and forgets earlier materials.
+    /// Begins with an image's tile: makes room for the visibility of so many lights, and forgets earlier materials.
     pub(super) fn begin(&mut self, lights: usize) {
         self.visibility.resize(lights, Column::ONE);
         self.constants_of = None;
@@ -198,12 +198,12 @@ impl Batch {
         self.uv_sets.first().map_or([0.0; 2], |set| [set.uv[0][i], set.uv[1][i]])
     }
 
-    /// How many fragments there are.
+    /// The number of fragments.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there are none.
+    /// Says whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }

@@ -1,4 +1,4 @@
-//! What the corners of each fragment's triangle hold, in columns.
+//! The data at the corners of each fragment's triangle, in columns.
 
 use super::columns::{Column3, load};
 use crate::math::{Column, Pack, Vec3};
@@ -14,8 +14,8 @@ pub(super) struct Run {
 
 /// Up to four numbers of each corner, side by side with the fragments of a batch.
 ///
-/// Triangles may be smaller than a pixel. Written out for each fragment, what their corners hold can be weighted in packs
-/// that go over all fragments, whichever triangles they belong to.
+/// Triangles may be smaller than a pixel. Written out for each fragment, what their corners hold can be weighted in
+/// packs that go over all fragments, whichever triangles they belong to.
 #[derive(Debug, Clone)]
 pub(super) struct CornerColumns([[Column; 4]; 3]);
 
@@ -40,8 +40,8 @@ impl CornerColumns {
         }
     }
 
-    /// Writes the first corner's numbers and how far the others' are from them: two weights do then, and what is the same
-    /// at all corners stays as it is.
+    /// Writes the first corner's numbers and their differences to the others': two weights do then, and what is the
+    /// same at all corners stays as it is.
     #[inline(always)]
     pub(super) fn spread<P: Pack, const N: usize>(
         &mut self,
@@ -75,7 +75,7 @@ impl CornerColumns {
         self.written::<P>(token, 0, n, i) + self.change(token, weights, n, i)
     }
 
-    /// Its change where the weights change so.
+    /// Returns the change of the number for these changes of the weights.
     #[inline(always)]
     pub(super) fn change<P: Pack>(&self, token: P::Token, weights: &Column3, n: usize, i: usize) -> P {
         let (second, third): (P, P) = (load(token, &weights[1], i), load(token, &weights[2], i));
@@ -89,7 +89,7 @@ impl CornerColumns {
         Vec3::new(x, y, self.at(token, weights, 2, i))
     }
 
-    /// Their change where the weights change so.
+    /// Returns the change of the numbers for these changes of the weights.
     #[inline(always)]
     pub(super) fn change3<P: Pack>(&self, token: P::Token, weights: &Column3, i: usize) -> Vec3<P> {
         let (x, y) = (self.change(token, weights, 0, i), self.change(token, weights, 1, i));

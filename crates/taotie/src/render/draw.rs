@@ -12,33 +12,33 @@ pub(super) struct Draw<'p> {
     /// The number of its first triangle over all draws.
     pub first_triangle: u32,
     pub normal_source: NormalSource,
-    /// World space.
+    /// The vertices' positions, world space.
     pub positions: &'p [Vec3],
-    /// Unit, world space.
+    /// The vertices' normals: unit, world space.
     pub normals: &'p [Vec3],
-    /// Unit, world space, with handedness; empty unless a tangent-space map or a direction is read.
+    /// The tangents: unit, world space, with handedness; empty unless a tangent-space map or a direction is read.
     pub tangents: &'p [[f32; 4]],
     /// Takes object-space normals to world space, keeping the length of uniformly scaled ones.
     pub normal_matrix: [Vec3; 3],
-    /// Whether the transform turns counter-clockwise triangles into clockwise ones.
+    /// `true` where the transform turns counter-clockwise triangles into clockwise ones.
     pub mirrored: bool,
 }
 
-/// Where the shading normals of a draw come from.
+/// The source of a draw's shading normals.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum NormalSource {
     Facet,
     Smooth,
-    /// With the height of 1 in model units.
+    /// A height map, with the height of 1 in model units.
     Bump(HeightMap, f32),
-    /// With the paper's factor.
+    /// A height map, with the paper's factor.
     BumpPrinted(HeightMap, f32),
     ObjectMap(NormalMap),
     TangentMap(NormalMap),
 }
 
 impl NormalSource {
-    /// Whether a picture turns the normals, and not as printed.
+    /// Says whether an image turns the normals, and not as printed.
     pub(super) fn is_mapped(&self) -> bool {
         match self {
             Self::Facet | Self::Smooth | Self::BumpPrinted(..) => false,
@@ -59,12 +59,12 @@ impl Draw<'_> {
         self.mesh.triangles()[(triangle - self.first_triangle) as usize]
     }
 
-    /// Whether parts of the surface may be missing, so that visibility must ask the material.
+    /// Says whether parts of the surface may be missing, so that visibility must ask the material.
     pub(super) fn layered(&self) -> bool {
         self.material.alpha != AlphaMode::Opaque
     }
 
-    /// Whether the surface sends out light of its own.
+    /// Says whether the surface emits light.
     pub(super) fn shines(&self) -> bool {
         self.material.unlit || self.material.emissive != [0.0; 3]
     }

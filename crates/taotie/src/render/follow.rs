@@ -14,7 +14,7 @@ use crate::surface::{self, SurfaceMethod, TangentMethod};
 ///
 /// Without this they are made anew from every pose. A map is baked with the tangents of the shape at hand, which was
 /// the authored one, so these, moved along, are right for it, and glTF 2.0, 3.7.2.1 asks for them. MikkTSpace of a
-/// deformed mesh follows the stretched uvs instead, and may weld and split other vertices from one picture to the next.
+/// deformed mesh follows the stretched uvs instead, and may weld and split other vertices from one image to the next.
 ///
 /// Meshes without normals are passed over: they are flat in every pose, and so are their tangents.
 ///

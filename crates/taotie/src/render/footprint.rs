@@ -15,7 +15,7 @@ pub(super) struct Footprint {
 const POINT: f32 = -50.0;
 
 impl Footprint {
-    /// Where a ray met a triangle of `draw`, by its number over all draws.
+    /// The point where a ray met a triangle of `draw`, by its number over all draws.
     pub(super) fn of(draw: &Draw<'_>, hit: &Hit) -> Self {
         Self { vertices: draw.vertices(hit.triangle), weights: hit.weights }
     }

@@ -1,4 +1,4 @@
-//! What fragments are made of: interpolated vertices, and what textures say.
+//! Makes fragments from interpolated vertices and textures.
 
 use super::batch::{BATCH, Batch};
 use super::columns::{Column, get3, load};
@@ -25,7 +25,7 @@ impl Interpolation<'_> {
         batch.constants_of = Some(self.draw.first_triangle);
     }
 
-    /// Where rays leave from, `lift` above the surface, model units.
+    /// The origins of rays, at the height `lift` above the surface, model units.
     pub(super) fn origins(&self, lift: f32, batch: &Batch) -> [Vec3; BATCH] {
         let (draw, mut origins) = (self.draw, [Vec3::default(); BATCH]);
         for run in &batch.runs {
@@ -42,7 +42,7 @@ impl Interpolation<'_> {
         origins
     }
 
-    /// What the method of the shading normal needs from textures, and what of the surface is too fine for the pixel.
+    /// Fills in the texture data for the method of the shading normal, and the surface detail too fine for the pixel.
     fn normal_inputs(&self, batch: &mut Batch) {
         let len = batch.len;
         match &self.draw.normal_source {
@@ -75,7 +75,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
+    /// Computes ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
     fn height_derivatives(&self, map: &HeightMap, batch: &mut Batch) -> [Column; 2] {
         let texture = &self.scene.textures()[map.texture.texture];
         let Batch { lookups, uv_sets, len, .. } = batch;
@@ -102,7 +102,7 @@ impl Interpolation<'_> {
         derivatives
     }
 
-    /// Base colour, opacity, roughness, metalness, occlusion and emission.
+    /// Fills base colour, opacity, roughness, metalness, occlusion and emission.
     fn colors_and_widths(&self, batch: &mut Batch, fresh: bool) {
         let (material, len) = (self.draw.material, batch.len);
         let colored = !self.draw.mesh.colors().is_empty();
@@ -147,7 +147,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// Strength and colour of a dielectric's reflection.
+    /// Fills strength and colour of a dielectric's reflection.
     fn specular(&self, batch: &mut Batch, fresh: bool) {
         let (specular, len) = (&self.draw.material.specular, batch.len);
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
@@ -218,7 +218,7 @@ struct Reader<'b, 'i> {
     interpolation: &'i Interpolation<'i>,
     lookups: &'b mut Lookups,
     at: Coordinates<'b>,
-    /// Whether columns that no texture fills may hold something else than their factors.
+    /// `true` where columns that no texture fills may hold something else than their factors.
     fresh: bool,
 }
 
@@ -243,7 +243,8 @@ impl Reader<'_, '_> {
     }
 }
 
-/// What the first `len` fragments hide within a pixel: the variance that the curvature of their surface and its normal map add.
+/// The detail that the first `len` fragments hide within a pixel: the variance that the curvature of their surface and
+/// its normal map add.
 struct Unseen<'b> {
     curvature: &'b Column,
     normal_variance: &'b Column,

@@ -1,4 +1,4 @@
-//! The finished picture and its arbitrary output variables.
+//! The finished image and its arbitrary output variables.
 
 use super::resolve::Resolve;
 use super::settings::RenderSettings;
@@ -6,16 +6,16 @@ use super::tiles::{TileRows, tiles_of};
 use crate::error::Result;
 use crate::image::Image;
 
-/// A finished picture.
+/// A finished image.
 #[derive(Debug, Clone)]
 pub struct Frame {
     /// Linear radiance, premultiplied by coverage, which is the fourth channel.
     pub color: Image,
-    /// What was seen at the first sample of each pixel, where asked for.
+    /// The surface data at the first sample of each pixel, where asked for.
     pub aovs: Option<Aovs>,
 }
 
-/// What was seen at the first sample of each pixel. The fourth channel is 1 where something was.
+/// The surface data at the first sample of each pixel. The fourth channel is 1 where a surface was seen.
 #[derive(Debug, Clone)]
 pub struct Aovs {
     /// Unit shading normals, world space, components in [-1, 1].
@@ -31,7 +31,7 @@ pub struct Aovs {
 }
 
 impl Aovs {
-    /// The names on the command line with their pictures.
+    /// The names on the command line with their images.
     pub fn named(&self) -> [(&'static str, &Image); 5] {
         [
             ("normals", &self.normals),
@@ -46,10 +46,10 @@ impl Aovs {
     pub const NAMES: [&'static str; 5] = ["normals", "depth", "albedo", "uv", "triangle"];
 }
 
-/// Where a tile of a frame is written to.
+/// The memory that a tile of a frame is written to.
 pub(super) struct FrameTile<'f> {
     color: TileRows<'f, [f32; 4]>,
-    /// In the order of [`Aovs::NAMES`]; none where not asked for.
+    /// The output variables, in the order of [`Aovs::NAMES`]; none where not asked for.
     aovs: Vec<TileRows<'f, [f32; 4]>>,
 }
 

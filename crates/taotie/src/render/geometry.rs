@@ -11,14 +11,14 @@ use rayon::prelude::*;
 /// Vertices that a task takes at once.
 const BLOCK: usize = 4096;
 
-/// The triangles of a picture. It can be made anew for the next one in the same memory.
+/// The triangles of an image. It can be made anew for the next one in the same memory.
 #[derive(Debug, Default)]
 pub(super) struct Projected {
     /// Each draw's vertices in clip space.
     pub clip: Vec<Vec<[f32; 4]>>,
-    /// What hides all behind it.
+    /// The triangles that hide all behind them.
     pub opaque: Bins,
-    /// What may be missing in places.
+    /// The triangles that may be missing in places.
     pub layered: Bins,
 }
 
@@ -26,7 +26,7 @@ impl Projected {
     /// Projects, clips and bins all draws.
     ///
     /// # Errors
-    /// Where the SIMD level is not to be had on this machine.
+    /// Returns an error if the SIMD level is not available on this machine.
     pub fn rebuild(
         &mut self,
         draws: &[Draw<'_>],

@@ -20,15 +20,15 @@ const REACH: f64 = 2.5;
 /// Directions in which each point of the ground looks for the environment.
 const DIRECTIONS: u32 = 128;
 
-/// Below the object by this part of its size, so that what stands on the ground does not cut it.
+/// The distance below the object, as a part of its size, so that what stands on the ground does not cut it.
 const GAP: f64 = 1e-4;
 
-/// How much of the light is missing on a horizontal square under the object.
+/// The part of the light that is missing on a horizontal square under the object.
 pub(super) struct Ground {
     height: f64,
     center: [f64; 2],
     half: f64,
-    /// Row by row from the least z, each from the least x; [0, 1].
+    /// The shadow, row by row from the least z, each from the least x; [0, 1].
     shadow: Vec<f32>,
     rays: CameraRays,
 }
@@ -68,7 +68,7 @@ impl Ground {
         }
     }
 
-    /// The shadow that the middle of a pixel sees; none from below.
+    /// The shadow in the middle of a pixel; none from below.
     fn seen_at(&self, at: [f64; 2]) -> f32 {
         let ray = self.rays.through(at);
         self.shadow_along(ray.origin, ray.direction)
@@ -85,7 +85,7 @@ impl Ground {
         self.faded(u) * self.faded(v) * self.bilinear(u, v)
     }
 
-    /// 1 in the middle, 0 at the edge, smooth between; `u` in [−1, 1].
+    /// Returns 1 in the middle, 0 at the edge, smooth between; `u` in [−1, 1].
     fn faded(&self, u: f64) -> f32 {
         let t = ((1.0 - u.abs()) * 2.0).clamp(0.0, 1.0);
         (t * t * (3.0 - 2.0 * t)) as f32
@@ -107,10 +107,10 @@ impl Ground {
     }
 }
 
-/// What lights the ground.
+/// The lights over the ground.
 struct Lights {
     sources: Vec<Source>,
-    /// Directions to the environment, with the irradiance that each stands for.
+    /// Directions to the environment, each with its irradiance.
     sky: Vec<(Vec3, f32)>,
 }
 
@@ -145,8 +145,8 @@ impl Lights {
     }
 }
 
-/// Half of the directions where the environment is bright, half spread by the cosine, weighed so that both agree: the
-/// balance heuristic (Veach 1997, eq. 9.8).
+/// Returns directions, half where the environment is bright, half spread by the cosine, weighed so that both agree:
+/// the balance heuristic (Veach 1997, eq. 9.8).
 fn environment(light: &EnvironmentLight) -> Vec<(Vec3, f32)> {
     let turn = light.turn();
     let sources = directions().flat_map(|[a, b, c, d]| {
@@ -169,12 +169,12 @@ fn directions() -> impl Iterator<Item = [f32; 4]> {
     (0..DIRECTIONS).map(move |i| sequence.four(i, 0))
 }
 
-/// From z up to y up.
+/// Turns a vector from z up to y up.
 fn upward(v: Vec3) -> Vec3 {
     Vec3::new(v.x, v.z, -v.y)
 }
 
-/// Rec. 709 luminance of linear sRGB.
+/// Returns the Rec. 709 luminance of linear sRGB.
 fn luminance(rgb: Vec3) -> f32 {
     0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z
 }

@@ -1,4 +1,4 @@
-//! Vertices to fragments: what corners hold, at points of their triangles.
+//! Interpolation of vertices to fragments: what corners hold, at points of their triangles.
 
 use super::batch::Batch;
 use super::columns::{load, load3, splat3, store3};
@@ -18,18 +18,18 @@ pub(super) struct Interpolation<'p> {
     pub level: Level,
     pub scene: &'p Scene,
     pub draw: &'p Draw<'p>,
-    /// Whether what is too fine for the pixel widens highlights.
+    /// `true` where detail too fine for the pixel widens highlights.
     pub specular_aa: bool,
-    /// Whether anything depends on the roughness.
+    /// `true` where anything depends on the roughness.
     pub takes_roughness: bool,
 }
 
-/// Where the rasteriser's fragments lie.
+/// The screen positions of the rasteriser's fragments.
 pub(super) struct Screen<'p> {
     pub viewport: &'p Viewport,
     /// The draw's vertices in clip space.
     pub clip: &'p [[f32; 4]],
-    /// What `batch.place` counts from, pixels from the picture's top left corner.
+    /// The origin of `batch.place`, pixels from the image's top left corner.
     pub origin: [f64; 2],
 }
 
@@ -94,7 +94,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// Position, sight and side.
+    /// Fills position, sight and side.
     #[inline(always)]
     fn geometry<P: Pack>(&self, token: P::Token, eye: Option<Eye>, batch: &mut Batch) {
         self.spread::<P>(token, self.draw.positions, batch);
@@ -122,7 +122,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// Normal, and how much the surface bends.
+    /// Fills the normal, and the curvature of the surface.
     #[inline(always)]
     fn normals<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         let draw = self.draw;
@@ -146,7 +146,7 @@ impl Interpolation<'_> {
         }
     }
 
-    /// How the position changes with the uv of a height map.
+    /// The derivatives of the position with respect to the uv of a height map.
     #[inline(always)]
     fn uv_derivatives<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         let (NormalSource::Bump(map, _) | NormalSource::BumpPrinted(map, _)) = self.draw.normal_source else {

@@ -1,25 +1,25 @@
-//! What lies over the base of a surface: lacquer, fibres, and the soft edge of its relief's shadow.
+//! The layers over the base of a surface: clearcoat, sheen, and the soft edge of its relief's shadow.
 
 use super::batch::Lanes;
 use crate::math::{Lane, Pack, Vec3};
 use crate::shade::sheen::{d_charlie, v_neubelt};
 use crate::shade::{Angles, coat_lobe};
 
-/// A clear lacquer: KHR_materials_clearcoat.
+/// A clearcoat: KHR_materials_clearcoat.
 ///
-/// What it reflects of even surroundings it keeps from the base, so that a white surface under lacquer returns all light
-/// at any roughness. Where the lacquer is smooth that is the extension's 1 − F(n·v); where it is rough, 1 − F(n·v) alone
-/// would leave a dark rim, since a rough lacquer seen at a grazing angle reflects less than F.
+/// The base loses what the coat reflects of even surroundings, so that a white surface under a clearcoat returns all
+/// light at any roughness. Where the coat is smooth that is the extension's 1 − F(n·v); where it is rough, 1 − F(n·v)
+/// alone would leave a dark rim, since a rough coat seen at a grazing angle reflects less than F.
 /// Law: `white_room::lacquer_over_white_returns_what_arrives`.
 pub(super) struct Coat<L> {
-    /// Unit, world space.
+    /// The normal: unit, world space.
     pub n: Vec3<L>,
-    /// How much of the surface it covers, [0, 1].
+    /// The part of the surface that it covers, [0, 1].
     pub factor: L,
     pub roughness: L,
-    /// What it lets through to the viewer, [0, 1].
+    /// The part of the light that it lets through to the viewer, [0, 1].
     pub kept: L,
-    /// What it reflects of even surroundings.
+    /// The part of even surroundings' light that it reflects.
     albedo: L,
 }
 
@@ -35,25 +35,25 @@ impl<P: Pack> Coat<P> {
 }
 
 impl<L: Lane> Coat<L> {
-    /// With the lacquer over what the base reflects of a light.
+    /// Puts the clearcoat over what the base reflects of a light.
     #[inline(always)]
     pub(super) fn over(&self, base: Vec3<L>, v: Vec3<L>, l: Vec3<L>) -> Vec3<L> {
         let lobe = coat_lobe(self.roughness, &Angles::new(self.n, v, l));
         base * self.kept + Vec3::splat(self.factor * lobe)
     }
 
-    /// With the lacquer over what the base reflects of the environment; `gathered` is what its own highlight sees.
+    /// Puts the clearcoat over what the base reflects of the environment; `gathered` is what its own highlight sees.
     #[inline(always)]
     pub(super) fn over_surround(&self, base: Vec3<L>, gathered: Vec3<L>) -> Vec3<L> {
         base * self.kept + gathered * (self.factor * self.albedo)
     }
 }
 
-/// Fibres: KHR_materials_sheen.
+/// Sheen: KHR_materials_sheen.
 pub(super) struct Fibres<L> {
     color: Vec3<L>,
     roughness: L,
-    /// What they let through to the base, [0, 1].
+    /// The part of the light that it lets through to the base, [0, 1].
     kept: L,
     albedo: L,
 }
@@ -71,7 +71,7 @@ impl<P: Pack> Fibres<P> {
 }
 
 impl<L: Lane> Fibres<L> {
-    /// With the fibres over what the base reflects of a light.
+    /// Puts the sheen over what the base reflects of a light.
     #[inline(always)]
     pub(super) fn over(&self, base: Vec3<L>, a: &Angles<L>) -> Vec3<L> {
         let zero = a.n_dot_l.lit(0.0);
@@ -79,7 +79,7 @@ impl<L: Lane> Fibres<L> {
         base * self.kept + self.color * L::select(zero.lt(a.n_dot_l), lobe, zero)
     }
 
-    /// With the fibres over what the base reflects of the environment, whose mean radiance is `mean`.
+    /// Puts the sheen over what the base reflects of the environment, whose mean radiance is `mean`.
     #[inline(always)]
     pub(super) fn over_mean(&self, base: Vec3<L>, mean: Vec3<L>) -> Vec3<L> {
         base * self.kept + self.color.mul_elements(mean) * self.albedo
@@ -91,10 +91,11 @@ impl<L: Lane> Fibres<L> {
 /// A map turns normals without moving the surface, so light ends abruptly where the surface turns away but its mapped
 /// normal does not. The slope of the map is taken as a roughness of the surface's own facets, and the light fades by
 /// how much those would hide.
-/// Source: Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator Problem".
+/// Source: Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
+/// Problem".
 pub(super) struct Terminator<L> {
     smooth: Vec3<L>,
-    /// 0 where nothing is to be softened.
+    /// The squared slope of the map; 0 where nothing is to be softened.
     squared_slope: L,
 }
 

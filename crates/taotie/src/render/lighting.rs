@@ -11,18 +11,18 @@ use crate::scene::Material;
 use crate::shade::Shading;
 use fearless_simd::Level;
 
-/// What lighting needs beside a batch.
+/// The inputs of lighting beside a batch.
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub shading: Shading,
     pub sources: &'a [Source],
     pub ambient: Vec3,
     pub shadows: bool,
-    /// Whether `batch.surround` is filled.
+    /// `true` where `batch.surround` is filled.
     pub surrounded: bool,
 }
 
-/// The models that are compiled by themselves, since nearly all pictures show them: what the others need would cost
+/// The models that are compiled by themselves, since nearly all images show them: what the others need would cost
 /// them registers.
 const COOK_TORRANCE: u8 = 0;
 const PLAIN_GGX: u8 = 1;

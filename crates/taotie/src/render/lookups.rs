@@ -9,7 +9,7 @@ use fearless_simd::Level;
 #[derive(Debug, Clone)]
 pub(super) struct Lookups {
     lookup: Box<Lookup>,
-    /// What `lookup` is placed for.
+    /// The placement that `lookup` is made for.
     placed: Option<Placement>,
     pub uv: [Column; 2],
     pub lod: Column,
@@ -29,7 +29,7 @@ impl Default for UvSet {
     }
 }
 
-/// Where points lie in texture space: the texture coordinates of the first `len`, set by set.
+/// The points' places in texture space: the texture coordinates of the first `len`, set by set.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coordinates<'b> {
     pub sets: &'b [UvSet],
@@ -50,7 +50,7 @@ impl<'t> TextureUse<'t> {
     }
 }
 
-/// What decides about the texels that are read.
+/// The choices that decide which texels are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Placement {
     uv_set: usize,

@@ -1,8 +1,9 @@
-//! The one place where hits meet shading: a scene, a camera and lights become a picture.
+//! Rendering: hits meet shading, and a scene, a camera and lights become an image.
 //!
 //! [`Prepared`] holds what does not change with the camera: world-space vertices, tangents, the tree of triangles. A
-//! [`Pass`] is one picture of it, which [`Renderer`] takes in the memory of the one before. Tiles are independent; in a tile every sample goes through the same stages:
-//! visibility, fragments (interpolation and textures), normals, shadows, lighting, and resolve into the tile.
+//! [`Pass`] is one image of it, which [`Renderer`] renders in the memory of the one before. Tiles are independent; in a
+//! tile every sample goes through the same stages: visibility, fragments (interpolation and textures), normals,
+//! shadows, lighting, and resolve into the tile.
 
 mod albedos;
 mod backdrop;
@@ -61,7 +62,7 @@ use crate::scene::Scene;
 use pass::Kept;
 use prepare::{Parts, Ready};
 
-/// Prepares `scene` and takes one picture of it.
+/// Prepares `scene` and renders one image of it.
 ///
 /// # Errors
 /// As [`Prepared::new`] and [`Pass::new`].

@@ -4,11 +4,11 @@ use super::settings::{GrazingNormals, RenderSettings};
 use crate::scene::Material;
 use crate::shade::Shading;
 
-/// What is known of a model before any fragment: where it is a constant, what other models need is not even compiled.
+/// The facts known of a model before any fragment: where it is a constant, what other models need is not even compiled.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Model {
     pub shading: Shading,
-    /// Whether there may be lacquer, fibres or stretched highlights.
+    /// `true` where there may be clearcoat, sheen or anisotropy.
     pub layered: bool,
 }
 
@@ -20,9 +20,9 @@ impl Model {
     }
 }
 
-/// The settings as the model takes them: those printed in the paper know no corrections.
+/// The settings as the model takes them: models as printed in the paper take no corrections.
 ///
-/// This is the one place where a picture asks whether its model is as printed.
+/// This is the one place that asks whether an image's model is as printed.
 pub(super) fn as_taken(settings: &RenderSettings) -> RenderSettings {
     let corrected = !settings.shading.is_printed();
     RenderSettings {
@@ -32,27 +32,27 @@ pub(super) fn as_taken(settings: &RenderSettings) -> RenderSettings {
     }
 }
 
-/// Whether the model has lacquer, fibres and stretched highlights.
+/// Says whether the model has clearcoat, sheen and anisotropy.
 pub(super) fn takes_layers(shading: Shading) -> bool {
     shading == Shading::Ggx
 }
 
-/// Whether the model multiplies k_s by a Fresnel term made from F0, so that k_s itself is 1 where not authored.
+/// Says whether the model multiplies k_s by a Fresnel term made from F0, so that k_s itself is 1 where not authored.
 pub(super) fn takes_fresnel(shading: Shading) -> bool {
     is_cook_torrance(shading)
 }
 
-/// Whether the model has a form that gives back what scatters several times.
+/// Says whether the model has a form that adds the light that scatters several times.
 pub(super) fn takes_compensation(shading: Shading) -> bool {
     matches!(shading, Shading::Ggx | Shading::CookTorrance)
 }
 
-/// Whether the model has a microfacet lobe, whose directional albedos are in tables.
+/// Says whether the model has a microfacet lobe, whose directional albedos are in tables.
 pub(super) fn takes_albedos(shading: Shading) -> bool {
     takes_compensation(shading) || matches!(shading, Shading::GgxPrinted | Shading::CookTorrancePrinted)
 }
 
-/// Whether what lights reflect depends on the roughness: slopes and exponents may be given instead.
+/// Says whether reflected light depends on the roughness: slopes and exponents may be given instead.
 pub(super) fn takes_roughness(shading: Shading, material: &Material) -> bool {
     match shading {
         Shading::CookTorrance | Shading::CookTorrancePrinted => material.classic.slope.is_none(),
@@ -61,7 +61,7 @@ pub(super) fn takes_roughness(shading: Shading, material: &Material) -> bool {
     }
 }
 
-/// Whether the lobe is Beckmann's.
+/// Says whether the lobe is Beckmann's.
 pub(super) fn is_cook_torrance(shading: Shading) -> bool {
     matches!(shading, Shading::CookTorrance | Shading::CookTorrancePrinted)
 }

@@ -39,7 +39,7 @@ fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, grazing: GrazingNormals,
 const LEAST_N_DOT_V: f64 = 0.25;
 const LEAST_AT_RIM: f64 = 0.01;
 
-/// A mapped normal that turns away from a viewer who sees the surface, bent towards him until he just sees it: the least
+/// A mapped normal that turns away from a viewer who sees the surface, turned back until it is just seen: the least
 /// change there is, and without a step, where mirroring the normal would light the wrong side of every steep slope.
 #[inline(always)]
 fn towards_viewer<P: Pack>(n: Vec3<P>, smooth: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
@@ -49,7 +49,7 @@ fn towards_viewer<P: Pack>(n: Vec3<P>, smooth: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
     Vec3::select(zero.lt(lacking), (n + v * lacking).normalize_or(smooth), n)
 }
 
-/// The lacquer's normal, and the direction of stretched highlights, where `batch.n` and `batch.smooth` are there.
+/// The clearcoat's normal, and the direction of anisotropy, where `batch.n` and `batch.smooth` are there.
 #[inline(always)]
 fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i: usize) {
     if draw.material.clearcoat.is_some() {
@@ -70,7 +70,7 @@ fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i:
     }
 }
 
-/// The lacquer's normal, before it is bent towards the viewer.
+/// The clearcoat's normal, before it is turned towards the viewer.
 #[inline(always)]
 fn coat_normal<P: Pack>(at: Lanes<'_, P>, draw: &Draw<'_>) -> Vec3<P> {
     let batch = at.batch;

@@ -1,4 +1,4 @@
-//! One picture of a prepared scene, tile by tile.
+//! One image of a prepared scene, tile by tile.
 
 use super::backdrop::Backdrop;
 use super::frame::Frame;
@@ -19,7 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Tiles between two reports of progress.
 const TILES_AT_ONCE: usize = 256;
 
-/// One picture: a prepared scene, seen from a camera under lights.
+/// One image: a prepared scene, seen from a camera under lights.
 pub struct Pass<'p> {
     stages: Stages<'p>,
     desks: Mutex<Vec<Desk>>,
@@ -27,7 +27,7 @@ pub struct Pass<'p> {
     backdrop: Option<Backdrop>,
 }
 
-/// Room that one picture leaves to the next.
+/// Room that one image leaves to the next.
 #[derive(Default)]
 pub(super) struct Kept {
     projected: Projected,
@@ -44,7 +44,7 @@ impl<'p> Pass<'p> {
         Self::with(Kept::default(), prepared.ready(), shot)
     }
 
-    /// As [`Self::new`], in the memory of an earlier picture.
+    /// Does what [`Self::new`] does, in the memory of an earlier image.
     pub(super) fn with(kept: Kept, ready: Ready<'p>, shot: &Shot<'_>) -> Result<Self> {
         let Shot { camera, lighting, settings } = shot;
         let stages = Stages::new(ready, shot, kept.projected)?;
@@ -61,18 +61,19 @@ impl<'p> Pass<'p> {
     /// Draws all tiles.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; where the picture cannot be allocated as asked.
+    /// [`Error::Cancelled`]; where the image cannot be allocated as asked.
     pub fn render(&self, progress: Progress<'_>) -> Result<Frame> {
         let mut frame = Frame::new(self.stages.settings())?;
         self.draw(frame.tiles(), progress, |desk, tile| tile.write(&desk.resolve))?;
         Ok(frame)
     }
 
-    /// Draws all tiles and develops each at once, so that the picture in linear light never is in memory as a whole.
-    /// `codes` takes the picture as [`crate::film::develop8`] would give it.
+    /// Draws all tiles and develops each at once, so that the image in linear light never is in memory as a whole.
+    /// `codes` takes the image as [`crate::film::develop8`] would give it.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; [`Error::Invalid`] where `codes` has not as many pixels as the picture; as [`Developer::new`].
+    /// [`Error::Cancelled`]; [`Error::Invalid`] where `codes` has not as many pixels as the image; as
+    /// [`Developer::new`].
     pub fn develop(
         &self,
         development: &Development,
@@ -136,13 +137,13 @@ impl<'p> Pass<'p> {
         Ok(())
     }
 
-    /// What the next picture can use again.
+    /// Returns the memory that the next image can use again.
     pub(super) fn into_kept(self) -> Kept {
         let desks = self.desks.into_inner().unwrap_or_else(PoisonError::into_inner);
         Kept { projected: self.stages.into_projected(), desks }
     }
 
-    /// One that is free, or a new one.
+    /// Returns a desk that is free, or a new one.
     fn desk(&self) -> Desk {
         let free = self.desks().pop();
         free.unwrap_or_else(|| self.stages.desk())

@@ -39,7 +39,7 @@ pub(super) struct Placed {
     material: usize,
     first_triangle: u32,
     normal_source: NormalSource,
-    /// None where nothing moves the mesh's own.
+    /// The moved positions; none where nothing moves the mesh's own.
     positions: Option<Vec<Vec3>>,
     normals: Vec<Vec3>,
     tangents: Vec<[f32; 4]>,
@@ -47,13 +47,13 @@ pub(super) struct Placed {
     mirrored: bool,
 }
 
-/// What a [`Placed`] is made of beside its mesh.
+/// The parts that a [`Placed`] is made of beside its mesh.
 pub(super) struct Placement {
     pub material: usize,
     pub first_triangle: u32,
     pub normal_source: NormalSource,
     pub world_from_object: Mat4,
-    /// Whether tangents are read.
+    /// `true` where tangents are read.
     pub takes_tangents: bool,
 }
 
@@ -79,7 +79,7 @@ impl Placed {
         }
     }
 
-    /// How many triangles it has.
+    /// The number of its triangles.
     pub(super) fn triangle_count(&self, scene: &Scene) -> usize {
         self.body.mesh(scene).triangles().len()
     }

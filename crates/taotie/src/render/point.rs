@@ -13,8 +13,8 @@ use crate::scene::Material;
 use crate::shade::{self, Angles, Shading, Stretch, Substance};
 use fearless_simd::Level;
 
-/// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the directional
-/// albedos of the lobes.
+/// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the
+/// directional albedos of the lobes.
 pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>, batch: &mut Batch) {
     shade_normals(level, draw, settings.grazing_normals, batch);
     if takes_albedos(settings.shading) {
@@ -28,11 +28,11 @@ pub(super) struct SurfacePoint<L> {
     pub substance: Substance<L>,
     /// k_a, linear RGB.
     pub ambient: Vec3<L>,
-    /// Emitted radiance that reaches the viewer, linear RGB.
+    /// Emitted radiance that arrives at the viewer, linear RGB.
     pub emitted: Vec3<L>,
     /// The shading normal, unit, world space.
     pub n: Vec3<L>,
-    /// Unit, to the viewer, world space.
+    /// The direction to the viewer: unit, world space.
     pub v: Vec3<L>,
     terminator: Terminator<L>,
     pub stretch: Option<Stretch<L>>,
@@ -72,7 +72,7 @@ impl<P: Pack> SurfacePoint<P> {
         }
     }
 
-    /// As [`Self::reflect`], without the lacquer.
+    /// Does what [`Self::reflect`] does, without the clearcoat.
     #[inline(always)]
     pub(super) fn reflect_bare(&self, l: Vec3<P>) -> Vec3<P> {
         let angles = Angles::new(self.n, self.v, l);

@@ -1,4 +1,4 @@
-//! What pictures need of a scene's instances: the method that each is shaded by, and what its mesh lacks.
+//! Prepares a scene's instances for images: the method that each is shaded by, and what its mesh lacks.
 
 use super::draw::NormalSource;
 use super::placed::{Body, Placed, Placement};
@@ -13,7 +13,7 @@ use std::collections::HashMap;
 /// The paper's smaller bump factor.
 const PRINTED_BUMP: f32 = 5.0;
 
-/// What preparing needs to remember from one instance to the next.
+/// The state that preparing keeps from one instance to the next.
 pub(super) struct Preparation<'a> {
     scene: &'a Scene,
     settings: &'a SurfaceSettings,
@@ -27,7 +27,7 @@ impl<'a> Preparation<'a> {
     /// Begins with no instance.
     ///
     /// # Errors
-    /// Where the SIMD level is not to be had on this machine.
+    /// Returns an error if the SIMD level is not available on this machine.
     pub(super) fn new(scene: &'a Scene, settings: &'a SurfaceSettings) -> Result<Self> {
         let level = settings.simd.dispatch()?;
         Ok(Self { scene, settings, level, bodies: HashMap::new(), warnings: Warnings::default() })

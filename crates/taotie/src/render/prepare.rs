@@ -10,10 +10,10 @@ use crate::scene::{Bounds, Scene};
 use fearless_simd::Level;
 use std::sync::{Arc, OnceLock};
 
-/// How far shadow rays start above the surface, as a fraction of the scene's size.
+/// The height above the surface at which shadow rays start, as a fraction of the scene's size.
 const SHADOW_LIFT: f64 = 1e-5;
 
-/// A scene made ready for pictures from any camera. It owns its share of the scene and can be sent between threads.
+/// A scene made ready for images from any camera. It owns its share of the scene and can be sent between threads.
 pub struct Prepared {
     scene: Arc<Scene>,
     parts: Parts,
@@ -38,7 +38,7 @@ impl Prepared {
         &self.scene
     }
 
-    /// What could not be drawn as asked.
+    /// The warnings about what could not be drawn as asked.
     pub fn warnings(&self) -> &Warnings {
         &self.parts.warnings
     }
@@ -56,7 +56,7 @@ pub fn foreseen_warnings(scene: &Scene, settings: &SurfaceSettings) -> Result<Wa
     Ok(Parts::new(scene, settings)?.warnings)
 }
 
-/// What is made of a scene once.
+/// The data that is made from a scene once.
 pub(super) struct Parts {
     placed: Vec<Placed>,
     level: Level,
@@ -120,7 +120,7 @@ impl<'p> Ready<'p> {
         *self.parts.bounds.get_or_init(|| self.scene.bounds())
     }
 
-    /// How far above the surface rays leave, model units.
+    /// The height above the surface at which rays start, model units.
     pub(super) fn lift(self) -> f32 {
         let size = self.bounds().map_or(1.0, |bounds| bounds.diagonal());
         (size * SHADOW_LIFT) as f32

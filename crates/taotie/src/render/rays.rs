@@ -3,13 +3,13 @@
 use crate::math::{Mat4, Vec3};
 use crate::scene::{Camera, Projection};
 
-/// Rays of sight through points of a picture.
+/// Rays of sight through points of an image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CameraRays {
     world_from_view: Mat4,
-    /// Half of what the picture shows, across and down: at distance 1 in perspective, anywhere else.
+    /// Half of what the image shows, across and down: at distance 1 in perspective, anywhere else.
     half: [f64; 2],
-    /// The picture's size, pixels.
+    /// The image's size, pixels.
     size: [f64; 2],
     near: f64,
     far: f64,
@@ -20,14 +20,14 @@ pub(super) struct CameraRays {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SightRay {
     pub origin: Vec3,
-    /// Unit.
+    /// The direction, unit.
     pub direction: Vec3,
-    /// Model units.
+    /// The limit of the ray, model units.
     pub limit: f32,
 }
 
 impl CameraRays {
-    /// `width` and `height` of the picture, pixels; the camera has been checked.
+    /// Makes the rays; `width` and `height` of the image, pixels; the camera has been checked.
     pub(super) fn new(camera: &Camera, [width, height]: [u32; 2]) -> Self {
         let size = [f64::from(width), f64::from(height)];
         let aspect = size[0] / size[1];
@@ -40,7 +40,7 @@ impl CameraRays {
         Self { world_from_view: camera.world_from_view, half, size, near, far, parallel }
     }
 
-    /// The ray through a point, pixels from the picture's top left corner.
+    /// The ray through a point, pixels from the image's top left corner.
     pub(super) fn through(&self, [x, y]: [f64; 2]) -> SightRay {
         let x = (2.0 * x / self.size[0] - 1.0) * self.half[0];
         let y = (1.0 - 2.0 * y / self.size[1]) * self.half[1];

@@ -1,4 +1,4 @@
-//! Pictures of one scene, one after the other.
+//! Images of one scene, one after the other.
 
 use super::frame::Frame;
 use super::pass::{Kept, Pass};
@@ -10,10 +10,10 @@ use crate::progress::Progress;
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// Takes pictures of one scene and keeps what does not change between them: vertices in world space, tangents, the tree
+/// Renders images of one scene and keeps what does not change between them: vertices in world space, tangents, the tree
 /// of triangles and the mip chains; and the memory of what does. A turntable costs its frames.
 ///
-/// The same picture has the same bits whatever was taken before.
+/// The same image has the same bits whatever was rendered before.
 pub struct Renderer {
     prepared: Prepared,
     kept: Kept,
@@ -33,7 +33,7 @@ impl Renderer {
         &self.prepared
     }
 
-    /// Takes a picture in linear light.
+    /// Renders an image in linear light.
     ///
     /// # Errors
     /// As [`Pass::new`] and [`Pass::render`].
@@ -41,8 +41,8 @@ impl Renderer {
         self.with_pass(shot, |pass| pass.render(progress))
     }
 
-    /// Takes a picture and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is made as
-    /// long as the picture; handed in again, nothing is allocated.
+    /// Renders an image and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is made as
+    /// long as the image; handed in again, nothing is allocated.
     ///
     /// # Errors
     /// As [`Pass::new`] and [`Pass::develop`].

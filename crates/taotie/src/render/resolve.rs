@@ -1,4 +1,4 @@
-//! What a tile collects over its samples.
+//! Collects a tile over its samples.
 
 use super::batch::Batch;
 use super::columns::get3;
@@ -13,11 +13,11 @@ use crate::scene::AlphaMode;
 /// [`TILE_SIZE`]: crate::raster::TILE_SIZE
 #[derive(Default)]
 pub(super) struct Resolve {
-    /// Linear, premultiplied.
+    /// The colour, linear, premultiplied.
     pub color: Vec<[f32; 4]>,
     /// Normals, depth, albedo, uv, triangle; empty where not asked for.
     pub aovs: [Vec<[f32; 4]>; 5],
-    /// What a sample adds to its pixel.
+    /// The weight of a sample in its pixel.
     weight: f32,
     /// Fragments of a sample that lie over one another.
     layers: Vec<Shaded>,
@@ -27,9 +27,9 @@ pub(super) struct Resolve {
 #[derive(Debug, Clone, Copy)]
 struct Shaded {
     key: Key,
-    /// Linear RGB, not premultiplied.
+    /// The radiance, linear RGB, not premultiplied.
     radiance: Vec3,
-    /// How much of what is behind is covered.
+    /// The part of what is behind that is covered.
     coverage: f32,
 }
 
@@ -118,7 +118,7 @@ fn clear(plane: &mut Vec<[f32; 4]>) {
     plane.resize(TILE_PIXELS, [0.0; 4]);
 }
 
-/// How much a fragment hides of what is behind it.
+/// The part of what is behind it that a fragment hides.
 fn coverage(mode: AlphaMode, alpha: f32) -> f32 {
     match mode {
         AlphaMode::Opaque => 1.0,

@@ -1,4 +1,4 @@
-//! What a picture is asked to be.
+//! Settings of an image.
 
 use crate::math::{Lane, SimdLevel, Vec3, scalar};
 use crate::names::Named;
@@ -8,30 +8,30 @@ use crate::shade::{Energy, Shading};
 use crate::surface::{SurfaceMethod, TangentMethod};
 use std::sync::Arc;
 
-/// How surfaces are made ready: where shading normals come from.
+/// The preparation of surfaces: where shading normals come from.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SurfaceSettings {
     /// The method, or `None` for the best that each material provides: its normal map, else its height map, else
     /// smooth normals.
     pub method: Option<SurfaceMethod>,
-    /// How tangents are made, or `None` for the mesh's own, else MikkTSpace.
+    /// The method that makes tangents, or `None` for the mesh's own, else MikkTSpace.
     pub tangents: Option<TangentMethod>,
-    /// For `bump` the height of 1 in model units, `None` for the material's; for `bump-printed` the paper's factor,
-    /// `None` for 5.
+    /// The scale of the height map: for `bump` the height of 1 in model units, `None` for the material's; for
+    /// `bump-printed` the paper's factor, `None` for 5.
     pub bump_scale: Option<f32>,
-    /// The SIMD level of everything that is done for a picture, from vertex normals to pixels: a choice of speed, never
+    /// The SIMD level of everything that is done for an image, from vertex normals to pixels: a choice of speed, never
     /// of pixels.
     pub simd: SimdLevel,
 }
 
-/// What becomes of mapped normals that turn away from the viewer, and of light where the surface turns away but its
+/// The treatment of mapped normals that turn away from the viewer, and of light where the surface turns away but its
 /// mapped normal does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum GrazingNormals {
-    /// The normal is bent until the viewer sees it, and light fades towards the surface's own horizon.
+    /// The normal is turned until the viewer sees it, and light fades towards the surface's own horizon.
     #[default]
     Soften,
-    /// As the map says: black fringes and hard edges where it cannot be.
+    /// The normal is kept as in the map: black fringes and hard edges where it cannot be.
     Keep,
 }
 
@@ -40,7 +40,7 @@ impl Named for GrazingNormals {
     const NAMES: &'static [(&'static str, Self)] = &[("soften", Self::Soften), ("keep", Self::Keep)];
 }
 
-/// How a picture is taken.
+/// Settings of rendering.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderSettings {
     /// Pixels across, 1 to 16384.
@@ -51,19 +51,19 @@ pub struct RenderSettings {
     pub samples: u32,
     /// The reflectance model.
     pub shading: Shading,
-    /// Where shading normals come from.
+    /// The source of shading normals.
     pub surface: SurfaceSettings,
-    /// How `ggx` and `cook-torrance` keep their energy.
+    /// The method by which `ggx` and `cook-torrance` keep their energy.
     pub energy: Energy,
-    /// Whether relief too fine for the pixel widens the highlight instead of sparkling.
+    /// `true` where relief too fine for the pixel widens the highlight instead of sparkling.
     pub specular_aa: bool,
-    /// What becomes of mapped normals at grazing angles. The models as printed keep them.
+    /// The treatment of mapped normals at grazing angles. The models as printed keep them.
     pub grazing_normals: GrazingNormals,
-    /// Whether lights cast shadows.
+    /// `true` where lights cast shadows.
     pub shadows: bool,
-    /// Whether the object stands on a ground that shows nothing but its shadow.
+    /// `true` where the object stands on a ground that shows nothing but its shadow.
     pub ground: bool,
-    /// Whether [`Frame::aovs`](super::Frame::aovs) is filled.
+    /// `true` where [`Frame::aovs`](super::Frame::aovs) is filled.
     pub aovs: bool,
 }
 
@@ -85,27 +85,27 @@ impl Default for RenderSettings {
     }
 }
 
-/// A picture to take: from where, in what light, and how.
+/// An image to render: from where, in what light, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Shot<'a> {
-    /// Where it is taken from.
+    /// The camera that it is taken from.
     pub camera: &'a Camera,
     /// The light on the scene.
     pub lighting: &'a Lighting,
-    /// How it is taken.
+    /// The settings of rendering.
     pub settings: &'a RenderSettings,
 }
 
 /// Light from all around as it falls on a scene.
 #[derive(Debug, Clone)]
 pub struct EnvironmentLight {
-    /// Where it comes from.
+    /// The source of its light.
     pub environment: Arc<Environment>,
     /// Radians by which it is turned about +y, counter-clockwise as seen from above.
     pub rotation: f64,
-    /// Multiplies its radiance, at least 0.
+    /// A factor of its radiance, at least 0.
     pub intensity: f32,
-    /// Whether it is seen where nothing stands before it.
+    /// `true` where it is seen wherever nothing stands before it.
     pub visible: bool,
 }
 
@@ -150,7 +150,7 @@ impl Turn {
 /// The light on a scene.
 #[derive(Debug, Clone, Default)]
 pub struct Lighting {
-    /// Any number of lights.
+    /// The lights, of any number.
     pub lights: Vec<Light>,
     /// Radiance I_a from all around, linear RGB; reflected by k_a and darkened by occlusion maps.
     pub ambient: Vec3,

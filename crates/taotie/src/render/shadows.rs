@@ -1,4 +1,4 @@
-//! Which lights a fragment sees.
+//! Finds the lights that a fragment sees.
 
 use super::batch::{BATCH, Batch};
 use super::columns::get3;
@@ -23,17 +23,17 @@ pub(super) fn trace_shadows(
     }
 }
 
-/// A flat triangle that stands for a smooth surface.
+/// A flat triangle of a smooth surface.
 pub(super) struct SmoothTriangle {
     pub corners: [Vec3; 3],
-    /// Unit, on the side that is seen.
+    /// The normals at the corners: unit, on the side that is seen.
     pub normals: [Vec3; 3],
 }
 
 impl SmoothTriangle {
-    /// Where shadow rays leave from: the point of the smooth surface that the triangle's `point` stands for, so that a low
-    /// mesh does not shade itself in facets (Hanika 2021, "Hacking the Shadow Terminator"), lifted by a little along
-    /// the geometric normal against rounding.
+    /// The origin of shadow rays: the point of the smooth surface above the triangle's `point`, so that a low-poly mesh
+    /// does not shade itself in facets (Hanika 2021, "Hacking the Shadow Terminator"), moved by `lift`, a little along
+    /// the geometric normal, against rounding.
     pub(super) fn shadow_origin(&self, point: Vec3, weights: [f32; 3], lift: Vec3) -> Vec3 {
         let mut shift = Vec3::default();
         for ((corner, normal), weight) in self.corners.into_iter().zip(self.normals).zip(weights) {

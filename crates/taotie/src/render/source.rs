@@ -31,12 +31,12 @@ impl Source {
         Self { color: light.color, place, at_infinity, falloff: light.falloff, cone }
     }
 
-    /// From a point to the light; not normalised.
+    /// Returns the vector from a point to the light; not normalised.
     pub(super) fn ray_from(&self, point: Vec3) -> Vec3 {
         if self.at_infinity { self.place } else { self.place - point }
     }
 
-    /// How far a shadow ray along [`Self::ray_from`] goes, in its lengths.
+    /// The limit of a shadow ray along [`Self::ray_from`], in its lengths.
     pub(super) fn ray_limit(&self) -> f32 {
         if self.at_infinity { f32::INFINITY } else { 1.0 }
     }

@@ -1,4 +1,4 @@
-//! The stages of a picture: visibility, fragments, normals, shadows, lighting, and resolve into the tile.
+//! The stages of an image: visibility, fragments, normals, shadows, lighting, and resolve into the tile.
 
 use super::batch::{BATCH, Batch};
 use super::corners::Run;
@@ -23,7 +23,7 @@ use crate::math::Vec3;
 use crate::raster::{self, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, TileSample, Viewport};
 use fearless_simd::Level;
 
-/// The stages that each tile of a picture goes through, and what they read.
+/// The stages that each tile of an image goes through, and what they read.
 pub struct Stages<'p> {
     ready: Ready<'p>,
     draws: Draws<'p>,
@@ -33,13 +33,13 @@ pub struct Stages<'p> {
     sources: Vec<Source>,
     ambient: Vec3,
     environment: Option<EnvironmentLight>,
-    /// As the model takes them.
+    /// The settings, as the model takes them.
     settings: RenderSettings,
     level: Level,
     lift: f32,
 }
 
-/// What drawing a tile needs.
+/// The working memory for drawing a tile.
 pub(super) struct Desk {
     pub resolve: Resolve,
     pub codes: Vec<[u8; 4]>,
@@ -78,7 +78,7 @@ impl<'p> Stages<'p> {
         })
     }
 
-    /// The triangles' memory, for the next picture.
+    /// The triangles' memory, for the next image.
     pub(super) fn into_projected(self) -> Projected {
         self.projected
     }
@@ -88,18 +88,18 @@ impl<'p> Stages<'p> {
         &self.settings
     }
 
-    /// What throws shadows; the tree is made when first asked for.
+    /// The shadow casters; the tree is made when first asked for.
     pub(super) fn casters(&self) -> Casters<'_> {
         Casters { tree: self.ready.tree(), draws: &self.draws }
     }
 
-    /// How many tiles the picture has.
+    /// The number of tiles of the image.
     pub fn tile_count(&self) -> usize {
         let (across, down) = self.viewport.tiles();
         (across * down) as usize
     }
 
-    /// The picture's size and sampling pattern.
+    /// The image's size and sampling pattern.
     pub fn viewport(&self) -> &Viewport {
         &self.viewport
     }
@@ -109,7 +109,7 @@ impl<'p> Stages<'p> {
         Batch::new(self.sources.len())
     }
 
-    /// What drawing a tile needs, empty.
+    /// Makes empty working memory for drawing a tile.
     pub(super) fn desk(&self) -> Desk {
         Desk {
             resolve: Resolve::default(),
@@ -121,10 +121,10 @@ impl<'p> Stages<'p> {
         }
     }
 
-    /// Draws what stands in a tile.
+    /// Draws the surfaces in a tile.
     ///
     /// # Errors
-    /// Where the SIMD level is not to be had.
+    /// Returns an error if the SIMD level is not available.
     pub(super) fn tile(&self, tile: &Tile, desk: &mut Desk) -> Result<()> {
         let offsets = self.viewport.pattern.offsets();
         desk.batch.begin(self.sources.len());
@@ -139,11 +139,11 @@ impl<'p> Stages<'p> {
         Ok(())
     }
 
-    /// Stage 1: which triangles are seen at a sample of a tile, those of a draw and of a triangle together; `plane` is
-    /// scratch.
+    /// Stage 1: finds the triangles that are seen at a sample of a tile, those of a draw and of a triangle together;
+    /// `plane` is scratch.
     ///
     /// # Errors
-    /// Where the SIMD level is not to be had.
+    /// Returns an error if the SIMD level is not available.
     pub fn visible(&self, at: TileSample<'_>, plane: &mut TilePlane) -> Result<Vec<Key>> {
         let mut keys = Vec::new();
         self.find(at, plane, &mut Grouping::default(), &mut keys)?;
@@ -166,7 +166,7 @@ impl<'p> Stages<'p> {
         Ok(())
     }
 
-    /// Stages 2 to 5 for all fragments of a sample, the first of its tile or a later one.
+    /// Runs stages 2 to 5 for all fragments of a sample, the first of its tile or a later one.
     fn shade(&self, at: TileSample<'_>, first: bool, desk: &mut Desk) {
         let Desk { keys, batch, resolve, .. } = desk;
         let layered = self.runs(keys).any(|(draw, _)| self.draws.all[draw].layered());
@@ -226,7 +226,7 @@ impl<'p> Stages<'p> {
         }
     }
 
-    /// Stages 3 to 5: shading normals, shadows, lighting.
+    /// Runs stages 3 to 5: shading normals, shadows, lighting.
     pub fn light(&self, draw: usize, batch: &mut Batch) {
         let settings = &self.settings;
         let interpolation = self.interpolation(draw);

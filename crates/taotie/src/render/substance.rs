@@ -1,4 +1,4 @@
-//! What a material says, in every model's terms.
+//! The values of a material, in every model's terms.
 
 use super::batch::Lanes;
 use super::model::{takes_compensation, takes_fresnel};
@@ -63,8 +63,8 @@ pub(super) fn substance<P: Pack>(
     (substance, ambient)
 }
 
-/// F0 and F90: a dielectric's by its index of refraction and its specular strength and colour, a metal's by its base
-/// colour.
+/// Returns F0 and F90: a dielectric's by its index of refraction and its specular strength and colour, a metal's by
+/// its base colour.
 ///
 /// Source: glTF 2.0, appendix B; KHR_materials_ior; KHR_materials_specular.
 #[inline(always)]
@@ -80,7 +80,7 @@ fn normal_and_grazing<P: Pack>(at: Lanes<'_, P>, material: &Material, base_color
     (f0, strength * (one - metallic) + metallic)
 }
 
-/// ((η − 1)/(η + 1))², and 1 for the index 0, which stands for total reflection.
+/// Returns ((η − 1)/(η + 1))², and 1 for the index 0, which means total reflection.
 fn f0_of_index(ior: f32) -> f32 {
     let ratio = (ior - 1.0) / (ior + 1.0);
     ratio * ratio

@@ -1,4 +1,4 @@
-//! What the environment sends to each fragment.
+//! The light of the environment at each fragment.
 
 use super::albedos::lobe_roughness;
 use super::batch::{Batch, Lanes};
@@ -81,9 +81,9 @@ fn coat<P: Pack>(token: P::Token, light: &EnvironmentLight, batch: &mut Batch) {
     }
 }
 
-/// Where a highlight gathers its light.
+/// The direction and width from which a highlight gathers its light.
 struct Gathering<P> {
-    /// Unit, world space.
+    /// The direction: unit, world space.
     direction: Vec3<P>,
     roughness: P,
 }
@@ -117,7 +117,7 @@ fn towards_normal<L: Lane>(mirrored: Vec3<L>, n: Vec3<L>, roughness: L) -> Vec3<
     (mirrored * (roughness.lit(1.0) - share) + n * share).normalize_or(n)
 }
 
-/// The normal that a stretched highlight mirrors by: bent towards the viewer, across the stretch.
+/// The normal that an anisotropic highlight mirrors by: turned towards the viewer, across the direction of anisotropy.
 /// Source: McAuley 2015, "Rendering the World of Far Cry 4"; the blend of KHR_materials_anisotropy.
 #[inline(always)]
 fn stretched_normal<P: Pack>(at: Lanes<'_, P>, n: Vec3<P>, v: Vec3<P>) -> Vec3<P> {

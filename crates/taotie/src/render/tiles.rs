@@ -1,11 +1,11 @@
-//! A picture cut into tiles that can be written in parallel.
+//! An image cut into tiles that can be written in parallel.
 
 use crate::raster::TILE_SIZE;
 
-/// The rows of pixels that a tile has in a picture.
+/// The rows of pixels that a tile has in an image.
 pub(super) struct TileRows<'p, T>(Vec<&'p mut [T]>);
 
-/// The tiles of a picture of this width, row by row.
+/// Returns the tiles of an image of this width, row by row.
 pub(super) fn tiles_of<T>(pixels: &mut [T], width: usize) -> Vec<TileRows<'_, T>> {
     let (side, across) = (TILE_SIZE as usize, width.div_ceil(TILE_SIZE as usize));
     let mut tiles = Vec::with_capacity(across * pixels.len().div_ceil(width.max(1) * side));

@@ -29,12 +29,12 @@ pub(super) struct Casters<'t> {
 }
 
 impl Casters<'_> {
-    /// Whether nothing stands on the way from `origin` along `direction` up to `limit` of its lengths.
+    /// Says whether nothing stands on the way from `origin` along `direction` up to `limit` of its lengths.
     pub(super) fn sees(&self, origin: Vec3, direction: Vec3, limit: f32) -> bool {
         !self.tree.0.occluded(&Ray::new(origin, direction), limit, |hit| self.blocks(hit))
     }
 
-    /// Whether the surface is there at the point hit.
+    /// Says whether the surface is there at the point hit.
     fn blocks(&self, hit: &Hit) -> bool {
         let draw = self.draws.of(hit.triangle);
         match draw.material.alpha {

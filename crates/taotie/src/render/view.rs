@@ -1,19 +1,19 @@
-//! From a camera to clip space.
+//! The transform from a camera to clip space.
 
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
 use crate::scene::{Camera, Projection};
 
-/// A camera made ready for one picture.
+/// A camera made ready for one image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
-    /// Reversed-z clip space: 1 at the near plane, 0 at the far plane or at infinity.
+    /// The transform to reversed-z clip space: 1 at the near plane, 0 at the far plane or at infinity.
     pub clip_from_world: Mat4,
     pub view_from_world: Mat4,
     pub eye: Eye,
 }
 
-/// Where rays of sight come from.
+/// The origin of rays of sight.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Eye {
     /// A point, world space.

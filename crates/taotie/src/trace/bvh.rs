@@ -40,16 +40,16 @@ impl Bvh {
         Self::of(triangles.len(), |t| triangles[t])
     }
 
-    /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners `corners` gives. It is asked several
+    /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners `corners` returns. It is called several
     /// times.
     pub fn of(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
         Self { tree: Tree::new(count, corners), level: SimdLevel::fastest() }
     }
 
-    /// The same tree, whose rays are traced at another SIMD level than the machine's fastest.
+    /// Returns the same tree, whose rays are traced at another SIMD level than the machine's fastest.
     ///
     /// # Errors
-    /// Where the SIMD level is not to be had on this machine.
+    /// Returns an error if the SIMD level is not available on this machine.
     pub fn with_simd(self, simd: SimdLevel) -> Result<Self> {
         Ok(self.at(simd.dispatch()?))
     }
@@ -63,7 +63,7 @@ impl Bvh {
         self.nearest_of(ray, limit, |_| true)
     }
 
-    /// The nearest hit with a distance below `limit` that `counts`, which may be asked of any hit, in any order.
+    /// Returns the nearest hit below the distance `limit` that `counts`, which may be called for any hit in any order.
     pub fn nearest_of(&self, ray: &Ray, limit: f32, counts: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.walk(ray, Span { from: 0.0, to: limit }, |hit, span| {
@@ -76,7 +76,7 @@ impl Bvh {
         best
     }
 
-    /// Whether anything that `blocks` is hit at a distance below `limit`.
+    /// Says whether anything that `blocks` is hit at a distance below `limit`.
     pub fn occluded(&self, ray: &Ray, limit: f32, blocks: impl Fn(&Hit) -> bool) -> bool {
         let mut blocked = false;
         self.walk(ray, Span { from: 0.0, to: limit }, |hit, span| {
@@ -102,7 +102,7 @@ impl Bvh {
     }
 }
 
-/// Nearer; of equal distances the smaller index, whatever the order of the walk.
+/// Says whether a hit is nearer; of equal distances the smaller index, whatever the order of the walk.
 fn comes_before(hit: &Hit, best: &Hit) -> bool {
     hit.distance < best.distance || hit.distance == best.distance && hit.triangle < best.triangle
 }

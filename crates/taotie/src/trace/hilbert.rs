@@ -3,7 +3,7 @@
 /// Bits a coordinate.
 pub(super) const BITS: u32 = 10;
 
-/// How far along Hilbert's curve a cell of a cube of 2^[`BITS`] cells a side lies; neighbours on the curve are
+/// Returns the place along Hilbert's curve of a cell of a cube of 2^[`BITS`] cells a side; neighbours on the curve are
 /// neighbours in space.
 ///
 /// Source: Skilling 2004, "Programming the Hilbert curve".

@@ -11,7 +11,7 @@ pub struct Closest {
     pub triangle: u32,
     /// Weights of the triangle's corners.
     pub weights: [f32; 3],
-    /// How far away it is.
+    /// The distance to it.
     pub distance: f32,
 }
 
@@ -22,7 +22,7 @@ impl Closest {
     }
 }
 
-/// Nodes from near to far, those passed over that begin farther away than the best so far.
+/// Visits nodes from near to far, and passes over those that begin farther away than the best so far.
 pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
     let mut best: Option<(f32, Closest)> = None;
     let mut limit = reach * reach;

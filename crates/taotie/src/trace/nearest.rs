@@ -5,18 +5,18 @@ use super::bvh::{Bvh, Hit};
 use super::walk::{Cast, Met, Span, walk};
 use crate::math::dispatch_eight;
 
-/// A stretch of a ray on which the hit nearest to a place in it is sought: distances in lengths of the direction.
+/// An interval of a ray in which the hit nearest to its centre is sought: distances in lengths of the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// Where it begins, at least 0.
+    /// The start of the interval, at least 0.
     pub from: f32,
-    /// What hits are to be near to.
+    /// The distance that hits are to be near to.
     pub center: f32,
-    /// Where it ends.
+    /// The end of the interval.
     pub to: f32,
 }
 
-/// The hit nearest to the centre of a stretch so far, with what was said of it.
+/// The hit nearest to the centre of an interval so far, with what was said of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest<T> {
     stretch: Stretch,
@@ -24,14 +24,14 @@ pub struct Nearest<T> {
 }
 
 impl<T> Nearest<T> {
-    /// Nothing yet.
+    /// Begins without a hit.
     pub fn on(stretch: Stretch) -> Self {
         Self { stretch, best: None }
     }
 
-    /// Takes a hit that lies on the stretch, is nearer than the best so far, and of which `judge` says something; of two
-    /// equally near the one farther along the ray, then the triangle with the lower number. So the order of hits does not
-    /// matter.
+    /// Takes a hit that lies in the interval, is nearer than the best so far, and for which `judge` returns something;
+    /// of two equally near the one farther along the ray, then the triangle with the lower number. So the order of hits
+    /// does not matter.
     pub fn offer(&mut self, hit: Hit, judge: impl FnOnce(&Hit) -> Option<T>) {
         if self.is_before(&hit)
             && let Some(said) = judge(&hit)
@@ -56,7 +56,7 @@ impl<T> Nearest<T> {
         order.then(hit.triangle.cmp(&best.triangle)).is_lt()
     }
 
-    /// Where a better hit may still lie.
+    /// The interval in which a better hit may still lie.
     fn span(&self) -> Span {
         let Stretch { from, center, to } = self.stretch;
         let reach = self.best.as_ref().map_or(f32::INFINITY, |(hit, _)| (hit.distance - center).abs());
@@ -65,8 +65,8 @@ impl<T> Nearest<T> {
 }
 
 impl Bvh {
-    /// The hit on a stretch of a ray that is nearest to its centre, of those of which `judge` says something. It may be
-    /// asked of any hit, in any order; what it says of the nearest comes back with it.
+    /// Returns the hit in an interval of a ray that is nearest to its centre, of those for which `judge` returns
+    /// something. It may be called for any hit, in any order; its answer for the nearest is returned with it.
     pub fn nearest_to<T>(
         &self,
         ray: &Ray,

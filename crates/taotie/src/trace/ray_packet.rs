@@ -9,17 +9,17 @@ use super::tree::{Boxes, Leaf, WIDTH};
 use super::{Ray, triangle::RayColumns};
 use crate::math::{Mask, Pack, Vec3, dispatch_eight};
 
-/// How a packet of rays is seen: a place V has the coordinates column · (V − origin), row · (V − origin) and
+/// The coordinates in which a ray packet is seen: a place V has column · (V − origin), row · (V − origin) and
 /// depth · (V − origin). Along the rays' mean direction column and row do not change.
 #[derive(Debug, Clone, Copy)]
 pub struct PacketView {
-    /// Where coordinates are zero.
+    /// The place where coordinates are zero.
     pub origin: Vec3,
     /// Column, row and depth.
     pub axes: [Vec3; 3],
-    /// How far beside its column and row a ray may meet something, since it parts from the mean direction.
+    /// The distance beside its column and row at which a ray may meet something, as it parts from the mean direction.
     pub slack: [f32; 2],
-    /// Between which depths the rays look.
+    /// The range of depths in which the rays look.
     pub depths: [f32; 2],
 }
 
@@ -31,7 +31,7 @@ pub struct RayPacket<'a> {
     corner: [f32; 2],
     scale: [f32; 2],
     cells: [usize; 2],
-    /// Where the rays of each cell begin in `order`, row by row, and where those of the last end.
+    /// The starts of the rays of each cell in `order`, row by row, and the end of those of the last.
     starts: Vec<u32>,
     /// The rays cell by cell.
     order: Vec<u32>,
@@ -39,8 +39,8 @@ pub struct RayPacket<'a> {
 }
 
 impl<'a> RayPacket<'a> {
-    /// Of rays that lie at these columns and rows; `None` where there is no ray, where they run along different axes,
-    /// or where the slack spreads each over many others, so that one ray at a time is faster.
+    /// Makes a packet of rays that lie at these columns and rows; `None` where there is no ray, where they run along
+    /// different axes, or where the slack spreads each over many others, so that one ray at a time is faster.
     pub fn new(rays: &'a [Ray], places: &[[f32; 2]], view: PacketView) -> Option<Self> {
         /// Cells that a ray may be spread over by the slack, along each side.
         const WIDEST: f32 = 16.0;
@@ -77,7 +77,7 @@ impl<'a> RayPacket<'a> {
         is_sane.then_some(Self { rays, view, corner, scale, cells, starts, order, columns })
     }
 
-    /// The cells that a stretch of columns (0) or rows (1) touches.
+    /// The cells that an interval of columns (0) or rows (1) touches.
     fn cells(&self, axis: usize, low: f32, high: f32) -> [usize; 2] {
         let cell = |v: f32| ((v - self.corner[axis]) * self.scale[axis]).max(0.0) as usize;
         let slack = self.view.slack[axis];
@@ -111,7 +111,7 @@ fn walk_packet<P: Pack>(
     packet: &RayPacket<'_>,
     mut meet: impl FnMut(usize, Hit) -> bool,
 ) {
-    /// As for one ray: seven siblings wait on each level.
+    /// The size of the stack, as for one ray: seven siblings wait on each level.
     const STACK: usize = 96;
     let mut waiting = [(0u32, 0u32); STACK];
     let mut count = usize::from(!bvh.tree.leaves.is_empty());
@@ -147,7 +147,7 @@ fn walk_packet<P: Pack>(
     }
 }
 
-/// Which boxes the rays may run through, a bit each.
+/// Returns the boxes that the rays may run through, a bit each.
 #[inline(always)]
 fn touched<P: Pack>(token: P::Token, boxes: &Boxes, packet: &RayPacket<'_>) -> u64 {
     let mut touched = 0;
@@ -183,7 +183,7 @@ struct Shadows {
 }
 
 impl Shadows {
-    /// Which triangles may be met, a bit each.
+    /// Returns the triangles that may be met, a bit each.
     #[inline(always)]
     fn cast<P: Pack>(&mut self, token: P::Token, leaf: &Leaf, packet: &RayPacket<'_>) -> u64 {
         let mut cast = 0;

@@ -8,7 +8,7 @@ use super::hilbert::{BITS, hilbert_index};
 use crate::math::Vec3;
 use rayon::prelude::*;
 
-/// How many children a node has, and how many triangles a leaf.
+/// The number of children of a node, and of triangles in a leaf.
 pub(super) const WIDTH: usize = 8;
 
 /// Bits of a sort key that hold the triangle's number.
@@ -61,7 +61,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Of `count` triangles, at most 2^32, whose finite corners `corners` gives.
+    /// Makes the tree of `count` triangles, at most 2^32, whose finite corners `corners` returns.
     pub fn new(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
         let order = sorted(count, &corners);
         let leaves: Vec<Leaf> = order.par_chunks(WIDTH).map(|slots| leaf(slots, &corners)).collect();

@@ -8,13 +8,13 @@ use crate::math::{Mask, Pack, Vec3};
 pub struct Ray {
     origin: Vec3,
     direction: Vec3,
-    /// Which axes become x, y, z, so that the ray runs along z.
+    /// The axes that become x, y, z, so that the ray runs along z.
     axes: [usize; 3],
     shear: [f32; 3],
 }
 
 impl Ray {
-    /// From any point along a direction that is not zero; distances count in lengths of `direction`.
+    /// Makes a ray from any point along a direction that is not zero; distances count in lengths of `direction`.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self::beside(origin, direction, direction)
     }
@@ -42,7 +42,7 @@ impl Ray {
         self.direction
     }
 
-    /// Where the ray meets the triangle, either side: distance ≥ 0 and the weights of the corners.
+    /// Returns the intersection of the ray with the triangle, either side: distance ≥ 0 and the weights of the corners.
     #[inline]
     pub fn intersect(&self, corners: [Vec3; 3]) -> Option<(f32, [f32; 3])> {
         let [kx, ky, kz] = self.axes;
@@ -89,7 +89,7 @@ pub(super) struct RayColumns {
 }
 
 impl RayColumns {
-    /// Of some rays in some order; `None` where they run along different axes.
+    /// Makes columns of some rays in some order; `None` where they run along different axes.
     pub fn new(rays: &[Ray], order: &[u32]) -> Option<Self> {
         let axes = rays.first()?.axes;
         if rays.iter().any(|ray| ray.axes != axes) {
@@ -107,7 +107,7 @@ impl RayColumns {
         })
     }
 
-    /// [`Ray::edges`] of as many rays as a pack has lanes, from the ray `from` on, and triangle `i` of a leaf's
+    /// Returns [`Ray::edges`] of as many rays as a pack has lanes, from the ray `from` on, and triangle `i` of a leaf's
     /// `corners[corner][axis][triangle]`.
     #[inline(always)]
     pub fn edges<P: Pack>(
@@ -135,7 +135,7 @@ impl RayColumns {
     }
 }
 
-/// How rays pass triangles: a pack of either.
+/// The tests of rays against the edges of triangles: a pack of either.
 pub(super) struct Edges<P: Pack> {
     /// Twice the areas opposite each corner.
     edges: [P; 3],
@@ -144,20 +144,20 @@ pub(super) struct Edges<P: Pack> {
     /// Lengths of the direction per length of that axis.
     stretch: P,
     inside: P::Mask,
-    /// Where it runs through an edge as far as single precision can tell, so that [`Ray::intersect`] has to be asked.
+    /// `true` where it runs through an edge, as far as single precision can tell: [`Ray::intersect`] must decide.
     pub unsure: P::Mask,
 }
 
-/// Where a ray meets a pack of triangles.
+/// The intersections of a ray with a pack of triangles.
 pub(super) struct Meeting<P: Pack> {
-    /// Where it does.
+    /// `true` where the ray meets the triangle.
     pub hit: P::Mask,
     pub distance: P,
     pub weights: [P; 3],
 }
 
 impl<P: Pack> Edges<P> {
-    /// Of corners seen along the ray, `None` where all are passed by.
+    /// Returns the edges of corners seen along the ray, `None` where all are passed by.
     #[inline(always)]
     fn new([a, b, c]: [[P; 2]; 3], along: [P; 3], stretch: P) -> Option<Self> {
         let edges = [b[0] * c[1] - b[1] * c[0], c[0] * a[1] - c[1] * a[0], a[0] * b[1] - a[1] * b[0]];

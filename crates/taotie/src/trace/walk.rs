@@ -4,7 +4,7 @@ use super::Ray;
 use super::tree::{Boxes, Leaf, Tree, WIDTH};
 use crate::math::{Mask, Pack};
 
-/// What of a ray still matters: distances in lengths of its direction.
+/// The part of a ray that still matters: distances in lengths of its direction.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
     pub from: f32,
@@ -12,7 +12,7 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Nothing: the walk ends.
+    /// The empty span: the walk ends.
     pub const NONE: Self = Self { from: f32::INFINITY, to: f32::NEG_INFINITY };
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Met {
     pub weights: [f32; 3],
 }
 
-/// Deeper than any tree of 2^32 triangles; of each node on the way down seven may wait.
+/// The size of the stack, deeper than any tree of 2^32 triangles; of each node on the way down seven may wait.
 const STACK: usize = 96;
 
 /// A node that waits: where the ray enters it, its level above the leaves (0 is a leaf), its number.
@@ -100,7 +100,7 @@ impl Slabs {
         Self { origin: ray.origin().to_array(), inverse: ray.direction().to_array().map(steep) }
     }
 
-    /// Which boxes the ray runs through within the span, a bit each, and where it enters them.
+    /// Returns the boxes that the ray runs through within the span, a bit each, and the distances of entry into them.
     #[inline(always)]
     pub fn entries<P: Pack>(&self, token: P::Token, boxes: &Boxes, span: Span) -> (u64, [f32; WIDTH]) {
         /// Rounding of a distance to a slab, as a part of it.

@@ -13,12 +13,12 @@ use crate::math::{Pack, Vec3};
 use crate::shade::Facets;
 use fearless_simd::Level;
 
-/// Whether the draw's normals stand for grooves.
+/// Says whether the draw's normals are taken as grooves.
 pub(super) fn is_grooved(reference: &ReferenceSettings, draw: &Draw<'_>) -> bool {
     reference.normal_mapping == NormalMapping::Microfacet && draw.normal_source.is_mapped()
 }
 
-/// Which facet each fragment's viewer sees, in columns.
+/// The facet that each fragment's viewer sees, in columns.
 pub(super) struct Grooves {
     /// Numbers in [0, 1) that choose the facet; afterwards what remains of them, as evenly distributed as they were.
     pub u: Column,
@@ -27,8 +27,8 @@ pub(super) struct Grooves {
 }
 
 impl Grooves {
-    /// As [`complete`](super::super::point::complete), and chooses for each fragment whether its viewer sees the mapped
-    /// facet directly or in the upright one.
+    /// Does what [`complete`](super::super::point::complete) does, and chooses for each fragment whether its viewer
+    /// sees the mapped facet directly or in the upright one.
     pub(super) fn complete(
         &mut self,
         level: Level,
@@ -64,7 +64,7 @@ impl Grooves {
 /// A groove at points of a surface.
 pub(super) struct Groove<P> {
     pub facets: Facets<P>,
-    /// In [0, 1), for [`Self::leaving`].
+    /// A number in [0, 1), for [`Self::leaving`].
     u: P,
 }
 
@@ -75,7 +75,7 @@ impl<P: Pack> Groove<P> {
         Self { facets, u: at.load(&grooves.u) }
     }
 
-    /// Radiance to the viewer per unit of irradiance from `l`, without lacquer.
+    /// Radiance to the viewer per unit of irradiance from `l`, without clearcoat.
     #[inline(always)]
     pub(super) fn reflect(&self, surface: &SurfacePoint<P>, l: Vec3<P>) -> Vec3<P> {
         let zero = l.x.lit(0.0);
@@ -87,7 +87,7 @@ impl<P: Pack> Groove<P> {
         sum
     }
 
-    /// Where a path goes that leaves the mapped facet towards `l`: there, or mirrored by the upright facet.
+    /// The direction of a path that leaves the mapped facet towards `l`: `l`, or `l` mirrored by the upright facet.
     #[inline(always)]
     pub(super) fn leaving(&self, l: Vec3<P>) -> Vec3<P> {
         let zero = l.x.lit(0.0);

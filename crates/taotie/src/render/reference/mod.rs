@@ -1,16 +1,16 @@
-//! The judge of every approximation: paths of light followed one by one, over the same scene, materials, normals and
-//! lights as the rasteriser, and without bias.
+//! A path tracer, the reference for every approximation. It follows paths of light one by one, without bias, over the
+//! same scene, materials, normals and lights as the rasteriser.
 //!
-//! A path begins at a point of a pixel, chosen evenly, and meets surfaces as [`surfaces`] tells. At each it gathers
+//! A path begins at a point of a pixel, chosen evenly, and meets surfaces (see [`surfaces`]). At each it gathers
 //! light directly: from every point, spot and directional light by a shadow ray, and from the environment in two ways
 //! that are weighed against each other: towards where it is bright, and where the surface reflects much ([`respond`]).
-//! Then it goes on in the second direction. Reflection is [`SurfacePoint::reflect`](super::point::SurfacePoint::reflect), so
-//! that every named model works, physical or not. Textures are read at their finest level, since a pixel's many paths
-//! average them.
+//! Then it goes on in the second direction. Reflection is
+//! [`SurfacePoint::reflect`](super::point::SurfacePoint::reflect), so that every named model works, physical or not.
+//! Textures are read at their finest level, since a pixel's many paths average them.
 //!
-//! What is the same as in the rasteriser, so that direct light is equal: interpolation, normals, where shadow rays leave
-//! from, and that light behind the shading normal counts as shadowed. What differs: blended surfaces let light through
-//! in proportion to what they lack, where the rasteriser's cast no shadow.
+//! The following is the same as in the rasteriser, so that direct light is equal: interpolation, normals, the origins
+//! of shadow rays, and that light behind the shading normal counts as shadowed. One thing differs: blended surfaces let
+//! light through in proportion to what they lack, while the rasteriser's cast no shadow.
 
 mod groove;
 mod patch;
@@ -32,16 +32,17 @@ use crate::progress::Progress;
 use rayon::prelude::*;
 use tracer::Tracer;
 
-/// Takes a picture by following paths of light. The same settings give the same bits with any number of threads.
+/// Renders an image by following paths of light. The same settings give the same bits with any number of threads.
 ///
-/// Of the shot's settings, the number of samples and `specular_aa` are not read, since many paths average what is too fine for a
-/// pixel. Without shadows lights shine through everything, as in the rasteriser; environment and surfaces always throw
-/// shadows. [`Lighting::ambient`](super::Lighting::ambient) is reflected at every surface. Cameras see single-sided surfaces from their front; light meets both sides of all. The
-/// frame's output variables show the first path of each pixel.
+/// Of the shot's settings, the number of samples and `specular_aa` are not read, since many paths average what is too
+/// fine for a pixel. Without shadows lights shine through everything, as in the rasteriser; environment and surfaces
+/// always throw shadows. [`Lighting::ambient`](super::Lighting::ambient) is reflected at every surface. Cameras see
+/// single-sided surfaces from their front; light meets both sides of all. The frame's output variables show the first
+/// path of each pixel.
 ///
 /// # Errors
-/// [`crate::Error::Cancelled`]; [`crate::Error::Invalid`] or [`crate::Error::Limit`] for a size, camera or number of paths that cannot be,
-/// [`crate::Error::Unsupported`] for a SIMD level that the processor lacks.
+/// [`crate::Error::Cancelled`]; [`crate::Error::Invalid`] or [`crate::Error::Limit`] for a size, camera or number of
+/// paths that cannot be, [`crate::Error::Unsupported`] for a SIMD level that the processor lacks.
 pub fn reference(
     prepared: &Prepared,
     shot: &Shot<'_>,

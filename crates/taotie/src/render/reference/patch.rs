@@ -1,4 +1,4 @@
-//! A patch of the picture: its paths begin, and their light is added up.
+//! A patch of the image: its paths begin, and their light is added up.
 
 use super::super::batch::Batch;
 use super::super::columns::get3;
@@ -13,10 +13,10 @@ use crate::math::sequence::{Sequence, hash};
 /// The side of a patch in pixels.
 const SIDE: u32 = 16;
 
-/// How many paths of each pixel are followed together.
+/// The number of paths of each pixel that are followed together.
 const TOGETHER: u32 = 4;
 
-/// A patch of the picture, pixels.
+/// A patch of the image, pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patch {
     x: u32,
@@ -32,7 +32,7 @@ pub(super) struct PatchPicture {
     aovs: [Vec<[f32; 4]>; 5],
 }
 
-/// The patches of a picture, row by row.
+/// The patches of an image, row by row.
 pub(super) fn patches(settings: &RenderSettings) -> Vec<Patch> {
     let (width, height) = (settings.width, settings.height);
     let rows = (0..height).step_by(SIDE as usize);
@@ -73,7 +73,7 @@ impl Tracer<'_> {
         PatchPicture { color, aovs }
     }
 
-    /// Path number `index` of each pixel.
+    /// Begins path number `index` of each pixel.
     fn begin(&self, patch: &Patch, index: u32) -> impl Iterator<Item = Path> {
         let Patch { x, y, width, height } = *patch;
         (0..width * height).map(move |pixel| {

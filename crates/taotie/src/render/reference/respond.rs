@@ -1,5 +1,5 @@
-//! What surfaces answer to light: emission, reflection of every light, of the environment and of the direction in
-//! which a path goes on, for eight fragments at a time.
+//! The response of surfaces to light: emission, and reflection of every light, of the environment and of the direction
+//! in which a path goes on, for eight fragments at a time.
 
 use super::super::batch::{Batch, Lanes};
 use super::super::columns::{Column, Column3, ZERO, ZERO3, store3};
@@ -13,21 +13,21 @@ use crate::scene::Material;
 use crate::shade::Shading;
 use fearless_simd::Level;
 
-/// What the answers depend on beside the fragments.
+/// The inputs of a response beside the fragments.
 pub(super) struct Question<'t> {
-    /// How many surfaces the paths have met before.
+    /// The number of surfaces that the paths have met before.
     pub depth: u32,
     pub shading: Shading,
     pub material: &'t Material,
     pub sources: &'t [Source],
     pub ambient: Vec3,
-    /// Whether light behind the shading normal is shadowed.
+    /// `true` where light behind the shading normal is shadowed.
     pub shadows: bool,
-    /// Whether there are directions to the environment.
+    /// `true` where there are directions to the environment.
     pub sky: bool,
-    /// Whether paths go on.
+    /// `true` where paths go on.
     pub onward: bool,
-    /// Whether mapped normals are grooves.
+    /// `true` where mapped normals are grooves.
     pub grooved: bool,
 }
 
@@ -36,14 +36,14 @@ pub(super) struct Exchange {
     /// Numbers in [0, 1) that choose where the path goes on.
     pub u: [Column; 3],
     pub grooves: Grooves,
-    /// Where the environment's light was chosen to come from; unit, world space.
+    /// The direction chosen for the environment's light; unit, world space.
     pub to_sky: Column3,
-    /// Where the path goes on; unit, world space.
+    /// The direction in which the path goes on; unit, world space.
     pub onward: Column3,
     /// Densities of [`Scatter`] for both directions.
     pub sky_pdf: Column,
     pub onward_pdf: Column,
-    /// What leaves without any of these: emission and reflected ambient light.
+    /// The light that leaves without any of these: emission and reflected ambient light.
     pub own: Column3,
     /// Reflected light of each source, unshadowed.
     pub lit: Vec<Column3>,
@@ -106,11 +106,11 @@ fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, e
 /// A direction in which reflection is asked for.
 #[derive(Clone, Copy)]
 enum Request {
-    /// Towards a light, by its number.
+    /// The direction towards a light, by its number.
     Source(usize),
-    /// Towards the environment.
+    /// The direction towards the environment.
     Sky,
-    /// Where the path goes on.
+    /// The direction in which the path goes on.
     Onward,
 }
 
@@ -162,7 +162,7 @@ fn own<P: Pack>(at: Lanes<'_, P>, question: &Question<'_>, surface: &SurfacePoin
 /// Points of a surface as a viewer sees them.
 struct Seen<P> {
     surface: SurfacePoint<P>,
-    /// Where the viewer truly is.
+    /// The true direction to the viewer.
     from: Vec3<P>,
     groove: Option<Groove<P>>,
 }

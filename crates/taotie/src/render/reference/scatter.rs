@@ -1,4 +1,4 @@
-//! Where a surface sends paths: as its base reflects, or as its lacquer does.
+//! Chooses where a surface sends paths: as its base reflects, or as its clearcoat does.
 
 use super::super::layers::Coat;
 use super::super::point::SurfacePoint;
@@ -8,7 +8,7 @@ use crate::shade::coat_fresnel;
 use crate::shade::ndf::alpha_from_roughness;
 use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrored, raised};
 
-/// Where a surface point sends paths.
+/// The distribution of directions in which a surface point sends paths.
 pub(super) struct Scatter<'s, L> {
     base: Frame<L>,
     lobes: Lobes<L>,
@@ -16,11 +16,11 @@ pub(super) struct Scatter<'s, L> {
     groove: Option<&'s Groove<L>>,
 }
 
-/// A lacquer's own lobe.
+/// The clearcoat's own lobe.
 struct CoatLobe<L> {
     frame: Frame<L>,
     alpha: L,
-    /// How often it is chosen, (0, 1).
+    /// The probability with which it is chosen, (0, 1).
     share: L,
 }
 
@@ -29,12 +29,12 @@ struct Frame<L> {
     t: Vec3<L>,
     b: Vec3<L>,
     n: Vec3<L>,
-    /// To the viewer, raised above the horizon.
+    /// The direction to the viewer, raised above the horizon.
     v: Vec3<L>,
 }
 
 impl<'s, P: Pack> Scatter<'s, P> {
-    /// `v` is where the viewer truly is; the surface may be seen in the mirror of its groove.
+    /// Makes the distribution; `v` is where the viewer truly is; the surface may be seen in the mirror of its groove.
     #[inline(always)]
     pub(super) fn new(surface: &SurfacePoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
         let n = surface.n.normalize_or(surface.v);
@@ -98,7 +98,7 @@ impl<P: Pack> CoatLobe<P> {
 }
 
 impl<L: Lane> Frame<L> {
-    /// `n`, `t` and `v` unit, world space; `t` at a right angle to `n`.
+    /// Makes the frame; `n`, `t` and `v` unit, world space; `t` at a right angle to `n`.
     #[inline(always)]
     fn new(n: Vec3<L>, t: Vec3<L>, v: Vec3<L>) -> Self {
         let frame = Self { t, b: n.cross(t), n, v };

@@ -1,21 +1,21 @@
-//! How many paths are followed, and how far.
+//! Settings of the path tracer: how many paths are followed, and how far.
 
 use crate::error::{Error, Result};
 use crate::math::sequence::Sequence;
 use crate::names::Named;
 
-/// How many paths are followed, and how far.
+/// Settings of the path tracer: how many paths are followed, and how far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReferenceSettings {
     /// Paths a pixel, 1 to 65536. Noise falls at least with its square root.
     pub spp: u32,
-    /// How often light may be reflected after its first reflection, up to 1000; 0 is direct light.
+    /// The most reflections of light after its first, up to 1000; 0 is direct light.
     pub bounces: u32,
-    /// Another number gives other noise.
+    /// The seed of the noise. Another number gives other noise.
     pub seed: u32,
-    /// What a mapped normal means.
+    /// The meaning of a mapped normal.
     pub normal_mapping: NormalMapping,
-    /// How light of the environment is found. No choice changes what the noise tends to.
+    /// The method that finds light of the environment. No choice changes what the noise tends to.
     pub environment: EnvironmentSampling,
 }
 
@@ -31,7 +31,7 @@ impl Default for ReferenceSettings {
     }
 }
 
-/// What a mapped normal means to light.
+/// The meaning of a mapped normal to light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NormalMapping {
     /// The surface reflects as if it lay at a right angle to it, as in the rasteriser.
@@ -48,15 +48,15 @@ impl Named for NormalMapping {
         &[("classic", Self::Classic), ("microfacet", Self::Microfacet)];
 }
 
-/// How light of the environment is found.
+/// The method that finds light of the environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EnvironmentSampling {
-    /// In both ways, each where it is the better one: the least noise.
+    /// Both ways are used, each where it is the better one: the least noise.
     #[default]
     Combined,
-    /// Towards where the environment is bright.
+    /// Directions are chosen towards where the environment is bright.
     ByLight,
-    /// Towards where the surface reflects much.
+    /// Directions are chosen towards where the surface reflects much.
     BySurface,
 }
 

@@ -1,4 +1,4 @@
-//! Which surface a ray meets.
+//! Finds the surface that a ray meets.
 
 use super::super::draw::{Draw, Draws};
 use super::super::footprint::Footprint;
@@ -7,15 +7,15 @@ use crate::math::sequence::{hash, unit};
 use crate::scene::AlphaMode;
 use crate::trace::{Hit, Ray};
 
-/// Where a ray met a surface.
+/// The point where a ray met a surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Meeting {
     pub draw: u32,
     /// The triangle's number over all draws.
     pub triangle: u32,
-    /// Of its corners.
+    /// The weights of its corners.
     pub weights: [f32; 3],
-    /// Whether it was met from its front.
+    /// `true` where it was met from its front.
     pub front: bool,
 }
 
@@ -83,8 +83,8 @@ impl Sight<'_> {
         }
     }
 
-    /// Whether nothing stands in the way up to `limit` lengths of the ray. `chance` is the ray's own number: with the
-    /// triangle's, it decides whether a blended surface is there.
+    /// Says whether nothing stands in the way up to `limit` lengths of the ray. `chance` is the ray's own number: with
+    /// the triangle's, it decides whether a blended surface is there.
     pub(super) fn is_free(&self, ray: &Ray, limit: f32, chance: u32) -> bool {
         !self.tree.0.occluded(ray, limit, |hit| {
             let draw = self.draw(hit);
@@ -99,7 +99,7 @@ impl Sight<'_> {
         self.draws.of(hit.triangle)
     }
 
-    /// Whether no mask leaves the surface out.
+    /// Says whether no mask leaves the surface out.
     fn is_masked_in(&self, draw: &Draw<'_>, hit: &Hit) -> bool {
         match draw.material.alpha {
             AlphaMode::Mask(cutoff) => self.alpha(draw, hit) >= cutoff,
@@ -112,7 +112,7 @@ impl Sight<'_> {
     }
 }
 
-/// Whether the ray comes from the triangle's front.
+/// Says whether the ray comes from the triangle's front.
 fn from_front(draw: &Draw<'_>, hit: &Hit, ray: &Ray) -> bool {
     let [a, b, c] = draw.vertices(hit.triangle).map(|v| draw.positions[v as usize]);
     let along = (b - a).cross(c - a).dot(ray.direction());

@@ -9,7 +9,7 @@ use crate::shade::environment::EnvironmentSample;
 pub(super) struct Surround<'t> {
     light: &'t EnvironmentLight,
     turn: Turn,
-    /// Whether it is seen where nothing stands before it.
+    /// `true` where it is seen wherever nothing stands before it.
     pub visible: bool,
 }
 
@@ -18,7 +18,7 @@ impl<'t> Surround<'t> {
         Self { light, turn: light.turn(), visible: light.visible }
     }
 
-    /// What comes from the unit direction `world`.
+    /// The radiance from the unit direction `world`.
     pub(super) fn radiance(&self, world: Vec3) -> Vec3 {
         self.light.environment.radiance(self.turn.to_environment(world)) * self.light.intensity
     }

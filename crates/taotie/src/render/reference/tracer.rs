@@ -1,4 +1,4 @@
-//! What all paths of a picture need.
+//! The state shared by all paths of an image.
 
 use super::super::draw::{Draw, Draws};
 use super::super::ground::Ground;
@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::math::Vec3;
 use fearless_simd::Level;
 
-/// What all paths of a picture need.
+/// The state shared by all paths of an image.
 pub(super) struct Tracer<'t> {
     pub draws: &'t Draws<'t>,
     pub sight: Sight<'t>,
@@ -26,13 +26,13 @@ pub(super) struct Tracer<'t> {
     pub ambient: Vec3,
     pub ground: Option<Ground>,
     pub surround: Option<Surround<'t>>,
-    /// As the model takes them.
+    /// The settings, as the model takes them.
     pub settings: RenderSettings,
     pub reference: ReferenceSettings,
     pub level: Level,
-    /// How far above the surface rays leave, model units.
+    /// The height above the surface at which rays start, model units.
     pub lift: f32,
-    /// Whether any surface shines by itself.
+    /// `true` where any surface emits light.
     pub emitters: bool,
 }
 

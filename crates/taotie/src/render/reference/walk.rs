@@ -17,7 +17,7 @@ use crate::shade::environment::EnvironmentSample;
 use crate::shade::sampling::power_heuristic;
 use crate::trace::Ray;
 
-/// From this surface on, paths that carry little end by chance.
+/// The number of surfaces from which on paths that carry little end by chance.
 const ROULETTE_FROM: u32 = 3;
 
 /// The least chance to go on.
@@ -31,22 +31,22 @@ pub(super) struct Path {
     pub index: u32,
     /// The pixel's numbers.
     pub sequence: Sequence,
-    /// From which its shadow rays have their numbers.
+    /// The number from which its shadow rays have their numbers.
     pub shadows: u32,
     pub origin: Vec3,
-    /// Unit.
+    /// The direction, unit.
     pub direction: Vec3,
-    /// How far the ray goes, model units.
+    /// The length of the ray, model units.
     pub limit: f32,
     /// The density with which its surface chose the direction; 0 for rays of sight.
     pub pdf: f32,
-    /// Whether it left below the facet that it left from.
+    /// `true` where it left below the facet that it left from.
     pub below: bool,
-    /// What part of the light that it meets reaches the camera, linear RGB.
+    /// The part of the light it meets that arrives at the camera, linear RGB.
     pub throughput: Vec3,
     /// The light found so far, linear RGB.
     pub light: Vec3,
-    /// 1 where the camera saw something.
+    /// The coverage of the pixel: 1 where the camera saw something.
     pub coverage: f32,
 }
 
@@ -74,9 +74,9 @@ impl Workspace {
     }
 }
 
-/// Where paths meet surfaces of one draw: a batch of them.
+/// The points where paths meet surfaces of one draw: a batch of them.
 struct Stop<'s> {
-    /// How many surfaces the paths have met before.
+    /// The number of surfaces that the paths have met before.
     depth: u32,
     draw: &'s Draw<'s>,
     /// The path's number, and where it is.
@@ -91,7 +91,7 @@ impl Stop<'_> {
     }
 }
 
-/// Is told what the camera sees: the path, the batch with its normals, the entry, and the triangle's number.
+/// Receives what the camera sees: the path, the batch with its normals, the entry, and the triangle's number.
 pub(super) type Witness<'w> = dyn FnMut(&Path, &Batch, usize, u32) + 'w;
 
 impl Tracer<'_> {
@@ -131,7 +131,7 @@ impl Tracer<'_> {
         work.meetings.sort_by_key(|(_, meeting)| meeting.draw);
     }
 
-    /// Nothing stood in the way.
+    /// Ends a path that meets no surface.
     fn escape(&self, depth: u32, path: &mut Path) {
         if depth == 0
             && let Some(ground) = &self.ground
@@ -175,7 +175,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Whether only what the surface sends out by itself counts.
+    /// Says whether only the light that the surface emits counts.
     fn is_last(&self, stop: &Stop<'_>) -> bool {
         stop.depth > self.reference.bounces
     }
@@ -207,7 +207,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Whether anything may be found beyond the surface.
+    /// Says whether anything may be found beyond the surface.
     fn goes_on(&self, depth: u32) -> bool {
         depth < self.reference.bounces || self.surround.is_some() || self.emitters
     }
@@ -300,7 +300,7 @@ impl Tracer<'_> {
         reflected * (weight / sample.pdf)
     }
 
-    /// Turns the path of entry `i` into its next direction; whether it goes on.
+    /// Turns the path of entry `i` into its next direction; returns whether it goes on.
     fn send_on(&self, depth: u32, i: usize, path: &mut Path, work: &Workspace) -> bool {
         let pdf = work.exchange.onward_pdf[i];
         let reflected = get3(&work.exchange.from_onward, i);
@@ -326,7 +326,7 @@ impl Tracer<'_> {
     }
 }
 
-/// What unlit surfaces send out.
+/// Adds the light that unlit surfaces emit.
 fn show_color(stop: &Stop<'_>, paths: &mut [Path], work: &Workspace) {
     let [r, g, b, _] = stop.draw.material.base_color;
     for (i, (index, _)) in stop.meetings.iter().enumerate() {
