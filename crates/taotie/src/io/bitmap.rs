@@ -60,14 +60,14 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     decoded.map_err(|failure| failure.into_error(path, at()))
 }
 
-/// What KTX2 files begin with.
+/// The signature at the start of a KTX2 file.
 const KTX2: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
 
 fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(KTX2)
 }
 
-/// The kind of a picture that this build does not read, and the feature that does.
+/// Names the format of an image that this build does not read, and the feature that reads it.
 fn lacking(bytes: &[u8], format: Option<ImageFormat>) -> Option<(&'static str, &'static str)> {
     let kinds = [
         (!cfg!(feature = "basis") && is_ktx2(bytes), ("KTX2", "basis")),

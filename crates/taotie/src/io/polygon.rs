@@ -3,7 +3,7 @@
 use crate::math::Vec3;
 use earcut::Earcut;
 
-/// What was found out about a polygon while it was cut.
+/// The shape of a polygon's outline, found while it is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Outline {
     /// Its triangles cover it once.

@@ -73,7 +73,7 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// What a file says, in quotes, for an error: escaped and at most 40 characters long.
+/// Quotes words of a file for an error: escaped and at most 40 characters long.
 pub(super) fn quote(what: &str) -> String {
     let mut start: String = what.chars().take(40).collect::<String>().escape_debug().collect();
     if what.chars().nth(40).is_some() {

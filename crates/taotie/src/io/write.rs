@@ -1,4 +1,4 @@
-//! Pictures and reports to files, each written under a temporary name and renamed, so that no half a file is left.
+//! Writes images and reports to files, each under a temporary name and then renamed, so that no half a file is left.
 
 #[cfg(feature = "exr")]
 mod exr;
@@ -53,7 +53,7 @@ fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> Result<()>) -> Re
     Ok(())
 }
 
-/// How much is written to a file at once, bytes.
+/// The number of bytes written to a file at once.
 const BUFFER: usize = 1 << 16;
 
 /// A temporary file beside `path`, to be renamed when it is whole; it is removed where that never comes.
@@ -76,7 +76,7 @@ fn draft(path: &Path) -> Result<NamedTempFile> {
     builder.tempfile_in(folder).map_err(|e| Error::io(path, e))
 }
 
-/// Temporary files are private by default; a picture is as readable as any other new file.
+/// Temporary files are private by default; an image is as readable as any other new file.
 #[cfg(unix)]
 fn public_permissions(builder: &mut tempfile::Builder) {
     use std::os::unix::fs::PermissionsExt;

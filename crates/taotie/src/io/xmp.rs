@@ -15,7 +15,7 @@ const CONTEXT: [(&str, &str); 4] = [
     ("xmpMM", "http://ns.adobe.com/xap/1.0/mm/"),
 ];
 
-/// What a model was made of, and how.
+/// The origin of a model: its source, the program and the parameters.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Provenance<'a> {
     /// The file name of the source, without folder; empty where it is no file, of which nothing is said then.
@@ -24,7 +24,7 @@ pub struct Provenance<'a> {
     pub sha256: &'a str,
     /// The program and its version, such as `taotie 0.1.0`.
     pub tool: &'a str,
-    /// What was done, such as the command line.
+    /// The parameters of the run, such as the command line.
     pub parameters: &'a str,
 }
 

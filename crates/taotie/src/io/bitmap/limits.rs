@@ -1,4 +1,4 @@
-//! Which sizes of images are believed, and why an image cannot be had.
+//! The sizes of images that are believed, and the reasons why an image cannot be had.
 
 use crate::error::Error;
 use crate::image::Bitmap;
@@ -11,7 +11,7 @@ pub(super) const MAX_TEXELS: u64 = 1 << 28;
 /// texels. A declared size beyond it is refused before anything is allocated.
 const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
 
-/// WebP and KTX2 hold a picture of one colour in a few bytes, whatever its size; so many texels, 4096 × 4096, are
+/// WebP and KTX2 hold an image of one colour in a few bytes, whatever its size; so many texels, 4096 × 4096, are
 /// believed.
 pub(super) const MAX_TEXELS_OF_PLAIN: u64 = 1 << 24;
 
@@ -43,7 +43,7 @@ fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// How many texels `bytes` may hold.
+/// Returns the most texels that `bytes` may hold.
 pub(super) fn credible(bytes: &[u8]) -> u64 {
     (bytes.len() as u64).saturating_mul(MAX_TEXELS_PER_BYTE)
 }

@@ -1,4 +1,4 @@
-//! What deforms a primitive: its morph targets, its joint weights, and the skins.
+//! The deformation of a primitive: its morph targets, its joint weights, and the skins.
 
 use super::accessor::Accessor;
 use super::document::Document;
@@ -14,11 +14,11 @@ use gltf::json::mesh::{MorphTarget as JsonTarget, Semantic};
 /// The most sets of four joints of a vertex that are read.
 const MAX_JOINT_SETS: u32 = 4;
 
-/// Which morph targets are read.
+/// The choice of morph targets that are read.
 pub(super) struct Wanted<'a> {
     /// The weights at rest; a target without one weighs nothing.
     pub weights: &'a [f32],
-    /// Whether weights will change, so that all targets are wanted and not only those that weigh something.
+    /// `true` where weights will change, so that all targets are wanted and not only those that weigh something.
     pub all: bool,
 }
 

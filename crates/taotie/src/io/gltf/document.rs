@@ -59,12 +59,12 @@ impl Document {
         Ok((self.buffers.view(index, view)?, view.byte_stride.map(|s| s.0)))
     }
 
-    /// What accessor `index` holds in place of what its buffer view says, where there is such a thing.
+    /// Returns the elements that accessor `index` holds in place of those of its buffer view, where there are any.
     pub fn supplied(&self, index: usize) -> Reason<Option<&Supplied>> {
         self.supply.get(&index).map(|supplied| supplied.as_ref().map_err(Clone::clone)).transpose()
     }
 
-    /// How many bytes all buffers have, unpacked.
+    /// Returns the number of bytes of all buffers, unpacked.
     pub fn total_bytes(&self) -> usize {
         let supplied = self.supply.values().flatten().map(|supplied| supplied.bytes.len());
         self.buffers.total_bytes() + supplied.sum::<usize>()

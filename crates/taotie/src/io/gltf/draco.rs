@@ -51,9 +51,9 @@ pub(super) fn supply(root: &Root, buffers: &Buffers, warnings: &mut Warnings) ->
 struct Unpacker<'a> {
     root: &'a Root,
     buffers: &'a Buffers,
-    /// How many more bytes may come of it.
+    /// The number of bytes that may still be unpacked.
     budget: u64,
-    /// What came out of buffer views that primitives name.
+    /// The meshes unpacked from buffer views that primitives name.
     meshes: BTreeMap<usize, Reason<Mesh>>,
     supply: Supply,
 }

@@ -1,4 +1,4 @@
-//! Which extensions of a file are understood.
+//! The extensions of a file that are understood.
 
 use crate::error::{Error, Result, Warnings};
 use gltf::json::mesh::Primitive;
@@ -25,7 +25,7 @@ pub const SUPPORTED: [&str; 16] = [
     "KHR_draco_mesh_compression",
 ];
 
-/// Extensions that do not change a picture with the default materials: of levels of detail the finest is drawn, and
+/// Extensions that do not change an image with the default materials: of levels of detail the finest is drawn, and
 /// the channels of KHR_animation_pointer are left out with a warning of their own.
 const WITHOUT_EFFECT: [&str; 4] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod"];
 

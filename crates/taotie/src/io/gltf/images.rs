@@ -68,7 +68,7 @@ pub(super) fn read_image(document: &Document, index: usize) -> std::result::Resu
     }
 }
 
-/// What a person would call an image: its file, else its name, else its number.
+/// Returns the name of an image for messages: its file, else its name, else its number.
 pub(super) fn image_name(document: &Document, index: usize) -> String {
     let image = &document.root.images[index];
     let file = image.uri.as_ref().filter(|u| !u.starts_with("data:"));

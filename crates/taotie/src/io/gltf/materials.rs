@@ -34,7 +34,7 @@ fn default_material() -> Material {
 
 /// Reads one material.
 pub(super) struct Reader<'a, 'b> {
-    /// What is read.
+    /// The material that is read.
     pub json: &'a json::Material,
     textures: &'a mut Textures<'b>,
     warnings: &'a mut Warnings,

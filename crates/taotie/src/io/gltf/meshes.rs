@@ -23,24 +23,25 @@ pub(super) struct Meshes {
     pub meshes: Vec<Mesh>,
     /// Their names, in the same order.
     pub names: Vec<String>,
-    /// Where they are shown. `material` is that of the file, or the number of the file's materials for the default.
+    /// The places of the meshes. `material` is that of the file, or the number of the file's materials for the
+    /// default.
     pub instances: Vec<Instance>,
     /// The node of each instance; `None` for those that a skin or nothing places.
     pub nodes: Vec<Option<usize>>,
-    /// What animations deform; empty where the file has none.
+    /// The shapes that animations deform; empty where the file has none.
     pub deformed: Vec<Deformed>,
-    /// The skins of what is shown.
+    /// The skins of the shown meshes.
     pub skins: Vec<Skin>,
     /// The weights at rest, one a morph target, of nodes that show a mesh with targets.
     pub weights: Vec<(usize, Vec<f32>)>,
-    /// What variants do to the instances.
+    /// The materials of the instances in each variant.
     pub variants: Variants,
 }
 
 /// A mesh of the file, and the node that poses it if that poses it in a way of its own.
 type Key = (usize, Option<usize>);
 
-/// Builds what the shown nodes show. A primitive that cannot be read is left out with a warning.
+/// Builds the meshes of the shown nodes. A primitive that cannot be read is left out with a warning.
 ///
 /// # Errors
 /// The first primitive's where none can be read, or that there is nothing to draw.
@@ -111,7 +112,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// How many morph targets a mesh of the file has.
+    /// Returns the number of morph targets of a mesh of the file.
     fn targets(&self, mesh: usize) -> usize {
         let primitives = self.document.root.meshes.get(mesh).map_or(&[][..], |mesh| &mesh.primitives);
         primitives.iter().flat_map(|p| &p.targets).map(Vec::len).max().unwrap_or(0)

@@ -1,4 +1,4 @@
-//! glTF 2.0, `.gltf` and `.glb`: the scene in its rest pose, and what moves it.
+//! glTF 2.0, `.gltf` and `.glb`: the scene in its rest pose, and its animations.
 //!
 //! The `gltf` crate gives the types of the JSON; every index, range and number in it is checked here, so that a
 //! file that is wrong in one place is drawn without that place, or refused in one line.
@@ -81,7 +81,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     })
 }
 
-/// What hangs on nodes.
+/// The meshes, cameras and lights of nodes.
 struct Hung {
     shown: Meshes,
     cameras: Vec<usize>,

@@ -22,7 +22,7 @@ const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
 /// The warning for primitives that are not drawn.
 pub(super) const NOT_TRIANGLES: &str = "primitives of points or lines; only triangles are drawn";
 
-/// How a mesh is moved to its rest pose.
+/// The rest pose of a mesh: morph weights and skin.
 #[derive(Default)]
 pub(super) struct Pose {
     /// Weights of the morph targets; missing ones are zero.
@@ -35,16 +35,16 @@ pub(super) struct Pose {
 pub(super) struct Built {
     /// The mesh.
     pub mesh: Mesh,
-    /// What deforms it.
+    /// The data by which animations deform it.
     pub shape: Option<Deformable>,
 }
 
 /// Reads primitives as long as their sizes fit the file's.
 pub(super) struct Primitives<'a> {
     document: &'a Document,
-    /// What could be drawn without.
+    /// Notes on wrong or missing parts that could be drawn without.
     pub warnings: &'a mut Warnings,
-    /// Whether anything in the file moves, so that what deforms meshes has to be kept.
+    /// `true` where anything in the file moves, so that the data that deforms meshes has to be kept.
     pub moves: bool,
     budget: usize,
 }
@@ -146,7 +146,7 @@ impl<'a> Primitives<'a> {
     }
 }
 
-/// Whether one primitive or the whole file fails.
+/// The extent of a failure: one primitive or the whole file.
 pub(super) enum Stop {
     Here(String),
     Everything(Error),

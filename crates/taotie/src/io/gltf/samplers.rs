@@ -1,4 +1,4 @@
-//! How textures are wrapped and filtered.
+//! The wrapping and filtering of textures.
 
 use crate::image::{MipFilter, Sampler, TexelFilter, Wrap};
 use gltf::json::texture::{MagFilter, MinFilter, WrappingMode};

@@ -51,7 +51,7 @@ impl Slot {
 /// The images that materials ask for, before any is decoded.
 pub(super) struct Textures<'a> {
     document: &'a Document,
-    /// What each texture of the scene is made from.
+    /// The image and encoding that each texture of the scene is made from.
     requests: Vec<(usize, Encoding)>,
     /// The images that may stand for another, which is the key.
     substitutes: BTreeMap<usize, Vec<usize>>,

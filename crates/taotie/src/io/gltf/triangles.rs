@@ -10,7 +10,7 @@ use rayon::prelude::*;
 pub(super) struct Triangles {
     /// Counter-clockwise, in the file's vertex indices.
     pub list: Vec<[u32; 3]>,
-    /// How many indices at the end made no whole triangle.
+    /// The number of indices at the end that made no whole triangle.
     pub surplus: usize,
 }
 

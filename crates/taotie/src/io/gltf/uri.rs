@@ -1,4 +1,4 @@
-//! Where a buffer or image is: in a data URI or in a file beside the model. The network is never asked.
+//! Finds a buffer or image: in a data URI or in a file beside the model. The network is never asked.
 
 use super::reason::Reason;
 use base64::Engine;
@@ -15,21 +15,21 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
         .with_decode_allow_trailing_bits(true),
 );
 
-/// Where bytes come from.
+/// The source of bytes.
 #[derive(Debug, PartialEq)]
 pub(super) enum Source {
     /// In the URI itself.
     Data {
         /// The media type, such as `image/png`; may be empty.
         media_type: String,
-        /// What was encoded.
+        /// The decoded bytes.
         bytes: Vec<u8>,
     },
     /// A file that may or may not exist.
     File(PathBuf),
 }
 
-/// Finds what `uri` means, seen from `folder`.
+/// Finds the source that `uri` names, seen from `folder`.
 pub(super) fn locate(uri: &str, folder: &Path) -> Reason<Source> {
     if let Some(data) = strip_scheme(uri, "data:") {
         return decode_data(data);

@@ -31,7 +31,7 @@ pub(super) struct PrimitiveIndex {
 
 /// Collects the mappings of primitives while meshes are built.
 pub(super) struct Mappings {
-    /// What was collected; `authored` is still empty.
+    /// The mappings collected so far; `authored` is still empty.
     pub variants: Variants,
     materials: usize,
     known: BTreeMap<PrimitiveIndex, usize>,

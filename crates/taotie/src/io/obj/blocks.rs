@@ -5,17 +5,17 @@ use super::super::text;
 /// Bytes of a block, or a line more.
 const BLOCK: usize = 1 << 20;
 
-/// How much of a file stands before some place.
+/// The amount of a file before some place.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Place {
-    /// How many lines.
+    /// The number of lines.
     pub lines: usize,
-    /// How many positions, uvs and normals.
+    /// The numbers of positions, uvs and normals.
     pub counts: [usize; 3],
 }
 
 impl Place {
-    /// How much stands in `text`.
+    /// Counts the content of `text`.
     pub fn behind(text: &str) -> Self {
         let mut counts = [0; 3];
         for (_, statement) in text::lines(text) {

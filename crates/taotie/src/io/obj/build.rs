@@ -77,7 +77,7 @@ impl Scratch {
         (face.material, uvs, normals)
     }
 
-    /// Whether every corner has a usable index in `slot`; else none of them keeps it.
+    /// Says whether every corner has a usable index in `slot`; else none of them keeps it.
     fn keep(&mut self, slot: usize, bad: impl Fn(u32) -> bool, name: &str, warnings: &mut Warnings) -> bool {
         let all = self.corners.iter().all(|c| c[slot] != NONE && !bad(c[slot]));
         if !all {

@@ -61,7 +61,7 @@ fn texture_ref(texture: usize, map: &Map) -> TextureRef {
     }
 }
 
-/// What a texture made from two files is called.
+/// Returns the name of a texture made from two files.
 fn names(maps: [Option<&Map>; 2]) -> String {
     maps.into_iter().flatten().map(|map| map.file.as_str()).collect::<Vec<_>>().join(" + ")
 }
@@ -127,7 +127,7 @@ fn has_alpha(bitmap: &Bitmap) -> bool {
     matches!(bitmap.channels(), 2 | 4) && (0..bitmap.texels().len()).any(|i| bitmap.stored(i)[3] < 1.0)
 }
 
-/// Whether at least 95 in 100 texels are fully there or fully away.
+/// Says whether at least 95 in 100 texels are fully there or fully away.
 fn is_cutout(bitmap: &Bitmap) -> bool {
     let count = bitmap.texels().len();
     let hard = (0..count).filter(|i| !(0.02..0.98).contains(&bitmap.stored(*i)[3])).count();
@@ -145,7 +145,7 @@ fn set_emission(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: 
 
 /// One texture of roughness (green) and metalness (blue) from the two of the file.
 ///
-/// Where both name one picture without saying which channel, and it is not grey, it is packed in that order already.
+/// An image that both name without saying which channel, and that is not grey, is packed in that order already.
 fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
     let (rough, metal) = (mtl.roughness_map.as_ref(), mtl.metallic_map.as_ref());
     let Some(placed) = rough.or(metal) else { return };
@@ -180,7 +180,7 @@ fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, 
     }
 }
 
-/// Whether some texel, of those looked at, is not grey.
+/// Says whether some texel, of those looked at, is not grey.
 fn is_colorful(bitmap: &Bitmap) -> bool {
     let count = bitmap.texels().len();
     (0..count).step_by((count >> 16) | 1).any(|i| {

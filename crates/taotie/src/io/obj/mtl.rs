@@ -60,11 +60,11 @@ pub(super) struct Map {
     pub bump: f32,
     /// -imfchan.
     pub channel: Option<Channel>,
-    /// Whether -colorspace says linear.
+    /// `true` where -colorspace says linear.
     pub linear: bool,
 }
 
-/// The channel of a picture that is read as a number.
+/// The channel of an image that is read as a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Channel {
     /// The red, green, blue or alpha channel, as 0 to 3.
@@ -170,7 +170,7 @@ fn map(rest: &str) -> Option<Map> {
     (!map.file.is_empty()).then_some(map)
 }
 
-/// How many words may follow each option at least and at most.
+/// Returns the least and the greatest number of words that may follow an option.
 fn option_words(option: &str) -> Option<(usize, usize)> {
     match option {
         "-s" | "-o" | "-t" => Some((1, 3)),
@@ -181,7 +181,7 @@ fn option_words(option: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// Where the name ends and known options follow it.
+/// Finds the place where the name ends and known options follow it.
 fn trailing_options(rest: &str) -> usize {
     let starts = rest.match_indices(" -").filter(|(i, _)| {
         let word = rest[i + 1..].split_ascii_whitespace().next().unwrap_or("");

@@ -21,15 +21,15 @@ pub(super) type Corner = [u32; 3];
 pub(super) struct Face {
     /// Index of its first corner.
     pub first: u32,
-    /// How many corners it has.
+    /// The number of corners.
     pub count: u32,
     /// Index into [`Obj::material_names`], or [`NONE`].
     pub material: u32,
-    /// Where it stands in the file, from 1.
+    /// The line in the file, from 1.
     pub line: u32,
 }
 
-/// What an OBJ file holds. Every index of a corner is in range or [`NONE`].
+/// The content of an OBJ file. Every index of a corner is in range or [`NONE`].
 #[derive(Debug, Default)]
 pub(super) struct Obj {
     /// Model units; finite.
@@ -46,9 +46,9 @@ pub(super) struct Obj {
     pub faces: Vec<Face>,
     /// The names that `usemtl` gives, each once.
     pub material_names: Vec<String>,
-    /// What stands behind each `mtllib`.
+    /// The words behind each `mtllib`.
     pub libraries: Vec<String>,
-    /// How often `s` names another smoothing group than before, once one was named.
+    /// The number of times that `s` names another smoothing group than before, once one was named.
     pub smoothing_changes: usize,
 }
 
@@ -86,7 +86,7 @@ const INHERITED: u32 = u32::MAX - 1;
 /// Reads one block.
 struct Parser {
     start: Place,
-    /// What stands in the block. Corners count from the start of the file, all else from that of the block.
+    /// The content of the block. Corners count from the start of the file, all else from that of the block.
     obj: Obj,
     warnings: Warnings,
     material: u32,
@@ -209,7 +209,7 @@ impl Parser {
     }
 }
 
-/// What the blocks hold, one behind the other.
+/// The content of the blocks, one behind the other.
 struct Whole {
     obj: Obj,
     material: u32,
@@ -263,7 +263,7 @@ impl Whole {
     }
 }
 
-/// Statements that change nothing in the picture: names, groups, and the attributes of free-form geometry.
+/// Statements that change nothing in the image: names, groups, and the attributes of free-form geometry.
 fn is_harmless(keyword: &str) -> bool {
     const KEYWORDS: [&str; 36] = [
         "o",
@@ -422,7 +422,7 @@ mod tests {
         assert_eq!(counts, [1, 2, 1, 1, 1]);
     }
 
-    /// A file of several blocks is read as if it were one: what is relative in it reaches over their borders.
+    /// A file of several blocks is read as if it were one: relative indices count over their borders.
     #[test]
     fn blocks_are_read_as_one() {
         let filler = "# filler\n".repeat(300_000);

@@ -8,9 +8,9 @@ type Corner = [u32; 7];
 
 /// Gives corners that are alike the same vertex, numbered in order of first appearance.
 pub(super) struct Splitter {
-    /// Whether corners have uvs of their own.
+    /// `true` where corners have uvs of their own.
     pub uvs: bool,
-    /// Whether corners have colours of their own.
+    /// `true` where corners have colours of their own.
     pub colors: bool,
     corners: Vec<Corner>,
     /// The first corner of each vertex of the file, which most often is the only one.

@@ -68,7 +68,7 @@ impl Vertices {
         block
     }
 
-    /// Whether each vertex lacks a normal that is a direction; empty where none does.
+    /// Says of each vertex whether it lacks a normal that is a direction; empty where none does.
     pub fn lack_normals(&self) -> Vec<bool> {
         let is_bad = |n: &Vec3| {
             let length = n.to_f64().length();
@@ -98,7 +98,7 @@ pub(super) fn upright(u: f32, v: f32) -> Vec2 {
 /// Makes stored colours linear.
 pub(super) struct Decoder {
     code: ColorCode,
-    /// What 0 to 255 parts of 255 are in linear light, since most files store these.
+    /// The linear-light values of 0 to 255 parts of 255, since most files store these.
     steps: Vec<f32>,
 }
 
@@ -129,7 +129,7 @@ impl Decoder {
     }
 }
 
-/// What is stored as `i` of 255.
+/// Returns the value that is stored as `i` of 255.
 fn step(i: u8) -> f32 {
     (f64::from(i) / 255.0) as f32
 }

@@ -13,9 +13,9 @@ const CHUNK: usize = 1 << 20;
 /// A file to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileBytes {
-    /// Where it is to stand.
+    /// The path of the file.
     pub path: PathBuf,
-    /// All that it holds.
+    /// The whole content of the file.
     pub bytes: Vec<u8>,
 }
 

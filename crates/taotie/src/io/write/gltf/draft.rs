@@ -45,10 +45,10 @@ impl Component {
     }
 }
 
-/// How a compressed view is packed, and what it is for.
+/// The packing of a compressed view, and its use.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Packing {
-    /// How many elements it has.
+    /// The number of elements.
     pub count: usize,
     /// The bytes of each, unpacked.
     pub stride: usize,
@@ -68,7 +68,7 @@ pub struct GltfDraft {
     /// The document without buffers, buffer views, accessors and the names of extensions.
     pub json: Value,
     bytes: Vec<u8>,
-    /// How many bytes the compressed views have when unpacked.
+    /// The number of bytes of the compressed views when unpacked.
     unpacked: usize,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -158,7 +158,7 @@ impl GltfDraft {
         self.used.insert(extension);
     }
 
-    /// Says that nobody who does not know an extension can read the file.
+    /// Marks an extension as required: no program without it can read the file.
     pub(super) fn require(&mut self, extension: &'static str) {
         self.used.insert(extension);
         self.required.insert(extension);

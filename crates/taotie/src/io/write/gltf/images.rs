@@ -36,7 +36,7 @@ impl<'a> From<&'a Bitmap> for GltfImage<'a> {
 }
 
 impl GltfImage<'_> {
-    /// Whether both are one and the same, so that it needs to be written once only.
+    /// Says whether both are one and the same, so that it needs to be written once only.
     fn is(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Bitmap(a), Self::Bitmap(b)) => std::ptr::eq(*a, *b),
@@ -46,7 +46,7 @@ impl GltfImage<'_> {
     }
 }
 
-/// How textures are packed.
+/// The packing of textures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GltfImages {
@@ -118,7 +118,7 @@ pub(super) struct Encoded<'a> {
 }
 
 impl Encoded<'_> {
-    /// Whether a slot shows it.
+    /// Says whether a slot shows it.
     pub fn serves(&self, slot: Slot) -> bool {
         self.slots.contains(&slot)
     }
@@ -190,11 +190,11 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Res
     Ok(images)
 }
 
-/// What is stored of a bitmap, and what it means.
+/// The stored form of a bitmap, and its meaning.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stored {
     pub encoding: Encoding,
-    /// Whether alpha is written; KTX2 holds none.
+    /// `true` where alpha is written; KTX2 holds none.
     pub alpha: bool,
 }
 
@@ -262,7 +262,7 @@ fn no_floats(stored: Stored) -> Error {
     Error::unsupported(format!("a {:?} texture of floats in glTF", stored.encoding), "store 8 or 16 bits")
 }
 
-/// Where images are put.
+/// The place where images are put.
 pub(super) enum Place<'a> {
     /// In the document's buffer.
     Inside,
@@ -297,7 +297,7 @@ fn entry(draft: &mut GltfDraft, image: &Encoded, place: &Place) -> Value {
     }
 }
 
-/// What a relative URI cannot hold as it is.
+/// Characters that a relative URI cannot hold as they are.
 const RESERVED: &AsciiSet = &CONTROLS
     .add(b' ')
     .add(b'"')

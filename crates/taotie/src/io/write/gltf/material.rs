@@ -22,13 +22,13 @@ pub struct GltfMaterial<'a> {
     /// Red is occlusion, 1 where nothing is hidden; linear. It may be the image of `metallic_roughness_map`, which is
     /// then written once.
     pub occlusion_map: Option<GltfImage<'a>>,
-    /// How much of the occlusion counts, [0, 1].
+    /// The strength of the occlusion, [0, 1].
     pub occlusion_strength: f32,
     /// Tangent-space normals, linear, +Y up.
     pub normal_map: Option<GltfImage<'a>>,
     /// Multiplies x and y of the normals; finite.
     pub normal_scale: f32,
-    /// Whether triangles are seen from both sides.
+    /// `true` where triangles are seen from both sides.
     pub double_sided: bool,
 }
 
@@ -68,7 +68,7 @@ impl<'a> GltfMaterial<'a> {
         self.maps().next().is_some()
     }
 
-    /// Whether glTF allows its numbers.
+    /// Checks that glTF allows its numbers.
     pub(super) fn check(&self) -> Result<()> {
         let fractions = [
             ("metallic", self.metallic),

@@ -34,13 +34,13 @@ pub struct GltfAsset<'a> {
     pub name: &'a str,
     /// The mesh at each level of detail, the finest first; at least one.
     pub levels: &'a [GltfLevel<'a>],
-    /// What all of them are made of.
+    /// The material of all levels.
     pub material: GltfMaterial<'a>,
     /// The rights notice.
     pub copyright: Option<&'a str>,
     /// An XMP packet as JSON-LD, such as [`Provenance::extend`](crate::io::Provenance::extend) makes.
     pub xmp: Option<&'a Value>,
-    /// What else the file should tell programs that know of it; stands in `asset.extras`.
+    /// Further data for programs that know of it; goes into `asset.extras`.
     pub extras: Option<&'a Value>,
 }
 
@@ -54,10 +54,10 @@ pub struct GltfLevel<'a> {
     pub coverage: Option<f32>,
 }
 
-/// How a model is written.
+/// The options for writing a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct GltfFormat {
-    /// How textures are packed.
+    /// The packing of textures.
     pub images: GltfImages,
     /// Packs meshes by EXT_meshopt_compression: positions in 16 bits, 65535 steps along the longest side of the box
     /// around all levels; normals and tangents in 2 × 12 bits, within 0.05°; uvs and colours in 16 bits where they lie
@@ -67,7 +67,7 @@ pub struct GltfFormat {
 
 /// Writes a model: a GLB where `path` ends in `.glb`; for `.gltf` the JSON, with the numbers in `NAME.bin` and the
 /// textures in files such as `NAME_color.png` beside it. Either all files are written or none, the JSON last. The
-/// same model gives the same bytes. Gives back the files written, `path` first.
+/// same model gives the same bytes. Returns the files written, `path` first.
 ///
 /// # Errors
 /// As [`encode_gltf`]; [`Error::Io`] where a file cannot be written.

@@ -71,7 +71,7 @@ impl Bits {
         codes.iter().for_each(|code| self.push((code & ((1 << range.bits) - 1), range.bits)));
     }
 
-    /// What helps to turn the block into BC1 and ETC1.
+    /// Writes the hints that help to turn the block into BC1 and ETC1.
     fn push_hints(&mut self, texels: &[[u8; 3]; 16]) {
         // The two of BC1 promise that endpoints can be taken over; without them they are fitted anew.
         self.push((0, 2));
@@ -158,7 +158,7 @@ fn solid(color: [u8; 3]) -> [u8; 16] {
     bits.bytes()
 }
 
-/// How ETC1 is to halve the block, and how far the halves' lightness spreads.
+/// The way ETC1 is to halve the block, and the spread of lightness in each half.
 struct EtcHints {
     flip: bool,
     differential: bool,

@@ -1,4 +1,4 @@
-//! KTX2 pictures of UASTC blocks with all mip levels, as KHR_texture_basisu wants them.
+//! KTX2 images of UASTC blocks with all mip levels, as KHR_texture_basisu wants them.
 //!
 //! The encoder is ours: of the crates that encode UASTC one needs `unsafe` to be called, the others cmake or clang to be
 //! built. Source of the container: KTX File Format 2.0, 3 and 5.
@@ -126,7 +126,7 @@ fn descriptor(encoding: Encoding) -> [u32; DESCRIPTOR / 4] {
     ]
 }
 
-/// Which way up the picture is, and who wrote it.
+/// Returns the key-value data: the orientation of the image, and the program that wrote it.
 fn key_values() -> Vec<u8> {
     let mut bytes = Vec::new();
     for (key, value) in

@@ -1,4 +1,4 @@
-//! What extensions add to a material: index of refraction, specular strength, clearcoat, anisotropy, sheen, no light.
+//! Material layers by extensions: index of refraction, specular strength, clearcoat, anisotropy, sheen, no light.
 
 use super::super::material::short;
 use super::Writer;

@@ -23,7 +23,7 @@ use textures::Textures;
 pub struct WrittenScene {
     /// The files, that of [`write_scene`]'s `path` first.
     pub files: Vec<PathBuf>,
-    /// What glTF cannot say, and is left out or changed.
+    /// Content that glTF cannot express, and that is left out or changed.
     pub warnings: Warnings,
 }
 

@@ -25,7 +25,7 @@ struct ImageUse {
     turned: bool,
 }
 
-/// What materials ask for, in the order of their asking.
+/// The images that materials ask for, in the order of their asking.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Textures {
     images: Vec<ImageUse>,
@@ -38,9 +38,9 @@ pub(super) struct Textures {
 pub(super) struct Image {
     bytes: Vec<u8>,
     format: GltfImages,
-    /// Whether floats were rounded.
+    /// `true` where floats were rounded.
     rounded: bool,
-    /// Whether it was to be packed in another way.
+    /// `true` where it was to be packed in another way.
     refused: bool,
 }
 
