@@ -26,7 +26,7 @@ pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
     decode_bitmap(&file::read(path)?, &name, path)
 }
 
-/// Decodes an image in memory. The format is told from the content; TGA, which has no signature, from the ending of
+/// Decodes an image in memory. The content tells the format; TGA, which has no signature, is told by the ending of
 /// `name`. `path` is the file that errors are about.
 ///
 /// # Errors

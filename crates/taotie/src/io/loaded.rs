@@ -38,7 +38,7 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// A scene with nothing more to tell.
+    /// Makes a loaded scene with nothing more to report.
     pub fn new(scene: Scene, warnings: Warnings, format: &'static str) -> Self {
         Self { scene, warnings, format, ..Self::default() }
     }

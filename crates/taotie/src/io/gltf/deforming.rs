@@ -70,7 +70,7 @@ fn target(vertices: &Vertices, used: &[u32], json: &JsonTarget) -> Reason<MorphT
     })
 }
 
-/// The joint weights of the vertices `used`; each vertex's sum to one.
+/// Returns the joint weights of the vertices `used`; each vertex's sum to one.
 pub(super) fn binding(vertices: &Vertices, used: &[u32], warnings: &mut Warnings) -> Reason<Binding> {
     let mut sets = Vec::new();
     for set in 0..MAX_JOINT_SETS {
@@ -114,7 +114,7 @@ fn normalize_weights(binding: &mut Binding) -> usize {
     unbound
 }
 
-/// Skin `index`, its joints in range of the file's nodes.
+/// Reads skin `index`, its joints in range of the file's nodes.
 pub(super) fn skin(document: &Document, index: usize, warnings: &mut Warnings) -> Reason<Skin> {
     let skin = document.root.skins.get(index).ok_or_else(|| no_such("skin", index))?;
     let within = |why: String| format!("skin {index}: {why}");

@@ -1,4 +1,4 @@
-//! The filters of EXT_meshopt_compression and KHR_meshopt_compression: from what is stored to numbers.
+//! The filters of EXT_meshopt_compression and KHR_meshopt_compression: from stored values to numbers.
 //!
 //! meshoptimizer has them too, but for speed it takes reciprocals as the processor approximates them, and makers of
 //! processors differ in that. These give the same bits everywhere. Source: KHR_meshopt_compression, appendix B.

@@ -77,7 +77,7 @@ impl Reader<'_, '_> {
         })
     }
 
-    /// A number of [0, 1], by default 0.
+    /// Reads a number of [0, 1], by default 0.
     fn unit(&mut self, json: &Value, name: &str) -> f32 {
         let value = self.member(json, name, as_number).unwrap_or(0.0);
         self.fraction(name, value)
@@ -94,7 +94,7 @@ impl Reader<'_, '_> {
         self.normal_map(&texture)
     }
 
-    /// A member as `read` understands it; `None` where there is none, and with a warning where it is malformed.
+    /// Reads a member as `read` understands it; `None` where there is none, and with a warning where it is malformed.
     fn member<T>(&mut self, json: &Value, name: &str, read: impl FnOnce(&Value) -> Option<T>) -> Option<T> {
         let value = json.get(name)?;
         let read = read(value);

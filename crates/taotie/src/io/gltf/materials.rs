@@ -1,4 +1,4 @@
-//! Materials: factors and texture slots. What extensions add is read in [`super::layers`].
+//! Materials: factors and texture slots. [`super::layers`] reads the layers that extensions add.
 
 use super::document::Document;
 use super::textures::{Slot, Textures};
@@ -127,7 +127,7 @@ impl Reader<'_, '_> {
         if value > most { most } else { 0.0 }
     }
 
-    /// Notes what was wrong with this material.
+    /// Notes a fault of this material.
     pub fn note(&mut self, what: String) {
         self.warnings.note(format!("{}: {what}", self.place), 1);
     }

@@ -38,13 +38,13 @@ pub(super) struct Meshes {
     pub variants: Variants,
 }
 
-/// A mesh of the file, and the node that poses it if that poses it in a way of its own.
+/// A mesh of the file, and the node that poses it, where that pose is not shared.
 type Key = (usize, Option<usize>);
 
 /// Builds the meshes of the shown nodes. A primitive that cannot be read is left out with a warning.
 ///
 /// # Errors
-/// The first primitive's where none can be read, or that there is nothing to draw.
+/// The error of the first primitive where none can be read, or that there is nothing to draw.
 pub(super) fn build(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Result<Meshes> {
     let mut builder = Builder {
         document,
@@ -70,7 +70,7 @@ struct Builder<'a> {
     nodes: &'a Nodes,
     reader: Primitives<'a>,
     built: HashMap<Key, Vec<(usize, usize)>>,
-    /// From the file's skins to those of `out`.
+    /// The numbers in `out` of the file's skins.
     skins: HashMap<usize, usize>,
     mappings: Mappings,
     out: Meshes,
@@ -154,7 +154,7 @@ impl Builder<'_> {
         Ok(parts)
     }
 
-    /// Adds a mesh that `node` shows and gives its number.
+    /// Adds a mesh that `node` shows and returns its number.
     fn add(&mut self, built: Built, name: String, pose: &Pose, node: Option<usize>) -> usize {
         let mesh = self.out.meshes.len();
         self.out.meshes.push(built.mesh);

@@ -16,7 +16,7 @@ use gltf::json::validation::Checked;
 /// between primitives is common; a small file that asks for gigabytes is not.
 const MAX_ELEMENTS_PER_BYTE: usize = 8;
 
-/// Added to that, so that tiny files are free.
+/// The number added to that, so that tiny files are free.
 const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
 
 /// The warning for primitives that are not drawn.
@@ -31,7 +31,7 @@ pub(super) struct Pose {
     pub skin: Option<(usize, Vec<Mat4>)>,
 }
 
-/// A primitive as a mesh, with what it is made from where animations deform it.
+/// A primitive as a mesh, and its source data where animations deform it.
 pub(super) struct Built {
     /// The mesh.
     pub mesh: Mesh,
@@ -56,7 +56,7 @@ impl<'a> Primitives<'a> {
         Self { document, warnings, moves: !document.animations.is_empty(), budget }
     }
 
-    /// The mesh of a primitive; `None` where it has nothing to draw.
+    /// Returns the mesh of a primitive; `None` where it has nothing to draw.
     pub fn build(
         &mut self,
         primitive: &Primitive,
@@ -99,7 +99,7 @@ impl<'a> Primitives<'a> {
         Ok(Some(Built { mesh, shape: (deforms && self.moves).then_some(shape) }))
     }
 
-    /// The vertices `used` of a primitive with what deforms them, without triangles.
+    /// Returns the vertices `used` of a primitive with the data that deforms them, without triangles.
     fn shape(
         &mut self,
         vertices: &Vertices,

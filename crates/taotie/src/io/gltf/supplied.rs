@@ -10,7 +10,7 @@ pub(super) struct Supplied {
     pub component: ComponentType,
     /// The number of components of an element.
     pub width: usize,
-    /// Little-endian.
+    /// The elements, little-endian.
     pub bytes: Vec<u8>,
 }
 

@@ -7,7 +7,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 use std::path::{Path, PathBuf};
 
-/// Padding is often forgotten.
+/// A decoder of Base64 that does not demand padding, which is often forgotten.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new()
@@ -47,7 +47,7 @@ pub(super) fn locate(uri: &str, folder: &Path) -> Reason<Source> {
     Ok(Source::File(found.clone()))
 }
 
-/// A URI fit for one line of a message.
+/// Returns a URI fit for one line of a message.
 pub(super) fn shortened(uri: &str) -> String {
     let start: String = uri.chars().filter(|c| !c.is_control()).take(80).collect();
     if start.len() < uri.len() { format!("{start}…") } else { start }
@@ -58,7 +58,8 @@ fn strip_scheme<'a>(uri: &'a str, scheme: &str) -> Option<&'a str> {
     start.eq_ignore_ascii_case(scheme).then_some(rest)
 }
 
-/// RFC 3986, 3.1. A single letter counts too: it is a drive of Windows, which is an absolute path.
+/// Says whether a URI has a scheme. RFC 3986, 3.1. A single letter counts too: it is a drive of Windows, which is an
+/// absolute path.
 fn has_scheme(uri: &str) -> bool {
     let Some((scheme, _)) = uri.split_once(':') else { return false };
     scheme.starts_with(|c: char| c.is_ascii_alphabetic())

@@ -1,4 +1,4 @@
-//! KHR_materials_variants: which primitive has which material in which variant.
+//! KHR_materials_variants: the material of each primitive in each variant.
 
 use super::document::Document;
 use super::extensions::extension;
@@ -38,7 +38,7 @@ pub(super) struct Mappings {
 }
 
 impl Mappings {
-    /// Nothing yet, for the variants of `document`.
+    /// Makes an empty collection for the variants of `document`.
     pub fn new(document: &Document) -> Self {
         let variants = Variants { names: names(document), ..Variants::default() };
         Self { variants, materials: document.root.materials.len(), known: BTreeMap::new() }
@@ -60,7 +60,7 @@ impl Mappings {
         self.variants.mapping_of_mesh.push(mapping);
     }
 
-    /// Of several materials for one variant the first counts.
+    /// Reads the mapping; of several materials for one variant the first counts.
     fn read(&self, json: &Value, mut note: impl FnMut(String)) -> Mapping {
         let mut materials = BTreeMap::new();
         let list =

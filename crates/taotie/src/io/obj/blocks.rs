@@ -29,7 +29,7 @@ impl Place {
         Self { lines: text.bytes().filter(|b| *b == b'\n').count(), counts }
     }
 
-    /// Goes on by `length` and gives the place so far.
+    /// Goes on by `length` and returns the place so far.
     pub fn advance(&mut self, length: &Self) -> Self {
         let so_far = *self;
         self.lines += length.lines;
@@ -38,7 +38,7 @@ impl Place {
     }
 }
 
-/// The word that a statement starts with, and what follows it.
+/// Returns the word that a statement starts with, and the words that follow it.
 pub(super) fn split_keyword(statement: &str) -> (&str, &str) {
     statement.split_once(char::is_whitespace).unwrap_or((statement, ""))
 }

@@ -32,13 +32,13 @@ pub(super) struct Face {
 /// The content of an OBJ file. Every index of a corner is in range or [`NONE`].
 #[derive(Debug, Default)]
 pub(super) struct Obj {
-    /// Model units; finite.
+    /// The positions, model units; finite.
     pub positions: Vec<Vec3>,
-    /// As in the file; empty, or one a position.
+    /// The vertex colours as in the file; empty, or one a position.
     pub colors: Vec<[f32; 3]>,
-    /// As in the file: the origin is bottom left.
+    /// The uvs as in the file: the origin is bottom left.
     pub uvs: Vec<Vec2>,
-    /// Of any length.
+    /// The normals, of any length.
     pub normals: Vec<Vec3>,
     /// The corners of all faces.
     pub corners: Vec<Corner>,
@@ -144,7 +144,7 @@ impl Parser {
         Ok(())
     }
 
-    /// `v x y z`, `v x y z w`, `v x y z r g b` or `v x y z r g b a`; as in other readers, w divides.
+    /// Reads `v x y z`, `v x y z w`, `v x y z r g b` or `v x y z r g b a`; as in other readers, w divides.
     fn vertex(&mut self, rest: &str) -> std::result::Result<(), String> {
         let mut values = [0.0; 7];
         let count = fill(rest, &mut values)?;
@@ -224,7 +224,7 @@ impl Default for Whole {
 }
 
 impl Whole {
-    /// Appends what the next block holds.
+    /// Appends the content of the next block.
     fn take(&mut self, parser: Parser, warnings: &mut Warnings) {
         warnings.absorb(parser.warnings);
         let mut block = parser.obj;
@@ -263,7 +263,7 @@ impl Whole {
     }
 }
 
-/// Statements that change nothing in the image: names, groups, and the attributes of free-form geometry.
+/// Says whether a statement changes nothing in the image: names, groups, and the attributes of free-form geometry.
 fn is_harmless(keyword: &str) -> bool {
     const KEYWORDS: [&str; 36] = [
         "o",
@@ -310,7 +310,7 @@ fn tokens(rest: &str) -> impl Iterator<Item = &str> {
     rest.split_ascii_whitespace().take_while(|token| !token.starts_with('#'))
 }
 
-/// Writes the numbers of `rest` to `values` and says how many there were; those beyond `values` are left out.
+/// Writes the numbers of `rest` to `values` and returns how many there were; those beyond `values` are left out.
 fn fill(rest: &str, values: &mut [f32]) -> std::result::Result<usize, String> {
     let mut count = 0;
     for (value, token) in values.iter_mut().zip(tokens(rest)) {
@@ -320,7 +320,7 @@ fn fill(rest: &str, values: &mut [f32]) -> std::result::Result<usize, String> {
     Ok(count)
 }
 
-/// The first `N` numbers of `rest`, of which at least `needed` must be there; the others are 0.
+/// Returns the first `N` numbers of `rest`, of which at least `needed` must be there; the others are 0.
 fn numbers<const N: usize>(rest: &str, needed: usize) -> std::result::Result<[f32; N], String> {
     let mut values = [0.0; N];
     match fill(rest, &mut values)? {
@@ -329,7 +329,7 @@ fn numbers<const N: usize>(rest: &str, needed: usize) -> std::result::Result<[f3
     }
 }
 
-/// `v`, `v/vt`, `v//vn` or `v/vt/vn`, where negative indices count back from the last element so far.
+/// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`, where negative indices count back from the last element so far.
 fn corner(token: &str, counts: [usize; 3]) -> std::result::Result<Corner, String> {
     let mut corner = [NONE; 3];
     let mut parts = token.split('/');
@@ -356,7 +356,7 @@ fn resolve(part: &str, count: usize) -> std::result::Result<u32, String> {
     }
 }
 
-/// Indices may name elements that follow later, so their range is known only at the end.
+/// Checks the range of all indices at the end, since they may name elements that follow later.
 fn check_ranges(path: &Path, obj: &Obj) -> Result<()> {
     let counts = [obj.positions.len(), obj.uvs.len(), obj.normals.len()];
     let is_beyond = |(index, count): (&u32, usize)| *index as usize >= count && *index != NONE;

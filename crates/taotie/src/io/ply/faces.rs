@@ -116,7 +116,7 @@ impl Block {
         }
     }
 
-    /// Adds the triangles of a polygon, whose corners are called as `name` says.
+    /// Adds the triangles of a polygon, whose corners `name` names.
     #[inline(always)]
     fn cut(&mut self, corners: &[u32], positions: &[Vec3], name: impl Fn(u32) -> u32, scratch: &mut Scratch) {
         if corners.len() == 3 {
@@ -152,7 +152,7 @@ struct Scratch {
     triangles: Vec<[u32; 3]>,
 }
 
-/// The row at hand.
+/// The current row.
 struct Row {
     /// Vertex indices; a negative one is `u32::MAX`.
     corners: Vec<u32>,

@@ -39,7 +39,7 @@ fn vertex_slot(name: &str) -> Option<usize> {
     })
 }
 
-/// 0 to 3 for the names of red, green, blue and alpha.
+/// Returns 0 to 3 for the names of red, green, blue and alpha.
 fn color_slot(name: &str) -> Option<usize> {
     Some(match name {
         "red" | "r" | "diffuse_red" => 0,
@@ -106,7 +106,7 @@ impl Attributes {
     }
 }
 
-/// For each slot whether it is declared, and as what.
+/// The declaration of each slot: `None` where there is none, else its colour code.
 type Declared = [Option<ColorCode>; slot::COUNT];
 
 fn declared(element: &ElementDef) -> Declared {

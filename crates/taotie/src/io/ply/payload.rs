@@ -1,6 +1,6 @@
-//! Rows of binary elements: where they lie, and what their fields are for.
+//! Rows of binary elements: their places, and the uses of their fields.
 //!
-//! A scan is one long table of vertices and one of faces, so rows are never objects of their own: they are found by one
+//! A scan is one long table of vertices and one of faces, so rows are never separate objects: they are found by one
 //! walk over the file, which notes where each block of them starts, and the blocks are decoded in parallel.
 
 use super::ascii::Tokens;

@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Bytes between two questions whether to go on.
+/// The number of bytes between two checks for cancellation.
 const CHUNK: usize = 1 << 20;
 
 /// A file to be written.
@@ -19,8 +19,8 @@ pub struct FileBytes {
     pub bytes: Vec<u8>,
 }
 
-/// Writes all files under temporary names, then renames them, the first last: a document comes after what it names. A
-/// write that fails or is cancelled before the renaming leaves none.
+/// Writes all files under temporary names, then renames them, the first last: a document comes after the files it
+/// names. A write that fails or is cancelled before the renaming leaves none.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Io`] naming the folder where that is missing, or the path where the system refuses.

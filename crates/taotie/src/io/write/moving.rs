@@ -187,7 +187,7 @@ fn write_gif_frames(
     writer: &mut gif::Encoder<BufWriter<File>>,
     frames: &mut Vec<gif::Frame<'static>>,
 ) -> GifResult<()> {
-    /// One pixel of this many teaches the net.
+    /// The net learns from one pixel of this many.
     const SPEED: i32 = 10;
     let quantised: Vec<gif::Frame> = std::mem::take(frames)
         .into_par_iter()

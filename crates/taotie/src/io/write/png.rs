@@ -42,7 +42,8 @@ pub struct PngImage<'a> {
     pub encoding: Encoding,
 }
 
-/// Writes the texels of a bitmap of 8 or 16 bits as they are, in as many channels as it says; grey with alpha becomes RGBA.
+/// Writes the texels of a bitmap of 8 or 16 bits as they are, in as many channels as it says; grey with alpha becomes
+/// RGBA.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for float texels, [`Error::Io`] where the file cannot be written.
@@ -53,7 +54,7 @@ pub fn write_png_bitmap(path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Res
     })
 }
 
-/// The bytes that [`write_png_bitmap`] would write.
+/// Returns the bytes that [`write_png_bitmap`] would write.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for float texels.
@@ -113,7 +114,7 @@ pub fn write_png(path: &Path, image: &PngImage) -> Result<()> {
     write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
 }
 
-/// The bytes that [`write_png`] would write.
+/// Returns the bytes that [`write_png`] would write.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the sample count does not fit the size.

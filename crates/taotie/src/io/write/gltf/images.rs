@@ -1,4 +1,4 @@
-//! The textures of a material: each image encoded once, and where in a document it stands.
+//! The textures of a material: each image encoded once, and its place in a document.
 
 use super::material::GltfMaterial;
 use super::{GltfDraft, ktx};
@@ -123,19 +123,19 @@ impl Encoded<'_> {
         self.slots.contains(&slot)
     }
 
-    /// The bytes of its file; `None` where the file is there already.
+    /// Returns the bytes of its file; `None` where the file is there already.
     pub fn bytes(&self) -> Option<&[u8]> {
         matches!(self.image, GltfImage::Bitmap(_)).then_some(&self.bytes)
     }
 
-    /// Its file beside the model `path`; `None` where it is there already.
+    /// Returns its file beside the model `path`; `None` where it is there already.
     pub fn into_file(self, path: &Path) -> Option<FileBytes> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let file = path.with_file_name(self.file_name(&stem));
         matches!(self.image, GltfImage::Bitmap(_)).then_some(FileBytes { path: file, bytes: self.bytes })
     }
 
-    /// The name of its file beside a model.
+    /// Returns the name of its file beside a model.
     pub fn file_name(&self, stem: &str) -> String {
         match self.image {
             GltfImage::File(name) => name.to_owned(),
@@ -198,10 +198,10 @@ pub(super) struct Stored {
     pub alpha: bool,
 }
 
-/// The bytes of an image file.
+/// Returns the bytes of an image file.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for texels of floats; what the format refuses.
+/// [`Error::Unsupported`] for texels of floats; the errors of the format.
 pub(super) fn encode_bitmap(bitmap: &Bitmap, stored: Stored, format: GltfImages) -> Result<Vec<u8>> {
     match format {
         GltfImages::Png => png(bitmap, stored),
@@ -248,7 +248,7 @@ fn webp(bitmap: &Bitmap, stored: Stored) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The texels rounded to 8 bits.
+/// Returns the texels rounded to 8 bits.
 fn eight_bits(bitmap: &Bitmap, stored: Stored) -> Result<Cow<'_, [[u8; 4]]>> {
     let rounded = |v: u16| ((u32::from(v) * 255 + 32767) / 65535) as u8;
     match bitmap.texels() {
@@ -316,7 +316,7 @@ const RESERVED: &AsciiSet = &CONTROLS
     .add(b'|')
     .add(b'}');
 
-/// The relative URI of a file.
+/// Returns the relative URI of a file.
 pub(super) fn uri(name: &str) -> String {
     utf8_percent_encode(name, RESERVED).to_string()
 }

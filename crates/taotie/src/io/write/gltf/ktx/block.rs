@@ -18,13 +18,13 @@ static LINES: [Line; 2] = [
     Line { prefix: (0xb, 5), steps: &STEPS_OF_8, weight_bits: 3, range: &OF_256 },
 ];
 
-/// Mode 6: one channel has weights of its own, 4 each.
+/// Mode 6: one channel has separate weights, 4 each.
 const PLANES: (u32, u32) = (0x1b, 5);
 
 /// Mode 8: one colour.
 const SOLID: (u32, u32) = (0x17, 5);
 
-/// The block that comes nearest.
+/// Returns the block that comes nearest.
 pub(super) fn encode(texels: &[[u8; 3]; 16]) -> [u8; 16] {
     if texels.iter().all(|texel| *texel == texels[0]) {
         return solid(texels[0]);

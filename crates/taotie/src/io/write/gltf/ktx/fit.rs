@@ -87,7 +87,7 @@ fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// By powers of the covariance.
+/// Finds the axis by powers of the covariance.
 fn principal_axis(offsets: &Texels) -> [f32; 3] {
     let mut covariance = [[0.0f32; 3]; 3];
     for o in offsets {

@@ -47,7 +47,7 @@ impl Range {
         range
     }
 
-    /// The nearest level's code.
+    /// Returns the code of the nearest level.
     pub fn code(&self, value: f32) -> u8 {
         self.nearest[(value + 0.5).clamp(0.0, 255.0) as usize]
     }

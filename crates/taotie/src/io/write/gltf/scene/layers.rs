@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 const IOR: f32 = 1.5;
 
 impl Writer<'_> {
-    /// Adds what a material has beyond glTF's own factors.
+    /// Adds the layers of a material beyond glTF's own factors.
     pub(super) fn layers(&mut self, mut extensions: Extensions, material: &Material) -> Extensions {
         let mut layers: Vec<(&'static str, Value)> = Vec::new();
         if material.unlit {
