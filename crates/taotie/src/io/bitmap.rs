@@ -26,8 +26,8 @@ pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
     decode_bitmap(&file::read(path)?, &name, path)
 }
 
-/// Decodes an image in memory. The content tells the format; TGA, which has no signature, is told by the ending of
-/// `name`. `path` is the file that errors are about.
+/// Decodes an image in memory. The content decides the format; for TGA, which has no signature, the ending of `name`
+/// decides. `path` is the file that errors are about.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for a format that is not read, [`Error::Limit`] for a size beyond [`Bitmap::MAX_SIDE`] a
