@@ -26,8 +26,8 @@ pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
     decode_bitmap(&file::read(path)?, &name, path)
 }
 
-/// Decodes an image in memory. The format is told from the content; TGA, which has no signature, from the ending of
-/// `name`. `path` is the file that errors are about.
+/// Decodes an image in memory. The content decides the format; for TGA, which has no signature, the ending of `name`
+/// decides. `path` is the file that errors are about.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for a format that is not read, [`Error::Limit`] for a size beyond [`Bitmap::MAX_SIDE`] a
@@ -60,14 +60,14 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     decoded.map_err(|failure| failure.into_error(path, at()))
 }
 
-/// What KTX2 files begin with.
+/// The signature at the start of a KTX2 file.
 const KTX2: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
 
 fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(KTX2)
 }
 
-/// The kind of a picture that this build does not read, and the feature that does.
+/// Names the format of an image that this build does not read, and the feature that reads it.
 fn lacking(bytes: &[u8], format: Option<ImageFormat>) -> Option<(&'static str, &'static str)> {
     let kinds = [
         (!cfg!(feature = "basis") && is_ktx2(bytes), ("KTX2", "basis")),

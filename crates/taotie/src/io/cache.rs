@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// The most bytes that the folder holds; what was used longest ago goes first.
+/// The most bytes that the folder holds; the files used longest ago go first.
 const MOST_BYTES: u64 = 512 << 20;
 
 /// Opens the file `name`, if it is there. Opening counts as use.
@@ -29,7 +29,7 @@ pub(crate) fn write(name: &str, bytes: &[u8]) {
     }
 }
 
-/// Returns the folder of what need not be made twice, such as filtered environments: the one that the environment
+/// Returns the folder of files that need not be made twice, such as filtered environments: the one that the environment
 /// variable `TAOTIE_CACHE_DIR` names, else one in the user's cache folder; `None` where the system has no such folder.
 /// It may be absent, and can be removed at any time.
 ///
@@ -53,7 +53,7 @@ fn write_in(folder: &Path, name: &str, bytes: &[u8]) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Removes what was used longest ago until no more than `most` bytes are left.
+/// Removes the files used longest ago until no more than `most` bytes are left.
 fn make_room(folder: &Path, most: u64) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     let ours = entries.flatten().filter(|entry| entry.path().extension().is_some_and(|e| e == "env"));

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::image::{Image, Texels};
 use std::path::Path;
 
-/// Decodes the equirectangular picture of an environment, of any size that is twice as wide as high. `path` is the file
+/// Decodes the equirectangular image of an environment, of any size that is twice as wide as high. `path` is the file
 /// that it comes from, which errors are about.
 ///
 /// # Errors

@@ -6,12 +6,12 @@ use crate::scene::animation::Rig;
 use crate::scene::{Scene, SceneData};
 use std::path::Path;
 
-/// What a model file held: the scene, what was put right, and what a report about the file wants to know.
+/// The content of a model file: the scene, notes on what was put right, and facts for a report about the file.
 #[derive(Debug, Clone, Default)]
 pub struct Loaded {
-    /// What is drawn.
+    /// The scene to draw.
     pub scene: Scene,
-    /// What was wrong or ignored, but could be drawn without.
+    /// Notes on content that was wrong or ignored, but could be drawn without.
     pub warnings: Warnings,
     /// The format read: `glTF`, `GLB`, `OBJ`, `PLY` or `STL`.
     pub format: &'static str,
@@ -31,14 +31,14 @@ pub struct Loaded {
     pub texture_names: Vec<String>,
     /// Files that the model names and that are not there.
     pub missing_files: Vec<String>,
-    /// What moves the scene, where the file has animations; the scene itself is at rest.
+    /// The rig that moves the scene, where the file has animations; the scene itself is at rest.
     pub rig: Option<Rig>,
     /// The sets of materials that the file offers; the scene itself has none of them applied.
     pub variants: Variants,
 }
 
 impl Loaded {
-    /// A scene with nothing more to tell.
+    /// Makes a loaded scene with nothing more to report.
     pub fn new(scene: Scene, warnings: Warnings, format: &'static str) -> Self {
         Self { scene, warnings, format, ..Self::default() }
     }

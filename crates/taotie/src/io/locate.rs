@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-/// The file that a name written on any system means: as it stands below one of `folders`, else its last part beside
-/// them, else the same without regard to upper and lower case.
+/// Finds the file that a name written on any system means: as it stands below one of `folders`, else its last part
+/// beside them, else the same without regard to upper and lower case.
 pub(super) fn find(name: &str, folders: &[&Path]) -> Option<PathBuf> {
     let name = name.replace('\\', "/");
     let last = name.rsplit('/').next().unwrap_or(&name);

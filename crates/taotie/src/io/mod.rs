@@ -1,4 +1,4 @@
-//! Files in and out: models, textures and pictures. The only module that meets paths and sRGB-encoded numbers.
+//! Files in and out: models, textures and images. The only module that meets paths and sRGB-encoded numbers.
 
 mod bitmap;
 pub(crate) mod cache;

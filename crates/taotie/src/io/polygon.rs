@@ -3,7 +3,7 @@
 use crate::math::Vec3;
 use earcut::Earcut;
 
-/// What was found out about a polygon while it was cut.
+/// The shape of a polygon's outline, found while it is cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Outline {
     /// Its triangles cover it once.
@@ -69,7 +69,7 @@ impl Cutter {
     }
 }
 
-/// Twice the vector area: perpendicular to the polygon, seen counter-clockwise from its tip.
+/// Returns twice the vector area: perpendicular to the polygon, seen counter-clockwise from its tip.
 fn newell_normal(corners: &[Vec3]) -> Vec3<f64> {
     let mut sum = Vec3::splat(0.0);
     let Some(first) = corners.first().map(|p| p.to_f64()) else { return sum };
@@ -106,7 +106,7 @@ fn project(p: Vec3<f64>, normal: Vec3<f64>) -> [f64; 2] {
     if facing < 0.0 { [pair[1], pair[0]] } else { pair }
 }
 
-/// Twice the area of a triangle, above zero where it is counter-clockwise.
+/// Returns twice the area of a triangle, above zero where it is counter-clockwise.
 fn signed_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }

@@ -1,6 +1,6 @@
-//! What the machine has free.
+//! The free memory of the machine.
 
-/// How much memory is free for new work, bytes: what the system says, or its limit on this group of processes where
+/// Returns the memory free for new work, bytes: the system's number, or its limit on this group of processes where
 /// that is less. `None` where the system does not say.
 pub fn free_memory() -> Option<u64> {
     let mut system = sysinfo::System::new();

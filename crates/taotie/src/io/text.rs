@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// The text of a file, see [`decode`].
+/// Reads the text of a file, see [`decode`].
 ///
 /// # Errors
 /// [`Error::Io`] where the file cannot be read, [`Error::Limit`] where it is so long that counts of what it holds may
@@ -18,8 +18,8 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
     Ok(decode(bytes))
 }
 
-/// Text from UTF-16 (with a byte order mark, or with a zero in the first two bytes), UTF-8, or else Latin-1, which
-/// any bytes are. Lone carriage returns, the line ends of old Macs, become line feeds.
+/// Decodes text from UTF-16 (with a byte order mark, or with a zero in the first two bytes), UTF-8, or else Latin-1,
+/// which any bytes are. Lone carriage returns, the line ends of old Macs, become line feeds.
 pub(super) fn decode(bytes: Vec<u8>) -> String {
     let text = match bytes.as_slice() {
         [0xFF, 0xFE, rest @ ..] => utf16(rest, u16::from_le_bytes),
@@ -43,8 +43,8 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
     char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
 }
 
-/// The lines of `text`, trimmed and not empty, with their number from 1. A line that ends in a backslash goes on in
-/// the next one; a line that starts with `#` is left out and never goes on.
+/// Returns the lines of `text`, trimmed and not empty, with their number from 1. A line that ends in a backslash goes
+/// on in the next one; a line that starts with `#` is left out and never goes on.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let mut rest = text.lines().enumerate();
     std::iter::from_fn(move || {
@@ -73,7 +73,7 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     })
 }
 
-/// What a file says, in quotes, for an error: escaped and at most 40 characters long.
+/// Quotes words of a file for an error: escaped and at most 40 characters long.
 pub(super) fn quote(what: &str) -> String {
     let mut start: String = what.chars().take(40).collect::<String>().escape_debug().collect();
     if what.chars().nth(40).is_some() {

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Variants {
     pub(super) names: Vec<String>,
-    /// Lists that tell the material of a variant.
+    /// The lists of materials by variant.
     pub(super) mappings: Vec<Mapping>,
     /// The mapping of each mesh of the scene; meshes beyond its end have none.
     pub(super) mapping_of_mesh: Vec<Option<usize>>,
@@ -19,7 +19,7 @@ pub struct Variants {
 pub(super) type Mapping = Vec<(usize, usize)>;
 
 impl Variants {
-    /// The names, in the order of the file; empty where it has no variants.
+    /// Returns the names, in the order of the file; empty where it has no variants.
     pub fn names(&self) -> &[String] {
         &self.names
     }

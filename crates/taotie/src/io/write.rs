@@ -1,4 +1,4 @@
-//! Pictures and reports to files, each written under a temporary name and renamed, so that no half a file is left.
+//! Writes images and reports to files, each under a temporary name and then renamed, so that no half a file is left.
 
 #[cfg(feature = "exr")]
 mod exr;
@@ -40,7 +40,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<()> {
     write_bytes(path, text.as_bytes())
 }
 
-/// Something to write to, at any place.
+/// A target to write to, at any place.
 trait Sink: Write + Seek {}
 impl<T: Write + Seek> Sink for T {}
 
@@ -53,10 +53,10 @@ fn write_with(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> Result<()>) -> Re
     Ok(())
 }
 
-/// How much is written to a file at once, bytes.
+/// The number of bytes written to a file at once.
 const BUFFER: usize = 1 << 16;
 
-/// A temporary file beside `path`, to be renamed when it is whole; it is removed where that never comes.
+/// Makes a temporary file beside `path`, to be renamed when it is whole; it is removed where that never comes.
 fn draft(path: &Path) -> Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -76,7 +76,7 @@ fn draft(path: &Path) -> Result<NamedTempFile> {
     builder.tempfile_in(folder).map_err(|e| Error::io(path, e))
 }
 
-/// Temporary files are private by default; a picture is as readable as any other new file.
+/// Makes a temporary file as readable as any other new file; by default it is private.
 #[cfg(unix)]
 fn public_permissions(builder: &mut tempfile::Builder) {
     use std::os::unix::fs::PermissionsExt;

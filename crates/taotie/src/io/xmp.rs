@@ -1,4 +1,4 @@
-//! XMP packets as JSON-LD: where a model comes from, and what it was made with.
+//! XMP packets as JSON-LD: the source of a model, and the tool that made it.
 //!
 //! Source: KHR_xmp_json_ld; XMP specification part 1 (ISO 16684-1), 8, for the properties.
 
@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 /// The extension of glTF that holds packets.
 pub(super) const EXTENSION: &str = "KHR_xmp_json_ld";
 
-/// The names that [`Provenance`] uses, and what they stand for.
+/// The prefixes that [`Provenance`] uses, and their namespaces.
 const CONTEXT: [(&str, &str); 4] = [
     ("dc", "http://purl.org/dc/elements/1.1/"),
     ("stEvt", "http://ns.adobe.com/xap/1.0/sType/ResourceEvent#"),
@@ -15,7 +15,7 @@ const CONTEXT: [(&str, &str); 4] = [
     ("xmpMM", "http://ns.adobe.com/xap/1.0/mm/"),
 ];
 
-/// What a model was made of, and how.
+/// The origin of a model: its source, the program and the parameters.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Provenance<'a> {
     /// The file name of the source, without folder; empty where it is no file, of which nothing is said then.
@@ -24,14 +24,14 @@ pub struct Provenance<'a> {
     pub sha256: &'a str,
     /// The program and its version, such as `taotie 0.1.0`.
     pub tool: &'a str,
-    /// What was done, such as the command line.
+    /// The parameters of the run, such as the command line.
     pub parameters: &'a str,
 }
 
 impl Provenance<'_> {
-    /// The packet of a model made of a source that has `packet`, which may be none. Everything that the source says
-    /// stays; added are one more `dc:source` (name and hash), one more event in `xmpMM:History` (tool and parameters),
-    /// and `xmp:CreatorTool` where there is none.
+    /// Returns the packet of a model made of a source that has `packet`, which may be none. Everything in the source's
+    /// packet stays; added are one more `dc:source` (name and hash), one more event in `xmpMM:History` (tool and
+    /// parameters), and `xmp:CreatorTool` where there is none.
     pub fn extend(&self, packet: Option<&Value>) -> Value {
         let mut packet = packet.and_then(Value::as_object).cloned().unwrap_or_default();
         extend_context(&mut packet);

@@ -11,7 +11,7 @@ const MAX_CHANNELS: usize = 64;
 
 /// The colour of the first layer without depth samples, as float. Luminance alone is repeated.
 ///
-/// The decoder (`exr` 1.74) has assertions that rare damage reaches, such as a block of a mip level that was not
+/// The decoder (`exr` 1.74) has assertions that rare damage triggers, such as a block of a mip level that was not
 /// asked for; the panic is caught here and becomes an error. Its message still goes through the panic hook.
 pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap, Failure> {
     let attempt = std::panic::catch_unwind(|| decode_or_panic(bytes));

@@ -1,4 +1,4 @@
-//! KTX2 pictures of Basis Universal, ETC1S or UASTC, through the `basisu` crate: what KHR_texture_basisu allows.
+//! KTX2 images of Basis Universal, ETC1S or UASTC, through the `basisu` crate: all that KHR_texture_basisu allows.
 
 use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, check_size, credible};
 use crate::image::{Bitmap, Texels};
@@ -10,7 +10,7 @@ const MODELS: [u8; 2] = [163, 166];
 /// The number of Zstandard among supercompression schemes.
 const ZSTANDARD: u32 = 2;
 
-/// The largest level of a picture. Smaller ones are made anew, as for every other format.
+/// Decodes the largest level of an image. Smaller ones are made anew, as for every other format.
 ///
 /// The decoder (`basisu` 0.1) is a port of many thousand lines that index arrays; should damage make it panic, that is
 /// caught here and becomes an error.
@@ -28,7 +28,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap, Failure> {
     Bitmap::new(width, height, channels, texels).map_err(|e| Failure::Damaged(e.to_string()))
 }
 
-/// Width and height, where the header describes one flat picture of a size that can be true. The decoder takes sizes
+/// Returns width and height where the header describes one flat image of a credible size. The decoder takes sizes
 /// on trust. Source: KTX File Format 2.0, 3.
 fn check_header(bytes: &[u8]) -> Result<(u32, u32), Failure> {
     let truncated = || Failure::Damaged("the file ends inside its header; fetch it again".into());

@@ -1,4 +1,4 @@
-//! Which sizes of images are believed, and why an image cannot be had.
+//! The sizes of images that are believed, and the reasons why an image cannot be had.
 
 use crate::error::Error;
 use crate::image::Bitmap;
@@ -7,15 +7,15 @@ use std::path::Path;
 /// The most texels of one image: 16,384 × 16,384.
 pub(super) const MAX_TEXELS: u64 = 1 << 28;
 
-/// No format read here but WebP and KTX2 packs more texels into a byte: deflate reaches 1032 to 1, and a byte holds 8 one-bit
-/// texels. A declared size beyond it is refused before anything is allocated.
+/// The most texels a byte may pack in formats other than WebP and KTX2: deflate comes to 1032 to 1, and a byte holds
+/// 8 one-bit texels. A declared size beyond it is refused before anything is allocated.
 const MAX_TEXELS_PER_BYTE: u64 = 1 << 14;
 
-/// WebP and KTX2 hold a picture of one colour in a few bytes, whatever its size; so many texels, 4096 × 4096, are
-/// believed.
+/// The most texels of an image of one colour, 4096 × 4096: WebP and KTX2 hold it in a few bytes, whatever its
+/// size.
 pub(super) const MAX_TEXELS_OF_PLAIN: u64 = 1 << 24;
 
-/// Why an image cannot be had, before it is known which file is to blame.
+/// The reason why an image cannot be had, before it is known which file is to blame.
 pub(super) enum Failure {
     /// Its content is wrong.
     Damaged(String),
@@ -43,7 +43,7 @@ fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// How many texels `bytes` may hold.
+/// Returns the most texels that `bytes` may hold.
 pub(super) fn credible(bytes: &[u8]) -> u64 {
     (bytes.len() as u64).saturating_mul(MAX_TEXELS_PER_BYTE)
 }

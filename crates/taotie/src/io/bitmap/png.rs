@@ -1,4 +1,4 @@
-//! PNG row by row into texels, without a copy of the whole picture in between.
+//! PNG row by row into texels, without a copy of the whole image in between.
 
 use super::limits::{Failure, check_size, credible};
 use super::widen::widen;

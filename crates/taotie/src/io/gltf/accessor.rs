@@ -11,9 +11,9 @@ const MAX_IMPLICIT: u64 = 1 << 24;
 
 /// Elements of up to 16 components, read one at a time.
 pub(super) struct Accessor<'a> {
-    /// How many elements there are.
+    /// The number of elements.
     pub count: usize,
-    /// How many components an element has.
+    /// The number of components of an element.
     pub width: usize,
     /// The bytes of the dense elements; `None` where all are zero.
     dense: Option<Strided<'a>>,
@@ -109,7 +109,7 @@ impl<'a> Accessor<'a> {
         Ok(())
     }
 
-    /// Whether neither a buffer view nor sparse values say what the elements are.
+    /// Says whether neither a buffer view nor sparse values define the elements.
     pub fn is_implicit(&self) -> bool {
         self.dense.is_none() && self.sparse.is_empty()
     }
@@ -141,7 +141,7 @@ impl<'a> Accessor<'a> {
         values
     }
 
-    /// Whether the components are unsigned integers.
+    /// Says whether the components are unsigned integers.
     pub fn is_unsigned(&self) -> bool {
         matches!(self.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32)
     }
@@ -168,7 +168,7 @@ impl<'a> Accessor<'a> {
     }
 }
 
-/// How many elements there are, and how many bytes each has.
+/// The number of elements, and the number of bytes of each.
 struct Elements {
     count: u64,
     size: usize,

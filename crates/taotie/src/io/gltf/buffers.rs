@@ -15,7 +15,7 @@ use std::path::Path;
 const MAX_UNPACKED_PER_BYTE: usize = 64;
 const MAX_UNPACKED_OF_SMALL: usize = 1 << 28;
 
-/// What the file's buffers hold.
+/// The content of the file's buffers.
 pub(super) struct Buffers {
     /// The bytes of each buffer; `None` for one that has no source.
     buffers: Vec<Option<Vec<u8>>>,
@@ -27,7 +27,7 @@ impl Buffers {
     /// Reads every buffer that `root` names; `blob` is the binary chunk of the container.
     ///
     /// # Errors
-    /// Where a buffer cannot be read. A compressed view that is damaged is told from [`Self::view`].
+    /// Fails where a buffer cannot be read. [`Self::view`] reports a compressed view that is damaged.
     pub fn load(
         path: &Path,
         root: &Root,
@@ -64,7 +64,7 @@ impl Buffers {
         bytes.map_err(|why| format!("buffer view {index}: {why}"))
     }
 
-    /// How many bytes there are, those of compressed views as unpacked.
+    /// Returns the number of bytes, those of compressed views as unpacked.
     pub fn total_bytes(&self) -> usize {
         let unpacked = self.unpacked.values().flatten();
         self.buffers.iter().flatten().chain(unpacked).map(Vec::len).sum()

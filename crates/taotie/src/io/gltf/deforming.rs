@@ -1,4 +1,4 @@
-//! What deforms a primitive: its morph targets, its joint weights, and the skins.
+//! The deformation of a primitive: its morph targets, its joint weights, and the skins.
 
 use super::accessor::Accessor;
 use super::document::Document;
@@ -14,11 +14,11 @@ use gltf::json::mesh::{MorphTarget as JsonTarget, Semantic};
 /// The most sets of four joints of a vertex that are read.
 const MAX_JOINT_SETS: u32 = 4;
 
-/// Which morph targets are read.
+/// The choice of morph targets that are read.
 pub(super) struct Wanted<'a> {
     /// The weights at rest; a target without one weighs nothing.
     pub weights: &'a [f32],
-    /// Whether weights will change, so that all targets are wanted and not only those that weigh something.
+    /// `true` where weights will change, so that all targets are wanted and not only those that weigh something.
     pub all: bool,
 }
 
@@ -70,7 +70,7 @@ fn target(vertices: &Vertices, used: &[u32], json: &JsonTarget) -> Reason<MorphT
     })
 }
 
-/// The joint weights of the vertices `used`; each vertex's sum to one.
+/// Returns the joint weights of the vertices `used`; each vertex's sum to one.
 pub(super) fn binding(vertices: &Vertices, used: &[u32], warnings: &mut Warnings) -> Reason<Binding> {
     let mut sets = Vec::new();
     for set in 0..MAX_JOINT_SETS {
@@ -114,7 +114,7 @@ fn normalize_weights(binding: &mut Binding) -> usize {
     unbound
 }
 
-/// Skin `index`, its joints in range of the file's nodes.
+/// Reads skin `index`, its joints in range of the file's nodes.
 pub(super) fn skin(document: &Document, index: usize, warnings: &mut Warnings) -> Reason<Skin> {
     let skin = document.root.skins.get(index).ok_or_else(|| no_such("skin", index))?;
     let within = |why: String| format!("skin {index}: {why}");

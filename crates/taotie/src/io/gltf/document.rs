@@ -1,4 +1,4 @@
-//! The container and its JSON: what a `.gltf` or `.glb` file holds before any of it is believed.
+//! The container and its JSON: the content of a `.gltf` or `.glb` file before any of it is believed.
 
 use super::buffers::Buffers;
 use super::container::split;
@@ -59,24 +59,24 @@ impl Document {
         Ok((self.buffers.view(index, view)?, view.byte_stride.map(|s| s.0)))
     }
 
-    /// What accessor `index` holds in place of what its buffer view says, where there is such a thing.
+    /// Returns the elements that accessor `index` holds in place of those of its buffer view, where there are any.
     pub fn supplied(&self, index: usize) -> Reason<Option<&Supplied>> {
         self.supply.get(&index).map(|supplied| supplied.as_ref().map_err(Clone::clone)).transpose()
     }
 
-    /// How many bytes all buffers have, unpacked.
+    /// Returns the number of bytes of all buffers, unpacked.
     pub fn total_bytes(&self) -> usize {
         let supplied = self.supply.values().flatten().map(|supplied| supplied.bytes.len());
         self.buffers.total_bytes() + supplied.sum::<usize>()
     }
 }
 
-/// The typed JSON, and what is taken out of it.
+/// The typed JSON, and the parts that are taken out of it.
 struct Parsed {
     root: Root,
-    /// A wrong one harms nothing else.
+    /// The animations; a wrong one harms nothing else.
     animations: Vec<Value>,
-    /// As the file has them.
+    /// The XMP packets as the file has them.
     xmp: Vec<Value>,
 }
 
@@ -116,8 +116,8 @@ fn check_version(path: &Path, value: &Value) -> Result<()> {
     Ok(())
 }
 
-/// Accepts what other readers accept: whole numbers written as `4.0`, scenes without nodes. Application data goes,
-/// since nothing here reads it.
+/// Makes the JSON readable as other readers do: whole numbers written as `4.0`, scenes without nodes. Application data
+/// goes, since nothing here reads it.
 fn tidy(root: &mut Value) {
     let scenes = root.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten();
     for scene in scenes.filter_map(Value::as_object_mut) {
@@ -126,7 +126,7 @@ fn tidy(root: &mut Value) {
     tidy_value(root);
 }
 
-/// The depth of the recursion is bounded by the JSON parser's own limit of 128.
+/// Tidies one value; the depth of the recursion is bounded by the JSON parser's own limit of 128.
 fn tidy_value(value: &mut Value) {
     match value {
         Value::Object(members) => {

@@ -1,7 +1,7 @@
 //! KHR_draco_mesh_compression: primitives packed by Draco.
 //!
-//! Every packed primitive is unpacked when the file is opened, and its accessors are given what came out in place of
-//! what their buffer views hold, so that nothing else needs to know.
+//! Every packed primitive is unpacked when the file is opened. Its accessors take the unpacked elements in place of
+//! those in their buffer views, so that nothing else needs to know.
 
 use super::buffers::Buffers;
 use super::reason::{Reason, no_such};
@@ -51,9 +51,9 @@ pub(super) fn supply(root: &Root, buffers: &Buffers, warnings: &mut Warnings) ->
 struct Unpacker<'a> {
     root: &'a Root,
     buffers: &'a Buffers,
-    /// How many more bytes may come of it.
+    /// The number of bytes that may still be unpacked.
     budget: u64,
-    /// What came out of buffer views that primitives name.
+    /// The meshes unpacked from buffer views that primitives name.
     meshes: BTreeMap<usize, Reason<Mesh>>,
     supply: Supply,
 }
@@ -93,7 +93,7 @@ impl Unpacker<'_> {
         Ok(())
     }
 
-    /// Accessors that hold nothing else say why. Whether all of them do hold something else.
+    /// Notes `why` for the accessors that hold nothing else. Says whether all of them do hold something else.
     fn refuse(&mut self, primitive: &Primitive, why: &str) -> bool {
         let mut all = true;
         let accessors = primitive.attributes.values().chain(&primitive.indices).map(|index| index.value());

@@ -1,4 +1,4 @@
-//! Which extensions of a file are understood.
+//! The extensions of a file that are understood.
 
 use crate::error::{Error, Result, Warnings};
 use gltf::json::mesh::Primitive;
@@ -25,8 +25,8 @@ pub const SUPPORTED: [&str; 16] = [
     "KHR_draco_mesh_compression",
 ];
 
-/// Extensions that do not change a picture with the default materials: of levels of detail the finest is drawn, and
-/// the channels of KHR_animation_pointer are left out with a warning of their own.
+/// Extensions that do not change an image with the default materials: of levels of detail the finest is drawn, and
+/// the channels of KHR_animation_pointer are left out with a separate warning.
 const WITHOUT_EFFECT: [&str; 4] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod"];
 
 /// The JSON of an extension that the parser does not know.
@@ -45,7 +45,7 @@ fn lacking(name: &str) -> Option<(&'static str, &'static str)> {
     found.map(|(extension, feature, _)| (extension, feature))
 }
 
-/// Refuses a file that requires what is not understood, and notes what it merely uses.
+/// Refuses a file that requires extensions that are not understood, and notes those that it merely uses.
 pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings) -> Result<()> {
     let known =
         |name: &&String| SUPPORTED.contains(&name.as_str()) || WITHOUT_EFFECT.contains(&name.as_str());

@@ -1,4 +1,4 @@
-//! The filters of EXT_meshopt_compression and KHR_meshopt_compression: from what is stored to numbers.
+//! The filters of EXT_meshopt_compression and KHR_meshopt_compression: from stored values to numbers.
 //!
 //! meshoptimizer has them too, but for speed it takes reciprocals as the processor approximates them, and makers of
 //! processors differ in that. These give the same bits everywhere. Source: KHR_meshopt_compression, appendix B.
@@ -6,7 +6,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// How wide the numbers of a vector of four are.
+/// The width of the numbers of a vector of four.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Width {
     /// 8 bits.
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(bytes, [127, 0, 0, 5, 0, 0, 127, 6, 0x81, 0, 0, 7, 0, 0, 0x81, 8]);
     }
 
-    /// What no encoder writes gives numbers too.
+    /// Bytes that no encoder writes give numbers too.
     #[test]
     fn nonsense_is_survived() {
         for byte in [0u8, 1, 0x7f, 0x80, 0xff] {

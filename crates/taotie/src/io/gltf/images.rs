@@ -1,4 +1,4 @@
-//! Images: which of them a texture shows, where their bytes are, and how they are decoded.
+//! Images: those that a texture shows, the places of their bytes, and their decoding.
 
 use super::document::Document;
 use super::reason::{Reason, no_such};
@@ -10,8 +10,8 @@ use gltf::json::{Texture, Value};
 /// Extensions that give a texture another image than its own, the one that is believed most first.
 const EXTENSIONS: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
 
-/// The images of a texture, the one to be shown first. The others are there for programs that cannot read it, so
-/// they stand for it where it is damaged or missing.
+/// Returns the images of a texture, the one to be shown first. The others are there for programs that cannot read it,
+/// so they replace it where it is damaged or missing.
 pub(super) fn sources(document: &Document, index: usize) -> Reason<Vec<usize>> {
     let root = &document.root;
     let texture = root.textures.get(index).ok_or_else(|| no_such("texture", index))?;
@@ -31,9 +31,9 @@ fn extended(texture: &Texture) -> impl Iterator<Item = usize> {
     EXTENSIONS.into_iter().filter_map(source).map(|image| usize::try_from(image).unwrap_or(usize::MAX))
 }
 
-/// Why an image cannot be had.
+/// The reason why an image cannot be had.
 pub(super) struct Unread {
-    /// In words.
+    /// The reason in words.
     pub why: String,
     /// The file that is not there.
     pub missing: Option<String>,
@@ -68,7 +68,7 @@ pub(super) fn read_image(document: &Document, index: usize) -> std::result::Resu
     }
 }
 
-/// What a person would call an image: its file, else its name, else its number.
+/// Returns the name of an image for messages: its file, else its name, else its number.
 pub(super) fn image_name(document: &Document, index: usize) -> String {
     let image = &document.root.images[index];
     let file = image.uri.as_ref().filter(|u| !u.starts_with("data:"));

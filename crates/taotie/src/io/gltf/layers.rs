@@ -1,4 +1,4 @@
-//! What extensions add to a material: index of refraction, specular strength, clearcoat, anisotropy and sheen.
+//! Material layers by extensions: index of refraction, specular strength, clearcoat, anisotropy and sheen.
 //!
 //! A layer whose factor switches it off is not there, so neither are its textures. The JSON of extensions that the
 //! parser does not know is read member by member: one that is wrong is left at its default, with a warning.
@@ -9,7 +9,7 @@ use crate::scene::{Anisotropy, Clearcoat, Material, NormalMap, Sheen, Specular, 
 use gltf::json::{Value, deserialize, extensions, material};
 
 impl Reader<'_, '_> {
-    /// Fills in what the extensions say.
+    /// Fills in the values of the extensions.
     pub fn read_layers(&mut self, material: &mut Material) {
         let Some(extensions) = &self.json.extensions else { return };
         if let Some(ior) = &extensions.ior {
@@ -24,7 +24,7 @@ impl Reader<'_, '_> {
         material.sheen = layer("KHR_materials_sheen").and_then(|json| self.sheen(json));
     }
 
-    /// Source: KHR_materials_ior, which lets 0 stand for a reflectance of 1.
+    /// Returns the index of refraction. Source: KHR_materials_ior, where 0 means a reflectance of 1.
     fn index_of_refraction(&mut self, ior: f32) -> f32 {
         if ior == 0.0 || (1.0..=f32::MAX).contains(&ior) {
             return ior;
@@ -33,7 +33,7 @@ impl Reader<'_, '_> {
         if ior > 1.0 { f32::MAX } else { 1.0 }
     }
 
-    /// Source: KHR_materials_specular.
+    /// Reads the specular layer. Source: KHR_materials_specular.
     fn specular(&mut self, json: &extensions::material::Specular) -> Specular {
         Specular {
             factor: self.fraction("specularFactor", json.specular_factor.0),
@@ -43,7 +43,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Source: KHR_materials_clearcoat.
+    /// Reads the clearcoat. Source: KHR_materials_clearcoat.
     fn clearcoat(&mut self, json: &Value) -> Option<Clearcoat> {
         let factor = self.unit(json, "clearcoatFactor");
         (factor > 0.0).then(|| Clearcoat {
@@ -55,7 +55,7 @@ impl Reader<'_, '_> {
         })
     }
 
-    /// Source: KHR_materials_anisotropy.
+    /// Reads the anisotropy. Source: KHR_materials_anisotropy.
     fn anisotropy(&mut self, json: &Value) -> Option<Anisotropy> {
         let strength = self.unit(json, "anisotropyStrength");
         (strength > 0.0).then(|| Anisotropy {
@@ -65,7 +65,7 @@ impl Reader<'_, '_> {
         })
     }
 
-    /// Source: KHR_materials_sheen.
+    /// Reads the sheen. Source: KHR_materials_sheen.
     fn sheen(&mut self, json: &Value) -> Option<Sheen> {
         let color = self.member(json, "sheenColorFactor", as_color).unwrap_or([0.0; 3]);
         let color = color.map(|v| self.fraction("sheenColorFactor", v));
@@ -77,7 +77,7 @@ impl Reader<'_, '_> {
         })
     }
 
-    /// A number of [0, 1], by default 0.
+    /// Reads a number of [0, 1], by default 0.
     fn unit(&mut self, json: &Value, name: &str) -> f32 {
         let value = self.member(json, name, as_number).unwrap_or(0.0);
         self.fraction(name, value)
@@ -94,7 +94,7 @@ impl Reader<'_, '_> {
         self.normal_map(&texture)
     }
 
-    /// A member as `read` understands it; `None` where there is none, and with a warning where it is malformed.
+    /// Reads a member as `read` understands it; `None` where there is none, and with a warning where it is malformed.
     fn member<T>(&mut self, json: &Value, name: &str, read: impl FnOnce(&Value) -> Option<T>) -> Option<T> {
         let value = json.get(name)?;
         let read = read(value);

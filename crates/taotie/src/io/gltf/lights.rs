@@ -10,7 +10,7 @@ use gltf::json;
 use gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type as LightType};
 use gltf::json::validation::Checked;
 
-/// The cameras of the shown nodes, with the nodes. One that cannot be used is left out with a warning.
+/// Returns the cameras of the shown nodes, with the nodes. One that cannot be used is left out with a warning.
 pub(super) fn cameras(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<(usize, Camera)> {
     let mut cameras = Vec::new();
     for node in &nodes.shown {
@@ -50,7 +50,7 @@ fn projection(camera: &json::Camera) -> Result<Projection, String> {
     }
 }
 
-/// The lights of the shown nodes, with the nodes. One that cannot be used is left out with a warning.
+/// Returns the lights of the shown nodes, with the nodes. One that cannot be used is left out with a warning.
 pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Vec<(usize, Light)> {
     let extension = document.root.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
     let all = extension.map_or(&[][..], |e| &e.lights);
@@ -72,7 +72,7 @@ pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings
     lights
 }
 
-/// Candela for points and spots, lux for directions; not yet where its node stands.
+/// Makes a light in candela for points and spots, lux for directions; not yet where its node stands.
 fn unplaced_light(light: &JsonLight) -> Result<Light, String> {
     let color = Vec3::from_array(light.color) * light.intensity;
     if !color.is_finite() || color.to_array().iter().any(|v| *v < 0.0) {
@@ -99,7 +99,7 @@ fn unplaced_light(light: &JsonLight) -> Result<Light, String> {
     Ok(Light { name: String::new(), kind, color, falloff })
 }
 
-/// Cone angles with 0 ≤ inner < outer ≤ π/2.
+/// Returns cone angles with 0 ≤ inner < outer ≤ π/2.
 fn cone(inner: f32, outer: f32) -> Result<(f32, f32), String> {
     let outer = outer.min(std::f32::consts::FRAC_PI_2);
     if inner >= 0.0 && inner < outer {

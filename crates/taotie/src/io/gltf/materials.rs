@@ -1,4 +1,4 @@
-//! Materials: factors and texture slots. What extensions add is read in [`super::layers`].
+//! Materials: factors and texture slots. [`super::layers`] reads the layers that extensions add.
 
 use super::document::Document;
 use super::textures::{Slot, Textures};
@@ -34,7 +34,7 @@ fn default_material() -> Material {
 
 /// Reads one material.
 pub(super) struct Reader<'a, 'b> {
-    /// What is read.
+    /// The material that is read.
     pub json: &'a json::Material,
     textures: &'a mut Textures<'b>,
     warnings: &'a mut Warnings,
@@ -127,7 +127,7 @@ impl Reader<'_, '_> {
         if value > most { most } else { 0.0 }
     }
 
-    /// Notes what was wrong with this material.
+    /// Notes a fault of this material.
     pub fn note(&mut self, what: String) {
         self.warnings.note(format!("{}: {what}", self.place), 1);
     }

@@ -23,27 +23,28 @@ pub(super) struct Meshes {
     pub meshes: Vec<Mesh>,
     /// Their names, in the same order.
     pub names: Vec<String>,
-    /// Where they are shown. `material` is that of the file, or the number of the file's materials for the default.
+    /// The places of the meshes. `material` is that of the file, or the number of the file's materials for the
+    /// default.
     pub instances: Vec<Instance>,
     /// The node of each instance; `None` for those that a skin or nothing places.
     pub nodes: Vec<Option<usize>>,
-    /// What animations deform; empty where the file has none.
+    /// The shapes that animations deform; empty where the file has none.
     pub deformed: Vec<Deformed>,
-    /// The skins of what is shown.
+    /// The skins of the shown meshes.
     pub skins: Vec<Skin>,
     /// The weights at rest, one a morph target, of nodes that show a mesh with targets.
     pub weights: Vec<(usize, Vec<f32>)>,
-    /// What variants do to the instances.
+    /// The materials of the instances in each variant.
     pub variants: Variants,
 }
 
-/// A mesh of the file, and the node that poses it if that poses it in a way of its own.
+/// A mesh of the file, and the node that poses it, where that pose is not shared.
 type Key = (usize, Option<usize>);
 
-/// Builds what the shown nodes show. A primitive that cannot be read is left out with a warning.
+/// Builds the meshes of the shown nodes. A primitive that cannot be read is left out with a warning.
 ///
 /// # Errors
-/// The first primitive's where none can be read, or that there is nothing to draw.
+/// The error of the first primitive where none can be read, or that there is nothing to draw.
 pub(super) fn build(document: &Document, nodes: &Nodes, warnings: &mut Warnings) -> Result<Meshes> {
     let mut builder = Builder {
         document,
@@ -69,7 +70,7 @@ struct Builder<'a> {
     nodes: &'a Nodes,
     reader: Primitives<'a>,
     built: HashMap<Key, Vec<(usize, usize)>>,
-    /// From the file's skins to those of `out`.
+    /// The numbers in `out` of the file's skins.
     skins: HashMap<usize, usize>,
     mappings: Mappings,
     out: Meshes,
@@ -111,7 +112,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// How many morph targets a mesh of the file has.
+    /// Returns the number of morph targets of a mesh of the file.
     fn targets(&self, mesh: usize) -> usize {
         let primitives = self.document.root.meshes.get(mesh).map_or(&[][..], |mesh| &mesh.primitives);
         primitives.iter().flat_map(|p| &p.targets).map(Vec::len).max().unwrap_or(0)
@@ -153,7 +154,7 @@ impl Builder<'_> {
         Ok(parts)
     }
 
-    /// Adds a mesh that `node` shows and gives its number.
+    /// Adds a mesh that `node` shows and returns its number.
     fn add(&mut self, built: Built, name: String, pose: &Pose, node: Option<usize>) -> usize {
         let mesh = self.out.meshes.len();
         self.out.meshes.push(built.mesh);

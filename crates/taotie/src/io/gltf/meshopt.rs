@@ -9,16 +9,16 @@ use gltf::json::buffer::{Buffer, View};
 
 const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
-/// No stream unpacks to more bytes than this for one of its own: 256 vertices for two bits a byte of a vertex.
+/// No stream unpacks to more bytes than this for one packed byte: 256 vertices for two bits a byte of a vertex.
 const MAX_RATIO: u64 = 1024;
 
-/// What the extension says about a view; `None` where it says nothing.
+/// Returns the JSON of the extension in a view; `None` where there is none.
 pub(super) fn of_view(view: &View) -> Option<&Value> {
     let extensions = view.extensions.as_ref()?;
     NAMES.into_iter().find_map(|name| extensions.others.get(name))
 }
 
-/// Whether a buffer only holds what other programs read in place of packed data, or nothing at all.
+/// Says whether a buffer only holds data that other programs read in place of packed data, or nothing at all.
 pub(super) fn is_fallback(buffer: &Buffer) -> bool {
     let Some(extensions) = &buffer.extensions else { return false };
     let flag = |name| extensions.others.get(name)?.get("fallback")?.as_bool();
@@ -46,9 +46,9 @@ enum Filter {
 pub(super) struct Packed {
     /// The buffer of the packed bytes.
     pub buffer: usize,
-    /// Where in it they begin.
+    /// The offset of the packed bytes in the buffer.
     pub offset: u64,
-    /// How many they are.
+    /// The number of packed bytes.
     pub length: u64,
     count: usize,
     stride: usize,
@@ -102,7 +102,7 @@ impl Packed {
         Ok(())
     }
 
-    /// How many bytes it unpacks to.
+    /// Returns the number of bytes it unpacks to.
     pub fn size(&self) -> usize {
         self.count * self.stride
     }

@@ -1,4 +1,4 @@
-//! glTF 2.0, `.gltf` and `.glb`: the scene in its rest pose, and what moves it.
+//! glTF 2.0, `.gltf` and `.glb`: the scene in its rest pose, and its animations.
 //!
 //! The `gltf` crate gives the types of the JSON; every index, range and number in it is checked here, so that a
 //! file that is wrong in one place is drawn without that place, or refused in one line.
@@ -81,7 +81,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     })
 }
 
-/// What hangs on nodes.
+/// The meshes, cameras and lights of nodes.
 struct Hung {
     shown: Meshes,
     cameras: Vec<usize>,
@@ -89,7 +89,7 @@ struct Hung {
 }
 
 impl Hung {
-    /// The rig; `None` where nothing moves.
+    /// Returns the rig; `None` where nothing moves.
     fn rig(self, document: &Document, nodes: Nodes, warnings: &mut Warnings) -> Result<Option<Rig>> {
         if document.animations.is_empty() {
             return Ok(None);
@@ -103,7 +103,7 @@ impl Hung {
     }
 }
 
-/// The default material stands last; it goes where no primitive needs it.
+/// Removes the default material, which stands last, where no primitive needs it.
 fn drop_unused_default(materials: &mut Vec<Material>, instances: &mut [Instance]) {
     let default = materials.len() - 1;
     if instances.iter().all(|i| i.material != default) {
@@ -143,7 +143,7 @@ fn add_missing_uvs(
     Ok(())
 }
 
-/// One more than the highest uv set that a material names.
+/// Returns one more than the highest uv set that a material names.
 fn uv_sets_of(material: &Material) -> usize {
     material.textures().into_iter().map(|texture| texture.uv_set + 1).max().unwrap_or(0)
 }

@@ -1,4 +1,4 @@
-//! The node hierarchy: world matrices, and which nodes the scene shows.
+//! The node hierarchy: world matrices, and the nodes that the scene shows.
 
 use super::document::Document;
 use super::reason::no_such;
@@ -21,7 +21,7 @@ impl Nodes {
     /// Follows the hierarchy of `document`.
     ///
     /// # Errors
-    /// Where a node is its own ancestor, a node is named that does not exist, or a transform is not finite.
+    /// Fails where a node is its own ancestor, a node is named that does not exist, or a transform is not finite.
     pub fn resolve(document: &Document, warnings: &mut Warnings) -> Result<Self> {
         let parents = parents(document, warnings)?;
         let nodes = (0..parents.len())

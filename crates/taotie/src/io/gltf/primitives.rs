@@ -16,13 +16,13 @@ use gltf::json::validation::Checked;
 /// between primitives is common; a small file that asks for gigabytes is not.
 const MAX_ELEMENTS_PER_BYTE: usize = 8;
 
-/// Added to that, so that tiny files are free.
+/// The number added to that, so that tiny files are free.
 const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
 
 /// The warning for primitives that are not drawn.
 pub(super) const NOT_TRIANGLES: &str = "primitives of points or lines; only triangles are drawn";
 
-/// How a mesh is moved to its rest pose.
+/// The rest pose of a mesh: morph weights and skin.
 #[derive(Default)]
 pub(super) struct Pose {
     /// Weights of the morph targets; missing ones are zero.
@@ -31,20 +31,20 @@ pub(super) struct Pose {
     pub skin: Option<(usize, Vec<Mat4>)>,
 }
 
-/// A primitive as a mesh, with what it is made from where animations deform it.
+/// A primitive as a mesh, and its source data where animations deform it.
 pub(super) struct Built {
     /// The mesh.
     pub mesh: Mesh,
-    /// What deforms it.
+    /// The data by which animations deform it.
     pub shape: Option<Deformable>,
 }
 
 /// Reads primitives as long as their sizes fit the file's.
 pub(super) struct Primitives<'a> {
     document: &'a Document,
-    /// What could be drawn without.
+    /// Notes on wrong or missing parts that could be drawn without.
     pub warnings: &'a mut Warnings,
-    /// Whether anything in the file moves, so that what deforms meshes has to be kept.
+    /// `true` where anything in the file moves, so that the data that deforms meshes has to be kept.
     pub moves: bool,
     budget: usize,
 }
@@ -56,7 +56,7 @@ impl<'a> Primitives<'a> {
         Self { document, warnings, moves: !document.animations.is_empty(), budget }
     }
 
-    /// The mesh of a primitive; `None` where it has nothing to draw.
+    /// Returns the mesh of a primitive; `None` where it has nothing to draw.
     pub fn build(
         &mut self,
         primitive: &Primitive,
@@ -99,7 +99,7 @@ impl<'a> Primitives<'a> {
         Ok(Some(Built { mesh, shape: (deforms && self.moves).then_some(shape) }))
     }
 
-    /// The vertices `used` of a primitive with what deforms them, without triangles.
+    /// Returns the vertices `used` of a primitive with the data that deforms them, without triangles.
     fn shape(
         &mut self,
         vertices: &Vertices,
@@ -146,7 +146,7 @@ impl<'a> Primitives<'a> {
     }
 }
 
-/// Whether one primitive or the whole file fails.
+/// The extent of a failure: one primitive or the whole file.
 pub(super) enum Stop {
     Here(String),
     Everything(Error),

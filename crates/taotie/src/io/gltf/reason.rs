@@ -1,6 +1,6 @@
-//! Why something in a file cannot be read.
+//! The reasons why something in a file cannot be read.
 
-/// Why something cannot be read; the caller knows where in the file that is.
+/// A value, or the reason why it cannot be read; the caller knows the place in the file.
 pub(super) type Reason<T> = std::result::Result<T, String>;
 
 /// Returns the usual words for an index out of range.

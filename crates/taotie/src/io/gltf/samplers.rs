@@ -1,10 +1,10 @@
-//! How textures are wrapped and filtered.
+//! The wrapping and filtering of textures.
 
 use crate::image::{MipFilter, Sampler, TexelFilter, Wrap};
 use gltf::json::texture::{MagFilter, MinFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
-/// A sampler of the file; what it leaves open is repeated and smooth.
+/// Reads a sampler of the file; values left open are repeated and smooth.
 pub(super) fn sampler_from(json: &gltf::json::texture::Sampler) -> Sampler {
     let wrap = |mode: &Checked<WrappingMode>| match mode {
         Checked::Valid(WrappingMode::ClampToEdge) => Wrap::Clamp,

@@ -1,4 +1,4 @@
-//! What accessors hold in place of what their buffer views say.
+//! The elements that accessors hold in place of those of their buffer views.
 
 use super::reason::Reason;
 use gltf::json::accessor::ComponentType;
@@ -8,18 +8,18 @@ use std::collections::BTreeMap;
 pub(super) struct Supplied {
     /// The type of a component.
     pub component: ComponentType,
-    /// How many components an element has.
+    /// The number of components of an element.
     pub width: usize,
-    /// Little-endian.
+    /// The elements, little-endian.
     pub bytes: Vec<u8>,
 }
 
 impl Supplied {
-    /// How many elements there are.
+    /// Returns the number of elements.
     pub fn count(&self) -> usize {
         self.bytes.len() / (self.width * self.component.size())
     }
 }
 
-/// What accessors hold in place of what their buffer views say, or why it cannot be had.
+/// The elements that accessors hold in place of those of their buffer views, or why they cannot be had.
 pub(super) type Supply = BTreeMap<usize, Reason<Supplied>>;

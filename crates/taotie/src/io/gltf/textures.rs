@@ -51,9 +51,9 @@ impl Slot {
 /// The images that materials ask for, before any is decoded.
 pub(super) struct Textures<'a> {
     document: &'a Document,
-    /// What each texture of the scene is made from.
+    /// The image and encoding that each texture of the scene is made from.
     requests: Vec<(usize, Encoding)>,
-    /// The images that may stand for another, which is the key.
+    /// The images that may replace another, which is the key.
     substitutes: BTreeMap<usize, Vec<usize>>,
 }
 
@@ -112,7 +112,7 @@ impl<'a> Textures<'a> {
         TextureRef { texture, uv_set: slot.uv_set() as usize, sampler, transform }
     }
 
-    /// Decodes what was asked for. Uses of images that cannot be read are taken out of `materials`, with a warning.
+    /// Decodes the requested images. Uses of images that cannot be read are taken out of `materials`, with a warning.
     pub fn decode(self, materials: &mut [Material], warnings: &mut Warnings) -> Decoded {
         let mut decoded = Decoded::default();
         let bitmaps = self.read_images(&mut decoded.missing, warnings);
@@ -185,7 +185,7 @@ fn renumber(material: &mut Material, places: &[Option<usize>]) {
     });
 }
 
-/// T · R · S, where a positive angle turns uvs counter-clockwise as seen with v pointing down.
+/// Returns T · R · S, where a positive angle turns uvs counter-clockwise as seen with v pointing down.
 /// Source: KHR_texture_transform, with the sign that KhronosGroup/glTF#1563 settles.
 fn matrix(transform: &TextureTransform) -> UvTransform {
     let angle = f64::from(transform.rotation.0);

@@ -6,11 +6,11 @@ use crate::mesh::first;
 use gltf::json::mesh::Mode;
 use rayon::prelude::*;
 
-/// The triangles of a primitive, and what was left out of them.
+/// The triangles of a primitive, and the number of indices left out of them.
 pub(super) struct Triangles {
-    /// Counter-clockwise, in the file's vertex indices.
+    /// The triangles, counter-clockwise, in the file's vertex indices.
     pub list: Vec<[u32; 3]>,
-    /// How many indices at the end made no whole triangle.
+    /// The number of indices at the end that made no whole triangle.
     pub surplus: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Where a buffer or image is: in a data URI or in a file beside the model. The network is never asked.
+//! Finds a buffer or image: in a data URI or in a file beside the model. The network is never asked.
 
 use super::reason::Reason;
 use base64::Engine;
@@ -7,7 +7,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 use std::path::{Path, PathBuf};
 
-/// Padding is often forgotten.
+/// A decoder of Base64 that does not demand padding, which is often forgotten.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new()
@@ -15,21 +15,21 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
         .with_decode_allow_trailing_bits(true),
 );
 
-/// Where bytes come from.
+/// The source of bytes.
 #[derive(Debug, PartialEq)]
 pub(super) enum Source {
     /// In the URI itself.
     Data {
         /// The media type, such as `image/png`; may be empty.
         media_type: String,
-        /// What was encoded.
+        /// The decoded bytes.
         bytes: Vec<u8>,
     },
     /// A file that may or may not exist.
     File(PathBuf),
 }
 
-/// Finds what `uri` means, seen from `folder`.
+/// Finds the source that `uri` names, seen from `folder`.
 pub(super) fn locate(uri: &str, folder: &Path) -> Reason<Source> {
     if let Some(data) = strip_scheme(uri, "data:") {
         return decode_data(data);
@@ -47,7 +47,7 @@ pub(super) fn locate(uri: &str, folder: &Path) -> Reason<Source> {
     Ok(Source::File(found.clone()))
 }
 
-/// A URI fit for one line of a message.
+/// Returns a URI fit for one line of a message.
 pub(super) fn shortened(uri: &str) -> String {
     let start: String = uri.chars().filter(|c| !c.is_control()).take(80).collect();
     if start.len() < uri.len() { format!("{start}…") } else { start }
@@ -58,7 +58,8 @@ fn strip_scheme<'a>(uri: &'a str, scheme: &str) -> Option<&'a str> {
     start.eq_ignore_ascii_case(scheme).then_some(rest)
 }
 
-/// RFC 3986, 3.1. A single letter counts too: it is a drive of Windows, which is an absolute path.
+/// Says whether a URI has a scheme. RFC 3986, 3.1. A single letter counts too: it is a drive of Windows, which is an
+/// absolute path.
 fn has_scheme(uri: &str) -> bool {
     let Some((scheme, _)) = uri.split_once(':') else { return false };
     scheme.starts_with(|c: char| c.is_ascii_alphabetic())

@@ -1,4 +1,4 @@
-//! KHR_materials_variants: which primitive has which material in which variant.
+//! KHR_materials_variants: the material of each primitive in each variant.
 
 use super::document::Document;
 use super::extensions::extension;
@@ -31,14 +31,14 @@ pub(super) struct PrimitiveIndex {
 
 /// Collects the mappings of primitives while meshes are built.
 pub(super) struct Mappings {
-    /// What was collected; `authored` is still empty.
+    /// The mappings collected so far; `authored` is still empty.
     pub variants: Variants,
     materials: usize,
     known: BTreeMap<PrimitiveIndex, usize>,
 }
 
 impl Mappings {
-    /// Nothing yet, for the variants of `document`.
+    /// Makes an empty collection for the variants of `document`.
     pub fn new(document: &Document) -> Self {
         let variants = Variants { names: names(document), ..Variants::default() };
         Self { variants, materials: document.root.materials.len(), known: BTreeMap::new() }
@@ -60,7 +60,7 @@ impl Mappings {
         self.variants.mapping_of_mesh.push(mapping);
     }
 
-    /// Of several materials for one variant the first counts.
+    /// Reads the mapping; of several materials for one variant the first counts.
     fn read(&self, json: &Value, mut note: impl FnMut(String)) -> Mapping {
         let mut materials = BTreeMap::new();
         let list =

@@ -16,9 +16,9 @@ pub(super) const MAX_UV_SETS: u32 = 8;
 /// Reads the attributes of one primitive, for the vertices `used` only.
 pub(super) struct Vertices<'a> {
     document: &'a Document,
-    /// What is read.
+    /// The primitive that is read.
     pub primitive: &'a Primitive,
-    /// How many vertices the file has for the primitive.
+    /// The number of vertices that the file has for the primitive.
     pub count: usize,
     positions: Accessor<'a>,
 }

@@ -5,17 +5,17 @@ use super::super::text;
 /// Bytes of a block, or a line more.
 const BLOCK: usize = 1 << 20;
 
-/// How much of a file stands before some place.
+/// The amount of a file before some place.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Place {
-    /// How many lines.
+    /// The number of lines.
     pub lines: usize,
-    /// How many positions, uvs and normals.
+    /// The numbers of positions, uvs and normals.
     pub counts: [usize; 3],
 }
 
 impl Place {
-    /// How much stands in `text`.
+    /// Counts the content of `text`.
     pub fn behind(text: &str) -> Self {
         let mut counts = [0; 3];
         for (_, statement) in text::lines(text) {
@@ -29,7 +29,7 @@ impl Place {
         Self { lines: text.bytes().filter(|b| *b == b'\n').count(), counts }
     }
 
-    /// Goes on by `length` and gives the place so far.
+    /// Goes on by `length` and returns the place so far.
     pub fn advance(&mut self, length: &Self) -> Self {
         let so_far = *self;
         self.lines += length.lines;
@@ -38,7 +38,7 @@ impl Place {
     }
 }
 
-/// The word that a statement starts with, and what follows it.
+/// Returns the word that a statement starts with, and the words that follow it.
 pub(super) fn split_keyword(statement: &str) -> (&str, &str) {
     statement.split_once(char::is_whitespace).unwrap_or((statement, ""))
 }

@@ -44,7 +44,7 @@ pub(super) fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
 /// Material, whether there are uvs, whether there are normals.
 type Kind = (u32, bool, bool);
 
-/// The face at hand.
+/// The current face.
 #[derive(Default)]
 struct Scratch {
     corners: Vec<Corner>,
@@ -77,7 +77,7 @@ impl Scratch {
         (face.material, uvs, normals)
     }
 
-    /// Whether every corner has a usable index in `slot`; else none of them keeps it.
+    /// Says whether every corner has a usable index in `slot`; else none of them keeps it.
     fn keep(&mut self, slot: usize, bad: impl Fn(u32) -> bool, name: &str, warnings: &mut Warnings) -> bool {
         let all = self.corners.iter().all(|c| c[slot] != NONE && !bad(c[slot]));
         if !all {
@@ -133,7 +133,7 @@ impl PartBuilder {
         }
     }
 
-    /// The vertex of a corner, whose position was first used by `first`.
+    /// Returns the vertex of a corner, whose position was first used by `first`.
     fn index(&mut self, corner: Corner, first: &mut (u32, u32)) -> u32 {
         let next = self.corners.len() as u32;
         match *first {
@@ -177,7 +177,7 @@ fn is_direction(normal: Vec3) -> bool {
     length > 1e-20 && length.is_finite()
 }
 
-/// Vertex colours, which the format does not define and tools write sRGB-encoded in [0, 1], or in [0, 255].
+/// Returns vertex colours, which the format does not define and tools write sRGB-encoded in [0, 1], or in [0, 255].
 fn linear_colors(obj: &Obj, warnings: &mut Warnings) -> Vec<[f32; 4]> {
     let usable = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
     let largest = obj.colors.iter().flatten().fold(0.0, |a: f32, v| a.max(usable(*v)));

@@ -44,7 +44,7 @@ pub(super) fn material(mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnin
     m
 }
 
-/// α² = 2 / (s + 2), and α = roughness².
+/// Returns the roughness of a shininess s by α² = 2 / (s + 2), and α = roughness².
 fn roughness_from_shininess(shininess: f32) -> f32 {
     (2.0 / (shininess.max(0.0) + 2.0)).sqrt().sqrt()
 }
@@ -61,7 +61,7 @@ fn texture_ref(texture: usize, map: &Map) -> TextureRef {
     }
 }
 
-/// What a texture made from two files is called.
+/// Returns the name of a texture made from two files.
 fn names(maps: [Option<&Map>; 2]) -> String {
     maps.into_iter().flatten().map(|map| map.file.as_str()).collect::<Vec<_>>().join(" + ")
 }
@@ -127,7 +127,7 @@ fn has_alpha(bitmap: &Bitmap) -> bool {
     matches!(bitmap.channels(), 2 | 4) && (0..bitmap.texels().len()).any(|i| bitmap.stored(i)[3] < 1.0)
 }
 
-/// Whether at least 95 in 100 texels are fully there or fully away.
+/// Says whether at least 95 in 100 texels are fully there or fully away.
 fn is_cutout(bitmap: &Bitmap) -> bool {
     let count = bitmap.texels().len();
     let hard = (0..count).filter(|i| !(0.02..0.98).contains(&bitmap.stored(*i)[3])).count();
@@ -143,9 +143,9 @@ fn set_emission(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: 
     }
 }
 
-/// One texture of roughness (green) and metalness (blue) from the two of the file.
+/// Sets one texture of roughness (green) and metalness (blue) from the two of the file.
 ///
-/// Where both name one picture without saying which channel, and it is not grey, it is packed in that order already.
+/// An image that both name without saying which channel, and that is not grey, is packed in that order already.
 fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
     let (rough, metal) = (mtl.roughness_map.as_ref(), mtl.metallic_map.as_ref());
     let Some(placed) = rough.or(metal) else { return };
@@ -180,7 +180,7 @@ fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, 
     }
 }
 
-/// Whether some texel, of those looked at, is not grey.
+/// Says whether some texel, of those looked at, is not grey.
 fn is_colorful(bitmap: &Bitmap) -> bool {
     let count = bitmap.texels().len();
     (0..count).step_by((count >> 16) | 1).any(|i| {
@@ -189,7 +189,7 @@ fn is_colorful(bitmap: &Bitmap) -> bool {
     })
 }
 
-/// The normal map and the height map. The pixels decide what `map_Bump` holds, and in which space normals are.
+/// Sets the normal map and the height map. The pixels decide the content of `map_Bump`, and the space of the normals.
 fn set_relief(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
     if let Some(map) = &mtl.bump_map
         && let Some(texture) = textures.relief(map, &mtl.folder, warnings)
@@ -206,13 +206,14 @@ fn set_relief(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &m
     }
 }
 
-/// -bm multiplies the leaning of the normals.
+/// Returns the normal map; -bm multiplies the leaning of the normals.
 fn normal_map(texture: usize, map: &Map, kind: NormalMapKind) -> NormalMap {
     let space = if kind == NormalMapKind::Object { NormalSpace::Object } else { NormalSpace::Tangent };
     NormalMap { texture: texture_ref(texture, map), scale: map.bump, space, green: GreenChannel::Up }
 }
 
-/// -bm is the height of white, in model units. Heights in a channel other than red are moved there.
+/// Returns the height map; -bm is the height of white, in model units. Heights in a channel other than red are moved
+/// to red.
 fn height_map(
     texture: usize,
     mtl: &Mtl,

@@ -1,4 +1,4 @@
-//! OBJ with MTL: polygons, materials and the pictures beside them.
+//! OBJ with MTL: polygons, materials and the images beside them.
 //!
 //! The format is read here rather than through a crate, because files in the wild need what those lack: errors with
 //! line numbers, concave polygons, continued lines, UTF-16 and Latin-1, faces with and without uvs in one object,
@@ -26,7 +26,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use textures::Textures;
 
-/// How many missing libraries or materials are named one by one.
+/// The number of missing libraries or materials that are named one by one.
 const NAMED: usize = 64;
 
 /// Reads an OBJ file, its MTL files and their textures.

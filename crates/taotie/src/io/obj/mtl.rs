@@ -4,44 +4,44 @@ use super::super::text;
 use crate::error::Warnings;
 use std::path::{Path, PathBuf};
 
-/// One material of an MTL file. What is absent is `None`.
+/// One material of an MTL file. Absent values are `None`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Mtl {
-    /// Behind `newmtl`; may hold spaces, may be empty.
+    /// The name behind `newmtl`; may hold spaces, may be empty.
     pub name: String,
     /// The folder of the MTL file.
     pub folder: PathBuf,
-    /// Ka.
+    /// The ambient colour, Ka.
     pub ambient: Option<[f32; 3]>,
-    /// Kd.
+    /// The diffuse colour, Kd.
     pub diffuse: Option<[f32; 3]>,
-    /// Ks.
+    /// The specular colour, Ks.
     pub specular: Option<[f32; 3]>,
-    /// Ke.
+    /// The emissive colour, Ke.
     pub emissive: Option<[f32; 3]>,
-    /// Ns.
+    /// The shininess, Ns.
     pub shininess: Option<f32>,
-    /// d: 1 is opaque.
+    /// The opacity, d: 1 is opaque.
     pub dissolve: Option<f32>,
-    /// Tr: 0 is opaque.
+    /// The transparency, Tr: 0 is opaque.
     pub transparency: Option<f32>,
-    /// Pr.
+    /// The roughness, Pr.
     pub roughness: Option<f32>,
-    /// Pm.
+    /// The metalness, Pm.
     pub metallic: Option<f32>,
-    /// map_Kd.
+    /// The diffuse texture, map_Kd.
     pub diffuse_map: Option<Map>,
-    /// map_Ke.
+    /// The emissive texture, map_Ke.
     pub emissive_map: Option<Map>,
-    /// map_d.
+    /// The opacity texture, map_d.
     pub dissolve_map: Option<Map>,
-    /// map_Bump or bump: heights, though often normals.
+    /// The texture of map_Bump or bump: heights, though often normals.
     pub bump_map: Option<Map>,
-    /// norm: normals.
+    /// The normal map, norm.
     pub normal_map: Option<Map>,
-    /// map_Pr.
+    /// The roughness texture, map_Pr.
     pub roughness_map: Option<Map>,
-    /// map_Pm.
+    /// The metalness texture, map_Pm.
     pub metallic_map: Option<Map>,
 }
 
@@ -50,21 +50,21 @@ pub(super) struct Mtl {
 pub(super) struct Map {
     /// The name as it stands, with either kind of slash.
     pub file: String,
-    /// -s, first two numbers.
+    /// The scale, -s, first two numbers.
     pub scale: [f32; 2],
-    /// -o, first two numbers.
+    /// The offset, -o, first two numbers.
     pub offset: [f32; 2],
-    /// -clamp on.
+    /// `true` where -clamp is on.
     pub clamp: bool,
-    /// -bm.
+    /// The factor of -bm.
     pub bump: f32,
-    /// -imfchan.
+    /// The channel of -imfchan.
     pub channel: Option<Channel>,
-    /// Whether -colorspace says linear.
+    /// `true` where -colorspace says linear.
     pub linear: bool,
 }
 
-/// The channel of a picture that is read as a number.
+/// The channel of an image that is read as a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Channel {
     /// The red, green, blue or alpha channel, as 0 to 3.
@@ -73,7 +73,8 @@ pub(super) enum Channel {
     Mean,
 }
 
-/// Reads the statements of `text`, which stands in the file `path`. What cannot be used is noted and left out.
+/// Reads the statements of `text`, which stands in the file `path`. Statements that cannot be used are noted and left
+/// out.
 pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Vec<Mtl> {
     let mut materials: Vec<Mtl> = Vec::new();
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
@@ -132,7 +133,7 @@ fn unused(keyword: &str) -> String {
     }
 }
 
-/// One or three numbers; below 0 is 0.
+/// Reads one or three numbers; below 0 is 0.
 fn color(rest: &str) -> Option<[f32; 3]> {
     let mut words = rest.split_ascii_whitespace();
     let r = number(words.next()?)?;
@@ -141,12 +142,12 @@ fn color(rest: &str) -> Option<[f32; 3]> {
     Some([r, g, b].map(|v| v.max(0.0)))
 }
 
-/// The first word, finite.
+/// Reads the first word, finite.
 fn number(rest: &str) -> Option<f32> {
     rest.split_ascii_whitespace().next()?.parse().ok().filter(|value: &f32| value.is_finite())
 }
 
-/// Options and a file name, which may hold spaces; options may also follow the name.
+/// Reads options and a file name, which may hold spaces; options may also follow the name.
 fn map(rest: &str) -> Option<Map> {
     let mut map = Map {
         file: String::new(),
@@ -170,7 +171,7 @@ fn map(rest: &str) -> Option<Map> {
     (!map.file.is_empty()).then_some(map)
 }
 
-/// How many words may follow each option at least and at most.
+/// Returns the least and the greatest number of words that may follow an option.
 fn option_words(option: &str) -> Option<(usize, usize)> {
     match option {
         "-s" | "-o" | "-t" => Some((1, 3)),
@@ -181,7 +182,7 @@ fn option_words(option: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// Where the name ends and known options follow it.
+/// Finds the place where the name ends and known options follow it.
 fn trailing_options(rest: &str) -> usize {
     let starts = rest.match_indices(" -").filter(|(i, _)| {
         let word = rest[i + 1..].split_ascii_whitespace().next().unwrap_or("");
@@ -191,7 +192,7 @@ fn trailing_options(rest: &str) -> usize {
 }
 
 impl Map {
-    /// Takes one option from the start of `rest` and gives what follows it, or `None` where there is none.
+    /// Takes one option from the start of `rest` and returns the words that follow it, or `None` where there is none.
     fn option<'a>(&mut self, rest: &'a str) -> Option<&'a str> {
         let (option, mut rest) = next_word(rest)?;
         let (least, most) = option_words(option)?;

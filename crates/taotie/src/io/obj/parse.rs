@@ -21,24 +21,24 @@ pub(super) type Corner = [u32; 3];
 pub(super) struct Face {
     /// Index of its first corner.
     pub first: u32,
-    /// How many corners it has.
+    /// The number of corners.
     pub count: u32,
     /// Index into [`Obj::material_names`], or [`NONE`].
     pub material: u32,
-    /// Where it stands in the file, from 1.
+    /// The line in the file, from 1.
     pub line: u32,
 }
 
-/// What an OBJ file holds. Every index of a corner is in range or [`NONE`].
+/// The content of an OBJ file. Every index of a corner is in range or [`NONE`].
 #[derive(Debug, Default)]
 pub(super) struct Obj {
-    /// Model units; finite.
+    /// The positions, model units; finite.
     pub positions: Vec<Vec3>,
-    /// As in the file; empty, or one a position.
+    /// The vertex colours as in the file; empty, or one a position.
     pub colors: Vec<[f32; 3]>,
-    /// As in the file: the origin is bottom left.
+    /// The uvs as in the file: the origin is bottom left.
     pub uvs: Vec<Vec2>,
-    /// Of any length.
+    /// The normals, of any length.
     pub normals: Vec<Vec3>,
     /// The corners of all faces.
     pub corners: Vec<Corner>,
@@ -46,9 +46,9 @@ pub(super) struct Obj {
     pub faces: Vec<Face>,
     /// The names that `usemtl` gives, each once.
     pub material_names: Vec<String>,
-    /// What stands behind each `mtllib`.
+    /// The words behind each `mtllib`.
     pub libraries: Vec<String>,
-    /// How often `s` names another smoothing group than before, once one was named.
+    /// The number of times that `s` names another smoothing group than before, once one was named.
     pub smoothing_changes: usize,
 }
 
@@ -86,7 +86,7 @@ const INHERITED: u32 = u32::MAX - 1;
 /// Reads one block.
 struct Parser {
     start: Place,
-    /// What stands in the block. Corners count from the start of the file, all else from that of the block.
+    /// The content of the block. Corners count from the start of the file, all else from that of the block.
     obj: Obj,
     warnings: Warnings,
     material: u32,
@@ -144,7 +144,7 @@ impl Parser {
         Ok(())
     }
 
-    /// `v x y z`, `v x y z w`, `v x y z r g b` or `v x y z r g b a`; as in other readers, w divides.
+    /// Reads `v x y z`, `v x y z w`, `v x y z r g b` or `v x y z r g b a`; as in other readers, w divides.
     fn vertex(&mut self, rest: &str) -> std::result::Result<(), String> {
         let mut values = [0.0; 7];
         let count = fill(rest, &mut values)?;
@@ -209,7 +209,7 @@ impl Parser {
     }
 }
 
-/// What the blocks hold, one behind the other.
+/// The content of the blocks, one behind the other.
 struct Whole {
     obj: Obj,
     material: u32,
@@ -224,7 +224,7 @@ impl Default for Whole {
 }
 
 impl Whole {
-    /// Appends what the next block holds.
+    /// Appends the content of the next block.
     fn take(&mut self, parser: Parser, warnings: &mut Warnings) {
         warnings.absorb(parser.warnings);
         let mut block = parser.obj;
@@ -263,7 +263,7 @@ impl Whole {
     }
 }
 
-/// Statements that change nothing in the picture: names, groups, and the attributes of free-form geometry.
+/// Says whether a statement changes nothing in the image: names, groups, and the attributes of free-form geometry.
 fn is_harmless(keyword: &str) -> bool {
     const KEYWORDS: [&str; 36] = [
         "o",
@@ -310,7 +310,7 @@ fn tokens(rest: &str) -> impl Iterator<Item = &str> {
     rest.split_ascii_whitespace().take_while(|token| !token.starts_with('#'))
 }
 
-/// Writes the numbers of `rest` to `values` and says how many there were; those beyond `values` are left out.
+/// Writes the numbers of `rest` to `values` and returns how many there were; those beyond `values` are left out.
 fn fill(rest: &str, values: &mut [f32]) -> std::result::Result<usize, String> {
     let mut count = 0;
     for (value, token) in values.iter_mut().zip(tokens(rest)) {
@@ -320,7 +320,7 @@ fn fill(rest: &str, values: &mut [f32]) -> std::result::Result<usize, String> {
     Ok(count)
 }
 
-/// The first `N` numbers of `rest`, of which at least `needed` must be there; the others are 0.
+/// Returns the first `N` numbers of `rest`, of which at least `needed` must be there; the others are 0.
 fn numbers<const N: usize>(rest: &str, needed: usize) -> std::result::Result<[f32; N], String> {
     let mut values = [0.0; N];
     match fill(rest, &mut values)? {
@@ -329,7 +329,7 @@ fn numbers<const N: usize>(rest: &str, needed: usize) -> std::result::Result<[f3
     }
 }
 
-/// `v`, `v/vt`, `v//vn` or `v/vt/vn`, where negative indices count back from the last element so far.
+/// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`, where negative indices count back from the last element so far.
 fn corner(token: &str, counts: [usize; 3]) -> std::result::Result<Corner, String> {
     let mut corner = [NONE; 3];
     let mut parts = token.split('/');
@@ -356,7 +356,7 @@ fn resolve(part: &str, count: usize) -> std::result::Result<u32, String> {
     }
 }
 
-/// Indices may name elements that follow later, so their range is known only at the end.
+/// Checks the range of all indices at the end, since they may name elements that follow later.
 fn check_ranges(path: &Path, obj: &Obj) -> Result<()> {
     let counts = [obj.positions.len(), obj.uvs.len(), obj.normals.len()];
     let is_beyond = |(index, count): (&u32, usize)| *index as usize >= count && *index != NONE;
@@ -422,7 +422,7 @@ mod tests {
         assert_eq!(counts, [1, 2, 1, 1, 1]);
     }
 
-    /// A file of several blocks is read as if it were one: what is relative in it reaches over their borders.
+    /// A file of several blocks is read as if it were one: relative indices count over their borders.
     #[test]
     fn blocks_are_read_as_one() {
         let filler = "# filler\n".repeat(300_000);

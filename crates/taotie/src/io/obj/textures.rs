@@ -1,4 +1,4 @@
-//! The pictures that MTL files name, each read once.
+//! The images that MTL files name, each read once.
 
 use super::super::locate::find;
 use super::super::read_bitmap;
@@ -10,16 +10,16 @@ use crate::surface::{NormalMapKind, is_normal_map};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-/// How many missing files are named one by one.
+/// The number of missing files that are named one by one.
 const NAMED: usize = 64;
 
 /// The textures of a scene as it is built.
 pub(super) struct Textures<'a> {
-    /// Where the OBJ file is.
+    /// The folder of the OBJ file.
     pub folder: &'a Path,
-    /// What the materials will name by index.
+    /// The textures that the materials will name by index.
     pub list: Vec<Texture>,
-    /// Of each texture, the files it was made from.
+    /// The files that each texture was made from.
     pub names: Vec<String>,
     /// The files that are not there.
     pub missing_files: Vec<String>,
@@ -39,7 +39,8 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The texture under `key`, made from the files `name`, which `make` makes at the first call; `None` where that failed.
+    /// Returns the texture under `key`, made from the files `name`; `make` makes it at the first call. `None` where
+    /// that failed.
     pub(super) fn keyed(
         &mut self,
         key: String,
@@ -58,7 +59,7 @@ impl<'a> Textures<'a> {
         index
     }
 
-    /// The picture that `map` names as a texture of its own.
+    /// Returns the image that `map` names as a separate texture.
     pub(super) fn plain(
         &mut self,
         map: &Map,
@@ -70,7 +71,7 @@ impl<'a> Textures<'a> {
         self.keyed(key, &map.file, |s| s.bitmap(map, folder, warnings).map(|b| Texture::new(b, encoding)))
     }
 
-    /// The picture that `map` names as a normal map where its pixels are one, else as heights.
+    /// Returns the image that `map` names as a normal map where its pixels are one, else as heights.
     pub(super) fn relief(&mut self, map: &Map, folder: &Path, warnings: &mut Warnings) -> Option<usize> {
         let key = format!("relief {}", full_name(map, folder));
         self.keyed(key, &map.file, |s| {
@@ -80,7 +81,7 @@ impl<'a> Textures<'a> {
         })
     }
 
-    /// The picture that `map` names; `None` with a note where it cannot be read.
+    /// Returns the image that `map` names; `None` with a note where it cannot be read.
     pub(super) fn bitmap(&mut self, map: &Map, folder: &Path, warnings: &mut Warnings) -> Option<Bitmap> {
         let name = full_name(map, folder);
         if self.missing.contains(&name) {
@@ -106,7 +107,7 @@ impl<'a> Textures<'a> {
         None
     }
 
-    /// Whether the picture that `map` names could be read, after it was asked for.
+    /// Says whether the image that `map` names could be read, after it was asked for.
     pub(super) fn has(&self, map: &Map, folder: &Path) -> bool {
         !self.missing.contains(&full_name(map, folder))
     }
@@ -116,7 +117,7 @@ fn full_name(map: &Map, folder: &Path) -> String {
     format!("{} in {}", map.file, folder.display())
 }
 
-/// The channel that a map reads of a picture, in [0, 1], at a position in [0, 1) by the nearest texel.
+/// The channel that a map reads of an image, in [0, 1], at a position in [0, 1) by the nearest texel.
 pub(super) struct Reader<'a> {
     bitmap: &'a Bitmap,
     channel: Channel,
@@ -140,7 +141,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A linear picture whose channels are read from others; `None` is 1 everywhere. It is as large as the largest of
+/// Makes a linear image whose channels are read from others; `None` is 1 everywhere. It is as large as the largest of
 /// them and has 16 bits where one of them has more than 8.
 pub(super) fn combine(channels: [Option<Reader>; 4]) -> Option<Bitmap> {
     let sources = || channels.iter().flatten().map(|r| r.bitmap);

@@ -14,7 +14,7 @@ use std::path::Path;
 /// The elements that can be drawn.
 #[derive(Default)]
 pub(super) struct Elements<'a> {
-    /// Which attributes they have.
+    /// The attributes of the elements.
     pub attributes: Attributes,
     /// The vertices, where there are any.
     pub vertices: Option<Element<'a>>,
@@ -82,7 +82,7 @@ fn cloud(path: &Path, points: usize) -> Error {
     Error::parse(path, "whole file", what)
 }
 
-/// What the blocks of faces give.
+/// The content of the blocks of faces.
 struct Gathered<'a> {
     path: &'a Path,
     triangles: Vec<[u32; 3]>,

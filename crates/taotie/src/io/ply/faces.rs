@@ -10,25 +10,25 @@ use crate::math::Vec3;
 pub(super) struct FaceElement<'a> {
     /// Its rows.
     pub rows: Element<'a>,
-    /// Whether a row is a set of triangle strips rather than a polygon.
+    /// `true` where a row is a set of triangle strips rather than a polygon.
     pub strips: bool,
 }
 
-/// What is needed of faces.
+/// The data needed of faces.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted<'a> {
     /// The vertices' positions.
     pub positions: &'a [Vec3],
     /// See [`super::vertices::Vertices::lack_normals`].
     pub lack_normals: &'a [bool],
-    /// Whether corners have uvs of their own.
+    /// `true` where corners have uvs of their own.
     pub uvs: bool,
-    /// Whether faces have colours of their own.
+    /// `true` where faces have colours of their own.
     pub colors: bool,
 }
 
 impl Wanted<'_> {
-    /// Whether corners with the same vertex may differ.
+    /// Says whether corners with the same vertex may differ.
     pub fn splits(&self) -> bool {
         self.uvs || self.colors
     }
@@ -45,13 +45,13 @@ pub(super) struct Block {
     pub colors: Vec<[f32; 4]>,
     /// Triangles as indices of vertices, or of corners where these have something of their own.
     pub triangles: Vec<[u32; 3]>,
-    /// How many faces there are.
+    /// The number of faces.
     pub faces: usize,
-    /// How many faces have fewer than three corners.
+    /// The number of faces with fewer than three corners.
     pub too_few: usize,
-    /// How many faces cross themselves.
+    /// The number of faces that cross themselves.
     pub crossing: usize,
-    /// How many corners have a normal that is no direction.
+    /// The number of corners with a normal that is no direction.
     pub without_normal: usize,
     /// The first face that cannot be used, and why.
     pub error: Option<(usize, String)>,
@@ -116,7 +116,7 @@ impl Block {
         }
     }
 
-    /// Adds the triangles of a polygon, whose corners are called as `name` says.
+    /// Adds the triangles of a polygon, whose corners `name` names.
     #[inline(always)]
     fn cut(&mut self, corners: &[u32], positions: &[Vec3], name: impl Fn(u32) -> u32, scratch: &mut Scratch) {
         if corners.len() == 3 {
@@ -152,7 +152,7 @@ struct Scratch {
     triangles: Vec<[u32; 3]>,
 }
 
-/// The row at hand.
+/// The current row.
 struct Row {
     /// Vertex indices; a negative one is `u32::MAX`.
     corners: Vec<u32>,

@@ -1,4 +1,4 @@
-//! What the elements and properties of a PLY file are called, and what they mean by it.
+//! The names of the elements and properties of a PLY file, and their meaning.
 
 use ply_rs_bw::ply::{ElementDef, Header, PropertyType, ScalarType};
 
@@ -11,7 +11,7 @@ pub(super) mod slot {
     pub const COUNT: usize = 12;
 }
 
-/// What a field is read for.
+/// The use of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     /// It is passed over.
@@ -39,7 +39,7 @@ fn vertex_slot(name: &str) -> Option<usize> {
     })
 }
 
-/// 0 to 3 for the names of red, green, blue and alpha.
+/// Returns 0 to 3 for the names of red, green, blue and alpha.
 fn color_slot(name: &str) -> Option<usize> {
     Some(match name {
         "red" | "r" | "diffuse_red" => 0,
@@ -50,7 +50,7 @@ fn color_slot(name: &str) -> Option<usize> {
     })
 }
 
-/// What the property `name` of an element is read for.
+/// Returns the use of the property `name` of an element.
 pub(super) fn role(element: &str, name: &str, data_type: &PropertyType) -> Result<Role, String> {
     let is_list = matches!(data_type, PropertyType::List(..));
     let slot = match (element, name) {
@@ -66,7 +66,7 @@ pub(super) fn role(element: &str, name: &str, data_type: &PropertyType) -> Resul
     Ok(slot.filter(|_| !is_list).map_or(Role::Ignored, Role::Slot))
 }
 
-/// What colour numbers mean.
+/// The meaning of colour numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ColorCode {
     /// Whole numbers: sRGB-encoded.
@@ -75,7 +75,7 @@ pub(super) enum ColorCode {
     Linear,
 }
 
-/// Which attributes the header declares.
+/// The attributes that the header declares.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Attributes {
     /// x, y and z are there.
@@ -106,7 +106,7 @@ impl Attributes {
     }
 }
 
-/// For each slot whether it is declared, and as what.
+/// The declaration of each slot: `None` where there is none, else its colour code.
 type Declared = [Option<ColorCode>; slot::COUNT];
 
 fn declared(element: &ElementDef) -> Declared {
@@ -126,12 +126,12 @@ fn color_code(declared: &Declared) -> Option<ColorCode> {
     rgb.iter().all(Option::is_some).then_some(if linear { ColorCode::Linear } else { ColorCode::Encoded })
 }
 
-/// Whether a type has fractions.
+/// Says whether a type has fractions.
 pub(super) fn is_float(scalar: &ScalarType) -> bool {
     matches!(scalar, ScalarType::Float | ScalarType::Double)
 }
 
-/// The number that stands for full intensity in a colour.
+/// The number that means full intensity in a colour.
 pub(super) fn full_intensity(scalar: &ScalarType) -> f64 {
     match scalar {
         ScalarType::Char => 127.0,

@@ -1,6 +1,6 @@
-//! Rows of binary elements: where they lie, and what their fields are for.
+//! Rows of binary elements: their places, and the uses of their fields.
 //!
-//! A scan is one long table of vertices and one of faces, so rows are never objects of their own: they are found by one
+//! A scan is one long table of vertices and one of faces, so rows are never separate objects: they are found by one
 //! walk over the file, which notes where each block of them starts, and the blocks are decoded in parallel.
 
 use super::ascii::Tokens;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::path::Path;
 
-/// How many rows are decoded at a time.
+/// The number of rows decoded at a time.
 const BLOCK: usize = 1 << 15;
 
 /// One property of an element.
@@ -24,16 +24,16 @@ pub(super) struct Field {
 
 /// All rows of an element.
 pub(super) struct Element<'a> {
-    /// How many rows there are.
+    /// The number of rows.
     pub count: usize,
-    /// How many corners its rows have in all.
+    /// The number of corners of all rows together.
     pub corners: usize,
-    /// How many of its rows have a uv for each corner.
+    /// The number of rows with a uv for each corner.
     pub with_uvs: usize,
     bytes: Cow<'a, [u8]>,
     big_endian: bool,
     fields: Vec<Field>,
-    /// Where each block starts in `bytes`.
+    /// The start of each block in `bytes`.
     starts: Vec<usize>,
 }
 
@@ -42,14 +42,14 @@ pub(super) struct Rows<'a> {
     fields: &'a [Field],
     big_endian: bool,
     rest: &'a [u8],
-    /// How many rows are left.
+    /// The number of rows left.
     pub left: usize,
 }
 
 /// The numbers of one field in one row.
 #[derive(Clone, Copy)]
 pub(super) struct Values<'a> {
-    /// How many there are.
+    /// The number of values.
     pub count: usize,
     /// Their type in the file.
     pub scalar: &'a ScalarType,

@@ -3,14 +3,14 @@
 use super::faces::{Block, Wanted};
 use std::collections::HashMap;
 
-/// The vertex that a corner has in the file, and the bits of what its face says of it.
+/// The vertex of a corner in the file, and the bits of the values of its face.
 type Corner = [u32; 7];
 
 /// Gives corners that are alike the same vertex, numbered in order of first appearance.
 pub(super) struct Splitter {
-    /// Whether corners have uvs of their own.
+    /// `true` where corners have uvs of their own.
     pub uvs: bool,
-    /// Whether corners have colours of their own.
+    /// `true` where corners have colours of their own.
     pub colors: bool,
     corners: Vec<Corner>,
     /// The first corner of each vertex of the file, which most often is the only one.
@@ -20,13 +20,13 @@ pub(super) struct Splitter {
 }
 
 impl Splitter {
-    /// For corners that have what is wanted of their own.
+    /// Makes a splitter for corners with the wanted values of their own.
     pub fn new(wanted: &Wanted) -> Self {
         let first = vec![u32::MAX; wanted.positions.len()];
         Self { uvs: wanted.uvs, colors: wanted.colors, corners: Vec::new(), first, known: HashMap::new() }
     }
 
-    /// The vertex of corner `i` of `block`.
+    /// Returns the vertex of corner `i` of `block`.
     pub fn index(&mut self, block: &Block, i: usize) -> u32 {
         let vertex = block.corners[i];
         let [u, v] = block.uvs.get(i).copied().unwrap_or_default();
@@ -49,17 +49,17 @@ impl Splitter {
         index
     }
 
-    /// The vertex of the file that each vertex is made from.
+    /// Returns the vertex of the file that each vertex is made from.
     pub fn vertices(&self) -> impl Iterator<Item = usize> {
         self.corners.iter().map(|corner| corner[0] as usize)
     }
 
-    /// The uvs of the vertices as stored.
+    /// Returns the uvs of the vertices as stored.
     pub fn own_uvs(&self) -> impl Iterator<Item = [f32; 2]> {
         self.corners.iter().map(|[_, u, v, ..]| [*u, *v].map(f32::from_bits))
     }
 
-    /// The colours of the vertices as stored.
+    /// Returns the colours of the vertices as stored.
     pub fn own_colors(&self) -> impl Iterator<Item = [f32; 4]> {
         self.corners.iter().map(|[_, _, _, color @ ..]| color.map(f32::from_bits))
     }

@@ -10,13 +10,13 @@ use rayon::prelude::*;
 /// One array for each attribute that the file declares for vertices; the others are empty.
 #[derive(Default)]
 pub(super) struct Vertices {
-    /// Model units; not checked.
+    /// The positions, model units; not checked.
     pub positions: Vec<Vec3>,
-    /// As in the file, of any length.
+    /// The normals as in the file, of any length.
     pub normals: Vec<Vec3>,
-    /// The origin is top left.
+    /// The uvs; the origin is top left.
     pub uvs: Vec<Vec2>,
-    /// Linear RGBA.
+    /// The colours, linear RGBA.
     pub colors: Vec<[f32; 4]>,
 }
 
@@ -68,7 +68,7 @@ impl Vertices {
         block
     }
 
-    /// Whether each vertex lacks a normal that is a direction; empty where none does.
+    /// Says of each vertex whether it lacks a normal that is a direction; empty where none does.
     pub fn lack_normals(&self) -> Vec<bool> {
         let is_bad = |n: &Vec3| {
             let length = n.to_f64().length();
@@ -89,7 +89,7 @@ pub(super) fn attribute(slot: usize, field: super::payload::Values) -> f32 {
     (if slot >= slot::COLOR { value / full_intensity(field.scalar) } else { value }) as f32
 }
 
-/// A uv of the file, whose origin is bottom left; what is not finite is 0.
+/// Returns a uv of the file, whose origin is bottom left, with the origin top left; what is not finite is 0.
 pub(super) fn upright(u: f32, v: f32) -> Vec2 {
     let usable = |v: f32| if v.is_finite() { v } else { 0.0 };
     Vec2::new(usable(u), 1.0 - usable(v))
@@ -98,7 +98,7 @@ pub(super) fn upright(u: f32, v: f32) -> Vec2 {
 /// Makes stored colours linear.
 pub(super) struct Decoder {
     code: ColorCode,
-    /// What 0 to 255 parts of 255 are in linear light, since most files store these.
+    /// The linear-light values of 0 to 255 parts of 255, since most files store these.
     steps: Vec<f32>,
 }
 
@@ -108,7 +108,7 @@ impl Decoder {
         Self { code, steps }
     }
 
-    /// Linear RGBA; alpha is no more than 1.
+    /// Returns linear RGBA; alpha is no more than 1.
     pub fn linear(&self, color: [f32; 4]) -> [f32; 4] {
         let usable = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
         let [r, g, b, a] = color.map(usable);
@@ -129,7 +129,7 @@ impl Decoder {
     }
 }
 
-/// What is stored as `i` of 255.
+/// Returns the value that is stored as `i` of 255.
 fn step(i: u8) -> f32 {
     (f64::from(i) / 255.0) as f32
 }

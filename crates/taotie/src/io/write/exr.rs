@@ -1,4 +1,4 @@
-//! OpenEXR pictures: linear float channels in named layers.
+//! OpenEXR images: linear float channels in named layers.
 
 use super::write_with;
 use crate::error::{Error, Result};
@@ -8,10 +8,10 @@ use exr::prelude::{
 };
 use std::path::Path;
 
-/// Some channels of a picture under one name.
+/// Some channels of an image under one name.
 #[derive(Debug, Clone, Copy)]
 pub struct ExrLayer<'a> {
-    /// The name put before each channel with a dot, such as `normal` in `normal.X`; empty for the picture itself.
+    /// The name put before each channel with a dot, such as `normal` in `normal.X`; empty for the image itself.
     pub name: &'a str,
     /// The channels in the order of the samples, such as `["R", "G", "B", "A"]` or `["Z"]`.
     pub channels: &'a [&'a str],

@@ -7,20 +7,20 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Bytes between two questions whether to go on.
+/// The number of bytes between two checks for cancellation.
 const CHUNK: usize = 1 << 20;
 
 /// A file to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileBytes {
-    /// Where it is to stand.
+    /// The path of the file.
     pub path: PathBuf,
-    /// All that it holds.
+    /// The whole content of the file.
     pub bytes: Vec<u8>,
 }
 
-/// Writes all files under temporary names, then renames them, the first last: a document comes after what it names. A
-/// write that fails or is cancelled before the renaming leaves none.
+/// Writes all files under temporary names, then renames them, the first last: a document comes after the files it
+/// names. A write that fails or is cancelled before the renaming leaves none.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Io`] naming the folder where that is missing, or the path where the system refuses.

@@ -1,4 +1,4 @@
-//! Pictures that move, PNG or GIF, written frame by frame.
+//! Animated images, PNG or GIF, written frame by frame.
 
 use super::{BUFFER, draft};
 use crate::error::{Error, Result};
@@ -11,33 +11,33 @@ use tempfile::NamedTempFile;
 type PngResult<T> = std::result::Result<T, png::EncodingError>;
 type GifResult<T> = std::result::Result<T, gif::EncodingError>;
 
-/// How a moving picture is stored.
+/// The file format of an animated image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MovingFormat {
-    /// Animated PNG: every colour and alpha, 8 bits a channel. What knows no animation shows the first frame.
+    /// Animated PNG: every colour and alpha, 8 bits a channel. Programs without animation show the first frame.
     Png,
     /// GIF: 256 colours a frame, each pixel seen or not.
     Gif,
 }
 
-/// What all frames of a moving picture have in common.
+/// The properties that all frames of an animated image share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovingSpec {
-    /// How it is stored.
+    /// The file format.
     pub format: MovingFormat,
     /// Width in pixels, 1 to 16384.
     pub width: u32,
     /// Height in pixels, 1 to 16384.
     pub height: u32,
-    /// How many frames there will be, from 1.
+    /// The number of frames, from 1.
     pub frames: u32,
-    /// How long all of them last, seconds; then it begins anew.
+    /// The length of all frames together, seconds; then the animation begins anew.
     pub seconds: f64,
-    /// Whether alpha is kept.
+    /// `true` where alpha is kept.
     pub alpha: bool,
 }
 
-/// A moving picture in the making. It appears under its name when it is finished, and not at all if it never is.
+/// An animated image in the making. It appears under its name when it is finished, and not at all if it never is.
 pub struct MovingPicture {
     path: PathBuf,
     file: NamedTempFile,
@@ -56,7 +56,7 @@ enum Encoder {
 }
 
 impl MovingPicture {
-    /// Begins a picture at `path`.
+    /// Begins an image at `path`.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a size, number of frames or length that cannot be, [`Error::Io`] where the place cannot
@@ -112,7 +112,7 @@ impl MovingPicture {
         Ok(())
     }
 
-    /// Ends the picture and gives it its name.
+    /// Ends the image and gives it its name.
     ///
     /// # Errors
     /// [`Error::Invalid`] where frames are missing, [`Error::Io`] where the file cannot be written.
@@ -135,7 +135,7 @@ impl MovingPicture {
 }
 
 impl MovingSpec {
-    /// How long frame `index` lasts, in parts of a second. Rounded so that the sum over all frames is right.
+    /// Returns the length of frame `index` in parts of a second. Rounded so that the sum over all frames is right.
     fn delay(&self, index: u32, parts: u32) -> u64 {
         let end = |frames: u32| {
             (self.seconds * f64::from(frames) / f64::from(self.frames) * f64::from(parts)).round() as u64
@@ -187,7 +187,7 @@ fn write_gif_frames(
     writer: &mut gif::Encoder<BufWriter<File>>,
     frames: &mut Vec<gif::Frame<'static>>,
 ) -> GifResult<()> {
-    /// One pixel of this many teaches the net.
+    /// The net learns from one pixel of this many.
     const SPEED: i32 = 10;
     let quantised: Vec<gif::Frame> = std::mem::take(frames)
         .into_par_iter()

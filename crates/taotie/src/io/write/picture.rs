@@ -1,4 +1,4 @@
-//! Pictures in linear light, developed for the eye or stored as they are.
+//! Images in linear light, developed for display or stored as they are.
 
 use super::write_png_bitmap;
 use crate::error::Result;
@@ -6,7 +6,7 @@ use crate::film::{Development, develop8, develop16};
 use crate::image::{Bitmap, Encoding, Image, Texels};
 use std::path::Path;
 
-/// How a picture is stored.
+/// The file format of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PictureFormat {
     /// PNG, sRGB, 8 bits a channel.
@@ -17,7 +17,7 @@ pub enum PictureFormat {
     Exr,
 }
 
-/// Writes a picture in linear light, developed unless it is stored linear.
+/// Writes an image in linear light, developed unless it is stored linear.
 ///
 /// ```no_run
 /// use taotie::film::Development;
@@ -58,7 +58,7 @@ fn write_linear(path: &Path, _: &Image) -> Result<()> {
     Err(crate::Error::needs_feature(format!("{}: OpenEXR", path.display()), "exr"))
 }
 
-/// Writes the pixels of a developed picture of this width and height as PNG: without alpha where `development` puts a
+/// Writes the pixels of a developed image of this width and height as PNG: without alpha where `development` puts a
 /// background behind it.
 ///
 /// # Errors

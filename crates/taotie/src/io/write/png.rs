@@ -1,4 +1,4 @@
-//! PNG pictures of 8 or 16 bits a channel.
+//! PNG images of 8 or 16 bits a channel.
 
 use super::write_with;
 use crate::error::{Error, Result};
@@ -6,7 +6,7 @@ use crate::image::{Bitmap, Encoding, Texels};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Which channels a picture has.
+/// The channels of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PngColor {
     /// One channel.
@@ -26,14 +26,14 @@ pub enum PngSamples<'a> {
     U16(&'a [u16]),
 }
 
-/// A picture to be written as PNG.
+/// An image to be written as PNG.
 #[derive(Debug, Clone, Copy)]
 pub struct PngImage<'a> {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Which channels there are.
+    /// The channels.
     pub color: PngColor,
     /// `width · height ·` channels values.
     pub samples: PngSamples<'a>,
@@ -42,7 +42,8 @@ pub struct PngImage<'a> {
     pub encoding: Encoding,
 }
 
-/// Writes the texels of a bitmap of 8 or 16 bits as they are, in as many channels as it says; grey with alpha becomes RGBA.
+/// Writes the texels of a bitmap of 8 or 16 bits as they are, in as many channels as it says; grey with alpha becomes
+/// RGBA.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for float texels, [`Error::Io`] where the file cannot be written.
@@ -53,7 +54,7 @@ pub fn write_png_bitmap(path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Res
     })
 }
 
-/// The bytes that [`write_png_bitmap`] would write.
+/// Returns the bytes that [`write_png_bitmap`] would write.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for float texels.
@@ -104,7 +105,7 @@ fn first<T: Copy + Default, const N: usize>(texels: &[[T; 4]]) -> Vec<T> {
     samples
 }
 
-/// Writes a picture to `path`, whole or not at all. The same picture gives the same bytes.
+/// Writes an image to `path`, whole or not at all. The same image gives the same bytes.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the sample count does not fit the size, [`Error::Io`] where the file cannot be written.
@@ -113,7 +114,7 @@ pub fn write_png(path: &Path, image: &PngImage) -> Result<()> {
     write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
 }
 
-/// The bytes that [`write_png`] would write.
+/// Returns the bytes that [`write_png`] would write.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the sample count does not fit the size.

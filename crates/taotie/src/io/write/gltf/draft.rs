@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// glTF's numbers for what a view is for.
+/// glTF's numbers for the uses of a view.
 pub(super) const VERTICES: u32 = 34962;
 pub(super) const INDICES: u32 = 34963;
 
@@ -45,14 +45,14 @@ impl Component {
     }
 }
 
-/// How a compressed view is packed, and what it is for.
+/// The packing of a compressed view, and its use.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Packing {
-    /// How many elements it has.
+    /// The number of elements.
     pub count: usize,
-    /// The bytes of each, unpacked.
+    /// The number of bytes of each element, unpacked.
     pub stride: usize,
-    /// `ATTRIBUTES` or `TRIANGLES`.
+    /// The mode: `ATTRIBUTES` or `TRIANGLES`.
     pub mode: &'static str,
     /// The extension's name of a filter.
     pub filter: Option<&'static str>,
@@ -68,7 +68,7 @@ pub struct GltfDraft {
     /// The document without buffers, buffer views, accessors and the names of extensions.
     pub json: Value,
     bytes: Vec<u8>,
-    /// How many bytes the compressed views have when unpacked.
+    /// The number of bytes of the compressed views when unpacked.
     unpacked: usize,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -77,14 +77,14 @@ pub struct GltfDraft {
 }
 
 impl GltfDraft {
-    /// Adds elements of `N` floats, 1 to 4, or 16 for matrices; gives the accessor's number.
+    /// Adds elements of `N` floats, 1 to 4, or 16 for matrices; returns the accessor's number.
     pub fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = values.as_flattened().iter().copied().flat_map(f32::to_le_bytes).collect();
         self.elements(&bytes, Component::F32, N)
     }
 
-    /// As [`Self::floats`], with the least and greatest value of each component, which glTF wants of positions and
-    /// times.
+    /// Adds elements as [`Self::floats`], with the least and greatest value of each component, which glTF wants of
+    /// positions and times.
     pub fn bounded_floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let index = self.floats(values);
         let extreme = |of: fn(f32, f32) -> f32, start: f32| -> Vec<f32> {
@@ -95,19 +95,19 @@ impl GltfDraft {
         index
     }
 
-    /// Adds elements of four bytes, such as joints; gives the accessor's number.
+    /// Adds elements of four bytes, such as joints; returns the accessor's number.
     pub fn bytes(&mut self, values: &[[u8; 4]]) -> usize {
         self.elements(values.as_flattened(), Component::U8, 4)
     }
 
-    /// Adds elements of `width` numbers as they lie in memory; gives the accessor's number.
+    /// Adds elements of `width` numbers as they lie in memory; returns the accessor's number.
     pub(super) fn elements(&mut self, bytes: &[u8], component: Component, width: usize) -> usize {
         let view = self.view(bytes);
         let json = self.accessor_json(view, (component, width), bytes.len() / (width * component.size()));
         self.push_accessor(json)
     }
 
-    /// An accessor of `count` elements of `width` numbers from the start of a view on.
+    /// Returns an accessor of `count` elements of `width` numbers from the start of a view on.
     pub(super) fn accessor_json(
         &self,
         view: usize,
@@ -129,8 +129,8 @@ impl GltfDraft {
         self.accessors.len() - 1
     }
 
-    /// Adds a view that meshoptimizer packed; gives its number. Unpacked it lies in a second buffer that holds nothing,
-    /// as the extension wants of files that require it.
+    /// Adds a view that meshoptimizer packed; returns its number. Unpacked it lies in a second buffer that holds
+    /// nothing, as the extension wants of files that require it.
     pub(super) fn packed_view(&mut self, bytes: &[u8], packing: &Packing) -> usize {
         let Packing { count, stride, mode, filter, target } = *packing;
         let mut packed = json!({
@@ -158,13 +158,13 @@ impl GltfDraft {
         self.used.insert(extension);
     }
 
-    /// Says that nobody who does not know an extension can read the file.
+    /// Marks an extension as required: no program without it can read the file.
     pub(super) fn require(&mut self, extension: &'static str) {
         self.used.insert(extension);
         self.required.insert(extension);
     }
 
-    /// Adds bytes and gives the number of their view. Each begins at a multiple of four.
+    /// Adds bytes and returns the number of their view. Each begins at a multiple of four.
     pub(super) fn view(&mut self, bytes: &[u8]) -> usize {
         self.views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
         self.append(bytes);
@@ -193,7 +193,7 @@ impl GltfDraft {
         }
     }
 
-    /// The whole document's text; its buffer is the file `uri`, or the container's.
+    /// Returns the text of the whole document; its buffer is the file `uri`, or the container's.
     fn text(&self, uri: Option<String>) -> Result<Vec<u8>> {
         let mut json = self.json.clone();
         let mut buffer = json!({ "byteLength": self.bytes.len() });
@@ -227,7 +227,7 @@ impl GltfDraft {
         })
     }
 
-    /// The document as GLB.
+    /// Returns the document as GLB.
     ///
     /// # Errors
     /// [`Error::Limit`] where it would have 4 GiB or more.
@@ -239,7 +239,7 @@ impl GltfDraft {
         Ok(bytes)
     }
 
-    /// The document as JSON, and its numbers and images as files beside it; the JSON first.
+    /// Returns the document as JSON, and its numbers and images as files beside it; the JSON first.
     pub(super) fn into_files(self, path: &Path, images: Vec<FileBytes>) -> Result<Vec<FileBytes>> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let binary = format!("{stem}.bin");

@@ -1,4 +1,4 @@
-//! The textures of a material: each image encoded once, and where in a document it stands.
+//! The textures of a material: each image encoded once, and its place in a document.
 
 use super::material::GltfMaterial;
 use super::{GltfDraft, ktx};
@@ -36,7 +36,7 @@ impl<'a> From<&'a Bitmap> for GltfImage<'a> {
 }
 
 impl GltfImage<'_> {
-    /// Whether both are one and the same, so that it needs to be written once only.
+    /// Says whether both are one and the same, so that it needs to be written once only.
     fn is(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Bitmap(a), Self::Bitmap(b)) => std::ptr::eq(*a, *b),
@@ -46,7 +46,7 @@ impl GltfImage<'_> {
     }
 }
 
-/// How textures are packed.
+/// The packing of textures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GltfImages {
@@ -118,24 +118,24 @@ pub(super) struct Encoded<'a> {
 }
 
 impl Encoded<'_> {
-    /// Whether a slot shows it.
+    /// Says whether a slot shows it.
     pub fn serves(&self, slot: Slot) -> bool {
         self.slots.contains(&slot)
     }
 
-    /// The bytes of its file; `None` where the file is there already.
+    /// Returns the bytes of its file; `None` where the file is there already.
     pub fn bytes(&self) -> Option<&[u8]> {
         matches!(self.image, GltfImage::Bitmap(_)).then_some(&self.bytes)
     }
 
-    /// Its file beside the model `path`; `None` where it is there already.
+    /// Returns its file beside the model `path`; `None` where it is there already.
     pub fn into_file(self, path: &Path) -> Option<FileBytes> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let file = path.with_file_name(self.file_name(&stem));
         matches!(self.image, GltfImage::Bitmap(_)).then_some(FileBytes { path: file, bytes: self.bytes })
     }
 
-    /// The name of its file beside a model.
+    /// Returns the name of its file beside a model.
     pub fn file_name(&self, stem: &str) -> String {
         match self.image {
             GltfImage::File(name) => name.to_owned(),
@@ -190,18 +190,18 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Res
     Ok(images)
 }
 
-/// What is stored of a bitmap, and what it means.
+/// The stored form of a bitmap, and its meaning.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stored {
     pub encoding: Encoding,
-    /// Whether alpha is written; KTX2 holds none.
+    /// `true` where alpha is written; KTX2 holds none.
     pub alpha: bool,
 }
 
-/// The bytes of an image file.
+/// Returns the bytes of an image file.
 ///
 /// # Errors
-/// [`Error::Unsupported`] for texels of floats; what the format refuses.
+/// [`Error::Unsupported`] for texels of floats; the errors of the format.
 pub(super) fn encode_bitmap(bitmap: &Bitmap, stored: Stored, format: GltfImages) -> Result<Vec<u8>> {
     match format {
         GltfImages::Png => png(bitmap, stored),
@@ -248,7 +248,7 @@ fn webp(bitmap: &Bitmap, stored: Stored) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The texels rounded to 8 bits.
+/// Returns the texels rounded to 8 bits.
 fn eight_bits(bitmap: &Bitmap, stored: Stored) -> Result<Cow<'_, [[u8; 4]]>> {
     let rounded = |v: u16| ((u32::from(v) * 255 + 32767) / 65535) as u8;
     match bitmap.texels() {
@@ -262,7 +262,7 @@ fn no_floats(stored: Stored) -> Error {
     Error::unsupported(format!("a {:?} texture of floats in glTF", stored.encoding), "store 8 or 16 bits")
 }
 
-/// Where images are put.
+/// The place where images are put.
 pub(super) enum Place<'a> {
     /// In the document's buffer.
     Inside,
@@ -297,7 +297,7 @@ fn entry(draft: &mut GltfDraft, image: &Encoded, place: &Place) -> Value {
     }
 }
 
-/// What a relative URI cannot hold as it is.
+/// Characters that a relative URI cannot hold as they are.
 const RESERVED: &AsciiSet = &CONTROLS
     .add(b' ')
     .add(b'"')
@@ -316,7 +316,7 @@ const RESERVED: &AsciiSet = &CONTROLS
     .add(b'|')
     .add(b'}');
 
-/// The relative URI of a file.
+/// Returns the relative URI of a file.
 pub(super) fn uri(name: &str) -> String {
     utf8_percent_encode(name, RESERVED).to_string()
 }

@@ -9,31 +9,31 @@ use serde_json::{Value, json};
 pub struct GltfMaterial<'a> {
     /// Its name; may be empty.
     pub name: &'a str,
-    /// Linear RGBA, each in [0, 1]; alpha is not drawn.
+    /// The base colour, linear RGBA, each in [0, 1]; alpha is not drawn.
     pub base_color: [f32; 4],
-    /// [0, 1].
+    /// The metalness, [0, 1].
     pub metallic: f32,
-    /// [0, 1]; α is its square.
+    /// The roughness, [0, 1]; α is its square.
     pub roughness: f32,
-    /// sRGB-encoded colour.
+    /// The base colour texture, sRGB-encoded.
     pub base_color_map: Option<GltfImage<'a>>,
-    /// Green is roughness, blue metallic; linear.
+    /// The roughness in green and the metalness in blue; linear.
     pub metallic_roughness_map: Option<GltfImage<'a>>,
-    /// Red is occlusion, 1 where nothing is hidden; linear. It may be the image of `metallic_roughness_map`, which is
-    /// then written once.
+    /// The occlusion in red, 1 where nothing is hidden; linear. It may be the image of `metallic_roughness_map`, which
+    /// is then written once.
     pub occlusion_map: Option<GltfImage<'a>>,
-    /// How much of the occlusion counts, [0, 1].
+    /// The strength of the occlusion, [0, 1].
     pub occlusion_strength: f32,
-    /// Tangent-space normals, linear, +Y up.
+    /// The normal map of tangent space, linear, +Y up.
     pub normal_map: Option<GltfImage<'a>>,
-    /// Multiplies x and y of the normals; finite.
+    /// The factor of x and y of the normals; finite.
     pub normal_scale: f32,
-    /// Whether triangles are seen from both sides.
+    /// `true` where triangles are seen from both sides.
     pub double_sided: bool,
 }
 
 impl Default for GltfMaterial<'_> {
-    /// White, rough and not metallic.
+    /// Returns a white, rough material that is not metallic.
     fn default() -> Self {
         Self {
             name: "",
@@ -52,7 +52,7 @@ impl Default for GltfMaterial<'_> {
 }
 
 impl<'a> GltfMaterial<'a> {
-    /// Its textures in the order in which they are written.
+    /// Returns its textures in the order in which they are written.
     pub(super) fn maps(&self) -> impl Iterator<Item = (Slot, GltfImage<'a>)> {
         [
             (Slot::BaseColor, self.base_color_map),
@@ -68,7 +68,7 @@ impl<'a> GltfMaterial<'a> {
         self.maps().next().is_some()
     }
 
-    /// Whether glTF allows its numbers.
+    /// Checks that glTF allows its numbers.
     pub(super) fn check(&self) -> Result<()> {
         let fractions = [
             ("metallic", self.metallic),
@@ -88,7 +88,7 @@ impl<'a> GltfMaterial<'a> {
     }
 }
 
-/// The material; texture `i` shows image `i`.
+/// Returns the JSON of the material; texture `i` shows image `i`.
 pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
     let texture = |slot: Slot| images.iter().position(|image| image.serves(slot));
     let mut pbr = json!({
@@ -116,7 +116,7 @@ pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
     json
 }
 
-/// The number that prints as the float does: 0.7 and not 0.699999988.
+/// Returns the number that prints as the float does: 0.7 and not 0.699999988.
 pub(super) fn short(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 /// The most vertices that 16-bit indices can name; 65535 itself starts a primitive anew.
 pub(super) const MOST_OF_U16: usize = 65535;
 
-/// Adds a mesh and gives its primitive, which has material 0.
+/// Adds a mesh and returns its primitive, which has material 0.
 pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh) -> Value {
     let mut attributes = json!({ "POSITION": draft.bounded_floats(&arrays(mesh.positions())) });
     if !mesh.normals().is_empty() {
@@ -29,7 +29,7 @@ pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh) -> Value {
     json!({ "attributes": attributes, "indices": indices(draft, mesh), "material": 0 })
 }
 
-/// The name of one of several attributes of a kind.
+/// Returns the name of one of several attributes of a kind.
 pub(super) fn semantic(kind: &str, set: usize) -> String {
     format!("{kind}_{set}")
 }

@@ -34,30 +34,30 @@ pub struct GltfAsset<'a> {
     pub name: &'a str,
     /// The mesh at each level of detail, the finest first; at least one.
     pub levels: &'a [GltfLevel<'a>],
-    /// What all of them are made of.
+    /// The material of all levels.
     pub material: GltfMaterial<'a>,
     /// The rights notice.
     pub copyright: Option<&'a str>,
     /// An XMP packet as JSON-LD, such as [`Provenance::extend`](crate::io::Provenance::extend) makes.
     pub xmp: Option<&'a Value>,
-    /// What else the file should tell programs that know of it; stands in `asset.extras`.
+    /// Further data for programs that know of it; goes into `asset.extras`.
     pub extras: Option<&'a Value>,
 }
 
-/// A mesh and how large it must be seen to be drawn.
+/// A mesh and the least size on screen at which it is drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct GltfLevel<'a> {
-    /// Its uv origin is top left, as in glTF.
+    /// The mesh; its uv origin is top left, as in glTF.
     pub mesh: &'a Mesh,
     /// The least part of the screen that the object covers while this level is shown, [0, 1]. Written where every
     /// level has one and there are several.
     pub coverage: Option<f32>,
 }
 
-/// How a model is written.
+/// The options for writing a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct GltfFormat {
-    /// How textures are packed.
+    /// The packing of textures.
     pub images: GltfImages,
     /// Packs meshes by EXT_meshopt_compression: positions in 16 bits, 65535 steps along the longest side of the box
     /// around all levels; normals and tangents in 2 × 12 bits, within 0.05°; uvs and colours in 16 bits where they lie
@@ -67,7 +67,7 @@ pub struct GltfFormat {
 
 /// Writes a model: a GLB where `path` ends in `.glb`; for `.gltf` the JSON, with the numbers in `NAME.bin` and the
 /// textures in files such as `NAME_color.png` beside it. Either all files are written or none, the JSON last. The
-/// same model gives the same bytes. Gives back the files written, `path` first.
+/// same model gives the same bytes. Returns the files written, `path` first.
 ///
 /// # Errors
 /// As [`encode_gltf`]; [`Error::Io`] where a file cannot be written.
@@ -81,7 +81,7 @@ pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result
 ///
 /// # Errors
 /// [`Error::Unsupported`] for another extension and for float textures, [`Error::Invalid`] for a model that glTF cannot
-/// say: no level, a level without triangles, textures on a mesh without uvs, factors out of range; [`Error::Limit`]
+/// express: no level, a level without triangles, textures on a mesh without uvs, factors out of range; [`Error::Limit`]
 /// for a GLB of 4 GiB or more.
 pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<FileBytes>> {
     match Container::of(path)? {
@@ -119,7 +119,7 @@ impl Container {
     }
 }
 
-/// The bytes of the GLB that [`write_gltf`] would write.
+/// Returns the bytes of the GLB that [`write_gltf`] would write.
 ///
 /// # Errors
 /// As [`encode_gltf`].
@@ -128,7 +128,7 @@ pub fn encode_glb(asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<u8>> {
 }
 
 impl GltfDraft {
-    /// The model as a GLB in the making, to which the caller may add what a [`GltfAsset`] does not say, such as skins
+    /// Makes a GLB draft of the model, to which the caller may add content that a [`GltfAsset`] lacks, such as skins
     /// and animations. Node 0, mesh 0 and material 0 are those of the finest level.
     ///
     /// # Errors
@@ -183,8 +183,8 @@ fn named(asset: &GltfAsset, mut json: Value) -> Value {
     json
 }
 
-/// A node for each level, all in the same place. The first, which alone is in the scene, names the others and says how
-/// large each must be seen. Source: MSFT_lod.
+/// Makes a node for each level, all in the same place. The first, which alone is in the scene, names the others and
+/// says how large each must be seen. Source: MSFT_lod.
 fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
     let place = |mesh| {
         let mut node = named(asset, json!({ "mesh": mesh }));

@@ -26,7 +26,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The least around all meshes.
+    /// Returns the least grid around all meshes.
     pub fn around<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> Self {
         let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for point in meshes.flat_map(Mesh::positions) {
@@ -46,7 +46,7 @@ impl Grid {
         node["scale"] = json!([self.step, self.step, self.step]);
     }
 
-    /// The nearest point, in steps.
+    /// Returns the nearest point, in steps.
     fn steps(&self, point: Vec3) -> [u16; 4] {
         let [x, y, z] = ((point.to_f64() - self.origin.to_f64()) * (1.0 / f64::from(self.step))).to_array();
         let nearest = |v: f64| (v + 0.5).clamp(0.0, MOST) as u16;
@@ -54,7 +54,7 @@ impl Grid {
     }
 }
 
-/// Adds a mesh and gives its primitive, which has material 0. Its vertices and triangles are sorted anew.
+/// Adds a mesh and returns its primitive, which has material 0. Its vertices and triangles are sorted anew.
 ///
 /// # Errors
 /// [`Error::Invalid`] where meshoptimizer refuses.
@@ -153,7 +153,7 @@ fn fractions<const N: usize>(name: String, values: &[[f32; N]]) -> Stream {
     Stream { name, bytes, stride, component, width: N, normalized: false, filter: None, bounds: None }
 }
 
-/// Unsigned words that stand for [0, 1], of which `width` count.
+/// Unsigned words that mean [0, 1], of which `width` count.
 fn words<const N: usize>(name: &str, values: &[[u16; N]], width: usize) -> Stream {
     let bytes = values.as_flattened().iter().copied().flat_map(u16::to_le_bytes).collect();
     let (name, component) = (name.to_owned(), Component::U16);
@@ -204,7 +204,7 @@ fn add_stream(draft: &mut GltfDraft, stream: &Stream) -> Result<usize> {
     Ok(draft.push_accessor(accessor))
 }
 
-/// Version 0 is the only one that the extension knows.
+/// Encodes vertices as version 0, the only one that the extension knows.
 fn encode<const N: usize>(bytes: &[u8]) -> Result<Vec<u8>> {
     meshopt::encode_vertex_buffer_level(bytes.as_chunks::<N>().0, 2, Some(0)).map_err(refused)
 }

@@ -18,13 +18,13 @@ static LINES: [Line; 2] = [
     Line { prefix: (0xb, 5), steps: &STEPS_OF_8, weight_bits: 3, range: &OF_256 },
 ];
 
-/// Mode 6: one channel has weights of its own, 4 each.
+/// Mode 6: one channel has separate weights, 4 each.
 const PLANES: (u32, u32) = (0x1b, 5);
 
 /// Mode 8: one colour.
 const SOLID: (u32, u32) = (0x17, 5);
 
-/// The block that comes nearest.
+/// Returns the block that comes nearest.
 pub(super) fn encode(texels: &[[u8; 3]; 16]) -> [u8; 16] {
     if texels.iter().all(|texel| *texel == texels[0]) {
         return solid(texels[0]);
@@ -71,7 +71,7 @@ impl Bits {
         codes.iter().for_each(|code| self.push((code & ((1 << range.bits) - 1), range.bits)));
     }
 
-    /// What helps to turn the block into BC1 and ETC1.
+    /// Writes the hints that help to turn the block into BC1 and ETC1.
     fn push_hints(&mut self, texels: &[[u8; 3]; 16]) {
         // The two of BC1 promise that endpoints can be taken over; without them they are fitted anew.
         self.push((0, 2));
@@ -158,7 +158,7 @@ fn solid(color: [u8; 3]) -> [u8; 16] {
     bits.bytes()
 }
 
-/// How ETC1 is to halve the block, and how far the halves' lightness spreads.
+/// The way ETC1 is to halve the block, and the spread of lightness in each half.
 struct EtcHints {
     flip: bool,
     differential: bool,

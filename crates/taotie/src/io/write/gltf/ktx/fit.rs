@@ -2,12 +2,12 @@
 
 use super::range::Range;
 
-/// How far along the way from one endpoint to the other each weight lies, of 64.
+/// The position of each weight on the way from one endpoint to the other, of 64.
 pub(super) const STEPS_OF_4: [u32; 4] = [0, 21, 43, 64];
 pub(super) const STEPS_OF_8: [u32; 8] = [0, 9, 18, 27, 37, 46, 55, 64];
 pub(super) const STEPS_OF_16: [u32; 16] = [0, 4, 8, 12, 17, 21, 25, 29, 35, 39, 43, 47, 52, 56, 60, 64];
 
-/// How often endpoints are fitted anew to the weights that they led to.
+/// The number of times that endpoints are fitted anew to the weights that they led to.
 const ROUNDS: usize = 2;
 
 /// Texels of some channels; those that are not fitted are zero.
@@ -87,7 +87,7 @@ fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// By powers of the covariance.
+/// Finds the axis by powers of the covariance.
 fn principal_axis(offsets: &Texels) -> [f32; 3] {
     let mut covariance = [[0.0f32; 3]; 3];
     for o in offsets {

@@ -1,7 +1,7 @@
-//! KTX2 pictures of UASTC blocks with all mip levels, as KHR_texture_basisu wants them.
+//! KTX2 images of UASTC blocks with all mip levels, as KHR_texture_basisu wants them.
 //!
-//! The encoder is ours: of the crates that encode UASTC one needs `unsafe` to be called, the others cmake or clang to be
-//! built. Source of the container: KTX File Format 2.0, 3 and 5.
+//! The encoder is ours: of the crates that encode UASTC one needs `unsafe` to be called, the others cmake or clang to
+//! be built. Source of the container: KTX File Format 2.0, 3 and 5.
 
 mod block;
 mod fit;
@@ -24,10 +24,10 @@ const BT709: u32 = 1;
 const TRANSFER_LINEAR: u32 = 1;
 const TRANSFER_SRGB: u32 = 2;
 
-/// Bytes of a block of 4 × 4 texels, and what levels begin at multiples of.
+/// The bytes of a block of 4 × 4 texels; levels begin at multiples of it.
 const BLOCK: usize = 16;
 
-/// The file for texels of 8 bits, of which alpha is not read.
+/// Returns the file for texels of 8 bits, of which alpha is not read.
 ///
 /// # Errors
 /// [`Error::Unsupported`] where a side is no multiple of four, which KHR_texture_basisu demands.
@@ -45,7 +45,7 @@ pub(super) fn encode(
     Ok(file((width, height), encoding, &levels))
 }
 
-/// A level's blocks, row by row. Texels beyond the border are those at the border.
+/// Returns the blocks of a level, row by row. Texels beyond the border are those at the border.
 fn blocks(texture: &Texture, level: usize) -> Vec<u8> {
     let (width, height) = texture.level_size(level);
     let (across, down) = (width.div_ceil(4) as usize, height.div_ceil(4) as usize);
@@ -59,7 +59,7 @@ fn blocks(texture: &Texture, level: usize) -> Vec<u8> {
     (0..across * down).into_par_iter().flat_map_iter(block_at).collect()
 }
 
-/// A texel as it is stored in 8 bits.
+/// Returns a texel as it is stored in 8 bits.
 fn texel(texture: &Texture, level: usize, (x, y): (usize, usize)) -> [u8; 3] {
     if let (0, Texels::U8(texels)) = (level, texture.bitmap().texels()) {
         let [r, g, b, _] = texels[y * texture.width() as usize + x];
@@ -78,7 +78,7 @@ fn texel(texture: &Texture, level: usize, (x, y): (usize, usize)) -> [u8; 3] {
     }
 }
 
-/// Header, level index, descriptor, what wrote it, and the levels, the smallest first.
+/// Returns the file: header, level index, descriptor, key-value data, and the levels, the smallest first.
 fn file((width, height): (u32, u32), encoding: Encoding, levels: &[Vec<u8>]) -> Vec<u8> {
     let descriptor_at = HEADER + LEVEL * levels.len();
     let words = key_values();
@@ -126,7 +126,7 @@ fn descriptor(encoding: Encoding) -> [u32; DESCRIPTOR / 4] {
     ]
 }
 
-/// Which way up the picture is, and who wrote it.
+/// Returns the key-value data: the orientation of the image, and the program that wrote it.
 fn key_values() -> Vec<u8> {
     let mut bytes = Vec::new();
     for (key, value) in

@@ -3,9 +3,9 @@
 /// Levels: bits, and above them a digit of three or five values. Source: Khronos Data Format 1.3, 23.18, where colours
 /// are unquantised.
 pub(super) struct Range {
-    /// How many bits are below the digit.
+    /// The number of bits below the digit.
     pub bits: u32,
-    /// How many values the digit has; 1 where there is none.
+    /// The number of values of the digit; 1 where there is none.
     pub digits: u32,
     /// The value of 0 to 255 for each code.
     pub value: [u8; 256],
@@ -47,7 +47,7 @@ impl Range {
         range
     }
 
-    /// The nearest level's code.
+    /// Returns the code of the nearest level.
     pub fn code(&self, value: f32) -> u8 {
         self.nearest[(value + 0.5).clamp(0.0, 255.0) as usize]
     }

@@ -1,4 +1,4 @@
-//! What extensions add to a material: index of refraction, specular strength, clearcoat, anisotropy, sheen, no light.
+//! Material layers by extensions: index of refraction, specular strength, clearcoat, anisotropy, sheen, no light.
 
 use super::super::material::short;
 use super::Writer;
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 const IOR: f32 = 1.5;
 
 impl Writer<'_> {
-    /// Adds what a material has beyond glTF's own factors.
+    /// Adds the layers of a material beyond glTF's own factors.
     pub(super) fn layers(&mut self, mut extensions: Extensions, material: &Material) -> Extensions {
         let mut layers: Vec<(&'static str, Value)> = Vec::new();
         if material.unlit {

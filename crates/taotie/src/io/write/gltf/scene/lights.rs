@@ -1,4 +1,4 @@
-//! Lights (KHR_lights_punctual) and cameras, each on a node of its own.
+//! Lights (KHR_lights_punctual) and cameras, each on a separate node.
 
 use super::super::material::short;
 use super::{Writer, placed};
@@ -65,7 +65,7 @@ fn light(light: &Light) -> Value {
     named(json, &light.name)
 }
 
-/// Takes −z to the light's direction. Source: KHR_lights_punctual.
+/// Returns the transform that takes −z to the light's direction. Source: KHR_lights_punctual.
 fn place(kind: &LightKind) -> Mat4 {
     let (position, direction) = match kind {
         LightKind::Point { position } => return Mat4::translation(position.to_f64()),

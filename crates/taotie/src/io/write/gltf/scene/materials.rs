@@ -1,4 +1,4 @@
-//! Materials: glTF's own factors and textures. What extensions add is written in [`super::layers`].
+//! Materials: glTF's own factors and textures. [`super::layers`] writes the layers that extensions add.
 
 use super::super::material::short;
 use super::Writer;
@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 pub(super) type Extensions = Map<String, Value>;
 
 impl Writer<'_> {
-    /// Returns the JSON of a material; what it cannot say is noted.
+    /// Returns the JSON of a material; content that glTF cannot express is noted.
     pub(super) fn material(&mut self, material: &Material) -> Value {
         self.note_unsaid(material);
         let mut json = json!({ "doubleSided": material.double_sided });
@@ -59,14 +59,14 @@ impl Writer<'_> {
         pbr
     }
 
-    /// Colours above 1 are clamped and noted.
+    /// Returns colours as fractions; those above 1 are clamped and noted.
     pub(super) fn fractions<const N: usize>(&mut self, what: &str, values: [f32; N]) -> Vec<f64> {
         let above = values.iter().any(|v| *v > 1.0);
         self.note(&format!("{what} above 1, which glTF clamps"), usize::from(above));
         values.into_iter().map(|v| short(v.min(1.0))).collect()
     }
 
-    /// Emission above 1 is a colour times a strength.
+    /// Writes the emission; above 1 it is a colour times a strength.
     fn emission(&mut self, json: &mut Value, emissive: [f32; 3]) -> Extensions {
         const STRENGTH: &str = "KHR_materials_emissive_strength";
         let mut extensions = Extensions::new();

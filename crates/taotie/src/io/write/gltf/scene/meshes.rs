@@ -11,10 +11,10 @@ use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-/// How far from a right angle two axes of a placement may stand, as a cosine, for glTF to call it one.
+/// The greatest distance from a right angle between two axes of a placement, as a cosine, for glTF to call it one.
 const SQUARE: f64 = 1e-4;
 
-/// What was written of a mesh of the scene.
+/// The written parts of a mesh of the scene.
 struct Shape {
     primitive: Value,
     grid: Option<Grid>,
@@ -83,7 +83,7 @@ impl Writer<'_> {
     }
 }
 
-/// Whether the axes do not stand upright on one another. Source: glTF 2.0, 3.5.3, which wants matrices that decompose.
+/// Says whether the axes are not at right angles. Source: glTF 2.0, 3.5.3, which wants matrices that decompose.
 fn is_sheared(m: &Mat4) -> bool {
     let pair = |a: usize, b: usize| {
         let (a, b) = (m.axis(a), m.axis(b));

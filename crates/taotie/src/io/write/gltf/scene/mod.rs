@@ -17,24 +17,25 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use textures::Textures;
 
-/// The files of a scene that was written, and what they do not say.
+/// The files of a scene that was written, and notes on the content they lack.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct WrittenScene {
     /// The files, that of [`write_scene`]'s `path` first.
     pub files: Vec<PathBuf>,
-    /// What glTF cannot say, and is left out or changed.
+    /// Content that glTF cannot express, and that is left out or changed.
     pub warnings: Warnings,
 }
 
-/// Writes a scene, so that [`load_model`](crate::io::load_model) reads the same one: a GLB where `path` ends in `.glb`; for
-/// `.gltf` the JSON, with the numbers in `NAME.bin` and the textures in files such as `NAME_0.png` beside it. Either all files
-/// are written or none, the JSON last. The same scene gives the same bytes.
+/// Writes a scene, so that [`load_model`](crate::io::load_model) reads the same one: a GLB where `path` ends in `.glb`;
+/// for `.gltf` the JSON, with the numbers in `NAME.bin` and the textures in files such as `NAME_0.png` beside it.
+/// Either all files are written or none, the JSON last. The same scene gives the same bytes.
 ///
-/// Numbers are stored in 32-bit floats: transforms are rounded to them, and light, emission and turned uvs may be read one
-/// rounding apart. A mesh that is shown with several materials is read as several meshes. Left out with a warning is what
-/// glTF cannot say: reflectances (f0, f82), the classic models' parameters, height maps, object-space normal maps, sheared
-/// uvs, meshes that nothing shows; changed with a warning: lights that do not fall with distance, textures of floats.
+/// Numbers are stored in 32-bit floats: transforms are rounded to them, and light, emission and turned uvs may be read
+/// one rounding apart. A mesh that is shown with several materials is read as several meshes. Left out with a warning
+/// is content that glTF cannot express: reflectances (f0, f82), the classic models' parameters, height maps,
+/// object-space normal maps, sheared uvs, meshes that nothing shows; changed with a warning: lights that do not fall
+/// with distance, textures of floats.
 ///
 /// ```no_run
 /// use std::path::Path;
@@ -48,8 +49,8 @@ pub struct WrittenScene {
 /// ```
 ///
 /// # Errors
-/// [`Error::Unsupported`] for another extension, [`Error::Invalid`] for a scene without triangles and for numbers that no
-/// 32-bit float holds, [`Error::Limit`] for a GLB of 4 GiB or more, [`Error::Io`] where a file cannot be written.
+/// [`Error::Unsupported`] for another extension, [`Error::Invalid`] for a scene without triangles and for numbers that
+/// no 32-bit float holds, [`Error::Limit`] for a GLB of 4 GiB or more, [`Error::Io`] where a file cannot be written.
 pub fn write_scene(path: &Path, scene: &Scene, format: &GltfFormat) -> Result<WrittenScene> {
     let container = Container::of(path)?;
     if scene.triangle_count() == 0 {
@@ -101,7 +102,7 @@ impl<'a> Writer<'a> {
         writer
     }
 
-    /// Says that something of `count` parts is not as the scene has it.
+    /// Notes that something of `count` parts is not as the scene has it.
     fn note(&mut self, what: &str, count: usize) {
         self.warnings.note(what, count);
     }
@@ -122,7 +123,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// A node in its place; one that is not moved has no matrix.
+/// Returns a node in its place; one that is not moved has no matrix.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the matrix leaves the numbers of 32-bit floats.

@@ -25,7 +25,7 @@ struct ImageUse {
     turned: bool,
 }
 
-/// What materials ask for, in the order of their asking.
+/// The images that materials ask for, in the order of their asking.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Textures {
     images: Vec<ImageUse>,
@@ -38,9 +38,9 @@ pub(super) struct Textures {
 pub(super) struct Image {
     bytes: Vec<u8>,
     format: GltfImages,
-    /// Whether floats were rounded.
+    /// `true` where floats were rounded.
     rounded: bool,
-    /// Whether it was to be packed in another way.
+    /// `true` where it was to be packed in another way.
     refused: bool,
 }
 
@@ -109,7 +109,7 @@ impl Writer<'_> {
     }
 }
 
-/// The number of a value in a list, to which it is added where it is not there.
+/// Returns the number of a value in a list, to which it is added where it is not there.
 fn number<T: PartialEq>(list: &mut Vec<T>, value: T) -> usize {
     list.iter().position(|known| *known == value).unwrap_or_else(|| {
         list.push(value);
@@ -129,7 +129,7 @@ fn encoded(texture: &Texture, turned: bool, format: GltfImages) -> Result<Image>
     Ok(Image { bytes, format, rounded, refused })
 }
 
-/// The finest level in 8 or 16 bits, and whether floats were rounded for it.
+/// Returns the finest level in 8 or 16 bits, and whether floats were rounded for it.
 fn whole_numbers(texture: &Texture) -> Result<(Cow<'_, Bitmap>, bool)> {
     let bitmap = texture.bitmap();
     let Texels::F32(texels) = bitmap.texels() else { return Ok((Cow::Borrowed(bitmap), false)) };
@@ -151,7 +151,7 @@ fn whole_numbers(texture: &Texture) -> Result<(Cow<'_, Bitmap>, bool)> {
     Ok((Cow::Owned(bitmap), rounded))
 }
 
-/// The same normals with green up, exactly.
+/// Returns the same normals with green up, exactly.
 fn with_green_turned(bitmap: &Bitmap) -> Result<Bitmap> {
     let texels = match bitmap.texels() {
         Texels::U8(texels) => Texels::U8(texels.iter().map(|[r, g, b, a]| [*r, 255 - g, *b, *a]).collect()),
@@ -163,7 +163,7 @@ fn with_green_turned(bitmap: &Bitmap) -> Result<Bitmap> {
     Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), texels)
 }
 
-/// The parts of a uv transform, T · R · S, and whether it is sheared so that they are not all of it.
+/// Returns the parts of a uv transform, T · R · S, and whether it is sheared so that they are not all of it.
 /// Source: KHR_texture_transform.
 fn transform(of: &UvTransform) -> (Value, bool) {
     let [[a, b], [c, d]] = of.linear.map(|row| row.map(f64::from));
