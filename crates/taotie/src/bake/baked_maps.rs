@@ -2,7 +2,7 @@
 
 use super::maps::{MapKind, Maps};
 
-/// What became of a texel.
+/// The outcome of baking a texel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum TexelStatus {
@@ -24,7 +24,7 @@ pub struct BakedMaps {
     pub width: u32,
     /// Texels down.
     pub height: u32,
-    /// What became of each texel.
+    /// The status of each texel.
     pub texels: Vec<TexelStatus>,
     /// Unit normals, in the space asked for.
     pub normal: Vec<[f32; 3]>,
@@ -38,7 +38,7 @@ pub struct BakedMaps {
     pub bent: Vec<[f32; 3]>,
     /// 1 over model units.
     pub curvature: Vec<f32>,
-    /// What artists set, [0, 1].
+    /// Perceptual roughness, as artists set it, [0, 1].
     pub roughness: Vec<f32>,
 }
 

@@ -1,4 +1,4 @@
-//! Which way and how far the high-poly surface is looked for.
+//! The directions and distances in which the high-poly surface is looked for.
 
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
@@ -17,15 +17,15 @@ use rayon::prelude::*;
 pub struct Cage {
     /// Outward, unit.
     directions: Vec<Vec3>,
-    /// How far lines go into the low-poly surface and out of it, model units.
+    /// The ray distances into the low-poly surface and out of it, model units.
     distances: Vec<f32>,
     /// The longest of these.
     longest: f32,
 }
 
-/// What lines are given beyond the gap that was found.
+/// The ray distance as a multiple of the gap that was found.
 const MARGIN: f32 = 2.0;
-/// Lines are never shorter than this part of the mesh's diagonal.
+/// The shortest ray distance, as a part of the mesh's diagonal.
 const LEAST: f64 = 2e-4;
 /// The gap is sought no farther than this part of the mesh's diagonal.
 const MOST: f64 = 0.1;
@@ -35,7 +35,8 @@ const MOST: f64 = 0.1;
 const NEAR: f64 = 1e-2;
 const OBLIQUE: f32 = 4.0;
 
-/// Where a line meets nothing, the closest point of the scan is taken from as far as this many times the longest line.
+/// The farthest closest point of the scan, as a multiple of the longest ray distance, for projection rays that meet
+/// nothing.
 const FALLBACK: f32 = 4.0;
 
 impl Cage {
@@ -121,7 +122,8 @@ impl Cage {
         }
     }
 
-    /// What a line that met nothing stands for: the closest point of the scan, if it faces the same way.
+    /// Returns the correspondence of a projection ray that met nothing: the closest point of the scan, if it faces the
+    /// same way.
     pub(super) fn fallback(&self, scan: &Scan, projection: &ProjectionRay) -> Option<Correspondence> {
         scan.closest(projection.point, projection.direction, self.longest * FALLBACK)
     }
@@ -156,7 +158,7 @@ fn directions(low: &Mesh) -> Vec<Vec3> {
     means.into_iter().zip(around).map(|(mean, around)| mean.normalize_or(around)).collect()
 }
 
-/// Where gaps between a mesh and its scan are sought.
+/// The places where gaps between a mesh and its scan are sought.
 struct GapSearch<'a> {
     low: &'a Mesh,
     /// Of the mesh's vertices.

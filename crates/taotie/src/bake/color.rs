@@ -1,4 +1,4 @@
-//! What colour a high-poly surface has where.
+//! The colour of a high-poly surface at a point.
 
 use crate::image::Texture;
 use crate::math::Vec3;

@@ -1,4 +1,4 @@
-//! Which triangle of a mesh each texel of a map belongs to.
+//! The triangle of a mesh that each texel of a map belongs to.
 
 use super::grow::grow;
 use super::owner::{NONE, PADDING};
@@ -16,13 +16,13 @@ pub struct TexelGrid {
     pub width: u32,
     /// Texels down.
     pub height: u32,
-    /// Which uv set of the mesh.
+    /// The uv set of the mesh.
     pub uv_set: usize,
-    /// How many texels charts are grown beyond their borders.
+    /// The number of texels by which UV islands are grown beyond their borders.
     pub padding: u32,
 }
 
-/// Which triangle each texel belongs to.
+/// The triangle that each texel belongs to.
 ///
 /// A texel belongs to the triangle that covers its centre. Corners are rounded to fixed point and the rest is exact:
 /// of triangles that share an edge one alone covers a centre on it. Where triangles lie over one another, the one
@@ -81,7 +81,7 @@ impl Coverage {
         (texel != NONE).then_some(texel & !PADDING)
     }
 
-    /// Whether a triangle covers the centre of a texel, padding excluded.
+    /// Returns `true` where a triangle covers the centre of a texel, padding excluded.
     pub fn is_covered(&self, x: u32, y: u32) -> bool {
         self.texels[self.index(x, y)] < PADDING
     }
@@ -91,17 +91,18 @@ impl Coverage {
         self.texels.par_iter().map(|texel| *texel < PADDING).collect()
     }
 
-    /// How many texels have a triangle over their centre.
+    /// Returns the number of texels that have a triangle over their centre.
     pub fn covered(&self) -> usize {
         self.covered
     }
 
-    /// How many texels have more than one triangle over their centre: charts that overlap, or uvs that wrap around.
+    /// Returns the number of texels that have more than one triangle over their centre: UV islands that overlap, or uvs
+    /// that wrap around.
     pub fn shared(&self) -> usize {
         self.shared
     }
 
-    /// How many triangles can cover no texel because their uvs span no area or are not finite.
+    /// Returns the number of triangles that can cover no texel because their uvs span no area or are not finite.
     pub fn skipped(&self) -> usize {
         self.skipped
     }

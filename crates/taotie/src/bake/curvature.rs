@@ -1,4 +1,4 @@
-//! How a surface bends.
+//! The curvature of a surface.
 
 use crate::math::Vec3;
 use crate::mesh::Mesh;

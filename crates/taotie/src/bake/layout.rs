@@ -71,7 +71,7 @@ impl<'a> Layout<'a> {
         Ok(layout)
     }
 
-    /// How many bands there are; the last may be lower than the others.
+    /// Returns the number of bands; the last may be lower than the others.
     pub fn band_count(&self) -> usize {
         self.size[1].div_ceil(BAND) as usize
     }

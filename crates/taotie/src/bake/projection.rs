@@ -23,7 +23,7 @@ pub struct ProjectionRay {
     pub point: Vec3,
     /// Outward, unit.
     pub direction: Vec3,
-    /// How far the ray goes into the low-poly surface and out of it, model units.
+    /// The ray distance into the low-poly surface and out of it, model units.
     pub distance: f32,
 }
 
@@ -34,7 +34,7 @@ impl ProjectionRay {
         (ray, Stretch { from: 0.0, center: self.distance, to: self.distance + self.distance })
     }
 
-    /// What a hit of [`ProjectionRay::ray`] on a surface with this normal stands for.
+    /// Returns the correspondence of a hit of [`ProjectionRay::ray`] on a surface with this normal.
     pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Correspondence {
         Correspondence { height: hit.distance - self.distance, normal, point: hit.point() }
     }

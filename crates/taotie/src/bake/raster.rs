@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// How many copies of the map a triangle's uvs may span.
+/// The largest number of copies of the map that a triangle's uvs may span.
 const MOST_COPIES: f64 = 16.0;
 /// Marks texels under more than one triangle.
 const SHARED: u32 = 1 << 31;

@@ -47,7 +47,7 @@ pub(super) fn search(
     projections.iter().zip(nearest).map(found).collect()
 }
 
-/// How the projections of a patch are seen; `None` where the patch is seen edge on.
+/// Returns the view of a ray packet along the projection rays of a patch; `None` where the patch is seen edge on.
 ///
 /// A sample at column x and row y looks along corner + x · across + y · down + depth · direction.
 fn view(patch: &Patch, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Option<PacketView> {

@@ -1,4 +1,4 @@
-//! How much of the hemisphere over each point of a scan is open.
+//! The open part of the hemisphere over each point of a scan.
 
 use super::projection::Correspondence;
 use super::scan::Scan;
@@ -12,9 +12,9 @@ pub(super) struct Sky {
     directions: Vec<Vec3>,
     /// Samples a texel, which share the directions out between them.
     classes: u32,
-    /// How far what is in the way counts, model units.
+    /// The distance within which surfaces block the rays, model units.
     reach: f32,
-    /// How far rays begin above the surface.
+    /// The height above the surface at which rays begin.
     offset: f32,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct AoSample {
     class: u32,
 }
 
-/// What was seen of the hemisphere: sums over directions, each weighted by its cosine.
+/// The open part of a hemisphere: sums over directions, each weighted by its cosine.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Open {
     /// Of the weights of all directions.
@@ -95,7 +95,7 @@ impl Sky {
         open
     }
 
-    /// Whether something stands in the way from each of these points.
+    /// Returns for each of these points whether something blocks its ray.
     fn blocked(&self, scan: &Scan, ao_samples: &[AoSample], looking: &[usize], direction: Vec3) -> Vec<bool> {
         /// Fewer rays are faster one by one.
         const FEW: usize = 6;

@@ -1,4 +1,4 @@
-//! What a mesh is at each texel of a map.
+//! The surface of a mesh at each texel of a map.
 
 use super::coverage::{Coverage, TexelGrid, uv_set};
 use crate::error::{Error, Result};
@@ -17,9 +17,9 @@ pub struct SurfacePoint {
     pub tangent: Vec3<f64>,
     /// ±1: the bitangent is this times cross(normal, tangent).
     pub handedness: f64,
-    /// How the position changes with u and v over the flat triangle, model units.
+    /// The derivatives of the position by u and v over the flat triangle, model units.
     pub position_by_uv: [Vec3<f64>; 2],
-    /// How the interpolated normal changes with u and v.
+    /// The derivatives of the interpolated normal by u and v.
     pub normal_by_uv: [Vec3<f64>; 2],
 }
 
@@ -51,7 +51,7 @@ impl TexelSurface {
         Ok(Self { coverage: Coverage::new(&mesh, grid)?, mesh, uv_set: grid.uv_set })
     }
 
-    /// Which triangle each texel belongs to.
+    /// Returns the triangle that each texel belongs to.
     pub fn coverage(&self) -> &Coverage {
         &self.coverage
     }

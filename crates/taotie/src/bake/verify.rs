@@ -1,4 +1,4 @@
-//! Whether a low-poly mesh with its normal map looks as the scan it was baked from.
+//! The error of a low-poly mesh with its normal map against the scan it was baked from.
 
 use super::cage::{Cage, triangle_weights};
 use super::layout::{BAND, Layout};
@@ -19,13 +19,13 @@ pub struct Verifier<'a> {
     pub mesh: &'a Mesh,
     /// Its normal map; without one its vertex normals are judged.
     pub normal: Option<(&'a Texture, NormalSpace)>,
-    /// Where each of its points is looked for on the scan.
+    /// The cage from which each of its points is projected onto the scan.
     pub cage: &'a Cage,
-    /// What it should look like.
+    /// The scan that it should look like.
     pub scan: &'a Scan,
 }
 
-/// How far normals are from those of the scan.
+/// The angles between normals and those of the scan.
 #[derive(Debug, Clone)]
 pub struct NormalError {
     /// Degrees, one number for each of many points spread evenly over the low-poly mesh.
@@ -36,7 +36,7 @@ pub struct NormalError {
     pub lost: f64,
 }
 
-/// How far two surfaces lie from one another, model units.
+/// The distance of two surfaces from one another, model units.
 #[derive(Debug, Clone)]
 pub struct Deviation {
     /// From points of the scan to the low-poly mesh.
@@ -180,7 +180,7 @@ impl Verifier<'_> {
     }
 }
 
-/// How a point found the scan.
+/// The way in which a point found the scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     Met,
@@ -217,7 +217,7 @@ fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
     (b - a).cross(c - a).length()
 }
 
-/// What is wrong with a pair of meshes, told before anything is baked.
+/// Faults of a pair of meshes, found before anything is baked.
 impl Verifier<'_> {
     /// Of points spread over the low-poly mesh: the part near which the scan has no surface at all, the part where its
     /// closest surface faces the other way, and the mean distance to it as a part of `diagonal`; `None` where the mesh
@@ -245,7 +245,7 @@ impl Verifier<'_> {
 /// Farther than this part of the diagonal, a scan is not the surface that a low-poly mesh stands for.
 const AWAY: f64 = 0.02;
 
-/// How well a low-poly mesh and a scan fit together.
+/// The measure of how well a low-poly mesh and a scan fit together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
     /// The part of the low-poly mesh that lies farther than a fiftieth of the diagonal from the scan, [0, 1].

@@ -44,9 +44,9 @@ impl Heights {
         self.beside([x.into(), y.into()], [0, 0])
     }
 
-    /// How the height changes a texel to the right and a texel down: central differences over ±1 and ±2 texels, exact
-    /// for polynomials of the fourth degree (Fornberg 1988, table 1). Where three texels do not hold it, fine relief is
-    /// kept better than by Sobel's or Prewitt's operators, which blur.
+    /// Returns the change of the height a texel to the right and a texel down: central differences over ±1 and ±2
+    /// texels, exact for polynomials of the fourth degree (Fornberg 1988, table 1). Where three texels do not hold it,
+    /// fine relief is kept better than by Sobel's or Prewitt's operators, which blur.
     pub fn slopes(&self, x: u32, y: u32) -> [f64; 2] {
         let at = |offset| self.beside([x.into(), y.into()], offset);
         let across = 8.0 * (at([1, 0]) - at([-1, 0])) - (at([2, 0]) - at([-2, 0]));

@@ -8,12 +8,12 @@ use crate::scene::{GreenChannel, NormalSpace};
 use crate::surface::{decode_object_normal, encode_normal};
 use rayon::prelude::*;
 
-/// How numbers are stored.
+/// The way in which numbers are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Storage {
     /// Bits a channel, 8 or 16.
     pub bits: u8,
-    /// Whether a pattern of less than one code is added before rounding.
+    /// `true` where a pattern of less than one code is added before rounding.
     ///
     /// Rounding alone turns gentle curves into steps, which highlights show; with dithering the mean over neighbours
     /// is right, at the price of a larger error of each texel. The pattern is the additive recurrence R2 (Roberts

@@ -41,7 +41,7 @@ pub(super) fn lighten(part: Part, wanted: usize, progress: Progress<'_>) -> Resu
     Ok((Part { triangles, ..part }.compacted(), error))
 }
 
-/// Which vertices triangles of more than one block have.
+/// Returns for each vertex whether triangles of more than one block share it.
 fn shared_vertices(part: &Part) -> Vec<bool> {
     const NOBODY: u32 = u32::MAX;
     let mut owners = vec![NOBODY; part.points.len()];

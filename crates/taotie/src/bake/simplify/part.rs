@@ -7,7 +7,7 @@ use meshopt::VertexDataAdapter;
 pub(in crate::bake) struct Part {
     /// Points in the unit cube.
     pub points: Vec<[f32; 3]>,
-    /// Which vertex of the mesh each point is.
+    /// The vertex of the mesh that each point is.
     pub sources: Vec<u32>,
     pub triangles: Vec<[u32; 3]>,
 }

@@ -5,11 +5,11 @@ use super::part::{Part, adapter, triples};
 use crate::math::Vec3;
 use meshopt::SimplifyOptions as Choices;
 
-/// How far the number of triangles may be from the wanted one, as a part of it.
+/// The largest difference between the number of triangles and the wanted one, as a part of the wanted one.
 const NEAR: f64 = 0.02;
 /// The largest part that may be left out, as a part of the whole.
 const LARGEST_LEFT_OUT: f32 = 0.05;
-/// What clustering leaves for one wanted triangle, so that edges can be collapsed afterwards.
+/// The number of triangles that clustering leaves for one wanted triangle, so that edges can be collapsed afterwards.
 const CLUSTERED_FOR_ONE: usize = 4;
 
 /// Fewer triangles of a part.
@@ -20,7 +20,7 @@ pub(super) struct Reduced {
     pub method: SimplifyMethod,
 }
 
-/// Whether a number of triangles is the wanted one, or nearly.
+/// Returns `true` where a number of triangles is the wanted one, or nearly.
 pub(in crate::bake) fn is_near(found: usize, wanted: usize) -> bool {
     found.abs_diff(wanted) as f64 <= (NEAR * wanted as f64).max(1.0)
 }

@@ -4,7 +4,7 @@ use super::merge::Limits;
 use super::topology::{NONE, Topology};
 use crate::math::Vec3;
 
-/// How often all triangles are looked at.
+/// The number of times that all triangles are looked at.
 const ROUNDS: usize = 4;
 
 /// Gives triangles that stick into another chart to it, where it sees them well enough. Charts stay connected: what

@@ -18,7 +18,7 @@ const ANGLES: usize = 32;
 #[derive(Debug, Clone)]
 pub(super) struct Chart {
     pub triangles: Vec<u32>,
-    /// What it is seen along, unit.
+    /// The unit direction along which it is seen.
     axis: Vec3<f64>,
     /// A corner's place on the chart is its product with each of these. The area of the whole is that of the surface.
     right: Vec3<f64>,
@@ -39,7 +39,7 @@ impl Chart {
         Self { triangles, axis, right: right * scale, down: -axis.cross(right) * scale }
     }
 
-    /// Where a corner lies, right and down.
+    /// Returns the place of a corner, right and down.
     pub fn place(&self, corner: Vec3<f64>) -> [f64; 2] {
         [corner.dot(self.right), corner.dot(self.down)]
     }
@@ -88,7 +88,7 @@ pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
     })
 }
 
-/// What charts are measured by.
+/// The sizes by which charts are split.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measure {
     /// Texels a unit that overlaps are searched with.

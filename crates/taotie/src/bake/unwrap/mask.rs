@@ -49,7 +49,7 @@ impl Mask {
         self.rows.len() as u32
     }
 
-    /// How many cells it has.
+    /// Returns the number of cells.
     pub fn cells(&self) -> usize {
         self.rows.iter().flatten().map(|[from, to]| (to - from) as usize).sum()
     }

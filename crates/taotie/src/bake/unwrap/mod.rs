@@ -27,17 +27,17 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use topology::{NONE, Topology};
 
-/// How far the triangles of a chart may face from its axis: 62° for the smooth surface, 80° for single ones.
+/// The widest angles between the triangles of a chart and its axis: 62° for the smooth surface, 80° for single ones.
 const WIDE: Limits = Limits { smooth: 0.47, own: 0.17, small: f64::INFINITY };
 /// The same where one side is a crumb.
 const CRUMBS: Limits = Limits { smooth: 0.26, own: 0.12, small: f64::INFINITY };
 /// A crumb is smaller than this part of the surface.
 const CRUMB: f64 = 1.0 / 400.0;
-/// How much of the square charts cover, first guess.
+/// The part of the square that charts cover, first guess.
 const COVER: f64 = 0.7;
 /// Texels along a side for one of the map, when charts are searched for places that lie over others.
 const FINER: f64 = 2.0;
-/// How often charts are laid out at most: what lies over itself by less than a texel shows only there.
+/// The largest number of layouts: overlaps of less than a texel show only there.
 const ROUNDS: u32 = 8;
 /// No chart is longer than this part of the map: a blade in one piece would leave the rest of it empty.
 const LONGEST: f64 = 0.95;
@@ -48,7 +48,7 @@ pub struct Unwrapped {
     /// The triangles of the input in their order; vertices are split where charts meet. Uv set 0 is the new one, the
     /// only one, in [0, 1], origin top left; tangents are left out, all else is kept to the bit.
     pub mesh: Mesh,
-    /// How many charts there are.
+    /// The number of UV islands.
     pub charts: usize,
     /// The chart of each triangle; `None` for triangles without area, whose uvs are 0.
     pub chart_of: Vec<Option<u32>>,

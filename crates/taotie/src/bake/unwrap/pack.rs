@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 const SMALL: usize = 64;
 /// Masks with more cells are sought a place for in their four turns at once.
 const LARGE: usize = 4096;
-/// How many rows of a mask are held against the longest free runs before cells are looked at.
+/// The number of rows of a mask that are held against the longest free runs before cells are looked at.
 const PROBES: usize = 8;
 
-/// Where a chart lies: cells from the left and the top, after quarter turns to the right.
+/// The place of a chart: cells from the left and the top, after quarter turns to the right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Placement {
     pub quarters: u8,
@@ -61,7 +61,7 @@ struct Board {
     taken: Vec<u64>,
     /// The longest run of free cells in each row that is there.
     free: Vec<u32>,
-    /// How far to both sides the gap goes in each row above and below.
+    /// The width of the gap to both sides in each row above and below.
     halves: Vec<u32>,
     /// Rows above which a small mask found no place.
     known: BTreeMap<Mask, u32>,

@@ -12,7 +12,7 @@ const ROUNDS: usize = 4;
 const SMOOTH_COSINE: f64 = 0.766;
 /// The same for the triangles' own normals: 70°.
 const OWN_COSINE: f64 = 0.342;
-/// How much longer a way seems where the surface faces elsewhere.
+/// The factor by which a way seems longer where the surface faces elsewhere.
 const DETOUR: f64 = 8.0;
 
 /// A patch while it grows.
@@ -101,7 +101,7 @@ fn spread(topology: &Topology, patches: &[Patch], labels: &mut [u32], claims: &m
     }
 }
 
-/// Whether a triangle may belong to a patch with this axis.
+/// Returns `true` where a triangle may belong to a patch with this axis.
 fn faces(topology: &Topology, triangle: usize, axis: Vec3<f64>) -> bool {
     topology.is_flat_enough(triangle)
         && topology.smooth[triangle].dot(axis) >= SMOOTH_COSINE

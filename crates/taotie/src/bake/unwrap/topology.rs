@@ -1,4 +1,4 @@
-//! What a mesh is before it is cut: triangles, who lies beside whom, and where each faces.
+//! The topology of a mesh before it is cut: triangles, their neighbours and the directions that they face.
 
 use crate::bake::simplify::{Frame, places};
 use crate::math::Vec3;
@@ -46,12 +46,12 @@ impl Topology {
         topology
     }
 
-    /// How many triangles there are.
+    /// Returns the number of triangles.
     pub fn len(&self) -> usize {
         self.areas.len()
     }
 
-    /// Whether a triangle can be laid out at all.
+    /// Returns `true` where a triangle can be laid out at all.
     pub fn is_flat_enough(&self, triangle: usize) -> bool {
         self.areas[triangle] > 1e-18
     }
