@@ -13,11 +13,11 @@ use crate::progress::Progress;
 /// Maps as they were baked.
 pub(super) struct StoredMaps {
     pub textures: Textures,
-    /// What became of the samples.
+    /// The outcomes of the samples.
     pub counts: BakeCounts,
-    /// Where the scan was looked for.
+    /// The cage from which the scan was looked for.
     pub cage: Cage,
-    /// What was wrong with the cage's file.
+    /// The faults of the cage's file.
     pub warnings: Warnings,
 }
 

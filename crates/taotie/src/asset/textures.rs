@@ -22,15 +22,15 @@ pub struct Textures {
     pub color: Option<Bitmap>,
     /// Occlusion, roughness and metallic; or occlusion alone.
     pub orm: Option<Bitmap>,
-    /// Which of the three are in `orm`.
+    /// Says which of the three are in `orm`.
     pub has: Has,
     /// Maps that glTF has no place for.
     pub beside: Vec<Beside>,
-    /// Where rays missed; `None` where none did.
+    /// The places where projection rays missed; `None` where none did.
     pub misses: Option<Misses>,
 }
 
-/// Which numbers a texture of occlusion, roughness and metallic holds.
+/// The numbers that a texture of occlusion, roughness and metallic holds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Has {
@@ -44,7 +44,7 @@ pub struct Has {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Beside {
-    /// Which map.
+    /// The kind of map.
     pub map: MapKind,
     /// Its texels.
     pub bitmap: Bitmap,

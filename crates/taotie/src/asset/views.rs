@@ -22,18 +22,18 @@ pub struct Views {
     pub scan: Vec<Picture>,
     /// Of the asset.
     pub asset: Vec<Picture>,
-    /// What an observer sees of the difference.
+    /// The difference as an observer sees it.
     pub flip: Vec<Field>,
     /// The same in numbers.
     pub figures: Vec<ViewFigures>,
 }
 
-/// How a picture of an asset differs from that of its scan.
+/// The difference of an image of an asset from that of its scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ViewFigures {
-    /// Where from, degrees.
+    /// The azimuth of the view, degrees.
     pub azimuth_deg: f64,
     /// Degrees above the horizon.
     pub elevation_deg: f64,

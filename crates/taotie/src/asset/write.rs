@@ -26,7 +26,7 @@ pub struct Written {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct MapNote {
-    /// Which map.
+    /// The kind of map.
     pub map: MapKind,
     /// Its file; `None` inside of the asset.
     pub file: Option<PathBuf>,
@@ -107,7 +107,7 @@ fn coverages(count: usize) -> Vec<f32> {
     quarters.take(count.saturating_sub(1)).chain([0.0]).collect()
 }
 
-/// What the asset says of the files beside it; `None` where there are none.
+/// Returns the asset's notes on the files beside it; `None` where there are none.
 fn extras(textures: &Textures, path: &Path) -> Option<Value> {
     let entry = |beside: &Beside| {
         let note = MapNote::beside(beside, path);

@@ -29,13 +29,13 @@ pub struct Comparison {
     pub surfaces: Vec<RenderedSurface>,
     /// The methods that could not be drawn.
     pub skipped: Vec<SkippedMethod>,
-    /// Which of `surfaces` the others are compared with: the reference, else the first method.
+    /// The index in `surfaces` of the one that the others are compared with: the reference, else the first method.
     pub against: usize,
     /// The true normal at the point of the model that each pixel shows; the fourth channel is 1 where there is one.
     pub truth: Image,
     /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
     pub unmatched: f64,
-    /// Which pixels are away from silhouettes, row by row.
+    /// `true` for each pixel away from silhouettes, row by row.
     pub inner: Vec<bool>,
     /// The pixels whose normals are listed.
     pub points: Vec<[u32; 2]>,
@@ -94,7 +94,7 @@ impl Comparison {
     }
 }
 
-/// How many samples saw something.
+/// Returns the number of samples that saw something.
 fn covered(image: &Image) -> f64 {
     image.pixels().iter().filter(|pixel| pixel[3] == 1.0).count() as f64
 }

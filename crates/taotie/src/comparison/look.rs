@@ -85,8 +85,8 @@ impl Look {
         Ok(means)
     }
 
-    /// Which pixels are away from silhouettes, row by row: see [`INNER_RULE`]. The fourth
-    /// channel of `matched` is 1 where a sample has a corresponding point.
+    /// Returns `true` for each pixel away from silhouettes, row by row: see [`INNER_RULE`]. The fourth channel of
+    /// `matched` is 1 where a sample has a corresponding point.
     pub(super) fn inner(&self, matched: &Image) -> Vec<bool> {
         let n = self.per_side;
         let (width, height) = (matched.width() / n, matched.height() / n);

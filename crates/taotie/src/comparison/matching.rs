@@ -1,4 +1,4 @@
-//! Which point of the reference corresponds to a point of the model.
+//! The point of the reference that corresponds to a point of the model.
 //!
 //! A low-poly mesh lies beside the high-poly one, so at the same pixel the two show different points of the relief.
 
@@ -11,7 +11,7 @@ use crate::names::Named;
 use crate::scene::Scene;
 use rayon::prelude::*;
 
-/// How corresponding points of model and reference are found.
+/// The way in which corresponding points of model and reference are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Matching {
     /// Along the model's vertex normal, as bakers do.

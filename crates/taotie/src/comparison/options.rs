@@ -1,4 +1,4 @@
-//! How models are compared.
+//! The options of a comparison.
 
 use super::matching::Matching;
 use super::method::Method;
@@ -11,7 +11,7 @@ use crate::render::{Lighting, RenderSettings};
 use crate::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
 use crate::shade::Shading;
 
-/// How a model is compared.
+/// The options of a comparison of models.
 #[derive(Debug, Clone)]
 pub struct ComparisonOptions {
     /// The surface methods, at least one and each once; the first is what the angles at sample points are measured from.
@@ -20,7 +20,7 @@ pub struct ComparisonOptions {
     pub shadings: Vec<Shading>,
     /// The pixels whose normals are listed.
     pub points: SamplePoints,
-    /// Which point of the reference corresponds to a point of the model.
+    /// The way in which the corresponding point of the reference is found.
     pub matching: Matching,
     /// The camera of all pictures; `None` fits the model into the picture, seen a little from the side and from
     /// above.
@@ -30,7 +30,7 @@ pub struct ComparisonOptions {
     /// Size, samples, shadows, tangents, the height of white for `bump`, and the SIMD level. Shading and surface method
     /// are not read.
     pub settings: RenderSettings,
-    /// How all pictures are developed; it needs a background, since pictures are compared as a screen shows them.
+    /// The development of all images; it needs a background, since images are compared as a screen shows them.
     pub development: Development,
 }
 
@@ -53,7 +53,7 @@ impl Default for ComparisonOptions {
 const DEFAULT_ORBIT_DEG: [f64; 2] = [25.0, 15.0];
 /// The full vertical angle of view.
 const DEFAULT_FOV_DEG: f64 = 30.0;
-/// How much of the picture a framed model fills.
+/// The part of the image that a framed model fills.
 const FILL: f64 = 0.9;
 
 /// #2a2b2e, linear.

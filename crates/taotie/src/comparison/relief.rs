@@ -17,7 +17,7 @@ pub(super) struct Relief {
     greys: HashMap<usize, usize>,
     /// The texture with the normals of each material in the other space.
     converted: HashMap<usize, usize>,
-    /// How tangents are made, if not as the renderer chooses.
+    /// The method of making tangents, if not as the renderer chooses.
     tangents: Option<TangentMethod>,
     /// Notes on derived maps, for the report.
     notes: Vec<String>,
@@ -44,7 +44,7 @@ impl Relief {
     /// Sets the scene's materials up for `method`; the reason why not where none of them has the relief for it.
     ///
     /// # Errors
-    /// Where a derived texture cannot be made.
+    /// Fails where a derived texture cannot be made.
     pub(super) fn apply(&mut self, scene: &mut Scene, method: Method) -> Result<Option<&'static str>> {
         scene.edit(|scene| scene.materials.clone_from(&self.materials))?;
         let mut any = false;

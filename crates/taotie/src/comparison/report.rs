@@ -27,7 +27,7 @@ pub struct Report {
     pub parameters: Parameters,
     /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
     pub unmatched: f64,
-    /// How pixels and points are chosen and what the figures mean.
+    /// The rules by which pixels and points are chosen, and the meaning of the figures.
     pub rules: Rules,
     /// The methods in their order, then the reference.
     pub methods: Vec<MethodReport>,
@@ -46,7 +46,7 @@ pub struct Report {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct CountedWarning {
-    /// How often it was seen.
+    /// The number of times it was seen.
     pub count: usize,
     /// The fault.
     pub what: String,
@@ -82,7 +82,7 @@ pub struct ErrorReport {
     pub all: Option<Summary>,
     /// Over those away from silhouettes.
     pub inner: Option<Summary>,
-    /// How many matched pixels fall into each bin of a degree; the last of [`HISTOGRAM_BINS`] is open.
+    /// The number of matched pixels in each bin of a degree; the last of [`HISTOGRAM_BINS`] is open.
     pub histogram: Vec<u64>,
 }
 

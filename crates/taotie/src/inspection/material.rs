@@ -31,11 +31,11 @@ pub struct MaterialReport {
     pub alpha_mode: String,
     /// Of `mask`.
     pub alpha_cutoff: Option<f32>,
-    /// Whether back faces are drawn.
+    /// `true` where back faces are drawn.
     pub double_sided: bool,
-    /// Whether light does not count.
+    /// `true` where light does not count.
     pub unlit: bool,
-    /// [0, 1]: how much the occlusion texture counts.
+    /// The weight of the occlusion texture, [0, 1].
     pub occlusion_strength: f32,
     /// The height of white of the height map, model units.
     pub height_scale: Option<f32>,
@@ -84,7 +84,7 @@ pub struct TextureReport {
     pub channels: u8,
     /// `srgb` or `linear`.
     pub encoding: String,
-    /// Which uv set of the mesh.
+    /// The uv set of the mesh.
     pub uv_set: usize,
 }
 

@@ -29,11 +29,11 @@ pub struct Pixels {
     pub kind_by_pixels: NormalMapKind,
     /// Its green direction; `None` unless it is a tangent-space map.
     pub green_by_pixels: Option<GreenVerdict>,
-    /// How sure the green direction is, [0, 1]; 0 where unclear.
+    /// The confidence in the green direction, [0, 1]; 0 where unclear.
     pub green_confidence: Option<f32>,
     /// Texels that cannot be tangent-space normals; `None` unless it is such a map.
     pub invalid_texels: Option<usize>,
-    /// How many texels there are.
+    /// The number of texels.
     pub texels: usize,
 }
 

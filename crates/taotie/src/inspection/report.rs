@@ -29,7 +29,7 @@ pub struct Inspection {
     pub generator: Option<String>,
     /// The rights notice.
     pub copyright: Option<String>,
-    /// How many of each.
+    /// The number of each kind of thing.
     pub counts: Counts,
     /// World space; `None` where nothing is drawn.
     pub bounds: Option<Extent>,
@@ -55,7 +55,7 @@ pub struct Inspection {
     pub warnings: Vec<Counted>,
 }
 
-/// How many of each there are.
+/// The number of each kind of thing.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -128,7 +128,7 @@ pub struct AnimationReport {
 pub struct Counted {
     /// The thing that was wrong.
     pub what: String,
-    /// How often.
+    /// The number of times.
     pub count: usize,
 }
 

@@ -13,7 +13,7 @@ use std::sync::Arc;
 const STUDIO: &str = "studio";
 const NONE: &str = "none";
 
-/// Where light from all around comes from.
+/// The source of the light from all around.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum EnvironmentSource {
@@ -75,7 +75,7 @@ pub struct EnvironmentOptions {
     pub rotation: f64,
     /// Multiplies its radiance, at least 0.
     pub intensity: f64,
-    /// Whether it is seen where nothing stands before it.
+    /// `true` where it is seen behind the objects.
     pub visible: bool,
 }
 

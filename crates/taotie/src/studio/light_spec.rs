@@ -33,7 +33,7 @@ pub struct LightSpec {
     pub form: LightForm,
     /// Linear RGB strength: intensity in W/sr (candela) for points and spots, irradiance (lux) for directions.
     pub color: Vec3,
-    /// How the strength of points and spots falls with distance.
+    /// The falloff of the strength of points and spots with distance.
     pub falloff: Falloff,
 }
 

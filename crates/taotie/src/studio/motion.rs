@@ -64,7 +64,7 @@ impl Motion {
         names(self.rig.animations()).swap_remove(self.animation)
     }
 
-    /// How long it lasts, seconds.
+    /// Returns its duration, seconds.
     pub fn seconds(&self) -> f64 {
         self.rig.animations()[self.animation].seconds()
     }

@@ -1,9 +1,9 @@
-//! Which pictures are taken: one, those of a turn, or those of an animation.
+//! The images that are taken: one, those of a turn, or those of an animation.
 
 use super::viewpoint::part_of_turn;
 use crate::error::{Error, Result};
 
-/// How long a turn of the turntable lasts where no rate is asked for, seconds.
+/// The duration of a turn of the turntable where no rate is asked for, seconds.
 const TURN_SECONDS: f64 = 4.0;
 
 /// Seconds between pictures of an animation that has no length.
@@ -25,7 +25,7 @@ const STILL_SECONDS: f64 = 1.0 / 24.0;
 pub struct Sequence {
     /// At least one.
     pub shots: Vec<SequenceFrame>,
-    /// How long they last as a moving picture, seconds.
+    /// The duration as a moving image, seconds.
     pub seconds: f64,
 }
 
@@ -34,7 +34,7 @@ pub struct Sequence {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SequenceFrame {
-    /// How far the turntable has turned, radians; see [`super::Viewpoint::at`].
+    /// The turn of the turntable, radians; see [`super::Viewpoint::at`].
     pub turn: f64,
     /// The time of the animation, seconds; `None` for the model at rest.
     pub seconds: Option<f64>,
@@ -98,7 +98,7 @@ fn check(count: u32, rate: Option<f64>) -> Result<()> {
     }
 }
 
-/// How many pictures at a rate begin before an animation ends.
+/// Returns the number of images at a rate that begin before an animation ends.
 fn needed(length: f64, rate: f64) -> Result<u32> {
     const MOST: u32 = Sequence::MOST;
     // A length that is stored in 32 bits may lie a hair above a whole number of pictures.

@@ -1,4 +1,4 @@
-//! Where two images differ.
+//! The places where two images differ.
 
 use super::options::{DiffOptions, Metric};
 use super::pair::{ImageContent, ImagePair};
