@@ -25,12 +25,12 @@ pub struct VerifyOptions {
     pub distance_points: usize,
     /// Texels along a side of the map of errors, at most; no more than the maps have.
     pub map: u32,
-    /// Pixels along a side of the pictures from all sides, at least 11.
+    /// Pixels along a side of the images from all sides, at least 11.
     pub view: u32,
 }
 
 impl Default for VerifyOptions {
-    /// Normals at 200,000 points, distances at 100,000, a map of 1024² and pictures of 384².
+    /// Normals at 200,000 points, distances at 100,000, a map of 1024² and images of 384².
     fn default() -> Self {
         Self { points: 200_000, distance_points: 100_000, map: 1024, view: 384 }
     }
@@ -77,7 +77,7 @@ pub struct Figures {
     pub density: Option<Summary>,
     /// The part of the map that UV islands cover.
     pub uv_use: f64,
-    /// Of the pictures from all sides, each against that of the scan.
+    /// Of the images from all sides, each against that of the scan.
     pub views: Vec<ViewFigures>,
     /// The fit of the meshes to one another; `None` where the low-poly mesh has no area.
     pub fit: Option<FitFigures>,
@@ -123,7 +123,7 @@ pub struct Proof {
 impl Written {
     /// Reads the asset back and measures how far it is from the scan.
     ///
-    /// A scan that is given up, not borrowed, has its tree freed before pictures of it are taken. The listener hears the
+    /// A scan that is given up, not borrowed, has its tree freed before images of it are taken. The listener hears the
     /// stages `read back`, `measure normals`, `map errors` and `compare views`.
     ///
     /// # Errors

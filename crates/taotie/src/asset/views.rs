@@ -14,7 +14,7 @@ const COUNT: usize = 8;
 /// Degrees above and below the horizon, by turns.
 const ELEVATIONS: [f64; 2] = [20.0, -12.0];
 
-/// Pictures of scan and asset and their differences, view by view.
+/// Images of scan and asset and their differences, view by view.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Views {
@@ -43,7 +43,7 @@ pub struct ViewFigures {
     pub ssim: f64,
 }
 
-/// Takes the pictures, both of one neutral material, so that nothing but shape and normals differs.
+/// Takes the images, both of one neutral material, so that nothing but shape and normals differs.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.

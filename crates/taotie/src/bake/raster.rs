@@ -129,7 +129,7 @@ impl<'a> Rasterizer<'a> {
         Some(wide.map(|p| [0, 1].map(|k| (p[k] - first[k]) * self.size[k])))
     }
 
-    /// The texels whose centres lie in the triangle, whose corners run clockwise in the picture.
+    /// The texels whose centres lie in the triangle, whose corners run clockwise in the image.
     fn fill(&self, corners: [Fixed; 3], rows: Range<i64>, give: &mut impl FnMut(i64, [i64; 2])) {
         let (unit, half) = (1i64 << self.bits, (1i64 << self.bits) >> 1);
         let [a, b, c] = corners;

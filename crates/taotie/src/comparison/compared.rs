@@ -1,4 +1,4 @@
-//! Every method's pictures from one camera in one light, measured.
+//! Every method's images from one camera in one light, measured.
 
 use super::look::Look;
 use super::matching::Matching;
@@ -15,13 +15,13 @@ use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::surface::SurfaceMethod;
 
-/// A model by several surface methods in pictures and angles: see [`Comparison::of`].
+/// A model by several surface methods in images and angles: see [`Comparison::of`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Comparison {
     /// Names and sizes of model and reference.
     pub subject: SubjectReport,
-    /// Everything that the pictures depend on.
+    /// Everything that the images depend on.
     pub parameters: Parameters,
     /// The rules behind the figures.
     pub rules: Rules,

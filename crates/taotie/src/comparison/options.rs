@@ -22,10 +22,10 @@ pub struct ComparisonOptions {
     pub points: SamplePoints,
     /// The way in which the corresponding point of the reference is found.
     pub matching: Matching,
-    /// The camera of all pictures; `None` fits the model into the picture, seen a little from the side and from
+    /// The camera of all images; `None` fits the model into the image, seen a little from the side and from
     /// above.
     pub camera: Option<Camera>,
-    /// The light of all pictures; `None` for the model's own lights, else key, fill and rim.
+    /// The light of all images; `None` for the model's own lights, else key, fill and rim.
     pub lighting: Option<Lighting>,
     /// Size, samples, shadows, tangents, the height of white for `bump`, and the SIMD level. Shading and surface method
     /// are not read.
@@ -89,7 +89,7 @@ impl ComparisonOptions {
         }
     }
 
-    /// The camera asked for, else one that fits the model into the picture.
+    /// The camera asked for, else one that fits the model into the image.
     pub(super) fn camera_for(&self, model: &Scene) -> Result<Camera> {
         if let Some(camera) = &self.camera {
             return Ok(camera.clone());

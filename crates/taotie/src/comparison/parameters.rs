@@ -1,4 +1,4 @@
-//! Everything that the pictures of a comparison depend on, as data.
+//! Everything that the images of a comparison depend on, as data.
 
 use super::options::ComparisonOptions;
 use crate::compare::PIXELS_PER_DEGREE;
@@ -7,7 +7,7 @@ use crate::names::Named;
 use crate::render::Lighting;
 use crate::scene::{Camera, Falloff, Light, LightKind, Projection};
 
-/// Camera, light, film and whatever else the pictures of a comparison depend on, as plain data. Choices are named as on
+/// Camera, light, film and whatever else the images of a comparison depend on, as plain data. Choices are named as on
 /// the command line.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -72,7 +72,7 @@ pub enum ProjectionParameters {
     Perspective {
         /// Full vertical angle, degrees.
         fov_y_deg: f64,
-        /// Width over height as authored; `None` is the picture's.
+        /// Width over height as authored; `None` is the image's.
         aspect: Option<f64>,
         /// Distance of the near plane.
         near: f64,

@@ -23,7 +23,7 @@ pub struct Report {
     pub subject: SubjectReport,
     /// The surface that errors are measured against: `reference`, or the first method.
     pub against: String,
-    /// Camera, light, film and whatever else the pictures depend on.
+    /// Camera, light, film and whatever else the images depend on.
     pub parameters: Parameters,
     /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
     pub unmatched: f64,
@@ -61,13 +61,13 @@ pub struct MethodReport {
     pub method: String,
     /// A description in a few words.
     pub what: String,
-    /// Time for all its pictures.
+    /// Time for all its images.
     pub milliseconds: f64,
-    /// The name of the file for its normals as a picture.
+    /// The name of the file for its normals as an image.
     pub normals: String,
     /// Angular error; absent for what the others are compared with.
     pub error: Option<ErrorReport>,
-    /// The shaded pictures.
+    /// The shaded images.
     pub pictures: Vec<PictureReport>,
 }
 
@@ -86,7 +86,7 @@ pub struct ErrorReport {
     pub histogram: Vec<u64>,
 }
 
-/// A shaded picture, and its difference where there is one.
+/// A shaded image, and its difference where there is one.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -99,14 +99,14 @@ pub struct PictureReport {
     pub difference: Option<PictureFigures>,
 }
 
-/// The figures of the difference of two developed pictures.
+/// The figures of the difference of two developed images.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PictureFigures {
     /// In [0, 1] of encoded values.
     pub rmse: f64,
-    /// Decibels; absent for equal pictures, where it is infinite.
+    /// Decibels; absent for equal images, where it is infinite.
     pub psnr: Option<f64>,
     /// At most 1.
     pub ssim: f64,

@@ -30,7 +30,7 @@ impl fmt::Display for SamplePoints {
 }
 
 impl SamplePoints {
-    /// Returns the first pixel that lies outside a picture of this width and height.
+    /// Returns the first pixel that lies outside an image of this width and height.
     pub fn outside(&self, [width, height]: [u32; 2]) -> Option<[u32; 2]> {
         match self {
             Self::Spread(_) => None,

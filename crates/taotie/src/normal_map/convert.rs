@@ -1,6 +1,6 @@
 //! Normal maps from heights and from one another.
 //!
-//! All work on pictures of vectors: x, y and z, and a fourth channel that is 1 where there is a normal. Where there is
+//! All work on images of vectors: x, y and z, and a fourth channel that is 1 where there is a normal. Where there is
 //! none the vector is what padding should hold.
 
 use super::heights::Heights;
@@ -49,7 +49,7 @@ pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel)
 /// The tangent-space normals of a height map by itself, green up. `scale` is the height of 1 in texels, so a slope of
 /// 1 a texel is 45° where it is 1.
 ///
-/// n = (−s ∂h/∂x, −s ∂h/∂y, 1), normalised, with y up the picture; differences as [`Heights::slopes`] has them.
+/// n = (−s ∂h/∂x, −s ∂h/∂y, 1), normalised, with y up the image; differences as [`Heights::slopes`] has them.
 ///
 /// # Errors
 /// [`Error::Limit`] where a side is above [`Image::MAX_SIDE`].

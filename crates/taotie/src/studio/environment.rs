@@ -19,7 +19,7 @@ const NONE: &str = "none";
 pub enum EnvironmentSource {
     /// The studio that is built in.
     Studio,
-    /// An equirectangular picture, `.hdr` or `.exr`.
+    /// An equirectangular image, `.hdr` or `.exr`.
     File(PathBuf),
 }
 
@@ -69,7 +69,7 @@ impl EnvironmentSource {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct EnvironmentOptions {
-    /// Its picture; `None` for no light from all around.
+    /// Its image; `None` for no light from all around.
     pub source: Option<EnvironmentSource>,
     /// Radians by which it is turned about +y, counter-clockwise as seen from above.
     pub rotation: f64,
@@ -86,7 +86,7 @@ impl Default for EnvironmentOptions {
 }
 
 impl EnvironmentOptions {
-    /// Reads the picture and filters it, or takes it from the cache, which lies in [`crate::io::cache_folder`]. Texels
+    /// Reads the image and filters it, or takes it from the cache, which lies in [`crate::io::cache_folder`]. Texels
     /// that no light can have are mended and counted.
     ///
     /// # Errors
@@ -126,7 +126,7 @@ fn read(path: &Path) -> Result<Environment> {
     cached(&hash, || decode_environment(&bytes, path))
 }
 
-/// The filtered environment of this name from the cache; else made of its picture, and left there.
+/// The filtered environment of this name from the cache; else made of its image, and left there.
 fn cached(name: &str, picture: impl FnOnce() -> Result<Image>) -> Result<Environment> {
     let key = format!("{name}-{ENVIRONMENT_VERSION}.env");
     if let Some(environment) = cache::open(&key).and_then(|file| Environment::read(file).ok()) {

@@ -5,7 +5,7 @@ use crate::render::{SurfaceSettings, bind_tangents};
 use crate::scene::Scene;
 use crate::scene::animation::{Animation, Rig};
 
-/// Moments of an animation at which it must fit into the picture.
+/// Moments of an animation at which it must fit into the image.
 const MOMENTS: u32 = 24;
 
 /// A rig and which of its animations moves it.
@@ -45,7 +45,7 @@ impl Motion {
         Ok(Self { rig, animation })
     }
 
-    /// Makes tangents follow the surface; returns the settings for pictures of it. Brings the scene to rest.
+    /// Makes tangents follow the surface; returns the settings for images of it. Brings the scene to rest.
     ///
     /// # Errors
     /// As [`bind_tangents`].

@@ -6,10 +6,10 @@ use crate::error::{Error, Result};
 /// The duration of a turn of the turntable where no rate is asked for, seconds.
 const TURN_SECONDS: f64 = 4.0;
 
-/// Seconds between pictures of an animation that has no length.
+/// Seconds between images of an animation that has no length.
 const STILL_SECONDS: f64 = 1.0 / 24.0;
 
-/// The pictures to take, in order.
+/// The images to take, in order.
 ///
 /// ```
 /// use taotie::studio::Sequence;
@@ -29,7 +29,7 @@ pub struct Sequence {
     pub seconds: f64,
 }
 
-/// A picture to be taken.
+/// An image to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -41,15 +41,15 @@ pub struct SequenceFrame {
 }
 
 impl Sequence {
-    /// The most pictures of a sequence.
+    /// The most images of a sequence.
     pub const MOST: u32 = 9999;
 
-    /// One picture at a time of the animation in seconds, or of the model at rest.
+    /// One image at a time of the animation in seconds, or of the model at rest.
     pub fn still(time: Option<f64>) -> Self {
         Self { shots: vec![SequenceFrame { turn: 0.0, seconds: time }], seconds: 0.0 }
     }
 
-    /// `count` pictures around the object at one time of its animation, seconds, or at rest; `rate` of them a second,
+    /// `count` images around the object at one time of its animation, seconds, or at rest; `rate` of them a second,
     /// or all of them in four seconds.
     ///
     /// # Errors
@@ -61,11 +61,11 @@ impl Sequence {
         Ok(Self { shots: shots.collect(), seconds })
     }
 
-    /// Pictures of an animation that lasts `length` seconds, from its beginning to just before its end: `count` of them,
+    /// Images of an animation that lasts `length` seconds, from its beginning to just before its end: `count` of them,
     /// `rate` a second, or both; one where neither is given.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where `rate` is not above 0, or there are none or more than [`Sequence::MOST`] pictures.
+    /// [`Error::Invalid`] where `rate` is not above 0, or there are none or more than [`Sequence::MOST`] images.
     pub fn animation(length: f64, count: Option<u32>, rate: Option<f64>) -> Result<Self> {
         let (count, step) = match (count, rate) {
             (None, None) => (1, 0.0),
@@ -79,7 +79,7 @@ impl Sequence {
         Ok(Self { shots: shots.collect(), seconds: f64::from(count) * step })
     }
 
-    /// The time of the animation in each picture, seconds; none where the model is at rest.
+    /// The time of the animation in each image, seconds; none where the model is at rest.
     pub fn times(&self) -> Vec<f64> {
         self.shots.iter().filter_map(|shot| shot.seconds).collect()
     }

@@ -78,7 +78,7 @@ impl CameraOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Framing {
-    /// Width and height of the picture, pixels, above 0.
+    /// Width and height of the image, pixels, above 0.
     pub size: [u32; 2],
     /// `true` where the object must fit wherever a turntable has turned it to, so that the image does not jump.
     pub all_around: bool,
@@ -135,7 +135,7 @@ impl Viewpoint {
     }
 
     /// Chooses as [`Viewpoint::choose`] and frames all that the object fills in the course of its motion, so that every
-    /// picture is taken from the same place. Leaves the scene at the end of the motion.
+    /// image is taken from the same place. Leaves the scene at the end of the motion.
     ///
     /// # Errors
     /// As [`Viewpoint::choose`] and [`Motion::pose`].

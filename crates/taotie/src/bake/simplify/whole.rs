@@ -48,7 +48,7 @@ fn is_too_many(reduced: &Reduced, wanted: usize) -> bool {
     reduced.triangles.len() > wanted && !is_near(reduced.triangles.len(), wanted)
 }
 
-/// Where many triangles meet in an edge, a collapse takes more than was asked for; then it is asked for less.
+/// A collapse takes more than was asked for where many triangles meet in an edge; then it is asked for less.
 fn collapsed_exactly(part: &Part, options: &SimplifyOptions) -> Reduced {
     let collapsed_to = |triangles: usize| {
         let options = SimplifyOptions { triangles, ..*options };
