@@ -14,7 +14,7 @@ const MISSED: f64 = 0.001;
 /// More of the low-poly mesh far away, or turned, than this is worth a warning.
 const PART: f64 = 0.02;
 
-/// A scan and the low-poly mesh that is to stand for it.
+/// A scan and the low-poly mesh made for it.
 #[derive(Clone, Copy)]
 pub(super) struct Pair<'a> {
     pub scan: &'a Scan,

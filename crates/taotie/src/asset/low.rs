@@ -131,7 +131,7 @@ fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, progress: Progress<'_>
     Ok(unwrapped.mesh)
 }
 
-/// With normals and tangents; those of the file stay.
+/// Returns the mesh with normals and tangents; those of the file stay.
 fn framed(mesh: &Mesh, progress: Progress<'_>) -> Result<Mesh> {
     progress.begin("tangents")?;
     Ok(with_frames(mesh, 0, None)?.0.into_owned())

@@ -61,7 +61,7 @@ fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings
     }
 }
 
-/// The error with the file that it is about.
+/// Returns the error with the file that it is about.
 fn of_file(source: &MeshSource, error: Error) -> Error {
     match (source, error) {
         (MeshSource::File(path), Error::Invalid { what, why }) => {

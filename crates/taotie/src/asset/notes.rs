@@ -21,7 +21,7 @@ pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
     warnings.note("animations of the scan, which is baked at rest", usize::from(rig.is_some()));
 }
 
-/// The materials that are shown, each once.
+/// Returns the materials that are shown, each once.
 fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
     let is_used = |m: &usize| scene.instances().iter().any(|instance| instance.material == *m);
     (0..scene.materials().len()).filter(is_used).map(|m| &scene.materials()[m])

@@ -109,7 +109,7 @@ impl Default for BakeOptions {
     }
 }
 
-/// Rays over the hemisphere, if nobody says.
+/// The default number of rays over the hemisphere.
 pub(super) const AO_RAYS: u32 = 64;
 
 impl BakeOptions {

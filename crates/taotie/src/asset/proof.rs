@@ -168,7 +168,7 @@ impl Written {
         Ok(Proof { figures, error_map, views, warnings: loaded.warnings })
     }
 
-    /// The file of a normal map in object space, which stands beside the asset.
+    /// Returns the file of a normal map in object space, which stands beside the asset.
     fn object_map(&self) -> Option<PathBuf> {
         self.maps().into_iter().find(|note| note.map == MapKind::Normal).and_then(|note| note.file)
     }

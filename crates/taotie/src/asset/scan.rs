@@ -214,8 +214,8 @@ pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
     Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"))
 }
 
-/// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; gives back how
-/// many such meshes there are. A scan is never meant in facets.
+/// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; returns the
+/// number of such meshes. A scan is never meant in facets.
 fn smooth_facets(scene: &mut Scene) -> Result<usize> {
     let (mut parts, mut count) = (std::mem::take(scene).into_data(), 0);
     for mesh in &mut parts.meshes {

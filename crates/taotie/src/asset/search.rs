@@ -19,7 +19,7 @@ const SIZES: [u32; 5] = [256, 512, 1024, 2048, 4096];
 /// Bytes of a triangle with half a vertex, and of a texel of a PNG normal map.
 const TRIANGLE: u64 = 36;
 const TEXEL: u64 = 2;
-/// Points at which a trial is judged.
+/// The number of points at which a trial is measured.
 const POINTS: usize = 40_000;
 
 /// A mesh and a map that were tried for a wanted error.

@@ -77,7 +77,7 @@ fn neutral() -> Material {
     }
 }
 
-/// The finest level of the asset with the neutral material, its normal map kept.
+/// Returns the finest level of the asset with the neutral material, its normal map kept.
 fn neutralised(mut asset: Scene) -> Result<Scene> {
     asset.edit(|asset| {
         for material in &mut asset.materials {

@@ -9,10 +9,10 @@ use crate::surface;
 use crate::trace::Bvh;
 use rayon::prelude::*;
 
-/// For each vertex of a low-poly mesh the direction in which its scan is looked for, and how far.
+/// The direction in which the scan is looked for from each vertex of a low-poly mesh, and the ray distance.
 ///
 /// Directions are the means of the mesh's normals at a place, so that they do not part at hard edges and uv seams, and
-/// no gap opens between the lines of neighbouring texels.
+/// no gap opens between the projection rays of neighbouring texels.
 #[derive(Debug, Clone)]
 pub struct Cage {
     /// Outward, unit.
@@ -62,7 +62,7 @@ impl Cage {
         Self::new(directions, distances)
     }
 
-    /// The same distance everywhere, both ways.
+    /// Makes a cage of one ray distance everywhere, both ways.
     ///
     /// # Errors
     /// [`Error::Invalid`] where it is not above 0 and finite.
@@ -78,8 +78,8 @@ impl Cage {
         Ok(Self::new(directions, distances))
     }
 
-    /// From a cage mesh: the low-poly mesh with its vertices moved outward, in the same order. Lines end at the cage,
-    /// and go as far inward.
+    /// Makes a cage from a cage mesh: the low-poly mesh with its vertices moved outward, in the same order. Projection
+    /// rays end at the cage, and go as far inward.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the cage has another number of vertices, or where it lies on the mesh or inside of it.
@@ -106,12 +106,12 @@ impl Cage {
         Ok(Self::new(directions, distances))
     }
 
-    /// The longest of the distances over which the scan is looked for, model units.
+    /// Returns the longest of the distances over which the scan is looked for, model units.
     pub fn longest(&self) -> f32 {
         self.longest
     }
 
-    /// The line through a point of the low-poly mesh.
+    /// Returns the projection ray through a point of the low-poly mesh.
     pub fn projection_ray(&self, low: &Mesh, point: Point) -> ProjectionRay {
         let vertices = point.vertices(low);
         let directions = vertices.map(|v| self.directions[v]);
@@ -128,8 +128,8 @@ impl Cage {
         scan.closest(projection.point, projection.direction, self.longest * FALLBACK)
     }
 
-    /// The same cage for a copy of its mesh whose vertices stand in another order, or are fewer, or lie a little
-    /// beside: each takes what the cage has at the closest point of its own mesh.
+    /// Returns the same cage for a copy of its mesh whose vertices are in another order, or are fewer, or lie a little
+    /// beside: each takes the values of the cage at the closest point of the original mesh.
     pub fn carried_over(&self, own: &Mesh, copy: &Mesh) -> Self {
         let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
         let at = |point: &Vec3| {
@@ -147,7 +147,7 @@ impl Cage {
     }
 }
 
-/// The mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the
+/// Returns the mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the
 /// triangles around it.
 fn directions(low: &Mesh) -> Vec<Vec3> {
     let around = surface::vertex_normals(low);

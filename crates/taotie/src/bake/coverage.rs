@@ -28,8 +28,8 @@ pub struct TexelGrid {
 /// of triangles that share an edge one alone covers a centre on it. Where triangles lie over one another, the one
 /// with the lowest number has the texel. Uvs outside [0, 1] are wrapped.
 ///
-/// A texel in the padding, which is around charts and goes on across the map's borders, belongs to the triangle of the
-/// nearest covered texel, counted in steps to the left, the right, up and down.
+/// A texel in the padding, which is around UV islands and goes on across the map's borders, belongs to the triangle of
+/// the nearest covered texel, counted in steps to the left, the right, up and down.
 #[derive(Debug, Clone)]
 pub struct Coverage {
     width: u32,
@@ -75,7 +75,7 @@ impl Coverage {
         self.height
     }
 
-    /// The triangle that a texel belongs to, padding included.
+    /// Returns the triangle that a texel belongs to, padding included.
     pub fn triangle(&self, x: u32, y: u32) -> Option<u32> {
         let texel = self.texels[self.index(x, y)];
         (texel != NONE).then_some(texel & !PADDING)
@@ -86,7 +86,7 @@ impl Coverage {
         self.texels[self.index(x, y)] < PADDING
     }
 
-    /// For each texel, row by row from the top, whether a triangle covers its centre.
+    /// Returns for each texel, row by row from the top, whether a triangle covers its centre.
     pub fn mask(&self) -> Vec<bool> {
         self.texels.par_iter().map(|texel| *texel < PADDING).collect()
     }
@@ -113,7 +113,7 @@ impl Coverage {
     }
 }
 
-/// The uv set `set` of a mesh.
+/// Returns the uv set `set` of a mesh.
 pub(super) fn uv_set(mesh: &Mesh, set: usize) -> Result<&[Vec2]> {
     mesh.uvs().get(set).map(Vec::as_slice).ok_or_else(|| {
         let count = mesh.uvs().len();
@@ -127,7 +127,7 @@ mod tests {
     use crate::math::Vec3;
     use crate::mesh::MeshData;
 
-    /// A mesh with these uvs, three to a triangle.
+    /// Makes a mesh with these uvs, three to a triangle.
     fn mesh(uvs: &[[f32; 2]]) -> Mesh {
         let uvs: Vec<Vec2> = uvs.iter().map(|[u, v]| Vec2::new(*u, *v)).collect();
         let positions = vec![Vec3::splat(0.0); uvs.len()];
@@ -139,7 +139,7 @@ mod tests {
         TexelGrid { width, height, uv_set: 0, padding }
     }
 
-    /// The map as text: the triangle's number, in brackets nothing.
+    /// Returns the map as text: the triangle's number, in brackets nothing.
     fn text(coverage: &Coverage) -> String {
         let texel = |y: u32, x: u32| match (coverage.triangle(x, y), coverage.is_covered(x, y)) {
             (None, _) => '.',

@@ -18,7 +18,7 @@ pub struct Faults {
 }
 
 impl Faults {
-    /// Of a mesh, vertices at one position counted as one.
+    /// Counts the faults of a mesh, vertices at one position counted as one.
     pub fn of(mesh: &Mesh) -> Self {
         let places = surface::by_position(mesh.positions()).of;
         let triangles = mesh.triangles();

@@ -27,8 +27,8 @@ pub struct Level {
 /// Levels of detail with these numbers of triangles, each made from the unwrapped mesh itself, in the order of
 /// `counts`.
 ///
-/// Vertices are those of the mesh, so all levels share its maps; where charts meet both sides lose the same vertices,
-/// so no level has a crack. Uvs in the first set weigh as positions do.
+/// Vertices are those of the mesh, so all levels share its maps; where UV islands meet both sides lose the same
+/// vertices, so no level has a crack. Uvs in the first set weigh as positions do.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh has no uvs or a count is 0.
@@ -73,7 +73,7 @@ fn fewer(mesh: &Mesh, points: &[[f32; 3]], places: &[[f32; 2]], count: usize) ->
     (triples(corners), f64::from(error))
 }
 
-/// The mesh with other triangles, without the vertices that they do not use.
+/// Returns the mesh with other triangles, without the vertices that they do not use.
 fn with_triangles(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
     let (triangles, used) = compact(triangles, mesh.positions().len());
     Mesh::new(MeshData {

@@ -41,7 +41,7 @@ impl Named for MapKind {
 pub struct Maps(u8);
 
 impl Maps {
-    /// With one map more.
+    /// Returns the maps with one more.
     pub fn with(self, map: MapKind) -> Self {
         Self(self.0 | 1 << map as u8)
     }
@@ -51,7 +51,7 @@ impl Maps {
         self.0 & 1 << map as u8 != 0
     }
 
-    /// The maps, in the order of [`MapKind`].
+    /// Returns the maps, in the order of [`MapKind`].
     pub fn iter(self) -> impl Iterator<Item = MapKind> {
         MapKind::NAMES.iter().map(|(_, map)| *map).filter(move |map| self.has(*map))
     }

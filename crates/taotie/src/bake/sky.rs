@@ -38,7 +38,8 @@ pub(super) struct Open {
 }
 
 impl Sky {
-    /// About `rays` a texel of `classes` samples over the hemisphere; what is farther than `reach` away does not count.
+    /// Makes about `rays` a texel of `classes` samples over the hemisphere; surfaces farther than `reach` away do not
+    /// count.
     ///
     /// Directions are a spherical Fibonacci lattice (Keinert et al. 2015, "Spherical Fibonacci mapping", eq. 2).
     pub fn new(rays: u32, classes: u32, reach: f32, diagonal: f64) -> Self {
@@ -60,7 +61,7 @@ impl Sky {
         }
     }
 
-    /// The point of the scan that a sample found; `class` is the sample's number in its texel.
+    /// Returns the point of the scan that a sample found; `class` is the sample's number in its texel.
     pub fn ao_sample(&self, scan: &Scan, found: &Correspondence, class: u32) -> AoSample {
         let corners = scan.mesh().corners(found.point.triangle as usize);
         let facet = surface::facet_normal(corners).unwrap_or(found.normal);

@@ -62,7 +62,8 @@ impl Default for BakeSettings {
 pub struct BakeCounts {
     /// Samples on the low-poly mesh.
     pub samples: usize,
-    /// Those whose line met nothing that faces the right way, so that the closest point of the scan was taken.
+    /// Those whose projection ray met nothing that faces the right way, so that the closest point of the scan was
+    /// taken.
     pub missed: usize,
     /// Those of them whose closest point faces the wrong way too, or is too far away: they have the low-poly mesh's
     /// normal.
@@ -328,7 +329,7 @@ impl Job<'_> {
         }
     }
 
-    /// A direction in the space asked for, unit.
+    /// Returns a direction in the space asked for, unit.
     fn turned(&self, cell: &Cell, v: Vec3) -> Vec3 {
         let n = cell.n.normalize_or(Vec3::new(0.0, 0.0, 1.0));
         let v = v.normalize_or(n);

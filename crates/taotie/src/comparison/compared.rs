@@ -108,7 +108,7 @@ struct Truth {
 }
 
 impl Truth {
-    /// The reference's normals at the points of the model that `smooth` shows.
+    /// Returns the reference's normals at the points of the model that `smooth` shows.
     fn on(reference: &Scene, photographer: &Photographer<'_>, smooth: &Look) -> Result<Self> {
         let matched = match photographer.options.matching {
             Matching::Pixel => photographer.look(reference, None)?.normals,

@@ -82,7 +82,7 @@ impl Matching {
     }
 }
 
-/// The normal that `find` gives for each covered sample.
+/// Returns the normal that `find` gives for each covered sample.
 fn matched(smooth: &Look, find: impl Fn([u32; 2]) -> Option<Vec3> + Sync) -> Result<Image> {
     let (width, height) = (smooth.depth.width(), smooth.depth.height());
     let mut matched = Image::new(width, height, [0.0; 4])?;

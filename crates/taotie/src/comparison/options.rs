@@ -56,7 +56,7 @@ const DEFAULT_FOV_DEG: f64 = 30.0;
 /// The part of the image that a framed model fills.
 const FILL: f64 = 0.9;
 
-/// #2a2b2e, linear.
+/// Returns #2a2b2e, linear.
 fn charcoal() -> Vec3 {
     let linear = |code: u8| srgb::linear_from_srgb(f64::from(code) / 255.0) as f32;
     Vec3::new(linear(0x2a), linear(0x2b), linear(0x2e))
@@ -89,7 +89,7 @@ impl ComparisonOptions {
         }
     }
 
-    /// The camera asked for, else one that fits the model into the image.
+    /// Returns the camera asked for, else one that fits the model into the image.
     pub(super) fn camera_for(&self, model: &Scene) -> Result<Camera> {
         if let Some(camera) = &self.camera {
             return Ok(camera.clone());
@@ -105,7 +105,7 @@ impl ComparisonOptions {
         Ok(orbit.camera(bounds.diagonal() / 2.0))
     }
 
-    /// The light asked for, else the model's own lights, else key, fill and rim.
+    /// Returns the light asked for, else the model's own lights, else key, fill and rim.
     pub(super) fn lighting_for(&self, model: &Scene, camera: &Camera) -> Lighting {
         if let Some(lighting) = &self.lighting {
             return lighting.clone();

@@ -61,7 +61,7 @@ impl<'a> Photographer<'a> {
         Parameters::new(self.options, &self.camera, &self.lighting)
     }
 
-    /// The part of the progress that the next step makes.
+    /// Returns the part of the progress that the next step makes.
     fn next_step(&self) -> Progress<'a> {
         self.progress.part(self.fraction(self.done), self.fraction(self.done + 1))
     }

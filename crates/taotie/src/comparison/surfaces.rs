@@ -78,12 +78,12 @@ impl RenderedSurface {
         format!("{stem}.{kind}.png")
     }
 
-    /// [`RenderedSurface::file_name`] of the image under a shading.
+    /// Returns [`RenderedSurface::file_name`] of the image under a shading.
     pub fn picture_name(&self, shading: Shading) -> String {
         self.file_name(shading.name())
     }
 
-    /// [`RenderedSurface::file_name`] of the map of FLIP under a shading.
+    /// Returns [`RenderedSurface::file_name`] of the map of FLIP under a shading.
     pub fn flip_name(&self, shading: Shading) -> String {
         self.file_name(&format!("{}.flip", shading.name()))
     }

@@ -95,12 +95,12 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    /// About the materials of `loaded`.
+    /// Prepares reports on the materials of `loaded`.
     pub fn new(loaded: &'a Loaded) -> Self {
         Self { loaded, pixels: HashMap::new() }
     }
 
-    /// One a material, in order.
+    /// Returns one report a material, in order.
     pub fn reports(mut self) -> Vec<MaterialReport> {
         self.loaded.scene.materials().iter().map(|material| self.report(material)).collect()
     }

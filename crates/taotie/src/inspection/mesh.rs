@@ -76,7 +76,7 @@ fn materials_of(scene: &Scene, mesh: usize) -> Vec<usize> {
     materials.into_iter().collect()
 }
 
-/// The uv set of the first tangent-space normal map among `materials`.
+/// Returns the uv set of the first tangent-space normal map among `materials`.
 fn mapped_uv_set(scene: &Scene, materials: &[usize]) -> Option<usize> {
     let maps = materials.iter().filter_map(|index| scene.materials()[*index].normal);
     maps.filter(|map| map.space == NormalSpace::Tangent).map(|map| map.texture.uv_set).next()

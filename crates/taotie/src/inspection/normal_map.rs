@@ -38,14 +38,14 @@ pub struct Pixels {
 }
 
 impl NormalMapReport {
-    /// About `map`, of which `pixels` are.
+    /// Reports on `map`, of which `pixels` are.
     pub(super) fn new(map: &NormalMap, pixels: Pixels) -> Self {
         Self { scale: map.scale, space: map.space, green: map.green, pixels }
     }
 }
 
 impl Pixels {
-    /// Of a texture that is used as a normal map.
+    /// Reports on a texture that is used as a normal map.
     pub(super) fn of(bitmap: &Bitmap) -> Self {
         let kind = is_normal_map(bitmap);
         let guess = (kind == NormalMapKind::Tangent).then(|| green_direction(bitmap));

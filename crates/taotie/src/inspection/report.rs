@@ -220,7 +220,7 @@ fn named_camera(camera: &Camera) -> Listed {
     Listed { name: camera.name.clone(), kind: kind.into() }
 }
 
-/// Everything that reading noted and that rendering would note.
+/// Returns everything that reading noted and that rendering would note.
 fn warnings(loaded: &Loaded) -> Vec<Counted> {
     let mut all: Warnings = loaded.warnings.clone();
     match foreseen_warnings(&loaded.scene, &SurfaceSettings::default()) {

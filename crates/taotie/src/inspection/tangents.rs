@@ -41,7 +41,7 @@ const UNIT_MARGIN: f32 = 0.01;
 const PERPENDICULAR_MARGIN: f32 = 0.017_45;
 
 impl TangentHealth {
-    /// Of the tangents that `mesh` has, if any. `uv_set` is that of its normal map.
+    /// Measures the tangents that `mesh` has, if any. `uv_set` is that of its normal map.
     pub(super) fn of(mesh: &Mesh, uv_set: Option<usize>) -> Option<Self> {
         if mesh.tangents().is_empty() {
             return None;
@@ -103,7 +103,7 @@ impl Agreement {
     }
 }
 
-/// In radians, exact for small angles too.
+/// Returns the angle in radians, exact for small angles too.
 fn angle(a: Vec3, b: Vec3) -> f64 {
     let (a, b) = (a.to_f64(), b.to_f64());
     scalar::atan2(a.cross(b).length(), a.dot(b))

@@ -21,7 +21,7 @@ pub struct UvHealth {
 const MARGIN: f32 = 1e-4;
 
 impl UvHealth {
-    /// Of the uv set `set` of `mesh`.
+    /// Measures the uv set `set` of `mesh`.
     pub(super) fn of(mesh: &Mesh, set: usize) -> Self {
         let (mut outside, mut degenerate, mut mirrored) = (0, 0, 0);
         for (index, triangle) in mesh.triangles().iter().enumerate() {

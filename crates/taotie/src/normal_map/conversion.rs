@@ -132,7 +132,7 @@ impl Task<'_> {
         self.stored(&exact)
     }
 
-    /// Other bits, green turned: number by number, so that what can stay does.
+    /// Converts the bits and turns green: number by number, so that what can stay does.
     fn of_same_space(self) -> Result<Conversion> {
         let (source, green) = (self.source, self.options.green);
         let turned = self.space == NormalSpace::Tangent && source.green != green;
@@ -181,7 +181,7 @@ impl Task<'_> {
         })
     }
 
-    /// The field where charts are, without their padding.
+    /// Returns the field where UV islands are, without their padding.
     fn in_charts(self, field: Field) -> Result<Field> {
         match self.surface {
             Some(surface) => field.within(&surface.coverage().mask()),

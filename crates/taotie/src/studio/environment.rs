@@ -126,7 +126,7 @@ fn read(path: &Path) -> Result<Environment> {
     cached(&hash, || decode_environment(&bytes, path))
 }
 
-/// The filtered environment of this name from the cache; else made of its image, and left there.
+/// Returns the filtered environment of this name from the cache; else made of its image, and left there.
 fn cached(name: &str, picture: impl FnOnce() -> Result<Image>) -> Result<Environment> {
     let key = format!("{name}-{ENVIRONMENT_VERSION}.env");
     if let Some(environment) = cache::open(&key).and_then(|file| Environment::read(file).ok()) {

@@ -95,7 +95,7 @@ fn number_of(animations: &[Animation], name: &str) -> Option<usize> {
     named.or_else(|| name.parse().ok().filter(|number| *number < animations.len()))
 }
 
-/// Names, and numbers for those without.
+/// Returns the names, and numbers for those without.
 fn names(animations: &[Animation]) -> Vec<String> {
     let name = |(i, a): (usize, &Animation)| if a.name.is_empty() { i.to_string() } else { a.name.clone() };
     animations.iter().enumerate().map(name).collect()

@@ -44,13 +44,13 @@ impl Sequence {
     /// The most images of a sequence.
     pub const MOST: u32 = 9999;
 
-    /// One image at a time of the animation in seconds, or of the model at rest.
+    /// Makes one image at a time of the animation in seconds, or of the model at rest.
     pub fn still(time: Option<f64>) -> Self {
         Self { shots: vec![SequenceFrame { turn: 0.0, seconds: time }], seconds: 0.0 }
     }
 
-    /// `count` images around the object at one time of its animation, seconds, or at rest; `rate` of them a second,
-    /// or all of them in four seconds.
+    /// Makes `count` images around the object at one time of its animation, seconds, or at rest; `rate` of them a
+    /// second, or all of them in four seconds.
     ///
     /// # Errors
     /// [`Error::Invalid`] where `count` is 0 or above [`Sequence::MOST`], or `rate` is not above 0.
@@ -79,7 +79,7 @@ impl Sequence {
         Ok(Self { shots: shots.collect(), seconds: f64::from(count) * step })
     }
 
-    /// The time of the animation in each image, seconds; none where the model is at rest.
+    /// Returns the time of the animation in each image, seconds; none where the model is at rest.
     pub fn times(&self) -> Vec<f64> {
         self.shots.iter().filter_map(|shot| shot.seconds).collect()
     }

@@ -207,7 +207,7 @@ impl View<'_> {
         self.viewpoint.at(0.0).camera()
     }
 
-    /// The transform that keeps things fixed to the camera while the object turns.
+    /// Returns the transform that keeps things fixed to the camera while the object turns.
     pub fn world_from_studio(&self) -> Mat4 {
         let (up, pivot) = (Vec3::new(0.0, 1.0, 0.0), self.viewpoint.pivot);
         Mat4::translation(pivot) * Mat4::rotation_about(up, -self.turn) * Mat4::translation(-pivot)
@@ -223,7 +223,7 @@ struct Chosen<'a> {
 }
 
 impl Chosen<'_> {
-    /// The camera of the file, else an orbit, by default at the distance that `fit` finds.
+    /// Returns the camera of the file, else an orbit, by default at the distance that `fit` finds.
     fn viewpoint(self, fit: impl FnOnce(&Orbit) -> Result<f64>) -> Result<Viewpoint> {
         self.options.check()?;
         let CameraOptions { azimuth, elevation, distance, target, fov_y, .. } = *self.options;

@@ -85,7 +85,7 @@ fn check(options: &SimplifyOptions) -> Result<()> {
     Ok(())
 }
 
-/// The triangles with the positions of the mesh that they came from, and normals.
+/// Returns the triangles with the positions of the mesh that they came from, and normals.
 fn finish(mesh: &Mesh, part: &Part, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
     let (triangles, used) = part::compact(triangles, part.points.len());
     let positions = used.iter().map(|v| mesh.positions()[part.sources[*v as usize] as usize]).collect();

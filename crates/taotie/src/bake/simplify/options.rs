@@ -1,4 +1,4 @@
-//! Options of simplification, and which method reached the number of triangles.
+//! Options of simplification, and the method that reached the number of triangles.
 
 /// The options of simplification.
 #[derive(Debug, Clone, Copy, PartialEq)]

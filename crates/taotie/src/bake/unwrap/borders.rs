@@ -23,7 +23,7 @@ pub(super) fn shorten(topology: &Topology, labels: &mut [u32], axes: &[Vec3<f64>
     }
 }
 
-/// The chart that a triangle has a longer border with than with its own.
+/// Returns the chart that a triangle has a longer border with than with its own.
 fn better(topology: &Topology, labels: &[u32], t: usize) -> Option<u32> {
     let beside = topology.neighbours[t].map(|side| if side == NONE { NONE } else { labels[side as usize] });
     let own = labels[t];

@@ -39,7 +39,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The texels, right and down, of a point of a chart.
+    /// Returns the texels, right and down, of a point of a chart.
     pub fn place(&self, chart: u32, point: [f64; 2]) -> [f64; 2] {
         let (quarters, low, at) = self.charts[chart as usize];
         let p = turned(point, quarters);
@@ -141,7 +141,7 @@ impl Search<'_> {
     }
 }
 
-/// The next scale to try: what the last attempt suggests, kept between what fits and what does not.
+/// Returns the next scale to try: what the last attempt suggests, kept between what fits and what does not.
 fn next(suggested: f64, [fits, fails]: [f64; 2], attempt: usize) -> f64 {
     if fits == 0.0 {
         // Where padding is what fills the map, scales have to fall fast.
@@ -151,7 +151,7 @@ fn next(suggested: f64, [fits, fails]: [f64; 2], attempt: usize) -> f64 {
     suggested.clamp(low, high)
 }
 
-/// The longest side of the boxes around charts.
+/// Returns the longest side of the boxes around charts.
 fn longest_side(laid: &[Laid]) -> f64 {
     let side = |laid: &Laid| {
         let [low, high] = bounds(laid.iter().flatten().copied());

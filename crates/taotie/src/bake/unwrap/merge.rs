@@ -65,7 +65,7 @@ impl Merger {
         }
     }
 
-    /// The chart of each triangle, numbered without gaps, and the axis of each.
+    /// Returns the chart of each triangle, numbered without gaps, and the axis of each.
     pub fn charts(&self, labels: &[u32]) -> (Vec<u32>, Vec<Vec3<f64>>) {
         let mut numbers = vec![NONE; self.regions.len()];
         let mut axes = Vec::new();
@@ -142,7 +142,7 @@ impl Region {
         region
     }
 
-    /// The direction that the chart is seen from: where all triangles are seen well, else where most are.
+    /// Returns the direction that the chart is seen from: where all triangles are seen well, else where most are.
     fn axis(&self) -> Vec3<f64> {
         axis(&self.smooth, &self.own, self.facing)
     }

@@ -56,12 +56,12 @@ impl Topology {
         self.areas[triangle] > 1e-18
     }
 
-    /// The length of the edge from a corner to the next.
+    /// Returns the length of the edge from a corner to the next.
     pub fn edge(&self, triangle: usize, corner: usize) -> f64 {
         (self.corners[triangle][(corner + 1) % 3] - self.corners[triangle][corner]).length()
     }
 
-    /// The mean normals over surroundings whose width is about the same part of any model.
+    /// Returns the mean normals over surroundings whose width is about the same part of any model.
     fn smoothed(&self, mut vectors: Vec<Vec3<f64>>) -> Vec<Vec3<f64>> {
         let rounds = ((self.len() as f64).sqrt() / 25.0).clamp(2.0, 24.0) as usize;
         for _ in 0..rounds {
