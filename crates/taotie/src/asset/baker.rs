@@ -42,7 +42,7 @@ impl Baker {
         Need::of(&self.options, scan)
     }
 
-    /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; judges the result.
+    /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; measures the result.
     ///
     /// The listener hears the stages `simplify`, `unwrap`, `read the light mesh`, `tangents`, `measure the gap`,
     /// `bake`,
@@ -60,7 +60,7 @@ impl Baker {
         progress.apart(move |progress| bake(options, &scan, progress))
     }
 
-    /// The limits of a bake; what the scan holds already counts as free.
+    /// Returns the limits of a bake; what the scan holds already counts as free.
     fn limits_beside(&self, scan: &Scan) -> Limits {
         let held = scan.about.size.bytes();
         let free = || io::free_memory().map(|free| Bytes(free + held));
@@ -100,7 +100,7 @@ fn note_left_out(options: &BakeOptions, scan: &Scan, warnings: &mut Warnings) {
     }
 }
 
-/// The low-poly mesh with its maps; where an error is wanted the smallest that meets it.
+/// Returns the low-poly mesh with its maps; where an error is wanted the smallest that meets it.
 fn lightened(
     options: &BakeOptions,
     scan: &Scan,

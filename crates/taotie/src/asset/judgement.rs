@@ -1,4 +1,4 @@
-//! What is wrong with a pair of meshes, in plain words and with numbers. A bad map is never baked in silence.
+//! Faults of a pair of meshes, in plain words and with numbers. A bad map is never baked in silence.
 
 use super::low::LowPoly;
 use super::scan::Scan;
@@ -14,7 +14,7 @@ const MISSED: f64 = 0.001;
 /// More of the low-poly mesh far away, or turned, than this is worth a warning.
 const PART: f64 = 0.02;
 
-/// A scan and the low-poly mesh that is to stand for it.
+/// A scan and the low-poly mesh made for it.
 #[derive(Clone, Copy)]
 pub(super) struct Pair<'a> {
     pub scan: &'a Scan,
@@ -91,7 +91,7 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
         .note("triangles of the light mesh that face away from their own normals", turned(&pair.low.mesh));
 }
 
-/// How the meshes of a pair do not lie on one another.
+/// Returns the ways in which the meshes of a pair do not lie on one another.
 fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     let diagonal = pair.scan.mesh().diagonal();
     let verifier = Verifier { mesh: &pair.low.mesh, normal: None, cage, scan: &pair.scan.high };
@@ -120,7 +120,7 @@ fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     misfits
 }
 
-/// How many triangles face away from the mean of their corners' normals.
+/// Returns the number of triangles that face away from the mean of their corners' normals.
 fn turned(mesh: &Mesh) -> usize {
     let is_turned = |t: &usize| {
         let [a, b, c] = mesh.triangles()[*t].map(|v| mesh.normals()[v as usize]);

@@ -22,25 +22,25 @@ pub(super) struct LowPoly {
     pub kept: Kept,
 }
 
-/// Where a low-poly mesh came from.
+/// The origin of a low-poly mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Origin {
-    /// How the scan was simplified; `None` where the mesh was given.
+    /// The simplification of the scan; `None` where the mesh was given.
     pub simplified: Option<Simplification>,
     /// UV islands of the atlas, where uvs were made.
     pub charts: Option<usize>,
 }
 
-/// How a scan was simplified.
+/// The simplification of a scan.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Simplification {
-    /// What had to be done: `kept`, `collapsed`, `pruned` or `clustered`.
+    /// The method that was needed: `kept`, `collapsed`, `pruned` or `clustered`.
     pub means: String,
-    /// How far the low-poly mesh lies from the scan, as the simplifier estimates, model units.
+    /// The distance of the low-poly mesh from the scan, as the simplifier estimates, model units.
     pub error: f64,
 }
 
@@ -131,7 +131,7 @@ fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, progress: Progress<'_>
     Ok(unwrapped.mesh)
 }
 
-/// With normals and tangents; those of the file stay.
+/// Returns the mesh with normals and tangents; those of the file stay.
 fn framed(mesh: &Mesh, progress: Progress<'_>) -> Result<Mesh> {
     progress.begin("tangents")?;
     Ok(with_frames(mesh, 0, None)?.0.into_owned())

@@ -13,11 +13,11 @@ use crate::progress::Progress;
 /// Maps as they were baked.
 pub(super) struct StoredMaps {
     pub textures: Textures,
-    /// What became of the samples.
+    /// The outcomes of the samples.
     pub counts: BakeCounts,
-    /// Where the scan was looked for.
+    /// The cage from which the scan was looked for.
     pub cage: Cage,
-    /// What was wrong with the cage's file.
+    /// The faults of the cage's file.
     pub warnings: Warnings,
 }
 
@@ -61,7 +61,7 @@ fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings
     }
 }
 
-/// The error with the file that it is about.
+/// Returns the error with the file that it is about.
 fn of_file(source: &MeshSource, error: Error) -> Error {
     match (source, error) {
         (MeshSource::File(path), Error::Invalid { what, why }) => {

@@ -1,4 +1,4 @@
-//! How much memory a bake will take, told before it begins.
+//! The memory that a bake will take, estimated before it begins.
 
 use super::options::BakeOptions;
 use crate::bake::MapKind;
@@ -45,7 +45,7 @@ impl fmt::Display for Bytes {
     }
 }
 
-/// How much the work may take of the machine.
+/// The limits of what the work may take of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
@@ -76,7 +76,7 @@ impl Limits {
     }
 }
 
-/// How many triangles and vertices a scan has.
+/// The number of triangles and vertices of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ScanSize {
     /// Triangles, over all instances.
@@ -97,15 +97,15 @@ impl ScanSize {
     }
 }
 
-/// What a bake takes at its peak: the scan sorted for rays, simplification, maps.
+/// The memory of a bake at its peak: the scan sorted for rays, simplification, maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Need {
     /// The size of the scan.
     pub scan: ScanSize,
-    /// Whether the low-poly mesh has to be made.
+    /// `true` where the low-poly mesh has to be made.
     pub simplifies: bool,
-    /// Whether the scan is inspected.
+    /// `true` where the scan is inspected.
     pub inspects: bool,
     /// Texels of a map.
     pub texels: u64,
@@ -128,7 +128,7 @@ impl Need {
     pub fn bytes(&self) -> Bytes {
         /// Keys while the tree is sorted.
         const SORTING: u64 = 8;
-        /// What simplification takes a triangle: joined vertices, blocks, and the half that is left of them.
+        /// The memory of simplification for a triangle: joined vertices, blocks, and the half that is left of them.
         const SIMPLIFYING: u64 = 24;
         /// The scan's edges and triangles as they are sorted to find its faults.
         const INSPECTING: u64 = 40;

@@ -1,11 +1,11 @@
-//! Where projection rays missed the scan, small enough to look at.
+//! The places where projection rays missed the scan, small enough to look at.
 
 use crate::bake::{BakedMaps, TexelStatus};
 
 /// Texels along the longer side, at most.
 const SIDE: usize = 1024;
 
-/// What became of the texels of a map, the worst of each block: a single miss is to be seen.
+/// The status of the texels of a map, the worst of each block: a single miss is to be seen.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Misses {

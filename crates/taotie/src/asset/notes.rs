@@ -1,4 +1,4 @@
-//! What is asked for, or stands in a file, and finds no place in the asset: each is told and counted.
+//! Notes on things that are asked for, or are in a file, and find no place in the asset: each is told and counted.
 
 use super::options::{AO_RAYS, BakeOptions};
 use crate::bake::MapKind;
@@ -21,13 +21,13 @@ pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
     warnings.note("animations of the scan, which is baked at rest", usize::from(rig.is_some()));
 }
 
-/// The materials that are shown, each once.
+/// Returns the materials that are shown, each once.
 fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
     let is_used = |m: &usize| scene.instances().iter().any(|instance| instance.material == *m);
     (0..scene.materials().len()).filter(is_used).map(|m| &scene.materials()[m])
 }
 
-/// Whether a scan has more than one colour: of vertices, textures or materials.
+/// Returns `true` where a scan has more than one colour: of vertices, textures or materials.
 pub(super) fn has_colors(scene: &Scene) -> bool {
     let mut colors = used(scene).map(|material| material.base_color);
     let first = colors.next();
@@ -116,7 +116,7 @@ pub(super) fn left_of_low(material: &Material, options: &BakeOptions, warnings: 
         .note("the light mesh's normal map is left out; bake normal in its place", usize::from(has_relief));
 }
 
-/// Whether a texture is of uv set 0 and not moved by a transform.
+/// Returns `true` where a texture is of uv set 0 and not moved by a transform.
 pub(super) fn is_plain(texture: &TextureRef) -> bool {
     texture.uv_set == 0 && texture.transform == UvTransform::default()
 }

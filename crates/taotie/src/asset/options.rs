@@ -1,4 +1,4 @@
-//! What is to be baked, and how.
+//! The options of a bake.
 
 use crate::bake::MapKind;
 use crate::error::{Error, Result};
@@ -36,7 +36,7 @@ impl MeshSource {
     }
 }
 
-/// Where projection rays begin, and how far they go.
+/// The start of projection rays, and the ray distance.
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum RayDistance {
@@ -49,7 +49,7 @@ pub enum RayDistance {
     Cage(MeshSource),
 }
 
-/// What is baked, and how. Built by `Default` and struct update.
+/// The options of a bake. Built by `Default` and struct update.
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct BakeOptions {
@@ -64,7 +64,7 @@ pub struct BakeOptions {
     pub lods: Vec<u32>,
     /// Texels across and down of the maps, 16 to 16384.
     pub size: u32,
-    /// Which maps.
+    /// The maps to bake.
     pub maps: Vec<MapKind>,
     /// The space of normals and bent normals.
     pub space: NormalSpace,
@@ -72,17 +72,17 @@ pub struct BakeOptions {
     pub side: u32,
     /// Bits a channel of normal maps, 8 or 16; those of 8 are dithered.
     pub bits: u8,
-    /// How many texels UV islands are grown beyond their borders; `None` fills the map.
+    /// The number of texels by which UV islands are grown beyond their borders; `None` fills the map.
     pub dilation: Option<u32>,
     /// Rays over the hemisphere a texel, for occlusion and bent normals, 1 to 4096.
     pub ao_rays: u32,
-    /// How far what is in the way of them counts, model units; `None` for any distance.
+    /// The distance within which surfaces block them, model units; `None` for any distance.
     pub ao_distance: Option<f64>,
     /// Roughness of the scan's own surface, [0, 1]; `None` takes that of its material.
     pub roughness: Option<f64>,
-    /// How far the scan is looked for.
+    /// The distance within which the scan is looked for.
     pub ray_distance: RayDistance,
-    /// Whether faults of the scan are looked for: open edges, triangles that are there twice.
+    /// `true` where faults of the scan are looked for: open edges, triangles that are there twice.
     pub inspect: bool,
 }
 
@@ -109,7 +109,7 @@ impl Default for BakeOptions {
     }
 }
 
-/// Rays over the hemisphere, if nobody says.
+/// The default number of rays over the hemisphere.
 pub(super) const AO_RAYS: u32 = 64;
 
 impl BakeOptions {
@@ -183,7 +183,7 @@ impl BakeOptions {
         Ok(())
     }
 
-    /// Whether one of these maps is baked.
+    /// Returns `true` where one of these maps is baked.
     pub(super) fn bakes(&self, any: &[MapKind]) -> bool {
         any.iter().any(|map| self.maps.contains(map))
     }

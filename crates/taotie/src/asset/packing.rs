@@ -1,13 +1,13 @@
-//! How an asset is packed into files.
+//! The packing of an asset into files.
 
 use crate::io::GltfImages;
 use std::path::PathBuf;
 
-/// How an asset is packed into files. Built by `Default` and struct update.
+/// The packing of an asset into files. Built by `Default` and struct update.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Packing {
-    /// How textures are packed; KTX2 needs maps whose sides are multiples of 4.
+    /// The packing of textures; KTX2 needs maps whose sides are multiples of 4.
     pub images: GltfImages,
     /// Compresses geometry (EXT_meshopt_compression).
     pub meshopt: bool,

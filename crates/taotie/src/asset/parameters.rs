@@ -20,7 +20,7 @@ impl fmt::Display for Parameters {
 }
 
 impl Parameters {
-    /// Collects what was asked for; a cage is told by its path.
+    /// Collects what was asked for; a cage is named by its path.
     pub(super) fn new(options: &BakeOptions, packing: &Packing) -> Self {
         let auto = |value: Option<f64>| value.map_or(json!("auto"), |value| json!(value));
         let searched = options.mean_error_deg.is_some();
@@ -53,7 +53,7 @@ impl Parameters {
         }))
     }
 
-    /// Returns the same with the names of the files that were given, without folders: those are nobody's business.
+    /// Returns the same with the names of the files that were given, without their folders, which are private.
     pub(super) fn with_names(mut self, options: &BakeOptions) -> Self {
         let cage = match &options.ray_distance {
             RayDistance::Cage(source) => source.name(),

@@ -15,7 +15,7 @@ use crate::scene::{Instance, Material, NormalSpace, Scene, SceneData};
 use crate::surface::with_frames;
 use std::path::{Path, PathBuf};
 
-/// How closely an asset is looked at. Built by `Default` and struct update.
+/// The options of a proof. Built by `Default` and struct update.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct VerifyOptions {
@@ -25,12 +25,12 @@ pub struct VerifyOptions {
     pub distance_points: usize,
     /// Texels along a side of the map of errors, at most; no more than the maps have.
     pub map: u32,
-    /// Pixels along a side of the pictures from all sides, at least 11.
+    /// Pixels along a side of the images from all sides, at least 11.
     pub view: u32,
 }
 
 impl Default for VerifyOptions {
-    /// Normals at 200,000 points, distances at 100,000, a map of 1024² and pictures of 384².
+    /// Normals at 200,000 points, distances at 100,000, a map of 1024² and images of 384².
     fn default() -> Self {
         Self { points: 200_000, distance_points: 100_000, map: 1024, view: 384 }
     }
@@ -44,7 +44,7 @@ const BINS: usize = 50;
 /// The width of a bin of [`Figures::histogram`], degrees.
 pub const BIN_WIDTH: f64 = 0.2;
 
-/// How far an asset is from its scan, in numbers.
+/// The differences of an asset from its scan, in numbers.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -77,9 +77,9 @@ pub struct Figures {
     pub density: Option<Summary>,
     /// The part of the map that UV islands cover.
     pub uv_use: f64,
-    /// Of the pictures from all sides, each against that of the scan.
+    /// Of the images from all sides, each against that of the scan.
     pub views: Vec<ViewFigures>,
-    /// How well the meshes fit together; `None` where the low-poly mesh has no area.
+    /// The fit of the meshes to one another; `None` where the low-poly mesh has no area.
     pub fit: Option<FitFigures>,
     /// Bytes of the scan's file; 0 in memory.
     pub bytes_in: u64,
@@ -87,7 +87,7 @@ pub struct Figures {
     pub bytes_out: u64,
 }
 
-/// How well two meshes fit together; see [`Fit`].
+/// The fit of two meshes to one another; see [`Fit`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -106,7 +106,7 @@ impl From<Fit> for FitFigures {
     }
 }
 
-/// How far an asset is from its scan: figures and pictures.
+/// The differences of an asset from its scan: figures and images.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Proof {
@@ -116,14 +116,14 @@ pub struct Proof {
     pub error_map: Field,
     /// Scan and asset from all sides.
     pub views: Views,
-    /// What was wrong with the file as it was read back.
+    /// The faults of the file as it was read back.
     pub warnings: Warnings,
 }
 
 impl Written {
     /// Reads the asset back and measures how far it is from the scan.
     ///
-    /// A scan that is given up, not borrowed, has its tree freed before pictures of it are taken. The listener hears the
+    /// A scan that is given up, not borrowed, has its tree freed before images of it are taken. The listener hears the
     /// stages `read back`, `measure normals`, `map errors` and `compare views`.
     ///
     /// # Errors
@@ -168,7 +168,7 @@ impl Written {
         Ok(Proof { figures, error_map, views, warnings: loaded.warnings })
     }
 
-    /// The file of a normal map in object space, which stands beside the asset.
+    /// Returns the file of a normal map in object space, which stands beside the asset.
     fn object_map(&self) -> Option<PathBuf> {
         self.maps().into_iter().find(|note| note.map == MapKind::Normal).and_then(|note| note.file)
     }
@@ -243,7 +243,7 @@ impl<'a> Shown<'a> {
     }
 }
 
-/// What is measured, and with what.
+/// The surfaces that are measured, and the means.
 struct Subject<'a> {
     shown: &'a Shown<'a>,
     cage: &'a Cage,

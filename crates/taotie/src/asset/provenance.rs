@@ -1,4 +1,4 @@
-//! Where an asset comes from, as it says itself.
+//! The provenance of an asset, as it says itself.
 
 use super::made::Made;
 use super::packing::Packing;
@@ -11,7 +11,7 @@ use std::path::Path;
 /// Returns the XMP metadata of the scan, with what the packing adds, extended by what was done.
 ///
 /// # Errors
-/// Where a file cannot be read, or is no JSON object.
+/// Fails where a file cannot be read, or is no JSON object.
 pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Value> {
     let about = &made.about;
     let name = about.path.file_name().unwrap_or_default().to_string_lossy();
@@ -43,7 +43,7 @@ fn properties(path: &Path) -> Result<Map<String, Value>> {
     }
 }
 
-/// What is given goes before what the scan says; contexts are joined.
+/// Merges metadata into that of the scan: values given go before those of the scan; contexts are joined.
 fn merge(packet: &mut Value, given: Map<String, Value>) {
     let Value::Object(packet) = packet else { return };
     for (name, value) in given {

@@ -32,7 +32,7 @@ pub struct Report {
     pub high_triangles: usize,
     /// The low-poly mesh's file, or `None` where it was made.
     pub low: Option<String>,
-    /// Where the low-poly mesh came from.
+    /// The origin of the low-poly mesh.
     pub light: Origin,
     /// Triangles of each level of detail, the finest first.
     pub triangles: Vec<usize>,
@@ -42,17 +42,17 @@ pub struct Report {
     pub parameters: Parameters,
     /// The files written.
     pub files: Vec<PathBuf>,
-    /// What each map is and where.
+    /// The kind and the place of each map.
     pub maps: Vec<MapNote>,
-    /// What was measured; `None` where nothing was.
+    /// The measured figures; `None` where nothing was measured.
     pub proof: Option<Figures>,
-    /// What was required.
+    /// The requirements and their outcomes.
     pub required: Vec<Met>,
-    /// What was tried where an error was wanted.
+    /// The trials of a search, where an error was wanted.
     pub trials: Vec<Trial>,
-    /// How long each stage took.
+    /// The duration of each stage.
     pub stages: Vec<StageTime>,
-    /// What is wrong or was put right.
+    /// The things that are wrong or were put right.
     pub warnings: Vec<Warning>,
 }
 
@@ -71,7 +71,7 @@ pub struct StageTime {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Warning {
-    /// How often.
+    /// The number of times.
     pub count: usize,
     /// The warning.
     pub what: String,
@@ -114,7 +114,7 @@ impl Report {
         })
     }
 
-    /// Whether all that was required is met.
+    /// Returns `true` where all that was required is met.
     pub fn is_met(&self) -> bool {
         self.required.iter().all(|met| met.met)
     }

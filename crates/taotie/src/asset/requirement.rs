@@ -1,4 +1,4 @@
-//! What a proof must meet.
+//! The requirements that a proof must meet.
 
 use super::proof::{Figures, Proof};
 use crate::compare::Summary;
@@ -40,7 +40,7 @@ impl Named for Figure {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Requirement {
-    /// Which figure.
+    /// The figure that is limited.
     pub figure: Figure,
     /// The most, in the figure's unit; parts as such, not in per cent.
     pub most: f64,
@@ -108,18 +108,18 @@ impl FromStr for Requirement {
     }
 }
 
-/// Whether a requirement was met.
+/// The outcome of a requirement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Met {
-    /// Which figure.
+    /// The figure that is limited.
     pub figure: Figure,
     /// The most that it may be.
     pub most: f64,
     /// The figure's value; `None` where it could not be measured.
     pub value: Option<f64>,
-    /// Whether it is no more.
+    /// `true` where it is no more.
     pub met: bool,
 }
 

@@ -13,10 +13,10 @@ use crate::scene::{Material, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What is known of a scan beside its triangles.
+/// The properties of a scan beside its triangles.
 #[derive(Debug)]
 pub(super) struct About {
-    /// Where it was read; empty in memory.
+    /// The path of its file; empty in memory.
     pub path: PathBuf,
     pub hash: Option<FileHash>,
     /// Bytes of its file; 0 in memory.
@@ -24,12 +24,12 @@ pub(super) struct About {
     pub copyright: Option<String>,
     /// The XMP metadata of the file as a whole, JSON-LD.
     pub xmp: Option<serde_json::Value>,
-    /// What was wrong or is left out.
+    /// The things that were wrong or are left out.
     pub warnings: Warnings,
     pub size: ScanSize,
     /// The material of its first part.
     pub material: Material,
-    /// Whether it has colours of its own: vertices, textures, or several materials.
+    /// `true` where it has colours: of vertices, of textures, or of several materials.
     pub has_colors: bool,
 }
 
@@ -214,8 +214,8 @@ pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
     Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"))
 }
 
-/// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; gives back how
-/// many such meshes there are. A scan is never meant in facets.
+/// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; returns the
+/// number of such meshes. A scan is never meant in facets.
 fn smooth_facets(scene: &mut Scene) -> Result<usize> {
     let (mut parts, mut count) = (std::mem::take(scene).into_data(), 0);
     for mesh in &mut parts.meshes {

@@ -13,13 +13,13 @@ use crate::scene::NormalSpace;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-/// What is tried: triangles, and texels along a side.
+/// The sizes that are tried: triangles, and texels along a side.
 const TRIANGLES: [u32; 9] = [1_000, 2_500, 5_000, 10_000, 20_000, 40_000, 80_000, 150_000, 300_000];
 const SIZES: [u32; 5] = [256, 512, 1024, 2048, 4096];
 /// Bytes of a triangle with half a vertex, and of a texel of a PNG normal map.
 const TRIANGLE: u64 = 36;
 const TEXEL: u64 = 2;
-/// Points at which a trial is judged.
+/// The number of points at which a trial is measured.
 const POINTS: usize = 40_000;
 
 /// A mesh and a map that were tried for a wanted error.
@@ -42,7 +42,7 @@ pub(super) struct Found {
     /// Texels along a side.
     pub size: u32,
     pub trials: Vec<Trial>,
-    /// What was noted on the way to it.
+    /// The warnings on the way to it.
     pub warnings: Warnings,
 }
 

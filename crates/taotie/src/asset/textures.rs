@@ -22,15 +22,15 @@ pub struct Textures {
     pub color: Option<Bitmap>,
     /// Occlusion, roughness and metallic; or occlusion alone.
     pub orm: Option<Bitmap>,
-    /// Which of the three are in `orm`.
+    /// Says which of the three are in `orm`.
     pub has: Has,
     /// Maps that glTF has no place for.
     pub beside: Vec<Beside>,
-    /// Where rays missed; `None` where none did.
+    /// The places where projection rays missed; `None` where none did.
     pub misses: Option<Misses>,
 }
 
-/// Which numbers a texture of occlusion, roughness and metallic holds.
+/// The numbers that a texture of occlusion, roughness and metallic holds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Has {
@@ -40,19 +40,19 @@ pub struct Has {
     pub roughness: bool,
 }
 
-/// A map for a file of its own.
+/// A map for a separate file.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Beside {
-    /// Which map.
+    /// The kind of map.
     pub map: MapKind,
     /// Its texels.
     pub bitmap: Bitmap,
-    /// The numbers that its black and white stand for, where it holds numbers.
+    /// The numbers of its black and white, where it holds numbers.
     pub range: Option<Range>,
 }
 
-/// The numbers that black and white stand for.
+/// The numbers of black and white.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Range {
@@ -157,7 +157,7 @@ fn orm(planes: &BakedMaps, has: Has, metallic: f32) -> Result<Bitmap> {
     store_codes(planes.size(), codes, channels, Storage { bits: 8, dither: true })
 }
 
-/// A map of numbers, in 16 bits.
+/// Makes a map of numbers, in 16 bits.
 fn of_numbers(map: MapKind, planes: &BakedMaps, plane: &[f32], unit: &'static str) -> Result<Beside> {
     let [black, white] = range(map, planes, plane);
     let number = |v: f32| (v - black) / (white - black);
@@ -167,8 +167,8 @@ fn of_numbers(map: MapKind, planes: &BakedMaps, plane: &[f32], unit: &'static st
     Ok(Beside { map, bitmap, range: Some(range) })
 }
 
-/// The values of black and white: from the least to the greatest height, and as much curvature either way as all but
-/// the hundredth part of the texels have.
+/// Returns the values of black and white: from the least to the greatest height, and as much curvature either way as
+/// all but the hundredth part of the texels have.
 fn range(map: MapKind, planes: &BakedMaps, plane: &[f32]) -> [f32; 2] {
     let mut covered = planes.covered(plane);
     covered.sort_unstable_by(f32::total_cmp);

@@ -14,7 +14,7 @@ const COUNT: usize = 8;
 /// Degrees above and below the horizon, by turns.
 const ELEVATIONS: [f64; 2] = [20.0, -12.0];
 
-/// Pictures of scan and asset and their differences, view by view.
+/// Images of scan and asset and their differences, view by view.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Views {
@@ -22,18 +22,18 @@ pub struct Views {
     pub scan: Vec<Picture>,
     /// Of the asset.
     pub asset: Vec<Picture>,
-    /// What an observer sees of the difference.
+    /// The difference as an observer sees it.
     pub flip: Vec<Field>,
     /// The same in numbers.
     pub figures: Vec<ViewFigures>,
 }
 
-/// How a picture of an asset differs from that of its scan.
+/// The difference of an image of an asset from that of its scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct ViewFigures {
-    /// Where from, degrees.
+    /// The azimuth of the view, degrees.
     pub azimuth_deg: f64,
     /// Degrees above the horizon.
     pub elevation_deg: f64,
@@ -43,7 +43,7 @@ pub struct ViewFigures {
     pub ssim: f64,
 }
 
-/// Takes the pictures, both of one neutral material, so that nothing but shape and normals differs.
+/// Takes the images, both of one neutral material, so that nothing but shape and normals differs.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
@@ -77,7 +77,7 @@ fn neutral() -> Material {
     }
 }
 
-/// The finest level of the asset with the neutral material, its normal map kept.
+/// Returns the finest level of the asset with the neutral material, its normal map kept.
 fn neutralised(mut asset: Scene) -> Result<Scene> {
     asset.edit(|asset| {
         for material in &mut asset.materials {

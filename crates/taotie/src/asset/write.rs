@@ -26,7 +26,7 @@ pub struct Written {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct MapNote {
-    /// Which map.
+    /// The kind of map.
     pub map: MapKind,
     /// Its file; `None` inside of the asset.
     pub file: Option<PathBuf>,
@@ -66,7 +66,7 @@ impl Asset {
     }
 }
 
-/// All files, the model first.
+/// Returns all files, the model first.
 fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
     let textures = &made.maps.textures;
     let xmp = provenance::packet(made, packing)?;
@@ -95,19 +95,19 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
     Ok(files)
 }
 
-/// The file of a map beside the model `path`.
+/// Returns the file of a map beside the model `path`.
 fn file_of(beside: &Beside, path: &Path) -> PathBuf {
     path.with_extension(beside.extension())
 }
 
-/// The least part of the screen that the object covers while each level is shown: half as wide and half as high from
-/// level to level.
+/// Returns the least part of the screen that the object covers while each level is shown: half as wide and half as high
+/// from level to level.
 fn coverages(count: usize) -> Vec<f32> {
     let quarters = std::iter::successors(Some(0.25f32), |part| Some(part * 0.25));
     quarters.take(count.saturating_sub(1)).chain([0.0]).collect()
 }
 
-/// What the asset says of the files beside it; `None` where there are none.
+/// Returns the asset's notes on the files beside it; `None` where there are none.
 fn extras(textures: &Textures, path: &Path) -> Option<Value> {
     let entry = |beside: &Beside| {
         let note = MapNote::beside(beside, path);

@@ -2,16 +2,16 @@
 
 use super::maps::{MapKind, Maps};
 
-/// What became of a texel.
+/// The outcome of baking a texel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum TexelStatus {
     /// No triangle covers it.
     #[default]
     Free,
-    /// All its lines met the scan.
+    /// All its projection rays met the scan.
     Met,
-    /// A line missed and took the closest point of the scan.
+    /// A projection ray missed and took the closest point of the scan.
     Closest,
     /// Not even that faces the right way: the low-poly mesh's own normal stands there.
     Lost,
@@ -24,21 +24,21 @@ pub struct BakedMaps {
     pub width: u32,
     /// Texels down.
     pub height: u32,
-    /// What became of each texel.
+    /// The status of each texel.
     pub texels: Vec<TexelStatus>,
     /// Unit normals, in the space asked for.
     pub normal: Vec<[f32; 3]>,
-    /// Open part of the hemisphere, [0, 1].
+    /// The open part of the hemisphere, [0, 1].
     pub occlusion: Vec<f32>,
-    /// Linear RGB.
+    /// The base colour, linear RGB.
     pub albedo: Vec<[f32; 3]>,
-    /// Model units.
+    /// The height above the low-poly mesh, model units.
     pub heights: Vec<f32>,
-    /// Unit, in the space asked for.
+    /// The mean open direction, unit, in the space asked for.
     pub bent: Vec<[f32; 3]>,
-    /// 1 over model units.
+    /// The mean curvature, 1 over model units.
     pub curvature: Vec<f32>,
-    /// What artists set, [0, 1].
+    /// The perceptual roughness, as artists set it, [0, 1].
     pub roughness: Vec<f32>,
 }
 
@@ -66,13 +66,13 @@ impl BakedMaps {
         [self.width, self.height]
     }
 
-    /// The numbers of a plane where a triangle covers the texel.
+    /// Returns the numbers of a plane where a triangle covers the texel.
     pub fn covered(&self, plane: &[f32]) -> Vec<f32> {
         let covered = self.texels.iter().zip(plane).filter(|(texel, _)| **texel != TexelStatus::Free);
         covered.map(|(_, v)| *v).collect()
     }
 
-    /// Cut into bands of rows, each with at most `rows`.
+    /// Cuts the maps into bands of rows, each with at most `rows`.
     pub(super) fn bands(&mut self, rows: u32) -> Vec<BandMaps<'_>> {
         let count = rows as usize * self.width as usize;
         let bands = self.height.div_ceil(rows) as usize;

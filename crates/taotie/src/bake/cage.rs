@@ -1,4 +1,4 @@
-//! Which way and how far the high-poly surface is looked for.
+//! The directions and distances in which the high-poly surface is looked for.
 
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
@@ -9,23 +9,23 @@ use crate::surface;
 use crate::trace::Bvh;
 use rayon::prelude::*;
 
-/// For each vertex of a low-poly mesh the direction in which its scan is looked for, and how far.
+/// The direction in which the scan is looked for from each vertex of a low-poly mesh, and the ray distance.
 ///
 /// Directions are the means of the mesh's normals at a place, so that they do not part at hard edges and uv seams, and
-/// no gap opens between the lines of neighbouring texels.
+/// no gap opens between the projection rays of neighbouring texels.
 #[derive(Debug, Clone)]
 pub struct Cage {
     /// Outward, unit.
     directions: Vec<Vec3>,
-    /// How far lines go into the low-poly surface and out of it, model units.
+    /// The ray distances into the low-poly surface and out of it, model units.
     distances: Vec<f32>,
     /// The longest of these.
     longest: f32,
 }
 
-/// What lines are given beyond the gap that was found.
+/// The ray distance as a multiple of the gap that was found.
 const MARGIN: f32 = 2.0;
-/// Lines are never shorter than this part of the mesh's diagonal.
+/// The shortest ray distance, as a part of the mesh's diagonal.
 const LEAST: f64 = 2e-4;
 /// The gap is sought no farther than this part of the mesh's diagonal.
 const MOST: f64 = 0.1;
@@ -35,7 +35,8 @@ const MOST: f64 = 0.1;
 const NEAR: f64 = 1e-2;
 const OBLIQUE: f32 = 4.0;
 
-/// Where a line meets nothing, the closest point of the scan is taken from as far as this many times the longest line.
+/// The farthest closest point of the scan, as a multiple of the longest ray distance, for projection rays that meet
+/// nothing.
 const FALLBACK: f32 = 4.0;
 
 impl Cage {
@@ -61,7 +62,7 @@ impl Cage {
         Self::new(directions, distances)
     }
 
-    /// The same distance everywhere, both ways.
+    /// Makes a cage of one ray distance everywhere, both ways.
     ///
     /// # Errors
     /// [`Error::Invalid`] where it is not above 0 and finite.
@@ -77,8 +78,8 @@ impl Cage {
         Ok(Self::new(directions, distances))
     }
 
-    /// From a cage mesh: the low-poly mesh with its vertices moved outward, in the same order. Lines end at the cage,
-    /// and go as far inward.
+    /// Makes a cage from a cage mesh: the low-poly mesh with its vertices moved outward, in the same order. Projection
+    /// rays end at the cage, and go as far inward.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the cage has another number of vertices, or where it lies on the mesh or inside of it.
@@ -105,12 +106,12 @@ impl Cage {
         Ok(Self::new(directions, distances))
     }
 
-    /// The longest of the distances over which the scan is looked for, model units.
+    /// Returns the longest of the distances over which the scan is looked for, model units.
     pub fn longest(&self) -> f32 {
         self.longest
     }
 
-    /// The line through a point of the low-poly mesh.
+    /// Returns the projection ray through a point of the low-poly mesh.
     pub fn projection_ray(&self, low: &Mesh, point: Point) -> ProjectionRay {
         let vertices = point.vertices(low);
         let directions = vertices.map(|v| self.directions[v]);
@@ -121,13 +122,14 @@ impl Cage {
         }
     }
 
-    /// What a line that met nothing stands for: the closest point of the scan, if it faces the same way.
+    /// Returns the correspondence of a projection ray that met nothing: the closest point of the scan, if it faces the
+    /// same way.
     pub(super) fn fallback(&self, scan: &Scan, projection: &ProjectionRay) -> Option<Correspondence> {
         scan.closest(projection.point, projection.direction, self.longest * FALLBACK)
     }
 
-    /// The same cage for a copy of its mesh whose vertices stand in another order, or are fewer, or lie a little
-    /// beside: each takes what the cage has at the closest point of its own mesh.
+    /// Returns the same cage for a copy of its mesh whose vertices are in another order, or are fewer, or lie a little
+    /// beside: each takes the values of the cage at the closest point of the original mesh.
     pub fn carried_over(&self, own: &Mesh, copy: &Mesh) -> Self {
         let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
         let at = |point: &Vec3| {
@@ -145,7 +147,7 @@ impl Cage {
     }
 }
 
-/// The mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the
+/// Returns the mean of the normals of all vertices at each one's place; where they cancel or are lacking, those of the
 /// triangles around it.
 fn directions(low: &Mesh) -> Vec<Vec3> {
     let around = surface::vertex_normals(low);
@@ -156,7 +158,7 @@ fn directions(low: &Mesh) -> Vec<Vec3> {
     means.into_iter().zip(around).map(|(mean, around)| mean.normalize_or(around)).collect()
 }
 
-/// Where gaps between a mesh and its scan are sought.
+/// The places where gaps between a mesh and its scan are sought.
 struct GapSearch<'a> {
     low: &'a Mesh,
     /// Of the mesh's vertices.

@@ -1,4 +1,4 @@
-//! What colour a high-poly surface has where.
+//! The colour of a high-poly surface at a point.
 
 use crate::image::Texture;
 use crate::math::Vec3;
@@ -14,7 +14,7 @@ pub(super) struct Colors {
 }
 
 impl Colors {
-    /// Of instances whose triangles were joined in order. What is left of their meshes is dropped.
+    /// Takes the colours of instances whose triangles were joined in order. The rest of their meshes is dropped.
     pub fn new(scene: SceneData, instances: &[Instance]) -> Self {
         let mut first = 0;
         let mut parts = Vec::with_capacity(instances.len());
@@ -25,7 +25,7 @@ impl Colors {
         Self { parts, materials: scene.materials, textures: scene.textures }
     }
 
-    /// The linear RGB at a point; the texture at its finest level, uv set 0.
+    /// Returns the linear RGB at a point; the texture at its finest level, uv set 0.
     pub fn at(&self, mesh: &Mesh, point: Point) -> [f32; 3] {
         let part = self.parts.partition_point(|(first, _)| *first <= point.triangle);
         let material = &self.materials[self.parts[part - 1].1];

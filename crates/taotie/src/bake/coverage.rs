@@ -1,4 +1,4 @@
-//! Which triangle of a mesh each texel of a map belongs to.
+//! The triangle of a mesh that each texel of a map belongs to.
 
 use super::grow::grow;
 use super::owner::{NONE, PADDING};
@@ -16,20 +16,20 @@ pub struct TexelGrid {
     pub width: u32,
     /// Texels down.
     pub height: u32,
-    /// Which uv set of the mesh.
+    /// The uv set of the mesh.
     pub uv_set: usize,
-    /// How many texels charts are grown beyond their borders.
+    /// The number of texels by which UV islands are grown beyond their borders.
     pub padding: u32,
 }
 
-/// Which triangle each texel belongs to.
+/// The triangle that each texel belongs to.
 ///
 /// A texel belongs to the triangle that covers its centre. Corners are rounded to fixed point and the rest is exact:
 /// of triangles that share an edge one alone covers a centre on it. Where triangles lie over one another, the one
 /// with the lowest number has the texel. Uvs outside [0, 1] are wrapped.
 ///
-/// A texel in the padding, which is around charts and goes on across the map's borders, belongs to the triangle of the
-/// nearest covered texel, counted in steps to the left, the right, up and down.
+/// A texel in the padding, which is around UV islands and goes on across the map's borders, belongs to the triangle of
+/// the nearest covered texel, counted in steps to the left, the right, up and down.
 #[derive(Debug, Clone)]
 pub struct Coverage {
     width: u32,
@@ -75,33 +75,34 @@ impl Coverage {
         self.height
     }
 
-    /// The triangle that a texel belongs to, padding included.
+    /// Returns the triangle that a texel belongs to, padding included.
     pub fn triangle(&self, x: u32, y: u32) -> Option<u32> {
         let texel = self.texels[self.index(x, y)];
         (texel != NONE).then_some(texel & !PADDING)
     }
 
-    /// Whether a triangle covers the centre of a texel, padding excluded.
+    /// Returns `true` where a triangle covers the centre of a texel, padding excluded.
     pub fn is_covered(&self, x: u32, y: u32) -> bool {
         self.texels[self.index(x, y)] < PADDING
     }
 
-    /// For each texel, row by row from the top, whether a triangle covers its centre.
+    /// Returns for each texel, row by row from the top, whether a triangle covers its centre.
     pub fn mask(&self) -> Vec<bool> {
         self.texels.par_iter().map(|texel| *texel < PADDING).collect()
     }
 
-    /// How many texels have a triangle over their centre.
+    /// Returns the number of texels that have a triangle over their centre.
     pub fn covered(&self) -> usize {
         self.covered
     }
 
-    /// How many texels have more than one triangle over their centre: charts that overlap, or uvs that wrap around.
+    /// Returns the number of texels that have more than one triangle over their centre: UV islands that overlap, or uvs
+    /// that wrap around.
     pub fn shared(&self) -> usize {
         self.shared
     }
 
-    /// How many triangles can cover no texel because their uvs span no area or are not finite.
+    /// Returns the number of triangles that can cover no texel because their uvs span no area or are not finite.
     pub fn skipped(&self) -> usize {
         self.skipped
     }
@@ -112,7 +113,7 @@ impl Coverage {
     }
 }
 
-/// The uv set `set` of a mesh.
+/// Returns the uv set `set` of a mesh.
 pub(super) fn uv_set(mesh: &Mesh, set: usize) -> Result<&[Vec2]> {
     mesh.uvs().get(set).map(Vec::as_slice).ok_or_else(|| {
         let count = mesh.uvs().len();
@@ -126,7 +127,7 @@ mod tests {
     use crate::math::Vec3;
     use crate::mesh::MeshData;
 
-    /// A mesh with these uvs, three to a triangle.
+    /// Makes a mesh with these uvs, three to a triangle.
     fn mesh(uvs: &[[f32; 2]]) -> Mesh {
         let uvs: Vec<Vec2> = uvs.iter().map(|[u, v]| Vec2::new(*u, *v)).collect();
         let positions = vec![Vec3::splat(0.0); uvs.len()];
@@ -138,7 +139,7 @@ mod tests {
         TexelGrid { width, height, uv_set: 0, padding }
     }
 
-    /// The map as text: the triangle's number, in brackets nothing.
+    /// Returns the map as text: the triangle's number, in brackets nothing.
     fn text(coverage: &Coverage) -> String {
         let texel = |y: u32, x: u32| match (coverage.triangle(x, y), coverage.is_covered(x, y)) {
             (None, _) => '.',

@@ -1,9 +1,9 @@
-//! How a surface bends.
+//! The curvature of a surface.
 
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 
-/// The mean curvature at each vertex, 1 over model units: above 0 where the surface bulges, 1/r on a sphere of
+/// Returns the mean curvature at each vertex, 1 over model units: above 0 where the surface bulges, 1/r on a sphere of
 /// radius r.
 ///
 /// Each edge says how its ends' normals part over its length, (n_j − n_i)·(p_j − p_i) / |p_j − p_i|²; a vertex takes

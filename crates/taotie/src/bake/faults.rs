@@ -1,10 +1,10 @@
-//! What may be wrong with a surface itself.
+//! Faults of a surface itself.
 
 use crate::mesh::Mesh;
 use crate::surface;
 use rayon::prelude::*;
 
-/// What may be wrong with a surface itself, counted.
+/// The faults of a surface itself, counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Faults {
     /// Edges with one triangle.
@@ -18,7 +18,7 @@ pub struct Faults {
 }
 
 impl Faults {
-    /// Of a mesh, vertices at one position counted as one.
+    /// Counts the faults of a mesh, vertices at one position counted as one.
     pub fn of(mesh: &Mesh) -> Self {
         let places = surface::by_position(mesh.positions()).of;
         let triangles = mesh.triangles();

@@ -1,4 +1,4 @@
-//! Filling what lies between charts, so that no filter and no mip level shows a seam.
+//! Filling between UV islands, so that no filter and no mip level shows a seam.
 
 use super::baked_maps::{BakedMaps, TexelStatus};
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ fn each(planes: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&m
     }
 }
 
-/// Free texels beside known ones, each with the first of its neighbours that is: left, right, above, below.
+/// Returns the free texels beside known ones, each with the first of its neighbours that is: left, right, above, below.
 fn neighbours(known: &[bool], [width, height]: [usize; 2]) -> Vec<(usize, usize)> {
     let row = |y: usize| {
         let is_free = move |x: &usize| !known[y * width + x];
@@ -96,7 +96,7 @@ fn pull_push<const N: usize>(plane: &mut [[f32; N]], known: &[bool], size: [usiz
     });
 }
 
-/// The means of what is known in squares of two by two.
+/// Returns the means of what is known in squares of two by two.
 fn coarser<const N: usize>(
     [width, height]: [usize; 2],
     at: impl Fn(usize) -> Option<[f32; N]> + Sync,
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::bake::{MapKind, Maps};
 
-    /// Two charts of different heights on a map of 64 × 64.
+    /// Returns two charts of different heights on a map of 64 × 64.
     fn charts() -> BakedMaps {
         let mut planes =
             BakedMaps::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));

@@ -1,4 +1,4 @@
-//! Growing charts beyond their borders.
+//! Growing UV islands beyond their borders.
 
 use super::owner::{NONE, PADDING};
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ fn step(texels: &mut [u32], width: usize, front: &[usize]) -> Vec<usize> {
     next
 }
 
-/// Left, right, above, below; wrapped.
+/// Returns the neighbours: left, right, above, below; wrapped.
 fn neighbors(i: usize, width: usize, count: usize) -> [usize; 4] {
     let x = i % width;
     let left = if x == 0 { i + width - 1 } else { i - 1 };

@@ -41,14 +41,14 @@ pub(super) struct Sample {
 }
 
 impl Patch {
-    /// The point of the mesh that a sample of the patch shows.
+    /// Returns the point of the mesh that a sample of the patch shows.
     pub fn point(&self, sample: &Sample) -> Point {
         Point { triangle: self.triangle, weights: sample.weights }
     }
 }
 
 impl<'a> Layout<'a> {
-    /// Of uv set 0.
+    /// Makes the layout by uv set 0.
     ///
     /// # Errors
     /// As [`super::Coverage::new`] where uvs span too many copies of the map.
@@ -71,19 +71,20 @@ impl<'a> Layout<'a> {
         Ok(layout)
     }
 
-    /// How many bands there are; the last may be lower than the others.
+    /// Returns the number of bands; the last may be lower than the others.
     pub fn band_count(&self) -> usize {
         self.size[1].div_ceil(BAND) as usize
     }
 
-    /// Texel rows of a band.
+    /// Returns the texel rows of a band.
     pub fn texel_rows(&self, band: usize) -> Range<u32> {
         let first = band as u32 * BAND;
         first..(first + BAND).min(self.size[1])
     }
 
     /// Calls `take` with all samples of a band, triangle by triangle and tile by tile. Of triangles that lie over one
-    /// another the one with the lowest number has the sample. Gives back how many samples others would have had too.
+    /// another the one with the lowest number has the sample. Returns the number of samples that others would have had
+    /// too.
     pub fn patches(&self, band: usize, mut take: impl FnMut(&Patch)) -> usize {
         let width = (self.size[0] * self.side) as usize;
         let rows = self.texel_rows(band);
@@ -139,7 +140,7 @@ impl<'a> Layout<'a> {
         shared
     }
 
-    /// The texel of a sample, both counted within the band.
+    /// Returns the texel of a sample, both counted within the band.
     fn texel(&self, sample: usize, width: usize) -> u32 {
         let side = self.side as usize;
         let (x, y) = (sample % width / side, sample / width / side);
@@ -158,7 +159,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Sample rows that a triangle may touch; `None` where its uvs span no area.
+    /// Returns the sample rows that a triangle may touch; `None` where its uvs span no area.
     fn rows(&self, triangle: usize) -> Option<Range<i64>> {
         let corners = self.rasterizer.corners(triangle)?;
         let (low, high) = corners.iter().fold((f64::MAX, f64::MIN), |(l, h), c| (l.min(c[1]), h.max(c[1])));

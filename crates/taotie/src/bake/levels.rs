@@ -7,7 +7,8 @@ use crate::progress::Progress;
 use meshopt::SimplifyOptions as Choices;
 use rayon::prelude::*;
 
-/// What a way on the map counts beside one on the surface: the map's side is as long as the mesh's longest, times this.
+/// The weight of a way on the map beside one on the surface: the map's side is as long as the mesh's longest, times
+/// this.
 const UV_WEIGHT: f32 = 3.0;
 
 /// A level of detail.
@@ -15,19 +16,19 @@ const UV_WEIGHT: f32 = 3.0;
 pub struct Level {
     /// Vertices of the unwrapped mesh, with all that they had but tangents, and fewer triangles.
     pub mesh: Mesh,
-    /// How far it lies from the unwrapped mesh, model units, and how far what its maps show is moved: meshoptimizer's
+    /// The distance from the unwrapped mesh, and the shift of what its maps show, model units: meshoptimizer's
     /// estimate, not a bound.
     pub error: f64,
-    /// Whether the number of triangles is the wanted one, or less than 2 % off, or the mesh had fewer. Corners of
-    /// charts never go, so meshes of many charts have a least number.
+    /// `true` where the number of triangles is the wanted one, or less than 2 % off, or the mesh had fewer. Corners of
+    /// UV islands never go, so meshes of many islands have a least number.
     pub reached: bool,
 }
 
 /// Levels of detail with these numbers of triangles, each made from the unwrapped mesh itself, in the order of
 /// `counts`.
 ///
-/// Vertices are those of the mesh, so all levels share its maps; where charts meet both sides lose the same vertices,
-/// so no level has a crack. Uvs in the first set weigh as positions do.
+/// Vertices are those of the mesh, so all levels share its maps; where UV islands meet both sides lose the same
+/// vertices, so no level has a crack. Uvs in the first set weigh as positions do.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh has no uvs or a count is 0.
@@ -72,7 +73,7 @@ fn fewer(mesh: &Mesh, points: &[[f32; 3]], places: &[[f32; 2]], count: usize) ->
     (triples(corners), f64::from(error))
 }
 
-/// The mesh with other triangles, without the vertices that they do not use.
+/// Returns the mesh with other triangles, without the vertices that they do not use.
 fn with_triangles(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
     let (triangles, used) = compact(triangles, mesh.positions().len());
     Mesh::new(MeshData {
@@ -85,7 +86,7 @@ fn with_triangles(mesh: &Mesh, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
     })
 }
 
-/// What some vertices have; empty where none has any.
+/// Returns the values of some vertices; empty where no vertex has any.
 pub(super) fn chosen<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
     if values.is_empty() { Vec::new() } else { vertices.iter().map(|v| values[*v as usize]).collect() }
 }

@@ -1,4 +1,4 @@
-//! What can be baked.
+//! The maps that can be baked.
 
 use crate::names::Named;
 
@@ -8,12 +8,12 @@ use crate::names::Named;
 pub enum MapKind {
     /// The scan's normals.
     Normal,
-    /// How much of the hemisphere over the scan is open, weighted by the cosine: 1 is open.
+    /// The open part of the hemisphere over the scan, weighted by the cosine: 1 is open.
     #[cfg_attr(feature = "serde", serde(rename = "ao"))]
     Occlusion,
     /// The scan's base colour, of its vertices, materials and textures.
     Albedo,
-    /// How far the scan lies above the low-poly mesh.
+    /// The height of the scan above the low-poly mesh.
     Height,
     /// The mean open direction.
     Bent,
@@ -41,17 +41,17 @@ impl Named for MapKind {
 pub struct Maps(u8);
 
 impl Maps {
-    /// With one map more.
+    /// Returns the maps with one more.
     pub fn with(self, map: MapKind) -> Self {
         Self(self.0 | 1 << map as u8)
     }
 
-    /// Whether a map is among them.
+    /// Returns `true` where a map is among them.
     pub fn has(self, map: MapKind) -> bool {
         self.0 & 1 << map as u8 != 0
     }
 
-    /// The maps, in the order of [`MapKind`].
+    /// Returns the maps, in the order of [`MapKind`].
     pub fn iter(self) -> impl Iterator<Item = MapKind> {
         MapKind::NAMES.iter().map(|(_, map)| *map).filter(move |map| self.has(*map))
     }

@@ -1,5 +1,5 @@
-//! Baking: high-poly surfaces simplified and unwrapped, which point of a high-poly surface a point of a low-poly one
-//! stands for, and which point of a mesh each texel of a map shows.
+//! Baking: high-poly surfaces simplified and unwrapped, the correspondence of the points of a low-poly surface, and the
+//! point of a mesh that each texel of a map shows.
 //!
 //! [`Coverage`] says which triangle a texel belongs to, [`TexelSurface`] what the surface is there. Formulas stand in
 //! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of

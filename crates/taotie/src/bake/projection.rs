@@ -1,14 +1,14 @@
-//! From a low-poly mesh to the high-poly surface that it stands for.
+//! The projection of a low-poly mesh onto the high-poly surface.
 
 use super::scan::Scan;
 use crate::math::Vec3;
 use crate::mesh::Point;
 use crate::trace::{Hit, Ray, Stretch};
 
-/// The point of the high-poly surface that a point of the low-poly mesh stands for.
+/// A correspondence: the point of the high-poly surface that a point of the low-poly mesh is projected onto.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correspondence {
-    /// Along the direction that was followed: above 0 outside the low-poly surface, model units.
+    /// The height along the projection ray: above 0 outside the low-poly surface, model units.
     pub height: f32,
     /// The interpolated normal there: unit, world space.
     pub normal: Vec3,
@@ -23,25 +23,25 @@ pub struct ProjectionRay {
     pub point: Vec3,
     /// Outward, unit.
     pub direction: Vec3,
-    /// How far the ray goes into the low-poly surface and out of it, model units.
+    /// The ray distance into the low-poly surface and out of it, model units.
     pub distance: f32,
 }
 
 impl ProjectionRay {
-    /// The ray from its inner end, beside others that run along `main`, and the stretch of it that matters.
+    /// Returns the ray from its inner end, beside others that run along `main`, and the part of it that matters.
     pub(super) fn ray(&self, main: Vec3) -> (Ray, Stretch) {
         let ray = Ray::beside(self.point - self.direction * self.distance, self.direction, main);
         (ray, Stretch { from: 0.0, center: self.distance, to: self.distance + self.distance })
     }
 
-    /// What a hit of [`ProjectionRay::ray`] on a surface with this normal stands for.
+    /// Returns the correspondence of a hit of [`ProjectionRay::ray`] on a surface with this normal.
     pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Correspondence {
         Correspondence { height: hit.distance - self.distance, normal, point: hit.point() }
     }
 }
 
 impl Scan {
-    /// The nearest point on the ray where the scan faces as the ray does: whatever faces the other way is the
+    /// Returns the nearest point on the ray where the scan faces as the ray does: whatever faces the other way is the
     /// far side of something else.
     pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
         let (ray, stretch) = projection.ray(projection.direction);
@@ -49,13 +49,13 @@ impl Scan {
         Some(projection.found(&hit, normal))
     }
 
-    /// The scan's normal at a hit, if it faces as the ray does.
+    /// Returns the scan's normal at a hit, if it faces as the ray does.
     pub(super) fn facing(&self, hit: &Hit, projection: &ProjectionRay) -> Option<Vec3> {
         let normal = hit.point().normal(self.mesh());
         (normal.dot(projection.direction) > 0.0).then_some(normal)
     }
 
-    /// The closest point of the scan within `reach`, if it faces as `direction` does.
+    /// Returns the closest point of the scan within `reach`, if it faces as `direction` does.
     pub fn closest(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Correspondence> {
         let closest = self.bvh().closest(point, reach)?;
         let there = closest.point();
@@ -73,7 +73,7 @@ mod tests {
     use crate::mesh::{Mesh, MeshData};
     use crate::scene::{Instance, Material, Scene, SceneData};
 
-    /// Two squares above each other, the lower facing up, the upper down.
+    /// Returns two squares above each other, the lower facing up, the upper down.
     fn sheets() -> Scan {
         let square = |z: f32, order: [u32; 6]| {
             let corner = |x: f32, y: f32| Vec3::new(x, y, z);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// How many copies of the map a triangle's uvs may span.
+/// The largest number of copies of the map that a triangle's uvs may span.
 const MOST_COPIES: f64 = 16.0;
 /// Marks texels under more than one triangle.
 const SHARED: u32 = 1 << 31;
@@ -31,7 +31,7 @@ impl Canvas {
         }
     }
 
-    /// The triangle of each texel, and how many texels lie under more than one.
+    /// Returns the triangle of each texel, and how many texels lie under more than one.
     pub fn finish(self) -> (Vec<u32>, usize) {
         let texels: Vec<u32> = self.texels.into_par_iter().map(AtomicU32::into_inner).collect();
         let is_shared = |texel: &u32| *texel != NONE && texel & SHARED != 0;
@@ -115,7 +115,7 @@ impl<'a> Rasterizer<'a> {
         true
     }
 
-    /// The corners in texels, moved by whole copies of the map to where the least is in the first copy.
+    /// Returns the corners in texels, moved by whole copies of the map to where the least is in the first copy.
     pub fn corners(&self, triangle: usize) -> Option<[[f64; 2]; 3]> {
         let uvs = self.triangles[triangle].map(|v| self.uvs[v as usize]);
         let wide = uvs.map(|uv| [f64::from(uv.x), f64::from(uv.y)]);
@@ -129,7 +129,7 @@ impl<'a> Rasterizer<'a> {
         Some(wide.map(|p| [0, 1].map(|k| (p[k] - first[k]) * self.size[k])))
     }
 
-    /// The texels whose centres lie in the triangle, whose corners run clockwise in the picture.
+    /// Gives the texels whose centres lie in the triangle, whose corners run clockwise in the image.
     fn fill(&self, corners: [Fixed; 3], rows: Range<i64>, give: &mut impl FnMut(i64, [i64; 2])) {
         let (unit, half) = (1i64 << self.bits, (1i64 << self.bits) >> 1);
         let [a, b, c] = corners;
@@ -165,7 +165,7 @@ fn narrow(span: &mut [i64; 2], p: Fixed, q: Fixed, [half, y, unit]: [i64; 3]) {
     }
 }
 
-/// a / b rounded up; b above 0.
+/// Returns a / b rounded up; b above 0.
 fn ceil_div(a: i64, b: i64) -> i64 {
     -(-a).div_euclid(b)
 }

@@ -31,29 +31,29 @@ impl Scan {
         Ok(Self { colors: Colors::new(scene, &instances), mesh, bvh })
     }
 
-    /// The triangles, world space, with normals.
+    /// Returns the triangles, world space, with normals.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// The triangles alone.
+    /// Returns the triangles alone.
     pub fn into_mesh(self) -> Mesh {
         self.mesh
     }
 
-    /// The triangles sorted for rays.
+    /// Returns the triangles sorted for rays.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
     }
 
-    /// The base colour at a point, linear RGB.
+    /// Returns the base colour at a point, linear RGB.
     pub fn color(&self, point: Point) -> [f32; 3] {
         self.colors.at(&self.mesh, point)
     }
 }
 
-/// The low-poly mesh of a scene: all its instances as one mesh in world space, with normals. A single one that is not
-/// moved stays as it is, tangents included.
+/// Returns the low-poly mesh of a scene: all its instances as one mesh in world space, with normals. A single one that
+/// is not moved stays as it is, tangents included.
 ///
 /// # Errors
 /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
@@ -62,8 +62,8 @@ pub fn low_poly_mesh(scene: Scene) -> Result<Mesh> {
     merged(&mut scene.meshes, &scene.instances)
 }
 
-/// One mesh of all instances, world space, with normals. That of a single instance that is not moved is taken as it is;
-/// others lose their tangents.
+/// Returns one mesh of all instances, world space, with normals. That of a single instance that is not moved is taken
+/// as it is; others lose their tangents.
 pub(super) fn merged(meshes: &mut [Mesh], instances: &[Instance]) -> Result<Mesh> {
     if let [only] = instances
         && only.world_from_object == Mat4::IDENTITY

@@ -13,7 +13,7 @@ const FEW: usize = 6;
 /// Directions that part more than this from the patch's own are no packet: within it, all run along one axis.
 const LEAST_COSINE: f32 = 0.9;
 
-/// The match of each projection of a patch, as [`Scan::project`] finds it.
+/// Returns the match of each projection of a patch, as [`Scan::project`] finds it.
 ///
 /// Neighbouring samples look in nearly the same direction, so their projections are a packet: columns and rows are
 /// those of the tile, and depths run along the mean direction.
@@ -47,7 +47,7 @@ pub(super) fn search(
     projections.iter().zip(nearest).map(found).collect()
 }
 
-/// How the projections of a patch are seen; `None` where the patch is seen edge on.
+/// Returns the view of a ray packet along the projection rays of a patch; `None` where the patch is seen edge on.
 ///
 /// A sample at column x and row y looks along corner + x · across + y · down + depth · direction.
 fn view(patch: &Patch, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Option<PacketView> {
@@ -95,7 +95,7 @@ mod tests {
     use crate::mesh::{Mesh, MeshData, Point};
     use crate::scene::{Instance, Material, Scene, SceneData};
 
-    /// A sphere with bumps as fine as its triangles, and a smaller one inside that faces out too.
+    /// Returns a sphere with bumps as fine as its triangles, and a smaller one inside that faces out too.
     fn rough() -> Scan {
         let mut data = MeshData::default();
         for (radius, bumps) in [(1.0, 0.02), (0.9, 0.0)] {

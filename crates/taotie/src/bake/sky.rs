@@ -1,4 +1,4 @@
-//! How much of the hemisphere over each point of a scan is open.
+//! The open part of the hemisphere over each point of a scan.
 
 use super::projection::Correspondence;
 use super::scan::Scan;
@@ -12,9 +12,9 @@ pub(super) struct Sky {
     directions: Vec<Vec3>,
     /// Samples a texel, which share the directions out between them.
     classes: u32,
-    /// How far what is in the way counts, model units.
+    /// The distance within which surfaces block the rays, model units.
     reach: f32,
-    /// How far rays begin above the surface.
+    /// The height above the surface at which rays begin.
     offset: f32,
 }
 
@@ -26,7 +26,7 @@ pub(super) struct AoSample {
     class: u32,
 }
 
-/// What was seen of the hemisphere: sums over directions, each weighted by its cosine.
+/// The open part of a hemisphere: sums over directions, each weighted by its cosine.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Open {
     /// Of the weights of all directions.
@@ -38,7 +38,8 @@ pub(super) struct Open {
 }
 
 impl Sky {
-    /// About `rays` a texel of `classes` samples over the hemisphere; what is farther than `reach` away does not count.
+    /// Makes about `rays` a texel of `classes` samples over the hemisphere; surfaces farther than `reach` away do not
+    /// count.
     ///
     /// Directions are a spherical Fibonacci lattice (Keinert et al. 2015, "Spherical Fibonacci mapping", eq. 2).
     pub fn new(rays: u32, classes: u32, reach: f32, diagonal: f64) -> Self {
@@ -60,7 +61,7 @@ impl Sky {
         }
     }
 
-    /// The point of the scan that a sample found; `class` is the sample's number in its texel.
+    /// Returns the point of the scan that a sample found; `class` is the sample's number in its texel.
     pub fn ao_sample(&self, scan: &Scan, found: &Correspondence, class: u32) -> AoSample {
         let corners = scan.mesh().corners(found.point.triangle as usize);
         let facet = surface::facet_normal(corners).unwrap_or(found.normal);
@@ -95,7 +96,7 @@ impl Sky {
         open
     }
 
-    /// Whether something stands in the way from each of these points.
+    /// Returns for each of these points whether something blocks its ray.
     fn blocked(&self, scan: &Scan, ao_samples: &[AoSample], looking: &[usize], direction: Vec3) -> Vec<bool> {
         /// Fewer rays are faster one by one.
         const FEW: usize = 6;

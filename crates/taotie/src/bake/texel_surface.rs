@@ -1,4 +1,4 @@
-//! What a mesh is at each texel of a map.
+//! The surface of a mesh at each texel of a map.
 
 use super::coverage::{Coverage, TexelGrid, uv_set};
 use crate::error::{Error, Result};
@@ -17,9 +17,9 @@ pub struct SurfacePoint {
     pub tangent: Vec3<f64>,
     /// ±1: the bitangent is this times cross(normal, tangent).
     pub handedness: f64,
-    /// How the position changes with u and v over the flat triangle, model units.
+    /// The derivatives of the position by u and v over the flat triangle, model units.
     pub position_by_uv: [Vec3<f64>; 2],
-    /// How the interpolated normal changes with u and v.
+    /// The derivatives of the interpolated normal by u and v.
     pub normal_by_uv: [Vec3<f64>; 2],
 }
 
@@ -51,22 +51,23 @@ impl TexelSurface {
         Ok(Self { coverage: Coverage::new(&mesh, grid)?, mesh, uv_set: grid.uv_set })
     }
 
-    /// Which triangle each texel belongs to.
+    /// Returns the triangle that each texel belongs to.
     pub fn coverage(&self) -> &Coverage {
         &self.coverage
     }
 
-    /// The mesh, normals and tangents unit.
+    /// Returns the mesh, normals and tangents unit.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
     }
 
-    /// The surface at the centre of a texel; in padding as if the triangle went on. `None` away from all charts.
+    /// Returns the surface at the centre of a texel; in padding as if the triangle went on. `None` away from all UV
+    /// islands.
     pub fn point(&self, x: u32, y: u32) -> Option<SurfacePoint> {
         Some(Patch::new(self, self.coverage.triangle(x, y)?).at(&self.coverage, x, y))
     }
 
-    /// Makes a map texel by texel, row by row from the top; `fill` is the value away from all charts.
+    /// Makes a map texel by texel, row by row from the top; `fill` is the value away from all UV islands.
     pub fn map<T: Copy + Send + Sync>(
         &self,
         fill: T,
@@ -90,7 +91,8 @@ impl TexelSurface {
     }
 }
 
-/// The mesh with unit normals and tangents; those that are unit as far as single precision goes stay to the bit.
+/// Returns the mesh with unit normals and tangents; those that are unit as far as single precision goes stay to the
+/// bit.
 fn with_unit_frames(mesh: Mesh) -> Result<Mesh> {
     const ROUNDING: f32 = 1e-5;
     let unit = |v: Vec3, fallback: Vec3| match (v.dot(v) - 1.0).abs() < ROUNDING {
@@ -175,8 +177,8 @@ impl Patch {
         }
     }
 
-    /// The copy of a uv in [0, 1] that lies in the triangle, or nearest to it, and not too far away; `beyond` is 1
-    /// where copies beyond those that the triangle touches have to be looked at.
+    /// Returns the copy of a uv in [0, 1] that lies in the triangle, or nearest to it, and not too far away; `beyond`
+    /// is 1 where copies beyond those that the triangle touches have to be looked at.
     fn unwrapped(&self, uv: Vec2<f64>, beyond: u8) -> Vec2<f64> {
         let copies = |of: fn(&Vec2<f64>) -> f64| {
             let (low, high) =
@@ -195,7 +197,7 @@ impl Patch {
         }
     }
 
-    /// The least barycentric weight of a uv: below 0 outside.
+    /// Returns the least barycentric weight of a uv: below 0 outside.
     fn least_weight(&self, p: Vec2<f64>) -> f64 {
         let [a, b, c] = self.corners;
         let cross = |p: Vec2<f64>, q: Vec2<f64>| p.x * q.y - p.y * q.x;
@@ -204,8 +206,8 @@ impl Patch {
         v.min(w).min(1.0 - v - w)
     }
 
-    /// The uv drawn towards the middle of the triangle until its least weight is [`LEAST_WEIGHT`]: the weights change
-    /// linearly from 1/3 each at the middle.
+    /// Returns the uv drawn towards the middle of the triangle until its least weight is [`LEAST_WEIGHT`]: the weights
+    /// change linearly from 1/3 each at the middle.
     fn drawn_in(&self, uv: Vec2<f64>, least: f64) -> Vec2<f64> {
         let [a, b, c] = self.corners;
         let middle = (a + b + c) * (1.0 / 3.0);

@@ -20,24 +20,24 @@ use crate::surface::tangent_space_normal;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// How maps are baked.
+/// The settings of a bake.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BakeSettings {
     /// Texels across and down, 1 to 32768.
     pub size: [u32; 2],
     /// Samples a texel along each side, 1 to 8: 2 are four a texel.
     pub side: u32,
-    /// Which maps.
+    /// The maps to bake.
     pub maps: Maps,
     /// The space of normals and bent normals.
     pub space: NormalSpace,
     /// Rays over the hemisphere a texel, for occlusion and bent normals.
     pub sky_rays: u32,
-    /// How far what is in the way of these rays counts, model units; `None` for any distance.
+    /// The distance within which surfaces block these rays, model units; `None` for any distance.
     pub sky_reach: Option<f32>,
     /// The scan's own roughness, what artists set.
     pub roughness: f32,
-    /// How many texels around each chart take the value of the nearest one; `None` fills the whole map.
+    /// The number of texels around each UV island that take the value of the nearest one; `None` fills the whole map.
     pub dilation: Option<u32>,
 }
 
@@ -57,12 +57,13 @@ impl Default for BakeSettings {
     }
 }
 
-/// What became of the samples.
+/// The outcomes of the samples, counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BakeCounts {
     /// Samples on the low-poly mesh.
     pub samples: usize,
-    /// Those whose line met nothing that faces the right way, so that the closest point of the scan was taken.
+    /// Those whose projection ray met nothing that faces the right way, so that the closest point of the scan was
+    /// taken.
     pub missed: usize,
     /// Those of them whose closest point faces the wrong way too, or is too far away: they have the low-poly mesh's
     /// normal.
@@ -96,16 +97,16 @@ impl BakeCounts {
 pub struct Baked {
     /// The maps.
     pub maps: BakedMaps,
-    /// How it went.
+    /// The outcomes of the samples.
     pub counts: BakeCounts,
 }
 
-/// What is baked onto what.
+/// The surfaces of a bake: the low-poly mesh, its cage and the scan.
 #[derive(Clone, Copy)]
 pub struct BakeInput<'a> {
     /// The low-poly mesh, with uvs, normals and tangents, as in [`crate::surface::with_frames`].
     pub low: &'a Mesh,
-    /// Where each of its points is looked for on the scan.
+    /// The cage from which each of its points is projected onto the scan.
     pub cage: &'a Cage,
     /// The high-poly surface.
     pub scan: &'a Scan,
@@ -259,7 +260,8 @@ impl Job<'_> {
         cell.handedness = frame.handedness;
     }
 
-    /// What a sample stands for: what its line met, else the closest point of the scan.
+    /// Returns the correspondence of a sample: the intersection of its projection ray, else the closest point of the
+    /// scan.
     fn found(
         &self,
         projection: &ProjectionRay,
@@ -327,7 +329,7 @@ impl Job<'_> {
         }
     }
 
-    /// A direction in the space asked for, unit.
+    /// Returns a direction in the space asked for, unit.
     fn turned(&self, cell: &Cell, v: Vec3) -> Vec3 {
         let n = cell.n.normalize_or(Vec3::new(0.0, 0.0, 1.0));
         let v = v.normalize_or(n);

@@ -28,8 +28,8 @@ impl UvLookup {
         Ok(Self { bvh, mesh })
     }
 
-    /// Position and unit normal (world space) of the place with this uv; where triangles overlap, of the first. `None`
-    /// where there is none.
+    /// Returns the position and the unit normal (world space) of the place with this uv; where triangles overlap, of
+    /// the first. `None` where there is none.
     pub fn at(&self, uv: Vec2) -> Option<(Vec3, Vec3)> {
         let ray = Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0));
         let hit = self.bvh.nearest(&ray, f32::INFINITY)?;

@@ -1,4 +1,4 @@
-//! Whether a low-poly mesh with its normal map looks as the scan it was baked from.
+//! The error of a low-poly mesh with its normal map against the scan it was baked from.
 
 use super::cage::{Cage, triangle_weights};
 use super::layout::{BAND, Layout};
@@ -17,26 +17,26 @@ use rayon::prelude::*;
 pub struct Verifier<'a> {
     /// With uvs, normals and tangents.
     pub mesh: &'a Mesh,
-    /// Its normal map; without one its vertex normals are judged.
+    /// Its normal map; without one its vertex normals are measured.
     pub normal: Option<(&'a Texture, NormalSpace)>,
-    /// Where each of its points is looked for on the scan.
+    /// The cage from which each of its points is projected onto the scan.
     pub cage: &'a Cage,
-    /// What it should look like.
+    /// The scan that it should look like.
     pub scan: &'a Scan,
 }
 
-/// How far normals are from those of the scan.
+/// The angles between normals and those of the scan.
 #[derive(Debug, Clone)]
 pub struct NormalError {
     /// Degrees, one number for each of many points spread evenly over the low-poly mesh.
     pub angles: Field,
-    /// The part of the points whose line missed the scan, so that its closest point was taken: [0, 1].
+    /// The part of the points whose projection ray missed the scan, so that its closest point was taken: [0, 1].
     pub missed: f64,
     /// The part for which that failed too; they have no angle.
     pub lost: f64,
 }
 
-/// How far two surfaces lie from one another, model units.
+/// The distance of two surfaces from one another, model units.
 #[derive(Debug, Clone)]
 pub struct Deviation {
     /// From points of the scan to the low-poly mesh.
@@ -46,12 +46,12 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// The largest distance either way.
+    /// Returns the largest distance either way.
     pub fn hausdorff(&self) -> f64 {
         self.both().fold(0.0, f64::max)
     }
 
-    /// The square root of the mean squared distance, over both ways.
+    /// Returns the square root of the mean squared distance, over both ways.
     pub fn rms(&self) -> f64 {
         let (sum, count) = self.both().fold((0.0, 0usize), |(sum, count), d| (sum + d * d, count + 1));
         (sum / count.max(1) as f64).sqrt()
@@ -82,7 +82,7 @@ impl Verifier<'_> {
         })
     }
 
-    /// The same angle at the middle of each texel of a map of this size, NaN away from all charts.
+    /// Returns the same angle at the middle of each texel of a map of this size, NaN away from all UV islands.
     ///
     /// # Errors
     /// As [`Verifier::normal_error`].
@@ -100,7 +100,7 @@ impl Verifier<'_> {
         Field::new(size[0], size[1], values)
     }
 
-    /// The distances between the surfaces, from `count` points spread evenly over the area of each.
+    /// Returns the distances between the surfaces, from `count` points spread evenly over the area of each.
     ///
     /// # Errors
     /// [`Error::Invalid`] where one of them has no area.
@@ -151,7 +151,7 @@ impl Verifier<'_> {
         }
     }
 
-    /// The angle between what is shown and what should be, degrees; NaN where nothing was found.
+    /// Returns the angle between what is shown and what should be, degrees; NaN where nothing was found.
     fn angle(&self, point: Point) -> (f32, Way) {
         let projection = self.cage.projection_ray(self.mesh, point);
         let (found, way) = match self.scan.project(&projection) {
@@ -166,7 +166,7 @@ impl Verifier<'_> {
         (angle, way)
     }
 
-    /// The normal that a viewer shows.
+    /// Returns the normal that a viewer shows.
     fn shown(&self, point: Point) -> Vec3 {
         let mesh = self.mesh;
         let Some((texture, space)) = self.normal else { return point.mean_normal(mesh) };
@@ -180,7 +180,7 @@ impl Verifier<'_> {
     }
 }
 
-/// How a point found the scan.
+/// The way in which a point found the scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     Met,
@@ -217,7 +217,7 @@ fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
     (b - a).cross(c - a).length()
 }
 
-/// What is wrong with a pair of meshes, told before anything is baked.
+/// Faults of a pair of meshes, found before anything is baked.
 impl Verifier<'_> {
     /// Of points spread over the low-poly mesh: the part near which the scan has no surface at all, the part where its
     /// closest surface faces the other way, and the mean distance to it as a part of `diagonal`; `None` where the mesh
@@ -242,10 +242,10 @@ impl Verifier<'_> {
     }
 }
 
-/// Farther than this part of the diagonal, a scan is not the surface that a low-poly mesh stands for.
+/// The part of the diagonal beyond which a scan is not the surface of a low-poly mesh.
 const AWAY: f64 = 0.02;
 
-/// How well a low-poly mesh and a scan fit together.
+/// The measure of how well a low-poly mesh and a scan fit together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
     /// The part of the low-poly mesh that lies farther than a fiftieth of the diagonal from the scan, [0, 1].

@@ -1,4 +1,4 @@
-//! Every method's pictures from one camera in one light, measured.
+//! Every method's images from one camera in one light, measured.
 
 use super::look::Look;
 use super::matching::Matching;
@@ -15,13 +15,13 @@ use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::surface::SurfaceMethod;
 
-/// A model by several surface methods in pictures and angles: see [`Comparison::of`].
+/// A model by several surface methods in images and angles: see [`Comparison::of`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Comparison {
     /// Names and sizes of model and reference.
     pub subject: SubjectReport,
-    /// Everything that the pictures depend on.
+    /// Everything that the images depend on.
     pub parameters: Parameters,
     /// The rules behind the figures.
     pub rules: Rules,
@@ -29,13 +29,13 @@ pub struct Comparison {
     pub surfaces: Vec<RenderedSurface>,
     /// The methods that could not be drawn.
     pub skipped: Vec<SkippedMethod>,
-    /// Which of `surfaces` the others are compared with: the reference, else the first method.
+    /// The index in `surfaces` of the one that the others are compared with: the reference, else the first method.
     pub against: usize,
     /// The true normal at the point of the model that each pixel shows; the fourth channel is 1 where there is one.
     pub truth: Image,
     /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
     pub unmatched: f64,
-    /// Which pixels are away from silhouettes, row by row.
+    /// `true` for each pixel away from silhouettes, row by row.
     pub inner: Vec<bool>,
     /// The pixels whose normals are listed.
     pub points: Vec<[u32; 2]>,
@@ -94,7 +94,7 @@ impl Comparison {
     }
 }
 
-/// How many samples saw something.
+/// Returns the number of samples that saw something.
 fn covered(image: &Image) -> f64 {
     image.pixels().iter().filter(|pixel| pixel[3] == 1.0).count() as f64
 }
@@ -108,7 +108,7 @@ struct Truth {
 }
 
 impl Truth {
-    /// The reference's normals at the points of the model that `smooth` shows.
+    /// Returns the reference's normals at the points of the model that `smooth` shows.
     fn on(reference: &Scene, photographer: &Photographer<'_>, smooth: &Look) -> Result<Self> {
         let matched = match photographer.options.matching {
             Matching::Pixel => photographer.look(reference, None)?.normals,

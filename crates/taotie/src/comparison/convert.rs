@@ -44,7 +44,8 @@ pub(super) fn other_space(
     Ok(Converted { bitmap, space, shared: surface.coverage().shared() })
 }
 
-/// The mesh on the map, by the uvs that the map is looked up with and with the frames that the renderer gives it.
+/// Returns the mesh on the map, by the uvs that the map is looked up with and with the frames that the renderer gives
+/// it.
 fn laid_out(
     mesh: &Mesh,
     [width, height]: [u32; 2],
@@ -61,7 +62,7 @@ fn laid_out(
     TexelSurface::new(Mesh::new(data)?, &TexelGrid { width, height, uv_set, padding })
 }
 
-/// glTF's `scale` on x and y of tangent-space normals.
+/// Returns glTF's `scale` on x and y of tangent-space normals.
 fn scale(normals: &mut Image, map: &NormalMap) {
     if map.space == NormalSpace::Tangent && map.scale != 1.0 {
         for [x, y, ..] in normals.pixels_mut() {

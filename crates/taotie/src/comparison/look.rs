@@ -65,8 +65,8 @@ pub(super) fn look(
 }
 
 impl Look {
-    /// The mean normal of each pixel, unit, of this look's samples or of others at the same places. The fourth channel
-    /// is 1 where all of them saw something.
+    /// Returns the mean normal of each pixel, unit, of this look's samples or of others at the same places. The fourth
+    /// channel is 1 where all of them saw something.
     pub(super) fn mean_normals(&self, normals: &Image) -> Result<Image> {
         let n = self.per_side;
         let mut means = Image::new(normals.width() / n, normals.height() / n, [0.0; 4])?;
@@ -85,8 +85,8 @@ impl Look {
         Ok(means)
     }
 
-    /// Which pixels are away from silhouettes, row by row: see [`INNER_RULE`]. The fourth
-    /// channel of `matched` is 1 where a sample has a corresponding point.
+    /// Returns `true` for each pixel away from silhouettes, row by row: see [`INNER_RULE`]. The fourth channel of
+    /// `matched` is 1 where a sample has a corresponding point.
     pub(super) fn inner(&self, matched: &Image) -> Vec<bool> {
         let n = self.per_side;
         let (width, height) = (matched.width() / n, matched.height() / n);
@@ -107,7 +107,7 @@ impl Look {
     }
 }
 
-/// The samples of a pixel.
+/// Returns the samples of a pixel.
 fn samples_of([x, y]: [u32; 2], per_side: u32) -> impl Iterator<Item = [u32; 2]> {
     let side = 0..per_side;
     side.clone().flat_map(move |j| side.clone().map(move |i| [x * per_side + i, y * per_side + j]))

@@ -1,4 +1,4 @@
-//! Which point of the reference corresponds to a point of the model.
+//! The point of the reference that corresponds to a point of the model.
 //!
 //! A low-poly mesh lies beside the high-poly one, so at the same pixel the two show different points of the relief.
 
@@ -11,7 +11,7 @@ use crate::names::Named;
 use crate::scene::Scene;
 use rayon::prelude::*;
 
-/// How corresponding points of model and reference are found.
+/// The way in which corresponding points of model and reference are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Matching {
     /// Along the model's vertex normal, as bakers do.
@@ -82,7 +82,7 @@ impl Matching {
     }
 }
 
-/// The normal that `find` gives for each covered sample.
+/// Returns the normal that `find` gives for each covered sample.
 fn matched(smooth: &Look, find: impl Fn([u32; 2]) -> Option<Vec3> + Sync) -> Result<Image> {
     let (width, height) = (smooth.depth.width(), smooth.depth.height());
     let mut matched = Image::new(width, height, [0.0; 4])?;

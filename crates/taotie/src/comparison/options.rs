@@ -1,4 +1,4 @@
-//! How models are compared.
+//! The options of a comparison.
 
 use super::matching::Matching;
 use super::method::Method;
@@ -11,7 +11,7 @@ use crate::render::{Lighting, RenderSettings};
 use crate::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
 use crate::shade::Shading;
 
-/// How a model is compared.
+/// The options of a comparison of models.
 #[derive(Debug, Clone)]
 pub struct ComparisonOptions {
     /// The surface methods, at least one and each once; the first is what the angles at sample points are measured from.
@@ -20,17 +20,17 @@ pub struct ComparisonOptions {
     pub shadings: Vec<Shading>,
     /// The pixels whose normals are listed.
     pub points: SamplePoints,
-    /// Which point of the reference corresponds to a point of the model.
+    /// The way in which the corresponding point of the reference is found.
     pub matching: Matching,
-    /// The camera of all pictures; `None` fits the model into the picture, seen a little from the side and from
+    /// The camera of all images; `None` fits the model into the image, seen a little from the side and from
     /// above.
     pub camera: Option<Camera>,
-    /// The light of all pictures; `None` for the model's own lights, else key, fill and rim.
+    /// The light of all images; `None` for the model's own lights, else key, fill and rim.
     pub lighting: Option<Lighting>,
     /// Size, samples, shadows, tangents, the height of white for `bump`, and the SIMD level. Shading and surface method
     /// are not read.
     pub settings: RenderSettings,
-    /// How all pictures are developed; it needs a background, since pictures are compared as a screen shows them.
+    /// The development of all images; it needs a background, since images are compared as a screen shows them.
     pub development: Development,
 }
 
@@ -53,10 +53,10 @@ impl Default for ComparisonOptions {
 const DEFAULT_ORBIT_DEG: [f64; 2] = [25.0, 15.0];
 /// The full vertical angle of view.
 const DEFAULT_FOV_DEG: f64 = 30.0;
-/// How much of the picture a framed model fills.
+/// The part of the image that a framed model fills.
 const FILL: f64 = 0.9;
 
-/// #2a2b2e, linear.
+/// Returns #2a2b2e, linear.
 fn charcoal() -> Vec3 {
     let linear = |code: u8| srgb::linear_from_srgb(f64::from(code) / 255.0) as f32;
     Vec3::new(linear(0x2a), linear(0x2b), linear(0x2e))
@@ -89,7 +89,7 @@ impl ComparisonOptions {
         }
     }
 
-    /// The camera asked for, else one that fits the model into the picture.
+    /// Returns the camera asked for, else one that fits the model into the image.
     pub(super) fn camera_for(&self, model: &Scene) -> Result<Camera> {
         if let Some(camera) = &self.camera {
             return Ok(camera.clone());
@@ -105,7 +105,7 @@ impl ComparisonOptions {
         Ok(orbit.camera(bounds.diagonal() / 2.0))
     }
 
-    /// The light asked for, else the model's own lights, else key, fill and rim.
+    /// Returns the light asked for, else the model's own lights, else key, fill and rim.
     pub(super) fn lighting_for(&self, model: &Scene, camera: &Camera) -> Lighting {
         if let Some(lighting) = &self.lighting {
             return lighting.clone();

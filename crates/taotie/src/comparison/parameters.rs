@@ -1,4 +1,4 @@
-//! Everything that the pictures of a comparison depend on, as data.
+//! Everything that the images of a comparison depend on, as data.
 
 use super::options::ComparisonOptions;
 use crate::compare::PIXELS_PER_DEGREE;
@@ -7,7 +7,7 @@ use crate::names::Named;
 use crate::render::Lighting;
 use crate::scene::{Camera, Falloff, Light, LightKind, Projection};
 
-/// Camera, light, film and whatever else the pictures of a comparison depend on, as plain data. Choices are named as on
+/// Camera, light, film and whatever else the images of a comparison depend on, as plain data. Choices are named as on
 /// the command line.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -17,23 +17,23 @@ pub struct Parameters {
     pub size: [u32; 2],
     /// Samples a pixel.
     pub samples: u32,
-    /// Whether lights cast shadows.
+    /// `true` where lights cast shadows.
     pub shadows: bool,
     /// The reflectance models.
     pub shadings: Vec<String>,
-    /// How corresponding points were found.
+    /// The way in which corresponding points were found.
     pub matching: String,
     /// The sample points asked for.
     pub points: String,
-    /// How tangents were made, where something was asked for.
+    /// The method of making tangents, where something was asked for.
     pub tangents: Option<String>,
     /// Height of white for `bump`, model units, where something was asked for.
     pub bump_scale: Option<f32>,
-    /// How reflectance models keep their energy.
+    /// The way in which reflectance models keep their energy.
     pub energy: String,
-    /// Whether relief too fine for the pixel widens highlights.
+    /// `true` where relief too fine for the pixel widens highlights.
     pub specular_aa: bool,
-    /// The way with mapped normals at grazing angles.
+    /// The method for mapped normals at grazing angles.
     pub grazing_normals: String,
     /// The camera.
     pub camera: CameraParameters,
@@ -47,7 +47,7 @@ pub struct Parameters {
     pub tone: String,
     /// The background, linear RGB.
     pub background: Option<[f32; 3]>,
-    /// How fine pixels are in the eye of the viewer that FLIP assumes.
+    /// Pixels per degree of the field of view of the viewer that FLIP assumes.
     pub pixels_per_degree: f32,
 }
 
@@ -58,7 +58,7 @@ pub struct Parameters {
 pub struct CameraParameters {
     /// The columns of the matrix that takes view space to world space.
     pub world_from_view_columns: [[f64; 4]; 4],
-    /// How view space is projected.
+    /// The projection of view space.
     pub projection: ProjectionParameters,
 }
 
@@ -72,7 +72,7 @@ pub enum ProjectionParameters {
     Perspective {
         /// Full vertical angle, degrees.
         fov_y_deg: f64,
-        /// Width over height as authored; `None` is the picture's.
+        /// Width over height as authored; `None` is the image's.
         aspect: Option<f64>,
         /// Distance of the near plane.
         near: f64,
@@ -102,7 +102,7 @@ pub struct LightParameters {
     pub kind: LightKindParameters,
     /// Its strength, linear RGB.
     pub color: [f32; 3],
-    /// How it fades with distance.
+    /// The falloff with distance.
     pub falloff: FalloffParameters,
 }
 
@@ -135,7 +135,7 @@ pub enum LightKindParameters {
     },
 }
 
-/// How a light fades with distance, as data.
+/// The falloff of a light with distance, as data.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

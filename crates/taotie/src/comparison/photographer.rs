@@ -1,4 +1,4 @@
-//! One picture after the other, from one camera in one light.
+//! One image after the other, from one camera in one light.
 
 use super::look::{self, Look};
 use super::method::Method;
@@ -22,7 +22,7 @@ pub(super) struct Expected<'a> {
     pub(super) inner: &'a [bool],
 }
 
-/// Takes one picture after the other.
+/// Takes one image after the other.
 pub(super) struct Photographer<'a> {
     pub(super) options: &'a ComparisonOptions,
     camera: Camera,
@@ -61,7 +61,7 @@ impl<'a> Photographer<'a> {
         Parameters::new(self.options, &self.camera, &self.lighting)
     }
 
-    /// The part of the progress that the next step makes.
+    /// Returns the part of the progress that the next step makes.
     fn next_step(&self) -> Progress<'a> {
         self.progress.part(self.fraction(self.done), self.fraction(self.done + 1))
     }
@@ -75,7 +75,7 @@ impl<'a> Photographer<'a> {
         self.progress.at(self.fraction(self.done))
     }
 
-    /// Takes all pictures by every method that the model's relief allows, and lists those that it does not.
+    /// Takes all images by every method that the model's relief allows, and lists those that it does not.
     pub(super) fn by_all_methods(
         &mut self,
         scene: &mut Scene,
@@ -96,7 +96,7 @@ impl<'a> Photographer<'a> {
         Ok((surfaces, skipped))
     }
 
-    /// Takes all pictures of a scene by `method`, or by the best that its materials provide.
+    /// Takes all images of a scene by `method`, or by the best that its materials provide.
     pub(super) fn surface(&mut self, scene: &Scene, method: Option<Method>) -> Result<RenderedSurface> {
         let watch = Stopwatch::start();
         let surface = self.surface_settings(method);
@@ -142,7 +142,7 @@ impl<'a> Photographer<'a> {
         SurfaceSettings { method: method.map(|m| m.surface), bump_scale, ..*asked }
     }
 
-    /// Compares all normals with the expected ones, and all pictures with those of `surfaces[against]`.
+    /// Compares all normals with the expected ones, and all images with those of `surfaces[against]`.
     pub(super) fn measure(
         &mut self,
         surfaces: &mut [RenderedSurface],

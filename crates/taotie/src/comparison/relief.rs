@@ -17,7 +17,7 @@ pub(super) struct Relief {
     greys: HashMap<usize, usize>,
     /// The texture with the normals of each material in the other space.
     converted: HashMap<usize, usize>,
-    /// How tangents are made, if not as the renderer chooses.
+    /// The method of making tangents, if not as the renderer chooses.
     tangents: Option<TangentMethod>,
     /// Notes on derived maps, for the report.
     notes: Vec<String>,
@@ -44,7 +44,7 @@ impl Relief {
     /// Sets the scene's materials up for `method`; the reason why not where none of them has the relief for it.
     ///
     /// # Errors
-    /// Where a derived texture cannot be made.
+    /// Fails where a derived texture cannot be made.
     pub(super) fn apply(&mut self, scene: &mut Scene, method: Method) -> Result<Option<&'static str>> {
         scene.edit(|scene| scene.materials.clone_from(&self.materials))?;
         let mut any = false;
@@ -78,7 +78,7 @@ impl Relief {
         Ok(true)
     }
 
-    /// The base colour's grey as heights, which is what the paper's bump mapping reads.
+    /// Returns the base colour's grey as heights, which is what the paper's bump mapping reads.
     fn grey_of_color(&mut self, scene: &mut Scene, index: usize) -> Result<Option<TextureRef>> {
         let Some(color) = self.materials[index].base_color_texture else { return Ok(None) };
         let texture = match self.greys.get(&color.texture) {
@@ -109,7 +109,8 @@ impl Relief {
         Ok(true)
     }
 
-    /// The texture with a material's normals in the other space; `None` where no mesh with uvs uses the material.
+    /// Returns the texture with a material's normals in the other space; `None` where no mesh with uvs uses the
+    /// material.
     fn convert(&mut self, scene: &mut Scene, index: usize, map: &NormalMap) -> Result<Option<usize>> {
         if let Some(texture) = self.converted.get(&index) {
             return Ok(Some(*texture));
@@ -134,7 +135,7 @@ impl Relief {
     }
 }
 
-/// Gives each mesh materials of its own.
+/// Gives each mesh separate materials.
 fn part_materials(scene: &mut SceneData) {
     let mut users: HashMap<usize, usize> = HashMap::new();
     let mut parted: HashMap<(usize, usize), usize> = HashMap::new();
@@ -162,7 +163,7 @@ fn lacking(method: Method) -> &'static str {
     }
 }
 
-/// The luma of encoded colour, as paint programs turn it into grey; 16 bits.
+/// Returns the luma of encoded colour, as paint programs turn it into grey; 16 bits.
 ///
 /// Source: ITU-R BT.601, the weights of Y'.
 fn grey(color: &Texture) -> Result<Bitmap> {
@@ -178,8 +179,8 @@ fn grey(color: &Texture) -> Result<Bitmap> {
     Bitmap::new(width, height, 1, Texels::U16(texels.collect()))
 }
 
-/// The length of a texel's side on the surface, model units: √(area / texels) over all triangles of the material.
-/// Zero where they have no area in the texture.
+/// Returns the length of a texel's side on the surface, model units: √(area / texels) over all triangles of the
+/// material. Zero where they have no area in the texture.
 fn texel_size(scene: &Scene, material: usize, texture: &TextureRef) -> f64 {
     let map = &scene.textures()[texture.texture];
     let texels = f64::from(map.width()) * f64::from(map.height());

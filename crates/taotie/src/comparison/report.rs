@@ -23,11 +23,11 @@ pub struct Report {
     pub subject: SubjectReport,
     /// The surface that errors are measured against: `reference`, or the first method.
     pub against: String,
-    /// Camera, light, film and whatever else the pictures depend on.
+    /// Camera, light, film and whatever else the images depend on.
     pub parameters: Parameters,
     /// Of the covered samples, the part without a corresponding point on the reference, [0, 1].
     pub unmatched: f64,
-    /// How pixels and points are chosen and what the figures mean.
+    /// The rules by which pixels and points are chosen, and the meaning of the figures.
     pub rules: Rules,
     /// The methods in their order, then the reference.
     pub methods: Vec<MethodReport>,
@@ -46,7 +46,7 @@ pub struct Report {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct CountedWarning {
-    /// How often it was seen.
+    /// The number of times it was seen.
     pub count: usize,
     /// The fault.
     pub what: String,
@@ -61,13 +61,13 @@ pub struct MethodReport {
     pub method: String,
     /// A description in a few words.
     pub what: String,
-    /// Time for all its pictures.
+    /// Time for all its images.
     pub milliseconds: f64,
-    /// The name of the file for its normals as a picture.
+    /// The name of the file for its normals as an image.
     pub normals: String,
     /// Angular error; absent for what the others are compared with.
     pub error: Option<ErrorReport>,
-    /// The shaded pictures.
+    /// The shaded images.
     pub pictures: Vec<PictureReport>,
 }
 
@@ -82,11 +82,11 @@ pub struct ErrorReport {
     pub all: Option<Summary>,
     /// Over those away from silhouettes.
     pub inner: Option<Summary>,
-    /// How many matched pixels fall into each bin of a degree; the last of [`HISTOGRAM_BINS`] is open.
+    /// The number of matched pixels in each bin of a degree; the last of [`HISTOGRAM_BINS`] is open.
     pub histogram: Vec<u64>,
 }
 
-/// A shaded picture, and its difference where there is one.
+/// A shaded image, and its difference where there is one.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -99,14 +99,14 @@ pub struct PictureReport {
     pub difference: Option<PictureFigures>,
 }
 
-/// The figures of the difference of two developed pictures.
+/// The figures of the difference of two developed images.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct PictureFigures {
     /// In [0, 1] of encoded values.
     pub rmse: f64,
-    /// Decibels; absent for equal pictures, where it is infinite.
+    /// Decibels; absent for equal images, where it is infinite.
     pub psnr: Option<f64>,
     /// At most 1.
     pub ssim: f64,

@@ -12,13 +12,13 @@ use crate::compare::PIXELS_PER_DEGREE;
 pub struct Rules {
     /// Between which normals angles are measured.
     pub angles: String,
-    /// How corresponding points are found.
+    /// The rule by which corresponding points are found.
     pub places: String,
-    /// Which pixels are away from silhouettes.
+    /// The rule for pixels away from silhouettes.
     pub silhouettes: String,
-    /// How sample points are chosen.
+    /// The rule by which sample points are chosen.
     pub points: String,
-    /// How pictures are compared.
+    /// The rule by which images are compared.
     pub pictures: String,
 }
 

@@ -30,7 +30,7 @@ impl fmt::Display for SamplePoints {
 }
 
 impl SamplePoints {
-    /// Returns the first pixel that lies outside a picture of this width and height.
+    /// Returns the first pixel that lies outside an image of this width and height.
     pub fn outside(&self, [width, height]: [u32; 2]) -> Option<[u32; 2]> {
         match self {
             Self::Spread(_) => None,
@@ -47,7 +47,7 @@ impl SamplePoints {
     }
 }
 
-/// See [`SPREAD_RULE`]. Fewer than `count` only where there are fewer such pixels.
+/// Chooses pixels: see [`SPREAD_RULE`]. Fewer than `count` only where there are fewer such pixels.
 fn spread(count: usize, inner: &[bool], width: usize) -> Vec<[u32; 2]> {
     let all: Vec<[usize; 2]> =
         inner.iter().enumerate().filter(|(_, inner)| **inner).map(|(i, _)| [i % width, i / width]).collect();
@@ -74,7 +74,7 @@ fn spread(count: usize, inner: &[bool], width: usize) -> Vec<[u32; 2]> {
     chosen
 }
 
-/// The digits of `i` mirrored at the point, in [0, 1).
+/// Returns the digits of `i` mirrored at the point, in [0, 1).
 ///
 /// Source: Halton 1964, "Algorithm 247: Radical-inverse quasi-random point sequence".
 fn radical_inverse(mut i: u64, base: u64) -> f64 {

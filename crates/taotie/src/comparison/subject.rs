@@ -40,12 +40,12 @@ pub struct SubjectReport {
 }
 
 impl<'a> Subject<'a> {
-    /// A model without a reference.
+    /// Makes a subject of a model without a reference.
     pub fn new(name: &'a str, model: &'a Scene) -> Self {
         Self { model: NamedScene { name, scene: model }, reference: None }
     }
 
-    /// The same model measured against `reference`.
+    /// Returns the same model, measured against `reference`.
     pub fn with_reference(self, name: &'a str, reference: &'a Scene) -> Self {
         Self { reference: Some(NamedScene { name, scene: reference }), ..self }
     }

@@ -15,7 +15,7 @@ pub struct RenderedSurface {
     pub method: Option<Method>,
     /// The mean normal of each pixel, as [`crate::render::Aovs::normals`].
     pub normals: Image,
-    /// The developed picture under each shading.
+    /// The developed image under each shading.
     pub pictures: Vec<(Shading, Picture)>,
     /// Time from scene to all of these.
     pub milliseconds: f64,
@@ -31,17 +31,17 @@ pub struct Difference {
     pub angles: Field,
     /// The same away from silhouettes.
     pub inner_angles: Field,
-    /// The pictures under each shading, in the same order.
+    /// The images under each shading, in the same order.
     pub pictures: Vec<PictureDifference>,
 }
 
-/// The difference of two developed pictures.
+/// The difference of two developed images.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct PictureDifference {
     /// Root mean square error, in [0, 1] of encoded values.
     pub rmse: f64,
-    /// Decibels; infinite for equal pictures.
+    /// Decibels; infinite for equal images.
     pub psnr: f64,
     /// Structural similarity, at most 1.
     pub ssim: f64,
@@ -78,12 +78,12 @@ impl RenderedSurface {
         format!("{stem}.{kind}.png")
     }
 
-    /// [`RenderedSurface::file_name`] of the picture under a shading.
+    /// Returns [`RenderedSurface::file_name`] of the image under a shading.
     pub fn picture_name(&self, shading: Shading) -> String {
         self.file_name(shading.name())
     }
 
-    /// [`RenderedSurface::file_name`] of the map of FLIP under a shading.
+    /// Returns [`RenderedSurface::file_name`] of the map of FLIP under a shading.
     pub fn flip_name(&self, shading: Shading) -> String {
         self.file_name(&format!("{}.flip", shading.name()))
     }

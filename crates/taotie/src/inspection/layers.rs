@@ -15,7 +15,7 @@ pub struct LayersReport {
     pub clearcoat: Option<ClearcoatReport>,
     /// Anisotropic highlights.
     pub anisotropy: Option<AnisotropyReport>,
-    /// A sheen of fibres.
+    /// The sheen layer.
     pub sheen: Option<SheenReport>,
 }
 
@@ -54,7 +54,7 @@ pub struct AnisotropyReport {
     pub rotation_deg: f64,
 }
 
-/// A sheen of fibres.
+/// A sheen layer.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -85,7 +85,7 @@ impl LayersReport {
     }
 }
 
-/// The textures of the layers in their roles.
+/// Returns the textures of the layers in their roles.
 pub(super) fn textures(material: &Material) -> impl Iterator<Item = (&'static str, Option<TextureRef>)> {
     let specular = &material.specular;
     let (coat, sheen) = (material.clearcoat, material.sheen);

@@ -31,11 +31,11 @@ pub struct MaterialReport {
     pub alpha_mode: String,
     /// Of `mask`.
     pub alpha_cutoff: Option<f32>,
-    /// Whether back faces are drawn.
+    /// `true` where back faces are drawn.
     pub double_sided: bool,
-    /// Whether light does not count.
+    /// `true` where light does not count.
     pub unlit: bool,
-    /// [0, 1]: how much the occlusion texture counts.
+    /// The weight of the occlusion texture, [0, 1].
     pub occlusion_strength: f32,
     /// The height of white of the height map, model units.
     pub height_scale: Option<f32>,
@@ -84,7 +84,7 @@ pub struct TextureReport {
     pub channels: u8,
     /// `srgb` or `linear`.
     pub encoding: String,
-    /// Which uv set of the mesh.
+    /// The uv set of the mesh.
     pub uv_set: usize,
 }
 
@@ -95,12 +95,12 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    /// About the materials of `loaded`.
+    /// Prepares reports on the materials of `loaded`.
     pub fn new(loaded: &'a Loaded) -> Self {
         Self { loaded, pixels: HashMap::new() }
     }
 
-    /// One a material, in order.
+    /// Returns one report a material, in order.
     pub fn reports(mut self) -> Vec<MaterialReport> {
         self.loaded.scene.materials().iter().map(|material| self.report(material)).collect()
     }

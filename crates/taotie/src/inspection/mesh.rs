@@ -1,4 +1,4 @@
-//! How sound a mesh is.
+//! The soundness of a mesh.
 
 use super::tangents::{TangentHealth, is_unit};
 use super::uvs::UvHealth;
@@ -15,17 +15,17 @@ use std::collections::BTreeSet;
 pub struct MeshReport {
     /// As in the file, else its number.
     pub name: String,
-    /// How many triangles.
+    /// The number of triangles.
     pub triangles: usize,
-    /// How many vertices.
+    /// The number of vertices.
     pub vertices: usize,
     /// Triangles without area, to the last bit.
     pub zero_area_triangles: usize,
-    /// Whether there are vertex normals.
+    /// Says whether there are vertex normals.
     pub normals: Normals,
     /// Normals more than 1 % from unit length.
     pub normals_not_unit: usize,
-    /// Whether there are vertex colours.
+    /// `true` where there are vertex colours.
     pub colors: bool,
     /// Of the tangents in the file; `None` where it has none.
     pub tangents: Option<TangentHealth>,
@@ -76,7 +76,7 @@ fn materials_of(scene: &Scene, mesh: usize) -> Vec<usize> {
     materials.into_iter().collect()
 }
 
-/// The uv set of the first tangent-space normal map among `materials`.
+/// Returns the uv set of the first tangent-space normal map among `materials`.
 fn mapped_uv_set(scene: &Scene, materials: &[usize]) -> Option<usize> {
     let maps = materials.iter().filter_map(|index| scene.materials()[*index].normal);
     maps.filter(|map| map.space == NormalSpace::Tangent).map(|map| map.texture.uv_set).next()
@@ -92,7 +92,8 @@ impl Normals {
     }
 }
 
-/// Whether the corners' normals are the face's, to a thousandth. A triangle without area has no normal to compare.
+/// Returns `true` where the corners' normals are the face's, to a thousandth. A triangle without area has no normal to
+/// compare.
 fn is_flat(mesh: &Mesh, triangle: usize) -> bool {
     const MARGIN: f64 = 1e-3;
     let [a, b, c] = mesh.corners(triangle).map(Vec3::to_f64);

@@ -29,23 +29,23 @@ pub struct Pixels {
     pub kind_by_pixels: NormalMapKind,
     /// Its green direction; `None` unless it is a tangent-space map.
     pub green_by_pixels: Option<GreenVerdict>,
-    /// How sure the green direction is, [0, 1]; 0 where unclear.
+    /// The confidence in the green direction, [0, 1]; 0 where unclear.
     pub green_confidence: Option<f32>,
     /// Texels that cannot be tangent-space normals; `None` unless it is such a map.
     pub invalid_texels: Option<usize>,
-    /// How many texels there are.
+    /// The number of texels.
     pub texels: usize,
 }
 
 impl NormalMapReport {
-    /// About `map`, of which `pixels` are.
+    /// Reports on `map`, of which `pixels` are.
     pub(super) fn new(map: &NormalMap, pixels: Pixels) -> Self {
         Self { scale: map.scale, space: map.space, green: map.green, pixels }
     }
 }
 
 impl Pixels {
-    /// Of a texture that is used as a normal map.
+    /// Reports on a texture that is used as a normal map.
     pub(super) fn of(bitmap: &Bitmap) -> Self {
         let kind = is_normal_map(bitmap);
         let guess = (kind == NormalMapKind::Tangent).then(|| green_direction(bitmap));

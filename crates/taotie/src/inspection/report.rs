@@ -29,7 +29,7 @@ pub struct Inspection {
     pub generator: Option<String>,
     /// The rights notice.
     pub copyright: Option<String>,
-    /// How many of each.
+    /// The number of each kind of thing.
     pub counts: Counts,
     /// World space; `None` where nothing is drawn.
     pub bounds: Option<Extent>,
@@ -55,7 +55,7 @@ pub struct Inspection {
     pub warnings: Vec<Counted>,
 }
 
-/// How many of each there are.
+/// The number of each kind of thing.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -128,7 +128,7 @@ pub struct AnimationReport {
 pub struct Counted {
     /// The thing that was wrong.
     pub what: String,
-    /// How often.
+    /// The number of times.
     pub count: usize,
 }
 
@@ -220,7 +220,7 @@ fn named_camera(camera: &Camera) -> Listed {
     Listed { name: camera.name.clone(), kind: kind.into() }
 }
 
-/// Everything that reading noted and that rendering would note.
+/// Returns everything that reading noted and that rendering would note.
 fn warnings(loaded: &Loaded) -> Vec<Counted> {
     let mut all: Warnings = loaded.warnings.clone();
     match foreseen_warnings(&loaded.scene, &SurfaceSettings::default()) {

@@ -1,4 +1,4 @@
-//! How sound the tangents of a file are, and how near to MikkTSpace's.
+//! The soundness of the tangents of a file, and their distance from MikkTSpace's.
 
 use crate::math::{Vec3, scalar};
 use crate::mesh::Mesh;
@@ -34,14 +34,14 @@ pub struct Agreement {
     pub other_handedness: usize,
 }
 
-/// How far from one the length of a direction may be.
+/// The largest difference between the length of a direction and one.
 const UNIT_MARGIN: f32 = 0.01;
 
 /// The sine of 1°.
 const PERPENDICULAR_MARGIN: f32 = 0.017_45;
 
 impl TangentHealth {
-    /// Of the tangents that `mesh` has, if any. `uv_set` is that of its normal map.
+    /// Measures the tangents that `mesh` has, if any. `uv_set` is that of its normal map.
     pub(super) fn of(mesh: &Mesh, uv_set: Option<usize>) -> Option<Self> {
         if mesh.tangents().is_empty() {
             return None;
@@ -57,7 +57,7 @@ impl TangentHealth {
     }
 }
 
-/// Whether `v` has unit length within [`UNIT_MARGIN`].
+/// Returns `true` where `v` has unit length within [`UNIT_MARGIN`].
 pub(super) fn is_unit(v: Vec3) -> bool {
     (v.length() - 1.0).abs() <= UNIT_MARGIN
 }
@@ -66,7 +66,7 @@ fn direction([x, y, z, _]: &[f32; 4]) -> Vec3 {
     Vec3::new(*x, *y, *z)
 }
 
-/// Whether the angle between them is more than 1° from a right one.
+/// Returns `true` where the angle between them is more than 1° from a right one.
 fn leans(t: Vec3, n: Vec3) -> bool {
     t.dot(n).abs() > PERPENDICULAR_MARGIN * t.length() * n.length()
 }
@@ -103,7 +103,7 @@ impl Agreement {
     }
 }
 
-/// In radians, exact for small angles too.
+/// Returns the angle in radians, exact for small angles too.
 fn angle(a: Vec3, b: Vec3) -> f64 {
     let (a, b) = (a.to_f64(), b.to_f64());
     scalar::atan2(a.cross(b).length(), a.dot(b))

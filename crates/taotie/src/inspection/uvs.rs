@@ -1,4 +1,4 @@
-//! How sound a uv set is.
+//! The soundness of a uv set.
 
 use crate::math::Vec2;
 use crate::mesh::Mesh;
@@ -17,11 +17,11 @@ pub struct UvHealth {
     pub mirrored: f64,
 }
 
-/// How far outside [0, 1] a uv may be: less than half a texel of a 4K map.
+/// The largest distance of a uv outside [0, 1] that is allowed: less than half a texel of a 4K map.
 const MARGIN: f32 = 1e-4;
 
 impl UvHealth {
-    /// Of the uv set `set` of `mesh`.
+    /// Measures the uv set `set` of `mesh`.
     pub(super) fn of(mesh: &Mesh, set: usize) -> Self {
         let (mut outside, mut degenerate, mut mirrored) = (0, 0, 0);
         for (index, triangle) in mesh.triangles().iter().enumerate() {

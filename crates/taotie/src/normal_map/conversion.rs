@@ -19,7 +19,7 @@ use crate::surface::{TangentMethod, with_frames};
 pub struct ConversionOptions {
     /// Its space; `None` for the source's, tangent space for heights.
     pub space: Option<NormalSpace>,
-    /// Which way its green points.
+    /// The direction in which its green points.
     pub green: GreenChannel,
     /// Bits a channel, 8 or 16; `None` for those of the source where its space stays, else 16.
     pub bits: Option<u8>,
@@ -27,7 +27,7 @@ pub struct ConversionOptions {
     pub dither: bool,
     /// Height of white: in texels, or in model units on a mesh. Heights cannot be converted without.
     pub height_scale: Option<f64>,
-    /// How heights go on beyond the border of the map.
+    /// The way in which heights go on beyond the border of the map.
     pub border: Wrap,
 }
 
@@ -132,7 +132,7 @@ impl Task<'_> {
         self.stored(&exact)
     }
 
-    /// Other bits, green turned: number by number, so that what can stay does.
+    /// Converts the bits and turns green: number by number, so that what can stay does.
     fn of_same_space(self) -> Result<Conversion> {
         let (source, green) = (self.source, self.options.green);
         let turned = self.space == NormalSpace::Tangent && source.green != green;
@@ -181,7 +181,7 @@ impl Task<'_> {
         })
     }
 
-    /// The field where charts are, without their padding.
+    /// Returns the field where UV islands are, without their padding.
     fn in_charts(self, field: Field) -> Result<Field> {
         match self.surface {
             Some(surface) => field.within(&surface.coverage().mask()),

@@ -1,6 +1,6 @@
 //! Normal maps from heights and from one another.
 //!
-//! All work on pictures of vectors: x, y and z, and a fourth channel that is 1 where there is a normal. Where there is
+//! All work on images of vectors: x, y and z, and a fourth channel that is 1 where there is a normal. Where there is
 //! none the vector is what padding should hold.
 
 use super::heights::Heights;
@@ -20,7 +20,7 @@ const FLAT: [f32; 4] = [0.0, 0.0, 1.0, 0.0];
 /// The padding of an object-space map: grey, which no normal is.
 const NOTHING: [f32; 4] = [0.0; 4];
 
-/// The vectors that a normal map stores, not normalised, green turned up.
+/// Returns the vectors that a normal map stores, not normalised, green turned up.
 ///
 /// Texels with alpha 0 or a vector shorter than 0.25 have no normal: grey padding is that. In tangent space z is raised
 /// above 0 ([`decode_normal`]).
@@ -46,10 +46,10 @@ pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel)
     )
 }
 
-/// The tangent-space normals of a height map by itself, green up. `scale` is the height of 1 in texels, so a slope of
-/// 1 a texel is 45° where it is 1.
+/// Returns the tangent-space normals of a height map by itself, green up. `scale` is the height of 1 in texels, so a
+/// slope of 1 a texel is 45° where it is 1.
 ///
-/// n = (−s ∂h/∂x, −s ∂h/∂y, 1), normalised, with y up the picture; differences as [`Heights::slopes`] has them.
+/// n = (−s ∂h/∂x, −s ∂h/∂y, 1), normalised, with y up the image; differences as [`Heights::slopes`] has them.
 ///
 /// # Errors
 /// [`Error::Limit`] where a side is above [`Image::MAX_SIDE`].
@@ -63,8 +63,8 @@ pub fn tangent_from_height(heights: &Heights, scale: f64) -> Result<Image> {
     picture([width, height], (0..count).into_par_iter().map(normal).collect())
 }
 
-/// The tangent-space normals, green up, of a height map on a mesh: what makes the mesh look as if it were displaced by
-/// it. `scale` is the height of 1 in model units.
+/// Returns the tangent-space normals, green up, of a height map on a mesh: what makes the mesh look as if it were
+/// displaced by it. `scale` is the height of 1 in model units.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the mesh was laid out on a map of another size.
@@ -84,7 +84,7 @@ pub fn tangent_from_height_on(surface: &TexelSurface, heights: &Heights, scale: 
     picture(heights.size(), normals)
 }
 
-/// Object-space normals from tangent-space ones, as the renderer turns them: [`tangent_normal`].
+/// Makes object-space normals from tangent-space ones, as the renderer turns them: [`tangent_normal`].
 ///
 /// # Errors
 /// As [`tangent_from_height_on`].
@@ -94,7 +94,7 @@ pub fn object_from_tangent(surface: &TexelSurface, tangent: &Image) -> Result<Im
     })
 }
 
-/// Tangent-space normals, green up, from object-space ones: the inverse of [`object_from_tangent`].
+/// Makes tangent-space normals, green up, from object-space ones: the inverse of [`object_from_tangent`].
 ///
 /// # Errors
 /// As [`tangent_from_height_on`].

@@ -28,7 +28,7 @@ impl Heights {
         Ok(Self { width, height, values, wrap })
     }
 
-    /// The first channel of a bitmap, nothing decoded.
+    /// Takes the first channel of a bitmap, nothing decoded.
     pub fn from_bitmap(bitmap: &Bitmap, wrap: [Wrap; 2]) -> Self {
         let values = (0..bitmap.texels().len()).map(|i| bitmap.stored(i)[0]).collect();
         Self { width: bitmap.width() as usize, height: bitmap.height() as usize, values, wrap }
@@ -39,14 +39,14 @@ impl Heights {
         [self.width as u32, self.height as u32]
     }
 
-    /// The height at a texel.
+    /// Returns the height at a texel.
     pub fn at(&self, x: u32, y: u32) -> f64 {
         self.beside([x.into(), y.into()], [0, 0])
     }
 
-    /// How the height changes a texel to the right and a texel down: central differences over ±1 and ±2 texels, exact
-    /// for polynomials of the fourth degree (Fornberg 1988, table 1). Where three texels do not hold it, fine relief is
-    /// kept better than by Sobel's or Prewitt's operators, which blur.
+    /// Returns the change of the height a texel to the right and a texel down: central differences over ±1 and ±2
+    /// texels, exact for polynomials of the fourth degree (Fornberg 1988, table 1). Where three texels do not hold it,
+    /// fine relief is kept better than by Sobel's or Prewitt's operators, which blur.
     pub fn slopes(&self, x: u32, y: u32) -> [f64; 2] {
         let at = |offset| self.beside([x.into(), y.into()], offset);
         let across = 8.0 * (at([1, 0]) - at([-1, 0])) - (at([2, 0]) - at([-2, 0]));
@@ -61,7 +61,7 @@ impl Heights {
     }
 }
 
-/// The texel in [0, size) that stands at `i`.
+/// Returns the texel in [0, size) that stands at `i`.
 fn within(wrap: Wrap, i: i64, size: usize) -> usize {
     let size = size as i64;
     let i = match wrap {

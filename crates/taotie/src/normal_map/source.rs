@@ -20,7 +20,7 @@ pub struct MapSource {
     pub bitmap: Bitmap,
     /// The meaning of its numbers.
     pub content: MapContent,
-    /// Which way green points; read for tangent-space normals alone.
+    /// The direction in which green points; read for tangent-space normals alone.
     pub green: GreenChannel,
 }
 

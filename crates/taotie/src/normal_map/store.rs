@@ -8,12 +8,12 @@ use crate::scene::{GreenChannel, NormalSpace};
 use crate::surface::{decode_object_normal, encode_normal};
 use rayon::prelude::*;
 
-/// How numbers are stored.
+/// The way in which numbers are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Storage {
     /// Bits a channel, 8 or 16.
     pub bits: u8,
-    /// Whether a pattern of less than one code is added before rounding.
+    /// `true` where a pattern of less than one code is added before rounding.
     ///
     /// Rounding alone turns gentle curves into steps, which highlights show; with dithering the mean over neighbours
     /// is right, at the price of a larger error of each texel. The pattern is the additive recurrence R2 (Roberts
@@ -86,7 +86,7 @@ pub fn store_codes(
     stored(size, channels, storage, number)
 }
 
-/// The numbers of a bitmap in other bits; alpha is kept. More bits change nothing, and back again neither.
+/// Returns the numbers of a bitmap in other bits; alpha is kept. More bits change nothing, and back again neither.
 ///
 /// # Errors
 /// As [`store_normals`].
@@ -94,7 +94,7 @@ pub fn requantised(bitmap: &Bitmap, storage: Storage) -> Result<Bitmap> {
     stored([bitmap.width(), bitmap.height()], bitmap.channels(), storage, |i| bitmap.stored(i))
 }
 
-/// The bitmap with each green number g made 1 − g: what turns green up into green down and back, to the bit.
+/// Returns the bitmap with each green number g made 1 − g: what turns green up into green down and back, to the bit.
 pub fn green_turned(bitmap: &Bitmap) -> Bitmap {
     let texels = match bitmap.texels() {
         Texels::U8(texels) => {
@@ -140,7 +140,7 @@ fn stored(
     Bitmap::new(width, height, channels, texels)
 }
 
-/// The pattern at a texel, within ±0.49: what is a code up to single precision stays that code.
+/// Returns the pattern at a texel, within ±0.49: what is a code up to single precision stays that code.
 fn dither([x, y]: [u32; 2], channel: u32) -> f64 {
     // 2³² over the plastic number and over its square, and 2³² over the golden ratio.
     const STEPS: [u32; 3] = [0xC13F_A9A9, 0x91E1_0DA5, 0x9E37_79B9];

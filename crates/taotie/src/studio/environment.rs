@@ -13,13 +13,13 @@ use std::sync::Arc;
 const STUDIO: &str = "studio";
 const NONE: &str = "none";
 
-/// Where light from all around comes from.
+/// The source of the light from all around.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum EnvironmentSource {
     /// The studio that is built in.
     Studio,
-    /// An equirectangular picture, `.hdr` or `.exr`.
+    /// An equirectangular image, `.hdr` or `.exr`.
     File(PathBuf),
 }
 
@@ -69,13 +69,13 @@ impl EnvironmentSource {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct EnvironmentOptions {
-    /// Its picture; `None` for no light from all around.
+    /// Its image; `None` for no light from all around.
     pub source: Option<EnvironmentSource>,
     /// Radians by which it is turned about +y, counter-clockwise as seen from above.
     pub rotation: f64,
     /// Multiplies its radiance, at least 0.
     pub intensity: f64,
-    /// Whether it is seen where nothing stands before it.
+    /// `true` where it is seen behind the objects.
     pub visible: bool,
 }
 
@@ -86,7 +86,7 @@ impl Default for EnvironmentOptions {
 }
 
 impl EnvironmentOptions {
-    /// Reads the picture and filters it, or takes it from the cache, which lies in [`crate::io::cache_folder`]. Texels
+    /// Reads the image and filters it, or takes it from the cache, which lies in [`crate::io::cache_folder`]. Texels
     /// that no light can have are mended and counted.
     ///
     /// # Errors
@@ -126,7 +126,7 @@ fn read(path: &Path) -> Result<Environment> {
     cached(&hash, || decode_environment(&bytes, path))
 }
 
-/// The filtered environment of this name from the cache; else made of its picture, and left there.
+/// Returns the filtered environment of this name from the cache; else made of its image, and left there.
 fn cached(name: &str, picture: impl FnOnce() -> Result<Image>) -> Result<Environment> {
     let key = format!("{name}-{ENVIRONMENT_VERSION}.env");
     if let Some(environment) = cache::open(&key).and_then(|file| Environment::read(file).ok()) {

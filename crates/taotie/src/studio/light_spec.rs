@@ -1,4 +1,4 @@
-//! A light as one line of text says it.
+//! A light as one line of text.
 
 use super::parse;
 use super::viewpoint::View;
@@ -33,7 +33,7 @@ pub struct LightSpec {
     pub form: LightForm,
     /// Linear RGB strength: intensity in W/sr (candela) for points and spots, irradiance (lux) for directions.
     pub color: Vec3,
-    /// How the strength of points and spots falls with distance.
+    /// The falloff of the strength of points and spots with distance.
     pub falloff: Falloff,
 }
 
@@ -103,7 +103,7 @@ impl FromStr for LightSpec {
     }
 }
 
-/// Why a value cannot be used, after the word that holds it.
+/// Returns the reason why a value cannot be used, after the word that holds it.
 fn reason(error: Error) -> String {
     match error {
         Error::Invalid { what, why } if what.is_empty() => why,
@@ -111,7 +111,7 @@ fn reason(error: Error) -> String {
     }
 }
 
-/// An error about the line as a whole.
+/// Returns an error about the line as a whole.
 fn wrong(why: impl Into<String>) -> Error {
     Error::invalid("", why)
 }
@@ -174,7 +174,7 @@ impl<'a> Words<'a> {
         Ok(LightForm::Spot { position, direction, inner, outer })
     }
 
-    /// From a place relative to the view, or in a world direction.
+    /// Takes a light from a place relative to the view, or in a world direction.
     fn directional(&mut self) -> Result<LightForm> {
         if let Some(toward) = self.take("toward", parse::vector)? {
             return Ok(LightForm::Directional { direction: unit(toward)? });
@@ -197,7 +197,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The error of a value, under its key.
+/// Returns the error of a value, under its key.
 fn of_key(key: &str, error: Error) -> Error {
     match error {
         Error::Invalid { why, .. } => Error::invalid(key, why),

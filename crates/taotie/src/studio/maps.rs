@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Height of white where nothing says otherwise, as a fraction of the model's size.
 const DEFAULT_HEIGHT: f64 = 0.01;
 
-/// Maps for every material of a scene: paths of pictures. Maps that are not named stay.
+/// Maps for every material of a scene: paths of images. Maps that are not named stay.
 ///
 /// ```
 /// use taotie::scene::GreenChannel;

@@ -83,7 +83,7 @@ enum GreenName {
     Down,
 }
 
-/// The line and what was wrong, in one line.
+/// Returns an error that names the line and what was wrong, in one line.
 fn parse_error(path: &Path, text: &str, error: &toml::de::Error) -> Error {
     let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
     Error::parse(path, format!("line {line}"), error.message().replace('\n', " "))
@@ -134,7 +134,7 @@ impl MaterialFile {
         Ok(())
     }
 
-    /// Ranges, so that shading cannot be given nonsense.
+    /// Checks ranges, so that shading cannot be given nonsense.
     fn check(&self) -> Result<()> {
         let unit = [
             ("metallic", self.metallic),

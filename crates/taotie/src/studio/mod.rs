@@ -1,4 +1,4 @@
-//! How a model is seen: its materials, its light, where it is seen from, and which pictures are taken of it.
+//! The setting of a model: its materials, its light, its camera, and the images that are taken of it.
 //!
 //! Options are plain structs: `Default` with fields set by hand. Angles are radians and lengths model units.
 //!

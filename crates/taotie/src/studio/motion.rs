@@ -5,7 +5,7 @@ use crate::render::{SurfaceSettings, bind_tangents};
 use crate::scene::Scene;
 use crate::scene::animation::{Animation, Rig};
 
-/// Moments of an animation at which it must fit into the picture.
+/// Moments of an animation at which it must fit into the image.
 const MOMENTS: u32 = 24;
 
 /// A rig and which of its animations moves it.
@@ -45,7 +45,7 @@ impl Motion {
         Ok(Self { rig, animation })
     }
 
-    /// Makes tangents follow the surface; returns the settings for pictures of it. Brings the scene to rest.
+    /// Makes tangents follow the surface; returns the settings for images of it. Brings the scene to rest.
     ///
     /// # Errors
     /// As [`bind_tangents`].
@@ -64,7 +64,7 @@ impl Motion {
         names(self.rig.animations()).swap_remove(self.animation)
     }
 
-    /// How long it lasts, seconds.
+    /// Returns its duration, seconds.
     pub fn seconds(&self) -> f64 {
         self.rig.animations()[self.animation].seconds()
     }
@@ -95,7 +95,7 @@ fn number_of(animations: &[Animation], name: &str) -> Option<usize> {
     named.or_else(|| name.parse().ok().filter(|number| *number < animations.len()))
 }
 
-/// Names, and numbers for those without.
+/// Returns the names, and numbers for those without.
 fn names(animations: &[Animation]) -> Vec<String> {
     let name = |(i, a): (usize, &Animation)| if a.name.is_empty() { i.to_string() } else { a.name.clone() };
     animations.iter().enumerate().map(name).collect()

@@ -1,15 +1,15 @@
-//! Which pictures are taken: one, those of a turn, or those of an animation.
+//! The images that are taken: one, those of a turn, or those of an animation.
 
 use super::viewpoint::part_of_turn;
 use crate::error::{Error, Result};
 
-/// How long a turn of the turntable lasts where no rate is asked for, seconds.
+/// The duration of a turn of the turntable where no rate is asked for, seconds.
 const TURN_SECONDS: f64 = 4.0;
 
-/// Seconds between pictures of an animation that has no length.
+/// Seconds between images of an animation that has no length.
 const STILL_SECONDS: f64 = 1.0 / 24.0;
 
-/// The pictures to take, in order.
+/// The images to take, in order.
 ///
 /// ```
 /// use taotie::studio::Sequence;
@@ -25,32 +25,32 @@ const STILL_SECONDS: f64 = 1.0 / 24.0;
 pub struct Sequence {
     /// At least one.
     pub shots: Vec<SequenceFrame>,
-    /// How long they last as a moving picture, seconds.
+    /// The duration as a moving image, seconds.
     pub seconds: f64,
 }
 
-/// A picture to be taken.
+/// An image to be taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct SequenceFrame {
-    /// How far the turntable has turned, radians; see [`super::Viewpoint::at`].
+    /// The turn of the turntable, radians; see [`super::Viewpoint::at`].
     pub turn: f64,
     /// The time of the animation, seconds; `None` for the model at rest.
     pub seconds: Option<f64>,
 }
 
 impl Sequence {
-    /// The most pictures of a sequence.
+    /// The most images of a sequence.
     pub const MOST: u32 = 9999;
 
-    /// One picture at a time of the animation in seconds, or of the model at rest.
+    /// Makes one image at a time of the animation in seconds, or of the model at rest.
     pub fn still(time: Option<f64>) -> Self {
         Self { shots: vec![SequenceFrame { turn: 0.0, seconds: time }], seconds: 0.0 }
     }
 
-    /// `count` pictures around the object at one time of its animation, seconds, or at rest; `rate` of them a second,
-    /// or all of them in four seconds.
+    /// Makes `count` images around the object at one time of its animation, seconds, or at rest; `rate` of them a
+    /// second, or all of them in four seconds.
     ///
     /// # Errors
     /// [`Error::Invalid`] where `count` is 0 or above [`Sequence::MOST`], or `rate` is not above 0.
@@ -61,11 +61,11 @@ impl Sequence {
         Ok(Self { shots: shots.collect(), seconds })
     }
 
-    /// Pictures of an animation that lasts `length` seconds, from its beginning to just before its end: `count` of them,
+    /// Images of an animation that lasts `length` seconds, from its beginning to just before its end: `count` of them,
     /// `rate` a second, or both; one where neither is given.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where `rate` is not above 0, or there are none or more than [`Sequence::MOST`] pictures.
+    /// [`Error::Invalid`] where `rate` is not above 0, or there are none or more than [`Sequence::MOST`] images.
     pub fn animation(length: f64, count: Option<u32>, rate: Option<f64>) -> Result<Self> {
         let (count, step) = match (count, rate) {
             (None, None) => (1, 0.0),
@@ -79,7 +79,7 @@ impl Sequence {
         Ok(Self { shots: shots.collect(), seconds: f64::from(count) * step })
     }
 
-    /// The time of the animation in each picture, seconds; none where the model is at rest.
+    /// Returns the time of the animation in each image, seconds; none where the model is at rest.
     pub fn times(&self) -> Vec<f64> {
         self.shots.iter().filter_map(|shot| shot.seconds).collect()
     }
@@ -98,7 +98,7 @@ fn check(count: u32, rate: Option<f64>) -> Result<()> {
     }
 }
 
-/// How many pictures at a rate begin before an animation ends.
+/// Returns the number of images at a rate that begin before an animation ends.
 fn needed(length: f64, rate: f64) -> Result<u32> {
     const MOST: u32 = Sequence::MOST;
     // A length that is stored in 32 bits may lie a hair above a whole number of pictures.

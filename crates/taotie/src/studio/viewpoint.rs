@@ -1,4 +1,4 @@
-//! Where a picture is taken from.
+//! The viewpoint of an image.
 
 use super::motion::Motion;
 use crate::error::{Error, Result};
@@ -9,13 +9,13 @@ use std::f64::consts::{PI, TAU};
 /// Directions from which an object that turns must fit.
 const TURNS: u32 = 24;
 
-/// How much of the picture a framed object fills.
+/// The part of the image that a framed object fills.
 const FILL: f64 = 0.9;
 
 /// Azimuth, elevation and vertical angle of view where nothing is said, degrees: a little from the side and from above.
 const DEFAULT_DEGREES: [f64; 3] = [25.0, 15.0, 30.0];
 
-/// Where a model is looked at from: a camera of its file, else an orbit, by default as far away as frames the object.
+/// The camera of a model: one of its file, else an orbit, by default as far away as frames the object.
 ///
 /// ```
 /// use taotie::studio::CameraOptions;
@@ -74,13 +74,13 @@ impl CameraOptions {
     }
 }
 
-/// How much of the object has to fit into the picture.
+/// The frame into which an object has to fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Framing {
-    /// Width and height of the picture, pixels, above 0.
+    /// Width and height of the image, pixels, above 0.
     pub size: [u32; 2],
-    /// Whether the object must fit wherever a turntable has turned it to, so that the picture does not jump.
+    /// `true` where the object must fit wherever a turntable has turned it to, so that the image does not jump.
     pub all_around: bool,
 }
 
@@ -135,7 +135,7 @@ impl Viewpoint {
     }
 
     /// Chooses as [`Viewpoint::choose`] and frames all that the object fills in the course of its motion, so that every
-    /// picture is taken from the same place. Leaves the scene at the end of the motion.
+    /// image is taken from the same place. Leaves the scene at the end of the motion.
     ///
     /// # Errors
     /// As [`Viewpoint::choose`] and [`Motion::pose`].
@@ -177,7 +177,7 @@ impl Viewpoint {
     }
 }
 
-/// How far a turntable has turned at picture `i` of `count`, radians.
+/// Returns the turn of a turntable at image `i` of `count`, radians.
 pub(super) fn part_of_turn(i: u32, count: u32) -> f64 {
     TAU * f64::from(i) / f64::from(count)
 }
@@ -190,7 +190,7 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// How far the object has turned, radians.
+    /// Returns the turn of the object, radians.
     pub fn angle(&self) -> f64 {
         self.turn
     }
@@ -207,7 +207,7 @@ impl View<'_> {
         self.viewpoint.at(0.0).camera()
     }
 
-    /// The transform that keeps things fixed to the camera while the object turns.
+    /// Returns the transform that keeps things fixed to the camera while the object turns.
     pub fn world_from_studio(&self) -> Mat4 {
         let (up, pivot) = (Vec3::new(0.0, 1.0, 0.0), self.viewpoint.pivot);
         Mat4::translation(pivot) * Mat4::rotation_about(up, -self.turn) * Mat4::translation(-pivot)
@@ -223,7 +223,7 @@ struct Chosen<'a> {
 }
 
 impl Chosen<'_> {
-    /// The camera of the file, else an orbit, by default at the distance that `fit` finds.
+    /// Returns the camera of the file, else an orbit, by default at the distance that `fit` finds.
     fn viewpoint(self, fit: impl FnOnce(&Orbit) -> Result<f64>) -> Result<Viewpoint> {
         self.options.check()?;
         let CameraOptions { azimuth, elevation, distance, target, fov_y, .. } = *self.options;

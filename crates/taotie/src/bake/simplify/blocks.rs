@@ -18,7 +18,7 @@ const OF_MANY: usize = 16;
 /// No more is left, unless more is wanted: what remains is simplified as a whole.
 const MOST: usize = 3_000_000;
 
-/// The part with fewer triangles, and the error in parts of the unit cube; unchanged where it is small enough.
+/// Returns the part with fewer triangles, and the error in parts of the unit cube; unchanged where it is small enough.
 pub(super) fn lighten(part: Part, wanted: usize, progress: Progress<'_>) -> Result<(Part, f32)> {
     let total = part.triangles.len();
     let left = wanted.saturating_mul(FOR_ONE).max(total / OF_MANY).clamp(LEAST, MOST);
@@ -41,7 +41,7 @@ pub(super) fn lighten(part: Part, wanted: usize, progress: Progress<'_>) -> Resu
     Ok((Part { triangles, ..part }.compacted(), error))
 }
 
-/// Which vertices triangles of more than one block have.
+/// Returns for each vertex whether triangles of more than one block share it.
 fn shared_vertices(part: &Part) -> Vec<bool> {
     const NOBODY: u32 = u32::MAX;
     let mut owners = vec![NOBODY; part.points.len()];

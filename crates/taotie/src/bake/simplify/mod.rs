@@ -21,15 +21,15 @@ pub(super) use whole::is_near;
 pub struct Simplified {
     /// Positions (to the bit those of the high-poly surface), normals and triangles; neither uvs nor colours.
     pub mesh: Mesh,
-    /// How far the low-poly surface lies from the high-poly one, model units: the estimate of meshoptimizer, of the
+    /// The distance of the low-poly surface from the high-poly one, model units: the estimate of meshoptimizer, of the
     /// size of the root mean square near the worst place, not a bound.
     pub error: f64,
-    /// What had to be done.
+    /// The roughest method that was needed.
     pub method: SimplifyMethod,
-    /// Whether the number of triangles is the wanted one, or less than 2 % off, or the surface had fewer. Where it is
-    /// `false` all methods were tried, [`SimplifyMethod::Clustered`] among them, and this is the best.
+    /// `true` where the number of triangles is the wanted one, or less than 2 % off, or the surface had fewer. Where it
+    /// is `false` all methods were tried, [`SimplifyMethod::Clustered`] among them, and this is the best.
     pub reached: bool,
-    /// What was left out, counted.
+    /// The things that were left out, counted.
     pub notes: Warnings,
 }
 
@@ -85,7 +85,7 @@ fn check(options: &SimplifyOptions) -> Result<()> {
     Ok(())
 }
 
-/// The triangles with the positions of the mesh that they came from, and normals.
+/// Returns the triangles with the positions of the mesh that they came from, and normals.
 fn finish(mesh: &Mesh, part: &Part, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
     let (triangles, used) = part::compact(triangles, part.points.len());
     let positions = used.iter().map(|v| mesh.positions()[part.sources[*v as usize] as usize]).collect();

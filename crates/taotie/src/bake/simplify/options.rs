@@ -1,11 +1,11 @@
-//! Options of simplification, and which method reached the number of triangles.
+//! Options of simplification, and the method that reached the number of triangles.
 
-/// How a surface is simplified.
+/// The options of simplification.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SimplifyOptions {
-    /// How many triangles are wanted, at least 1.
+    /// The wanted number of triangles, at least 1.
     pub triangles: usize,
-    /// What the turn of a vertex normal counts beside distances: 0 is nothing, 1 much. With more, creases and fine
+    /// The weight of the turn of a vertex normal beside distances: 0 is nothing, 1 much. With more, creases and fine
     /// waves keep their triangles and flat parts lose theirs.
     pub normal_weight: f32,
 }
@@ -16,7 +16,7 @@ impl Default for SimplifyOptions {
     }
 }
 
-/// What had to be done to reach a number of triangles, from mild to rough.
+/// The method that reached a number of triangles, from mild to rough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SimplifyMethod {
     /// The surface had no more triangles than were wanted.

@@ -3,11 +3,11 @@
 use crate::math::Vec3;
 use meshopt::VertexDataAdapter;
 
-/// Triangles on points that stand for vertices of a mesh.
+/// Triangles on points that are vertices of a mesh.
 pub(in crate::bake) struct Part {
     /// Points in the unit cube.
     pub points: Vec<[f32; 3]>,
-    /// Which vertex of the mesh each point is.
+    /// The vertex of the mesh that each point is.
     pub sources: Vec<u32>,
     pub triangles: Vec<[u32; 3]>,
 }
@@ -37,18 +37,18 @@ impl Frame {
         }
     }
 
-    /// The point in the unit cube.
+    /// Returns the point in the unit cube.
     pub fn scaled(&self, position: Vec3) -> [f32; 3] {
         self.unit(position).to_f32().to_array()
     }
 
-    /// The same in double precision.
+    /// Returns the same in double precision.
     pub fn unit(&self, position: Vec3) -> Vec3<f64> {
         (position.to_f64() - self.least) / self.extent
     }
 }
 
-/// The points as meshoptimizer reads them.
+/// Returns the points as meshoptimizer reads them.
 pub(in crate::bake) fn adapter(points: &[[f32; 3]]) -> VertexDataAdapter<'_> {
     VertexDataAdapter::new(meshopt::typed_to_bytes(points), size_of::<[f32; 3]>(), 0)
         .expect("the stride divides the length, and no offset is given")
@@ -59,7 +59,7 @@ pub(in crate::bake) fn triples(corners: Vec<u32>) -> Vec<[u32; 3]> {
     corners.as_chunks::<3>().0.to_vec()
 }
 
-/// The triangles on the vertices that they use alone, numbered upwards, and which those were.
+/// Returns the triangles on the vertices that they use alone, numbered upwards, and which those were.
 pub(in crate::bake) fn compact(mut triangles: Vec<[u32; 3]>, count: usize) -> (Vec<[u32; 3]>, Vec<u32>) {
     const UNUSED: u32 = u32::MAX;
     let mut numbers = vec![UNUSED; count];
@@ -74,7 +74,7 @@ pub(in crate::bake) fn compact(mut triangles: Vec<[u32; 3]>, count: usize) -> (V
 }
 
 impl Part {
-    /// Without the points that no triangle uses.
+    /// Returns the part without the points that no triangle uses.
     pub fn compacted(self) -> Self {
         let (triangles, used) = compact(self.triangles, self.points.len());
         Self {

@@ -14,7 +14,7 @@ const DROPPED: [u32; 3] = [u32::MAX; 3];
 /// Cells along a side of the cube: 2 to this power.
 const CELL_BITS: u32 = 10;
 
-/// The mesh on welded points. Each triangle begins with its lowest vertex, and triangles are sorted.
+/// Returns the mesh on welded points. Each triangle begins with its lowest vertex, and triangles are sorted.
 pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, Frame) {
     let positions = mesh.positions();
     let frame = Frame::of(positions);
@@ -24,12 +24,12 @@ pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, Frame) {
     (Part { points, sources, triangles }, frame)
 }
 
-/// The place of each vertex: vertices with equal positions have one.
+/// Returns the place of each vertex: vertices with equal positions have one.
 pub(in crate::bake) fn places(positions: &[Vec3]) -> Vec<u32> {
     classes(positions, &sorted(positions, &Frame::of(positions))).0
 }
 
-/// Vertex numbers in the low half, sorted by cell, then position, then number.
+/// Returns vertex numbers in the low half, sorted by cell, then position, then number.
 fn sorted(positions: &[Vec3], frame: &Frame) -> Vec<u64> {
     let cell = |position: &Vec3| u64::from(morton(frame.scaled(*position)));
     let mut keys: Vec<u64> =
@@ -44,7 +44,7 @@ fn sorted(positions: &[Vec3], frame: &Frame) -> Vec<u64> {
     keys
 }
 
-/// The place of each vertex, and the first vertex of each place.
+/// Returns the place of each vertex, and the first vertex of each place.
 fn classes(positions: &[Vec3], sorted: &[u64]) -> (Vec<u32>, Vec<u32>) {
     let (mut places, mut firsts) = (vec![0; positions.len()], Vec::new());
     let mut last = None;
@@ -61,7 +61,7 @@ fn classes(positions: &[Vec3], sorted: &[u64]) -> (Vec<u32>, Vec<u32>) {
     (places, firsts)
 }
 
-/// The triangles on places, each once, those with two equal corners left out.
+/// Returns the triangles on places, each once, those with two equal corners left out.
 fn sound_triangles(triangles: &[[u32; 3]], places: &[u32], notes: &mut Warnings) -> Vec<[u32; 3]> {
     let on_places = |triangle: &[u32; 3]| lowest_first(triangle.map(|v| places[v as usize]));
     let mut sound: Vec<[u32; 3]> = triangles.par_iter().map(on_places).collect();
@@ -74,7 +74,7 @@ fn sound_triangles(triangles: &[[u32; 3]], places: &[u32], notes: &mut Warnings)
     sound
 }
 
-/// The triangle turned so that its lowest vertex stands first.
+/// Returns the triangle turned so that its lowest vertex stands first.
 fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     match () {
         () if a == b || b == c || c == a => DROPPED,
@@ -84,19 +84,19 @@ fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// The bits of a position, zero having one sign.
+/// Returns the bits of a position, zero having one sign.
 fn bits(position: Vec3) -> [u32; 3] {
     position.to_array().map(|v| (v + 0.0).to_bits())
 }
 
-/// The number of a point's cell along the Morton curve; the point lies in the unit cube.
+/// Returns the number of a point's cell along the Morton curve; the point lies in the unit cube.
 pub(in crate::bake) fn morton(point: [f32; 3]) -> u32 {
     let cells = 1 << CELL_BITS;
     let [x, y, z] = point.map(|v| spread(((v * cells as f32) as u32).min(cells - 1)));
     x << 2 | y << 1 | z
 }
 
-/// Ten bits with two free places before each.
+/// Spreads ten bits, with two free places before each.
 fn spread(v: u32) -> u32 {
     let v = (v | v << 16) & 0x0300_00FF;
     let v = (v | v << 8) & 0x0300_F00F;

@@ -5,11 +5,11 @@ use super::part::{Part, adapter, triples};
 use crate::math::Vec3;
 use meshopt::SimplifyOptions as Choices;
 
-/// How far the number of triangles may be from the wanted one, as a part of it.
+/// The largest difference between the number of triangles and the wanted one, as a part of the wanted one.
 const NEAR: f64 = 0.02;
 /// The largest part that may be left out, as a part of the whole.
 const LARGEST_LEFT_OUT: f32 = 0.05;
-/// What clustering leaves for one wanted triangle, so that edges can be collapsed afterwards.
+/// The number of triangles that clustering leaves for one wanted triangle, so that edges can be collapsed afterwards.
 const CLUSTERED_FOR_ONE: usize = 4;
 
 /// Fewer triangles of a part.
@@ -20,12 +20,12 @@ pub(super) struct Reduced {
     pub method: SimplifyMethod,
 }
 
-/// Whether a number of triangles is the wanted one, or nearly.
+/// Returns `true` where a number of triangles is the wanted one, or nearly.
 pub(in crate::bake) fn is_near(found: usize, wanted: usize) -> bool {
     found.abs_diff(wanted) as f64 <= (NEAR * wanted as f64).max(1.0)
 }
 
-/// The part with the wanted number of triangles, or as near to it as can be.
+/// Returns the part with the wanted number of triangles, or as near to it as can be.
 pub(super) fn reduce(part: &Part, options: &SimplifyOptions) -> Reduced {
     let wanted = options.triangles;
     if part.triangles.len() <= wanted {
@@ -48,7 +48,8 @@ fn is_too_many(reduced: &Reduced, wanted: usize) -> bool {
     reduced.triangles.len() > wanted && !is_near(reduced.triangles.len(), wanted)
 }
 
-/// Where many triangles meet in an edge, a collapse takes more than was asked for; then it is asked for less.
+/// Returns the collapsed part: where many triangles meet in an edge, a collapse takes more than was asked for; then it
+/// is asked for less.
 fn collapsed_exactly(part: &Part, options: &SimplifyOptions) -> Reduced {
     let collapsed_to = |triangles: usize| {
         let options = SimplifyOptions { triangles, ..*options };
@@ -122,7 +123,7 @@ fn sloppy(part: &Part, target: usize) -> Reduced {
     Reduced { triangles: triples(corners), error, method: SimplifyMethod::Clustered }
 }
 
-/// One normal a point, weighted by the triangles' areas.
+/// Returns one normal a point, weighted by the triangles' areas.
 fn normals(part: &Part, triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
     let mut sums = vec![Vec3::splat(0.0f32); part.points.len()];
     for triangle in triangles {

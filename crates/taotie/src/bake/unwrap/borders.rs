@@ -4,7 +4,7 @@ use super::merge::Limits;
 use super::topology::{NONE, Topology};
 use crate::math::Vec3;
 
-/// How often all triangles are looked at.
+/// The number of times that all triangles are looked at.
 const ROUNDS: usize = 4;
 
 /// Gives triangles that stick into another chart to it, where it sees them well enough. Charts stay connected: what
@@ -23,7 +23,7 @@ pub(super) fn shorten(topology: &Topology, labels: &mut [u32], axes: &[Vec3<f64>
     }
 }
 
-/// The chart that a triangle has a longer border with than with its own.
+/// Returns the chart that a triangle has a longer border with than with its own.
 fn better(topology: &Topology, labels: &[u32], t: usize) -> Option<u32> {
     let beside = topology.neighbours[t].map(|side| if side == NONE { NONE } else { labels[side as usize] });
     let own = labels[t];

@@ -17,7 +17,7 @@ impl Directions {
         Self(cells)
     }
 
-    /// The directions of both.
+    /// Returns the directions of both.
     pub fn union(&self, other: &Self) -> Self {
         let mut cells = [self.0.as_slice(), &other.0].concat();
         cells.sort_unstable();
@@ -25,12 +25,12 @@ impl Directions {
         Self(cells)
     }
 
-    /// The least cosine of the angle between `axis` and any of them; 1 where there are none.
+    /// Returns the least cosine of the angle between `axis` and any of them; 1 where there are none.
     pub fn least_cosine(&self, axis: Vec3<f64>) -> f64 {
         self.0.iter().fold(1.0, |least, cell| direction(*cell).dot(axis).min(least))
     }
 
-    /// The axis of nearly the narrowest cone around them, sought from `start` (unit).
+    /// Returns the axis of nearly the narrowest cone around them, sought from `start` (unit).
     ///
     /// Source: Bădoiu and Clarkson 2003, "Smaller core-sets for balls", section 3: go to the farthest point by ever
     /// smaller steps.
@@ -53,7 +53,7 @@ impl Directions {
     }
 }
 
-/// The cell of a unit direction.
+/// Returns the cell of a unit direction.
 /// Source: Cigolle et al. 2014, "A survey of efficient representations for independent unit vectors".
 fn cell(d: Vec3<f64>) -> u16 {
     let sum = d.x.abs() + d.y.abs() + d.z.abs();
@@ -63,7 +63,7 @@ fn cell(d: Vec3<f64>) -> u16 {
     place(y) * SIDE + place(x)
 }
 
-/// The unit direction in the middle of a cell.
+/// Returns the unit direction in the middle of a cell.
 fn direction(cell: u16) -> Vec3<f64> {
     let place = |i: u16| (f64::from(i) + 0.5) / f64::from(SIDE) * 2.0 - 1.0;
     let (x, y) = (place(cell % SIDE), place(cell / SIDE));

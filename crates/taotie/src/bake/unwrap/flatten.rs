@@ -18,7 +18,7 @@ const ANGLES: usize = 32;
 #[derive(Debug, Clone)]
 pub(super) struct Chart {
     pub triangles: Vec<u32>,
-    /// What it is seen along, unit.
+    /// The unit direction along which it is seen.
     axis: Vec3<f64>,
     /// A corner's place on the chart is its product with each of these. The area of the whole is that of the surface.
     right: Vec3<f64>,
@@ -26,7 +26,7 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// Seen along a unit axis.
+    /// Makes the chart of triangles seen along a unit axis.
     fn seen(topology: &Topology, triangles: Vec<u32>, axis: Vec3<f64>) -> Self {
         let (mut own, mut seen) = (0.0, 0.0);
         for t in &triangles {
@@ -39,29 +39,29 @@ impl Chart {
         Self { triangles, axis, right: right * scale, down: -axis.cross(right) * scale }
     }
 
-    /// Where a corner lies, right and down.
+    /// Returns the place of a corner, right and down.
     pub fn place(&self, corner: Vec3<f64>) -> [f64; 2] {
         [corner.dot(self.right), corner.dot(self.down)]
     }
 
-    /// The triangles as they lie.
+    /// Returns the triangles as they lie.
     pub fn laid(&self, topology: &Topology) -> Vec<[[f64; 2]; 3]> {
         self.triangles.iter().map(|t| topology.corners[*t as usize].map(|p| self.place(p))).collect()
     }
 
-    /// In two, each of what is nearer to one of two of its triangles.
+    /// Cuts the chart in two, each part nearer to one of two of its triangles.
     pub fn cut(self, topology: &Topology, pair: [u32; 2], measure: &Measure) -> Vec<Self> {
         let parts = split(topology, &self.triangles, pair);
         parts.into_iter().flat_map(|part| flatten(topology, part, self.axis, measure)).collect()
     }
 
-    /// The longer side of its box.
+    /// Returns the longer side of its box.
     fn length(&self, topology: &Topology) -> f64 {
         let [low, high] = bounds(self.laid(topology).into_iter().flatten());
         (high[0] - low[0]).max(high[1] - low[1])
     }
 
-    /// Turned so that its upright box is small.
+    /// Returns the chart turned so that its upright box is small.
     pub fn turned(self, topology: &Topology) -> Self {
         let laid = self.laid(topology);
         let (mut best, mut chosen) = (f64::INFINITY, [1.0, 0.0]);
@@ -81,14 +81,14 @@ impl Chart {
     }
 }
 
-/// The least and the greatest coordinates.
+/// Returns the least and the greatest coordinates.
 pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
     points.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], p| {
         [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
     })
 }
 
-/// What charts are measured by.
+/// The sizes by which charts are split.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measure {
     /// Texels a unit that overlaps are searched with.
@@ -97,7 +97,7 @@ pub(super) struct Measure {
     pub longest: f64,
 }
 
-/// The charts of triangles seen along an axis: one, or several where one would lie over itself or be too long.
+/// Returns the charts of triangles seen along an axis: one, or several where one would lie over itself or be too long.
 pub(super) fn flatten(
     topology: &Topology,
     triangles: Vec<u32>,
@@ -123,7 +123,7 @@ pub(super) fn flatten(
     flat
 }
 
-/// Two triangles that lie over one another.
+/// Returns two triangles that lie over one another.
 fn overlap(topology: &Topology, chart: &Chart, density: f64) -> Option<[u32; 2]> {
     if chart.triangles.len() < 2 {
         return None;
@@ -158,7 +158,7 @@ fn overlap(topology: &Topology, chart: &Chart, density: f64) -> Option<[u32; 2]>
     None
 }
 
-/// Two triangles at the ends of a chart whose box is longer than `longest`.
+/// Returns two triangles at the ends of a chart whose box is longer than `longest`.
 fn far_ends(topology: &Topology, chart: &Chart, longest: f64) -> Option<[u32; 2]> {
     let laid = chart.laid(topology);
     let [low, high] = bounds(laid.iter().flatten().copied());
@@ -172,7 +172,7 @@ fn far_ends(topology: &Topology, chart: &Chart, longest: f64) -> Option<[u32; 2]
     (first != last).then_some([first, last].map(|i| chart.triangles[i]))
 }
 
-/// The triangles in two parts, each of what is nearer to one of two of them on the way over the surface.
+/// Returns the triangles in two parts, each of what is nearer to one of two of them on the way over the surface.
 fn split(topology: &Topology, triangles: &[u32], seeds: [u32; 2]) -> [Vec<u32>; 2] {
     let mut sorted = triangles.to_vec();
     sorted.sort_unstable();

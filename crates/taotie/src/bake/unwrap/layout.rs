@@ -19,9 +19,9 @@ const FINE_FOR_MANY: f64 = 512.0;
 const MANY: usize = 150;
 /// No fewer cells along a side for one chart, times the root of the number of charts.
 const FOR_ONE: f64 = 6.0;
-/// How often charts are packed once a scale is known at which they fit: on the coarse field and on the fine one.
+/// The number of packings once a scale is known at which charts fit: on the coarse field and on the fine one.
 const TRIES: [usize; 2] = [9, 4];
-/// How often at all: each time that they do not fit the scale falls.
+/// The largest number of packings at all: each time that charts do not fit the scale falls.
 const MOST_TRIES: usize = 40;
 /// The search ends where the scale is known within this.
 const EXACT: f64 = 1.004;
@@ -30,7 +30,7 @@ const NEAR: f64 = 1.02;
 /// The orders that are tried: by half the circumference, the longer side, the cells, the shorter side; largest first.
 const ORDERS: [usize; 4] = [0, 1, 2, 3];
 
-/// Where each chart lies on the map.
+/// The place of each chart on the map.
 pub(super) struct Layout {
     /// Texels for one unit.
     pub scale: f64,
@@ -39,7 +39,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The texels, right and down, of a point of a chart.
+    /// Returns the texels, right and down, of a point of a chart.
     pub fn place(&self, chart: u32, point: [f64; 2]) -> [f64; 2] {
         let (quarters, low, at) = self.charts[chart as usize];
         let p = turned(point, quarters);
@@ -141,7 +141,7 @@ impl Search<'_> {
     }
 }
 
-/// The next scale to try: what the last attempt suggests, kept between what fits and what does not.
+/// Returns the next scale to try: what the last attempt suggests, kept between what fits and what does not.
 fn next(suggested: f64, [fits, fails]: [f64; 2], attempt: usize) -> f64 {
     if fits == 0.0 {
         // Where padding is what fills the map, scales have to fall fast.
@@ -151,7 +151,7 @@ fn next(suggested: f64, [fits, fails]: [f64; 2], attempt: usize) -> f64 {
     suggested.clamp(low, high)
 }
 
-/// The longest side of the boxes around charts.
+/// Returns the longest side of the boxes around charts.
 fn longest_side(laid: &[Laid]) -> f64 {
     let side = |laid: &Laid| {
         let [low, high] = bounds(laid.iter().flatten().copied());

@@ -12,7 +12,7 @@ pub(super) struct Mask {
     pub rows: Vec<Vec<Run>>,
 }
 
-/// A point after quarter turns to the right.
+/// Returns a point after quarter turns to the right.
 pub(super) fn turned([x, y]: [f64; 2], quarters: u8) -> [f64; 2] {
     match quarters % 4 {
         0 => [x, y],
@@ -22,13 +22,13 @@ pub(super) fn turned([x, y]: [f64; 2], quarters: u8) -> [f64; 2] {
     }
 }
 
-/// The least coordinates of triangles after quarter turns: what lies at a mask's corner.
+/// Returns the least coordinates of triangles after quarter turns: what lies at a mask's corner.
 pub(super) fn corner(laid: &[[[f64; 2]; 3]], quarters: u8) -> [f64; 2] {
     bounds(laid.iter().flatten().map(|p| turned(*p, quarters)))[0]
 }
 
 impl Mask {
-    /// Of triangles, turned and with `scale` cells a unit. Gaps in a row that are not wider than `gap` are filled.
+    /// Draws triangles, turned and with `scale` cells a unit. Gaps in a row that are not wider than `gap` are filled.
     pub fn new(laid: &[[[f64; 2]; 3]], quarters: u8, scale: f64, gap: u32) -> Self {
         let [low, high] = bounds(laid.iter().flatten().map(|p| turned(*p, quarters)));
         let cells = |k: usize| ((high[k] - low[k]) * scale).max(0.0) as usize + 1;
@@ -49,7 +49,7 @@ impl Mask {
         self.rows.len() as u32
     }
 
-    /// How many cells it has.
+    /// Returns the number of cells.
     pub fn cells(&self) -> usize {
         self.rows.iter().flatten().map(|[from, to]| (to - from) as usize).sum()
     }
@@ -67,7 +67,7 @@ fn touch(corners: [[f64; 2]; 3], rows: &mut [Vec<Run>]) {
     }
 }
 
-/// The least and the greatest x of a triangle between y and y + 1.
+/// Returns the least and the greatest x of a triangle between y and y + 1.
 fn extent(corners: [[f64; 2]; 3], y: f64) -> [f64; 2] {
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     let mut add = |x: f64| range = [range[0].min(x), range[1].max(x)];

@@ -5,7 +5,7 @@ use super::topology::{NONE, Topology};
 use crate::math::Vec3;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// How far from its axis the triangles of a chart may face, as least cosines.
+/// The widest angles between the axis of a chart and the normals of its triangles, as least cosines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Of the smooth normals.
@@ -16,7 +16,7 @@ pub(super) struct Limits {
     pub small: f64,
 }
 
-/// What is known of a chart while charts are joined.
+/// A chart while charts are joined: its normals, area and borders.
 #[derive(Debug, Clone, Default)]
 struct Region {
     smooth: Directions,
@@ -37,7 +37,7 @@ type Pair = (u64, u32, u32, [u32; 2]);
 /// The charts of triangles as they are joined.
 pub(super) struct Merger {
     regions: Vec<Region>,
-    /// Who each region was joined to, itself where to none.
+    /// The region that each region was joined to, itself where to none.
     parents: Vec<u32>,
 }
 
@@ -65,7 +65,7 @@ impl Merger {
         }
     }
 
-    /// The chart of each triangle, numbered without gaps, and the axis of each.
+    /// Returns the chart of each triangle, numbered without gaps, and the axis of each.
     pub fn charts(&self, labels: &[u32]) -> (Vec<u32>, Vec<Vec3<f64>>) {
         let mut numbers = vec![NONE; self.regions.len()];
         let mut axes = Vec::new();
@@ -142,12 +142,12 @@ impl Region {
         region
     }
 
-    /// The direction that the chart is seen from: where all triangles are seen well, else where most are.
+    /// Returns the direction that the chart is seen from: where all triangles are seen well, else where most are.
     fn axis(&self) -> Vec3<f64> {
         axis(&self.smooth, &self.own, self.facing)
     }
 
-    /// How narrow the cone of both together is, 0 to 1; `None` where it is too wide.
+    /// Returns the narrowness of the cone of both together, 0 to 1; `None` where it is too wide.
     fn with(&self, other: &Self, limits: &Limits) -> Option<f64> {
         let facing = self.facing + other.facing;
         let start = facing.normalize_or(Vec3::splat(0.0));
@@ -174,7 +174,8 @@ fn axis(smooth: &Directions, own: &Directions, facing: Vec3<f64>) -> Vec3<f64> {
         .unwrap_or(start)
 }
 
-/// How well an axis serves: the smooth normals count more than the triangles' own, unless one would be seen from behind.
+/// Returns the fitness of an axis: the smooth normals count more than the triangles' own, unless one would be seen from
+/// behind.
 fn worst(smooth: &Directions, own: &Directions, axis: Vec3<f64>) -> f64 {
     let own = own.least_cosine(axis);
     if own < 0.1 { own - 2.0 } else { smooth.least_cosine(axis).min(own + 0.3) }

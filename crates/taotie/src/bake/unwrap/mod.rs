@@ -1,4 +1,4 @@
-//! Uvs for a mesh: charts that face one way, laid flat and put into one square.
+//! Uvs for a mesh: UV islands that face one way, laid flat and put into one square.
 
 mod borders;
 mod cone;
@@ -27,17 +27,17 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use topology::{NONE, Topology};
 
-/// How far the triangles of a chart may face from its axis: 62° for the smooth surface, 80° for single ones.
+/// The widest angles between the triangles of a chart and its axis: 62° for the smooth surface, 80° for single ones.
 const WIDE: Limits = Limits { smooth: 0.47, own: 0.17, small: f64::INFINITY };
 /// The same where one side is a crumb.
 const CRUMBS: Limits = Limits { smooth: 0.26, own: 0.12, small: f64::INFINITY };
 /// A crumb is smaller than this part of the surface.
 const CRUMB: f64 = 1.0 / 400.0;
-/// How much of the square charts cover, first guess.
+/// The part of the square that charts cover, first guess.
 const COVER: f64 = 0.7;
 /// Texels along a side for one of the map, when charts are searched for places that lie over others.
 const FINER: f64 = 2.0;
-/// How often charts are laid out at most: what lies over itself by less than a texel shows only there.
+/// The largest number of layouts: overlaps of less than a texel show only there.
 const ROUNDS: u32 = 8;
 /// No chart is longer than this part of the map: a blade in one piece would leave the rest of it empty.
 const LONGEST: f64 = 0.95;
@@ -45,12 +45,12 @@ const LONGEST: f64 = 0.95;
 /// A mesh with uvs.
 #[derive(Debug, Clone)]
 pub struct Unwrapped {
-    /// The triangles of the input in their order; vertices are split where charts meet. Uv set 0 is the new one, the
-    /// only one, in [0, 1], origin top left; tangents are left out, all else is kept to the bit.
+    /// The triangles of the input in their order; vertices are split where UV islands meet. Uv set 0 is the new one,
+    /// the only one, in [0, 1], origin top left; tangents are left out, all else is kept to the bit.
     pub mesh: Mesh,
-    /// How many charts there are.
+    /// The number of UV islands.
     pub charts: usize,
-    /// The chart of each triangle; `None` for triangles without area, whose uvs are 0.
+    /// The UV island of each triangle; `None` for triangles without area, whose uvs are 0.
     pub chart_of: Vec<Option<u32>>,
     /// The part of the map that triangles cover, 0 to 1.
     pub utilisation: f64,
@@ -60,14 +60,14 @@ pub struct Unwrapped {
 
 /// Unwraps a mesh, whatever it is: neither closed, nor connected, nor manifold need it be.
 ///
-/// Charts are unions of triangles that face within about 60° of a common axis, and are seen along it, so areas are
-/// kept within a factor of 2 but for single steep triangles. No chart lies over itself or another one on the map of
+/// UV islands are unions of triangles that face within about 60° of a common axis, and are seen along it, so areas are
+/// kept within a factor of 2 but for single steep triangles. No island lies over itself or another one on the map of
 /// this size. The result depends neither on the order of vertices nor on the number of threads.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] where the map is empty or all padding, or no triangle has an area;
-/// [`Error::Limit`] where it is larger than [`Image::MAX_SIDE`] or the mesh has so many charts that their padding fills
-/// it.
+/// [`Error::Limit`] where it is larger than [`Image::MAX_SIDE`] or the mesh has so many UV islands that their padding
+/// fills it.
 pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> Result<Unwrapped> {
     check(options)?;
     let topology = Topology::new(mesh);
@@ -100,7 +100,7 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
     ))
 }
 
-/// A triangle that lies over another one of its chart, for each chart where there is one.
+/// Returns a triangle that lies over another one of its chart, for each chart where there is one.
 fn overlaps(unwrapped: &Unwrapped, size: u32) -> Result<BTreeMap<u32, [u32; 2]>> {
     let mesh = &unwrapped.mesh;
     let rasterizer = Rasterizer::new(mesh.triangles(), &mesh.uvs()[0], [size; 2])?;
@@ -149,7 +149,7 @@ fn check(options: &UnwrapOptions) -> Result<()> {
     Ok(())
 }
 
-/// The chart of each triangle and the axis of each chart.
+/// Returns the chart of each triangle and the axis of each chart.
 fn charted(topology: &Topology, surface: f64, progress: Progress<'_>) -> Result<(Vec<u32>, Vec<Vec3<f64>>)> {
     let (labels, count) = patches::patches(topology);
     progress.at(0.3)?;

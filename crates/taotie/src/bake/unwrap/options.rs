@@ -5,7 +5,7 @@
 pub struct UnwrapOptions {
     /// Texels along a side of the square map, 1 to [`crate::image::Image::MAX_SIDE`].
     pub size: u32,
-    /// Texels between charts, and between charts and the map's border.
+    /// Texels between UV islands, and between them and the map's border.
     pub padding: u32,
 }
 

@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 const SMALL: usize = 64;
 /// Masks with more cells are sought a place for in their four turns at once.
 const LARGE: usize = 4096;
-/// How many rows of a mask are held against the longest free runs before cells are looked at.
+/// The number of rows of a mask that are held against the longest free runs before cells are looked at.
 const PROBES: usize = 8;
 
-/// Where a chart lies: cells from the left and the top, after quarter turns to the right.
+/// The place of a chart: cells from the left and the top, after quarter turns to the right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Placement {
     pub quarters: u8,
@@ -61,7 +61,7 @@ struct Board {
     taken: Vec<u64>,
     /// The longest run of free cells in each row that is there.
     free: Vec<u32>,
-    /// How far to both sides the gap goes in each row above and below.
+    /// The width of the gap to both sides in each row above and below.
     halves: Vec<u32>,
     /// Rows above which a small mask found no place.
     known: BTreeMap<Mask, u32>,
@@ -90,7 +90,7 @@ impl Board {
         self.taken.get(y as usize * self.words..(y as usize + 1) * self.words)
     }
 
-    /// The best place of a chart in any of its turns: the one that ends first.
+    /// Returns the best place of a chart in any of its turns: the one that ends first.
     fn find(&mut self, turns: &[Mask; 4]) -> Option<Placement> {
         let place = |(quarters, mask): (u8, &Mask)| {
             let start = if mask.cells() < SMALL { self.known.get(mask).copied().unwrap_or(0) } else { 0 };
@@ -110,7 +110,7 @@ impl Board {
         found.into_iter().flatten().min_by_key(|place| (end(place), place.x, place.quarters))
     }
 
-    /// The first row from `start`, and in it the first column, where a mask is free.
+    /// Returns the first row from `start`, and in it the first column, where a mask is free.
     fn place(&self, mask: &Mask, start: u32) -> Option<[u32; 2]> {
         if mask.width > self.width {
             return None;
@@ -143,7 +143,7 @@ impl Board {
         None
     }
 
-    /// A row in which the columns after `last` are blocked.
+    /// Returns a row in which the columns after `last` are blocked.
     fn beyond(&self, last: u32) -> Vec<u64> {
         let word = |i: usize| match (last + 1).saturating_sub(64 * i as u32) {
             free if free >= 64 => 0,
@@ -176,7 +176,7 @@ impl Board {
     }
 }
 
-/// The length of the longest run of bits that are not set, below `width`.
+/// Returns the length of the longest run of bits that are not set, below `width`.
 fn longest_free(row: &[u64], width: u32) -> u32 {
     let (mut longest, mut run, mut x) = (0, 0, 0);
     while x < width {
@@ -218,7 +218,7 @@ fn block(row: &[u64], [from, to]: Run, blocked: &mut [u64], scratch: &mut [u64])
     blocked.iter_mut().zip(scratch).for_each(|(blocked, more)| *blocked |= *more);
 }
 
-/// The row moved by `by` columns to the left.
+/// Moves a row by `by` columns to the left.
 fn shift(row: &[u64], by: u32, into: &mut [u64]) {
     let (words, bits) = (by as usize / 64, by % 64);
     let word = |i: usize| row.get(i).copied().unwrap_or(0);
@@ -249,7 +249,7 @@ mod tests {
         [flat.clone(), upright.clone(), flat, upright]
     }
 
-    /// The cells of all charts, each drawn with its number.
+    /// Returns the cells of all charts, each drawn with its number.
     fn drawn(charts: &[[Mask; 4]], places: &[Placement], size: [u32; 2]) -> Vec<String> {
         let mut cells = vec![vec!['.'; size[0] as usize]; size[1] as usize];
         for ((turns, place), name) in charts.iter().zip(places).zip('a'..) {

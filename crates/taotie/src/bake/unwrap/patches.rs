@@ -1,4 +1,4 @@
-//! Small compact patches that face one way: what charts are put together from.
+//! Small compact patches that face one way, from which charts are put together.
 
 use super::topology::{NONE, Topology};
 use crate::bake::simplify::morton;
@@ -12,7 +12,7 @@ const ROUNDS: usize = 4;
 const SMOOTH_COSINE: f64 = 0.766;
 /// The same for the triangles' own normals: 70°.
 const OWN_COSINE: f64 = 0.342;
-/// How much longer a way seems where the surface faces elsewhere.
+/// The factor by which a way seems longer where the surface faces elsewhere.
 const DETOUR: f64 = 8.0;
 
 /// A patch while it grows.
@@ -22,9 +22,9 @@ struct Patch {
     axis: Vec3<f64>,
 }
 
-/// The patch of each triangle, [`NONE`] for those without area, and how many patches there are.
+/// Returns the patch of each triangle, [`NONE`] for those without area, and how many patches there are.
 ///
-/// Patches grow at once, nearest triangles first, as in Lloyd's method; from what nobody reaches new ones grow.
+/// Patches grow at once, nearest triangles first, as in Lloyd's method; new ones grow from triangles that none reaches.
 /// Source: Cohen-Steiner, Alliez and Desbrun 2004, "Variational shape approximation".
 pub(super) fn patches(topology: &Topology) -> (Vec<u32>, usize) {
     let mut patches = first_seeds(topology);
@@ -56,7 +56,7 @@ fn first_seeds(topology: &Topology) -> Vec<Patch> {
     seeds
 }
 
-/// A patch of one triangle, whose axis is one that it may have.
+/// Makes a patch of one triangle, whose axis is one that it may have.
 fn patch_at(topology: &Topology, seed: u32) -> Patch {
     let t = seed as usize;
     let smooth = topology.smooth[t];
@@ -101,7 +101,7 @@ fn spread(topology: &Topology, patches: &[Patch], labels: &mut [u32], claims: &m
     }
 }
 
-/// Whether a triangle may belong to a patch with this axis.
+/// Returns `true` where a triangle may belong to a patch with this axis.
 fn faces(topology: &Topology, triangle: usize, axis: Vec3<f64>) -> bool {
     topology.is_flat_enough(triangle)
         && topology.smooth[triangle].dot(axis) >= SMOOTH_COSINE

@@ -1,4 +1,4 @@
-//! What a mesh is before it is cut: triangles, who lies beside whom, and where each faces.
+//! The topology of a mesh before it is cut: triangles, their neighbours and the directions that they face.
 
 use crate::bake::simplify::{Frame, places};
 use crate::math::Vec3;
@@ -46,22 +46,22 @@ impl Topology {
         topology
     }
 
-    /// How many triangles there are.
+    /// Returns the number of triangles.
     pub fn len(&self) -> usize {
         self.areas.len()
     }
 
-    /// Whether a triangle can be laid out at all.
+    /// Returns `true` where a triangle can be laid out at all.
     pub fn is_flat_enough(&self, triangle: usize) -> bool {
         self.areas[triangle] > 1e-18
     }
 
-    /// The length of the edge from a corner to the next.
+    /// Returns the length of the edge from a corner to the next.
     pub fn edge(&self, triangle: usize, corner: usize) -> f64 {
         (self.corners[triangle][(corner + 1) % 3] - self.corners[triangle][corner]).length()
     }
 
-    /// The mean normals over surroundings whose width is about the same part of any model.
+    /// Returns the mean normals over surroundings whose width is about the same part of any model.
     fn smoothed(&self, mut vectors: Vec<Vec3<f64>>) -> Vec<Vec3<f64>> {
         let rounds = ((self.len() as f64).sqrt() / 25.0).clamp(2.0, 24.0) as usize;
         for _ in 0..rounds {

@@ -17,7 +17,7 @@ pub struct DiffFigures {
     pub flip: Option<Summary>,
     /// 1 where equal.
     pub ssim: Option<f64>,
-    /// Decibels; infinite where the pictures are equal, which JSON writes as `null`.
+    /// Decibels; infinite where the images are equal, which JSON writes as `null`.
     pub psnr: Option<f64>,
     /// [0, 1].
     pub rmse: Option<f64>,

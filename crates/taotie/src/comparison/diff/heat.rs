@@ -1,4 +1,4 @@
-//! Where two images differ.
+//! The places where two images differ.
 
 use super::options::{DiffOptions, Metric};
 use super::pair::{ImageContent, ImagePair};
@@ -17,7 +17,7 @@ pub struct DifferenceMap {
     pub unit: &'static str,
     /// The colours.
     pub map: ColorMap,
-    /// The number of the last colour; the first stands for 0.
+    /// The number of the last colour; the first is 0.
     pub top: f32,
 }
 
@@ -61,7 +61,7 @@ fn of_pictures([a, b]: [&Picture; 2], options: &DiffOptions) -> Result<Differenc
     })
 }
 
-/// A scale that a few wild texels do not stretch: the 95 % quantile, else the largest number, else 1.
+/// Returns a scale that does not follow a few wild texels: the 95 % quantile, else the largest number, else 1.
 fn scale(field: &Field) -> f32 {
     let summary = field.summary();
     let tops = summary.map_or([0.0; 2], |summary| [summary.p95, summary.max]);

@@ -1,10 +1,10 @@
-//! How two images are compared.
+//! The options of a comparison of two images.
 
 use crate::compare::{NormalEncoding, PIXELS_PER_DEGREE};
 use crate::math::Vec3;
 use crate::names::Named;
 
-/// How a difference is measured.
+/// The measure of a difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
@@ -54,7 +54,7 @@ pub enum Encoding {
     Normals(NormalEncoding),
 }
 
-/// How two images are compared.
+/// The options of a comparison of two images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DiffOptions {
     /// The only metric; `None` for all that apply.
@@ -63,7 +63,7 @@ pub struct DiffOptions {
     pub encoding: Encoding,
     /// The colour that transparent images are laid over, linear RGB in [0, 1].
     pub background: Vec3,
-    /// How fine pixels are in the eye of the viewer that FLIP assumes.
+    /// Pixels per degree of the field of view of the viewer that FLIP assumes.
     pub pixels_per_degree: f64,
 }
 

@@ -75,7 +75,7 @@ fn check_sizes(images: &[NamedBitmap<'_>; 2]) -> Result<()> {
     ))
 }
 
-/// How the images store normals; `None` where colours are to be compared.
+/// Returns the encodings in which the images store normals; `None` where colours are to be compared.
 fn normal_encodings(
     images: &[NamedBitmap<'_>; 2],
     options: &DiffOptions,
