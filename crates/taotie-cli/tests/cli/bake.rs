@@ -110,7 +110,7 @@ fn refusals() {
         ),
         (
             "low.obj -o out.glb --error 1",
-            "a mean normal error of 1°: the scan has 528 triangles, too few to be made lighter; name the number",
+            "a mean normal error of 1°: the scan has 528 triangles, too few to be simplified; name the number",
         ),
         ("scan.obj -o out.glb --error 1 --space object", "--error needs a normal map in tangent space"),
         ("scan.obj -o out.glb --error 1 --maps ao", "--error needs a normal map in tangent space"),
@@ -139,7 +139,7 @@ fn refusals() {
         ("scan.obj --low low.obj --cage other.obj -o out.glb", "other.obj: the cage: it has [..] vertices"),
         (
             "scan.obj --low low.obj --cage low.obj -o out.glb",
-            "vertices are not outside the light mesh; move them outward",
+            "vertices are not outside the low-poly mesh; move them outward",
         ),
         (
             "nan.obj -o out.glb",
@@ -260,7 +260,7 @@ fn a_level_that_is_no_lighter_is_told() {
     let assert = place.taotie(line).assert().success();
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(
-        said.contains("a level of 1000 triangles is no lighter than the light mesh, which has 528"),
+        said.contains("a level of 1000 triangles is no coarser than the low-poly mesh, which has 528"),
         "{said}"
     );
 }

@@ -46,7 +46,11 @@ fn moved() {
     let said = with_light(Ball { center: [0.3, 0.0, 0.0], ..LIGHT }.obj());
     assert_says(
         &said,
-        &["the meshes part: ", "2 % of the diagonal from the scan", "moved, scaled or posed differently?"],
+        &[
+            "the meshes lie apart: ",
+            "2 % of the diagonal from the scan",
+            "moved, scaled or posed differently?",
+        ],
     );
 }
 
@@ -66,7 +70,7 @@ fn in_another_pose() {
         .collect();
     assert_says(
         &with_light(obj),
-        &["the meshes part: ", "is one of them moved, scaled or posed differently?"],
+        &["the meshes lie apart: ", "is one of them moved, scaled or posed differently?"],
     );
 }
 
@@ -74,7 +78,7 @@ fn in_another_pose() {
 fn far_apart() {
     let said = refused(Ball { center: [30.0, 0.0, 0.0], ..LIGHT }.obj());
     assert_says(&said, &["projection rays met the scan", "the meshes do not overlap: 100.0 %"]);
-    assert!(!said.contains("turned"), "which side is nearer is chance: {said}");
+    assert!(!said.contains("reverse"), "which side is nearer is chance: {said}");
 }
 
 #[test]
@@ -86,14 +90,14 @@ fn of_another_size() {
 fn inside_out() {
     let turned: Vec<_> = LIGHT.faces().into_iter().map(|[a, b, c]| [a, c, b]).collect();
     let said = refused(LIGHT.obj_of(&turned));
-    assert_says(&said, &["one of the meshes is inside out: 100.0 %", "turn its triangles and normals"]);
+    assert_says(&said, &["one of the meshes is inside out: 100.0 %", "reverse its triangles and normals"]);
 }
 
 #[test]
 fn some_triangles_turned() {
     let mut faces = LIGHT.faces();
     faces[..60].iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
-    assert_says(&with_light(LIGHT.obj_of(&faces)), &["some triangles are turned: "]);
+    assert_says(&with_light(LIGHT.obj_of(&faces)), &["reversed winding of some triangles: "]);
 }
 
 #[test]
@@ -101,7 +105,7 @@ fn uvs_that_overlap() {
     let said = with_light(Ball { uv: Some(|u, v| [u.min(1.0 - u) * 2.0, v]), ..LIGHT }.obj());
     assert_says(
         &said,
-        &["of the map lies under more than one triangle: charts overlap", "unwrap the light mesh"],
+        &["of the map lies under more than one triangle: UV islands overlap", "unwrap the low-poly mesh"],
     );
 }
 
@@ -110,7 +114,7 @@ fn uvs_out_of_range() {
     let said = with_light(Ball { uv: Some(|u, v| [u * 0.9 - 0.5, v]), ..LIGHT }.obj());
     assert_says(
         &said,
-        &["vertices of the light mesh with uvs outside of the map, which is repeated there ("],
+        &["vertices of the low-poly mesh with uvs outside of the map, which is repeated there ("],
     );
     assert!(!said.contains("overlap"), "{said}");
 }
@@ -131,7 +135,7 @@ fn a_scan_with_holes() {
         &said,
         &[
             "of the texels have rays that missed the scan",
-            &format!("edges of the scan with one triangle: it is open there ({} times)", holes * 3),
+            &format!("open (boundary) edges of the scan ({} times)", holes * 3),
         ],
     );
 }
@@ -141,13 +145,7 @@ fn a_scan_with_triangles_twice() {
     let mut faces = SCAN.faces();
     faces.extend_from_within(1000..1010);
     let said = with_scan(SCAN.obj_of(&faces));
-    assert_says(
-        &said,
-        &[
-            "triangles of the scan that are there more than once (10 times)",
-            "where more than two triangles meet",
-        ],
-    );
+    assert_says(&said, &["duplicate triangles of the scan (10 times)", "where more than two triangles meet"]);
 }
 
 #[test]
@@ -160,7 +158,7 @@ fn a_scan_with_fins() {
         &said,
         &[
             "edges of the scan where more than two triangles meet",
-            "with one triangle: it is open there (2 times)",
+            "open (boundary) edges of the scan (2 times)",
         ],
     );
 }

@@ -44,7 +44,7 @@ impl Baker {
 
     /// Bakes a scan: simplifies and unwraps it, or takes the mesh that is given; bakes the maps; measures the result.
     ///
-    /// The listener hears the stages `simplify`, `unwrap`, `read the light mesh`, `tangents`, `measure the gap`,
+    /// The listener hears the stages `simplify`, `unwrap`, `read the low-poly mesh`, `tangents`, `measure the gap`,
     /// `bake`,
     /// `store`, `levels of detail` and `inspect the scan`, and is asked about every 20 ms whether to go on.
     ///

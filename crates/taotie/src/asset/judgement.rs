@@ -34,7 +34,7 @@ fn part(of: usize, all: usize) -> f64 {
 /// # Errors
 /// [`Error::Invalid`] where no triangle covers a texel, or no ray met the scan.
 pub(super) fn refuse_no_hit(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts) -> Result<()> {
-    let what = "the light mesh";
+    let what = "the low-poly mesh";
     if counts.samples == 0 {
         let triangles = pair.low.mesh.triangles().len();
         let why = format!(
@@ -67,8 +67,9 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
     if missed > MISSED {
         warnings.note(
             format!(
-                "{} of the texels have rays that missed the scan: {} of all rays took its closest point, {} found nothing and \
-                 left the light mesh's own normal; the report shows where, a larger ray distance or a cage may reach farther",
+                "{} of the texels have rays that missed the scan: {} of all rays took its closest point, {} had no hit and \
+                 left the low-poly mesh's own normal; the report shows where, a larger ray distance or a cage may reach \
+                 farther",
                 percent(missed),
                 percent(part(counts.missed - counts.lost, counts.samples)),
                 percent(part(counts.lost, counts.samples))
@@ -79,16 +80,16 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
     if counts.shared > counts.samples / 1000 {
         warnings.note(
             format!(
-                "{} of the map lies under more than one triangle: charts overlap, and each place has the relief of one of \
-                 them; unwrap the light mesh without overlaps",
+                "{} of the map lies under more than one triangle: UV islands overlap, and each place has the relief of \
+                 one of them; unwrap the low-poly mesh without overlaps",
                 percent(part(counts.shared, counts.samples))
             ),
             1,
         );
     }
-    warnings.note("triangles of the light mesh without uv area, which have no relief", counts.flat);
+    warnings.note("triangles of the low-poly mesh without uv area, which have no relief", counts.flat);
     warnings
-        .note("triangles of the light mesh that face away from their own normals", turned(&pair.low.mesh));
+        .note("triangles of the low-poly mesh that face away from their own normals", turned(&pair.low.mesh));
 }
 
 /// Returns the ways in which the meshes of a pair do not lie on one another.
@@ -96,14 +97,14 @@ fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     let diagonal = pair.scan.mesh().diagonal();
     let verifier = Verifier { mesh: &pair.low.mesh, normal: None, cage, scan: &pair.scan.high };
     let Some(fit) = verifier.fit(POINTS, diagonal) else {
-        return vec!["the light mesh has no area".into()];
+        return vec!["the low-poly mesh has no area".into()];
     };
     let mut misfits = Vec::new();
     if fit.away > PART {
-        let apart = if fit.away > 0.9 { "the meshes do not overlap" } else { "the meshes part" };
+        let apart = if fit.away > 0.9 { "the meshes do not overlap" } else { "the meshes lie apart" };
         misfits.push(format!(
-            "{apart}: {} of the light mesh lies farther than 2 % of the diagonal from the scan ({} on average); is one of \
-             them moved, scaled or posed differently?",
+            "{apart}: {} of the low-poly mesh lies farther than 2 % of the diagonal from the scan ({} on average); is one \
+             of them moved, scaled or posed differently?",
             percent(fit.away),
             percent(fit.distance)
         ));
@@ -111,9 +112,10 @@ fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     // Far from the scan it is chance which of its sides is the closest.
     if fit.turned > PART && fit.away < 0.5 {
         let whole = fit.turned > 0.5;
-        let who = if whole { "one of the meshes is inside out" } else { "some triangles are turned" };
+        let who =
+            if whole { "one of the meshes is inside out" } else { "reversed winding of some triangles" };
         misfits.push(format!(
-            "{who}: {} of the light mesh faces the other way than the scan beside it; turn its triangles and normals",
+            "{who}: {} of the low-poly mesh faces the other way than the scan beside it; reverse its triangles and normals",
             percent(fit.turned)
         ));
     }
@@ -132,8 +134,8 @@ fn turned(mesh: &Mesh) -> usize {
 /// Notes what is wrong with the scan itself.
 pub(super) fn inspect(scan: &Mesh, warnings: &mut Warnings) {
     let Faults { open_edges, crowded_edges, duplicates, flat } = Faults::of(scan);
-    warnings.note("edges of the scan with one triangle: it is open there", open_edges);
+    warnings.note("open (boundary) edges of the scan", open_edges);
     warnings.note("edges of the scan where more than two triangles meet", crowded_edges);
-    warnings.note("triangles of the scan that are there more than once", duplicates);
+    warnings.note("duplicate triangles of the scan", duplicates);
     warnings.note("triangles of the scan without area", flat);
 }

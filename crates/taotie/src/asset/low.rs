@@ -52,12 +52,12 @@ impl LowPoly {
         warnings: &mut Warnings,
         progress: Progress<'_>,
     ) -> Result<Self> {
-        let reading = progress.begin("read the light mesh")?;
+        let reading = progress.begin("read the low-poly mesh")?;
         let scene = read(source, warnings)?;
         reading.at(1.0)?;
         let used: Vec<usize> = scene.instances().iter().map(|instance| instance.material).collect();
         if used.iter().any(|material| *material != used[0]) {
-            warnings.note("materials of the light mesh made one, the first", 1);
+            warnings.note("materials of the low-poly mesh made one, the first", 1);
         }
         let material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
         notes::left_of_low(&material, options, warnings);
@@ -97,13 +97,13 @@ pub(super) fn read(source: &MeshSource, warnings: &mut Warnings) -> Result<Scene
     match source {
         MeshSource::Mesh(mesh) => {
             let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
-            check_extent(&scene, "the light mesh").map(|()| scene)
+            check_extent(&scene, "the low-poly mesh").map(|()| scene)
         }
         MeshSource::File(path) => {
             let loaded = io::load_model(path)?;
             warnings.absorb(loaded.warnings);
             check_extent(&loaded.scene, &path.display().to_string())?;
-            warnings.note("animations of the light mesh, left out", usize::from(loaded.rig.is_some()));
+            warnings.note("animations of the low-poly mesh, left out", usize::from(loaded.rig.is_some()));
             Ok(loaded.scene)
         }
     }
@@ -120,7 +120,7 @@ pub(super) fn note_simplified(simplified: &Simplified, triangles: u32, warnings:
     warnings.absorb(simplified.notes.clone());
     if !simplified.reached {
         let found = simplified.mesh.triangles().len();
-        warnings.note(format!("{triangles} triangles were wanted; {found} is what could be reached"), 1);
+        warnings.note(format!("{triangles} triangles were wanted; could not go below {found}"), 1);
     }
 }
 
@@ -140,7 +140,8 @@ fn framed(mesh: &Mesh, progress: Progress<'_>) -> Result<Mesh> {
 fn note_uvs(mesh: &Mesh, warnings: &mut Warnings) {
     let inside = |v: f32| (0.0..=1.0).contains(&v);
     let outside = mesh.uvs()[0].iter().filter(|uv| !(inside(uv.x) && inside(uv.y))).count();
-    warnings.note("vertices of the light mesh with uvs outside of the map, which is repeated there", outside);
+    warnings
+        .note("vertices of the low-poly mesh with uvs outside of the map, which is repeated there", outside);
 }
 
 /// Makes coarser levels of detail, all on the finest one's atlas.
@@ -159,10 +160,17 @@ pub(super) fn coarser(
     for (wanted, level) in counts.iter().zip(&levels) {
         let got = level.mesh.triangles().len();
         if !level.reached {
-            warnings.note(format!("a level of {wanted} triangles was wanted; its charts leave {got}"), 1);
+            warnings.note(
+                format!(
+                    "a level of {wanted} triangles was wanted; could not go below {got} triangles: seams must stay"
+                ),
+                1,
+            );
         } else if got >= all {
             warnings.note(
-                format!("a level of {wanted} triangles is no lighter than the light mesh, which has {all}"),
+                format!(
+                    "a level of {wanted} triangles is no coarser than the low-poly mesh, which has {all}"
+                ),
                 1,
             );
         }

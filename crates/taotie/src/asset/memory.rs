@@ -149,8 +149,8 @@ impl Need {
             Some(limit) if self.bytes() > limit => Err(Error::limit(
                 format!("a bake of {} triangles", self.scan.triangles),
                 format!(
-                    "it takes about {}, the limit is {limit}; raise the memory limit, free memory, lower the maps' size, or \
-                     bake fewer maps at once",
+                    "it needs about {} of memory, the limit is {limit}; raise the memory limit, free memory, lower the \
+                     maps' size, or bake fewer maps at once",
                     self.bytes()
                 ),
             )),

@@ -15,7 +15,7 @@ pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
         used(scene).filter(has_relief).count(),
     );
     warnings.note(
-        "XMP packets of the scan beside that of the whole asset, left out",
+        "XMP metadata of the scan beside that of the whole asset, left out",
         xmp.len().saturating_sub(1),
     );
     warnings.note("animations of the scan, which is baked at rest", usize::from(rig.is_some()));
@@ -97,7 +97,7 @@ pub(super) fn lacking(material: &Material, has_colors: bool, options: &BakeOptio
 
 /// Notes what of a low-poly mesh's material and textures an asset does not keep.
 pub(super) fn left_of_low(material: &Material, options: &BakeOptions, warnings: &mut Warnings) {
-    left_of_material("light mesh", material, warnings);
+    left_of_material("low-poly mesh", material, warnings);
     let bakes = |map: MapKind| options.maps.contains(&map);
     let is_moved = |texture: &Option<TextureRef>| texture.as_ref().is_some_and(|texture| !is_plain(texture));
     let textures = [
@@ -107,13 +107,15 @@ pub(super) fn left_of_low(material: &Material, options: &BakeOptions, warnings: 
     ];
     for (what, _, _) in textures.iter().filter(|(_, texture, map)| is_moved(texture) && !bakes(*map)) {
         warnings.note(
-            format!("the light mesh's {what} texture is left out: it has uvs of its own, or a transform"),
+            format!("the low-poly mesh's {what} texture is left out: it has uvs of its own, or a transform"),
             1,
         );
     }
     let has_relief = material.normal.is_some() && !bakes(MapKind::Normal);
-    warnings
-        .note("the light mesh's normal map is left out; bake normal in its place", usize::from(has_relief));
+    warnings.note(
+        "the low-poly mesh's normal map is left out; bake normal in its place",
+        usize::from(has_relief),
+    );
 }
 
 /// Returns `true` where a texture is of uv set 0 and not moved by a transform.

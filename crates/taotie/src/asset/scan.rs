@@ -108,10 +108,7 @@ impl ScanFile {
     pub fn sort(self, progress: Progress<'_>) -> Result<Scan> {
         progress.begin("sort the scan")?.apart(move |_| {
             let Self { mut scene, mut about } = self;
-            about.warnings.note(
-                "meshes of the scan with a normal for each facet, or none, as glTF shows them; they are smoothed",
-                smooth_facets(&mut scene)?,
-            );
+            about.warnings.note("flat-shaded scan: smooth normals computed", smooth_facets(&mut scene)?);
             Ok(Scan { high: Arc::new(bake::Scan::new(scene)?), about: Arc::new(about) })
         })
     }

@@ -101,7 +101,7 @@ fn none_near_enough(most: f64, trials: &[Trial], scan: usize) -> Error {
              {mean_angle:.3}°"
         ),
         None => format!(
-            "the scan has {scan} triangles, too few to be made lighter; name the number of triangles instead"
+            "the scan has {scan} triangles, too few to be simplified; name the number of triangles instead"
         ),
     };
     Error::invalid(format!("a mean normal error of {most}°"), why)

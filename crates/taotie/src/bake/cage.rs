@@ -87,7 +87,8 @@ impl Cage {
         let (count, cage_count) = (low.positions().len(), cage.positions().len());
         if count != cage_count || low.triangles() != cage.triangles() {
             let why = format!(
-                "it has {cage_count} vertices and {} triangles, the light mesh {count} and {}; it must be the light mesh with its vertices moved",
+                "it has {cage_count} vertices and {} triangles, the low-poly mesh {count} and {}; it must be the low-poly \
+                 mesh with its vertices moved",
                 cage.triangles().len(),
                 low.triangles().len()
             );
@@ -97,8 +98,9 @@ impl Cage {
         let way = |i: usize| cage.positions()[i] - low.positions()[i];
         let inside = (0..count).filter(|i| way(*i).dot(normals[*i]) <= 0.0).count();
         if inside > 0 {
-            let why =
-                format!("{inside} of its {count} vertices are not outside the light mesh; move them outward");
+            let why = format!(
+                "{inside} of its {count} vertices are not outside the low-poly mesh; move them outward"
+            );
             return Err(Error::invalid("the cage", why));
         }
         let distances: Vec<f32> = (0..count).map(|i| way(i).length()).collect();

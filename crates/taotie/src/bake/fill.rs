@@ -170,7 +170,7 @@ mod tests {
             // A texel wholly over one chart and its surroundings is of that chart: none is darker than all charts.
             assert!(level.iter().all(is_of_charts));
         }
-        assert!(level[0] < 1.5 && level[1] > 2.5, "both charts still stand apart: {level:?}");
+        assert!(level[0] < 1.5 && level[1] > 2.5, "both UV islands still stand apart: {level:?}");
     }
 
     #[test]

@@ -84,7 +84,7 @@ impl<'a> Rasterizer<'a> {
                     "a triangle whose uvs span {:.0} copies of the map",
                     reach / f64::from(width.max(height))
                 ),
-                format!("at most {MOST_COPIES}; maps are made for charts, not for patterns that repeat"),
+                format!("at most {MOST_COPIES}; maps are made for UV islands, not for patterns that repeat"),
             ));
         }
         let mut bits = COORDINATE_BITS;

@@ -151,9 +151,9 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
 fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {
     let error = |what: &str, why: &str| Err(Error::invalid(what, why));
     match () {
-        () if low.uvs().is_empty() => error("the light mesh", "it has no uvs; unwrap it first"),
+        () if low.uvs().is_empty() => error("the low-poly mesh", "it has no uvs; unwrap it first"),
         () if low.normals().is_empty() || low.tangents().is_empty() => {
-            error("the light mesh", "it has no normals or no tangents; make them first")
+            error("the low-poly mesh", "it has no normals or no tangents; make them first")
         }
         () if !settings.size.iter().all(|s| (1..=32_768).contains(s)) => {
             error("the size of the maps", "1 to 32768 texels")

@@ -125,7 +125,7 @@ impl Verifier<'_> {
     /// [`Error::Invalid`] where the mesh has no uvs or no triangles.
     pub fn density(&self, [width, height]: [u32; 2]) -> Result<Field> {
         let Some(uvs) = self.mesh.uvs().first() else {
-            return Err(Error::invalid("the light mesh", "it has no uvs"));
+            return Err(Error::invalid("the low-poly mesh", "it has no uvs"));
         };
         let density = |t: usize| {
             let [a, b, c] = self.mesh.triangles()[t].map(|v| uvs[v as usize]);
@@ -141,11 +141,12 @@ impl Verifier<'_> {
     fn check(&self) -> Result<()> {
         let lacks_frames = self.mesh.normals().is_empty() || self.mesh.tangents().is_empty();
         match self.normal {
-            Some(_) if self.mesh.uvs().is_empty() || lacks_frames => {
-                Err(Error::invalid("the light mesh", "it has a normal map but no uvs, normals or tangents"))
-            }
+            Some(_) if self.mesh.uvs().is_empty() || lacks_frames => Err(Error::invalid(
+                "the low-poly mesh",
+                "it has a normal map but no uvs, normals or tangents",
+            )),
             None if self.mesh.normals().is_empty() => {
-                Err(Error::invalid("the light mesh", "it has no normals"))
+                Err(Error::invalid("the low-poly mesh", "it has no normals"))
             }
             _ => Ok(()),
         }

@@ -306,9 +306,9 @@ fn maps_depend_on_neither_threads_nor_order() {
         ("three threads", of(&low, &fine, 3), None),
         ("the scan's vertices", of(&low, &turned_round(&fine), 2), None),
         ("the scan's triangles", of(&low, &backwards(&fine), 2), Some(&["curvature"][..])),
-        ("the light mesh's vertices", of(&turned_round(&low), &fine, 2), None),
+        ("the low-poly mesh's vertices", of(&turned_round(&low), &fine, 2), None),
         (
-            "the light mesh's triangles",
+            "the low-poly mesh's triangles",
             of(&backwards(&low), &fine, 2),
             Some(&["normal", "lift", "bent", "curvature", "roughness"][..]),
         ),

@@ -70,7 +70,7 @@ fn sound_triangles(triangles: &[[u32; 3]], places: &[u32], notes: &mut Warnings)
     notes.note("triangles with two equal corners, left out", triangles.len() - sound.len());
     let with_twins = sound.len();
     sound.dedup();
-    notes.note("triangles that were there twice, left out", with_twins - sound.len());
+    notes.note("duplicate triangles, left out", with_twins - sound.len());
     sound
 }
 
@@ -131,10 +131,7 @@ mod tests {
         let found: Vec<(&str, usize)> = notes.iter().collect();
         assert_eq!(
             found,
-            [
-                ("triangles with two equal corners, left out", 2),
-                ("triangles that were there twice, left out", 1)
-            ]
+            [("triangles with two equal corners, left out", 2), ("duplicate triangles, left out", 1)]
         );
         assert!(part.sources.iter().all(|v| [0, 1, 2, 5].contains(v)), "the first of equals stands for them");
     }

@@ -95,7 +95,7 @@ pub(super) fn lay_out(
     let search = Search { laid, cells: &fine, orders: &[order], tries: TRIES[1] };
     let fit = search.run(scale, progress.part(0.5, 1.0))?.ok_or_else(|| {
         Error::limit(
-            format!("a mesh of {} charts on a map of {} texels a side", laid.len(), options.size),
+            format!("a mesh of {} UV islands on a map of {} texels a side", laid.len(), options.size),
             format!(
                 "their padding of {} texels fills it; take a larger map or less padding",
                 options.padding

@@ -95,7 +95,7 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
         charts = without_overlaps(&topology, charts, &overlaps, &measure);
     }
     Err(Error::limit(
-        "a mesh whose charts lie over themselves however they are cut",
+        "a mesh whose UV islands overlap themselves however they are cut",
         "take a larger map, or simplify the mesh",
     ))
 }

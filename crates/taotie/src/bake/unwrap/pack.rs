@@ -256,7 +256,7 @@ mod tests {
             for (y, row) in turns[place.quarters as usize].rows.iter().enumerate() {
                 for x in row.iter().flat_map(|[from, to]| *from..*to) {
                     let cell = &mut cells[place.y as usize + y][(place.x + x) as usize];
-                    assert_eq!(*cell, '.', "charts overlap");
+                    assert_eq!(*cell, '.', "UV islands overlap");
                     *cell = name;
                 }
             }

@@ -207,7 +207,7 @@ fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
 
 fn check(asset: &GltfAsset) -> Result<()> {
     if asset.xmp.is_some_and(|packet| !packet.is_object()) {
-        return Err(Error::invalid("the XMP packet", "it must be an object of JSON"));
+        return Err(Error::invalid("the XMP metadata", "it must be an object of JSON"));
     }
     if asset.levels.is_empty() {
         return Err(Error::invalid("the model to write", "it has no mesh; give at least one level"));
