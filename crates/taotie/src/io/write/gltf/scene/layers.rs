@@ -1,8 +1,8 @@
 //! Material layers by extensions: index of refraction, specular strength, clearcoat, anisotropy, sheen, no light.
 
 use super::super::material::short;
-use super::Writer;
 use super::materials::Extensions;
+use super::writer::Writer;
 use crate::scene::{Anisotropy, Clearcoat, Material, Sheen, Specular, TextureRef};
 use serde_json::{Value, json};
 

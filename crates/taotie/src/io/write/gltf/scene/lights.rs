@@ -1,7 +1,7 @@
 //! Lights (KHR_lights_punctual) and cameras, each on a separate node.
 
 use super::super::material::short;
-use super::{Writer, placed};
+use super::writer::{Writer, placed};
 use crate::error::Result;
 use crate::math::{Mat4, Vec3};
 use crate::scene::{Camera, Falloff, Light, LightKind, Projection};

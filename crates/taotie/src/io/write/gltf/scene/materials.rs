@@ -1,7 +1,7 @@
 //! Materials: glTF's own factors and textures. [`super::layers`] writes the layers that extensions add.
 
 use super::super::material::short;
-use super::Writer;
+use super::writer::Writer;
 use crate::scene::{AlphaMode, GreenChannel, Material, NormalMap, NormalSpace, TextureRef};
 use serde_json::{Map, Value, json};
 

@@ -2,7 +2,7 @@
 
 use super::super::packed::Grid;
 use super::super::{mesh, packed};
-use super::{Writer, placed};
+use super::writer::{Writer, placed};
 use crate::error::Result;
 use crate::math::Mat4;
 use crate::mesh::Mesh;

@@ -5,17 +5,17 @@ mod lights;
 mod materials;
 mod meshes;
 mod textures;
+mod uses;
+mod writer;
 
-use super::draft::GltfDraft;
-use super::{Container, GltfFormat, material::short};
+use super::{Container, GltfFormat};
 use crate::error::{Error, Result, Warnings};
 use crate::io::write::{FileBytes, write_files};
-use crate::math::Mat4;
 use crate::progress::Progress;
 use crate::scene::Scene;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
-use textures::Textures;
+use writer::Writer;
 
 /// The files of a scene that was written, and notes on the content they lack.
 #[derive(Debug, Clone, Default)]
@@ -71,70 +71,4 @@ pub fn write_scene(path: &Path, scene: &Scene, format: &GltfFormat) -> Result<Wr
     };
     write_files(&files, Progress::SILENT)?;
     Ok(WrittenScene { files: files.into_iter().map(|file| file.path).collect(), warnings })
-}
-
-/// A scene being written.
-struct Writer<'a> {
-    scene: &'a Scene,
-    format: GltfFormat,
-    draft: GltfDraft,
-    textures: Textures,
-    warnings: Warnings,
-    nodes: Vec<Value>,
-    /// The nodes that the scene lists.
-    shown: Vec<usize>,
-}
-
-impl<'a> Writer<'a> {
-    fn new(scene: &'a Scene, format: GltfFormat) -> Self {
-        let generator = concat!("taotie ", env!("CARGO_PKG_VERSION"));
-        let json = json!({ "asset": { "version": "2.0", "generator": generator }, "scene": 0 });
-        let mut writer = Self {
-            scene,
-            format,
-            draft: GltfDraft::default(),
-            textures: Textures::default(),
-            warnings: Warnings::default(),
-            nodes: Vec::new(),
-            shown: Vec::new(),
-        };
-        writer.draft.json = json;
-        writer
-    }
-
-    /// Notes that something of `count` parts is not as the scene has it.
-    fn note(&mut self, what: &str, count: usize) {
-        self.warnings.note(what, count);
-    }
-
-    /// Adds a node to the scene.
-    fn show(&mut self, node: Value) {
-        self.shown.push(self.nodes.len());
-        self.nodes.push(node);
-    }
-
-    fn finish(mut self, materials: Vec<Value>) -> (GltfDraft, Warnings) {
-        self.draft.json["scenes"] = json!([{ "nodes": self.shown }]);
-        self.draft.json["nodes"] = self.nodes.into();
-        if !materials.is_empty() {
-            self.draft.json["materials"] = materials.into();
-        }
-        (self.draft, self.warnings)
-    }
-}
-
-/// Returns a node in its place; one that is not moved has no matrix.
-///
-/// # Errors
-/// [`Error::Invalid`] where the matrix leaves the numbers of 32-bit floats.
-fn placed(mut node: Value, world: &Mat4) -> Result<Value> {
-    let rounded = world.columns.as_flattened().iter().map(|v| *v as f32);
-    let rounded: Vec<f32> = rounded.collect();
-    if !rounded.iter().all(|v| v.is_finite()) {
-        return Err(Error::invalid("a transform of the scene to write", "no 32-bit float holds its numbers"));
-    }
-    if *world != Mat4::IDENTITY {
-        node["matrix"] = rounded.into_iter().map(short).collect::<Vec<_>>().into();
-    }
-    Ok(node)
 }

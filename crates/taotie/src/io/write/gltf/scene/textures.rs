@@ -2,7 +2,8 @@
 
 use super::super::images::{self, GltfImages, Stored};
 use super::super::material::short;
-use super::Writer;
+use super::uses::ImageUse;
+use super::writer::Writer;
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding, MipFilter, Sampler, TexelFilter, Texels, Texture, Wrap};
 use crate::io::write::FileBytes;
@@ -17,22 +18,6 @@ const TRANSFORM: &str = "KHR_texture_transform";
 
 /// The largest cosine between the axes of a uv transform that counts as none.
 const SQUARE: f64 = 1e-5;
-
-/// An image to be written: a texture of the scene, its green channel turned where it points down.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct ImageUse {
-    texture: usize,
-    turned: bool,
-}
-
-/// The images that materials ask for, in the order of their asking.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Textures {
-    images: Vec<ImageUse>,
-    samplers: Vec<Sampler>,
-    /// The sampler and the image of each texture.
-    textures: Vec<[usize; 2]>,
-}
 
 /// An image as it is written.
 pub(super) struct Image {
