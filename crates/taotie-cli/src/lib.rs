@@ -33,7 +33,7 @@ enum Command {
     Render(Box<render::RenderArgs>),
     /// Renders a model by several surface methods and measures their error.
     Compare(Box<compare::CompareArgs>),
-    /// Bakes a high-poly scan to a low-poly glTF asset with a normal map, and measures the error.
+    /// Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error.
     Bake(Box<bake::BakeArgs>),
     /// Lists the content of a model file and its defects.
     Inspect(inspect::InspectArgs),
@@ -43,7 +43,7 @@ enum Command {
     Diff(diff::DiffArgs),
     /// Lists the material presets for `--material`.
     Materials(materials::MaterialsArgs),
-    /// Renders the built-in bronze by every surface method and shading model, and measures their error.
+    /// Renders the built-in bronze by every method and shading model, and measures the error.
     Demo(demo::DemoArgs),
 }
 

@@ -13,12 +13,12 @@ Usage: taotie <COMMAND>
 Commands:
   render     Renders a model to a picture or an animation
   compare    Renders a model by several surface methods and measures their error
-  bake       Bakes a high-poly scan to a low-poly glTF asset with a normal map, and measures the error
+  bake       Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error
   inspect    Lists the content of a model file and its defects
   normals    Makes normal maps from height maps, and converts normal maps
   diff       Measures the difference of two pictures or normal maps
   materials  Lists the material presets for `--material`
-  demo       Renders the built-in bronze by every surface method and shading model, and measures their error
+  demo       Renders the built-in bronze by every method and shading model, and measures the error
 
 Options:
   -h, --help     Print help

@@ -68,7 +68,7 @@ pub(crate) fn with_frames_at(
 ///   of their neighbours corner by corner, or with (1, 0, 0) and w = −1 where they have none.
 ///
 /// # Errors
-/// [`Error::Invalid`] where the mesh has no normals or no such uv set, [`Error::Limit`] above 2³² / 3 triangles.
+/// [`crate::Error::Invalid`] where the mesh has no normals or no such uv set, [`crate::Error::Limit`] above 2³² / 3 triangles.
 pub fn with_tangents(mesh: &Mesh, uv_set: usize, method: TangentMethod) -> Result<Tangented> {
     let corners = Corners::new(mesh, uv_set)?;
     let (mut tangents, settle): (_, fn(_, _) -> _) = match method {
