@@ -17,7 +17,7 @@ test: tools features ## Formatting, lints, documentation and all tests but the s
 FEATURES = draco basis exr webp
 features: ## The library without each of its cargo features
 	cargo check -p taotie --tests --no-default-features
-	$(foreach off,$(FEATURES),cargo check -p taotie --tests --no-default-features --features "$(filter-out $(off),$(FEATURES))" &&) true
+	$(foreach off,$(FEATURES),cargo check -p taotie --no-default-features --features "$(filter-out $(off),$(FEATURES))" &&) true
 	cargo test -p taotie --no-default-features --profile light --test features
 
 test-slow: ## The tests that take minutes each

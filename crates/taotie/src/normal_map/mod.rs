@@ -14,7 +14,8 @@
 //! let heights = MapSource { bitmap, content: MapContent::Heights, green: GreenChannel::Up };
 //! let options = ConversionOptions { height_scale: Some(4.0), bits: Some(8), ..ConversionOptions::default() };
 //! let made = convert_map(&heights, &options, None)?;
-//! assert!(made.stored.summary().is_some_and(|degrees| degrees.mean < 0.2));
+//! let degrees = made.stored.summary().expect("every texel has an angle").mean;
+//! assert!(degrees < 0.26, "{degrees}");
 //! # Ok(())
 //! # }
 //! ```

@@ -8,13 +8,14 @@ use crate::scene::{GreenChannel, Scene, SceneData};
 /// The materials asked for; by default they stay as the file says.
 ///
 /// ```
+/// use taotie::mesh::Mesh;
 /// use taotie::scene::{Material, Scene};
 /// use taotie::studio::MaterialOptions;
 ///
-/// let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+/// let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let bronze = MaterialOptions { material: Some("bronze".into()), ..MaterialOptions::default() };
 /// bronze.apply(&mut scene)?;
-/// assert_eq!(scene.materials[0].metallic, 1.0);
+/// assert_eq!(scene.materials()[0].metallic, 1.0);
 /// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]

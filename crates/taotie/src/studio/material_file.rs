@@ -12,13 +12,14 @@ use std::path::{Path, PathBuf};
 /// paths are relative to the file.
 ///
 /// ```
+/// use taotie::mesh::Mesh;
 /// use taotie::scene::{Material, Scene};
 /// use taotie::studio::MaterialFile;
 ///
 /// let old_bronze = MaterialFile::parse("preset = 'bronze'\nroughness = 0.6", "old_bronze.toml".as_ref())?;
-/// let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
+/// let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// old_bronze.apply(&mut scene)?;
-/// assert_eq!(scene.materials[0].roughness, 0.6);
+/// assert_eq!(scene.materials()[0].roughness, 0.6);
 /// # Ok::<(), taotie::Error>(())
 /// ```
 #[derive(Debug, Clone, Default, Deserialize)]

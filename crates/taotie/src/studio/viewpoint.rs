@@ -101,15 +101,10 @@ impl Framing {
 ///
 /// ```
 /// use taotie::mesh::Mesh;
-/// use taotie::scene::{Instance, Material, Scene};
+/// use taotie::scene::{Material, Scene};
 /// use taotie::studio::{CameraOptions, Framing, Viewpoint};
 ///
-/// let scene = Scene {
-///     meshes: vec![Mesh::sphere(1.0, 32, 16)],
-///     materials: vec![Material::default()],
-///     instances: vec![Instance { mesh: 0, material: 0, world_from_object: taotie::math::Mat4::IDENTITY }],
-///     ..Scene::default()
-/// };
+/// let scene = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
 /// let framing = Framing { size: [256, 256], all_around: true };
 /// let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &scene)?;
 /// let cameras: Vec<_> = viewpoint.turn(12).map(|view| view.camera()).collect();
