@@ -44,6 +44,7 @@ pub mod math;
 pub mod mesh;
 pub mod names;
 pub mod normal_map;
+mod parallel;
 pub mod progress;
 pub mod raster;
 pub mod render;

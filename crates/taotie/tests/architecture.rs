@@ -18,11 +18,12 @@ use std::path::{Path, PathBuf};
 
 /// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
 /// never see each other.
-const LAYERS: [(&str, u32); 21] = [
+const LAYERS: [(&str, u32); 22] = [
     // Everybody's ground: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
     ("progress", 1),
+    ("parallel", 1),
     ("math", 2),
     ("image", 3),
     ("mesh", 3),

@@ -4,7 +4,7 @@ use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use crate::error::{Error, Result};
 use crate::math::{Vec3, sequence};
-use crate::mesh::{Mesh, Point, blend};
+use crate::mesh::{Mesh, Point, blend, each};
 use crate::surface;
 use crate::trace::Bvh;
 use rayon::prelude::*;
@@ -116,11 +116,11 @@ impl Cage {
     /// Returns the projection ray through a point of the low-poly mesh.
     pub fn projection_ray(&self, low: &Mesh, point: Point) -> ProjectionRay {
         let vertices = point.vertices(low);
-        let directions = vertices.map(|v| self.directions[v]);
+        let directions = each(vertices, |v| self.directions[v]);
         ProjectionRay {
             point: point.position(low),
             direction: blend(directions, point.weights).normalize_or(directions[0]),
-            distance: blend(vertices.map(|v| self.distances[v]), point.weights),
+            distance: blend(each(vertices, |v| self.distances[v]), point.weights),
         }
     }
 

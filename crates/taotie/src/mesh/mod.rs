@@ -5,8 +5,8 @@ mod point;
 mod repair;
 mod sphere;
 
-pub(crate) use point::blend;
 pub use point::{Frame, Point};
+pub(crate) use point::{blend, each};
 pub(crate) use repair::repair;
 
 use crate::error::{Error, Result};

@@ -32,6 +32,12 @@ pub(crate) fn blend<T: Mul<f32, Output = T> + Add<Output = T>>([a, b, c]: [T; 3]
     a * u + b * v + c * w
 }
 
+/// The values of three corners. Written out, since `map` over an array may become a call, which takes longer than the rest.
+#[inline(always)]
+pub(crate) fn each<I: Copy, T>([a, b, c]: [I; 3], value: impl Fn(I) -> T) -> [T; 3] {
+    [value(a), value(b), value(c)]
+}
+
 /// Each method reads the mesh that the point lies on.
 ///
 /// # Panics
@@ -40,7 +46,7 @@ impl Point {
     /// The vertices of the triangle.
     #[inline]
     pub fn vertices(&self, mesh: &Mesh) -> [usize; 3] {
-        mesh.triangles()[self.triangle as usize].map(|v| v as usize)
+        each(mesh.triangles()[self.triangle as usize], |v| v as usize)
     }
 
     /// The position, object space.
@@ -52,42 +58,46 @@ impl Point {
     /// The interpolated normal, unit; where it vanishes, that of the first corner.
     #[inline]
     pub fn normal(&self, mesh: &Mesh) -> Vec3 {
-        let normals = self.vertices(mesh).map(|v| mesh.normals()[v]);
+        let normals = mesh.normals();
+        let normals = each(self.vertices(mesh), |v| normals[v]);
         blend(normals, self.weights).normalize_or(normals[0])
     }
 
     /// The mean of the corners' normals with the point's weights, not normalised.
     #[inline]
     pub fn mean_normal(&self, mesh: &Mesh) -> Vec3 {
-        blend(self.vertices(mesh).map(|v| mesh.normals()[v]), self.weights)
+        let normals = mesh.normals();
+        blend(each(self.vertices(mesh), |v| normals[v]), self.weights)
     }
 
     /// The interpolated tangent frame.
     #[inline]
     pub fn frame(&self, mesh: &Mesh) -> Frame {
         let vertices = self.vertices(mesh);
+        let tangents = mesh.tangents();
         let tangent = |v: usize| {
-            let [x, y, z, _] = mesh.tangents()[v];
+            let [x, y, z, _] = tangents[v];
             Vec3::new(x, y, z)
         };
         Frame {
             normal: self.mean_normal(mesh),
-            tangent: blend(vertices.map(tangent), self.weights),
-            handedness: mesh.tangents()[vertices[0]][3],
+            tangent: blend(each(vertices, tangent), self.weights),
+            handedness: tangents[vertices[0]][3],
         }
     }
 
     /// The interpolated uv of a set.
     #[inline]
     pub fn uv(&self, mesh: &Mesh, set: usize) -> Vec2 {
-        blend(self.vertices(mesh).map(|v| mesh.uvs()[set][v]), self.weights)
+        let uvs = &mesh.uvs()[set];
+        blend(each(self.vertices(mesh), |v| uvs[v]), self.weights)
     }
 
     /// The interpolated vertex colour, linear RGB.
     #[inline]
     pub fn color(&self, mesh: &Mesh) -> Vec3 {
         let color = |v: usize| Vec3::new(mesh.colors()[v][0], mesh.colors()[v][1], mesh.colors()[v][2]);
-        blend(self.vertices(mesh).map(color), self.weights)
+        blend(each(self.vertices(mesh), color), self.weights)
     }
 }
 

@@ -1,0 +1,121 @@
+//! Loops over several threads, whose machinery is compiled once, whatever the loop does.
+//!
+//! Rayon's iterators are compiled anew for each loop that is written with them. Here a loop is a function that takes
+//! numbers, and every result stands in the order of the numbers, whatever the threads do.
+
+use crate::error::Result;
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// The largest number of elements that a thread takes at once.
+const LONGEST: usize = 4096;
+
+/// Calls `work` with each number below `count`.
+pub(crate) fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().for_each(work);
+}
+
+/// Calls `work` with each number below `count`, until it fails.
+///
+/// # Errors
+/// One of those of the work.
+pub(crate) fn try_each(count: usize, work: &(dyn Fn(usize) -> Result<()> + Sync)) -> Result<()> {
+    (0..count).into_par_iter().try_for_each(work)
+}
+
+/// Calls `work` with pieces of `size` elements and the number of each; the last one may be shorter.
+pub(crate) fn pieces<T: Send>(all: &mut [T], size: usize, work: &(dyn Fn(usize, &mut [T]) + Sync)) {
+    let pieces: Vec<Mutex<&mut [T]>> = all.chunks_mut(size.max(1)).map(Mutex::new).collect();
+    each(pieces.len(), &|i| work(i, &mut pieces[i].lock().unwrap_or_else(PoisonError::into_inner)));
+}
+
+/// Calls `change` with each element and its number.
+pub(crate) fn change<T: Send>(all: &mut [T], change: impl Fn(usize, &mut T) + Sync) {
+    let size = piece_size(all.len());
+    pieces(all, size, &|piece, part| {
+        for (i, element) in part.iter_mut().enumerate() {
+            change(piece * size + i, element);
+        }
+    });
+}
+
+/// Returns the value of each number below `count`.
+pub(crate) fn collect<T: Send + Default + Clone>(count: usize, value: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut values = vec![T::default(); count];
+    change(&mut values, |i, out| *out = value(i));
+    values
+}
+
+/// Returns the value of each number below `count`, where each is long work: one number at a time.
+pub(crate) fn tasks<T: Send>(count: usize, task: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
+    let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
+    pieces(&mut results, 1, &|i, slot| slot[0] = Some(task(i)));
+    results.into_iter().flatten().collect()
+}
+
+/// Returns the numbers below `count` for which `is` holds.
+pub(crate) fn filter(count: usize, is: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
+    let size = piece_size(count);
+    let parts = tasks(count.div_ceil(size), &|piece| {
+        let numbers = piece * size..((piece + 1) * size).min(count);
+        numbers.filter(|i| is(*i)).collect::<Vec<usize>>()
+    });
+    parts.concat()
+}
+
+/// Returns for how many numbers below `count` `is` holds.
+pub(crate) fn count(count: usize, is: impl Fn(usize) -> bool + Sync) -> usize {
+    fold(count, |sum: &mut usize, i| *sum += usize::from(is(i))).into_iter().sum()
+}
+
+/// Returns sums over pieces of the numbers below `count`, in order; each begins with the default. The pieces depend on
+/// the number of threads.
+pub(crate) fn fold<T: Send + Default>(count: usize, add: impl Fn(&mut T, usize) + Sync) -> Vec<T> {
+    let size = piece_size(count);
+    tasks(count.div_ceil(size), &|piece| {
+        let mut sum = T::default();
+        (piece * size..((piece + 1) * size).min(count)).for_each(|i| add(&mut sum, i));
+        sum
+    })
+}
+
+/// The number of elements that a thread takes at once: several pieces a thread, since some take longer than others.
+fn piece_size(count: usize) -> usize {
+    count.div_ceil(rayon::current_num_threads() * 32).clamp(1, LONGEST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+
+    #[test]
+    fn results_stand_in_the_order_of_the_numbers() {
+        for len in [0, 1, 63, 100_000] {
+            assert_eq!(collect(len, |i| i * 3), (0..len).map(|i| i * 3).collect::<Vec<_>>());
+            assert_eq!(tasks(len.min(100), &|i| i.to_string()).len(), len.min(100));
+            let thirds = filter(len, |i| i % 3 == 0);
+            assert_eq!(thirds, (0..len).filter(|i| i % 3 == 0).collect::<Vec<_>>());
+            assert_eq!(count(len, |i| i % 3 == 0), thirds.len());
+            let sum: usize = fold(len, |sum: &mut usize, i| *sum += i).into_iter().sum();
+            assert_eq!(sum, (0..len).sum());
+        }
+        assert_eq!(tasks(3, &|i| i.to_string()), ["0", "1", "2"]);
+    }
+
+    #[test]
+    fn pieces_come_with_their_numbers() {
+        let mut rows = vec![0; 10];
+        pieces(&mut rows, 4, &|i, row| row.iter_mut().for_each(|v| *v = i * 10 + row_length(i)));
+        assert_eq!(rows, [4, 4, 4, 4, 14, 14, 14, 14, 22, 22]);
+        fn row_length(i: usize) -> usize {
+            if i == 2 { 2 } else { 4 }
+        }
+    }
+
+    #[test]
+    fn an_error_ends_the_loop() {
+        let result = try_each(1000, &|i| if i == 500 { Err(Error::Cancelled) } else { Ok(()) });
+        assert!(matches!(result, Err(Error::Cancelled)));
+    }
+}
