@@ -5,6 +5,7 @@
 
 use crate::error::Result;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// The largest number of elements that a thread takes at once.
@@ -84,6 +85,20 @@ fn piece_size(count: usize) -> usize {
     count.div_ceil(rayon::current_num_threads() * 32).clamp(1, LONGEST)
 }
 
+/// Returns the first number below `count` for which `is` holds. Pieces behind one with such a number are left out.
+pub(crate) fn first(count: usize, is: impl Fn(usize) -> bool + Sync) -> Option<usize> {
+    let size = piece_size(count);
+    let lowest = AtomicUsize::new(count);
+    each(count.div_ceil(size), &|piece| {
+        let mut numbers = piece * size..((piece + 1) * size).min(lowest.load(Ordering::Relaxed));
+        if let Some(found) = numbers.find(|i| is(*i)) {
+            lowest.fetch_min(found, Ordering::Relaxed);
+        }
+    });
+    let lowest = lowest.into_inner();
+    (lowest < count).then_some(lowest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +125,17 @@ mod tests {
         assert_eq!(rows, [4, 4, 4, 4, 14, 14, 14, 14, 22, 22]);
         fn row_length(i: usize) -> usize {
             if i == 2 { 2 } else { 4 }
+        }
+    }
+
+    #[test]
+    fn the_first_is_found_wherever_it_stands() {
+        for len in [0, 1, 63, 100_000] {
+            for wanted in [0, 1, len / 2, len.saturating_sub(1), len] {
+                let expected = (wanted..len).next();
+                assert_eq!(first(len, |i| i >= wanted), expected, "one of {len} and all behind it");
+                assert_eq!(first(len, |i| i == wanted), expected, "one alone of {len}");
+            }
         }
     }
 
