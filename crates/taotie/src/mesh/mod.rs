@@ -11,7 +11,7 @@ pub(crate) use repair::repair;
 
 use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};
-use rayon::prelude::*;
+use crate::parallel;
 use std::sync::Arc;
 
 /// The arrays a [`Mesh`] is made from. Optional arrays are empty where absent.
@@ -137,24 +137,16 @@ impl Mesh {
 
     /// The number of triangles that have no area, to the last bit.
     pub fn degenerate_triangles(&self) -> usize {
-        (0..self.data.triangles.len())
-            .into_par_iter()
-            .filter(|i| {
-                let [a, b, c] = self.corners(*i).map(Vec3::to_f64);
-                (b - a).cross(c - a).length() == 0.0
-            })
-            .count()
+        parallel::count(self.data.triangles.len(), |i| {
+            let [a, b, c] = self.corners(i).map(Vec3::to_f64);
+            (b - a).cross(c - a).length() == 0.0
+        })
     }
 }
 
 /// The first element that is bad.
 pub(crate) fn first<T: Sync>(elements: &[T], is_bad: impl Fn(&T) -> bool + Sync) -> Option<usize> {
-    const PART: usize = 1 << 14;
-    let parts = elements.par_chunks(PART).enumerate();
-    parts
-        .map(|(i, part)| Some(i * PART + part.iter().position(&is_bad)?))
-        .find_first(Option::is_some)
-        .flatten()
+    parallel::first(elements.len(), |i| is_bad(&elements[i]))
 }
 
 fn check_length(name: &str, length: usize, count: usize) -> Result<()> {

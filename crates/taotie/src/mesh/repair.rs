@@ -3,7 +3,7 @@
 use super::MeshData;
 use crate::error::Warnings;
 use crate::math::{Vec2, Vec3};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Makes normals unit and finite, invents flat ones where there are none, and cleans uvs, colours and tangents.
 pub(crate) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
@@ -20,20 +20,26 @@ pub(crate) fn repair(data: &mut MeshData, warnings: &mut Warnings) {
 
 /// Every triangle with its own three vertices and its face's normal. Tangents are dropped, as glTF 2.0, 3.7.2.1 says.
 fn with_flat_normals(data: &MeshData) -> MeshData {
-    let corners = || data.triangles.as_flattened().par_iter().map(|i| *i as usize);
+    let corners = data.triangles.as_flattened();
     let normal = |t: &[u32; 3]| face_vector(data, t).normalize_or(Vec3::new(0.0, 0.0, 1.0)).to_f32();
-    let normals: Vec<[Vec3; 3]> = data.triangles.par_iter().map(|t| [normal(t); 3]).collect();
+    let normals: Vec<[Vec3; 3]> =
+        parallel::collect(data.triangles.len(), |i| [normal(&data.triangles[i]); 3]);
     MeshData {
-        positions: corners().map(|i| data.positions[i]).collect(),
+        positions: taken(&data.positions, corners),
         normals: normals.into_flattened(),
         tangents: Vec::new(),
-        uvs: data.uvs.iter().map(|uvs| corners().map(|i| uvs[i]).collect()).collect(),
-        colors: if data.colors.is_empty() { Vec::new() } else { corners().map(|i| data.colors[i]).collect() },
-        triangles: (0..data.triangles.len() as u32)
-            .into_par_iter()
-            .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
-            .collect(),
+        uvs: data.uvs.iter().map(|uvs| taken(uvs, corners)).collect(),
+        colors: if data.colors.is_empty() { Vec::new() } else { taken(&data.colors, corners) },
+        triangles: parallel::collect(data.triangles.len(), |i| {
+            let first = 3 * i as u32;
+            [first, first + 1, first + 2]
+        }),
     }
+}
+
+/// Returns the value at each index.
+fn taken<T: Copy + Default + Send + Sync>(values: &[T], indices: &[u32]) -> Vec<T> {
+    parallel::collect(indices.len(), |i| values[indices[i] as usize])
 }
 
 /// The face's normal times twice its area.
@@ -45,13 +51,12 @@ fn face_vector(data: &MeshData, triangle: &[u32; 3]) -> Vec3<f64> {
 
 fn mend_normals(data: &mut MeshData) -> usize {
     let usable = |n: &Vec3| n.is_finite() && n.to_f64().length() > 1e-18;
-    let bad: Vec<usize> =
-        (0..data.normals.len()).into_par_iter().filter(|i| !usable(&data.normals[*i])).collect();
+    let bad = parallel::filter(data.normals.len(), |i| !usable(&data.normals[i]));
     if !bad.is_empty() {
         let faces = area_weighted_normals(data);
         bad.iter().for_each(|i| data.normals[*i] = faces[*i]);
     }
-    data.normals.par_iter_mut().for_each(|normal| *normal = normal.to_f64().normalize().to_f32());
+    parallel::change(&mut data.normals, |_, normal| *normal = normal.to_f64().normalize().to_f32());
     bad.len()
 }
 

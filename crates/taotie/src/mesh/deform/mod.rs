@@ -7,7 +7,7 @@ pub use deformable::{Deformable, MorphTarget};
 use super::MeshData;
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Adds `weight · deltas[i]` to each `values[i]`. Surplus elements of either are left alone.
 ///
@@ -46,14 +46,14 @@ pub fn skin(data: &mut MeshData, binding: &Binding, joint_matrices: &[Mat4]) -> 
     let vertices = data.positions.len();
     check(binding, vertices, joint_matrices.len())?;
     let matrix = |vertex: usize| blended(binding, vertex, joint_matrices);
-    data.positions.par_iter_mut().enumerate().for_each(|(i, position)| {
+    parallel::change(&mut data.positions, |i, position| {
         *position = matrix(i).transform_point(position.to_f64()).to_f32();
     });
-    data.normals.par_iter_mut().take(vertices).enumerate().for_each(|(i, normal)| {
+    parallel::change(up_to(vertices, &mut data.normals), |i, normal| {
         let n = normal.to_f64();
         *normal = matrix(i).normal_matrix().transform_vector(n).normalize_or(n).to_f32();
     });
-    data.tangents.par_iter_mut().take(vertices).enumerate().for_each(|(i, [x, y, z, handedness])| {
+    parallel::change(up_to(vertices, &mut data.tangents), |i, [x, y, z, handedness]| {
         let (m, t) = (matrix(i), Vec3::new(*x, *y, *z).to_f64());
         [*x, *y, *z] = m.transform_vector(t).normalize_or(t).to_f32().to_array();
         if m.determinant3() < 0.0 {
@@ -61,6 +61,12 @@ pub fn skin(data: &mut MeshData, binding: &Binding, joint_matrices: &[Mat4]) -> 
         }
     });
     Ok(())
+}
+
+/// Returns the first `count` elements, or all of fewer.
+fn up_to<T>(count: usize, all: &mut [T]) -> &mut [T] {
+    let count = count.min(all.len());
+    &mut all[..count]
 }
 
 fn check(binding: &Binding, vertices: usize, joints: usize) -> Result<()> {
