@@ -3,8 +3,8 @@
 use super::codec::{Codec, Texel};
 use super::{Bitmap, Encoding, Texels};
 use crate::math::{MOST_LANES, Pack, SimdLevel, dispatch_pack};
+use crate::parallel;
 use fearless_simd::Level;
-use rayon::prelude::*;
 
 /// All levels, the given one first. Each halves the size, rounding down.
 pub(super) fn chain(finest: Bitmap, encoding: Encoding) -> Vec<Bitmap> {
@@ -74,7 +74,7 @@ impl Shrink {
     fn all<S: Texel, T: Texel>(&self, level: Level, codec: &Codec, texels: &[[S; 4]]) -> Vec<[T; 4]> {
         let mut out = vec![[T::default(); 4]; self.half_width * self.rows.len()];
         let rows = TASK.div_ceil(self.half_width);
-        out.par_chunks_mut(rows * self.half_width).enumerate().for_each(|(i, out)| {
+        parallel::pieces(&mut out, rows * self.half_width, &|i, out| {
             let from = Source { texels, rows: &self.rows[i * rows..] };
             dispatch_pack!(level, P, token => self.band::<P, S, T>(token, codec, &from, out));
         });

@@ -2,7 +2,7 @@
 
 use super::encoding::Encoding;
 use super::{Bitmap, Texels, codec, mips};
-use rayon::prelude::*;
+use crate::parallel;
 use std::sync::Arc;
 
 /// A bitmap, its mip chain and the meaning of its numbers. Texels stay in stored precision. Copies share them.
@@ -124,12 +124,10 @@ impl Texture {
 fn linear_from_srgb16(bitmap: &Bitmap, texels: &[[u16; 4]]) -> Bitmap {
     let table: Vec<f32> =
         (0..=65535u32).map(|v| crate::math::srgb::linear_from_srgb(f64::from(v) / 65535.0) as f32).collect();
-    let linear = texels
-        .par_iter()
-        .map(|[r, g, b, a]| {
-            [table[*r as usize], table[*g as usize], table[*b as usize], f32::from(*a) / 65535.0]
-        })
-        .collect();
+    let linear = parallel::collect(texels.len(), |i| {
+        let [r, g, b, a] = texels[i];
+        [table[r as usize], table[g as usize], table[b as usize], f32::from(a) / 65535.0]
+    });
     Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), Texels::F32(linear))
         .expect("the size is that of a valid bitmap")
 }
