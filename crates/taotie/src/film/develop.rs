@@ -4,7 +4,7 @@ use super::developer::Developer;
 use super::development::Development;
 use crate::error::{Error, Result};
 use crate::image::Image;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// The image in 8 bits a channel: sRGB, straight alpha, row by row from the top.
 ///
@@ -28,8 +28,7 @@ pub fn develop8_into(image: &Image, development: &Development, out: &mut [[u8; 4
         let why = format!("it has {} pixels, the picture {}", out.len(), pixels.len());
         return Err(Error::invalid("memory for a developed picture", why));
     }
-    let bands = out.par_chunks_mut(BAND).zip(pixels.par_chunks(BAND));
-    bands.for_each(|(out, pixels)| developer.codes8(pixels, out));
+    parallel::pieces(out, BAND, &|i, band| developer.codes8(&pixels[i * BAND..][..band.len()], band));
     Ok(())
 }
 
@@ -39,9 +38,9 @@ pub fn develop8_into(image: &Image, development: &Development, out: &mut [[u8; 4
 /// As [`develop8`].
 pub fn develop16(image: &Image, development: &Development) -> Result<Vec<[u16; 4]>> {
     let developer = Developer::new(development)?;
-    let mut out = vec![[0; 4]; image.pixels().len()];
-    let bands = out.par_chunks_mut(BAND).zip(image.pixels().par_chunks(BAND));
-    bands.for_each(|(out, pixels)| developer.codes16(pixels, out));
+    let pixels = image.pixels();
+    let mut out = vec![[0; 4]; pixels.len()];
+    parallel::pieces(&mut out, BAND, &|i, band| developer.codes16(&pixels[i * BAND..][..band.len()], band));
     Ok(out)
 }
 
