@@ -4,8 +4,8 @@ use super::{Animation, Deformed, Node, Path, Rig, Transform, world_matrices};
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
 use crate::mesh::{self, Mesh};
+use crate::parallel;
 use crate::scene::{Scene, rigid};
-use rayon::prelude::*;
 
 impl Rig {
     /// Brings `scene` to the moment `seconds` of an animation, by number; a time outside its keyframes is that of the
@@ -56,11 +56,9 @@ impl Rig {
             return Err(Error::invalid("rig", "it belongs to another scene"));
         }
         let world = world_matrices(nodes)?;
-        let meshes: Vec<Mesh> = data
-            .deformed
-            .par_iter()
-            .map(|deformed| self.mesh(deformed, nodes, &world))
-            .collect::<Result<_>>()?;
+        let deformed = |i: usize| self.mesh(&data.deformed[i], nodes, &world);
+        let meshes = parallel::tasks(data.deformed.len(), &deformed);
+        let meshes = meshes.into_iter().collect::<Result<Vec<Mesh>>>()?;
         for (deformed, mesh) in data.deformed.iter().zip(meshes) {
             parts.meshes[deformed.mesh] = mesh;
         }
