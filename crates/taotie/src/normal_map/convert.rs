@@ -8,12 +8,12 @@ use crate::bake::{SurfacePoint, TexelSurface};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Image};
 use crate::math::Vec3;
+use crate::parallel;
 use crate::scene::{GreenChannel, NormalSpace};
 use crate::surface::{
     Relief, ReliefBase, decode_normal, decode_object_normal, relief_normal, tangent_normal,
     tangent_space_normal,
 };
-use rayon::prelude::*;
 
 /// The padding of a tangent-space map: no relief.
 const FLAT: [f32; 4] = [0.0, 0.0, 1.0, 0.0];
@@ -40,10 +40,7 @@ pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel)
         };
         if alpha > 0.0 && stored.length() >= SHORTEST { [v.x, v.y, v.z, 1.0] } else { padding }
     };
-    picture(
-        [bitmap.width(), bitmap.height()],
-        (0..bitmap.texels().len()).into_par_iter().map(normal).collect(),
-    )
+    picture([bitmap.width(), bitmap.height()], parallel::collect(bitmap.texels().len(), normal))
 }
 
 /// Returns the tangent-space normals of a height map by itself, green up. `scale` is the height of 1 in texels, so a
@@ -55,12 +52,11 @@ pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel)
 /// [`Error::Limit`] where a side is above [`Image::MAX_SIDE`].
 pub fn tangent_from_height(heights: &Heights, scale: f64) -> Result<Image> {
     let [width, height] = heights.size();
-    let normal = |i: u64| {
-        let [across, down] = heights.slopes((i % u64::from(width)) as u32, (i / u64::from(width)) as u32);
+    let normal = |i: usize| {
+        let [across, down] = heights.slopes((i % width as usize) as u32, (i / width as usize) as u32);
         with_mask(Vec3::new(-scale * across, scale * down, 1.0).normalize())
     };
-    let count = u64::from(width) * u64::from(height);
-    picture([width, height], (0..count).into_par_iter().map(normal).collect())
+    picture([width, height], parallel::collect(width as usize * height as usize, normal))
 }
 
 /// Returns the tangent-space normals, green up, of a height map on a mesh: what makes the mesh look as if it were

@@ -4,9 +4,9 @@ use crate::compare::{Field, angular_error};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Image, Texels};
 use crate::math::Vec3;
+use crate::parallel;
 use crate::scene::{GreenChannel, NormalSpace};
 use crate::surface::{decode_object_normal, encode_normal};
-use rayon::prelude::*;
 
 /// The way in which numbers are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub fn store_normals(
     };
     let bitmap = stored([normals.width(), normals.height()], 3, storage, number)?;
     let mut read = normals.clone();
-    read.pixels_mut().par_iter_mut().enumerate().for_each(|(i, pixel)| {
+    parallel::change(read.pixels_mut(), |i, pixel| {
         let [r, g, b, _] = bitmap.stored(i);
         let v = decode_object_normal(Vec3::new(r, g, b));
         *pixel = [v.x, v.y * sign, v.z, pixel[3]];
@@ -97,19 +97,24 @@ pub fn requantised(bitmap: &Bitmap, storage: Storage) -> Result<Bitmap> {
 /// Returns the bitmap with each green number g made 1 − g: what turns green up into green down and back, to the bit.
 pub fn green_turned(bitmap: &Bitmap) -> Bitmap {
     let texels = match bitmap.texels() {
-        Texels::U8(texels) => {
-            Texels::U8(texels.par_iter().map(|[r, g, b, a]| [*r, 255 - g, *b, *a]).collect())
-        }
-        Texels::U16(texels) => {
-            Texels::U16(texels.par_iter().map(|[r, g, b, a]| [*r, 65535 - g, *b, *a]).collect())
-        }
-        Texels::F32(texels) => {
-            Texels::F32(texels.par_iter().map(|[r, g, b, a]| [*r, 1.0 - g, *b, *a]).collect())
-        }
+        Texels::U8(texels) => Texels::U8(with_green(texels, |g| 255 - g)),
+        Texels::U16(texels) => Texels::U16(with_green(texels, |g| 65535 - g)),
+        Texels::F32(texels) => Texels::F32(with_green(texels, |g| 1.0 - g)),
     };
     // One channel would have been three equal ones.
     let channels = bitmap.channels().max(3);
     Bitmap::new(bitmap.width(), bitmap.height(), channels, texels).expect("the size is that of a bitmap")
+}
+
+/// Returns the texels with each green number changed.
+fn with_green<T: Copy + Default + Send + Sync>(
+    texels: &[[T; 4]],
+    change: impl Fn(T) -> T + Sync,
+) -> Vec<[T; 4]> {
+    parallel::collect(texels.len(), |i| {
+        let [r, g, b, a] = texels[i];
+        [r, change(g), b, a]
+    })
 }
 
 fn stored(
@@ -131,8 +136,8 @@ fn stored(
         [code(0, r), code(1, g), code(2, b), (f64::from(a) * top + 0.5).clamp(0.0, top) as u16]
     };
     let texels = match storage.bits {
-        8 => Texels::U8((0..count).into_par_iter().map(|i| codes(i, 255.0).map(|c| c as u8)).collect()),
-        16 => Texels::U16((0..count).into_par_iter().map(|i| codes(i, 65535.0)).collect()),
+        8 => Texels::U8(parallel::collect(count, |i| codes(i, 255.0).map(|c| c as u8))),
+        16 => Texels::U16(parallel::collect(count, |i| codes(i, 65535.0))),
         bits => {
             return Err(Error::invalid(format!("{bits} bits a channel"), "normals are stored in 8 or 16"));
         }
