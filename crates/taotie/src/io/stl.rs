@@ -7,9 +7,9 @@ use super::text;
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
 use crate::mesh::{Mesh, MeshData, first};
+use crate::parallel;
 use crate::scene::{Instance, SceneData};
 use crate::surface::{Classes, bits};
-use rayon::prelude::*;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -136,7 +136,7 @@ fn not_finite(path: &Path, at: String) -> Error {
 fn welded(corners: usize, corner: impl Fn(usize) -> Vec3 + Sync) -> MeshData {
     let places = Classes::by(corners, |c| bits(corner(c).to_array()));
     MeshData {
-        positions: places.firsts.par_iter().map(|c| corner(*c as usize)).collect(),
+        positions: parallel::collect(places.firsts.len(), |i| corner(places.firsts[i] as usize)),
         triangles: places.of.as_chunks::<3>().0.to_vec(),
         ..MeshData::default()
     }

@@ -8,6 +8,7 @@ use super::vertices::MAX_UV_SETS;
 use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, Sampler, Texture};
 use crate::math::scalar;
+use crate::parallel;
 use crate::scene::{Material, TextureRef, UvTransform};
 use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::texture::Info;
@@ -148,7 +149,7 @@ impl<'a> Textures<'a> {
         warnings: &mut Warnings,
     ) -> BTreeMap<usize, Bitmap> {
         let images: Vec<usize> = images.into_iter().collect();
-        let read: Vec<_> = images.par_iter().map(|i| read_image(self.document, *i)).collect();
+        let read = parallel::tasks(images.len(), &|i| read_image(self.document, images[i]));
         let mut bitmaps = BTreeMap::new();
         for (image, result) in images.into_iter().zip(read) {
             match result {

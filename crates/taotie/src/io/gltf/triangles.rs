@@ -3,8 +3,8 @@
 use super::accessor::Accessor;
 use super::reason::Reason;
 use crate::mesh::first;
+use crate::parallel;
 use gltf::json::mesh::Mode;
-use rayon::prelude::*;
 
 /// The triangles of a primitive, and the number of indices left out of them.
 pub(super) struct Triangles {
@@ -20,7 +20,7 @@ pub(super) fn read_indices(indices: Option<&Accessor>, vertices: usize) -> Reaso
     if accessor.width != 1 || !accessor.is_unsigned() {
         return Err("indices must be unsigned integers, one an element".into());
     }
-    let read: Vec<u32> = (0..accessor.count).into_par_iter().map(|i| accessor.unsigned::<1>(i)[0]).collect();
+    let read = parallel::collect(accessor.count, |i| accessor.unsigned::<1>(i)[0]);
     match first(&read, |v| *v as usize >= vertices) {
         Some(i) => Err(format!("index {i} names vertex {}, but there are {vertices}", read[i])),
         None => Ok(read),

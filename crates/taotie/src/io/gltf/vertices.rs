@@ -6,9 +6,9 @@ use super::reason::Reason;
 use crate::error::Warnings;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::MeshData;
+use crate::parallel;
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
-use rayon::prelude::*;
 
 /// The most uv sets of a mesh that are read.
 pub(super) const MAX_UV_SETS: u32 = 8;
@@ -51,19 +51,19 @@ impl<'a> Vertices<'a> {
                 .ok()
         };
         let mut data = MeshData {
-            positions: used.par_iter().map(|i| vec3(&self.positions, *i)).collect(),
+            positions: parallel::collect(used.len(), |i| vec3(&self.positions, used[i])),
             ..MeshData::default()
         };
         if let Some(normals) = optional(Semantic::Normals) {
-            data.normals = used.par_iter().map(|i| vec3(&normals, *i)).collect();
+            data.normals = parallel::collect(used.len(), |i| vec3(&normals, used[i]));
             if let Some(tangents) = optional(Semantic::Tangents) {
-                data.tangents = used.par_iter().map(|i| tangents.floats(*i as usize)).collect();
+                data.tangents = parallel::collect(used.len(), |i| tangents.floats(used[i] as usize));
             }
         }
         let sets = (0..MAX_UV_SETS).map(|set| optional(Semantic::TexCoords(set))).collect::<Vec<_>>();
         data.uvs = read_uvs(&sets, used);
         if let Some(colors) = optional(Semantic::Colors(0)) {
-            data.colors = used.par_iter().map(|i| color(&colors, *i)).collect();
+            data.colors = parallel::collect(used.len(), |i| color(&colors, used[i]));
         }
         data
     }
@@ -105,7 +105,7 @@ fn read_uvs(sets: &[Option<Accessor>], used: &[u32]) -> Vec<Vec<Vec2>> {
         Vec2::new(u, v)
     };
     let read = |set: &Option<Accessor>| match set {
-        Some(accessor) => used.par_iter().map(|i| uv(accessor, *i)).collect(),
+        Some(accessor) => parallel::collect(used.len(), |i| uv(accessor, used[i])),
         None => vec![Vec2::default(); used.len()],
     };
     sets[..count].iter().map(read).collect()

@@ -6,7 +6,7 @@ use super::blocks::{Place, blocks, split_keyword};
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::first;
-use rayon::prelude::*;
+use crate::parallel;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -60,11 +60,10 @@ pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Result<
     let mut whole = Whole::default();
     let mut place = Place::default();
     for group in blocks(text).chunks(4 * rayon::current_num_threads()) {
-        let lengths: Vec<Place> = group.par_iter().map(|block| Place::behind(block)).collect();
+        let lengths = parallel::tasks(group.len(), &|i| Place::behind(group[i]));
         let starts: Vec<Place> = lengths.iter().map(|length| place.advance(length)).collect();
-        let read = |(block, start): (&&str, Place)| Parser::new(start).block(block);
-        let done: Vec<_> = group.par_iter().zip(starts).map(read).collect();
-        for parser in done {
+        let read = |i: usize| Parser::new(starts[i]).block(group[i]);
+        for parser in parallel::tasks(group.len(), &read) {
             let parser = parser.map_err(|(line, what)| Error::parse(path, format!("line {line}"), what))?;
             whole.take(parser, warnings);
         }

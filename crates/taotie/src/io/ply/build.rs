@@ -8,7 +8,7 @@ use super::vertices::{Decoder, Vertices, upright};
 use crate::error::{Error, Result, Warnings};
 use crate::math::Vec3;
 use crate::mesh::{Mesh, MeshData, first};
-use rayon::prelude::*;
+use crate::parallel;
 use std::path::Path;
 
 /// The elements that can be drawn.
@@ -146,7 +146,7 @@ impl<'a> Gathered<'a> {
 /// The vertices as they are, unit normals.
 fn plain(vertices: Vertices) -> MeshData {
     let Vertices { positions, mut normals, uvs, colors } = vertices;
-    normals.par_iter_mut().for_each(|n| *n = unit(*n));
+    parallel::change(&mut normals, |_, n| *n = unit(*n));
     let uvs = if uvs.is_empty() { Vec::new() } else { vec![uvs] };
     MeshData { positions, normals, uvs, colors, ..MeshData::default() }
 }

@@ -6,8 +6,8 @@
 use super::ascii::Tokens;
 use super::names::{self, Role};
 use crate::error::{Error, Result};
+use crate::parallel;
 use ply_rs_bw::ply::{ElementDef, PropertyType, ScalarType};
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -135,7 +135,7 @@ impl<'a> Element<'a> {
         };
         let blocks: Vec<usize> = (0..self.starts.len()).collect();
         for group in blocks.chunks(4 * rayon::current_num_threads()) {
-            let done: Vec<T> = group.par_iter().map(|block| read(rows(*block))).collect();
+            let done = parallel::tasks(group.len(), &|i| read(rows(group[i])));
             done.into_iter().try_for_each(&mut take)?;
         }
         Ok(())

@@ -5,7 +5,7 @@ use super::payload::{Element, Rows};
 use crate::error::Result;
 use crate::math::srgb::linear_from_srgb;
 use crate::math::{Vec2, Vec3};
-use rayon::prelude::*;
+use crate::mesh::first;
 
 /// One array for each attribute that the file declares for vertices; the others are empty.
 #[derive(Default)]
@@ -74,7 +74,7 @@ impl Vertices {
             let length = n.to_f64().length();
             !(length > 1e-18 && length.is_finite())
         };
-        if self.normals.par_iter().any(is_bad) {
+        if first(&self.normals, is_bad).is_some() {
             self.normals.iter().map(is_bad).collect()
         } else {
             Vec::new()

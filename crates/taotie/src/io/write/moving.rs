@@ -2,7 +2,7 @@
 
 use super::{BUFFER, draft};
 use crate::error::{Error, Result};
-use rayon::prelude::*;
+use crate::parallel;
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -189,17 +189,15 @@ fn write_gif_frames(
 ) -> GifResult<()> {
     /// The net learns from one pixel of this many.
     const SPEED: i32 = 10;
-    let quantised: Vec<gif::Frame> = std::mem::take(frames)
-        .into_par_iter()
-        .map(|frame| {
-            let mut pixels = frame.buffer.into_owned();
-            let chosen = gif::Frame::from_rgba_speed(frame.width, frame.height, &mut pixels, SPEED);
-            let mut packed = gif::Frame { delay: frame.delay, dispose: frame.dispose, ..chosen };
-            packed.make_lzw_pre_encoded();
-            packed
-        })
-        .collect();
-    quantised.iter().try_for_each(|frame| writer.write_lzw_pre_encoded_frame(frame))
+    let mut frames = std::mem::take(frames);
+    parallel::pieces(&mut frames, 1, &|_, piece| {
+        let frame = &mut piece[0];
+        let pixels = frame.buffer.to_mut();
+        let chosen = gif::Frame::from_rgba_speed(frame.width, frame.height, pixels, SPEED);
+        *frame = gif::Frame { delay: frame.delay, dispose: frame.dispose, ..chosen };
+        frame.make_lzw_pre_encoded();
+    });
+    frames.iter().try_for_each(|frame| writer.write_lzw_pre_encoded_frame(frame))
 }
 
 fn channels(pixels: &[[u8; 4]], count: usize) -> Vec<u8> {

@@ -7,10 +7,10 @@ use crate::image::{Bitmap, Encoding, Texels};
 use crate::io::write::FileBytes;
 use crate::io::write::png::interleaved;
 use crate::io::{PngColor, PngImage, PngSamples, encode_png};
+use crate::parallel;
 #[cfg(feature = "webp")]
 use image::{ExtendedColorType, codecs::webp::WebPEncoder};
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::Path;
@@ -180,13 +180,16 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Res
             None => images.push(Encoded { image, format, slots: vec![slot], bytes: Vec::new() }),
         }
     }
-    images.par_iter_mut().try_for_each(|encoded| {
-        if let GltfImage::Bitmap(bitmap) = encoded.image {
-            let stored = Stored { encoding: encoded.slots[0].encoding(), alpha: false };
-            encoded.bytes = encode_bitmap(bitmap, stored, format)?;
+    let bytes = parallel::tasks(images.len(), &|i| match images[i].image {
+        GltfImage::Bitmap(bitmap) => {
+            let stored = Stored { encoding: images[i].slots[0].encoding(), alpha: false };
+            encode_bitmap(bitmap, stored, format)
         }
-        Ok::<_, Error>(())
-    })?;
+        GltfImage::File(_) => Ok(Vec::new()),
+    });
+    for (encoded, bytes) in images.iter_mut().zip(bytes) {
+        encoded.bytes = bytes?;
+    }
     Ok(images)
 }
 

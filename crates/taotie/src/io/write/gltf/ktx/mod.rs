@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Texels, Texture};
 use crate::math::Vec3;
 use crate::math::srgb::srgb_from_linear;
-use rayon::prelude::*;
+use crate::parallel;
 
 const SIGNATURE: [u8; 12] = *b"\xabKTX 20\xbb\r\n\x1a\n";
 const HEADER: usize = 80;
@@ -56,7 +56,7 @@ fn blocks(texture: &Texture, level: usize) -> Vec<u8> {
             texel(texture, level, (x, y))
         }))
     };
-    (0..across * down).into_par_iter().flat_map_iter(block_at).collect()
+    parallel::collect(across * down, block_at).into_flattened()
 }
 
 /// Returns a texel as it is stored in 8 bits.

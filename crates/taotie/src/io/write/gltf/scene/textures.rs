@@ -8,8 +8,8 @@ use crate::error::Result;
 use crate::image::{Bitmap, Encoding, MipFilter, Sampler, TexelFilter, Texels, Texture, Wrap};
 use crate::io::write::FileBytes;
 use crate::math::{scalar, srgb};
+use crate::parallel;
 use crate::scene::{TextureRef, UvTransform};
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::Path;
@@ -64,8 +64,10 @@ impl Writer<'_> {
     /// Encodes every image that was asked for.
     pub(super) fn encoded_images(&mut self) -> Result<Vec<Image>> {
         let (scene, format) = (self.scene, self.format.images);
-        let encode = |used: &ImageUse| encoded(&scene.textures()[used.texture], used.turned, format);
-        let images: Vec<Image> = self.textures.images.par_iter().map(encode).collect::<Result<_>>()?;
+        let used = &self.textures.images;
+        let encode = |i: usize| encoded(&scene.textures()[used[i].texture], used[i].turned, format);
+        let images = parallel::tasks(used.len(), &encode);
+        let images = images.into_iter().collect::<Result<Vec<Image>>>()?;
         self.note("float textures rounded to 16 bits in [0, 1]", images.iter().filter(|i| i.rounded).count());
         let what = "textures with alpha, or whose sides are no multiples of 4, are PNG and not KTX2";
         self.note(what, images.iter().filter(|i| i.refused).count());
@@ -128,10 +130,9 @@ fn whole_numbers(texture: &Texture) -> Result<(Cow<'_, Bitmap>, bool)> {
         true => srgb::linear_from_srgb(f64::from(code) / 65535.0) as f32,
         false => f32::from(code) / 65535.0,
     };
-    let codes: Vec<[u16; 4]> =
-        texels.par_iter().map(|texel| [0, 1, 2, 3].map(|i| stored(i, texel[i]))).collect();
-    let differs = |(texel, code): (&[f32; 4], &[u16; 4])| (0..4).any(|i| read(i, code[i]) != texel[i]);
-    let rounded = texels.par_iter().zip(&codes).any(differs);
+    let codes = parallel::collect(texels.len(), |t| [0, 1, 2, 3].map(|i| stored(i, texels[t][i])));
+    let differs = |t: usize| (0..4).any(|i| read(i, codes[t][i]) != texels[t][i]);
+    let rounded = parallel::first(texels.len(), differs).is_some();
     let bitmap = Bitmap::new(bitmap.width(), bitmap.height(), bitmap.channels(), Texels::U16(codes))?;
     Ok((Cow::Owned(bitmap), rounded))
 }
