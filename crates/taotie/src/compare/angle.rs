@@ -4,7 +4,7 @@ use super::{Field, same_size};
 use crate::error::Result;
 use crate::image::Image;
 use crate::math::{Vec3, scalar};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// The angle between two directions in degrees, [0, 180]; their lengths do not matter. NaN where one is zero or NaN.
 ///
@@ -34,7 +34,7 @@ pub fn angular_error(a: &Image, b: &Image) -> Result<Field> {
         true => angle_deg(normal(a), normal(b)) as f32,
         false => f32::NAN,
     };
-    let values = a.pixels().par_iter().zip(b.pixels()).map(|(a, b)| angle(*a, *b)).collect();
+    let values = parallel::collect(a.pixels().len(), |i| angle(a.pixels()[i], b.pixels()[i]));
     Field::new(a.width(), a.height(), values)
 }
 

@@ -1,6 +1,6 @@
 //! A plane of numbers and its convolution by separable kernels.
 
-use rayon::prelude::*;
+use crate::parallel;
 
 /// One number for each pixel in double precision, row by row from the top.
 pub(super) struct Plane {
@@ -10,8 +10,8 @@ pub(super) struct Plane {
 
 impl Plane {
     /// A plane from one number for each of the pixels.
-    pub fn new<P: Sync>(width: u32, pixels: &[P], number: impl Fn(&P) -> f64 + Sync + Send) -> Self {
-        Self { width: width as usize, values: pixels.par_iter().map(number).collect() }
+    pub fn new<P: Sync>(width: u32, pixels: &[P], number: impl Fn(&P) -> f64 + Sync) -> Self {
+        Self { width: width as usize, values: parallel::collect(pixels.len(), |i| number(&pixels[i])) }
     }
 
     /// The plane convolved with the kernel `across` along its rows and `down` along its columns, both of odd length
@@ -46,8 +46,8 @@ impl Plane {
 
     /// A plane of this size, of which `fill` writes each row; it gets the row's number and zeros.
     fn by_rows(&self, fill: impl Fn(usize, &mut [f64]) + Sync) -> Plane {
-        let mut values = vec![0.0; self.values.len()];
-        values.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| fill(y, row));
+        let mut values = vec![0.0f64; self.values.len()];
+        parallel::pieces(&mut values, self.width, &fill);
         Plane { width: self.width, values }
     }
 }

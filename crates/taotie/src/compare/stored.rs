@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::image::{Bitmap, Image, Texels};
 use crate::math::Vec3;
 use crate::math::srgb::{linear_from_srgb, srgb_from_linear};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// The encoding by which a file stores unit vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +36,7 @@ const NEAR_UNIT: f32 = 0.2;
 /// [`Error::Limit`](crate::Error::Limit) where a side is above [`Image::MAX_SIDE`].
 pub fn stored_normals(bitmap: &Bitmap, encoding: NormalEncoding) -> Result<StoredNormals> {
     let mut normals = Image::new(bitmap.width(), bitmap.height(), [0.0; 4])?;
-    normals.pixels_mut().par_iter_mut().enumerate().for_each(|(i, pixel)| {
+    parallel::change(normals.pixels_mut(), |i, pixel| {
         let [x, y, z, alpha] = bitmap.stored(i);
         let v = match encoding {
             NormalEncoding::Unit => Vec3::new(2.0 * x - 1.0, 2.0 * y - 1.0, 2.0 * z - 1.0),
@@ -45,9 +45,9 @@ pub fn stored_normals(bitmap: &Bitmap, encoding: NormalEncoding) -> Result<Store
         let is_normal = alpha > 0.0 && (v.length() - 1.0).abs() < NEAR_UNIT;
         *pixel = [v.x, v.y, v.z, if is_normal { 1.0 } else { 0.0 }];
     });
-    let transparent =
-        (0..normals.pixels().len()).into_par_iter().filter(|i| bitmap.stored(*i)[3] <= 0.0).count();
-    let without = normals.pixels().par_iter().filter(|pixel| pixel[3] == 0.0).count();
+    let pixels = normals.pixels();
+    let transparent = parallel::count(pixels.len(), |i| bitmap.stored(i)[3] <= 0.0);
+    let without = parallel::count(pixels.len(), |i| pixels[i][3] == 0.0);
     Ok(StoredNormals { normals, transparent, not_unit: without - transparent })
 }
 
@@ -68,7 +68,7 @@ pub fn stored_picture(bitmap: &Bitmap, background: Vec3) -> Result<(Picture, usi
         (false, [r, g, b, 1.0]) => ([r, g, b], false),
         (false, texel) => encoded(over(premultiplied(texel.map(f64::from)), background)),
     };
-    let texels: Vec<([f32; 3], bool)> = (0..bitmap.texels().len()).into_par_iter().map(shown).collect();
+    let texels: Vec<([f32; 3], bool)> = parallel::collect(bitmap.texels().len(), shown);
     let clipped = texels.iter().filter(|(_, clipped)| *clipped).count();
     let pixels = texels.into_iter().map(|(pixel, _)| pixel).collect();
     Ok((Picture::new(bitmap.width(), bitmap.height(), pixels)?, clipped))

@@ -3,9 +3,9 @@
 use crate::error::Result;
 use crate::image::Image;
 use crate::math::Vec3;
+use crate::parallel;
 use crate::render::{Frame, GrazingNormals, Lighting, RenderSettings, Shot};
 use crate::scene::Camera;
-use rayon::prelude::*;
 
 /// Neighbouring samples whose depths differ by more than this many of their sizes see a silhouette, or a surface slanted
 /// by more than 76°.
@@ -71,7 +71,7 @@ impl Look {
         let n = self.per_side;
         let mut means = Image::new(normals.width() / n, normals.height() / n, [0.0; 4])?;
         let width = means.width();
-        means.pixels_mut().par_iter_mut().enumerate().for_each(|(i, mean)| {
+        parallel::change(means.pixels_mut(), |i, mean| {
             let samples =
                 samples_of([i as u32 % width, i as u32 / width], n).map(|[x, y]| normals.pixel(x, y));
             let sum = samples.fold([0.0; 4], |sum: [f32; 4], sample| {

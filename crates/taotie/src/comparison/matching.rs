@@ -8,8 +8,8 @@ use crate::error::Result;
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
 use crate::names::Named;
+use crate::parallel;
 use crate::scene::Scene;
-use rayon::prelude::*;
 
 /// The way in which corresponding points of model and reference are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -86,7 +86,7 @@ impl Matching {
 fn matched(smooth: &Look, find: impl Fn([u32; 2]) -> Option<Vec3> + Sync) -> Result<Image> {
     let (width, height) = (smooth.depth.width(), smooth.depth.height());
     let mut matched = Image::new(width, height, [0.0; 4])?;
-    matched.pixels_mut().par_iter_mut().enumerate().for_each(|(i, pixel)| {
+    parallel::change(matched.pixels_mut(), |i, pixel| {
         let at = [i as u32 % width, i as u32 / width];
         let covered = smooth.depth.pixel(at[0], at[1])[3] == 1.0;
         if let Some(n) = covered.then(|| find(at)).flatten() {

@@ -4,9 +4,9 @@ use super::draw::Draw;
 use super::view::View;
 use crate::error::Result;
 use crate::math::{Mat4, SimdLevel, Vec3};
+use crate::parallel;
 use crate::raster::{Bins, Faces, Geometry, Viewport};
 use fearless_simd::{Level, Simd, dispatch, f64x4, prelude::*};
-use rayon::prelude::*;
 
 /// Vertices that a task takes at once.
 const BLOCK: usize = 4096;
@@ -47,7 +47,8 @@ impl Projected {
 /// Replaces `clip` by the images of `positions`, rounded once from double precision.
 fn project(positions: &[Vec3], clip_from_world: &Mat4, level: Level, clip: &mut Vec<[f32; 4]>) {
     clip.resize(positions.len(), [0.0; 4]);
-    positions.par_chunks(BLOCK).zip(clip.par_chunks_mut(BLOCK)).for_each(|(positions, clip)| {
+    parallel::pieces(clip, BLOCK, &|i, clip| {
+        let positions = &positions[i * BLOCK..][..clip.len()];
         dispatch!(level, simd => project_block(simd, clip_from_world, positions, clip));
     });
 }

@@ -6,10 +6,10 @@ use super::source::Source;
 use super::tree::Casters;
 use crate::math::Vec3;
 use crate::math::sequence::Sequence;
+use crate::parallel;
 use crate::raster::{TILE_SIZE, Tile};
 use crate::scene::Bounds;
 use crate::shade::sampling::{cosine_direction, cosine_pdf};
-use rayon::prelude::*;
 
 /// Texels along a side of the map of shadows.
 const SIDE: usize = 160;
@@ -42,8 +42,7 @@ impl Ground {
         let height = bounds.min.y - GAP * size;
         let mut ground = Self { height, center: [middle.x, middle.z], half, shadow: Vec::new(), rays };
         let lights = Lights::new(lighting);
-        let texels = 0..SIDE * SIDE;
-        ground.shadow = texels.into_par_iter().map(|i| lights.missing_at(casters, ground.texel(i))).collect();
+        ground.shadow = parallel::collect(SIDE * SIDE, |i| lights.missing_at(casters, ground.texel(i)));
         ground
     }
 

@@ -2,7 +2,7 @@
 
 use crate::image::{Bitmap, Texels};
 use crate::math::{Vec2, Vec3};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// The probable kind of a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,9 +41,11 @@ pub struct GreenGuess {
 /// Counts the texels that cannot be tangent-space normals: those with blue at or below 0.5.
 pub fn invalid_texels(bitmap: &Bitmap) -> usize {
     match bitmap.texels() {
-        Texels::U8(texels) => texels.par_iter().filter(|t| t[2] <= 127).count(),
-        Texels::U16(texels) => texels.par_iter().filter(|t| t[2] <= 32_767).count(),
-        Texels::F32(texels) => texels.par_iter().filter(|t| t[2] <= 0.5 || t[2].is_nan()).count(),
+        Texels::U8(texels) => parallel::count(texels.len(), |i| texels[i][2] <= 127),
+        Texels::U16(texels) => parallel::count(texels.len(), |i| texels[i][2] <= 32_767),
+        Texels::F32(texels) => {
+            parallel::count(texels.len(), |i| texels[i][2] <= 0.5 || texels[i][2].is_nan())
+        }
     }
 }
 
@@ -52,8 +54,9 @@ pub fn invalid_texels(bitmap: &Bitmap) -> usize {
 /// Nine in ten vectors must be within 0.2 of unit length and six in ten within 0.06; texels that are grey (padding)
 /// do not count. It is a tangent-space map where 99 in 100 of the first have z > 0.
 pub fn is_normal_map(bitmap: &Bitmap) -> NormalMapKind {
-    let tally = (0..bitmap.texels().len()).into_par_iter().map(|i| Tally::of(vector(bitmap, i)));
-    tally.reduce(Tally::default, Tally::plus).verdict()
+    let add = |sum: &mut Tally, i: usize| *sum = sum.plus(Tally::of(vector(bitmap, i)));
+    let tallies = parallel::fold(bitmap.texels().len(), add);
+    tallies.into_iter().fold(Tally::default(), Tally::plus).verdict()
 }
 
 /// The vector of texel `i`, of any length.
@@ -130,14 +133,14 @@ fn block_votes(bitmap: &Bitmap) -> Vec<f64> {
     const SIDE: usize = 32;
     let (w, h) = (bitmap.width() as usize - 1, bitmap.height() as usize - 1);
     let across = w.div_ceil(SIDE);
-    let vote = |block: usize| {
+    let vote = |block: usize| -> f64 {
         let (x0, y0) = (block % across * SIDE, block / across * SIDE);
         let rows = y0..(y0 + SIDE).min(h);
         rows.flat_map(|y| (x0..(x0 + SIDE).min(w)).map(move |x| (x, y)))
             .filter_map(|(x, y)| cell_vote(bitmap, x, y))
             .sum()
     };
-    (0..across * h.div_ceil(SIDE)).into_par_iter().map(vote).collect()
+    parallel::collect(across * h.div_ceil(SIDE), vote)
 }
 
 /// ∂p/∂y · ∂q/∂x at the corner that four texels share; `None` at a seam or hole.

@@ -5,8 +5,8 @@ use super::weld::{self, Classes};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3};
 use crate::mesh::Mesh;
+use crate::parallel;
 use fearless_simd::Level;
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -34,12 +34,13 @@ pub fn vertex_normals(mesh: &Mesh) -> Vec<Vec3> {
 fn vertex_normals_at(level: Level, mesh: &Mesh) -> Vec<Vec3> {
     let places = weld::by_position(mesh.positions());
     let sums = angle_weighted_sums(level, mesh, &places);
-    let firsts = if sums.par_iter().any(|s| unit(*s).is_none()) { first_facets(mesh) } else { Vec::new() };
-    let normal_of = |(i, place): (usize, &u32)| match unit(sums[*place as usize]) {
+    let cancelled = parallel::count(sums.len(), |i| unit(sums[i]).is_none());
+    let firsts = if cancelled > 0 { first_facets(mesh) } else { Vec::new() };
+    let normal_of = |i: usize| match unit(sums[places.of[i] as usize]) {
         Some(normal) => normal.to_f32(),
         None => firsts[i].unwrap_or(FALLBACK),
     };
-    places.of.par_iter().enumerate().map(normal_of).collect()
+    parallel::collect(places.of.len(), normal_of)
 }
 
 /// The mesh with [`vertex_normals`] where it has none. Tangents without normals mean nothing and are left out.
@@ -89,8 +90,7 @@ fn angle_weighted_sums(level: Level, mesh: &Mesh, places: &Classes) -> Vec<Vec3<
 fn compute_shares(level: Level, mesh: &Mesh, triangles: Range<usize>, shares: &mut Vec<Share>) {
     const PART: usize = 1 << 10;
     shares.resize(triangles.len(), Share::NONE);
-    let parts = shares.par_chunks_mut(PART).enumerate();
-    parts.for_each(|(i, part)| angles::shares(level, mesh, triangles.start + i * PART, part));
+    parallel::pieces(shares, PART, &|i, part| angles::shares(level, mesh, triangles.start + i * PART, part));
 }
 
 /// The normal of the first triangle with an area at each vertex.

@@ -8,8 +8,8 @@ use super::{TangentMethod, mikktspace};
 use crate::error::Result;
 use crate::math::{SimdLevel, Vec3};
 use crate::mesh::{Mesh, MeshData};
+use crate::parallel;
 use fearless_simd::Level;
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// A mesh that has tangents.
@@ -76,14 +76,13 @@ pub fn with_tangents(mesh: &Mesh, uv_set: usize, method: TangentMethod) -> Resul
         TangentMethod::Averaged => (averaged_tangents(&corners), of_one_hand),
         TangentMethod::MikkTSpace => (mikktspace::tangents(&corners), as_the_reference),
     };
-    let degenerate_uvs =
-        (0..corners.len()).into_par_iter().filter(|t| uv_determinant(corners.uvs(*t)).is_none()).count();
-    tangents.par_iter_mut().enumerate().for_each(|(t, found)| *found = settle(*found, corners.normals(t)));
+    let degenerate_uvs = parallel::count(corners.len(), |t| uv_determinant(corners.uvs(t)).is_none());
+    parallel::change(&mut tangents, |t, found| *found = settle(*found, corners.normals(t)));
     Ok(Tangented { mesh: welded(mesh, &tangents)?, degenerate_uvs })
 }
 
 fn face_tangents(corners: &Corners) -> Vec<CornerTangents> {
-    (0..corners.len()).into_par_iter().map(|t| face_tangent(corners, t)).collect()
+    parallel::collect(corners.len(), |t| face_tangent(corners, t))
 }
 
 fn averaged_tangents(corners: &Corners) -> Vec<CornerTangents> {
@@ -102,7 +101,7 @@ fn averaged_tangents(corners: &Corners) -> Vec<CornerTangents> {
         let normals = corners.normals(t);
         std::array::from_fn(|i| at_corner(t, i, normals[i]))
     };
-    (0..corners.len()).into_par_iter().map(at_triangle).collect()
+    parallel::collect(corners.len(), at_triangle)
 }
 
 /// The angle-weighted sums of tangents at each shared vertex: of mirrored and of upright triangles.

@@ -1,6 +1,7 @@
 //! Finding equal elements: the one tool behind every weld.
 
 use crate::math::Vec3;
+use crate::parallel;
 use rayon::prelude::*;
 use rustc_hash::FxBuildHasher;
 use std::hash::{BuildHasher, Hash};
@@ -22,24 +23,16 @@ impl Classes {
     /// threads.
     pub fn by<K: Hash + Ord>(count: usize, key: impl Fn(usize) -> K + Sync) -> Self {
         let hashed = |i: usize| u64::from(hash(&key(i))) << 32 | i as u64;
-        let mut elements: Vec<u64> = (0..count).into_par_iter().map(hashed).collect();
-        elements.par_sort_unstable();
-        let firsts: Vec<AtomicU32> = (0..count as u32).into_par_iter().map(AtomicU32::new).collect();
-        elements.par_chunk_by(|a, b| a >> 32 == b >> 32).for_each(|alike| {
-            let first = alike[0] as u32;
-            alike.iter().for_each(|i| firsts[*i as u32 as usize].store(first, Ordering::Relaxed));
-        });
-        drop(elements);
-        let mut firsts: Vec<u32> = firsts.into_iter().map(AtomicU32::into_inner).collect();
+        let mut firsts = firsts_by_hash(parallel::collect(count, hashed));
         // In the order of elements, since those that are alike are most often near each other.
-        let differs = |i: &u32| {
-            let first = firsts[*i as usize];
-            first != *i && key(first as usize) != key(*i as usize)
+        let differs = |i: usize| {
+            let first = firsts[i] as usize;
+            first != i && key(first) != key(i)
         };
-        let mut collided: Vec<u32> = (0..count as u32).into_par_iter().filter(differs).collect();
-        collided.par_sort_unstable_by_key(|i| (key(*i as usize), *i));
-        for class in collided.chunk_by(|a, b| key(*a as usize) == key(*b as usize)) {
-            class.iter().for_each(|i| firsts[*i as usize] = class[0]);
+        let mut collided = parallel::filter(count, differs);
+        collided.par_sort_unstable_by_key(|i| (key(*i), *i));
+        for class in collided.chunk_by(|a, b| key(*a) == key(*b)) {
+            class.iter().for_each(|i| firsts[*i] = class[0] as u32);
         }
         Self::numbered(firsts)
     }
@@ -63,6 +56,19 @@ impl Classes {
     pub fn split_by<K: Hash + Ord>(&self, key: impl Fn(usize) -> K + Sync) -> Self {
         Self::by(self.of.len(), |i| (self.of[i], key(i)))
     }
+}
+
+/// The first of the elements with the hash of each one. They come as their hash and below it their number.
+fn firsts_by_hash(mut elements: Vec<u64>) -> Vec<u32> {
+    elements.par_sort_unstable();
+    // Each element is alike with itself at least, so none keeps its zero.
+    let firsts: Vec<AtomicU32> = vec![0; elements.len()].into_iter().map(AtomicU32::new).collect();
+    elements.par_chunk_by(|a, b| a >> 32 == b >> 32).for_each(|alike| {
+        let first = alike[0] as u32;
+        alike.iter().for_each(|i| firsts[*i as u32 as usize].store(first, Ordering::Relaxed));
+    });
+    drop(elements);
+    firsts.into_iter().map(AtomicU32::into_inner).collect()
 }
 
 /// The same on every machine and in every run.

@@ -2,7 +2,7 @@
 
 use super::super::plane::Plane;
 use crate::math::scalar;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// The distance from peak to trough of the eye's edge detector, degrees: §4.2.1.
 const EDGE_WIDTH: f64 = 0.082;
@@ -17,7 +17,7 @@ pub fn strengths(lightness: &Plane, pixels_per_degree: f64) -> Vec<[f64; 2]> {
     let length = |derivative: &[f64]| {
         let [x, y] = [(derivative, &kernels.blur[..]), (&kernels.blur[..], derivative)]
             .map(|(across, down)| lightness.filtered(across, down).values);
-        x.into_par_iter().zip(y).map(|(x, y)| (x * x + y * y).sqrt()).collect::<Vec<f64>>()
+        parallel::collect(x.len(), |i| (x[i] * x[i] + y[i] * y[i]).sqrt())
     };
     let (edges, points) = (length(&kernels.edge), length(&kernels.point));
     edges.into_iter().zip(points).map(|(edge, point)| [edge, point]).collect()

@@ -13,7 +13,7 @@ use super::plane::Plane;
 use super::{Field, Picture};
 use crate::error::{Error, Result};
 use crate::math::{Vec3, scalar};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// FLIP's default resolution, in pixels a degree: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f32 = 67.020_64;
@@ -36,11 +36,12 @@ pub fn flip(reference: &Picture, test: &Picture, pixels_per_degree: f32) -> Resu
     }
     let [reference, test] = [reference, test].map(|picture| seen(picture, pixels_per_degree.into()));
     let most = color::largest_difference();
-    let error = |(a, b): (&SeenPixel, &SeenPixel)| {
+    let error = |i: usize| {
+        let (a, b) = (&reference.pixels[i], &test.pixels[i]);
         let difference = color::redistributed(color::difference(a.lab, b.lab), most);
         scalar::pow(difference, 1.0 - features::difference(a.features, b.features)) as f32
     };
-    let values = reference.pixels.par_iter().zip(&test.pixels).map(error).collect();
+    let values = parallel::collect(reference.pixels.len(), error);
     Field::new(reference.width, reference.height, values)
 }
 
@@ -51,6 +52,7 @@ struct Seen {
     pixels: Vec<SeenPixel>,
 }
 
+#[derive(Clone, Default)]
 struct SeenPixel {
     /// The colour after the eye's blur: L*, and a* and b* after Hunt's effect.
     lab: Vec3<f64>,
@@ -59,14 +61,15 @@ struct SeenPixel {
 }
 
 fn seen(picture: &Picture, pixels_per_degree: f64) -> Seen {
-    let opponent: Vec<Vec3<f64>> =
-        picture.pixels.par_iter().map(|p| color::opponent_from_srgb(Vec3::from_array(*p).to_f64())).collect();
+    let encoded = |i: usize| Vec3::from_array(picture.pixels[i]).to_f64();
+    let opponent = parallel::collect(picture.pixels.len(), |i| color::opponent_from_srgb(encoded(i)));
     let plane = |component: fn(&Vec3<f64>) -> f64| Plane::new(picture.width, &opponent, component);
     let [achromatic, red_green, blue_yellow] = [plane(|c| c.x), plane(|c| c.y), plane(|c| c.z)];
     let features = features::strengths(&plane(|c| (c.x + 16.0) / 116.0), pixels_per_degree);
     let blurred = spatial::blurred([achromatic, red_green, blue_yellow], pixels_per_degree);
-    let pixel = |(color, features)| SeenPixel { lab: color::hunt_lab_from_opponent(color), features };
-    let pixels = blurred.into_par_iter().zip(features).map(pixel).collect();
+    let pixel =
+        |i: usize| SeenPixel { lab: color::hunt_lab_from_opponent(blurred[i]), features: features[i] };
+    let pixels = parallel::collect(blurred.len(), pixel);
     Seen { width: picture.width, height: picture.height, pixels }
 }
 

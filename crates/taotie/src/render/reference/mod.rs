@@ -28,8 +28,8 @@ use super::frame::Frame;
 use super::prepare::Prepared;
 use super::settings::Shot;
 use crate::error::Result;
+use crate::parallel;
 use crate::progress::Progress;
-use rayon::prelude::*;
 use tracer::Tracer;
 
 /// Renders an image by following paths of light. The same settings give the same bits with any number of threads.
@@ -58,7 +58,7 @@ pub fn reference(
     let at_once = 8 * rayon::current_num_threads();
     let mut done = 0;
     for part in patches.chunks(at_once) {
-        let pictures: Vec<_> = part.par_iter().map(|patch| tracer.patch(patch)).collect();
+        let pictures = parallel::tasks(part.len(), &|i| tracer.patch(&part[i]));
         for (patch, picture) in part.iter().zip(&pictures) {
             picture.store(patch, &mut frame);
         }

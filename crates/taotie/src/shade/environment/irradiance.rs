@@ -2,7 +2,7 @@
 
 use super::picture::Picture;
 use crate::math::{Vec3, scalar};
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::{PI, TAU};
 
 /// The irradiance as a polynomial of degree 2 in the normal: what spherical harmonics up to l = 2 give, with all
@@ -25,13 +25,12 @@ impl IrradianceHarmonics {
     /// Makes the harmonics of an image whose texels each shine evenly.
     pub(super) fn new(picture: &Picture) -> Self {
         let waves = waves(picture.width());
-        let rows = (0..picture.height()).into_par_iter();
-        let rows = rows.map(|y| {
+        let row = |y: usize| {
             let edge = |y: usize| Edge::new(y as f64 * PI / picture.height() as f64);
             moments(sums(picture, y, &waves), edge(y + 1).minus(edge(y)))
-        });
+        };
         let mut total = [Vec3::default(); 9];
-        for row in rows.collect::<Vec<_>>() {
+        for row in parallel::tasks(picture.height(), &row) {
             for (total, moment) in total.iter_mut().zip(row) {
                 *total += moment;
             }

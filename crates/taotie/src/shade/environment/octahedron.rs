@@ -2,7 +2,7 @@
 
 use super::texels::HalfTexels;
 use crate::math::{Lane, Vec3};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// An image of the sphere with a border, so that lookup between texels is seamless.
 ///
@@ -37,10 +37,10 @@ fn direction_of([u, v]: [f32; 2]) -> Vec3 {
     Vec3::new(x, y, z).normalize()
 }
 
-/// The directions of the texels of a map, row by row.
-pub(super) fn directions(side: usize) -> impl IndexedParallelIterator<Item = Vec3> {
-    let middle = move |i: usize| (i as f32 + 0.5) / side as f32;
-    (0..side * side).into_par_iter().map(move |i| direction_of([middle(i % side), middle(i / side)]))
+/// The direction of texel `i` of a map, counted row by row.
+pub(super) fn direction(side: usize, i: usize) -> Vec3 {
+    let middle = |i: usize| (i as f32 + 0.5) / side as f32;
+    direction_of([middle(i % side), middle(i / side)])
 }
 
 /// Mirrored at the edge of the middle faces; its own inverse.
@@ -49,10 +49,10 @@ fn folded(x: f32, z: f32) -> (f32, f32) {
 }
 
 impl Octahedron {
-    /// Makes a map from what is seen in each of [`directions`].
+    /// Makes a map from what is seen in the [`direction`] of each texel.
     pub(super) fn new(side: usize, light: impl Fn(usize) -> [f32; 4] + Sync) -> Self {
         let mut colors = vec![[0.0; 4]; (side + 2) * (side + 2)];
-        colors.par_chunks_mut(side + 2).skip(1).take(side).enumerate().for_each(|(y, row)| {
+        parallel::pieces(&mut colors[side + 2..(side + 2) * (side + 1)], side + 2, &|y, row| {
             row[1..=side].iter_mut().enumerate().for_each(|(x, color)| *color = light(y * side + x));
         });
         for i in 0..side + 2 {
@@ -121,7 +121,7 @@ mod tests {
     /// A linear function of the direction has no jump anywhere.
     #[test]
     fn there_is_no_seam() {
-        let directions: Vec<Vec3> = directions(64).collect();
+        let directions: Vec<Vec3> = (0..64 * 64).map(|i| direction(64, i)).collect();
         let map = Octahedron::new(64, |i| {
             [directions[i].x + 2.0, directions[i].y + 2.0, directions[i].z + 2.0, 1.0]
         });

@@ -3,7 +3,7 @@
 use super::picture::direction_at;
 use crate::image::Image;
 use crate::math::{Vec3, scalar};
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::PI;
 
 /// Version of [`studio`]: it is the same to the bit as long as this is.
@@ -70,7 +70,7 @@ const PANELS: [Panel; 4] = [
 pub fn studio() -> Image {
     let height = WIDTH / 2;
     let mut image = Image::new(WIDTH, height, [1.0; 4]).expect("the size is allowed");
-    image.pixels_mut().par_chunks_mut(WIDTH as usize).enumerate().for_each(|(y, row)| {
+    parallel::pieces(image.pixels_mut(), WIDTH as usize, &|y, row| {
         let cos = scalar::cos((y as f64 + 0.5) / f64::from(height) * PI);
         for (x, pixel) in row.iter_mut().enumerate() {
             let direction = direction_at((x as f64 + 0.5) / f64::from(WIDTH), cos).to_f64();

@@ -3,7 +3,7 @@
 use super::lobe::Fisher;
 use super::rings::{Areas, Pixel, Rings, accumulate, catmull_rom};
 use crate::math::scalar;
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::TAU;
 
 /// Lobes are cut where exp(−κq) falls below exp(−`REACH`).
@@ -18,9 +18,9 @@ pub(super) fn blur(input: &Rings, areas: &Areas, lobe: Fisher, width: usize) -> 
     let mut output = Rings::black(width, width / 2);
     let polars: Vec<f64> = (0..output.height).map(|y| output.polar(y)).collect();
     let sources = Sources::new(input, areas);
-    output.pixels.par_chunks_mut(width).zip(polars).for_each(|(row, polar)| {
-        let stride = stride(width, polar);
-        sources.sum(lobe, polar, stride, row);
+    parallel::pieces(&mut output.pixels, width, &|y, row| {
+        let stride = stride(width, polars[y]);
+        sources.sum(lobe, polars[y], stride, row);
         fill(row, stride);
     });
     output

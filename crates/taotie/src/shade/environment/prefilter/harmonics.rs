@@ -3,7 +3,7 @@
 use super::lobe::Coefficients;
 use super::rings::{Areas, Pixel, Rings, accumulate};
 use crate::math::scalar;
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::{PI, TAU};
 
 /// The light of an image up to a degree: for each order m its coefficients for l from m on, with cos mφ and sin mφ.
@@ -25,10 +25,8 @@ impl Harmonics {
         let areas = rings.areas(&Areas::Smooth);
         let scale = 2.0 / rings.height as f64 * TAU / rings.width as f64;
         let legendre = Legendre::new(rings, degree);
-        let rows: Vec<Vec<Pair>> = (0..rings.height)
-            .into_par_iter()
-            .map(|y| analysed(rings.row(y), degree, &waves, areas[y] * scale))
-            .collect();
+        let row = |y: usize| analysed(rings.row(y), degree, &waves, areas[y] * scale);
+        let rows: Vec<Vec<Pair>> = parallel::tasks(rings.height, &row);
         let order = |m: usize| {
             let mut sums = vec![[0.0; 6]; degree + 1 - m];
             for (y, row) in rows.iter().enumerate() {
@@ -38,7 +36,7 @@ impl Harmonics {
             }
             sums
         };
-        Self { degree, orders: (0..=degree).into_par_iter().map(order).collect() }
+        Self { degree, orders: parallel::tasks(degree + 1, &order) }
     }
 
     /// The image on rings of `width` pixels, half as many rings, each degree multiplied by its coefficient.
@@ -46,7 +44,7 @@ impl Harmonics {
         let mut output = Rings::black(width, width / 2);
         let legendre = Legendre::new(&output, self.degree);
         let waves = Waves::new(width, self.degree);
-        output.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        parallel::pieces(&mut output.pixels, width, &|y, row| {
             for m in 0..=self.degree {
                 let mut sum = [0.0; 6];
                 legendre.each(m, y, |l, p| {

@@ -15,10 +15,10 @@ mod rings;
 use super::levels::{Level, Levels, alphas};
 use super::octahedron::{self, Octahedron};
 use super::picture::{Picture, uv_of};
+use crate::parallel;
 use blur::blur;
 use harmonics::Harmonics;
 use lobe::{Coefficients, Fisher, Ggx};
-use rayon::prelude::*;
 use rings::{Areas, Rings, accumulate};
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -58,7 +58,7 @@ pub(super) fn levels(picture: &Picture) -> Levels {
         let most = scales.widths[0] as f64 * MOST_TEXELS[smooth];
         let side = (TEXELS[smooth] / alpha).min(most).max(FEWEST_TEXELS) as usize;
         if places.len() != side * side {
-            places = octahedron::directions(side).map(uv_of).collect();
+            places = parallel::collect(side * side, |texel| uv_of(octahedron::direction(side, texel)));
         }
         let sum = scales.sum(Ggx::new(alpha));
         let map = Octahedron::new(side, |texel| sum.at(places[texel], picture));

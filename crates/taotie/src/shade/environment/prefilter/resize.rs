@@ -2,8 +2,8 @@
 
 use super::rings::{Pixel, Rings, accumulate};
 use crate::math::scalar;
+use crate::parallel;
 use crate::shade::environment::picture::Picture;
-use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// The narrowest and the widest image that is filtered.
@@ -19,7 +19,7 @@ pub(super) fn rings(picture: &Picture) -> Rings {
     let same = [width, width / 2] == [picture.width(), picture.height()];
     let shrinks = picture.width() >= width && picture.height() >= width / 2;
     let height = output.height;
-    output.pixels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+    parallel::pieces(&mut output.pixels, width, &|y, row| {
         if same {
             row.iter_mut().enumerate().for_each(|(x, pixel)| *pixel = texel(picture, x, y));
         } else if shrinks {

@@ -1,7 +1,7 @@
 //! Pictures of the sphere on rings of latitude, and smooth lookup in them.
 
 use crate::math::scalar;
-use rayon::prelude::*;
+use crate::parallel;
 use std::f64::consts::PI;
 
 /// A pixel: linear RGB, and a fourth number that is carried along for the sake of speed.
@@ -61,7 +61,7 @@ impl Rings {
 
     /// Adds images of the same size, each times its weight.
     pub(super) fn add(&mut self, others: &[(f32, &Self)]) {
-        self.pixels.par_chunks_mut(self.width).enumerate().for_each(|(y, row)| {
+        parallel::pieces(&mut self.pixels, self.width, &|y, row| {
             for (weight, other) in others {
                 for (pixel, other) in row.iter_mut().zip(other.row(y)) {
                     accumulate(pixel, *weight, other);
@@ -73,7 +73,7 @@ impl Rings {
     /// The image on twice as many rings of twice as many pixels, by the same cubic as [`Self::cubic`].
     pub(super) fn doubled(&self) -> Self {
         let mut output = Self::black(self.width * 2, self.height * 2);
-        output.pixels.par_chunks_mut(self.width * 2).enumerate().for_each(|(y, row)| {
+        parallel::pieces(&mut output.pixels, self.width * 2, &|y, row| {
             let (first, weights) = halfway(y);
             let mut down = vec![[0.0; 4]; self.width];
             for (k, weight) in weights.into_iter().enumerate() {
