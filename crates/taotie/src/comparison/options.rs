@@ -13,6 +13,7 @@ use crate::shade::Shading;
 
 /// The options of a comparison of models.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ComparisonOptions {
     /// The surface methods, at least one and each once; the first is what the angles at sample points are measured from.
     pub methods: Vec<Method>,
