@@ -134,7 +134,8 @@ fn the_example_runs_on_a_file() {
     assert!(text.ends_with("required: met"), "{text}");
     let read = taotie::io::load_model(&low).unwrap();
     assert_eq!(read.copyright.as_deref(), Some("nobody"));
-    let source = read.xmp[0]["dc:source"].to_string();
+    let packet: serde_json::Value = serde_json::from_str(&read.xmp[0].to_string()).unwrap();
+    let source = packet["dc:source"].to_string();
     let hash = taotie::io::sha256(&high).unwrap();
     assert!(source.contains(&format!("scan.glb (sha256:{hash})")), "{source}");
 }

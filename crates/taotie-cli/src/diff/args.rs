@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use taotie::compare::{NormalEncoding, PIXELS_PER_DEGREE};
-use taotie::comparison::diff::{self, DiffOptions};
+use taotie::comparison::diff::{self, DiffOptions, Metric};
 use taotie::math::Vec3;
 use taotie::names::Named;
 
@@ -31,8 +31,11 @@ pub struct DiffArgs {
     /// The second picture, of the same size
     pub b: PathBuf,
 
-    /// The metric to compute; all that apply if not given
-    #[arg(long, value_enum)]
+    /// The metric to compute; all that apply if not given: angle (between normals, degrees), flip (what the eye sees
+    /// when one picture is flipped to the other: 0 alike, 1 most different), ssim (structural similarity: 1 alike),
+    /// psnr (peak signal-to-noise ratio, decibels: infinite where equal) or rmse (root mean square error of the encoded
+    /// channels, [0, 1])
+    #[arg(long, value_parser = options::named::<Metric>)]
     pub metric: Option<Metric>,
     /// Exit with 1 where the metric is worse: a mean angle (degrees), mean FLIP error or RMSE above X, an SSIM or
     /// PSNR (dB) below X
@@ -63,21 +66,6 @@ pub struct DiffArgs {
     pub json: bool,
 }
 
-/// A measure of difference.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Metric {
-    /// Angle between normals, degrees
-    Angle,
-    /// FLIP, what the eye sees when one picture is flipped to the other: 0 alike, 1 most different
-    Flip,
-    /// Structural similarity: 1 alike
-    Ssim,
-    /// Peak signal-to-noise ratio, decibels: infinite where equal
-    Psnr,
-    /// Root mean square error of the encoded channels, [0, 1]
-    Rmse,
-}
-
 /// The meaning of the numbers in the files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Encoding {
@@ -89,18 +77,6 @@ pub enum Encoding {
     Unit,
     /// Unit vectors as they are, in [-1, 1]: float files, such as those of `render --aov normals`
     Signed,
-}
-
-impl From<Metric> for diff::Metric {
-    fn from(metric: Metric) -> Self {
-        match metric {
-            Metric::Angle => Self::Angle,
-            Metric::Flip => Self::Flip,
-            Metric::Ssim => Self::Ssim,
-            Metric::Psnr => Self::Psnr,
-            Metric::Rmse => Self::Rmse,
-        }
-    }
 }
 
 impl From<Encoding> for diff::Encoding {
@@ -123,7 +99,7 @@ impl DiffArgs {
     /// The same for the library.
     pub fn options(&self) -> DiffOptions {
         DiffOptions {
-            metric: self.metric.map(Into::into),
+            metric: self.metric,
             encoding: self.encoding.into(),
             background: self.background,
             pixels_per_degree: self.pixels_per_degree,
@@ -154,7 +130,7 @@ impl DiffArgs {
             (Some(metric), Encoding::Unit | Encoding::Signed) if metric != Metric::Angle => {
                 bail!(
                     "--metric {} looks at colors, but --encoding says that the files hold normals",
-                    diff::Metric::from(metric).name()
+                    metric.name()
                 )
             }
             _ => Ok(()),

@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 use std::fmt::Write;
 use taotie::Warnings;
 use taotie::compare::NormalEncoding;
-use taotie::comparison::diff::{self, DiffFigures, ImageContent, ImagePair};
+use taotie::comparison::diff::{DiffFigures, ImageContent, ImagePair};
 use taotie::names::Named;
 use taotie_report::summary;
 
@@ -73,8 +73,8 @@ impl Report {
     pub fn new(args: &DiffArgs, files: &Files, pair: &ImagePair, metrics: DiffFigures) -> Self {
         let [a, b] = &files.bitmaps;
         let count = a.texels().len();
-        let metric = args.metric.map(diff::Metric::from);
-        let threshold = metric.zip(args.threshold).zip(metric.and_then(|metric| metrics.value(metric)));
+        let value = args.metric.and_then(|metric| metrics.value(metric));
+        let threshold = args.metric.zip(args.threshold).zip(value);
         let normals = matches!(pair.content, ImageContent::Normals(_));
         Self {
             schema: SCHEMA,

@@ -6,7 +6,7 @@ use super::place::Place;
 use serde_json::{Value, json};
 use snapbox::str;
 use taotie::image::Texels;
-use taotie::io::{GltfAsset, GltfFormat, GltfLevel, load_model, read_bitmap, write_gltf};
+use taotie::io::{GltfAsset, GltfFormat, GltfLevel, Json, load_model, read_bitmap, write_gltf};
 
 /// A folder with a scan and a low-poly mesh.
 fn pair() -> Place {
@@ -342,12 +342,13 @@ fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
     let place = pair();
     let loaded = load_model(&place.path("scan.obj")).unwrap();
     let mesh = &loaded.scene.meshes()[0];
-    let packet = json!({
+    let packet = Json::of(&json!({
         "@context": { "dc": "http://purl.org/dc/elements/1.1/" },
         "dc:rights": "in the public domain",
         "dc:title": "a ball",
         "xmpMM:History": { "@list": [{ "stEvt:action": "scanned" }] },
-    });
+    }))
+    .unwrap();
     let levels = [GltfLevel { mesh, coverage: None }];
     let asset =
         GltfAsset { levels: &levels, copyright: Some("nobody"), xmp: Some(&packet), ..GltfAsset::default() };

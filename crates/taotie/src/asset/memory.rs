@@ -78,6 +78,7 @@ impl Limits {
 
 /// The number of triangles and vertices of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ScanSize {
     /// Triangles, over all instances.
     pub triangles: u64,
@@ -99,6 +100,7 @@ impl ScanSize {
 
 /// The memory of a bake at its peak: the scan sorted for rays, simplification, maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Need {
     /// The size of the scan.

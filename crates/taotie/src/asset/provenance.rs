@@ -4,7 +4,7 @@ use super::made::Made;
 use super::packing::Packing;
 use super::parameters::Parameters;
 use crate::error::{Error, Result};
-use crate::io::{self, Provenance};
+use crate::io::{self, Json, Provenance};
 use serde_json::{Map, Value};
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// Fails where a file cannot be read, or is no JSON object.
-pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Value> {
+pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Json> {
     let about = &made.about;
     let name = about.path.file_name().unwrap_or_default().to_string_lossy();
     let parameters = Parameters::new(&made.options, packing).with_names(&made.options);
@@ -22,9 +22,9 @@ pub(super) fn packet(made: &Made, packing: &Packing) -> Result<Value> {
         tool: concat!("taotie ", env!("CARGO_PKG_VERSION")),
         parameters: &format!("taotie bake {parameters}"),
     };
-    let mut packet = about.xmp.clone().unwrap_or_else(|| Value::Object(Map::new()));
+    let mut packet = about.xmp.clone().unwrap_or_else(|| Json(Value::Object(Map::new())));
     if let Some(path) = &packing.provenance {
-        merge(&mut packet, properties(path)?);
+        merge(&mut packet.0, properties(path)?);
     }
     Ok(done.extend(Some(&packet)))
 }

@@ -23,7 +23,7 @@ pub(super) struct About {
     pub bytes: u64,
     pub copyright: Option<String>,
     /// The XMP metadata of the file as a whole, JSON-LD.
-    pub xmp: Option<serde_json::Value>,
+    pub xmp: Option<io::Json>,
     /// The things that were wrong or are left out.
     pub warnings: Warnings,
     pub size: ScanSize,

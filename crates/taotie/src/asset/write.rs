@@ -7,7 +7,7 @@ use super::textures::{Beside, Textures};
 use crate::bake::MapKind;
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding};
-use crate::io::{self, FileBytes, GltfAsset, GltfFormat, GltfLevel};
+use crate::io::{self, FileBytes, GltfAsset, GltfFormat, GltfLevel, Json};
 use crate::names::Named;
 use crate::progress::Progress;
 use serde_json::{Value, json};
@@ -108,7 +108,7 @@ fn coverages(count: usize) -> Vec<f32> {
 }
 
 /// Returns the asset's notes on the files beside it; `None` where there are none.
-fn extras(textures: &Textures, path: &Path) -> Option<Value> {
+fn extras(textures: &Textures, path: &Path) -> Option<Json> {
     let entry = |beside: &Beside| {
         let note = MapNote::beside(beside, path);
         let name = note.file?.file_name()?.to_string_lossy().into_owned();
@@ -116,7 +116,7 @@ fn extras(textures: &Textures, path: &Path) -> Option<Value> {
         Some((note.map.name().to_owned(), about))
     };
     let maps: serde_json::Map<String, Value> = textures.beside.iter().filter_map(entry).collect();
-    (!maps.is_empty()).then(|| json!({ "maps": maps }))
+    (!maps.is_empty()).then(|| Json(json!({ "maps": maps })))
 }
 
 impl MapNote {

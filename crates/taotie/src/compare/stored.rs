@@ -9,6 +9,7 @@ use crate::parallel;
 
 /// The encoding by which a file stores unit vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalEncoding {
     /// As (n + 1) / 2, so that they fit [0, 1]: what is called a normal map.
     Unit,

@@ -13,6 +13,7 @@ use crate::scene::Scene;
 
 /// The way in which corresponding points of model and reference are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Matching {
     /// Along the model's vertex normal, as bakers do.
     Normal,

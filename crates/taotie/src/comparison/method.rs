@@ -5,6 +5,7 @@ use crate::surface::SurfaceMethod;
 
 /// A way to find the shading normal: a surface method, for the bump methods with a factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Method {
     /// The surface method.
     pub surface: SurfaceMethod,

@@ -8,11 +8,13 @@ use crate::film::Development;
 use crate::image::Image;
 use crate::math::{Vec3, srgb};
 use crate::render::{Lighting, RenderSettings};
-use crate::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
+use crate::scene::{Camera, Scene, three_point_rig};
 use crate::shade::Shading;
+use crate::studio::{CameraOptions, Framing, Viewpoint};
 
 /// The options of a comparison of models.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ComparisonOptions {
     /// The surface methods, at least one and each once; the first is what the angles at sample points are measured from.
     pub methods: Vec<Method>,
@@ -48,13 +50,6 @@ impl Default for ComparisonOptions {
         }
     }
 }
-
-/// The direction that a model is looked at from: to the right and from above.
-const DEFAULT_ORBIT_DEG: [f64; 2] = [25.0, 15.0];
-/// The full vertical angle of view.
-const DEFAULT_FOV_DEG: f64 = 30.0;
-/// The part of the image that a framed model fills.
-const FILL: f64 = 0.9;
 
 /// Returns #2a2b2e, linear.
 fn charcoal() -> Vec3 {
@@ -94,15 +89,9 @@ impl ComparisonOptions {
         if let Some(camera) = &self.camera {
             return Ok(camera.clone());
         }
-        let Some(bounds) = model.bounds() else {
-            return Err(Error::invalid("the model", "it has no triangle to look at"));
-        };
-        let [azimuth, elevation] = DEFAULT_ORBIT_DEG.map(f64::to_radians);
-        let (target, fov_y) = (bounds.center(), DEFAULT_FOV_DEG.to_radians());
-        let mut orbit = Orbit { azimuth, elevation, distance: 0.0, target, fov_y };
-        let aspect = f64::from(self.settings.width) / f64::from(self.settings.height);
-        orbit.distance = fitting_distance(&orbit, aspect, FILL, model.corners());
-        Ok(orbit.camera(bounds.diagonal() / 2.0))
+        let framing = Framing { size: [self.settings.width, self.settings.height], all_around: false };
+        let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, model)?;
+        Ok(viewpoint.at(0.0).camera())
     }
 
     /// Returns the light asked for, else the model's own lights, else key, fill and rim.

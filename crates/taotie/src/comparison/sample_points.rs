@@ -5,6 +5,7 @@ use std::fmt;
 
 /// The sample points of a comparison: pixels whose normals are listed.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum SamplePoints {
     /// This many, spread over what is seen.
     Spread(usize),

@@ -7,6 +7,7 @@ use crate::math::{Lane, SimdLevel, Vec3};
 
 /// The settings by which an image is developed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Development {
     /// Light is multiplied by two to this power; [−60, 60].
     pub exposure_stops: f32,

@@ -6,6 +6,7 @@ use crate::names::Named;
 
 /// The curve that fits unbounded light into the range of a screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum ToneCurve {
     /// Khronos PBR Neutral: authored colours come out as authored, only highlights are compressed.
     #[default]

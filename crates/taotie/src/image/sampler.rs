@@ -5,6 +5,7 @@ use crate::math::Vec2;
 
 /// The continuation of a texture outside [0, 1].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Wrap {
     /// The image repeats.
     #[default]

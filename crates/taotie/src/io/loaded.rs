@@ -1,5 +1,6 @@
 //! The content of a model file.
 
+use super::json::Json;
 use super::variants::Variants;
 use crate::error::{Error, Result, Warnings};
 use crate::scene::animation::Rig;
@@ -20,7 +21,7 @@ pub struct Loaded {
     /// The rights notice in the file.
     pub copyright: Option<String>,
     /// XMP packets in the file as JSON-LD, that of the whole asset first; see [`super::Provenance`].
-    pub xmp: Vec<serde_json::Value>,
+    pub xmp: Vec<Json>,
     /// glTF extensions that the file uses.
     pub extensions_used: Vec<String>,
     /// glTF extensions that the file requires.

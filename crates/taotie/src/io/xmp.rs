@@ -2,6 +2,7 @@
 //!
 //! Source: KHR_xmp_json_ld; XMP specification part 1 (ISO 16684-1), 8, for the properties.
 
+use super::json::Json;
 use serde_json::{Map, Value, json};
 
 /// The extension of glTF that holds packets.
@@ -32,8 +33,8 @@ impl Provenance<'_> {
     /// Returns the packet of a model made of a source that has `packet`, which may be none. Everything in the source's
     /// packet stays; added are one more `dc:source` (name and hash), one more event in `xmpMM:History` (tool and
     /// parameters), and `xmp:CreatorTool` where there is none.
-    pub fn extend(&self, packet: Option<&Value>) -> Value {
-        let mut packet = packet.and_then(Value::as_object).cloned().unwrap_or_default();
+    pub fn extend(&self, packet: Option<&Json>) -> Json {
+        let mut packet = packet.and_then(|packet| packet.0.as_object()).cloned().unwrap_or_default();
         extend_context(&mut packet);
         let source = format!("{} (sha256:{})", self.source, self.sha256);
         if !self.source.is_empty() {
@@ -46,7 +47,7 @@ impl Provenance<'_> {
         });
         append(&mut packet, ("xmpMM:History", "@list"), event);
         packet.entry("xmp:CreatorTool").or_insert_with(|| self.tool.into());
-        Value::Object(packet)
+        Json(Value::Object(packet))
     }
 }
 
@@ -102,9 +103,13 @@ mod tests {
     const OURS: Provenance<'_> =
         Provenance { source: "jug.glb", sha256: "00ff", tool: "taotie 1.2", parameters: "bake --size 2048" };
 
+    fn extended(packet: Value) -> Value {
+        OURS.extend(Some(&Json(packet))).0
+    }
+
     #[test]
     fn a_packet_is_begun_where_there_is_none() {
-        let packet = OURS.extend(None);
+        let packet = OURS.extend(None).0;
         assert_eq!(packet["@context"]["dc"], "http://purl.org/dc/elements/1.1/");
         assert_eq!(packet["dc:source"], json!({ "@set": ["jug.glb (sha256:00ff)"] }));
         assert_eq!(packet["xmp:CreatorTool"], "taotie 1.2");
@@ -120,14 +125,14 @@ mod tests {
             "xmp:CreatorTool": "Scanner",
             "xmpMM:History": { "@list": [{ "stEvt:action": "created" }] },
         });
-        let new = OURS.extend(Some(&old));
+        let new = extended(old.clone());
         assert_eq!(new["dc:rights"], old["dc:rights"]);
         assert_eq!(new["xmp:CreatorTool"], "Scanner");
         assert_eq!(new["@context"]["xmpRights"], old["@context"]["xmpRights"]);
         assert_eq!(new["dc:source"], json!({ "@set": ["inventory 17", "jug.glb (sha256:00ff)"] }));
         let history = new["xmpMM:History"]["@list"].as_array().unwrap();
         assert_eq!((history.len(), &history[0]), (2, &json!({ "stEvt:action": "created" })));
-        let twice = OURS.extend(Some(&new));
+        let twice = extended(new);
         assert_eq!(twice["dc:source"]["@set"].as_array().unwrap().len(), 3);
         assert_eq!(twice["xmpMM:History"]["@list"].as_array().unwrap().len(), 3);
     }
@@ -137,11 +142,11 @@ mod tests {
         for (context, at) in
             [(json!("https://x/"), "/1/dc"), (json!(["https://x/"]), "/1/dc"), (json!({}), "/dc")]
         {
-            let packet = OURS.extend(Some(&json!({ "@context": context, "dc:source": ["a"] })));
+            let packet = extended(json!({ "@context": context, "dc:source": ["a"] }));
             assert!(packet["@context"].pointer(at).is_some(), "{packet}");
             assert_eq!(packet["dc:source"].as_array().unwrap().len(), 2);
         }
-        assert_eq!(OURS.extend(Some(&json!(7))), OURS.extend(None));
+        assert_eq!(extended(json!(7)), OURS.extend(None).0);
     }
 
     #[test]

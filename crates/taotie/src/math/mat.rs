@@ -5,6 +5,7 @@ use std::ops::Mul;
 
 /// A 4×4 matrix for column vectors; `a_from_b * b_from_c` takes c to a. `columns[j][i]` is row i of column j.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
 pub struct Mat4 {
     /// The columns.
     pub columns: [[f64; 4]; 4],

@@ -6,6 +6,7 @@ use fearless_simd::Level;
 
 /// A SIMD level by name. All levels give the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum SimdLevel {
     /// The level that is fastest on this machine.
     #[default]

@@ -16,6 +16,7 @@ use crate::surface::{TangentMethod, with_frames};
 
 /// The map that is wanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConversionOptions {
     /// Its space; `None` for the source's, tangent space for heights.
     pub space: Option<NormalSpace>,

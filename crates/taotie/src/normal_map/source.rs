@@ -6,6 +6,7 @@ use crate::surface::{NormalMapKind, is_normal_map};
 
 /// The content of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum MapContent {
     /// Heights in the first channel; white is high.
     Heights,

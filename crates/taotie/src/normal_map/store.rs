@@ -10,6 +10,7 @@ use crate::surface::{decode_object_normal, encode_normal};
 
 /// The way in which numbers are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Storage {
     /// Bits a channel, 8 or 16.
     pub bits: u8,

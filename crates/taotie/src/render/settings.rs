@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 /// The preparation of surfaces: where shading normals come from.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct SurfaceSettings {
     /// The method, or `None` for the best that each material provides: its normal map, else its height map, else
     /// smooth normals.
@@ -27,6 +28,7 @@ pub struct SurfaceSettings {
 /// The treatment of mapped normals that turn away from the viewer, and of light where the surface turns away but its
 /// mapped normal does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum GrazingNormals {
     /// The normal is turned until the viewer sees it, and light fades towards the surface's own horizon.
     #[default]
@@ -42,6 +44,7 @@ impl Named for GrazingNormals {
 
 /// Settings of rendering.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct RenderSettings {
     /// Pixels across, 1 to 16384.
     pub width: u32,
@@ -149,13 +152,40 @@ impl Turn {
 
 /// The light on a scene.
 #[derive(Debug, Clone, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Lighting {
     /// The lights, of any number.
     pub lights: Vec<Light>,
     /// Radiance I_a from all around, linear RGB; reflected by k_a and darkened by occlusion maps.
     pub ambient: Vec3,
-    /// Light from infinitely far all around.
+    /// Light from infinitely far all around; serde cannot say it.
+    #[cfg_attr(
+        feature = "serde",
+        serde(serialize_with = "write_no_environment", deserialize_with = "read_no_environment")
+    )]
     pub environment: Option<EnvironmentLight>,
+}
+
+/// Refuses the light of an environment: it holds an image.
+#[cfg(feature = "serde")]
+fn write_no_environment<S: serde::Serializer>(
+    light: &Option<EnvironmentLight>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    match light {
+        None => serializer.serialize_none(),
+        Some(_) => Err(serde::ser::Error::custom(
+            "light of an environment holds an image; write its `EnvironmentOptions` instead",
+        )),
+    }
+}
+
+/// Reads nothing, and refuses everything else.
+#[cfg(feature = "serde")]
+fn read_no_environment<'de, D: serde::Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<EnvironmentLight>, D::Error> {
+    <Option<()> as serde::Deserialize>::deserialize(deserializer).map(|_| None)
 }
 
 #[cfg(test)]

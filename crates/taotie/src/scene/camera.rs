@@ -4,6 +4,7 @@ use crate::math::{Mat4, Vec3, scalar};
 
 /// A camera in the world. It looks along its −z axis with +y up.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Camera {
     /// Its name in the file; may be empty.
     pub name: String,
@@ -15,6 +16,7 @@ pub struct Camera {
 
 /// A projection of view space to the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Projection {
     /// Central projection.
     Perspective {

@@ -5,6 +5,7 @@ use crate::math::{Mat4, Vec3, scalar};
 
 /// A light in world space.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Light {
     /// Its name; may be empty.
     pub name: String,
@@ -18,6 +19,7 @@ pub struct Light {
 
 /// The form of a light.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum LightKind {
     /// Shines from a position in all directions.
     Point {

@@ -6,6 +6,7 @@ use crate::math::{Lane, Vec3};
 
 /// The treatment of the energy of microfacet models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Energy {
     /// Light that scatters several times is added: a white surface returns all light at any roughness.
     #[default]

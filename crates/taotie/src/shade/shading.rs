@@ -5,6 +5,7 @@ use crate::names::Named;
 /// A reflectance model. The correct models bear their standard names; a model ending in `Printed` computes what
 /// a paper or article prints, errors included, so that its images can be reproduced and compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Shading {
     /// Perfectly diffuse, f = ρ/π.
     Lambert,

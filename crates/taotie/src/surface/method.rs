@@ -4,6 +4,7 @@ use crate::names::Named;
 
 /// The source of the shading normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum SurfaceMethod {
     /// The geometric normal of the triangle.
     Facet,
@@ -34,6 +35,7 @@ impl Named for SurfaceMethod {
 
 /// The method by which tangents are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum TangentMethod {
     /// Each triangle's own solution of the two edge equations.
     Face,

@@ -6,7 +6,7 @@ use crate::jue::pour;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use taotie::Result;
-use taotie::io::GltfDraft;
+use taotie::io::{GltfDraft, Json};
 use taotie::math::Mat4;
 use taotie::mesh::deform::Binding;
 use taotie::scene::animation::{Node, RigData, Sampler, Transform};
@@ -22,34 +22,33 @@ pub fn write(folder: &Path, vessel: &Vessel) -> Result<PathBuf> {
     let path = folder.join("jue-pouring.glb");
     let mut draft = draft(vessel.mesh(), Some("jue_normal.png"))?;
     let rig = pour::rig(vessel.mesh());
-    add_rig(&mut draft, rig.data());
+    add_rig(&mut draft, rig.data())?;
     draft.write_glb(&path)?;
     Ok(path)
 }
 
 /// Hangs the mesh, which is node 0, on the rig, whose nodes come after it.
-fn add_rig(draft: &mut GltfDraft, data: &RigData) {
+fn add_rig(draft: &mut GltfDraft, data: &RigData) -> Result<()> {
     let skin = &data.skins[0];
     if let Some(binding) = &data.deformed[0].shape.binding {
-        add_binding(draft, binding);
+        add_binding(draft, binding)?;
     }
     let binds: Vec<[f32; 16]> = skin.inverse_bind_matrices.iter().map(columns).collect();
     let binds = draft.floats(&binds);
     let animation = animation(draft, data);
-    let nodes: Vec<Value> = (0..data.nodes.len()).map(|i| node(&data.nodes, i)).collect();
-    let json = &mut draft.json;
-    json["nodes"][0]["skin"] = 0.into();
-    if let Some(all) = json["nodes"].as_array_mut() {
-        all.extend(nodes);
+    draft.put("/nodes/0", "skin", Json::of(&0)?)?;
+    for index in 0..data.nodes.len() {
+        draft.put("/nodes", "-", Json::of(&node(&data.nodes, index))?)?;
     }
-    json["scenes"] = json!([{ "nodes": [FIRST, 0] }]);
+    draft.put("", "scenes", Json::of(&json!([{ "nodes": [FIRST, 0] }]))?)?;
     let joints: Vec<usize> = skin.joints.iter().map(|joint| FIRST + joint).collect();
-    json["skins"] = json!([{ "joints": joints, "inverseBindMatrices": binds }]);
-    json["animations"] = json!([animation]);
+    let skins = json!([{ "joints": joints, "inverseBindMatrices": binds }]);
+    draft.put("", "skins", Json::of(&skins)?)?;
+    draft.put("", "animations", Json::of(&[animation])?)
 }
 
 /// glTF counts joints and weights by fours; joints that a vertex does not follow are joint 0.
-fn add_binding(draft: &mut GltfDraft, binding: &Binding) {
+fn add_binding(draft: &mut GltfDraft, binding: &Binding) -> Result<()> {
     let vertices = binding.weights.len() / binding.per_vertex;
     let followed = |vertex: usize, k: usize| {
         let at = (k < binding.per_vertex).then_some(vertex * binding.per_vertex + k)?;
@@ -62,8 +61,9 @@ fn add_binding(draft: &mut GltfDraft, binding: &Binding) {
     let added = [("JOINTS_0", draft.bytes(&joints)), ("WEIGHTS_0", draft.floats(&weights))];
     for (name, accessor) in added {
         draft.mark_vertices(accessor);
-        draft.json["meshes"][0]["primitives"][0]["attributes"][name] = accessor.into();
+        draft.put("/meshes/0/primitives/0/attributes", name, Json::of(&accessor)?)?;
     }
+    Ok(())
 }
 
 fn columns(m: &Mat4) -> [f32; 16] {

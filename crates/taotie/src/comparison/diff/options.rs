@@ -44,6 +44,7 @@ impl Metric {
 
 /// The meaning of the numbers in two images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Encoding {
     /// Normals where both look like normal maps, else colours.
     #[default]
@@ -56,6 +57,7 @@ pub enum Encoding {
 
 /// The options of a comparison of two images.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct DiffOptions {
     /// The only metric; `None` for all that apply.
     pub metric: Option<Metric>,

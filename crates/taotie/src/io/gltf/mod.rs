@@ -32,6 +32,7 @@ mod vertices;
 
 pub use extensions::SUPPORTED;
 
+use super::json::Json;
 use super::loaded::{Loaded, checked};
 use super::variants::Mapping;
 use super::variants::Variants;
@@ -69,7 +70,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     Ok(Loaded {
         generator: root.asset.generator,
         copyright: root.asset.copyright,
-        xmp,
+        xmp: xmp.into_iter().map(Json).collect(),
         extensions_used: root.extensions_used,
         extensions_required: root.extensions_required,
         mesh_names,

@@ -6,6 +6,7 @@ use crate::names::Named;
 
 /// Settings of the path tracer: how many paths are followed, and how far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ReferenceSettings {
     /// Paths a pixel, 1 to 65536. Noise falls at least with its square root.
     pub spp: u32,
@@ -33,6 +34,7 @@ impl Default for ReferenceSettings {
 
 /// The meaning of a mapped normal to light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum NormalMapping {
     /// The surface reflects as if it lay at a right angle to it, as in the rasteriser.
     #[default]
@@ -50,6 +52,7 @@ impl Named for NormalMapping {
 
 /// The method that finds light of the environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum EnvironmentSampling {
     /// Both ways are used, each where it is the better one: the least noise.
     #[default]

@@ -3,6 +3,7 @@
 use super::container::{self, Head};
 use super::images;
 use crate::error::{Error, Result};
+use crate::io::json::Json;
 use crate::io::write::{FileBytes, write_with};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -60,13 +61,14 @@ pub(super) struct Packing {
     pub target: u32,
 }
 
-/// A glTF document in the making: JSON, to which anything may be added, and the numbers that it names by accessors.
+/// A glTF document in the making: JSON, to which [`GltfDraft::put`] adds anything, and the numbers that it names by
+/// accessors.
 ///
 /// Buffers, buffer views, accessors and the names of extensions are added to the JSON at the end.
 #[derive(Debug, Clone, Default)]
 pub struct GltfDraft {
     /// The document without buffers, buffer views, accessors and the names of extensions.
-    pub json: Value,
+    pub(super) json: Value,
     bytes: Vec<u8>,
     /// The number of bytes of the compressed views when unpacked.
     unpacked: usize,
@@ -77,6 +79,28 @@ pub struct GltfDraft {
 }
 
 impl GltfDraft {
+    /// Puts a value into the JSON: as member `name` of the object, or, where `name` is `-`, at the end of the list that
+    /// the JSON pointer `parent` (RFC 6901) leads to. The document itself is the empty pointer.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the pointer leads to no such object or list.
+    pub fn put(&mut self, parent: &str, name: &str, value: Json) -> Result<()> {
+        match self.json.pointer_mut(parent) {
+            Some(Value::Object(members)) => {
+                members.insert(name.to_owned(), value.0);
+                Ok(())
+            }
+            Some(Value::Array(items)) if name == "-" => {
+                items.push(value.0);
+                Ok(())
+            }
+            _ => Err(Error::invalid(
+                format!("`{name}` at `{parent}`"),
+                "the glTF document has no object or list there; put that first",
+            )),
+        }
+    }
+
     /// Adds elements of `N` floats, 1 to 4, or 16 for matrices; returns the accessor's number.
     pub fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = values.as_flattened().iter().copied().flat_map(f32::to_le_bytes).collect();
@@ -247,5 +271,21 @@ impl GltfDraft {
         let document = FileBytes { path: path.to_path_buf(), bytes: text };
         let numbers = FileBytes { path: path.with_file_name(&binary), bytes: self.bytes };
         Ok([document, numbers].into_iter().chain(images).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_go_into_objects_and_behind_lists() {
+        let mut draft = GltfDraft { json: json!({ "nodes": [{}] }), ..GltfDraft::default() };
+        let mut put = |parent, name| draft.put(parent, name, Json(json!(7)));
+        put("/nodes/0", "mesh").unwrap();
+        put("/nodes", "-").unwrap();
+        put("", "scene").unwrap();
+        assert!(put("/nodes", "0").is_err() && put("/skins", "-").is_err() && put("/scene", "a").is_err());
+        assert_eq!(draft.json, json!({ "nodes": [{ "mesh": 7 }, 7], "scene": 7 }));
     }
 }

@@ -16,6 +16,7 @@ pub use scene::{WrittenScene, write_scene};
 
 use super::{FileBytes, write_files};
 use crate::error::{Error, Result};
+use crate::io::json::Json;
 use crate::io::xmp;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
@@ -39,9 +40,9 @@ pub struct GltfAsset<'a> {
     /// The rights notice.
     pub copyright: Option<&'a str>,
     /// An XMP packet as JSON-LD, such as [`Provenance::extend`](crate::io::Provenance::extend) makes.
-    pub xmp: Option<&'a Value>,
+    pub xmp: Option<&'a Json>,
     /// Further data for programs that know of it; goes into `asset.extras`.
-    pub extras: Option<&'a Value>,
+    pub extras: Option<&'a Json>,
 }
 
 /// A mesh and the least size on screen at which it is drawn.
@@ -161,13 +162,13 @@ fn draft(asset: &GltfAsset, format: &GltfFormat, (images, place): (&[Encoded], &
     if let Some(packet) = asset.xmp {
         draft.uses(xmp::EXTENSION);
         draft.json["asset"]["extensions"] = json!({ xmp::EXTENSION: { "packet": 0 } });
-        draft.json["extensions"] = json!({ xmp::EXTENSION: { "packets": [packet] } });
+        draft.json["extensions"] = json!({ xmp::EXTENSION: { "packets": [packet.0] } });
     }
     if let Some(copyright) = asset.copyright {
         draft.json["asset"]["copyright"] = copyright.into();
     }
     if let Some(extras) = asset.extras {
-        draft.json["asset"]["extras"] = extras.clone();
+        draft.json["asset"]["extras"] = extras.0.clone();
     }
     if asset.levels.len() > 1 {
         draft.uses(LEVELS);
@@ -206,7 +207,7 @@ fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
 }
 
 fn check(asset: &GltfAsset) -> Result<()> {
-    if asset.xmp.is_some_and(|packet| !packet.is_object()) {
+    if asset.xmp.is_some_and(|packet| !packet.0.is_object()) {
         return Err(Error::invalid("the XMP metadata", "it must be an object of JSON"));
     }
     if asset.levels.is_empty() {

@@ -1,0 +1,70 @@
+//! JSON that is handed on as it is.
+
+use crate::error::{Error, Result};
+use serde_json::Value;
+use std::fmt;
+
+/// A JSON value, kept as it was read; its `Display` writes it without spaces.
+///
+/// ```
+/// use taotie::io::Json;
+///
+/// let packet = Json::parse(r#"{ "dc:title": "a jug" }"#)?;
+/// assert_eq!(packet.to_string(), r#"{"dc:title":"a jug"}"#);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(transparent))]
+pub struct Json(pub(crate) Value);
+
+impl Json {
+    /// Reads one JSON value.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where the text is anything else; it names the line and the column.
+    pub fn parse(text: &str) -> Result<Self> {
+        serde_json::from_str(text).map(Self).map_err(not_json)
+    }
+
+    /// Returns what serde writes of a value.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where JSON cannot say it, such as a map whose keys are no text.
+    #[cfg(feature = "serde")]
+    pub fn of(value: &impl serde::Serialize) -> Result<Self> {
+        serde_json::to_value(value).map(Self).map_err(not_json)
+    }
+}
+
+fn not_json(error: serde_json::Error) -> Error {
+    Error::invalid("JSON", error.to_string())
+}
+
+impl fmt::Display for Json {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_json_is_refused_with_its_place() {
+        assert_eq!(Json::parse("[1.0, 2]").unwrap().to_string(), "[1.0,2]");
+        let error = Json::parse("{\n\"a\": }").unwrap_err().to_string();
+        assert!(error.starts_with("JSON: ") && error.contains("line 2 column"), "{error}");
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn serde_writes_the_value_itself() {
+        let json = Json::of(&[0.1f64, 1e300]).unwrap();
+        assert_eq!(serde_json::to_string(&json).unwrap(), json.to_string());
+        assert_eq!(
+            serde_json::from_str::<Json>(r#"{"a":[1]}"#).unwrap(),
+            Json::parse(r#"{"a":[1]}"#).unwrap()
+        );
+    }
+}

@@ -1,0 +1,133 @@
+//! Options as JSON: a file of them says what a program sets.
+#![cfg(feature = "serde")]
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{from_str, json, to_string, to_value};
+use std::fmt::Debug;
+use std::sync::Arc;
+use taotie::asset::{BakeOptions, Limits, Packing, VerifyOptions};
+use taotie::bake::MapKind;
+use taotie::compare::NormalEncoding;
+use taotie::comparison::diff::{self, DiffOptions, Metric};
+use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
+use taotie::film::{Development, ToneCurve};
+use taotie::image::{Image, Wrap};
+use taotie::math::{Mat4, SimdLevel, Vec3};
+use taotie::names::Named;
+use taotie::normal_map::{ConversionOptions, MapContent, Storage};
+use taotie::render::{
+    EnvironmentLight, GrazingNormals, Lighting, NormalMapping, ReferenceSettings, RenderSettings,
+    SurfaceSettings,
+};
+use taotie::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Projection};
+use taotie::shade::environment::Environment;
+use taotie::shade::{Energy, Shading};
+use taotie::studio::{CameraOptions, EnvironmentOptions, LightOptions, MapOptions, MaterialOptions};
+use taotie::surface::{SurfaceMethod, TangentMethod};
+
+/// Asserts that a value is read as it was written. Numbers are printed whole, so that equal text is an equal value.
+fn assert_survives<T: Debug + Serialize + DeserializeOwned>(value: &T) {
+    let json = to_string(value).unwrap();
+    let read: T = from_str(&json).unwrap();
+    assert_eq!(format!("{read:?}"), format!("{value:?}"), "{json}");
+}
+
+/// Asserts that the defaults survive, and that they stand for what is left out.
+fn assert_options<T: Default + Debug + Serialize + DeserializeOwned>() {
+    assert_survives(&T::default());
+    let empty: T = from_str("{}").unwrap();
+    assert_eq!(format!("{empty:?}"), format!("{:?}", T::default()));
+}
+
+/// Asserts that values have the same names in JSON as everywhere else.
+fn assert_names<T: Named + Debug + Serialize + DeserializeOwned>() {
+    for (name, value) in T::NAMES {
+        assert_eq!(to_value(value).unwrap(), json!(name));
+        assert_survives(value);
+    }
+}
+
+#[test]
+fn all_options_survive_json() {
+    assert_options::<BakeOptions>();
+    assert_options::<VerifyOptions>();
+    assert_options::<Packing>();
+    assert_options::<Limits>();
+    assert_options::<ComparisonOptions>();
+    assert_options::<DiffOptions>();
+    assert_options::<ConversionOptions>();
+    assert_options::<CameraOptions>();
+    assert_options::<EnvironmentOptions>();
+    assert_options::<LightOptions>();
+    assert_options::<MapOptions>();
+    assert_options::<MaterialOptions>();
+    assert_options::<Lighting>();
+    assert_options::<SurfaceSettings>();
+    assert_options::<RenderSettings>();
+    assert_options::<ReferenceSettings>();
+    assert_options::<Development>();
+}
+
+#[test]
+fn values_have_one_name() {
+    assert_names::<MapKind>();
+    assert_names::<Metric>();
+    assert_names::<Matching>();
+    assert_names::<Shading>();
+    assert_names::<Energy>();
+    assert_names::<SurfaceMethod>();
+    assert_names::<TangentMethod>();
+    assert_names::<GrazingNormals>();
+    assert_names::<NormalMapping>();
+    assert_names::<ToneCurve>();
+    assert_names::<SimdLevel>();
+}
+
+fn light(kind: LightKind) -> Light {
+    Light { name: "a lamp".into(), kind, color: Vec3::new(3.0, 2.5, 2.0), falloff: Falloff::Windowed(4.0) }
+}
+
+#[test]
+fn what_is_not_the_default_survives_too() {
+    let [position, direction] = [Vec3::new(0.5, 2.0, -1.0), Vec3::new(0.0, -1.0, 0.0)];
+    let lights = vec![
+        light(LightKind::Point { position }),
+        light(LightKind::Directional { direction }),
+        light(LightKind::Spot { position, direction, inner: 0.25, outer: 0.5 }),
+    ];
+    let projections = [
+        Projection::Perspective { fov_y: 0.5, aspect: Some(1.5), near: 0.1, far: None },
+        Projection::Orthographic { half_width: 2.0, half_height: 1.0, near: 0.0, far: 9.0 },
+    ];
+    for projection in projections {
+        let world_from_view = Mat4::translation(Vec3::new(1.0, 2.0, 3.5));
+        assert_survives(&ComparisonOptions {
+            methods: vec![Method { surface: SurfaceMethod::Bump, factor: Some(5.0) }],
+            points: SamplePoints::Pixels(vec![[3, 4]]),
+            camera: Some(Camera { name: "front".into(), world_from_view, projection }),
+            lighting: Some(Lighting { lights: lights.clone(), ..Lighting::default() }),
+            ..ComparisonOptions::default()
+        });
+    }
+    let encoding = diff::Encoding::Normals(NormalEncoding::Signed);
+    assert_survives(&DiffOptions { metric: Some(Metric::Angle), encoding, ..DiffOptions::default() });
+    assert_survives(&ConversionOptions {
+        border: Wrap::Mirror,
+        bits: Some(8),
+        ..ConversionOptions::default()
+    });
+    assert_survives(&[MapContent::Heights, MapContent::Normals(NormalSpace::Object)]);
+    assert_survives(&Storage { bits: 16, dither: true });
+}
+
+#[test]
+fn light_of_an_image_is_refused() {
+    let environment = Arc::new(Environment::new(Image::new(2, 1, [1.0; 4]).unwrap()).unwrap());
+    let light = EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: true };
+    let lighting = Lighting { environment: Some(light), ..Lighting::default() };
+    let error = to_string(&lighting).unwrap_err().to_string();
+    assert!(error.contains("EnvironmentOptions"), "{error}");
+    assert!(from_str::<Lighting>(r#"{"environment":{"rotation":1}}"#).is_err());
+    assert!(from_str::<Lighting>(r#"{"environment":null}"#).unwrap().environment.is_none());
+}
