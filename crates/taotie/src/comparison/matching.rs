@@ -12,6 +12,15 @@ use crate::scene::Scene;
 use rayon::prelude::*;
 
 /// The way in which corresponding points of model and reference are found.
+///
+/// ```
+/// use taotie::comparison::Matching;
+/// use taotie::names::Named;
+///
+/// assert_eq!(Matching::from_name("uv")?, Matching::Uv);
+/// assert!(Matching::Uv.rule().contains("point of the same uv"));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Matching {
     /// Along the model's vertex normal, as bakers do.

@@ -12,6 +12,19 @@ use crate::scene::{Camera, Orbit, Scene, fitting_distance, three_point_rig};
 use crate::shade::Shading;
 
 /// The options of a comparison of models.
+///
+/// ```
+/// use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
+/// use taotie::shade::Shading;
+///
+/// let options = ComparisonOptions {
+///     shadings: vec![Shading::Lambert, Shading::Ggx],
+///     matching: Matching::Uv,
+///     points: SamplePoints::Pixels(vec![[320, 320]]),
+///     ..ComparisonOptions::default()
+/// };
+/// assert_eq!(options.methods, Method::defaults());
+/// ```
 #[derive(Debug, Clone)]
 pub struct ComparisonOptions {
     /// The surface methods, at least one and each once; the first is what the angles at sample points are measured from.
