@@ -15,6 +15,19 @@ use crate::progress::Progress;
 use std::sync::Arc;
 
 /// Bakes scans, all in the same way.
+///
+/// ```
+/// use taotie::Progress;
+/// use taotie::asset::{BakeOptions, Baker, Scan};
+/// use taotie::mesh::Mesh;
+///
+/// let scan = Scan::from_mesh(Mesh::sphere(1.0, 64, 32), Progress::SILENT)?;
+/// let baker = Baker::new(BakeOptions { triangles: 500, size: 128, ..BakeOptions::default() });
+/// let asset = baker.bake(scan, Progress::SILENT)?;
+/// assert_eq!((asset.size(), asset.levels().count()), (128, 1));
+/// assert!(asset.textures().normal.is_some());
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Baker {
     options: Arc<BakeOptions>,
