@@ -48,11 +48,30 @@ impl Default for VerifyOptions {
 }
 
 /// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
+///
+/// ```
+/// use taotie::asset::{FLOOR_8_BIT, Figures};
+///
+/// /// Returns `true` where more bits would gain more than a finer map.
+/// fn is_near_floor(figures: &Figures) -> bool {
+///     figures.angles.is_some_and(|angles| angles.mean < 1.1 * FLOOR_8_BIT[0])
+/// }
+/// ```
 pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 
 /// Bins of the histogram.
 const BINS: usize = 50;
 /// The width of a bin of [`Figures::histogram`], degrees.
+///
+/// ```
+/// use taotie::asset::BIN_WIDTH;
+///
+/// /// Returns the angles at which a bin begins and ends, degrees.
+/// fn range(bin: usize) -> [f64; 2] {
+///     [bin, bin + 1].map(|edge| edge as f64 * BIN_WIDTH)
+/// }
+/// assert_eq!(range(0), [0.0, 0.2]);
+/// ```
 pub const BIN_WIDTH: f64 = 0.2;
 
 /// The differences of an asset from its scan, in numbers.

@@ -12,6 +12,15 @@ use crate::names::Named;
 use crate::shade::Shading;
 
 /// Bins of the histogram of angular error, one a degree; the last one holds everything from there on.
+///
+/// ```
+/// use taotie::comparison::{ErrorReport, HISTOGRAM_BINS};
+///
+/// /// Returns the number of pixels in the last bin, which is open.
+/// fn far_off(error: &ErrorReport) -> Option<&u64> {
+///     error.histogram.get(HISTOGRAM_BINS - 1)
+/// }
+/// ```
 pub const HISTOGRAM_BINS: usize = 60;
 
 /// Every parameter and every figure of a comparison.
