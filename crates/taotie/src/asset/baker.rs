@@ -15,6 +15,21 @@ use crate::progress::Progress;
 use std::sync::Arc;
 
 /// Bakes scans, all in the same way.
+///
+/// ```
+/// use std::sync::Arc;
+/// use taotie::Progress;
+/// use taotie::asset::{BakeOptions, Baker, MeshSource, Scan};
+/// use taotie::mesh::Mesh;
+///
+/// let scan = Scan::from_mesh(Mesh::sphere(1.0, 128, 64), Progress::SILENT)?;
+/// let low = Some(MeshSource::Mesh(Arc::new(Mesh::sphere(1.0, 24, 12))));
+/// let baker = Baker::new(BakeOptions { low, size: 64, ..BakeOptions::default() });
+/// let asset = baker.bake(scan, Progress::SILENT)?;
+/// assert_eq!((asset.size(), asset.levels().count()), (64, 1));
+/// assert!(asset.textures().normal.is_some());
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Baker {
     options: Arc<BakeOptions>,

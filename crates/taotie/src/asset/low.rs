@@ -23,6 +23,19 @@ pub(super) struct LowPoly {
 }
 
 /// The origin of a low-poly mesh.
+///
+/// ```
+/// use taotie::asset::Origin;
+///
+/// /// Returns a few words about a low-poly mesh.
+/// fn words(origin: &Origin) -> &'static str {
+///     match (&origin.simplified, origin.charts) {
+///         (Some(_), _) => "made of the scan",
+///         (None, Some(_)) => "given, unwrapped",
+///         (None, None) => "given with its uvs",
+///     }
+/// }
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -34,6 +47,16 @@ pub struct Origin {
 }
 
 /// The simplification of a scan.
+///
+/// ```
+/// use taotie::asset::{Asset, Simplification};
+///
+/// /// Returns the method that an asset's simplification needed.
+/// fn method(asset: &Asset) -> Option<&str> {
+///     let simplified: &Simplification = asset.origin().simplified.as_ref()?;
+///     Some(&simplified.means)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -26,6 +26,17 @@ pub(super) struct Made {
 }
 
 /// A low-poly mesh with baked maps. Clones share all of it.
+///
+/// ```
+/// use taotie::asset::Asset;
+///
+/// /// Returns a line about an asset.
+/// fn line(asset: &Asset) -> String {
+///     let triangles: Vec<usize> = asset.levels().map(|mesh| mesh.triangles().len()).collect();
+///     let (size, missed) = (asset.size(), asset.counts().missed);
+///     format!("{triangles:?} triangles, {size}×{size} texels, {missed} rays missed")
+/// }
+/// ```
 #[derive(Clone)]
 pub struct Asset {
     pub(super) made: Arc<Made>,

@@ -9,6 +9,15 @@ use std::path::Path;
 use std::str::FromStr;
 
 /// A number of bytes, written as 4G, 1.5GB, 800M.
+///
+/// ```
+/// use taotie::asset::Bytes;
+///
+/// let most: Bytes = "1.5GB".parse()?;
+/// assert_eq!(most, Bytes(3 << 29));
+/// assert_eq!(most.to_string(), "1.5 GiB");
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bytes(pub u64);
@@ -46,6 +55,15 @@ impl fmt::Display for Bytes {
 }
 
 /// The limits of what the work may take of the machine.
+///
+/// ```
+/// use taotie::asset::{BakeOptions, Baker, Limits};
+///
+/// let limits = Limits { memory: Some("4G".parse()?) };
+/// let baker = Baker::new(BakeOptions::default()).with_limits(limits);
+/// assert_eq!(limits.or_free(), limits);
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
@@ -77,6 +95,14 @@ impl Limits {
 }
 
 /// The number of triangles and vertices of a scan.
+///
+/// ```
+/// use taotie::asset::{BakeOptions, Baker, ScanSize};
+///
+/// let baker = Baker::new(BakeOptions::default());
+/// let need = |triangles: u64| baker.need(ScanSize { triangles, vertices: triangles / 2 }).bytes();
+/// assert!(need(20_000_000) > need(1_000_000));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ScanSize {
@@ -99,6 +125,15 @@ impl ScanSize {
 }
 
 /// The memory of a bake at its peak: the scan sorted for rays, simplification, maps.
+///
+/// ```
+/// use taotie::asset::{BakeOptions, Baker, Bytes, Limits, ScanSize};
+///
+/// let baker = Baker::new(BakeOptions::default());
+/// let need = baker.need(ScanSize { triangles: 20_000_000, vertices: 10_000_000 });
+/// assert!(need.simplifies && need.bytes() > Bytes(1 << 30));
+/// assert!(need.check(Limits { memory: Some(Bytes(1 << 30)) }).is_err());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -6,6 +6,16 @@ use crate::bake::{BakedMaps, TexelStatus};
 const SIDE: usize = 1024;
 
 /// The status of the texels of a map, the worst of each block: a single miss is to be seen.
+///
+/// ```
+/// use taotie::asset::Misses;
+/// use taotie::bake::TexelStatus;
+///
+/// /// Returns the number of blocks for which nothing was found.
+/// fn lost(misses: &Misses) -> usize {
+///     misses.texels.iter().filter(|texel| **texel == TexelStatus::Lost).count()
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Misses {

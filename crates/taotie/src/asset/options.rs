@@ -8,6 +8,18 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A mesh that the caller brings.
+///
+/// ```
+/// use std::sync::Arc;
+/// use taotie::asset::{BakeOptions, MeshSource};
+/// use taotie::mesh::Mesh;
+///
+/// let low = MeshSource::Mesh(Arc::new(Mesh::sphere(1.0, 24, 12)));
+/// BakeOptions { low: Some(low), ..BakeOptions::default() }.check()?;
+/// let low = MeshSource::File("low.glb".into());
+/// BakeOptions { low: Some(low), ..BakeOptions::default() }.check()?;
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum MeshSource {
@@ -37,6 +49,15 @@ impl MeshSource {
 }
 
 /// The start of projection rays, and the ray distance.
+///
+/// ```
+/// use taotie::asset::{BakeOptions, MeshSource, RayDistance};
+///
+/// let low = Some(MeshSource::File("low.glb".into()));
+/// let ray_distance = RayDistance::Cage(MeshSource::File("cage.glb".into()));
+/// BakeOptions { low, ray_distance, ..BakeOptions::default() }.check()?;
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum RayDistance {
@@ -50,6 +71,16 @@ pub enum RayDistance {
 }
 
 /// The options of a bake. Built by `Default` and struct update.
+///
+/// ```
+/// use taotie::asset::BakeOptions;
+/// use taotie::bake::MapKind;
+///
+/// let maps = vec![MapKind::Normal, MapKind::Occlusion];
+/// let options = BakeOptions { triangles: 20_000, lods: vec![5_000, 1_000], maps, ..BakeOptions::default() };
+/// assert!(options.check().is_ok());
+/// assert!(BakeOptions { lods: vec![30_000], ..options }.check().is_err(), "more than 20,000");
+/// ```
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct BakeOptions {

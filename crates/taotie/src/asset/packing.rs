@@ -4,6 +4,18 @@ use crate::io::GltfImages;
 use std::path::PathBuf;
 
 /// The packing of an asset into files. Built by `Default` and struct update.
+///
+/// ```
+/// use taotie::asset::{Asset, Packing, Written};
+/// use taotie::io::GltfImages;
+/// use taotie::{Progress, Result};
+///
+/// /// Writes a small file, for viewers that know the extensions of glTF.
+/// fn write_small(asset: &Asset) -> Result<Written> {
+///     let packing = Packing { images: GltfImages::WebP, meshopt: true, ..Packing::default() };
+///     asset.write("small.glb", &packing, Progress::SILENT)
+/// }
+/// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Packing {

@@ -9,6 +9,16 @@ use serde_json::{Value, json};
 use std::fmt;
 
 /// The options of a bake and how it was packed, as a JSON document: what its text says.
+///
+/// ```
+/// use taotie::Result;
+/// use taotie::asset::{Report, Written};
+///
+/// /// Returns the parameters of a written asset as JSON.
+/// fn json(written: &Written) -> Result<String> {
+///     Ok(Report::of(written)?.parameters.to_string())
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(transparent))]
 pub struct Parameters(Value);

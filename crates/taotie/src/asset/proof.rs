@@ -16,6 +16,17 @@ use crate::surface::with_frames;
 use std::path::{Path, PathBuf};
 
 /// The options of a proof. Built by `Default` and struct update.
+///
+/// ```
+/// use taotie::asset::{Proof, Scan, VerifyOptions, Written};
+/// use taotie::{Progress, Result};
+///
+/// /// Measures at five times as many points as by default.
+/// fn verify_thoroughly(written: &Written, scan: Scan) -> Result<Proof> {
+///     let options = VerifyOptions { points: 1_000_000, ..VerifyOptions::default() };
+///     written.verify(scan, &options, Progress::SILENT)
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct VerifyOptions {
@@ -37,14 +48,47 @@ impl Default for VerifyOptions {
 }
 
 /// The mean and the largest angle, degrees, between unit vectors and what eight bits store of them.
+///
+/// ```
+/// use taotie::asset::{FLOOR_8_BIT, Figures};
+///
+/// /// Returns `true` where more bits would gain more than a finer map.
+/// fn is_near_floor(figures: &Figures) -> bool {
+///     figures.angles.is_some_and(|angles| angles.mean < 1.1 * FLOOR_8_BIT[0])
+/// }
+/// ```
 pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 
 /// Bins of the histogram.
 const BINS: usize = 50;
 /// The width of a bin of [`Figures::histogram`], degrees.
+///
+/// ```
+/// use taotie::asset::BIN_WIDTH;
+///
+/// /// Returns the angles at which a bin begins and ends, degrees.
+/// fn range(bin: usize) -> [f64; 2] {
+///     [bin, bin + 1].map(|edge| edge as f64 * BIN_WIDTH)
+/// }
+/// assert_eq!(range(0), [0.0, 0.2]);
+/// ```
 pub const BIN_WIDTH: f64 = 0.2;
 
 /// The differences of an asset from its scan, in numbers.
+///
+/// ```
+/// use taotie::asset::{BIN_WIDTH, Figures};
+///
+/// /// Returns the mean angle by which the map improves on vertex normals alone, degrees.
+/// fn gain(figures: &Figures) -> Option<f64> {
+///     Some(figures.without_map?.mean - figures.angles?.mean)
+/// }
+///
+/// /// Returns the number of points whose normal is off by less than `degrees`.
+/// fn below(figures: &Figures, degrees: f64) -> u64 {
+///     figures.histogram.iter().take((degrees / BIN_WIDTH) as usize).sum()
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -88,6 +132,15 @@ pub struct Figures {
 }
 
 /// The fit of two meshes to one another; see [`Fit`].
+///
+/// ```
+/// use taotie::asset::FitFigures;
+///
+/// /// Returns `true` where the meshes hardly belong together.
+/// fn lie_apart(fit: &FitFigures) -> bool {
+///     fit.away > 0.1 || fit.turned > 0.1
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -107,6 +160,16 @@ impl From<Fit> for FitFigures {
 }
 
 /// The differences of an asset from its scan: figures and images.
+///
+/// ```
+/// use taotie::asset::{Proof, Requirement};
+///
+/// /// Returns `true` where an asset is as good as is wanted.
+/// fn is_good(proof: &Proof) -> bool {
+///     let wanted = [Requirement::mean_angle_deg(1.0), Requirement::missed(0.001)];
+///     proof.require(&wanted).iter().all(|met| met.met)
+/// }
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Proof {

@@ -14,6 +14,19 @@ use std::path::PathBuf;
 const SCHEMA: u32 = 1;
 
 /// All that is to be told of a bake. What the caller knows, figures and times, is filled in by it.
+///
+/// ```
+/// use taotie::Result;
+/// use taotie::asset::{Proof, Report, Requirement, Written};
+///
+/// /// Collects all that is known of an asset.
+/// fn report(written: &Written, proof: &Proof, wanted: &[Requirement]) -> Result<Report> {
+///     let mut report = Report::of(written)?;
+///     report.proof = Some(proof.figures.clone());
+///     report.required = proof.require(wanted);
+///     Ok(report)
+/// }
+/// ```
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -57,6 +70,14 @@ pub struct Report {
 }
 
 /// A stage that is done, and how long it took.
+///
+/// ```
+/// use taotie::asset::StageTime;
+///
+/// let stages = [("bake", 1500.0), ("store", 250.0)];
+/// let stages = stages.map(|(stage, milliseconds)| StageTime { stage, milliseconds });
+/// assert_eq!(stages.iter().map(|stage| stage.milliseconds).sum::<f64>(), 1750.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StageTime {
@@ -67,6 +88,16 @@ pub struct StageTime {
 }
 
 /// A kind of warning, and how often it was seen.
+///
+/// ```
+/// use taotie::Warnings;
+/// use taotie::asset::Warning;
+///
+/// let mut warnings = Warnings::default();
+/// warnings.note("open edges", 3);
+/// let listed = Warning::list(&warnings);
+/// assert_eq!((listed[0].count, listed[0].what.as_str()), (3, "open edges"));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -7,6 +7,15 @@ use crate::names::Named;
 use std::str::FromStr;
 
 /// A figure of a proof that a limit can be set for.
+///
+/// ```
+/// use taotie::asset::{Figure, Requirement};
+/// use taotie::names::Named;
+///
+/// let figure = Figure::from_name("p95-angle")?;
+/// assert_eq!("p95-angle=3".parse::<Requirement>()?, Requirement { figure, most: 3.0 });
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Figure {
@@ -37,6 +46,14 @@ impl Named for Figure {
 }
 
 /// A figure and the most that it may be.
+///
+/// ```
+/// use taotie::asset::Requirement;
+///
+/// assert_eq!("mean-angle=2".parse::<Requirement>()?, Requirement::mean_angle_deg(2.0));
+/// assert!("mean-angle=2%".parse::<Requirement>().is_err(), "an angle is no part of anything");
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Requirement {
@@ -109,6 +126,17 @@ impl FromStr for Requirement {
 }
 
 /// The outcome of a requirement.
+///
+/// ```
+/// use taotie::asset::Met;
+/// use taotie::names::Named;
+///
+/// /// Returns a line for each requirement that is not met.
+/// fn shortfalls(met: &[Met]) -> Vec<String> {
+///     let line = |met: &Met| format!("{}: {:?}, at most {}", met.figure.name(), met.value, met.most);
+///     met.iter().filter(|met| !met.met).map(line).collect()
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -44,6 +44,18 @@ impl About {
 }
 
 /// A scan as its file says, not yet sorted for rays, so that one can ask what a bake of it will need.
+///
+/// ```no_run
+/// use taotie::Progress;
+/// use taotie::asset::{BakeOptions, Baker, Limits, ScanFile};
+///
+/// let limits = Limits::default();
+/// let file = ScanFile::read("scan.ply", &limits, Progress::SILENT)?;
+/// let baker = Baker::new(BakeOptions::default());
+/// println!("a bake needs about {} of memory", baker.need(file.size()).bytes());
+/// let scan = file.sort(Progress::SILENT)?;
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct ScanFile {
     scene: Scene,
@@ -51,6 +63,17 @@ pub struct ScanFile {
 }
 
 /// A scan, sorted for rays. Clones share all of it.
+///
+/// ```
+/// use taotie::Progress;
+/// use taotie::asset::Scan;
+/// use taotie::mesh::Mesh;
+///
+/// let scan = Scan::from_mesh(Mesh::sphere(1.0, 32, 16), Progress::SILENT)?;
+/// assert_eq!(scan.mesh().triangles().len(), 960);
+/// assert_eq!(scan.sha256()?, "", "it comes from no file");
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Clone)]
 pub struct Scan {
     pub(super) high: Arc<bake::Scan>,

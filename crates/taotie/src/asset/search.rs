@@ -23,6 +23,15 @@ const TEXEL: u64 = 2;
 const POINTS: usize = 40_000;
 
 /// A mesh and a map that were tried for a wanted error.
+///
+/// ```
+/// use taotie::asset::{Asset, Trial};
+///
+/// /// Returns the trial that came nearest to the scan.
+/// fn nearest(asset: &Asset) -> Option<&Trial> {
+///     asset.trials().iter().min_by(|a, b| a.mean_angle.total_cmp(&b.mean_angle))
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

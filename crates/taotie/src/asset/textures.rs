@@ -13,6 +13,17 @@ use crate::normal_map::{Storage, store_codes, store_unit_vectors};
 use crate::scene::{Material, NormalSpace};
 
 /// Baked maps, stored.
+///
+/// ```
+/// use taotie::asset::Textures;
+/// use taotie::names::Named;
+///
+/// /// Returns the names of the maps inside of an asset, and of those beside it.
+/// fn names(textures: &Textures) -> [Vec<&'static str>; 2] {
+///     let inside = textures.inside().map(|(map, _)| map.name()).collect();
+///     [inside, textures.beside.iter().map(|beside| beside.map.name()).collect()]
+/// }
+/// ```
 #[derive(Default)]
 #[non_exhaustive]
 pub struct Textures {
@@ -31,6 +42,17 @@ pub struct Textures {
 }
 
 /// The numbers that a texture of occlusion, roughness and metallic holds.
+///
+/// ```
+/// use taotie::asset::Has;
+///
+/// /// Returns the meaning of each channel.
+/// fn channels(has: Has) -> [&'static str; 3] {
+///     let of = |is: bool, name: &'static str| if is { name } else { "" };
+///     let [roughness, metallic] = ["roughness", "metallic"].map(|name| of(has.roughness, name));
+///     [of(has.occlusion, "occlusion"), roughness, metallic]
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Has {
@@ -41,6 +63,16 @@ pub struct Has {
 }
 
 /// A map for a separate file.
+///
+/// ```
+/// use taotie::asset::Beside;
+/// use taotie::bake::MapKind;
+///
+/// /// Returns the height map of an asset, where one was baked.
+/// fn height(beside: &[Beside]) -> Option<&Beside> {
+///     beside.iter().find(|beside| beside.map == MapKind::Height)
+/// }
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Beside {
@@ -53,6 +85,15 @@ pub struct Beside {
 }
 
 /// The numbers of black and white.
+///
+/// ```
+/// use taotie::asset::Range;
+///
+/// /// Returns the number that a texel of `code`, [0, 1], stands for.
+/// fn number(range: &Range, code: f64) -> f64 {
+///     range.black + code * (range.white - range.black)
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Range {

@@ -15,6 +15,15 @@ const COUNT: usize = 8;
 const ELEVATIONS: [f64; 2] = [20.0, -12.0];
 
 /// Images of scan and asset and their differences, view by view.
+///
+/// ```
+/// use taotie::asset::{ViewFigures, Views};
+///
+/// /// Returns the view from which asset and scan differ most.
+/// fn worst(views: &Views) -> Option<&ViewFigures> {
+///     views.figures.iter().max_by(|a, b| a.flip.total_cmp(&b.flip))
+/// }
+/// ```
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Views {
@@ -29,6 +38,15 @@ pub struct Views {
 }
 
 /// The difference of an image of an asset from that of its scan.
+///
+/// ```
+/// use taotie::asset::ViewFigures;
+///
+/// /// Returns a row of a table.
+/// fn row(view: &ViewFigures) -> String {
+///     format!("{:>4}° {:>4}° {:.3} {:.3}", view.azimuth_deg, view.elevation_deg, view.flip, view.ssim)
+/// }
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -14,6 +14,18 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// An asset as it was written.
+///
+/// ```
+/// use taotie::asset::{Asset, Packing, Written};
+/// use taotie::{Progress, Result};
+///
+/// /// Writes an asset with its textures beside it.
+/// fn write(asset: &Asset) -> Result<Written> {
+///     let written = asset.write("scan.gltf", &Packing::default(), Progress::SILENT)?;
+///     assert_eq!(written.path(), written.files()[0]);
+///     Ok(written)
+/// }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Written {
     pub(super) asset: Asset,
@@ -22,6 +34,18 @@ pub struct Written {
 }
 
 /// A map of a written asset: where it stands, and what its numbers mean.
+///
+/// ```
+/// use std::path::PathBuf;
+/// use taotie::asset::Written;
+/// use taotie::bake::MapKind;
+///
+/// /// Returns the file of the height map and the heights of black and white, model units.
+/// fn height(written: &Written) -> Option<(PathBuf, [f64; 2])> {
+///     let note = written.maps().into_iter().find(|note| note.map == MapKind::Height)?;
+///     Some((note.file?, [note.black?, note.white?]))
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

@@ -16,6 +16,27 @@ use crate::scene::Scene;
 use crate::surface::SurfaceMethod;
 
 /// A model by several surface methods in images and angles: see [`Comparison::of`].
+///
+/// ```
+/// use taotie::Progress;
+/// use taotie::comparison::{Comparison, ComparisonOptions, Method, Subject};
+/// use taotie::mesh::Mesh;
+/// use taotie::render::RenderSettings;
+/// use taotie::scene::{Material, Scene};
+/// use taotie::surface::SurfaceMethod;
+///
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default())?;
+/// let options = ComparisonOptions {
+///     methods: [SurfaceMethod::Facet, SurfaceMethod::Smooth].map(Method::from).to_vec(),
+///     settings: RenderSettings { width: 64, height: 64, ..RenderSettings::default() },
+///     ..ComparisonOptions::default()
+/// };
+/// let comparison = Comparison::of(&Subject::new("ball", &ball), &options, Progress::SILENT)?;
+/// assert_eq!(comparison.against(), "facet");
+/// let degrees = comparison.report().method("smooth").and_then(|method| method.inner_mean());
+/// assert!(degrees.is_some_and(|degrees| (1.0..11.0).contains(&degrees)), "{degrees:?}");
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Comparison {

@@ -12,6 +12,15 @@ use crate::parallel;
 use crate::scene::Scene;
 
 /// The way in which corresponding points of model and reference are found.
+///
+/// ```
+/// use taotie::comparison::Matching;
+/// use taotie::names::Named;
+///
+/// assert_eq!(Matching::from_name("uv")?, Matching::Uv);
+/// assert!(Matching::Uv.rule().contains("point of the same uv"));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Matching {

@@ -4,6 +4,16 @@ use crate::names::Named;
 use crate::surface::SurfaceMethod;
 
 /// A way to find the shading normal: a surface method, for the bump methods with a factor.
+///
+/// ```
+/// use taotie::comparison::Method;
+/// use taotie::surface::SurfaceMethod;
+///
+/// let bump = Method { surface: SurfaceMethod::Bump, factor: Some(5.0) };
+/// assert_eq!(bump.id(), "bump:5");
+/// assert_eq!(bump.file_stem(), "bump-5");
+/// assert_eq!(Method::from(SurfaceMethod::TangentNormal).id(), "tangent-normal");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Method {

@@ -13,6 +13,19 @@ use crate::shade::Shading;
 use crate::studio::{CameraOptions, Framing, Viewpoint};
 
 /// The options of a comparison of models.
+///
+/// ```
+/// use taotie::comparison::{ComparisonOptions, Matching, Method, SamplePoints};
+/// use taotie::shade::Shading;
+///
+/// let options = ComparisonOptions {
+///     shadings: vec![Shading::Lambert, Shading::Ggx],
+///     matching: Matching::Uv,
+///     points: SamplePoints::Pixels(vec![[320, 320]]),
+///     ..ComparisonOptions::default()
+/// };
+/// assert_eq!(options.methods, Method::defaults());
+/// ```
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ComparisonOptions {

@@ -9,6 +9,16 @@ use crate::scene::{Camera, Falloff, Light, LightKind, Projection};
 
 /// Camera, light, film and whatever else the images of a comparison depend on, as plain data. Choices are named as on
 /// the command line.
+///
+/// ```
+/// use taotie::comparison::Parameters;
+///
+/// /// Returns a line for below an image.
+/// fn legend(parameters: &Parameters) -> String {
+///     let [width, height] = parameters.size;
+///     format!("{width}×{height} pixels, {} samples, {} lights", parameters.samples, parameters.lights.len())
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -52,6 +62,16 @@ pub struct Parameters {
 }
 
 /// A camera as data.
+///
+/// ```
+/// use taotie::comparison::CameraParameters;
+///
+/// /// Returns the place of the camera, world space.
+/// fn place(camera: &CameraParameters) -> [f64; 3] {
+///     let [.., [x, y, z, _]] = camera.world_from_view_columns;
+///     [x, y, z]
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -63,6 +83,18 @@ pub struct CameraParameters {
 }
 
 /// A projection as data, lengths in model units.
+///
+/// ```
+/// use taotie::comparison::ProjectionParameters;
+///
+/// /// Returns the full vertical angle of view, degrees; `None` in parallel projection.
+/// fn angle_of_view(projection: &ProjectionParameters) -> Option<f64> {
+///     match projection {
+///         ProjectionParameters::Perspective { fov_y_deg, .. } => Some(*fov_y_deg),
+///         _ => None,
+///     }
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "lowercase"))]
@@ -93,6 +125,15 @@ pub enum ProjectionParameters {
 }
 
 /// A light as data.
+///
+/// ```
+/// use taotie::comparison::LightParameters;
+///
+/// /// Returns the brightest channel of a light.
+/// fn strength(light: &LightParameters) -> f32 {
+///     light.color.into_iter().fold(0.0, f32::max)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -107,6 +148,20 @@ pub struct LightParameters {
 }
 
 /// The kind of a light as data, world space.
+///
+/// ```
+/// use taotie::comparison::LightKindParameters;
+///
+/// /// Returns the place of a light; `None` where it is infinitely far.
+/// fn place(light: &LightKindParameters) -> Option<[f32; 3]> {
+///     match light {
+///         LightKindParameters::Point { position } | LightKindParameters::Spot { position, .. } => {
+///             Some(*position)
+///         }
+///         _ => None,
+///     }
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "lowercase"))]
@@ -136,6 +191,18 @@ pub enum LightKindParameters {
 }
 
 /// The falloff of a light with distance, as data.
+///
+/// ```
+/// use taotie::comparison::FalloffParameters;
+///
+/// /// Returns the distance beyond which a light is dark, model units; `None` where there is none.
+/// fn range(falloff: &FalloffParameters) -> Option<f32> {
+///     match falloff {
+///         FalloffParameters::Windowed(range) => Some(*range),
+///         _ => None,
+///     }
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

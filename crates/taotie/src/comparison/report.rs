@@ -12,9 +12,28 @@ use crate::names::Named;
 use crate::shade::Shading;
 
 /// Bins of the histogram of angular error, one a degree; the last one holds everything from there on.
+///
+/// ```
+/// use taotie::comparison::{ErrorReport, HISTOGRAM_BINS};
+///
+/// /// Returns the number of pixels in the last bin, which is open.
+/// fn far_off(error: &ErrorReport) -> Option<&u64> {
+///     error.histogram.get(HISTOGRAM_BINS - 1)
+/// }
+/// ```
 pub const HISTOGRAM_BINS: usize = 60;
 
 /// Every parameter and every figure of a comparison.
+///
+/// ```
+/// use taotie::comparison::{MethodReport, Report};
+///
+/// /// Returns the method whose normals are nearest to the true ones.
+/// fn best(report: &Report) -> Option<&MethodReport> {
+///     let measured = report.methods.iter().filter_map(|method| Some((method, method.inner_mean()?)));
+///     measured.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(method, _)| method)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -42,6 +61,16 @@ pub struct Report {
 }
 
 /// A kind of warning.
+///
+/// ```
+/// use taotie::comparison::Report;
+///
+/// /// Returns the warnings, a line each.
+/// fn warnings(report: &Report) -> Vec<String> {
+///     let warnings = report.warnings.iter();
+///     warnings.map(|warning| format!("{} × {}", warning.count, warning.what)).collect()
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -53,6 +82,16 @@ pub struct CountedWarning {
 }
 
 /// One method's figures.
+///
+/// ```
+/// use taotie::comparison::MethodReport;
+///
+/// /// Returns a row of a table: the method and its mean error, degrees.
+/// fn row(method: &MethodReport) -> String {
+///     let mean = method.inner_mean().map_or("-".into(), |mean| format!("{mean:.2}"));
+///     format!("{} {mean}", method.method)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -72,6 +111,16 @@ pub struct MethodReport {
 }
 
 /// Angular error, degrees.
+///
+/// ```
+/// use taotie::comparison::ErrorReport;
+///
+/// /// Returns the part of the matched pixels whose normal is off by less than `degrees`.
+/// fn part_below(error: &ErrorReport, degrees: usize) -> f64 {
+///     let below: u64 = error.histogram.iter().take(degrees).sum();
+///     below as f64 / error.histogram.iter().sum::<u64>().max(1) as f64
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -87,6 +136,15 @@ pub struct ErrorReport {
 }
 
 /// A shaded image, and its difference where there is one.
+///
+/// ```
+/// use taotie::comparison::{MethodReport, PictureReport};
+///
+/// /// Returns a method's image under a reflectance model, such as `ggx`.
+/// fn under<'a>(method: &'a MethodReport, shading: &str) -> Option<&'a PictureReport> {
+///     method.pictures.iter().find(|picture| picture.shading == shading)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -100,6 +158,15 @@ pub struct PictureReport {
 }
 
 /// The figures of the difference of two developed images.
+///
+/// ```
+/// use taotie::comparison::{PictureFigures, PictureReport};
+///
+/// /// Returns `true` where an image is the expected one to the last code.
+/// fn is_equal(picture: &PictureReport) -> bool {
+///     picture.difference.as_ref().is_some_and(|figures: &PictureFigures| figures.psnr.is_none())
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -117,6 +184,15 @@ pub struct PictureFigures {
 }
 
 /// The normals at a sample point.
+///
+/// ```
+/// use taotie::comparison::{PointNormal, PointReport};
+///
+/// /// Returns the normal that a method shows at a sample point.
+/// fn normal_of<'a>(point: &'a PointReport, method: &str) -> Option<&'a PointNormal> {
+///     point.normals.iter().find(|normal| normal.method == method)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -128,6 +204,15 @@ pub struct PointReport {
 }
 
 /// A method's normal at a sample point.
+///
+/// ```
+/// use taotie::comparison::PointNormal;
+///
+/// /// Returns `true` where the normal is within a degree of the true one.
+/// fn is_near(normal: &PointNormal) -> bool {
+///     normal.error.is_some_and(|degrees| degrees < 1.0)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

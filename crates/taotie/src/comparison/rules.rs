@@ -6,6 +6,15 @@ use super::sample_points::{SPREAD_RULE, SamplePoints};
 use crate::compare::PIXELS_PER_DEGREE;
 
 /// The rules behind the figures, in words.
+///
+/// ```
+/// use taotie::comparison::Report;
+///
+/// /// Returns the rules as a footnote.
+/// fn footnote(report: &Report) -> String {
+///     report.rules.in_words().join("\n")
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

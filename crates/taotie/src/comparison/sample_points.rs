@@ -4,6 +4,15 @@ use std::collections::HashSet;
 use std::fmt;
 
 /// The sample points of a comparison: pixels whose normals are listed.
+///
+/// ```
+/// use taotie::comparison::SamplePoints;
+///
+/// let pixels = SamplePoints::Pixels(vec![[3, 3], [4, 0]]);
+/// assert_eq!(pixels.to_string(), "3,3;4,0");
+/// assert_eq!(pixels.outside([4, 4]), Some([4, 0]));
+/// assert_eq!(SamplePoints::Spread(10).outside([4, 4]), None);
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum SamplePoints {

@@ -7,6 +7,17 @@ use crate::{Result, Warnings};
 const TOLERANCE: f64 = 0.05;
 
 /// A scene with the name that reports and warnings give it, such as its file's.
+///
+/// ```
+/// # use taotie::mesh::Mesh;
+/// # use taotie::scene::{Material, Scene};
+/// use taotie::comparison::{NamedScene, Subject};
+///
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
+/// let model = NamedScene { name: "low.glb", scene: &ball };
+/// assert_eq!(Subject { model, reference: None }.report().model, "low.glb");
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct NamedScene<'a> {
     /// The name.
@@ -16,6 +27,18 @@ pub struct NamedScene<'a> {
 }
 
 /// A model, and where there is one a high-poly reference: the same object with its relief as geometry.
+///
+/// ```
+/// # use taotie::mesh::Mesh;
+/// # use taotie::scene::{Material, Scene};
+/// use taotie::comparison::Subject;
+///
+/// let low = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), Material::default())?;
+/// let high = Scene::of_mesh(Mesh::sphere(1.0, 256, 128), Material::default())?;
+/// let subject = Subject::new("low.glb", &low).with_reference("scan.ply", &high);
+/// assert_eq!(subject.reference.map(|reference| reference.name), Some("scan.ply"));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
     /// The model.
@@ -25,6 +48,18 @@ pub struct Subject<'a> {
 }
 
 /// The names and sizes of what was compared.
+///
+/// ```
+/// # use taotie::mesh::Mesh;
+/// # use taotie::scene::{Material, Scene};
+/// use taotie::comparison::Subject;
+///
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
+/// let report = Subject::new("ball", &ball).report();
+/// assert_eq!((report.model.as_str(), report.triangles), ("ball", 960));
+/// assert!(report.reference.is_none());
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -75,6 +110,19 @@ impl<'a> Subject<'a> {
 }
 
 /// Gives materials of a reference that say nothing the factors of the model's first, so that both are of one material.
+///
+/// ```
+/// # use taotie::mesh::Mesh;
+/// # use taotie::scene::{Material, Scene};
+/// use taotie::comparison::dress_reference;
+///
+/// let metal = Material { metallic: 1.0, ..Material::default() };
+/// let model = Scene::of_mesh(Mesh::sphere(1.0, 24, 12), metal)?;
+/// let mut reference = Scene::of_mesh(Mesh::sphere(1.0, 256, 128), Material::default())?;
+/// dress_reference(&mut reference, &model)?;
+/// assert_eq!(reference.materials()[0].metallic, 1.0);
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// None but where the model's factors do not fit, which a checked scene's do.

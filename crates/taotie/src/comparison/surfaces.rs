@@ -8,6 +8,15 @@ use crate::names::Named;
 use crate::shade::Shading;
 
 /// A surface as seen: the model by one method, or the reference.
+///
+/// ```
+/// use taotie::comparison::Comparison;
+///
+/// /// Returns the names of the files for the normals of all methods, such as `bump-5.normals.png`.
+/// fn files(comparison: &Comparison) -> Vec<String> {
+///     comparison.surfaces.iter().map(|surface| surface.file_name("normals")).collect()
+/// }
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct RenderedSurface {
@@ -24,6 +33,15 @@ pub struct RenderedSurface {
 }
 
 /// The difference of a surface from what it is compared with.
+///
+/// ```
+/// use taotie::comparison::Difference;
+///
+/// /// Returns the largest angle away from silhouettes, degrees.
+/// fn most(difference: &Difference) -> Option<f64> {
+///     Some(difference.inner_angles.summary()?.max)
+/// }
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Difference {
@@ -36,6 +54,16 @@ pub struct Difference {
 }
 
 /// The difference of two developed images.
+///
+/// ```
+/// use taotie::comparison::PictureDifference;
+///
+/// /// Returns `true` where an observer sees hardly any difference.
+/// fn are_alike(difference: &PictureDifference) -> bool {
+///     let flip = difference.flip.summary();
+///     difference.ssim > 0.99 && flip.is_some_and(|flip| flip.mean < 0.01)
+/// }
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct PictureDifference {
@@ -50,6 +78,16 @@ pub struct PictureDifference {
 }
 
 /// A method that the model's materials do not allow.
+///
+/// ```
+/// use taotie::comparison::Comparison;
+///
+/// /// Returns the reasons why methods are missing, a line each.
+/// fn reasons(comparison: &Comparison) -> Vec<String> {
+///     let skipped = comparison.skipped.iter();
+///     skipped.map(|skipped| format!("{}: {}", skipped.method, skipped.reason)).collect()
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

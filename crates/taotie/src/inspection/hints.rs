@@ -9,6 +9,19 @@ use crate::surface::{GreenVerdict, NormalMapKind};
 const FAR_FROM_MIKKTSPACE: f64 = 5.0;
 
 /// Something that will not look as meant.
+///
+/// ```
+/// use taotie::inspection::Hint;
+///
+/// /// Returns a word of advice.
+/// fn advice(hint: &Hint) -> String {
+///     match hint {
+///         Hint::OtherGreen { material, by_pixels, .. } => format!("{material}: green points {by_pixels:?}"),
+///         Hint::OtherSpace { material, by_pixels, .. } => format!("{material}: a map in {by_pixels:?} space"),
+///         other => format!("{other:?}"),
+///     }
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]

@@ -3,6 +3,20 @@
 use crate::scene::{Material, TextureRef};
 
 /// The layers that glTF's extensions add to a material.
+///
+/// ```
+/// use taotie::inspection::LayersReport;
+///
+/// /// Returns `true` where a viewer without extensions shows the same.
+/// fn is_plain(layers: &LayersReport) -> bool {
+///     layers.ior == 1.5
+///         && layers.specular.factor == 1.0
+///         && layers.specular.color == [1.0; 3]
+///         && layers.clearcoat.is_none()
+///         && layers.anisotropy.is_none()
+///         && layers.sheen.is_none()
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -20,6 +34,15 @@ pub struct LayersReport {
 }
 
 /// The strength of the dielectric part's reflection.
+///
+/// ```
+/// use taotie::inspection::SpecularReport;
+///
+/// /// Returns `true` where the dielectric part reflects nothing.
+/// fn is_dull(specular: &SpecularReport) -> bool {
+///     specular.factor == 0.0 || specular.color == [0.0; 3]
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -31,6 +54,15 @@ pub struct SpecularReport {
 }
 
 /// A clearcoat.
+///
+/// ```
+/// use taotie::inspection::ClearcoatReport;
+///
+/// /// Returns `true` where the clearcoat is flat and mirrors.
+/// fn is_mirror(coat: &ClearcoatReport) -> bool {
+///     coat.normal_scale.is_none() && coat.roughness == 0.0
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -44,6 +76,15 @@ pub struct ClearcoatReport {
 }
 
 /// Anisotropic highlights.
+///
+/// ```
+/// use taotie::inspection::AnisotropyReport;
+///
+/// /// Returns `true` where highlights run along the tangent.
+/// fn runs_along_tangent(anisotropy: &AnisotropyReport) -> bool {
+///     anisotropy.strength > 0.0 && anisotropy.rotation_deg == 0.0
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -55,6 +96,15 @@ pub struct AnisotropyReport {
 }
 
 /// A sheen layer.
+///
+/// ```
+/// use taotie::inspection::SheenReport;
+///
+/// /// Returns the brightest channel of the sheen.
+/// fn brightest(sheen: &SheenReport) -> f32 {
+///     sheen.color.into_iter().fold(0.0, f32::max)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

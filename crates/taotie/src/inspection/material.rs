@@ -8,6 +8,15 @@ use crate::scene::{AlphaMode, Classic, Material, TextureRef};
 use std::collections::HashMap;
 
 /// A material: its factors, its textures, and what is known about its normal map.
+///
+/// ```
+/// use taotie::inspection::{Inspection, MaterialReport};
+///
+/// /// Returns the materials through which one can see.
+/// fn blended(inspection: &Inspection) -> impl Iterator<Item = &MaterialReport> {
+///     inspection.materials.iter().filter(|material| material.alpha_mode == "blend")
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -48,6 +57,15 @@ pub struct MaterialReport {
 }
 
 /// Parameters of the classic models where the file states them.
+///
+/// ```
+/// use taotie::inspection::ClassicReport;
+///
+/// /// Returns `true` where the file states parameters of Phong's model.
+/// fn is_for_phong(classic: &ClassicReport) -> bool {
+///     classic.specular.is_some() && classic.shininess.is_some()
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -65,6 +83,15 @@ pub struct ClassicReport {
 }
 
 /// A texture in its role.
+///
+/// ```
+/// use taotie::inspection::{MaterialReport, TextureReport};
+///
+/// /// Returns the largest texture of a material.
+/// fn largest(material: &MaterialReport) -> Option<&TextureReport> {
+///     material.textures.iter().max_by_key(|texture| texture.width * texture.height)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -9,6 +9,15 @@ use crate::scene::{NormalSpace, Scene};
 use std::collections::BTreeSet;
 
 /// A mesh: how much it holds and how sound it is.
+///
+/// ```
+/// use taotie::inspection::MeshReport;
+///
+/// /// Returns `true` where all normals can be used as they are.
+/// fn has_sound_normals(mesh: &MeshReport) -> bool {
+///     mesh.zero_area_triangles == 0 && mesh.normals_not_unit == 0
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -36,6 +45,18 @@ pub struct MeshReport {
 }
 
 /// The kind of normals that a mesh has.
+///
+/// ```
+/// # use taotie::Warnings;
+/// # use taotie::inspection::{Inspection, Normals};
+/// # use taotie::io::Loaded;
+/// # use taotie::mesh::Mesh;
+/// # use taotie::scene::{Material, Scene};
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
+/// let inspection = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF"));
+/// assert_eq!(inspection.meshes[0].normals, Normals::Smooth);
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Normals {

@@ -5,6 +5,17 @@ use crate::scene::{GreenChannel, NormalMap, NormalSpace};
 use crate::surface::{GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};
 
 /// A normal map: how it is drawn, and what its pixels say.
+///
+/// ```
+/// use taotie::inspection::{MaterialReport, NormalMapReport};
+/// use taotie::scene::GreenChannel;
+///
+/// /// Returns `true` where green points down, as DirectX has it.
+/// fn is_directx(material: &MaterialReport) -> bool {
+///     let is_down = |map: &NormalMapReport| map.green == GreenChannel::Down;
+///     material.normal_map.as_ref().is_some_and(is_down)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -21,6 +32,16 @@ pub struct NormalMapReport {
 }
 
 /// The guess about a normal map from its pixels.
+///
+/// ```
+/// use taotie::inspection::Pixels;
+/// use taotie::surface::NormalMapKind;
+///
+/// /// Returns `true` where the pixels leave no doubt that this is a tangent-space map.
+/// fn is_surely_tangent(pixels: &Pixels) -> bool {
+///     pixels.kind_by_pixels == NormalMapKind::Tangent && pixels.invalid_texels == Some(0)
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -56,6 +56,18 @@ pub struct Inspection {
 }
 
 /// The number of each kind of thing.
+///
+/// ```
+/// # use taotie::Warnings;
+/// # use taotie::inspection::Inspection;
+/// # use taotie::io::Loaded;
+/// # use taotie::mesh::Mesh;
+/// # use taotie::scene::{Material, Scene};
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
+/// let counts = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF")).counts;
+/// assert_eq!((counts.meshes, counts.triangles, counts.textures), (1, 960, 0));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -83,6 +95,18 @@ pub struct Counts {
 }
 
 /// An axis-aligned box in world space, model units.
+///
+/// ```
+/// # use taotie::Warnings;
+/// # use taotie::inspection::Inspection;
+/// # use taotie::io::Loaded;
+/// # use taotie::mesh::Mesh;
+/// # use taotie::scene::{Material, Scene};
+/// let ball = Scene::of_mesh(Mesh::sphere(2.0, 32, 16), Material::default())?;
+/// let bounds = Inspection::of(&Loaded::new(ball, Warnings::default(), "glTF")).bounds;
+/// assert_eq!(bounds.map(|bounds| bounds.size), Some([4.0; 3]));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -96,6 +120,15 @@ pub struct Extent {
 }
 
 /// A light or camera.
+///
+/// ```
+/// use taotie::inspection::{Inspection, Listed};
+///
+/// /// Returns the cameras that see in perspective.
+/// fn perspective(inspection: &Inspection) -> impl Iterator<Item = &Listed> {
+///     inspection.cameras.iter().filter(|camera| camera.kind == "perspective")
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -107,6 +140,15 @@ pub struct Listed {
 }
 
 /// An animation.
+///
+/// ```
+/// use taotie::inspection::{AnimationReport, Inspection};
+///
+/// /// Returns the animation that lasts longest.
+/// fn longest(inspection: &Inspection) -> Option<&AnimationReport> {
+///     inspection.animations.iter().max_by(|a, b| a.seconds.total_cmp(&b.seconds))
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -122,6 +164,20 @@ pub struct AnimationReport {
 }
 
 /// A warning.
+///
+/// ```
+/// # use taotie::Warnings;
+/// # use taotie::inspection::Inspection;
+/// # use taotie::io::Loaded;
+/// # use taotie::mesh::Mesh;
+/// # use taotie::scene::{Material, Scene};
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
+/// let mut read = Warnings::default();
+/// read.note("unknown extensions", 2);
+/// let inspection = Inspection::of(&Loaded::new(ball, read, "glTF"));
+/// assert!(inspection.warnings.iter().any(|w| w.what == "unknown extensions" && w.count == 2));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -5,6 +5,15 @@ use crate::mesh::Mesh;
 use crate::surface::{TangentMethod, uv_derivatives, with_tangents};
 
 /// The faults of the tangents that a mesh has in its file.
+///
+/// ```
+/// use taotie::inspection::TangentHealth;
+///
+/// /// Returns the number of faults.
+/// fn faults(tangents: &TangentHealth) -> usize {
+///     tangents.not_unit + tangents.not_perpendicular + tangents.mixed_handedness
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -20,6 +29,15 @@ pub struct TangentHealth {
 }
 
 /// Tangents against MikkTSpace's, over the corners of triangles that have uv area.
+///
+/// ```
+/// use taotie::inspection::{Agreement, MeshReport};
+///
+/// /// Returns how far the tangents of a mesh are from MikkTSpace's, where both are known.
+/// fn agreement(mesh: &MeshReport) -> Option<&Agreement> {
+///     mesh.tangents.as_ref()?.mikktspace.as_ref()
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

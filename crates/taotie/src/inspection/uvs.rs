@@ -5,6 +5,15 @@ use crate::mesh::Mesh;
 use crate::surface::uv_derivatives;
 
 /// The faults of a uv set.
+///
+/// ```
+/// use taotie::inspection::UvHealth;
+///
+/// /// Returns `true` where maps can be baked onto this uv set.
+/// fn can_be_baked_onto(uvs: &UvHealth) -> bool {
+///     uvs.outside == 0.0 && uvs.degenerate == 0
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -15,6 +15,19 @@ use crate::scene::{GreenChannel, NormalSpace};
 use crate::surface::{TangentMethod, with_frames};
 
 /// The map that is wanted.
+///
+/// ```
+/// use taotie::image::{Bitmap, Texels};
+/// use taotie::normal_map::{ConversionOptions, MapContent, MapSource, convert_map};
+/// use taotie::scene::GreenChannel;
+///
+/// let bitmap = Bitmap::new(4, 4, 1, Texels::U8(vec![[90, 90, 90, 255]; 16]))?;
+/// let heights = MapSource { bitmap, content: MapContent::Heights, green: GreenChannel::Up };
+/// let options = ConversionOptions { height_scale: Some(2.0), ..ConversionOptions::default() };
+/// assert_eq!(convert_map(&heights, &options, None)?.bitmap.bits(), 16);
+/// assert!(convert_map(&heights, &ConversionOptions::default(), None).is_err(), "no scale");
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct ConversionOptions {
@@ -46,6 +59,16 @@ impl Default for ConversionOptions {
 }
 
 /// A map that was made, and its errors.
+///
+/// ```
+/// use taotie::normal_map::Conversion;
+///
+/// /// Returns the largest angle that this map is off by, degrees.
+/// fn most(made: &Conversion) -> Option<f64> {
+///     let round_trip = made.round_trip.as_ref().and_then(|field| field.summary());
+///     Some(round_trip.or(made.stored.summary())?.max)
+/// }
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Conversion {
@@ -63,6 +86,19 @@ pub struct Conversion {
 
 /// Converts `source` to the space and the bits asked for. `surface` is the mesh that the map is for: it is needed between
 /// tangent and object space.
+///
+/// ```
+/// use taotie::image::{Bitmap, Texels};
+/// use taotie::normal_map::{ConversionOptions, MapContent, MapSource, convert_map};
+/// use taotie::scene::{GreenChannel, NormalSpace};
+///
+/// let bitmap = Bitmap::new(1, 1, 3, Texels::U8(vec![[128, 90, 240, 255]]))?;
+/// let content = MapContent::Normals(NormalSpace::Tangent);
+/// let directx = MapSource { bitmap, content, green: GreenChannel::Down };
+/// let opengl = convert_map(&directx, &ConversionOptions::default(), None)?;
+/// assert_eq!(opengl.bitmap.texels(), &Texels::U8(vec![[128, 165, 240, 255]]));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Invalid`] where the height of white or the mesh is lacking, where the mesh covers no texel or was laid out on
@@ -89,6 +125,17 @@ pub fn convert_map(
 }
 
 /// Returns a mesh laid out on a map, with the frames that the renderer gives it, and what the map cannot hold.
+///
+/// ```
+/// use taotie::bake::TexelGrid;
+/// use taotie::mesh::Mesh;
+/// use taotie::normal_map::lay_out;
+///
+/// let grid = TexelGrid { width: 64, height: 64, uv_set: 0, padding: 2 };
+/// let (ball, _) = lay_out(&Mesh::sphere(1.0, 32, 16), &grid, None)?;
+/// assert!(ball.coverage().is_covered(32, 32));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`with_frames`] and [`TexelSurface::new`].

@@ -25,6 +25,19 @@ const NOTHING: [f32; 4] = [0.0; 4];
 /// Texels with alpha 0 or a vector shorter than 0.25 have no normal: grey padding is that. In tangent space z is raised
 /// above 0 ([`decode_normal`]).
 ///
+/// ```
+/// use taotie::image::{Bitmap, Texels};
+/// use taotie::normal_map::decoded_normals;
+/// use taotie::scene::{GreenChannel, NormalSpace};
+///
+/// let texels = vec![[255, 127, 127, 255], [128, 128, 128, 255]];
+/// let map = Bitmap::new(2, 1, 3, Texels::U8(texels))?;
+/// let normals = decoded_normals(&map, NormalSpace::Object, GreenChannel::Up)?;
+/// assert_eq!((normals.pixel(0, 0)[0], normals.pixel(0, 0)[3]), (1.0, 1.0));
+/// assert_eq!(normals.pixel(1, 0), [0.0; 4], "grey is padding");
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Limit`] where a side is above [`Image::MAX_SIDE`].
 pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel) -> Result<Image> {
@@ -48,6 +61,16 @@ pub fn decoded_normals(bitmap: &Bitmap, space: NormalSpace, green: GreenChannel)
 ///
 /// n = (−s ∂h/∂x, −s ∂h/∂y, 1), normalised, with y up the image; differences as [`Heights::slopes`] has them.
 ///
+/// ```
+/// use taotie::image::Wrap;
+/// use taotie::normal_map::{Heights, tangent_from_height};
+///
+/// let ramp = Heights::new([5, 1], vec![0.0, 1.0, 2.0, 3.0, 4.0], [Wrap::Clamp; 2])?;
+/// let [x, y, z, _] = tangent_from_height(&ramp, 1.0)?.pixel(2, 0);
+/// assert_eq!((x, y), (-z, 0.0), "45° to the left");
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Limit`] where a side is above [`Image::MAX_SIDE`].
 pub fn tangent_from_height(heights: &Heights, scale: f64) -> Result<Image> {
@@ -61,6 +84,19 @@ pub fn tangent_from_height(heights: &Heights, scale: f64) -> Result<Image> {
 
 /// Returns the tangent-space normals, green up, of a height map on a mesh: what makes the mesh look as if it were
 /// displaced by it. `scale` is the height of 1 in model units.
+///
+/// ```
+/// use taotie::image::Wrap;
+/// use taotie::normal_map::{Heights, tangent_from_height_on};
+///
+/// # let grid = taotie::bake::TexelGrid { width: 32, height: 32, uv_set: 0, padding: 0 };
+/// # let (ball, _) = taotie::normal_map::lay_out(&taotie::mesh::Mesh::sphere(1.0, 32, 16), &grid, None)?;
+/// // Even heights do not bend the normals of a ball that is laid out on 32×32 texels.
+/// let even = Heights::new([32, 32], vec![0.5; 32 * 32], [Wrap::Repeat; 2])?;
+/// let [.., z, _] = tangent_from_height_on(&ball, &even, 0.1)?.pixel(16, 16);
+/// assert!(z > 0.999_99);
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Invalid`] where the mesh was laid out on a map of another size.
@@ -82,6 +118,19 @@ pub fn tangent_from_height_on(surface: &TexelSurface, heights: &Heights, scale: 
 
 /// Makes object-space normals from tangent-space ones, as the renderer turns them: [`tangent_normal`].
 ///
+/// ```
+/// use taotie::image::Image;
+/// use taotie::normal_map::object_from_tangent;
+///
+/// # let grid = taotie::bake::TexelGrid { width: 32, height: 32, uv_set: 0, padding: 0 };
+/// # let (ball, _) = taotie::normal_map::lay_out(&taotie::mesh::Mesh::sphere(1.0, 32, 16), &grid, None)?;
+/// // The middle of the map shows the back of a ball.
+/// let flat = Image::new(32, 32, [0.0, 0.0, 1.0, 1.0])?;
+/// let [_, _, z, _] = object_from_tangent(&ball, &flat)?.pixel(16, 16);
+/// assert!(z < -0.99);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`tangent_from_height_on`].
 pub fn object_from_tangent(surface: &TexelSurface, tangent: &Image) -> Result<Image> {
@@ -91,6 +140,20 @@ pub fn object_from_tangent(surface: &TexelSurface, tangent: &Image) -> Result<Im
 }
 
 /// Makes tangent-space normals, green up, from object-space ones: the inverse of [`object_from_tangent`].
+///
+/// ```
+/// use taotie::compare::angular_error;
+/// use taotie::image::Image;
+/// use taotie::normal_map::{object_from_tangent, tangent_from_object};
+///
+/// # let grid = taotie::bake::TexelGrid { width: 32, height: 32, uv_set: 0, padding: 0 };
+/// # let (ball, _) = taotie::normal_map::lay_out(&taotie::mesh::Mesh::sphere(1.0, 32, 16), &grid, None)?;
+/// let tilted = Image::new(32, 32, [0.6, 0.0, 0.8, 1.0])?;
+/// let back = tangent_from_object(&ball, &object_from_tangent(&ball, &tilted)?)?;
+/// let degrees = angular_error(&tilted, &back)?.summary().map(|summary| summary.max);
+/// assert!(degrees.is_some_and(|degrees| degrees < 0.001), "{degrees:?}");
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`tangent_from_height_on`].

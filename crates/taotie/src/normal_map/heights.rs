@@ -4,6 +4,15 @@ use crate::error::{Error, Result};
 use crate::image::{Bitmap, Wrap};
 
 /// The heights of a map, [0, 1] where they come from integers; row by row from the top.
+///
+/// ```
+/// use taotie::image::Wrap;
+/// use taotie::normal_map::Heights;
+///
+/// let ramp = Heights::new([5, 1], vec![0.0, 1.0, 2.0, 3.0, 4.0], [Wrap::Clamp; 2])?;
+/// assert_eq!((ramp.at(2, 0), ramp.slopes(2, 0)), (2.0, [1.0, 0.0]));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Heights {
     width: usize,
@@ -13,7 +22,7 @@ pub struct Heights {
 }
 
 impl Heights {
-    /// Heights from numbers; `wrap` says how they go on beyond the borders, along u and v.
+    /// Makes heights of numbers; `wrap` says how they go on beyond the borders, along u and v.
     ///
     /// # Errors
     /// [`Error::Invalid`] where a side is zero or the count is not `width · height`.
@@ -34,7 +43,7 @@ impl Heights {
         Self { width: bitmap.width() as usize, height: bitmap.height() as usize, values, wrap }
     }
 
-    /// Texels across and down.
+    /// Returns the number of texels across and down.
     pub fn size(&self) -> [u32; 2] {
         [self.width as u32, self.height as u32]
     }

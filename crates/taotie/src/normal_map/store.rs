@@ -9,6 +9,16 @@ use crate::scene::{GreenChannel, NormalSpace};
 use crate::surface::{decode_object_normal, encode_normal};
 
 /// The way in which numbers are stored.
+///
+/// ```
+/// use taotie::image::Bitmap;
+/// use taotie::normal_map::{Storage, store_codes};
+///
+/// let grey = |dither| store_codes([8, 8], |_| [76.25 / 255.0; 3], 1, Storage { bits: 8, dither });
+/// let is_even = |map: &Bitmap| (1..64).all(|i| map.stored(i) == map.stored(0));
+/// assert!(is_even(&grey(false)?) && !is_even(&grey(true)?));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Storage {
@@ -25,6 +35,15 @@ pub struct Storage {
 }
 
 /// A normal map and what storing it cost.
+///
+/// ```
+/// use taotie::normal_map::Stored;
+///
+/// /// Returns the mean angle that storing cost, degrees.
+/// fn cost(stored: &Stored) -> Option<f64> {
+///     Some(stored.error.summary()?.mean)
+/// }
+/// ```
 #[derive(Debug, Clone)]
 pub struct Stored {
     /// Red, green and blue in the bits asked for.
@@ -35,6 +54,20 @@ pub struct Stored {
 
 /// Stores vectors, green up in memory, with green as asked for. The fourth channel is the mask of `error` alone:
 /// vectors are stored where it is 0 too.
+///
+/// ```
+/// use taotie::image::{Image, Texels};
+/// use taotie::normal_map::{Storage, store_normals};
+/// use taotie::scene::{GreenChannel, NormalSpace};
+///
+/// let flat = Image::new(1, 1, [0.0, 0.0, 1.0, 1.0])?;
+/// let storage = Storage { bits: 8, dither: false };
+/// let stored = store_normals(&flat, NormalSpace::Tangent, GreenChannel::Up, storage)?;
+/// assert_eq!(stored.bitmap.texels(), &Texels::U8(vec![[128, 128, 255, 255]]));
+/// let degrees = stored.error.values()[0];
+/// assert!((degrees - 0.318).abs() < 0.001, "no code is 0: {degrees}");
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Invalid`] where the bits are neither 8 nor 16.
@@ -62,6 +95,16 @@ pub fn store_normals(
 
 /// Stores vectors as normals, (n + 1)/2, each made unit first; row by row from the top.
 ///
+/// ```
+/// use taotie::image::Texels;
+/// use taotie::normal_map::{Storage, store_unit_vectors};
+///
+/// let storage = Storage { bits: 16, dither: false };
+/// let map = store_unit_vectors([1, 1], &[[0.0, 0.0, 2.0]], storage)?;
+/// assert_eq!(map.texels(), &Texels::U16(vec![[32768, 32768, 65535, 65535]]));
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`store_codes`].
 pub fn store_unit_vectors(size: [u32; 2], vectors: &[[f32; 3]], storage: Storage) -> Result<Bitmap> {
@@ -71,6 +114,15 @@ pub fn store_unit_vectors(size: [u32; 2], vectors: &[[f32; 3]], storage: Storage
 }
 
 /// Stores a map of one or three `channels`, whose numbers in [0, 1] `code` gives for each texel.
+///
+/// ```
+/// use taotie::image::Texels;
+/// use taotie::normal_map::{Storage, store_codes};
+///
+/// let map = store_codes([2, 1], |i| [i as f32; 3], 1, Storage { bits: 8, dither: false })?;
+/// assert_eq!(map.texels(), &Texels::U8(vec![[0, 0, 0, 255], [255; 4]]));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Invalid`] where the bits are neither 8 nor 16.
@@ -89,6 +141,16 @@ pub fn store_codes(
 
 /// Returns the numbers of a bitmap in other bits; alpha is kept. More bits change nothing, and back again neither.
 ///
+/// ```
+/// use taotie::image::{Bitmap, Texels};
+/// use taotie::normal_map::{Storage, requantised};
+///
+/// let map = Bitmap::new(1, 1, 3, Texels::U8(vec![[10, 20, 30, 255]]))?;
+/// let fine = requantised(&map, Storage { bits: 16, dither: false })?;
+/// assert_eq!(requantised(&fine, Storage { bits: 8, dither: false })?, map);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`store_normals`].
 pub fn requantised(bitmap: &Bitmap, storage: Storage) -> Result<Bitmap> {
@@ -96,6 +158,17 @@ pub fn requantised(bitmap: &Bitmap, storage: Storage) -> Result<Bitmap> {
 }
 
 /// Returns the bitmap with each green number g made 1 − g: what turns green up into green down and back, to the bit.
+///
+/// ```
+/// use taotie::image::{Bitmap, Texels};
+/// use taotie::normal_map::green_turned;
+///
+/// let up = Bitmap::new(1, 1, 3, Texels::U8(vec![[10, 20, 30, 255]]))?;
+/// let down = green_turned(&up);
+/// assert_eq!(down.texels(), &Texels::U8(vec![[10, 235, 30, 255]]));
+/// assert_eq!(green_turned(&down), up);
+/// # Ok::<(), taotie::Error>(())
+/// ```
 pub fn green_turned(bitmap: &Bitmap) -> Bitmap {
     let texels = match bitmap.texels() {
         Texels::U8(texels) => Texels::U8(with_green(texels, |g| 255 - g)),

@@ -14,6 +14,16 @@ const STUDIO: &str = "studio";
 const NONE: &str = "none";
 
 /// The source of the light from all around.
+///
+/// ```no_run
+/// use taotie::Warnings;
+/// use taotie::studio::{EnvironmentOptions, EnvironmentSource};
+///
+/// let source = Some(EnvironmentSource::Studio);
+/// let options = EnvironmentOptions { source, rotation: 0.5, ..EnvironmentOptions::default() };
+/// let light = options.load(&mut Warnings::default())?;
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum EnvironmentSource {

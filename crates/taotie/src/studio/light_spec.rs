@@ -38,6 +38,17 @@ pub struct LightSpec {
 }
 
 /// The form of a light that stands in the studio. Places are those of the world before the object turns.
+///
+/// ```
+/// use taotie::math::Vec3;
+/// use taotie::studio::{LightForm, LightSpec};
+///
+/// let lamp: LightSpec = "point at=1,2,3".parse()?;
+/// assert_eq!(lamp.form, LightForm::Point { position: Vec3::new(1.0, 2.0, 3.0) });
+/// let key = LightForm::FromView { azimuth: 90f64.to_radians(), elevation: 0.0 };
+/// assert_eq!("directional from=90,0".parse::<LightSpec>()?.form, key);
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum LightForm {
@@ -95,6 +106,8 @@ impl LightSpec {
 impl FromStr for LightSpec {
     type Err = Error;
 
+    /// Reads a light as [`LightSpec`] describes it.
+    ///
     /// # Errors
     /// [`Error::Invalid`] that names the line, the word and what it should be.
     fn from_str(line: &str) -> Result<Self> {

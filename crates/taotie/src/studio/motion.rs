@@ -59,7 +59,7 @@ impl Motion {
         Ok((Self { rig, ..self }, settings))
     }
 
-    /// Its name, or its number where it has none.
+    /// Returns its name, or its number where it has none.
     pub fn name(&self) -> String {
         names(self.rig.animations()).swap_remove(self.animation)
     }

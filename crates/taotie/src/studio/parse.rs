@@ -17,6 +17,12 @@ use crate::math::{Vec3, srgb};
 
 /// Reads a finite number.
 ///
+/// ```
+/// assert_eq!(taotie::studio::parse::number(" 2.5 ")?, 2.5);
+/// assert!(taotie::studio::parse::number("inf").is_err());
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Invalid`] where it is none.
 pub fn number(text: &str) -> Result<f64> {
@@ -26,6 +32,11 @@ pub fn number(text: &str) -> Result<f64> {
 
 /// Reads finite numbers separated by commas.
 ///
+/// ```
+/// assert_eq!(taotie::studio::parse::numbers("1,-2")?, [1.0, -2.0]);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`number`].
 pub fn numbers(text: &str) -> Result<Vec<f64>> {
@@ -33,6 +44,15 @@ pub fn numbers(text: &str) -> Result<Vec<f64>> {
 }
 
 /// Reads exactly three numbers separated by commas.
+///
+/// ```
+/// use taotie::math::Vec3;
+/// use taotie::studio::parse::vector;
+///
+/// assert_eq!(vector("0,1,0")?, Vec3::new(0.0, 1.0, 0.0));
+/// assert!(vector("0,1").is_err());
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`number`], and where there are more or fewer.
@@ -47,6 +67,15 @@ pub fn vector(text: &str) -> Result<Vec3<f64>> {
 }
 
 /// Reads a colour as CSS writes it, or one linear number for grey. Returns linear RGB.
+///
+/// ```
+/// use taotie::math::Vec3;
+/// use taotie::studio::parse::color;
+///
+/// assert_eq!(color("0.25")?, Vec3::splat(0.25));
+/// assert_eq!(color("#000000")?, Vec3::splat(0.0));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Invalid`] where it is neither.

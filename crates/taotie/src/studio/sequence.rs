@@ -30,6 +30,16 @@ pub struct Sequence {
 }
 
 /// An image to be taken.
+///
+/// ```
+/// use std::f64::consts::PI;
+/// use taotie::studio::Sequence;
+///
+/// let turn = Sequence::turntable(4, Some(1.5), None)?;
+/// let half = turn.shots[2];
+/// assert_eq!((half.turn, half.seconds), (PI, Some(1.5)));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -61,8 +71,8 @@ impl Sequence {
         Ok(Self { shots: shots.collect(), seconds })
     }
 
-    /// Images of an animation that lasts `length` seconds, from its beginning to just before its end: `count` of them,
-    /// `rate` a second, or both; one where neither is given.
+    /// Makes images of an animation that lasts `length` seconds, from its beginning to just before its end: `count` of
+    /// them, `rate` a second, or both; one where neither is given.
     ///
     /// # Errors
     /// [`Error::Invalid`] where `rate` is not above 0, or there are none or more than [`Sequence::MOST`] images.

@@ -75,6 +75,21 @@ impl CameraOptions {
 }
 
 /// The frame into which an object has to fit.
+///
+/// ```
+/// use taotie::mesh::Mesh;
+/// use taotie::scene::{Material, Scene};
+/// use taotie::studio::{CameraOptions, Framing, Viewpoint};
+///
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
+/// let distance = |size| -> taotie::Result<f64> {
+///     let framing = Framing { size, all_around: false };
+///     let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &ball)?;
+///     Ok(viewpoint.at(0.0).camera().world_from_view.axis(3).length())
+/// };
+/// assert!(distance([400, 800])? > 1.5 * distance([800, 800])?, "a narrow image is taken from afar");
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Framing {
@@ -178,6 +193,20 @@ pub(super) fn part_of_turn(i: u32, count: u32) -> f64 {
 }
 
 /// A viewpoint while a turntable turns the object; see [`Viewpoint::at`].
+///
+/// ```
+/// use taotie::mesh::Mesh;
+/// use taotie::scene::{Material, Scene};
+/// use taotie::studio::{CameraOptions, Framing, Viewpoint};
+///
+/// let ball = Scene::of_mesh(Mesh::sphere(1.0, 32, 16), Material::default())?;
+/// let framing = Framing { size: [256, 256], all_around: false };
+/// let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, &ball)?;
+/// let from = |turn: f64| viewpoint.at(turn).camera().world_from_view.axis(3);
+/// let (front, back) = (from(0.0), from(180f64.to_radians()));
+/// assert!((front.x + back.x).abs() < 1e-6 && (front.y - back.y).abs() < 1e-6);
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View<'a> {
     viewpoint: &'a Viewpoint,

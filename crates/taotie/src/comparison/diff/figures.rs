@@ -7,6 +7,15 @@ use crate::error::{Error, Result};
 use crate::progress::Progress;
 
 /// The metrics of two images; `None` where one does not apply or was not asked for.
+///
+/// ```
+/// use taotie::comparison::diff::{DiffFigures, Metric};
+///
+/// let mut figures = DiffFigures::default();
+/// figures.rmse = Some(0.25);
+/// assert_eq!(figures.value(Metric::Rmse), Some(0.25));
+/// assert_eq!(figures.value(Metric::Angle), None);
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -5,6 +5,15 @@ use crate::math::Vec3;
 use crate::names::Named;
 
 /// The measure of a difference.
+///
+/// ```
+/// use taotie::comparison::diff::Metric;
+/// use taotie::names::Named;
+///
+/// assert_eq!(Metric::from_name("ssim")?, Metric::Ssim);
+/// assert!(Metric::Ssim.is_worse(0.90, 0.95) && !Metric::Flip.is_worse(0.90, 0.95));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
@@ -43,6 +52,15 @@ impl Metric {
 }
 
 /// The meaning of the numbers in two images.
+///
+/// ```
+/// use taotie::compare::NormalEncoding;
+/// use taotie::comparison::diff::{DiffOptions, Encoding};
+///
+/// let encoding = Encoding::Normals(NormalEncoding::Signed);
+/// let options = DiffOptions { encoding, ..DiffOptions::default() };
+/// assert_ne!(options.encoding, Encoding::Auto);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Encoding {
@@ -56,6 +74,15 @@ pub enum Encoding {
 }
 
 /// The options of a comparison of two images.
+///
+/// ```
+/// use taotie::comparison::diff::{DiffOptions, Metric};
+/// use taotie::math::Vec3;
+///
+/// let grey = Vec3::splat(0.2);
+/// let options = DiffOptions { metric: Some(Metric::Flip), background: grey, ..DiffOptions::default() };
+/// assert!(options.pixels_per_degree > 60.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct DiffOptions {

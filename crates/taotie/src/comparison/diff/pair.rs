@@ -7,6 +7,14 @@ use crate::image::{Bitmap, Texels};
 use crate::surface::{NormalMapKind, is_normal_map};
 
 /// An image with the name that errors and warnings give it, such as its file's.
+///
+/// ```no_run
+/// use taotie::comparison::diff::NamedBitmap;
+///
+/// let bitmap = taotie::io::read_bitmap("render.png".as_ref())?;
+/// let image = NamedBitmap { name: "render.png", bitmap: &bitmap };
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct NamedBitmap<'a> {
     /// The name.
@@ -16,6 +24,20 @@ pub struct NamedBitmap<'a> {
 }
 
 /// Two images of one size, ready to be compared. The first is the reference.
+///
+/// ```
+/// use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
+///
+/// # use taotie::image::{Bitmap, Texels};
+/// # let grey = |code: u8| Bitmap::new(16, 16, 1, Texels::U8(vec![[code, code, code, 255]; 256]));
+/// # let (black, white) = (grey(0)?, grey(255)?);
+/// # let a = NamedBitmap { name: "black.png", bitmap: &black };
+/// # let b = NamedBitmap { name: "white.png", bitmap: &white };
+/// // `a` is black and `b` is white: colours, not normals.
+/// let pair = ImagePair::new([a, b], &DiffOptions::default())?;
+/// assert_eq!((pair.shared_normals(), pair.warnings.is_empty()), (None, true));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ImagePair {
@@ -26,6 +48,18 @@ pub struct ImagePair {
 }
 
 /// The content of two images.
+///
+/// ```
+/// use taotie::comparison::diff::{ImageContent, ImagePair};
+///
+/// /// Returns the word for the content of two images.
+/// fn content(pair: &ImagePair) -> &'static str {
+///     match pair.content {
+///         ImageContent::Pictures(_) => "colours",
+///         ImageContent::Normals(_) => "normals",
+///     }
+/// }
+/// ```
 #[derive(Debug, Clone)]
 pub enum ImageContent {
     /// Colours.
@@ -107,6 +141,18 @@ fn normal_encodings(
 }
 
 /// Returns how an image seems to store normals, by their length; `None` where it looks like no normal map.
+///
+/// ```
+/// use taotie::compare::NormalEncoding;
+/// use taotie::comparison::diff::guessed_encoding;
+/// use taotie::image::{Bitmap, Texels};
+///
+/// let codes = Bitmap::new(2, 2, 3, Texels::U8(vec![[128, 128, 255, 255]; 4]))?;
+/// let vectors = Bitmap::new(2, 2, 3, Texels::F32(vec![[0.0, 0.0, 1.0, 1.0]; 4]))?;
+/// assert_eq!(guessed_encoding(&codes)?, Some(NormalEncoding::Unit));
+/// assert_eq!(guessed_encoding(&vectors)?, Some(NormalEncoding::Signed));
+/// # Ok::<(), taotie::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`stored_normals`].
