@@ -4,13 +4,13 @@ use super::albedos;
 use super::batch::{Batch, Lanes};
 use super::draw::Draw;
 use super::layers::{Coat, Fibres, Terminator};
+use super::material_sample::material_sample;
 use super::model::{Model, takes_albedos};
 use super::normals::shade_normals;
 use super::settings::RenderSettings;
-use super::substance::substance;
 use crate::math::{Pack, Vec3};
 use crate::scene::Material;
-use crate::shade::{self, Angles, Shading, Stretch, Substance};
+use crate::shade::{self, Angles, MaterialSample, Shading, Stretch};
 use fearless_simd::Level;
 
 /// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the
@@ -25,7 +25,7 @@ pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>,
 /// Points of a surface: a pack of fragments, or one.
 pub(super) struct SurfacePoint<L> {
     pub shading: Shading,
-    pub substance: Substance<L>,
+    pub sample: MaterialSample<L>,
     /// k_a, linear RGB.
     pub ambient: Vec3<L>,
     /// Emitted radiance that arrives at the viewer, linear RGB.
@@ -45,20 +45,20 @@ impl<P: Pack> SurfacePoint<P> {
     #[inline(always)]
     pub(super) fn new(at: Lanes<'_, P>, Model { shading, layered }: Model, material: &Material) -> Self {
         let batch = at.batch;
-        let (substance, ambient) = substance(at, shading, material);
+        let (sample, ambient) = material_sample(at, shading, material);
         let (n, v) = (at.load3(&batch.n), at.load3(&batch.v));
         let stretched = layered && material.anisotropy.is_some();
         let stretch = stretched.then(|| {
             let tangent = at.load3(&batch.layers.stretch_tangent);
             let strength = at.load(&batch.layers.stretch);
-            Stretch::new(tangent, n.cross(tangent), substance.roughness, strength)
+            Stretch::new(tangent, n.cross(tangent), sample.roughness, strength)
         });
         let coat = (layered && material.clearcoat.is_some()).then(|| Coat::new(at));
         let fibres = (layered && material.sheen.is_some()).then(|| Fibres::new(at));
         let emitted = at.load3(&batch.emissive);
         let emitted = coat.as_ref().map_or(emitted, |coat| emitted * coat.kept);
         let terminator = Terminator::new(at);
-        Self { shading, substance, ambient, emitted, n, v, terminator, stretch, coat, fibres }
+        Self { shading, sample, ambient, emitted, n, v, terminator, stretch, coat, fibres }
     }
 
     /// Radiance to the viewer per unit of irradiance on a plane that faces the light in direction `l` (unit, world
@@ -77,8 +77,8 @@ impl<P: Pack> SurfacePoint<P> {
     pub(super) fn reflect_bare(&self, l: Vec3<P>) -> Vec3<P> {
         let angles = Angles::new(self.n, self.v, l);
         let mut reflected = match &self.stretch {
-            Some(stretch) => shade::reflect_stretched(&self.substance, stretch, &angles, [self.v, l]),
-            None => shade::reflect(self.shading, &self.substance, &angles),
+            Some(stretch) => shade::reflect_stretched(&self.sample, stretch, &angles, [self.v, l]),
+            None => shade::reflect(self.shading, &self.sample, &angles),
         };
         if let Some(fibres) = &self.fibres {
             reflected = fibres.over(reflected, &angles);
@@ -91,11 +91,11 @@ impl<P: Pack> SurfacePoint<P> {
     #[inline(always)]
     pub(super) fn surrounded(&self, at: Lanes<'_, P>) -> Vec3<P> {
         let batch = at.batch;
-        let weights = shade::surround(self.shading, &self.substance, &at.dfg());
+        let weights = shade::surround(self.shading, &self.sample, &at.dfg());
         let occlusion = at.load(&batch.occlusion);
         let mean = at.load3(&batch.surround.mean) * occlusion;
         let n_dot_v = self.n.dot(self.v).clamp(0.0, 1.0);
-        let seen = shade::specular_occlusion(n_dot_v, occlusion, self.substance.roughness);
+        let seen = shade::specular_occlusion(n_dot_v, occlusion, self.sample.roughness);
         let gathered = at.load3(&batch.surround.specular) * seen;
         let mut radiance = weights.specular.mul_elements(gathered) + weights.diffuse.mul_elements(mean);
         if let Some(fibres) = &self.fibres {

@@ -1,7 +1,7 @@
 //! The energy of microfacet models, and the reflection of light from all around.
 
 use super::dfg::Dfg;
-use super::{Shading, Substance};
+use super::{MaterialSample, Shading};
 use crate::math::{Lane, Vec3};
 
 /// The treatment of the energy of microfacet models.
@@ -29,13 +29,13 @@ pub struct Surround<L> {
     pub diffuse: Vec3<L>,
 }
 
-/// The weights for a substance with the directional albedos `dfg` of its lobe.
+/// The weights for a material sample with the directional albedos `dfg` of its lobe.
 ///
 /// `ggx` and `cook-torrance`: the split sum, albedo and what it leaves to the diffuse part. The other models have no
 /// such lobe: `lambert` reflects its colour, the Phong family k_d and k_s, as if each were normalised.
 /// Source: Karis 2013; the article's environment term.
 #[inline(always)]
-pub fn surround<L: Lane>(shading: Shading, s: &Substance<L>, dfg: &Dfg<L>) -> Surround<L> {
+pub fn surround<L: Lane>(shading: Shading, s: &MaterialSample<L>, dfg: &Dfg<L>) -> Surround<L> {
     let one = s.f90.lit(1.0);
     let zero = Vec3::splat(one.lit(0.0));
     let ones = Vec3::splat(one);

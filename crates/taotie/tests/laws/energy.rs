@@ -4,7 +4,7 @@ use taotie::math::Vec3;
 use taotie::shade::dfg::{self, Dfg, integrate};
 use taotie::shade::furnace::{Furnace, over_hemisphere};
 use taotie::shade::sheen::{d_charlie, v_neubelt};
-use taotie::shade::{self, Angles, Shading, Stretch, Substance, compensation, surround};
+use taotie::shade::{self, Angles, MaterialSample, Shading, Stretch, compensation, surround};
 
 type V = Vec3<f64>;
 
@@ -25,11 +25,11 @@ fn viewer(n_dot_v: f64) -> V {
 }
 
 /// A white surface of this roughness, compensated for this view.
-fn white(shading: Shading, metallic: f64, roughness: f64, n_dot_v: f64) -> Substance<f64> {
+fn white(shading: Shading, metallic: f64, roughness: f64, n_dot_v: f64) -> MaterialSample<f64> {
     let slope = roughness * roughness;
     let f0 = if metallic > 0.0 { WHITE } else { WHITE * 0.04 };
     let dfg = tables(shading, roughness, n_dot_v);
-    Substance {
+    MaterialSample {
         base_color: WHITE,
         metallic,
         roughness,
@@ -96,7 +96,7 @@ fn compensated_white_metals_return_all_light() {
 
 #[test]
 fn single_scattering_loses_what_compensation_gives_back() {
-    let lossy = Substance { compensation: None, ..white(Shading::Ggx, 1.0, 1.0, 1.0) };
+    let lossy = MaterialSample { compensation: None, ..white(Shading::Ggx, 1.0, 1.0, 1.0) };
     let albedo = Furnace::default().directional_albedo(Shading::Ggx, &lossy, 1.0).x;
     assert!((albedo - (1.0 - std::f64::consts::LN_2)).abs() < 1e-3, "{albedo}");
 }
@@ -136,7 +136,7 @@ fn surroundings_weigh_what_lights_from_everywhere_send() {
                 let dfg = tables(Shading::Ggx, roughness, n_dot_v);
                 let drop = Vec3::new(2.0, 1.0, 0.0);
                 let f90 = 0.8;
-                let s = Substance {
+                let s = MaterialSample {
                     base_color: Vec3::new(0.3, 0.6, 0.9),
                     metallic: 0.3,
                     f0,
@@ -159,7 +159,7 @@ fn stretched_lobes_of_equal_widths_are_round() {
     let (t, b) = (Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0));
     for roughness in [0.2, 0.6, 1.0] {
         let stretch = Stretch::new(t, b, roughness, 0.0);
-        let s = Substance { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
+        let s = MaterialSample { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
         for v in [viewer(0.3), viewer(0.9)] {
             for l in [viewer(0.5), Vec3::new(0.48, 0.6, 0.64), Vec3::new(-0.6, 0.0, 0.8)] {
                 let a = Angles::new(N, v, l);
@@ -179,7 +179,7 @@ fn stretched_lobes_lose_no_more_than_scattering_does() {
     let (t, b) = (Vec3::new(0.8, 0.6, 0.0), Vec3::new(-0.6, 0.8, 0.0));
     for (roughness, strength) in [(0.4, 0.5), (0.5, 1.0), (0.7, 0.8)] {
         let stretch = Stretch::new(t, b, roughness, strength);
-        let s = Substance { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
+        let s = MaterialSample { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
         for n_dot_v in [0.3, 0.8, 1.0] {
             let v = viewer(n_dot_v);
             let albedo = over_hemisphere(16, |l| {

@@ -16,7 +16,7 @@ use taotie::names::Named;
 use taotie::render::{EnvironmentSampling, NormalMapping, ReferenceSettings};
 use taotie::scene::{AlphaMode, Anisotropy, Clearcoat, Material, Orbit, Sheen};
 use taotie::shade::furnace::Furnace;
-use taotie::shade::{Energy, Shading, Substance};
+use taotie::shade::{Energy, MaterialSample, Shading};
 
 /// Sixteen paths of direct light.
 const DIRECT: ReferenceSettings = ReferenceSettings {
@@ -48,9 +48,9 @@ fn a_white_sphere_is_not_seen_in_a_white_furnace() {
     }
 }
 
-fn white(roughness: f64) -> Substance<f64> {
+fn white(roughness: f64) -> MaterialSample<f64> {
     let (white, black) = (Vec3::splat(1.0), Vec3::splat(0.0));
-    Substance {
+    MaterialSample {
         base_color: white,
         metallic: 1.0,
         roughness,

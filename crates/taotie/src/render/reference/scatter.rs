@@ -43,7 +43,7 @@ impl<'s, P: Pack> Scatter<'s, P> {
             None => n.any_perpendicular(),
         };
         let base = Frame::new(n, t, surface.v);
-        let mut lobes = Lobes::of(surface.shading, &surface.substance, base.v.z);
+        let mut lobes = Lobes::of(surface.shading, &surface.sample, base.v.z);
         if let Some(stretch) = &surface.stretch {
             lobes.alpha = [stretch.along, stretch.across];
         }
@@ -90,7 +90,7 @@ impl<P: Pack> CoatLobe<P> {
     fn new(coat: &Coat<P>, v: Vec3<P>, surface: &SurfacePoint<P>) -> Self {
         let frame = Frame::new(coat.n, coat.n.any_perpendicular(), v);
         let reflected = coat.factor * coat_fresnel(frame.v.z.clamp(0.0, 1.0));
-        let Vec3 { x, y, z } = surface.substance.base_color + surface.substance.f0;
+        let Vec3 { x, y, z } = surface.sample.base_color + surface.sample.f0;
         let below = (x + y + z) * x.lit(1.0 / 3.0);
         let share = (reflected / (reflected + below).max(x.lit(1e-6))).clamp(0.1, 0.9);
         Self { frame, alpha: alpha_from_roughness(coat.roughness), share }
