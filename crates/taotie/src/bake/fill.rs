@@ -167,7 +167,7 @@ mod tests {
                 .map(|(x, y)| (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0)
                 .collect();
             (level, width) = (next, half);
-            // A texel wholly over one chart and its surroundings is of that chart: none is darker than all charts.
+            // A texel wholly over one UV island and its neighbourhood is of that island: none is darker than all islands.
             assert!(level.iter().all(is_of_charts));
         }
         assert!(level[0] < 1.5 && level[1] > 2.5, "both UV islands still stand apart: {level:?}");

@@ -6,7 +6,7 @@ use super::lookups::{Lookups, UvSet};
 pub use crate::math::BATCH;
 use crate::math::{MOST_LANES, Pack, Quads, Vec3};
 use crate::shade::dfg::Dfg;
-use crate::shade::environment::{Gatherer, Mirrors};
+use crate::shade::environment::{EnvironmentLookup, LookupDirections};
 
 /// Fragments of one draw between interpolation and film, those of a triangle together. Entries from `len` on hold what
 /// packs leave there, which only packs read.
@@ -75,9 +75,9 @@ pub struct Batch {
     pub(super) dfg: Quads,
     /// `true` where light that scatters several times is added.
     pub(super) compensated: bool,
-    pub(super) surround: Surroundings,
-    pub(super) mirrors: Mirrors,
-    pub(super) gatherer: Gatherer,
+    pub(super) environment_radiance: EnvironmentRadiance,
+    pub(super) lookup_directions: LookupDirections,
+    pub(super) environment_lookup: EnvironmentLookup,
     /// Unit to viewer, world space.
     pub(super) v: Column3,
     /// The shading normal: unit but for `bump-printed`.
@@ -112,7 +112,7 @@ pub(super) struct Layers {
 
 /// The light of the environment at a fragment, linear RGB.
 #[derive(Debug, Clone)]
-pub(super) struct Surroundings {
+pub(super) struct EnvironmentRadiance {
     /// The radiance that the highlight gathers.
     pub specular: Column3,
     /// The irradiance over π.
@@ -176,9 +176,9 @@ impl Batch {
             bump: ZERO,
             dfg: Quads::ZERO,
             compensated: false,
-            surround: Surroundings { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
-            mirrors: Mirrors::default(),
-            gatherer: Gatherer::default(),
+            environment_radiance: EnvironmentRadiance { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
+            lookup_directions: LookupDirections::default(),
+            environment_lookup: EnvironmentLookup::default(),
             v: ZERO3,
             n: ZERO3,
             albedo: ZERO3,

@@ -7,7 +7,7 @@ use crate::shade::{Angles, coat_lobe};
 
 /// A clearcoat: KHR_materials_clearcoat.
 ///
-/// The base loses what the coat reflects of even surroundings, so that a white surface under a clearcoat returns all
+/// The base loses what the coat reflects of equal light from everywhere, so that a white surface under a clearcoat returns all
 /// light at any roughness. Where the coat is smooth that is the extension's 1 − F(n·v); where it is rough, 1 − F(n·v)
 /// alone would leave a dark rim, since a rough coat seen at a grazing angle reflects less than F.
 /// Law: `white_room::lacquer_over_white_returns_what_arrives`.
@@ -19,7 +19,7 @@ pub(super) struct Coat<L> {
     pub roughness: L,
     /// The part of the light that it lets through to the viewer, [0, 1].
     pub kept: L,
-    /// The part of even surroundings' light that it reflects.
+    /// The part of equal light from everywhere that it reflects.
     albedo: L,
 }
 
@@ -44,7 +44,7 @@ impl<L: Lane> Coat<L> {
 
     /// Puts the clearcoat over what the base reflects of the environment; `gathered` is what its own highlight sees.
     #[inline(always)]
-    pub(super) fn over_surround(&self, base: Vec3<L>, gathered: Vec3<L>) -> Vec3<L> {
+    pub(super) fn over_environment(&self, base: Vec3<L>, gathered: Vec3<L>) -> Vec3<L> {
         base * self.kept + gathered * (self.factor * self.albedo)
     }
 }

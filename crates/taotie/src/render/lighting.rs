@@ -1,4 +1,4 @@
-//! Radiance of each fragment: lights, surroundings and emission.
+//! Radiance of each fragment: lights, environment and emission.
 
 use super::batch::{Batch, Lanes};
 use super::columns::store3;
@@ -18,8 +18,8 @@ pub(super) struct Illumination<'a> {
     pub sources: &'a [Source],
     pub ambient: Vec3,
     pub shadows: bool,
-    /// `true` where `batch.surround` is filled.
-    pub surrounded: bool,
+    /// `true` where `batch.environment_radiance` is filled.
+    pub has_environment: bool,
 }
 
 /// The models that are compiled by themselves, since nearly all images show them: what the others need would cost
@@ -78,8 +78,8 @@ fn lit_pack<P: Pack>(
     let position = at.load3(&batch.position);
     let ambient = at.splat3(illumination.ambient) * at.load(&batch.occlusion);
     let mut radiance = surface.emitted + surface.ambient.mul_elements(ambient);
-    if illumination.surrounded {
-        radiance += surface.surrounded(at);
+    if illumination.has_environment {
+        radiance += surface.reflect_environment(at);
     }
     for (index, source) in illumination.sources.iter().enumerate() {
         let (l, irradiance) = source.incidence(at.token, position);

@@ -86,23 +86,23 @@ impl<P: Pack> SurfacePoint<P> {
         reflected * self.terminator.share(l)
     }
 
-    /// Radiance to the viewer of what the environment sends, linear RGB; `batch.surround` and its tables must be
+    /// Radiance to the viewer of what the environment sends, linear RGB; `batch.environment_radiance` and its tables must be
     /// filled.
     #[inline(always)]
-    pub(super) fn surrounded(&self, at: Lanes<'_, P>) -> Vec3<P> {
+    pub(super) fn reflect_environment(&self, at: Lanes<'_, P>) -> Vec3<P> {
         let batch = at.batch;
-        let weights = shade::surround(self.shading, &self.sample, &at.dfg());
+        let weights = shade::environment_weights(self.shading, &self.sample, &at.dfg());
         let occlusion = at.load(&batch.occlusion);
-        let mean = at.load3(&batch.surround.mean) * occlusion;
+        let mean = at.load3(&batch.environment_radiance.mean) * occlusion;
         let n_dot_v = self.n.dot(self.v).clamp(0.0, 1.0);
         let seen = shade::specular_occlusion(n_dot_v, occlusion, self.sample.roughness);
-        let gathered = at.load3(&batch.surround.specular) * seen;
+        let gathered = at.load3(&batch.environment_radiance.specular) * seen;
         let mut radiance = weights.specular.mul_elements(gathered) + weights.diffuse.mul_elements(mean);
         if let Some(fibres) = &self.fibres {
             radiance = fibres.over_mean(radiance, mean);
         }
         match &self.coat {
-            Some(coat) => coat.over_surround(radiance, at.load3(&batch.surround.coat)),
+            Some(coat) => coat.over_environment(radiance, at.load3(&batch.environment_radiance.coat)),
             None => radiance,
         }
     }

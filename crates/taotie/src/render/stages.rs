@@ -3,6 +3,7 @@
 use super::batch::{BATCH, Batch};
 use super::corners::Run;
 use super::draw::Draws;
+use super::environment_lookup::{self, EnvironmentQuery};
 use super::geometry::Projected;
 use super::grouping::Grouping;
 use super::interpolate::{Interpolation, Screen};
@@ -15,7 +16,6 @@ use super::resolve::Resolve;
 use super::settings::{EnvironmentLight, RenderSettings, Shot};
 use super::shadows::trace_shadows;
 use super::source::Source;
-use super::surround::{self, Surrounding};
 use super::tree::Casters;
 use super::view::View;
 use crate::error::Result;
@@ -233,7 +233,12 @@ impl<'p> Stages<'p> {
         let draw = &self.draws.all[draw];
         complete(self.level, settings, draw, batch);
         if let Some(light) = &self.environment {
-            surround::look_up(self.level, Surrounding { light, shading: settings.shading }, draw, batch);
+            environment_lookup::look_up(
+                self.level,
+                EnvironmentQuery { light, shading: settings.shading },
+                draw,
+                batch,
+            );
         }
         if settings.shadows {
             let origins = interpolation.origins(self.lift, batch);
@@ -244,7 +249,7 @@ impl<'p> Stages<'p> {
             sources: &self.sources,
             ambient: self.ambient,
             shadows: settings.shadows,
-            surrounded: self.environment.is_some(),
+            has_environment: self.environment.is_some(),
         };
         light(self.level, &illumination, draw, batch);
     }

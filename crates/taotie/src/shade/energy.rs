@@ -22,7 +22,7 @@ impl crate::names::Named for Energy {
 
 /// The reflection of light that comes from all around, as weights of two radiances, linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surround<L> {
+pub struct EnvironmentWeights<L> {
     /// The weight of the radiance that the highlight gathers.
     pub specular: Vec3<L>,
     /// The weight of the mean radiance over the hemisphere, which is the irradiance over π.
@@ -35,13 +35,17 @@ pub struct Surround<L> {
 /// such lobe: `lambert` reflects its colour, the Phong family k_d and k_s, as if each were normalised.
 /// Source: Karis 2013; the article's environment term.
 #[inline(always)]
-pub fn surround<L: Lane>(shading: Shading, s: &MaterialSample<L>, dfg: &Dfg<L>) -> Surround<L> {
+pub fn environment_weights<L: Lane>(
+    shading: Shading,
+    s: &MaterialSample<L>,
+    dfg: &Dfg<L>,
+) -> EnvironmentWeights<L> {
     let one = s.f90.lit(1.0);
     let zero = Vec3::splat(one.lit(0.0));
     let ones = Vec3::splat(one);
     let gain = s.compensation.map_or(ones, |c| c.gain);
     match shading {
-        Shading::Lambert => Surround { specular: zero, diffuse: s.base_color },
+        Shading::Lambert => EnvironmentWeights { specular: zero, diffuse: s.base_color },
         Shading::Ggx | Shading::GgxPrinted => {
             let diffuse = s.base_color * (one - s.metallic);
             let kept = match s.compensation {
@@ -49,19 +53,19 @@ pub fn surround<L: Lane>(shading: Shading, s: &MaterialSample<L>, dfg: &Dfg<L>) 
                 None => ones - s.f0 - (Vec3::splat(s.f90) - s.f0) * dfg.diffuse_edge,
             };
             let specular = dfg.albedo(s.f0, s.f90, s.f82_drop).mul_elements(gain);
-            Surround { specular, diffuse: diffuse.mul_elements(kept) }
+            EnvironmentWeights { specular, diffuse: diffuse.mul_elements(kept) }
         }
         Shading::CookTorrance | Shading::CookTorrancePrinted => {
             let specular = dfg.albedo(s.f0, s.f90, s.f82_drop).mul_elements(gain);
-            Surround { specular: s.specular.mul_elements(specular), diffuse: s.diffuse }
+            EnvironmentWeights { specular: s.specular.mul_elements(specular), diffuse: s.diffuse }
         }
         Shading::Phong | Shading::BlinnPhong | Shading::BlinnPhongClassic | Shading::BlinnPhongPrinted => {
-            Surround { specular: s.specular, diffuse: s.diffuse }
+            EnvironmentWeights { specular: s.specular, diffuse: s.diffuse }
         }
     }
 }
 
-/// The share of a highlight's surround that is seen where `occlusion` of the hemisphere's is.
+/// The share of a highlight's environment that is seen where `occlusion` of the hemisphere's is.
 ///
 /// Lobes narrower than the hemisphere are occluded less seen along the normal and more at grazing angles:
 /// (n·v + o)^(2^(−16 r − 1)) − 1 + o, kept in [0, 1]; r the roughness.

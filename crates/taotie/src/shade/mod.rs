@@ -31,7 +31,7 @@ pub use angles::Angles;
 pub use anisotropy::Stretch;
 pub use coat::{COAT_F0, coat_fresnel, coat_lobe};
 pub use compensation::{Compensation, compensation};
-pub use energy::{Energy, Surround, specular_occlusion, surround};
+pub use energy::{Energy, EnvironmentWeights, environment_weights, specular_occlusion};
 pub use facets::Facets;
 pub use material_sample::MaterialSample;
 pub use models::{reflect, reflect_stretched};

@@ -4,7 +4,7 @@ use taotie::math::Vec3;
 use taotie::shade::dfg::{self, Dfg, integrate};
 use taotie::shade::furnace::{Furnace, over_hemisphere};
 use taotie::shade::sheen::{d_charlie, v_neubelt};
-use taotie::shade::{self, Angles, MaterialSample, Shading, Stretch, compensation, surround};
+use taotie::shade::{self, Angles, MaterialSample, Shading, Stretch, compensation, environment_weights};
 
 type V = Vec3<f64>;
 
@@ -118,7 +118,8 @@ fn white_surroundings_come_back_white() {
         for roughness in ROUGHNESS {
             for n_dot_v in N_DOT_V {
                 let s = white(Shading::Ggx, metallic, roughness, n_dot_v);
-                let weights = surround(Shading::Ggx, &s, &tables(Shading::Ggx, roughness, n_dot_v));
+                let weights =
+                    environment_weights(Shading::Ggx, &s, &tables(Shading::Ggx, roughness, n_dot_v));
                 let sum = weights.specular + weights.diffuse;
                 assert!((sum - WHITE).length() < 1e-6, "{sum:?} at {metallic} {roughness} {n_dot_v}");
             }
@@ -145,7 +146,7 @@ fn surroundings_weigh_what_lights_from_everywhere_send() {
                     compensation: compensated.then(|| compensation(&dfg, f0, f90, drop)),
                     ..white(Shading::Ggx, 0.0, roughness, n_dot_v)
                 };
-                let weights = surround(Shading::Ggx, &s, &dfg);
+                let weights = environment_weights(Shading::Ggx, &s, &dfg);
                 let got = weights.specular + weights.diffuse;
                 let exact = Furnace::default().directional_albedo(Shading::Ggx, &s, n_dot_v);
                 assert!((got - exact).length() < 0.015, "{got:?} for {exact:?}, {roughness} {n_dot_v}");

@@ -12,13 +12,13 @@
 //! of shadow rays, and that light behind the shading normal counts as shadowed. One thing differs: blended surfaces let
 //! light through in proportion to what they lack, while the rasteriser's cast no shadow.
 
+mod environment;
 mod groove;
 mod patch;
 mod respond;
 mod scatter;
 mod settings;
 mod surfaces;
-mod surround;
 mod tracer;
 mod walk;
 

@@ -9,9 +9,9 @@ use super::super::settings::{RenderSettings, Shot};
 use super::super::source::Source;
 use super::super::tree::Casters;
 use super::super::view::View;
+use super::environment::WorldEnvironment;
 use super::settings::ReferenceSettings;
 use super::surfaces::Sight;
-use super::surround::Surround;
 use crate::error::Result;
 use crate::math::Vec3;
 use fearless_simd::Level;
@@ -25,7 +25,7 @@ pub(super) struct Tracer<'t> {
     pub sources: Vec<Source>,
     pub ambient: Vec3,
     pub ground: Option<Ground>,
-    pub surround: Option<Surround<'t>>,
+    pub environment: Option<WorldEnvironment<'t>>,
     /// The settings, as the model takes them.
     pub settings: RenderSettings,
     pub reference: ReferenceSettings,
@@ -65,7 +65,7 @@ impl<'t> Tracer<'t> {
             sources: lighting.lights.iter().map(Source::new).collect(),
             ambient: lighting.ambient,
             ground: bounds.map(ground),
-            surround: lighting.environment.as_ref().map(Surround::new),
+            environment: lighting.environment.as_ref().map(WorldEnvironment::new),
             settings,
             reference: *paths,
             level,

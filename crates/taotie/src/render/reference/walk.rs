@@ -139,15 +139,15 @@ impl Tracer<'_> {
             let dark = ground.shadow_along(path.origin, path.direction);
             (path.throughput, path.coverage) = (path.throughput * (1.0 - dark), dark);
         }
-        let Some(surround) = &self.surround else { return };
+        let Some(environment) = &self.environment else { return };
         let weight = match self.reference.environment {
-            _ if depth == 0 => f32::from(u8::from(surround.visible)),
-            EnvironmentSampling::Combined => power_heuristic(path.pdf, surround.pdf(path.direction)),
+            _ if depth == 0 => f32::from(u8::from(environment.visible)),
+            EnvironmentSampling::Combined => power_heuristic(path.pdf, environment.pdf(path.direction)),
             EnvironmentSampling::ByLight => 0.0,
             EnvironmentSampling::BySurface => 1.0,
         };
         if weight > 0.0 {
-            path.light += path.throughput.mul_elements(surround.radiance(path.direction)) * weight;
+            path.light += path.throughput.mul_elements(environment.radiance(path.direction)) * weight;
         }
         if depth == 0 && weight > 0.0 {
             path.coverage = 1.0;
@@ -209,7 +209,7 @@ impl Tracer<'_> {
 
     /// Says whether anything may be found beyond the surface.
     fn goes_on(&self, depth: u32) -> bool {
-        depth < self.reference.bounces || self.surround.is_some() || self.emitters
+        depth < self.reference.bounces || self.environment.is_some() || self.emitters
     }
 
     /// Fills the batch, and where rays leave from.
@@ -251,14 +251,15 @@ impl Tracer<'_> {
     /// Chooses numbers and directions to the environment.
     fn choose(&self, stop: &Stop<'_>, paths: &[Path], work: &mut Workspace) {
         work.sky.clear();
-        let surround = self.surround.filter(|_| self.reference.environment != EnvironmentSampling::BySurface);
+        let environment =
+            self.environment.filter(|_| self.reference.environment != EnvironmentSampling::BySurface);
         for (i, (index, _)) in stop.meetings.iter().enumerate() {
             let path = &paths[*index as usize];
             let [a, b, c, _] = path.sequence.four(path.index, 1 + 2 * stop.depth);
             set3(&mut work.exchange.u, i, Vec3::new(a, b, c));
-            if let Some(surround) = surround {
+            if let Some(environment) = environment {
                 let [a, b, ..] = path.sequence.four(path.index, 2 + 2 * stop.depth);
-                let sample = surround.sample([a, b]);
+                let sample = environment.sample([a, b]);
                 set3(&mut work.exchange.to_sky, i, sample.direction);
                 work.sky.push(sample);
             }

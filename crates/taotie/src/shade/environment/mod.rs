@@ -5,9 +5,9 @@
 
 mod bytes;
 mod distribution;
-mod gather;
 mod irradiance;
 mod levels;
+mod lookup;
 mod octahedron;
 mod picture;
 mod prefilter;
@@ -18,9 +18,9 @@ use crate::error::Result;
 use crate::image::Image;
 use crate::math::{Lane, Vec3};
 use distribution::Distribution;
-pub(crate) use gather::{Gatherer, Mirrors, Wanted};
 pub use irradiance::IrradianceHarmonics;
 use levels::Levels;
+pub(crate) use lookup::{EnvironmentLookup, LookupDirections, LookupRequest};
 use picture::{Picture, uv_of};
 use std::sync::OnceLock;
 
