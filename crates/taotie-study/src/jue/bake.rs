@@ -60,7 +60,7 @@ impl Bake {
     }
 
     /// The normals of the rounded mesh displaced along its interpolated normals, Q = B + h n: Q_u × Q_v, turned by
-    /// `store`. Margins go on as the border of the chart is; away from charts stands `fill`.
+    /// `store`. Margins go on as the border of the UV island is; away from UV islands stands `fill`.
     fn normals(&self, fill: [f32; 4], store: impl Fn(&Frame, Vec3<f64>) -> Vec3<f64> + Sync) -> Image {
         let (mesh, coverage) = (self.surface.mesh(), self.surface.coverage());
         let welds = Welds::new(mesh);
@@ -144,7 +144,7 @@ impl Corners {
     }
 }
 
-/// Normal and tangent between the corners of a triangle, not normalised. No chart of the vessel is mirrored.
+/// Normal and tangent between the corners of a triangle, not normalised. No UV island of the vessel is mirrored.
 struct Frame {
     normal: Vec3<f64>,
     tangent: Vec3<f64>,
@@ -185,7 +185,7 @@ fn displaced_normal(base: ReliefBase<f64>, relief: Relief<f64>) -> Vec3<f64> {
     q
 }
 
-/// The mesh with its tangents on a map of `size` × `size`, charts grown by 1/128 of a side.
+/// The mesh with its tangents on a map of `size` × `size`, UV islands grown by 1/128 of a side.
 pub(super) fn laid_out(mesh: &Mesh, size: u32) -> TexelSurface {
     let grid = TexelGrid { width: size, height: size, uv_set: 0, padding: (size / 128).max(2) };
     TexelSurface::new(with_frames(mesh), &grid).expect("the vessel has uvs, and its maps can be made")

@@ -127,7 +127,7 @@ pub(super) fn note_simplified(simplified: &Simplified, triangles: u32, warnings:
 fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, progress: Progress<'_>) -> Result<Mesh> {
     let options = UnwrapOptions { size, padding: (size / 512).clamp(2, 16) };
     let unwrapped = bake::unwrap(mesh, &options, progress.begin("unwrap")?)?;
-    origin.charts = Some(unwrapped.charts);
+    origin.charts = Some(unwrapped.islands);
     Ok(unwrapped.mesh)
 }
 

@@ -3,11 +3,11 @@
 use super::baked_maps::{BakedMaps, TexelStatus};
 use rayon::prelude::*;
 
-/// Texels around each chart that take the value of the nearest one before the rest is filled: more than any bilinear or
-/// anisotropic lookup at the finest level reaches over a border.
+/// Texels around each UV island that take the value of the nearest one before the rest is filled: more than any
+/// bilinear or anisotropic lookup at the finest level reaches over a border.
 const PADDING: u32 = 4;
 
-/// Gives free texels values: `steps` of growing charts, each texel from a neighbour; or with `None` first a narrow
+/// Gives free texels values: `steps` of growing UV islands, each texel from a neighbour; or with `None` first a narrow
 /// padding and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels
 /// are, that holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
 pub(super) fn fill(planes: &mut BakedMaps, steps: Option<u32>) {
@@ -121,8 +121,8 @@ mod tests {
     use super::*;
     use crate::bake::{MapKind, Maps};
 
-    /// Returns two charts of different heights on a map of 64 × 64.
-    fn charts() -> BakedMaps {
+    /// Returns two UV islands of different heights on a map of 64 × 64.
+    fn islands() -> BakedMaps {
         let mut planes =
             BakedMaps::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
         for y in 0..64 {
@@ -141,8 +141,8 @@ mod tests {
     }
 
     #[test]
-    fn every_mip_texel_is_made_of_charts_alone() {
-        let mut planes = charts();
+    fn every_mip_texel_is_made_of_islands_alone() {
+        let mut planes = islands();
         // What free texels hold before is not to be seen anywhere.
         for i in 0..planes.heights.len() {
             if planes.texels[i] == TexelStatus::Free {
@@ -152,10 +152,10 @@ mod tests {
         let before = planes.clone();
         fill(&mut planes, None);
         let rounding = 1e-5;
-        let is_of_charts = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
+        let is_of_islands = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
         for (i, texel) in before.texels.iter().enumerate() {
             assert!(*texel == TexelStatus::Free || planes.heights[i] == before.heights[i]);
-            assert!(is_of_charts(&planes.heights[i]), "{}", planes.heights[i]);
+            assert!(is_of_islands(&planes.heights[i]), "{}", planes.heights[i]);
         }
         let mut level = planes.heights;
         let mut width = 64;
@@ -167,15 +167,16 @@ mod tests {
                 .map(|(x, y)| (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0)
                 .collect();
             (level, width) = (next, half);
-            // A texel wholly over one UV island and its neighbourhood is of that island: none is darker than all islands.
-            assert!(level.iter().all(is_of_charts));
+            // A texel wholly over one UV island and its neighbourhood is of that island: none is darker than all
+            // islands.
+            assert!(level.iter().all(is_of_islands));
         }
         assert!(level[0] < 1.5 && level[1] > 2.5, "both UV islands still stand apart: {level:?}");
     }
 
     #[test]
     fn a_skirt_is_as_wide_as_asked() {
-        let mut planes = charts();
+        let mut planes = islands();
         fill(&mut planes, Some(3));
         let at = |x: usize, y: usize| (planes.heights[y * 64 + x], planes.albedo[y * 64 + x]);
         assert_eq!(at(23, 10), (1.0, [1.0; 3]));

@@ -1,4 +1,5 @@
-//! What baking a scan must do whatever the scan is: shapes whose normals, heights and openness are known in closed form.
+//! What baking a scan must do whatever the scan is: shapes whose normals, heights and openness are known in closed
+//! form.
 
 use taotie::Progress;
 use taotie::bake::{
@@ -72,7 +73,7 @@ fn a_coarse_sphere_looks_like_a_fine_one() {
     assert_eq!((baked.counts.missed, baked.counts.lost, baked.counts.shared), (0, 0, 0));
     let fine = Storage { bits: 16, dither: false };
     let [mean, max] = shown_angles(&low, &baked.maps, fine, (&cage, &scan));
-    // Bilinear lookups at the borders of charts take in texels of the skirt.
+    // Bilinear lookups at the borders of UV islands take in texels of the skirt.
     assert!(mean < 0.01 && max < 2.0, "16 bits: {mean}° {max}°");
     let exact = mean;
     let coarse = Storage { bits: 8, dither: false };

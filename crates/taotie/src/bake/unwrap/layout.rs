@@ -1,4 +1,4 @@
-//! The largest scale at which all charts fit into the map.
+//! The largest scale at which all UV islands fit into the map.
 
 use super::flatten::bounds;
 use super::mask::{Mask, corner, turned};
@@ -11,17 +11,17 @@ use std::cmp::Reverse;
 
 /// Cells along a side of the coarse field, on which the scale is sought in several orders.
 const COARSE: f64 = 256.0;
-/// Cells along a side of the fine field, on which charts are placed in the best of them; the time that it takes grows
-/// with the number of charts and the fourth power of this.
+/// Cells along a side of the fine field, on which UV islands are placed in the best of them; the time that it takes
+/// grows with the number of UV islands and the fourth power of this.
 const FINE: f64 = 1024.0;
-/// The same where there are more than [`MANY`] charts.
+/// The same where there are more than [`MANY`] UV islands.
 const FINE_FOR_MANY: f64 = 512.0;
 const MANY: usize = 150;
-/// No fewer cells along a side for one chart, times the root of the number of charts.
+/// No fewer cells along a side for one UV island, times the root of the number of UV islands.
 const FOR_ONE: f64 = 6.0;
-/// The number of packings once a scale is known at which charts fit: on the coarse field and on the fine one.
+/// The number of packings once a scale is known at which UV islands fit: on the coarse field and on the fine one.
 const TRIES: [usize; 2] = [9, 4];
-/// The largest number of packings at all: each time that charts do not fit the scale falls.
+/// The largest number of packings at all: each time that UV islands do not fit the scale falls.
 const MOST_TRIES: usize = 40;
 /// The search ends where the scale is known within this.
 const EXACT: f64 = 1.004;
@@ -30,27 +30,27 @@ const NEAR: f64 = 1.02;
 /// The orders that are tried: by half the circumference, the longer side, the cells, the shorter side; largest first.
 const ORDERS: [usize; 4] = [0, 1, 2, 3];
 
-/// The place of each chart on the map.
+/// The place of each UV island on the map.
 pub(super) struct Layout {
     /// Texels for one unit.
     pub scale: f64,
-    /// Of each chart: quarter turns, what lies at its corner, and where that corner is, in texels.
-    charts: Vec<(u8, [f64; 2], [f64; 2])>,
+    /// Of each UV island: quarter turns, what lies at its corner, and where that corner is, in texels.
+    islands: Vec<(u8, [f64; 2], [f64; 2])>,
 }
 
 impl Layout {
-    /// Returns the texels, right and down, of a point of a chart.
-    pub fn place(&self, chart: u32, point: [f64; 2]) -> [f64; 2] {
-        let (quarters, low, at) = self.charts[chart as usize];
+    /// Returns the texels, right and down, of a point of a UV island.
+    pub fn place(&self, island: u32, point: [f64; 2]) -> [f64; 2] {
+        let (quarters, low, at) = self.islands[island as usize];
         let p = turned(point, quarters);
         [0, 1].map(|k| at[k] + (p[k] - low[k]) * self.scale)
     }
 }
 
-/// Charts as they were laid flat.
+/// UV islands as they were laid flat.
 type Laid = Vec<[[f64; 2]; 3]>;
 
-/// The cells that charts are packed in.
+/// The cells that UV islands are packed in.
 struct Cells {
     /// Texels along a side of one.
     side: u32,
@@ -69,7 +69,7 @@ impl Cells {
     }
 }
 
-/// Charts that fit.
+/// UV islands that fit.
 struct Fit {
     places: Vec<Placement>,
     /// Texels a unit.
@@ -77,7 +77,7 @@ struct Fit {
     order: usize,
 }
 
-/// Packs charts at rising and falling scales: on a coarse field in several orders, then on a fine one in the best.
+/// Packs UV islands at rising and falling scales: on a coarse field in several orders, then on a fine one in the best.
 /// `guess` is the first scale, in maps a unit.
 pub(super) fn lay_out(
     laid: &[Laid],
@@ -117,7 +117,7 @@ impl Search<'_> {
     /// Returns the largest scale found, if any. `start` is in texels a unit.
     fn run(&self, start: f64, progress: Progress<'_>) -> Result<Option<Fit>> {
         let (width, side) = (f64::from(self.cells.field.width), f64::from(self.cells.side));
-        // A chart that is longer than the field fits in no turn.
+        // A UV island that is longer than the field fits in no turn.
         let mut fails = 0.9999 * width / longest_side(self.laid);
         let (mut scale, mut best, mut fits) = ((start / side).min(0.999 * fails), None, 0.0);
         for attempt in 0..MOST_TRIES {
@@ -151,7 +151,7 @@ fn next(suggested: f64, [fits, fails]: [f64; 2], attempt: usize) -> f64 {
     suggested.clamp(low, high)
 }
 
-/// Returns the longest side of the boxes around charts.
+/// Returns the longest side of the boxes around UV islands.
 fn longest_side(laid: &[Laid]) -> f64 {
     let side = |laid: &Laid| {
         let [low, high] = bounds(laid.iter().flatten().copied());
@@ -160,7 +160,7 @@ fn longest_side(laid: &[Laid]) -> f64 {
     laid.iter().map(side).fold(1e-9, f64::max)
 }
 
-/// Packs charts in several orders: the places, rows and number of the one that takes the fewest rows.
+/// Packs UV islands in several orders: the places, rows and number of the one that takes the fewest rows.
 fn packed(
     laid: &[Laid],
     scale: f64,
@@ -177,7 +177,7 @@ fn packed(
     };
     let in_order = |by: &usize| {
         let mut order: Vec<u32> = (0..masks.len() as u32).collect();
-        order.sort_by_cached_key(|chart| (Reverse(size(&masks[*chart as usize][0], *by)), *chart));
+        order.sort_by_cached_key(|island| (Reverse(size(&masks[*island as usize][0], *by)), *island));
         pack(&masks, &order, field).map(|(places, rows)| (places, rows, *by))
     };
     let all: Vec<_> = orders.par_iter().map(in_order).collect();
@@ -186,8 +186,8 @@ fn packed(
 
 fn layout(laid: &[Laid], fit: &Fit, cells: &Cells, options: &UnwrapOptions) -> Layout {
     let texels = |v: u32| f64::from(options.padding) + f64::from(v * cells.side);
-    let chart = |(laid, place): (&Laid, &Placement)| {
+    let island = |(laid, place): (&Laid, &Placement)| {
         (place.quarters, corner(laid, place.quarters), [texels(place.x), texels(place.y)])
     };
-    Layout { scale: fit.scale, charts: laid.par_iter().zip(&fit.places).map(chart).collect() }
+    Layout { scale: fit.scale, islands: laid.par_iter().zip(&fit.places).map(island).collect() }
 }

@@ -1,4 +1,4 @@
-//! Small compact patches that face one way, from which charts are put together.
+//! Small compact patches that face one way, from which UV islands are put together.
 
 use super::topology::{NONE, Topology};
 use crate::bake::simplify::morton;

@@ -5,7 +5,7 @@ use crate::math::Vec3;
 use crate::mesh::Mesh;
 use rayon::prelude::*;
 
-/// Marks the absence of a triangle or a chart.
+/// Marks the absence of a triangle or a UV island.
 pub(super) const NONE: u32 = u32::MAX;
 /// Triangles scaled into the unit cube, with their neighbours.
 pub(super) struct Topology {
