@@ -4,7 +4,7 @@ use super::baked_maps::{BakedMaps, BandMaps, TexelStatus};
 use super::cage::Cage;
 use super::curvature::mean_curvatures;
 use super::fill::fill;
-use super::layout::{BAND, Layout, Patch};
+use super::layout::{BAND, Layout, TriangleSamples};
 use super::maps::{MapKind, Maps};
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
@@ -203,7 +203,7 @@ struct Cell {
 impl Job<'_> {
     fn band(&self, band: usize, mut planes: BandMaps<'_>) -> BakeCounts {
         let mut cells = vec![Cell::default(); planes.texels.len()];
-        let shared = self.layout.patches(band, |patch| self.patch(patch, &mut cells));
+        let shared = self.layout.triangle_samples(band, |group| self.add_samples(group, &mut cells));
         let mut counts = BakeCounts { shared, ..BakeCounts::default() };
         for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.samples > 0) {
             self.store(i, cell, &mut planes);
@@ -216,19 +216,19 @@ impl Job<'_> {
         counts
     }
 
-    /// Finds the places of a patch's samples on the scan.
-    fn patch(&self, patch: &Patch, cells: &mut [Cell]) {
-        let corners = self.layout.mesh.corners(patch.triangle as usize);
-        let projections: Vec<ProjectionRay> = patch
+    /// Adds what the scan has at the samples of a triangle in a tile.
+    fn add_samples(&self, group: &TriangleSamples, cells: &mut [Cell]) {
+        let corners = self.layout.mesh.corners(group.triangle as usize);
+        let projections: Vec<ProjectionRay> = group
             .samples
             .iter()
-            .map(|sample| self.cage.projection_ray(self.layout.mesh, patch.point(sample)))
+            .map(|sample| self.cage.projection_ray(self.layout.mesh, group.point(sample)))
             .collect();
-        let found = search(self.scan, patch, corners, &projections);
+        let found = search(self.scan, group, corners, &projections);
         let mut ao_samples = Vec::new();
-        for ((sample, projection), found) in patch.samples.iter().zip(&projections).zip(found) {
+        for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells[sample.texel as usize];
-            self.add_frame(patch.point(sample), cell);
+            self.add_frame(group.point(sample), cell);
             let Some(found) = self.found(projection, found, cell) else { continue };
             self.add(&found, cell);
             if let Some(sky) = &self.sky {

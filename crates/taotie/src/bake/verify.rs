@@ -91,9 +91,9 @@ impl Verifier<'_> {
         let layout = Layout::new(self.mesh, size, 1)?;
         let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
         values.par_chunks_mut((BAND * size[0]) as usize).enumerate().for_each(|(band, values)| {
-            layout.patches(band, |patch| {
-                for sample in &patch.samples {
-                    values[sample.texel as usize] = self.angle(patch.point(sample)).0;
+            layout.triangle_samples(band, |group| {
+                for sample in &group.samples {
+                    values[sample.texel as usize] = self.angle(group.point(sample)).0;
                 }
             });
         });

@@ -1,4 +1,4 @@
-//! UV islands from patches: neighbours are joined as long as their triangles face nearly one way.
+//! UV islands from regions: neighbours are joined as long as their triangles face nearly one way.
 
 use super::cone::Directions;
 use super::topology::{NONE, Topology};

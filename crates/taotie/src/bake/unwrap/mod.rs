@@ -8,7 +8,7 @@ mod mask;
 mod merge;
 mod options;
 mod pack;
-mod patches;
+mod regions;
 mod topology;
 
 use super::levels::chosen;
@@ -78,7 +78,7 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
     }
     progress.at(0.1)?;
     let flat = Flat { mesh, topology: &topology, size: f64::from(options.size) };
-    let (labels, axes) = joined_patches(&topology, surface, progress)?;
+    let (labels, axes) = joined_regions(&topology, surface, progress)?;
     let scale = (COVER / surface).sqrt();
     let measure = Measure { density: FINER * f64::from(options.size) * scale, longest: LONGEST / scale };
     let mut islands = flat_islands(&topology, &labels, &axes, &measure);
@@ -151,12 +151,12 @@ fn check(options: &UnwrapOptions) -> Result<()> {
 }
 
 /// Returns the UV island of each triangle and the axis of each UV island.
-fn joined_patches(
+fn joined_regions(
     topology: &Topology,
     surface: f64,
     progress: Progress<'_>,
 ) -> Result<(Vec<u32>, Vec<Vec3<f64>>)> {
-    let (labels, count) = patches::patches(topology);
+    let (labels, count) = regions::regions(topology);
     progress.at(0.3)?;
     let mut merger = Merger::new(topology, &labels, count);
     merger.join(&WIDE);
