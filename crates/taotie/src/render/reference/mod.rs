@@ -14,7 +14,7 @@
 
 mod environment;
 mod groove;
-mod patch;
+mod image_tile;
 mod respond;
 mod scatter;
 mod settings;
@@ -53,17 +53,17 @@ pub fn reference(
     let draws = ready.draws();
     let tracer = Tracer::new(ready, &draws, shot, paths)?;
     let mut frame = Frame::new(shot.settings)?;
-    let patches = patch::patches(shot.settings);
+    let tiles = image_tile::tiles(shot.settings);
     // How many there are between two reports changes no pixel.
     let at_once = 8 * rayon::current_num_threads();
     let mut done = 0;
-    for part in patches.chunks(at_once) {
-        let pictures: Vec<_> = part.par_iter().map(|patch| tracer.patch(patch)).collect();
-        for (patch, picture) in part.iter().zip(&pictures) {
-            picture.store(patch, &mut frame);
+    for part in tiles.chunks(at_once) {
+        let images: Vec<_> = part.par_iter().map(|tile| tracer.tile(tile)).collect();
+        for (tile, pixels) in part.iter().zip(&images) {
+            pixels.store(tile, &mut frame);
         }
         done += part.len();
-        progress.at(done as f64 / patches.len() as f64)?;
+        progress.at(done as f64 / tiles.len() as f64)?;
     }
     Ok(frame)
 }

@@ -25,7 +25,7 @@ const LEAST_CHANCE: f32 = 0.05;
 
 /// A path of light, followed against the light from the camera on.
 pub(super) struct Path {
-    /// Its pixel in the patch.
+    /// Its pixel in the tile.
     pub pixel: u32,
     /// Its number among the pixel's.
     pub index: u32,
@@ -50,7 +50,7 @@ pub(super) struct Path {
     pub coverage: f32,
 }
 
-/// Memory that the paths of a patch use one after another.
+/// Memory that the paths of a tile use one after another.
 pub(super) struct Workspace {
     batch: Box<Batch>,
     exchange: Box<Exchange>,
