@@ -98,7 +98,7 @@ impl Bake {
         let surfaces = self.surface.map(fill, |x, y, point| {
             let i = y as usize * size + x as usize;
             let h = self.heights[i];
-            patina::surface(&patina::Place {
+            patina::surface(&patina::PatinaInput {
                 position: point.position.to_f32(),
                 normal: point.normal.to_f32(),
                 height: h,
