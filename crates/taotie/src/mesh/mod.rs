@@ -6,7 +6,7 @@ mod repair;
 mod sphere;
 
 pub(crate) use point::blend;
-pub use point::{Frame, Point};
+pub use point::{Point, TangentFrame};
 pub(crate) use repair::repair;
 
 use crate::error::{Error, Result};

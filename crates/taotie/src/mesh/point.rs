@@ -17,7 +17,7 @@ pub struct Point {
 
 /// The interpolated tangent frame at a point; its vectors are not normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct TangentFrame {
     /// The normal, interpolated between those of the corners.
     pub normal: Vec3,
     /// The tangent, interpolated between those of the corners.
@@ -64,13 +64,13 @@ impl Point {
 
     /// The interpolated tangent frame.
     #[inline]
-    pub fn frame(&self, mesh: &Mesh) -> Frame {
+    pub fn frame(&self, mesh: &Mesh) -> TangentFrame {
         let vertices = self.vertices(mesh);
         let tangent = |v: usize| {
             let [x, y, z, _] = mesh.tangents()[v];
             Vec3::new(x, y, z)
         };
-        Frame {
+        TangentFrame {
             normal: self.mean_normal(mesh),
             tangent: blend(vertices.map(tangent), self.weights),
             handedness: mesh.tangents()[vertices[0]][3],

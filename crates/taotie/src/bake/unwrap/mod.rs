@@ -13,7 +13,7 @@ mod topology;
 
 use super::levels::chosen;
 use super::raster::{ALL_ROWS, Rasterizer};
-use super::simplify::Frame;
+use super::simplify::UnitCube;
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
@@ -206,7 +206,7 @@ impl Flat<'_> {
             let uvs = places.map(|p| p.map(|v| (v / self.size) as f32));
             split.add(self.mesh.triangles()[t], island.unwrap_or(NONE), uvs);
         }
-        let extent = Frame::of(self.mesh.positions()).extent;
+        let extent = UnitCube::of(self.mesh.positions()).extent;
         Ok(Unwrapped {
             mesh: split.mesh(self.mesh)?,
             islands: islands.len(),

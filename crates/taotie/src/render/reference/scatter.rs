@@ -10,7 +10,7 @@ use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrore
 
 /// The distribution of directions in which a surface point sends paths.
 pub(super) struct Scatter<'s, L> {
-    base: Frame<L>,
+    base: ShadingFrame<L>,
     lobes: Lobes<L>,
     coat: Option<CoatLobe<L>>,
     groove: Option<&'s Groove<L>>,
@@ -18,14 +18,14 @@ pub(super) struct Scatter<'s, L> {
 
 /// The clearcoat's own lobe.
 struct CoatLobe<L> {
-    frame: Frame<L>,
+    frame: ShadingFrame<L>,
     alpha: L,
     /// The probability with which it is chosen, (0, 1).
     share: L,
 }
 
 /// A normal's own space, and the viewer in it.
-struct Frame<L> {
+struct ShadingFrame<L> {
     t: Vec3<L>,
     b: Vec3<L>,
     n: Vec3<L>,
@@ -42,7 +42,7 @@ impl<'s, P: Pack> Scatter<'s, P> {
             Some(stretch) => stretch.tangent,
             None => n.any_perpendicular(),
         };
-        let base = Frame::new(n, t, surface.v);
+        let base = ShadingFrame::new(n, t, surface.v);
         let mut lobes = Lobes::of(surface.shading, &surface.sample, base.v.z);
         if let Some(stretch) = &surface.stretch {
             lobes.alpha = [stretch.along, stretch.across];
@@ -88,7 +88,7 @@ impl<'s, P: Pack> Scatter<'s, P> {
 impl<P: Pack> CoatLobe<P> {
     #[inline(always)]
     fn new(coat: &Coat<P>, v: Vec3<P>, surface: &SurfacePoint<P>) -> Self {
-        let frame = Frame::new(coat.n, coat.n.any_perpendicular(), v);
+        let frame = ShadingFrame::new(coat.n, coat.n.any_perpendicular(), v);
         let reflected = coat.factor * coat_fresnel(frame.v.z.clamp(0.0, 1.0));
         let Vec3 { x, y, z } = surface.sample.base_color + surface.sample.f0;
         let below = (x + y + z) * x.lit(1.0 / 3.0);
@@ -97,7 +97,7 @@ impl<P: Pack> CoatLobe<P> {
     }
 }
 
-impl<L: Lane> Frame<L> {
+impl<L: Lane> ShadingFrame<L> {
     /// Makes the frame; `n`, `t` and `v` unit, world space; `t` at a right angle to `n`.
     #[inline(always)]
     fn new(n: Vec3<L>, t: Vec3<L>, v: Vec3<L>) -> Self {
