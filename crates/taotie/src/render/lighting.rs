@@ -4,7 +4,7 @@ use super::batch::{Batch, Lanes};
 use super::columns::store3;
 use super::draw::Draw;
 use super::model::Model;
-use super::point::SurfacePoint;
+use super::point::ShadingPoint;
 use super::source::Source;
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::scene::Material;
@@ -74,7 +74,7 @@ fn lit_pack<P: Pack>(
     material: &Material,
 ) -> Vec3<P> {
     let batch = at.batch;
-    let surface: SurfacePoint<P> = SurfacePoint::new(at, model, material);
+    let surface: ShadingPoint<P> = ShadingPoint::new(at, model, material);
     let position = at.load3(&batch.position);
     let ambient = at.splat3(illumination.ambient) * at.load(&batch.occlusion);
     let mut radiance = surface.emitted + surface.ambient.mul_elements(ambient);

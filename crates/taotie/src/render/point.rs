@@ -22,8 +22,8 @@ pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>,
     }
 }
 
-/// Points of a surface: a pack of fragments, or one.
-pub(super) struct SurfacePoint<L> {
+/// Shading points: a pack of fragments, or one, with all that their reflection depends on.
+pub(super) struct ShadingPoint<L> {
     pub shading: Shading,
     pub sample: MaterialSample<L>,
     /// k_a, linear RGB.
@@ -40,7 +40,7 @@ pub(super) struct SurfacePoint<L> {
     pub fibres: Option<Fibres<L>>,
 }
 
-impl<P: Pack> SurfacePoint<P> {
+impl<P: Pack> ShadingPoint<P> {
     /// The fragments of `batch` from `i` on.
     #[inline(always)]
     pub(super) fn new(at: Lanes<'_, P>, Model { shading, layered }: Model, material: &Material) -> Self {

@@ -4,7 +4,7 @@
 use super::super::batch::{Batch, Lanes};
 use super::super::columns::{Column, Column3, ZERO, ZERO3, store3};
 use super::super::model::Model;
-use super::super::point::SurfacePoint;
+use super::super::point::ShadingPoint;
 use super::super::source::Source;
 use super::groove::{Groove, Grooves};
 use super::scatter::Scatter;
@@ -154,14 +154,14 @@ const ONE: Vec3 = Vec3::new(1.0, 1.0, 1.0);
 
 /// Emission and reflected ambient light.
 #[inline(always)]
-fn own<P: Pack>(at: Lanes<'_, P>, question: &Question<'_>, surface: &SurfacePoint<P>) -> Vec3<P> {
+fn own<P: Pack>(at: Lanes<'_, P>, question: &Question<'_>, surface: &ShadingPoint<P>) -> Vec3<P> {
     let ambient = at.splat3(question.ambient) * at.load(&at.batch.occlusion);
     surface.emitted + surface.ambient.mul_elements(ambient)
 }
 
 /// Points of a surface as a viewer sees them.
 struct Seen<P> {
-    surface: SurfacePoint<P>,
+    surface: ShadingPoint<P>,
     /// The true direction to the viewer.
     from: Vec3<P>,
     groove: Option<Groove<P>>,
@@ -171,7 +171,7 @@ impl<P: Pack> Seen<P> {
     #[inline(always)]
     fn new(at: Lanes<'_, P>, question: &Question<'_>, exchange: &Exchange) -> Self {
         let model = Model::new(question.shading, question.material);
-        let surface = SurfacePoint::new(at, model, question.material);
+        let surface = ShadingPoint::new(at, model, question.material);
         if !question.grooved {
             return Self { from: surface.v, surface, groove: None };
         }

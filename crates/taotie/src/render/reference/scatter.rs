@@ -1,7 +1,7 @@
 //! Chooses where a surface sends paths: as its base reflects, or as its clearcoat does.
 
 use super::super::layers::Coat;
-use super::super::point::SurfacePoint;
+use super::super::point::ShadingPoint;
 use super::groove::Groove;
 use crate::math::{Lane, Pack, Vec3};
 use crate::shade::coat_fresnel;
@@ -36,7 +36,7 @@ struct ShadingFrame<L> {
 impl<'s, P: Pack> Scatter<'s, P> {
     /// Makes the distribution; `v` is where the viewer truly is; the surface may be seen in the mirror of its groove.
     #[inline(always)]
-    pub(super) fn new(surface: &SurfacePoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
+    pub(super) fn new(surface: &ShadingPoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
         let n = surface.n.normalize_or(surface.v);
         let t = match &surface.stretch {
             Some(stretch) => stretch.tangent,
@@ -87,7 +87,7 @@ impl<'s, P: Pack> Scatter<'s, P> {
 
 impl<P: Pack> CoatLobe<P> {
     #[inline(always)]
-    fn new(coat: &Coat<P>, v: Vec3<P>, surface: &SurfacePoint<P>) -> Self {
+    fn new(coat: &Coat<P>, v: Vec3<P>, surface: &ShadingPoint<P>) -> Self {
         let frame = ShadingFrame::new(coat.n, coat.n.any_perpendicular(), v);
         let reflected = coat.factor * coat_fresnel(frame.v.z.clamp(0.0, 1.0));
         let Vec3 { x, y, z } = surface.sample.base_color + surface.sample.f0;
