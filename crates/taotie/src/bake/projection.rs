@@ -3,7 +3,7 @@
 use super::scan::Scan;
 use crate::math::Vec3;
 use crate::mesh::Point;
-use crate::trace::{Hit, Ray, Stretch};
+use crate::trace::{Hit, Ray, RayInterval};
 
 /// A correspondence: the point of the high-poly surface that a point of the low-poly mesh is projected onto.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,9 +29,9 @@ pub struct ProjectionRay {
 
 impl ProjectionRay {
     /// Returns the ray from its inner end, beside others that run along `main`, and the part of it that matters.
-    pub(super) fn ray(&self, main: Vec3) -> (Ray, Stretch) {
+    pub(super) fn ray(&self, main: Vec3) -> (Ray, RayInterval) {
         let ray = Ray::beside(self.point - self.direction * self.distance, self.direction, main);
-        (ray, Stretch { from: 0.0, center: self.distance, to: self.distance + self.distance })
+        (ray, RayInterval { from: 0.0, center: self.distance, to: self.distance + self.distance })
     }
 
     /// Returns the correspondence of a hit of [`ProjectionRay::ray`] on a surface with this normal.
@@ -44,8 +44,8 @@ impl Scan {
     /// Returns the nearest point on the ray where the scan faces as the ray does: whatever faces the other way is the
     /// far side of something else.
     pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
-        let (ray, stretch) = projection.ray(projection.direction);
-        let (hit, normal) = self.bvh().nearest_to(&ray, stretch, |hit| self.facing(hit, projection))?;
+        let (ray, interval) = projection.ray(projection.direction);
+        let (hit, normal) = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection))?;
         Some(projection.found(&hit, normal))
     }
 

@@ -31,8 +31,8 @@ pub(super) fn search(
     let (rays, mut nearest): (Vec<Ray>, Vec<Nearest<Vec3>>) = projections
         .iter()
         .map(|projection| {
-            let (ray, stretch) = projection.ray(view.axes[2]);
-            (ray, Nearest::on(stretch))
+            let (ray, interval) = projection.ray(view.axes[2]);
+            (ray, Nearest::on(interval))
         })
         .unzip();
     let places: Vec<[f32; 2]> = group.samples.iter().map(|sample| sample.at.map(f32::from)).collect();
