@@ -103,11 +103,12 @@ pub(super) struct Layers {
     pub sheen_color: Column3,
     pub sheen_roughness: Column,
     pub sheen_albedo: Column,
-    pub stretch: Column,
+    /// The strength of anisotropy.
+    pub anisotropy: Column,
     /// Cosine and sine of the angle of anisotropy from the tangent.
-    pub stretch_turn: [Column; 2],
+    pub anisotropy_turn: [Column; 2],
     /// The direction of anisotropy: unit, world space.
-    pub stretch_tangent: Column3,
+    pub anisotropy_direction: Column3,
 }
 
 /// The light of the environment at a fragment, linear RGB.
@@ -168,9 +169,9 @@ impl Batch {
                 sheen_color: ZERO3,
                 sheen_roughness: ZERO,
                 sheen_albedo: ZERO,
-                stretch: ZERO,
-                stretch_turn: [ZERO; 2],
-                stretch_tangent: ZERO3,
+                anisotropy: ZERO,
+                anisotropy_turn: [ZERO; 2],
+                anisotropy_direction: ZERO3,
             },
             smooth: ZERO3,
             bump: ZERO,

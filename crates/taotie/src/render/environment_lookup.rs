@@ -63,7 +63,7 @@ fn mirrored<P: Pack>(token: P::Token, query: EnvironmentQuery<'_>, material: &Ma
         let (n, v) = (at.load3(&batch.n), at.load3(&batch.v));
         let roughness = lobe_roughness(at, query.shading, material);
         let lobe_normal = match material.anisotropy {
-            Some(_) => stretched_normal(at, n, v),
+            Some(_) => anisotropic_normal(at, n, v),
             None => n,
         };
         let direction = towards_normal(mirror(lobe_normal, v), n, roughness);
@@ -120,12 +120,12 @@ fn towards_normal<L: Lane>(mirrored: Vec3<L>, n: Vec3<L>, roughness: L) -> Vec3<
 /// The normal that an anisotropic highlight mirrors by: turned towards the viewer, across the direction of anisotropy.
 /// Source: McAuley 2015, "Rendering the World of Far Cry 4"; the blend of KHR_materials_anisotropy.
 #[inline(always)]
-fn stretched_normal<P: Pack>(at: Lanes<'_, P>, n: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
+fn anisotropic_normal<P: Pack>(at: Lanes<'_, P>, n: Vec3<P>, v: Vec3<P>) -> Vec3<P> {
     let one = at.splat(1.0);
-    let bitangent = n.cross(at.load3(&at.batch.layers.stretch_tangent));
+    let bitangent = n.cross(at.load3(&at.batch.layers.anisotropy_direction));
     let bent = bitangent.cross(v).cross(bitangent).normalize_or(n);
-    let stretch = at.load(&at.batch.layers.stretch);
-    let round = one - stretch * (one - at.load(&at.batch.roughness));
+    let strength = at.load(&at.batch.layers.anisotropy);
+    let round = one - strength * (one - at.load(&at.batch.roughness));
     let share = round.squared().squared();
     (bent * (one - share) + n * share).normalize_or(n)
 }

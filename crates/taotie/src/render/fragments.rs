@@ -179,12 +179,12 @@ impl Interpolation<'_> {
             let (sin, cos) = (scalar::sin(angle) as f32, scalar::cos(angle) as f32);
             let has_texture = anisotropy.texture.is_some();
             let factors = [1.0, 1.0, anisotropy.strength, 1.0];
-            reader.read(&anisotropy.texture, [spare, spare2, &mut layers.stretch, spare3], factors);
+            reader.read(&anisotropy.texture, [spare, spare2, &mut layers.anisotropy, spare3], factors);
             for i in 0..len {
                 let (x, y) = (2.0 * spare[i] - 1.0, 2.0 * spare2[i] - 1.0);
                 let [x, y] = if has_texture { [x, y] } else { [1.0, 0.0] };
-                layers.stretch_turn[0][i] = cos * x - sin * y;
-                layers.stretch_turn[1][i] = sin * x + cos * y;
+                layers.anisotropy_turn[0][i] = cos * x - sin * y;
+                layers.anisotropy_turn[1][i] = sin * x + cos * y;
             }
         }
     }

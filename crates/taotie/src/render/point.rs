@@ -3,14 +3,14 @@
 use super::albedos;
 use super::batch::{Batch, Lanes};
 use super::draw::Draw;
-use super::layers::{Coat, Fibres, Terminator};
+use super::layers::{Coat, Sheen, Terminator};
 use super::material_sample::material_sample;
 use super::model::{Model, takes_albedos};
 use super::normals::shade_normals;
 use super::settings::RenderSettings;
 use crate::math::{Pack, Vec3};
 use crate::scene::Material;
-use crate::shade::{self, Angles, MaterialSample, Shading, Stretch};
+use crate::shade::{self, Angles, AnisotropicLobe, MaterialSample, Shading};
 use fearless_simd::Level;
 
 /// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the
@@ -35,9 +35,9 @@ pub(super) struct ShadingPoint<L> {
     /// The direction to the viewer: unit, world space.
     pub v: Vec3<L>,
     terminator: Terminator<L>,
-    pub stretch: Option<Stretch<L>>,
+    pub anisotropic: Option<AnisotropicLobe<L>>,
     pub coat: Option<Coat<L>>,
-    pub fibres: Option<Fibres<L>>,
+    pub sheen: Option<Sheen<L>>,
 }
 
 impl<P: Pack> ShadingPoint<P> {
@@ -47,18 +47,18 @@ impl<P: Pack> ShadingPoint<P> {
         let batch = at.batch;
         let (sample, ambient) = material_sample(at, shading, material);
         let (n, v) = (at.load3(&batch.n), at.load3(&batch.v));
-        let stretched = layered && material.anisotropy.is_some();
-        let stretch = stretched.then(|| {
-            let tangent = at.load3(&batch.layers.stretch_tangent);
-            let strength = at.load(&batch.layers.stretch);
-            Stretch::new(tangent, n.cross(tangent), sample.roughness, strength)
+        let is_anisotropic = layered && material.anisotropy.is_some();
+        let anisotropic = is_anisotropic.then(|| {
+            let tangent = at.load3(&batch.layers.anisotropy_direction);
+            let strength = at.load(&batch.layers.anisotropy);
+            AnisotropicLobe::new(tangent, n.cross(tangent), sample.roughness, strength)
         });
         let coat = (layered && material.clearcoat.is_some()).then(|| Coat::new(at));
-        let fibres = (layered && material.sheen.is_some()).then(|| Fibres::new(at));
+        let sheen = (layered && material.sheen.is_some()).then(|| Sheen::new(at));
         let emitted = at.load3(&batch.emissive);
         let emitted = coat.as_ref().map_or(emitted, |coat| emitted * coat.kept);
         let terminator = Terminator::new(at);
-        Self { shading, sample, ambient, emitted, n, v, terminator, stretch, coat, fibres }
+        Self { shading, sample, ambient, emitted, n, v, terminator, anisotropic, coat, sheen }
     }
 
     /// Radiance to the viewer per unit of irradiance on a plane that faces the light in direction `l` (unit, world
@@ -76,12 +76,12 @@ impl<P: Pack> ShadingPoint<P> {
     #[inline(always)]
     pub(super) fn reflect_bare(&self, l: Vec3<P>) -> Vec3<P> {
         let angles = Angles::new(self.n, self.v, l);
-        let mut reflected = match &self.stretch {
-            Some(stretch) => shade::reflect_stretched(&self.sample, stretch, &angles, [self.v, l]),
+        let mut reflected = match &self.anisotropic {
+            Some(lobe) => shade::reflect_anisotropic(&self.sample, lobe, &angles, [self.v, l]),
             None => shade::reflect(self.shading, &self.sample, &angles),
         };
-        if let Some(fibres) = &self.fibres {
-            reflected = fibres.over(reflected, &angles);
+        if let Some(sheen) = &self.sheen {
+            reflected = sheen.over(reflected, &angles);
         }
         reflected * self.terminator.share(l)
     }
@@ -98,8 +98,8 @@ impl<P: Pack> ShadingPoint<P> {
         let seen = shade::specular_occlusion(n_dot_v, occlusion, self.sample.roughness);
         let gathered = at.load3(&batch.environment_radiance.specular) * seen;
         let mut radiance = weights.specular.mul_elements(gathered) + weights.diffuse.mul_elements(mean);
-        if let Some(fibres) = &self.fibres {
-            radiance = fibres.over_mean(radiance, mean);
+        if let Some(sheen) = &self.sheen {
+            radiance = sheen.over_mean(radiance, mean);
         }
         match &self.coat {
             Some(coat) => coat.over_environment(radiance, at.load3(&batch.environment_radiance.coat)),

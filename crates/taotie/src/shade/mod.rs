@@ -28,12 +28,12 @@ pub mod sampling;
 pub mod sheen;
 
 pub use angles::Angles;
-pub use anisotropy::Stretch;
+pub use anisotropy::AnisotropicLobe;
 pub use coat::{COAT_F0, coat_fresnel, coat_lobe};
 pub use compensation::{Compensation, compensation};
 pub use energy::{Energy, EnvironmentWeights, environment_weights, specular_occlusion};
 pub use facets::Facets;
 pub use material_sample::MaterialSample;
-pub use models::{reflect, reflect_stretched};
+pub use models::{reflect, reflect_anisotropic};
 pub use shading::Shading;
 pub use widening::{SubPixelVariance, curvature_variance};

@@ -4,7 +4,9 @@ use taotie::math::Vec3;
 use taotie::shade::dfg::{self, Dfg, integrate};
 use taotie::shade::furnace::{Furnace, over_hemisphere};
 use taotie::shade::sheen::{d_charlie, v_neubelt};
-use taotie::shade::{self, Angles, MaterialSample, Shading, Stretch, compensation, environment_weights};
+use taotie::shade::{
+    self, Angles, AnisotropicLobe, MaterialSample, Shading, compensation, environment_weights,
+};
 
 type V = Vec3<f64>;
 
@@ -156,19 +158,19 @@ fn surroundings_weigh_what_lights_from_everywhere_send() {
 }
 
 #[test]
-fn stretched_lobes_of_equal_widths_are_round() {
+fn anisotropic_lobes_of_equal_widths_are_round() {
     let (t, b) = (Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0));
     for roughness in [0.2, 0.6, 1.0] {
-        let stretch = Stretch::new(t, b, roughness, 0.0);
+        let lobe = AnisotropicLobe::new(t, b, roughness, 0.0);
         let s = MaterialSample { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
         for v in [viewer(0.3), viewer(0.9)] {
             for l in [viewer(0.5), Vec3::new(0.48, 0.6, 0.64), Vec3::new(-0.6, 0.0, 0.8)] {
                 let a = Angles::new(N, v, l);
                 let round = shade::reflect(Shading::Ggx, &s, &a);
-                let stretched = shade::reflect_stretched(&s, &stretch, &a, [v, l]);
+                let anisotropic = shade::reflect_anisotropic(&s, &lobe, &a, [v, l]);
                 assert!(
-                    (round - stretched).length() < 1e-9 * (1.0 + round.length()),
-                    "{round:?} {stretched:?}"
+                    (round - anisotropic).length() < 1e-9 * (1.0 + round.length()),
+                    "{round:?} {anisotropic:?}"
                 );
             }
         }
@@ -176,17 +178,16 @@ fn stretched_lobes_of_equal_widths_are_round() {
 }
 
 #[test]
-fn stretched_lobes_lose_no_more_than_scattering_does() {
+fn anisotropic_lobes_lose_no_more_than_scattering_does() {
     let (t, b) = (Vec3::new(0.8, 0.6, 0.0), Vec3::new(-0.6, 0.8, 0.0));
     for (roughness, strength) in [(0.4, 0.5), (0.5, 1.0), (0.7, 0.8)] {
-        let stretch = Stretch::new(t, b, roughness, strength);
+        let lobe = AnisotropicLobe::new(t, b, roughness, strength);
         let s = MaterialSample { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
         for n_dot_v in [0.3, 0.8, 1.0] {
             let v = viewer(n_dot_v);
-            let albedo = over_hemisphere(16, |l| {
-                shade::reflect_stretched(&s, &stretch, &Angles::new(N, v, l), [v, l])
-            });
-            let [narrow, broad] = [stretch.across, stretch.along].map(|alpha| {
+            let albedo =
+                over_hemisphere(16, |l| shade::reflect_anisotropic(&s, &lobe, &Angles::new(N, v, l), [v, l]));
+            let [narrow, broad] = [lobe.across, lobe.along].map(|alpha| {
                 let dfg = dfg::of_ggx(n_dot_v as f32, alpha.sqrt() as f32);
                 f64::from(dfg.total())
             });
@@ -197,7 +198,7 @@ fn stretched_lobes_lose_no_more_than_scattering_does() {
 }
 
 #[test]
-fn fibres_reflect_what_their_table_says_and_no_more_than_arrives() {
+fn sheen_reflects_what_its_table_says_and_no_more_than_arrives() {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
         for n_dot_v in [0.1, 0.4, 0.8, 1.0] {
             let v = viewer(n_dot_v);

@@ -122,8 +122,8 @@ fn finishes() -> Vec<Golden> {
             .with(|settings| settings.energy = energy)
     };
     vec![
-        under_lamp("lacquer", finishes::lacquer()),
-        under_lamp("lacquer-under-sky", finishes::lacquer()).under_sky(),
+        under_lamp("clearcoat", finishes::clearcoat()),
+        under_lamp("clearcoat-under-sky", finishes::clearcoat()).under_sky(),
         under_lamp("velvet", finishes::velvet()),
         under_lamp("velvet-under-sky", finishes::velvet()).under_sky(),
         under_lamp("brushed", finishes::brushed()),

@@ -245,17 +245,22 @@ fn every_kind_of_surface_sends_paths_as_its_density_says() {
         normal: None,
     };
     let sheen = Sheen { color: [0.9; 3], color_texture: None, roughness: 0.4, roughness_texture: None };
-    let stretch = Anisotropy { strength: 0.8, rotation: 0.5, texture: None };
+    let anisotropy = Anisotropy { strength: 0.8, rotation: 0.5, texture: None };
     let half_rough = metal(0.4);
     let materials = [
-        ("lacquer", Material { clearcoat: Some(coat), ..matt(0.1) }),
-        ("lacquered metal", Material { clearcoat: Some(coat), ..half_rough.clone() }),
-        ("fibres", Material { sheen: Some(sheen), ..matt(0.2) }),
-        ("fibres on metal", Material { sheen: Some(sheen), ..half_rough.clone() }),
-        ("stretched metal", Material { anisotropy: Some(stretch), ..half_rough.clone() }),
+        ("clearcoat", Material { clearcoat: Some(coat), ..matt(0.1) }),
+        ("clearcoat on metal", Material { clearcoat: Some(coat), ..half_rough.clone() }),
+        ("sheen", Material { sheen: Some(sheen), ..matt(0.2) }),
+        ("sheen on metal", Material { sheen: Some(sheen), ..half_rough.clone() }),
+        ("anisotropic metal", Material { anisotropy: Some(anisotropy), ..half_rough.clone() }),
         (
             "everything",
-            Material { clearcoat: Some(coat), sheen: Some(sheen), anisotropy: Some(stretch), ..metal(0.5) },
+            Material {
+                clearcoat: Some(coat),
+                sheen: Some(sheen),
+                anisotropy: Some(anisotropy),
+                ..metal(0.5)
+            },
         ),
     ];
     let layered = materials.map(|(name, material)| (name, material, Shading::Ggx));

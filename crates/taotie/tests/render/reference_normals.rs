@@ -77,7 +77,7 @@ fn grooves_send_paths_as_their_density_says() {
     let named = Shading::NAMES
         .iter()
         .map(|(name, shading)| (*name, Material { metallic: 0.3, roughness: 0.5, ..matt(0.5) }, *shading));
-    let coated = [("lacquered metal", Material { clearcoat: Some(coat), ..metal(0.4) }, Shading::Ggx)];
+    let coated = [("clearcoat on metal", Material { clearcoat: Some(coat), ..metal(0.4) }, Shading::Ggx)];
     let sky = surrounding(skies::equirect(64, |d| Vec3::splat(1.0 + 0.8 * d.x + 0.5 * d.y * d.z)));
     for (name, material, shading) in named.chain(coated) {
         for n_dot_v in [0.9, 0.3] {

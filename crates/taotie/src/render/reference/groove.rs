@@ -53,7 +53,7 @@ impl Grooves {
         }
         if takes_albedos(settings.shading) {
             albedos::look_up(level, settings, draw, batch);
-            // The lacquer lies over the groove: the true viewer sees it.
+            // The clearcoat lies over the groove: the true viewer sees it.
             for i in batch.entries() {
                 albedos::look_up_coat(draw.material, batch, i, get3(&self.v, i));
             }

@@ -38,16 +38,16 @@ impl<'s, P: Pack> Scatter<'s, P> {
     #[inline(always)]
     pub(super) fn new(surface: &ShadingPoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
         let n = surface.n.normalize_or(surface.v);
-        let t = match &surface.stretch {
-            Some(stretch) => stretch.tangent,
+        let t = match &surface.anisotropic {
+            Some(lobe) => lobe.tangent,
             None => n.any_perpendicular(),
         };
         let base = ShadingFrame::new(n, t, surface.v);
         let mut lobes = Lobes::of(surface.shading, &surface.sample, base.v.z);
-        if let Some(stretch) = &surface.stretch {
-            lobes.alpha = [stretch.along, stretch.across];
+        if let Some(lobe) = &surface.anisotropic {
+            lobes.alpha = [lobe.along, lobe.across];
         }
-        if surface.fibres.is_some() {
+        if surface.sheen.is_some() {
             lobes.glossy = lobes.glossy * n.x.lit(0.5);
         }
         let coat = surface.coat.as_ref().map(|coat| CoatLobe::new(coat, v, surface));

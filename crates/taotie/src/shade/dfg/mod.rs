@@ -68,7 +68,7 @@ pub fn of_cook_torrance(n_dot_v: f32, slope: f32) -> Dfg<f32> {
 /// roughness below 0.3.
 ///
 /// `n_dot_v` and `roughness` in [0, 1].
-/// Law: within 1 % of the quadrature (`laws::energy::fibres_reflect_what_their_table_says_and_no_more_than_arrives`).
+/// Law: within 1 % of the quadrature (`laws::energy::sheen_reflects_what_its_table_says_and_no_more_than_arrives`).
 pub fn of_sheen(n_dot_v: f32, roughness: f32) -> f32 {
     bilinear(&sheen::TABLE, n_dot_v, roughness)[0]
 }

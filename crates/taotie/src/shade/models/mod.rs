@@ -4,7 +4,7 @@ mod classic;
 mod microfacet;
 mod printed;
 
-use super::{Angles, MaterialSample, Shading, Stretch};
+use super::{Angles, AnisotropicLobe, MaterialSample, Shading};
 use crate::math::{Lane, Vec3};
 
 /// Outgoing radiance per unit of irradiance on a plane that faces the light, linear RGB.
@@ -30,13 +30,13 @@ pub fn reflect<L: Lane>(shading: Shading, s: &MaterialSample<L>, a: &Angles<L>) 
 
 /// Computes [`reflect`] with [`Shading::Ggx`], for an anisotropic highlight; `v` and `l` are those of `a`.
 #[inline(always)]
-pub fn reflect_stretched<L: Lane>(
+pub fn reflect_anisotropic<L: Lane>(
     s: &MaterialSample<L>,
-    stretch: &Stretch<L>,
+    anisotropic: &AnisotropicLobe<L>,
     a: &Angles<L>,
     [v, l]: [Vec3<L>; 2],
 ) -> Vec3<L> {
-    lit(a, microfacet::ggx_with_lobe(s, a, stretch.lobe(a, v, l)))
+    lit(a, microfacet::ggx_with_lobe(s, a, anisotropic.lobe(a, v, l)))
 }
 
 /// `value` where n·l > 0, else zero.
