@@ -3,9 +3,9 @@
 use super::batch::{Batch, Lanes};
 use super::columns::store3;
 use super::draw::Draw;
+use super::light_source::LightSource;
 use super::model::Model;
 use super::point::ShadingPoint;
-use super::source::Source;
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::scene::Material;
 use crate::shade::Shading;
@@ -15,7 +15,7 @@ use fearless_simd::Level;
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub shading: Shading,
-    pub sources: &'a [Source],
+    pub sources: &'a [LightSource],
     pub ambient: Vec3,
     pub shadows: bool,
     /// `true` where `batch.environment_radiance` is filled.

@@ -2,14 +2,14 @@
 
 use super::batch::{BATCH, Batch};
 use super::columns::get3;
-use super::source::Source;
+use super::light_source::LightSource;
 use super::tree::Casters;
 use crate::math::Vec3;
 
 /// Fills `batch.visibility`. `origins` are the points that rays leave from.
 pub(super) fn trace_shadows(
     casters: Casters<'_>,
-    sources: &[Source],
+    sources: &[LightSource],
     origins: &[Vec3; BATCH],
     batch: &mut Batch,
 ) {

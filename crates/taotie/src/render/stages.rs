@@ -8,6 +8,7 @@ use super::geometry::Projected;
 use super::grouping::Grouping;
 use super::interpolate::{Interpolation, Screen};
 use super::key::Key;
+use super::light_source::LightSource;
 use super::lighting::{Illumination, light};
 use super::model::{as_taken, takes_roughness};
 use super::point::complete;
@@ -15,7 +16,6 @@ use super::prepare::Ready;
 use super::resolve::Resolve;
 use super::settings::{EnvironmentLight, RenderSettings, Shot};
 use super::shadows::trace_shadows;
-use super::source::Source;
 use super::tree::Casters;
 use super::view::View;
 use crate::error::Result;
@@ -30,7 +30,7 @@ pub struct Stages<'p> {
     projected: Projected,
     view: View,
     viewport: Viewport,
-    sources: Vec<Source>,
+    sources: Vec<LightSource>,
     ambient: Vec3,
     environment: Option<EnvironmentLight>,
     /// The settings, as the model takes them.
@@ -69,7 +69,7 @@ impl<'p> Stages<'p> {
             projected,
             view,
             viewport,
-            sources: shot.lighting.lights.iter().map(Source::new).collect(),
+            sources: shot.lighting.lights.iter().map(LightSource::new).collect(),
             ambient: shot.lighting.ambient,
             environment: shot.lighting.environment.clone(),
             level: settings.surface.simd.dispatch()?,

@@ -3,9 +3,9 @@
 
 use super::super::batch::{Batch, Lanes};
 use super::super::columns::{Column, Column3, ZERO, ZERO3, store3};
+use super::super::light_source::LightSource;
 use super::super::model::Model;
 use super::super::point::ShadingPoint;
-use super::super::source::Source;
 use super::groove::{Groove, Grooves};
 use super::scatter::Scatter;
 use crate::math::{Pack, Vec3, dispatch_eight};
@@ -19,7 +19,7 @@ pub(super) struct Question<'t> {
     pub depth: u32,
     pub shading: Shading,
     pub material: &'t Material,
-    pub sources: &'t [Source],
+    pub sources: &'t [LightSource],
     pub ambient: Vec3,
     /// `true` where light behind the shading normal is shadowed.
     pub shadows: bool,
@@ -88,14 +88,14 @@ fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, e
         // One loop over all directions, so that reflection is compiled once.
         for request in question.requests() {
             let (l, irradiance) = match request {
-                Request::Source(number) => question.sources[number].incidence(token, position),
+                Request::Light(number) => question.sources[number].incidence(token, position),
                 Request::Sky => (at.load3(&exchange.to_sky), at.splat3(ONE)),
                 Request::Onward => (onward, at.splat3(ONE)),
             };
-            let shadowed = question.shadows || !matches!(request, Request::Source(_));
+            let shadowed = question.shadows || !matches!(request, Request::Light(_));
             let reflected = seen.reflected(l, shadowed).mul_elements(irradiance);
             let pdf = match request {
-                Request::Source(_) => reflected.x,
+                Request::Light(_) => reflected.x,
                 Request::Sky | Request::Onward => scatter.pdf(l),
             };
             exchange.answer(request, i, reflected, pdf);
@@ -107,7 +107,7 @@ fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, e
 #[derive(Clone, Copy)]
 enum Request {
     /// The direction towards a light, by its number.
-    Source(usize),
+    Light(usize),
     /// The direction towards the environment.
     Sky,
     /// The direction in which the path goes on.
@@ -119,13 +119,13 @@ impl Question<'_> {
     fn requests(&self) -> impl Iterator<Item = Request> {
         let sources = self.sources.len();
         let all = (0..sources + 2).map(move |number| match number {
-            number if number < sources => Request::Source(number),
+            number if number < sources => Request::Light(number),
             number if number == sources => Request::Sky,
             _ => Request::Onward,
         });
         let (sky, onward) = (self.sky, self.onward);
         all.filter(move |request| match request {
-            Request::Source(_) => true,
+            Request::Light(_) => true,
             Request::Sky => sky,
             Request::Onward => onward,
         })
@@ -137,7 +137,7 @@ impl Exchange {
     #[inline(always)]
     fn answer<P: Pack>(&mut self, request: Request, i: usize, reflected: Vec3<P>, pdf: P) {
         match request {
-            Request::Source(number) => store3(reflected, &mut self.lit[number], i),
+            Request::Light(number) => store3(reflected, &mut self.lit[number], i),
             Request::Sky => {
                 store3(reflected, &mut self.from_sky, i);
                 pdf.store(&mut self.sky_pdf[i..]);

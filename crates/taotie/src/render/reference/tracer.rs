@@ -2,11 +2,11 @@
 
 use super::super::draw::{Draw, Draws};
 use super::super::ground::Ground;
+use super::super::light_source::LightSource;
 use super::super::model::as_taken;
 use super::super::prepare::Ready;
 use super::super::rays::CameraRays;
 use super::super::settings::{RenderSettings, Shot};
-use super::super::source::Source;
 use super::super::tree::Casters;
 use super::super::view::View;
 use super::environment::WorldEnvironment;
@@ -22,7 +22,7 @@ pub(super) struct Tracer<'t> {
     pub sight: Sight<'t>,
     pub view: View,
     pub camera: CameraRays,
-    pub sources: Vec<Source>,
+    pub sources: Vec<LightSource>,
     pub ambient: Vec3,
     pub ground: Option<Ground>,
     pub environment: Option<WorldEnvironment<'t>>,
@@ -62,7 +62,7 @@ impl<'t> Tracer<'t> {
             sight: Sight { draws, tree },
             view,
             camera,
-            sources: lighting.lights.iter().map(Source::new).collect(),
+            sources: lighting.lights.iter().map(LightSource::new).collect(),
             ambient: lighting.ambient,
             ground: bounds.map(ground),
             environment: lighting.environment.as_ref().map(WorldEnvironment::new),
