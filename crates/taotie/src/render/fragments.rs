@@ -107,7 +107,7 @@ impl Interpolation<'_> {
         let (material, len) = (self.draw.material, batch.len);
         let colored = !self.draw.mesh.colors().is_empty();
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader = Reader {
+        let mut reader = TextureReader {
             interpolation: self,
             lookups,
             at: Coordinates { sets: uv_sets, len },
@@ -152,7 +152,7 @@ impl Interpolation<'_> {
         let (specular, len) = (&self.draw.material.specular, batch.len);
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
         let mut reader =
-            Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh };
+            TextureReader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh };
         let factors = [1.0, 1.0, 1.0, specular.factor];
         reader.read(&specular.factor_texture, [spare, spare2, spare3, &mut batch.specular], factors);
         let ([r, g, b], [red, green, blue]) = (&mut batch.specular_color, specular.color);
@@ -165,8 +165,12 @@ impl Interpolation<'_> {
             self.coat(coat, batch);
         }
         let Batch { lookups, uv_sets, layers, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader =
-            Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh: true };
+        let mut reader = TextureReader {
+            interpolation: self,
+            lookups,
+            at: Coordinates { sets: uv_sets, len },
+            fresh: true,
+        };
         if let Some(sheen) = &material.sheen {
             let ([r, g, b], [red, green, blue]) = (&mut layers.sheen_color, sheen.color);
             reader.read(&sheen.color_texture, [r, g, b, spare], [red, green, blue, 1.0]);
@@ -196,8 +200,12 @@ impl Interpolation<'_> {
     fn coat(&self, coat: &Clearcoat, batch: &mut Batch) {
         let len = batch.len;
         let Batch { lookups, uv_sets, layers, curvature, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader =
-            Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh: true };
+        let mut reader = TextureReader {
+            interpolation: self,
+            lookups,
+            at: Coordinates { sets: uv_sets, len },
+            fresh: true,
+        };
         let factors = [coat.factor, 1.0, 1.0, 1.0];
         reader.read(&coat.factor_texture, [&mut layers.coat, spare, spare2, spare3], factors);
         let factors = [1.0, coat.roughness, 1.0, 1.0];
@@ -214,7 +222,7 @@ impl Interpolation<'_> {
 }
 
 /// Reads the textures of a batch.
-struct Reader<'b, 'i> {
+struct TextureReader<'b, 'i> {
     interpolation: &'i Interpolation<'i>,
     lookups: &'b mut Lookups,
     at: Coordinates<'b>,
@@ -222,7 +230,7 @@ struct Reader<'b, 'i> {
     fresh: bool,
 }
 
-impl Reader<'_, '_> {
+impl TextureReader<'_, '_> {
     /// A texture's linear values times `factors`; without one it is white.
     fn read(&mut self, texture: &Option<TextureRef>, mut out: [&mut Column; 4], factors: [f32; 4]) {
         match texture {
