@@ -61,8 +61,8 @@ fn copy<T: Copy>(plane: &mut [T], from: &[(usize, usize)]) {
     }
 }
 
-/// A plane at a coarser level; `None` where none of what a texel covers is known.
-struct Level<const N: usize> {
+/// A level of the pyramid that fills gaps; `None` where none of what a texel covers is known.
+struct PyramidLevel<const N: usize> {
     size: [usize; 2],
     texels: Vec<Option<[f32; N]>>,
 }
@@ -100,7 +100,7 @@ fn pull_push<const N: usize>(plane: &mut [[f32; N]], known: &[bool], size: [usiz
 fn coarser<const N: usize>(
     [width, height]: [usize; 2],
     at: impl Fn(usize) -> Option<[f32; N]> + Sync,
-) -> Level<N> {
+) -> PyramidLevel<N> {
     let size = [width.div_ceil(2), height.div_ceil(2)];
     let mean = |i: usize| {
         let (x, y) = (i % size[0] * 2, i / size[0] * 2);
@@ -113,7 +113,7 @@ fn coarser<const N: usize>(
         }
         (count > 0).then(|| sum.map(|v| v / count as f32))
     };
-    Level { size, texels: (0..size[0] * size[1]).into_par_iter().map(mean).collect() }
+    PyramidLevel { size, texels: (0..size[0] * size[1]).into_par_iter().map(mean).collect() }
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ const UV_WEIGHT: f32 = 3.0;
 
 /// A level of detail.
 #[derive(Debug, Clone)]
-pub struct Level {
+pub struct DetailLevel {
     /// Vertices of the unwrapped mesh, with all that they had but tangents, and fewer triangles.
     pub mesh: Mesh,
     /// The distance from the unwrapped mesh, and the shift of what its maps show, model units: meshoptimizer's
@@ -32,7 +32,7 @@ pub struct Level {
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh has no uvs or a count is 0.
-pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<Vec<Level>> {
+pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<Vec<DetailLevel>> {
     let Some(uvs) = mesh.uvs().first() else {
         return Err(Error::invalid("a mesh for levels of detail", "it has no uvs; unwrap it first"));
     };
@@ -46,7 +46,7 @@ pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<V
         progress.at(i as f64 / counts.len() as f64)?;
         let (triangles, error) = fewer(mesh, &points, &places, *count);
         let reached = is_near(triangles.len(), *count) || triangles.len() < *count;
-        Ok(Level { mesh: with_triangles(mesh, triangles)?, error: error * cube.extent, reached })
+        Ok(DetailLevel { mesh: with_triangles(mesh, triangles)?, error: error * cube.extent, reached })
     };
     let levels = counts.par_iter().enumerate().map(level).collect::<Result<_>>()?;
     progress.at(1.0)?;

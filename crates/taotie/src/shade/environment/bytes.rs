@@ -3,7 +3,7 @@
 //! After the header come the number of mended texels, the image and the levels. Texels
 //! are six bytes, three half floats, after the exponent of two that they are multiplied by.
 
-use super::levels::{Level, Levels, alphas};
+use super::levels::{Levels, RoughnessLevel, alphas};
 use super::octahedron::Octahedron;
 use super::picture::Picture;
 use super::texels::HalfTexels;
@@ -161,9 +161,9 @@ impl<R: Read> Rest<R> {
         Ok(texels)
     }
 
-    fn level(&mut self) -> Result<Level> {
+    fn level(&mut self) -> Result<RoughnessLevel> {
         let alpha = f32::from_le_bytes(self.array()?);
-        Ok(Level { alpha, map: self.map()? })
+        Ok(RoughnessLevel { alpha, map: self.map()? })
     }
 
     fn map(&mut self) -> Result<Octahedron> {

@@ -12,7 +12,7 @@ mod lobe;
 mod resize;
 mod rings;
 
-use super::levels::{Level, Levels, alphas};
+use super::levels::{Levels, RoughnessLevel, alphas};
 use super::octahedron::{self, Octahedron};
 use super::picture::{Picture, uv_of};
 use blur::blur;
@@ -62,7 +62,7 @@ pub(super) fn levels(picture: &Picture) -> Levels {
         }
         let sum = scales.sum(Ggx::new(alpha));
         let map = Octahedron::new(side, |texel| sum.at(places[texel], picture));
-        Level { alpha: alpha as f32, map }
+        RoughnessLevel { alpha: alpha as f32, map }
     };
     Levels(alphas().into_iter().map(level).collect())
 }
