@@ -3,15 +3,15 @@
 use super::flatten::bounds;
 use super::mask::{Mask, corner, turned};
 use super::options::UnwrapOptions;
-use super::pack::{Field, Placement, pack};
+use super::pack::{Bin, Placement, pack};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
-/// Cells along a side of the coarse field, on which the scale is sought in several orders.
+/// Cells along a side of the coarse bin, on which the scale is sought in several orders.
 const COARSE: f64 = 256.0;
-/// Cells along a side of the fine field, on which UV islands are placed in the best of them; the time that it takes
+/// Cells along a side of the fine bin, on which UV islands are placed in the best of them; the time that it takes
 /// grows with the number of UV islands and the fourth power of this.
 const FINE: f64 = 1024.0;
 /// The same where there are more than [`MANY`] UV islands.
@@ -19,7 +19,7 @@ const FINE_FOR_MANY: f64 = 512.0;
 const MANY: usize = 150;
 /// No fewer cells along a side for one UV island, times the root of the number of UV islands.
 const FOR_ONE: f64 = 6.0;
-/// The number of packings once a scale is known at which UV islands fit: on the coarse field and on the fine one.
+/// The number of packings once a scale is known at which UV islands fit: on the coarse bin and on the fine one.
 const TRIES: [usize; 2] = [9, 4];
 /// The largest number of packings at all: each time that UV islands do not fit the scale falls.
 const MOST_TRIES: usize = 40;
@@ -54,7 +54,7 @@ type Laid = Vec<[[f64; 2]; 3]>;
 struct Cells {
     /// Texels along a side of one.
     side: u32,
-    field: Field,
+    bin: Bin,
 }
 
 impl Cells {
@@ -62,10 +62,7 @@ impl Cells {
         let side = (f64::from(options.size) / wanted).ceil().max(1.0) as u32;
         // What is left between the borders is at least one texel, and at least one cell.
         let width = ((options.size - 2 * options.padding) / side).max(1);
-        Self {
-            side,
-            field: Field { width, gap: options.padding.div_ceil(side), most: width.saturating_mul(3) },
-        }
+        Self { side, bin: Bin { width, gap: options.padding.div_ceil(side), most: width.saturating_mul(3) } }
     }
 }
 
@@ -77,7 +74,7 @@ struct Fit {
     order: usize,
 }
 
-/// Packs UV islands at rising and falling scales: on a coarse field in several orders, then on a fine one in the best.
+/// Packs UV islands at rising and falling scales: on a coarse bin in several orders, then on a fine one in the best.
 /// `guess` is the first scale, in maps a unit.
 pub(super) fn lay_out(
     laid: &[Laid],
@@ -105,7 +102,7 @@ pub(super) fn lay_out(
     Ok(layout(laid, &fit, &fine, options))
 }
 
-/// A search for the largest scale on one field.
+/// A search for the largest scale on one bin.
 struct Search<'a> {
     laid: &'a [Laid],
     cells: &'a Cells,
@@ -116,13 +113,13 @@ struct Search<'a> {
 impl Search<'_> {
     /// Returns the largest scale found, if any. `start` is in texels a unit.
     fn run(&self, start: f64, progress: Progress<'_>) -> Result<Option<Fit>> {
-        let (width, side) = (f64::from(self.cells.field.width), f64::from(self.cells.side));
-        // A UV island that is longer than the field fits in no turn.
+        let (width, side) = (f64::from(self.cells.bin.width), f64::from(self.cells.side));
+        // A UV island that is longer than the bin fits in no turn.
         let mut fails = 0.9999 * width / longest_side(self.laid);
         let (mut scale, mut best, mut fits) = ((start / side).min(0.999 * fails), None, 0.0);
         for attempt in 0..MOST_TRIES {
             progress.at(attempt.min(self.tries) as f64 / (self.tries + 1) as f64)?;
-            let packed = packed(self.laid, scale, &self.cells.field, self.orders);
+            let packed = packed(self.laid, scale, &self.cells.bin, self.orders);
             let rows = packed.as_ref().map_or(3.0 * width, |(_, rows, _)| f64::from(*rows));
             match packed.filter(|_| rows <= width) {
                 Some((places, _, order)) => {
@@ -161,13 +158,8 @@ fn longest_side(laid: &[Laid]) -> f64 {
 }
 
 /// Packs UV islands in several orders: the places, rows and number of the one that takes the fewest rows.
-fn packed(
-    laid: &[Laid],
-    scale: f64,
-    field: &Field,
-    orders: &[usize],
-) -> Option<(Vec<Placement>, u32, usize)> {
-    let turns = |laid: &Laid| [0, 1, 2, 3].map(|quarters| Mask::new(laid, quarters, scale, 2 * field.gap));
+fn packed(laid: &[Laid], scale: f64, bin: &Bin, orders: &[usize]) -> Option<(Vec<Placement>, u32, usize)> {
+    let turns = |laid: &Laid| [0, 1, 2, 3].map(|quarters| Mask::new(laid, quarters, scale, 2 * bin.gap));
     let masks: Vec<[Mask; 4]> = laid.par_iter().map(turns).collect();
     let size = |mask: &Mask, by: usize| match by {
         0 => (mask.width + mask.height()) as usize,
@@ -178,7 +170,7 @@ fn packed(
     let in_order = |by: &usize| {
         let mut order: Vec<u32> = (0..masks.len() as u32).collect();
         order.sort_by_cached_key(|island| (Reverse(size(&masks[*island as usize][0], *by)), *island));
-        pack(&masks, &order, field).map(|(places, rows)| (places, rows, *by))
+        pack(&masks, &order, bin).map(|(places, rows)| (places, rows, *by))
     };
     let all: Vec<_> = orders.par_iter().map(in_order).collect();
     all.into_iter().flatten().min_by_key(|(_, rows, _)| *rows)

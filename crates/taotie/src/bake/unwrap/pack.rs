@@ -19,9 +19,9 @@ pub(super) struct Placement {
     pub y: u32,
 }
 
-/// The field that UV islands are put on, and what is needed around each.
+/// The bin that UV islands are packed into, and what is needed around each.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Field {
+pub(super) struct Bin {
     /// Cells across.
     pub width: u32,
     /// Cells between UV islands.
@@ -30,13 +30,13 @@ pub(super) struct Field {
     pub most: u32,
 }
 
-/// Puts UV islands, each given in its four turns, on a field in the order of `order`: each as far up as it can be, then
-/// as far left. Gives the places and how many rows are used; `None` where a UV island is wider than the field, or the
+/// Puts UV islands, each given in its four turns, into a bin in the order of `order`: each as far up as it can be, then
+/// as far left. Gives the places and how many rows are used; `None` where a UV island is wider than the bin, or the
 /// rows are more than the most.
 ///
 /// Law: UV islands lie at least `gap` cells apart.
-pub(super) fn pack(islands: &[[Mask; 4]], order: &[u32], field: &Field) -> Option<(Vec<Placement>, u32)> {
-    let mut board = Board::new(field);
+pub(super) fn pack(islands: &[[Mask; 4]], order: &[u32], bin: &Bin) -> Option<(Vec<Placement>, u32)> {
+    let mut board = Board::new(bin);
     let mut places = vec![Placement { quarters: 0, x: 0, y: 0 }; islands.len()];
     let mut used = 0;
     for island in order {
@@ -45,7 +45,7 @@ pub(super) fn pack(islands: &[[Mask; 4]], order: &[u32], field: &Field) -> Optio
         let mask = &turns[place.quarters as usize];
         board.stamp(mask, place);
         used = used.max(place.y + mask.height());
-        if used > field.most {
+        if used > bin.most {
             return None;
         }
         places[*island as usize] = place;
@@ -68,8 +68,8 @@ struct Board {
 }
 
 impl Board {
-    fn new(field: &Field) -> Self {
-        let gap = i64::from(field.gap);
+    fn new(bin: &Bin) -> Self {
+        let gap = i64::from(bin.gap);
         // Cells whose nearest points are less than the gap apart.
         let is_near = |dx: i64, dy: i64| {
             let [dx, dy] = [dx, dy].map(|d: i64| (d - 1).max(0));
@@ -77,8 +77,8 @@ impl Board {
         };
         let half = |dy: i64| (0..=gap).rev().find(|dx| is_near(*dx, dy));
         Self {
-            width: field.width,
-            words: field.width.div_ceil(64) as usize,
+            width: bin.width,
+            words: bin.width.div_ceil(64) as usize,
             taken: Vec::new(),
             free: Vec::new(),
             halves: (0..=gap).map_while(half).map(|half| half as u32).collect(),
@@ -267,12 +267,12 @@ mod tests {
     #[test]
     fn rectangles_lie_side_by_side_with_their_gap() {
         let islands = [rectangle(4, 2), rectangle(2, 2), rectangle(7, 1)];
-        let field = Field { width: 8, gap: 1, most: 100 };
-        let (places, used) = pack(&islands, &[0, 1, 2], &field).unwrap();
+        let bin = Bin { width: 8, gap: 1, most: 100 };
+        let (places, used) = pack(&islands, &[0, 1, 2], &bin).unwrap();
         assert_eq!(used, 4);
         assert_eq!(drawn(&islands, &places, [8, 4]), ["aaaa.bb.", "aaaa.bb.", "........", "ccccccc."]);
-        assert!(pack(&islands, &[0, 1, 2], &Field { most: 3, ..field }).is_none());
-        assert!(pack(&[rectangle(9, 9)], &[0], &field).is_none());
+        assert!(pack(&islands, &[0, 1, 2], &Bin { most: 3, ..bin }).is_none());
+        assert!(pack(&[rectangle(9, 9)], &[0], &bin).is_none());
     }
 
     #[test]
@@ -280,7 +280,7 @@ mod tests {
         let ring = |y: u32| if (1..9).contains(&y) { vec![[0, 1], [9, 10]] } else { vec![[0, 10]] };
         let ring = Mask { width: 10, rows: (0..10).map(ring).collect() };
         let islands = [[ring.clone(), ring.clone(), ring.clone(), ring], rectangle(4, 4)];
-        let (places, used) = pack(&islands, &[0, 1], &Field { width: 10, gap: 2, most: 100 }).unwrap();
+        let (places, used) = pack(&islands, &[0, 1], &Bin { width: 10, gap: 2, most: 100 }).unwrap();
         assert_eq!((used, places[1]), (10, Placement { quarters: 0, x: 3, y: 3 }));
     }
 
@@ -299,7 +299,7 @@ mod tests {
     fn rows_over_many_words_are_searched_as_narrow_ones_are() {
         let islands: Vec<[Mask; 4]> = (0..40).map(|i| rectangle(20 + 3 * i % 70, 5 + i % 7)).collect();
         let order: Vec<u32> = (0..40).collect();
-        let (places, used) = pack(&islands, &order, &Field { width: 200, gap: 3, most: 1000 }).unwrap();
+        let (places, used) = pack(&islands, &order, &Bin { width: 200, gap: 3, most: 1000 }).unwrap();
         drawn(&islands, &places, [200, used]);
         for (i, a) in places.iter().enumerate() {
             for (j, b) in places.iter().enumerate().skip(i + 1) {
