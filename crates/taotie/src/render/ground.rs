@@ -150,8 +150,8 @@ impl Lights {
 fn environment(light: &EnvironmentLight) -> Vec<(Vec3, f32)> {
     let turn = light.turn();
     let sources = directions().flat_map(|[a, b, c, d]| {
-        let spread = upward(cosine_direction([a, b]));
-        [spread, turn.to_world(light.environment.sample([c, d]).direction)]
+        let by_cosine = upward(cosine_direction([a, b]));
+        [by_cosine, turn.to_world(light.environment.sample([c, d]).direction)]
     });
     let weigh = |direction: Vec3| {
         let inside = turn.to_environment(direction);

@@ -77,6 +77,6 @@ pub fn specular_occlusion<L: Lane>(n_dot_v: L, occlusion: L, roughness: L) -> L 
     use crate::math::poly;
     let one = n_dot_v.lit(1.0);
     let exponent = poly::exp2(-(roughness * one.lit(16.0)) - one);
-    let spread = poly::pow((n_dot_v + occlusion).max(one.lit(1e-6)), exponent);
-    (spread - one + occlusion).clamp(0.0, 1.0)
+    let power = poly::pow((n_dot_v + occlusion).max(one.lit(1e-6)), exponent);
+    (power - one + occlusion).clamp(0.0, 1.0)
 }

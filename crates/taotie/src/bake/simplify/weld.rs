@@ -92,12 +92,12 @@ fn bits(position: Vec3) -> [u32; 3] {
 /// Returns the number of a point's cell along the Morton curve; the point lies in the unit cube.
 pub(in crate::bake) fn morton(point: [f32; 3]) -> u32 {
     let cells = 1 << CELL_BITS;
-    let [x, y, z] = point.map(|v| spread(((v * cells as f32) as u32).min(cells - 1)));
+    let [x, y, z] = point.map(|v| spread_bits(((v * cells as f32) as u32).min(cells - 1)));
     x << 2 | y << 1 | z
 }
 
 /// Spreads ten bits, with two free places before each.
-fn spread(v: u32) -> u32 {
+fn spread_bits(v: u32) -> u32 {
     let v = (v | v << 16) & 0x0300_00FF;
     let v = (v | v << 8) & 0x0300_F00F;
     let v = (v | v << 4) & 0x030C_30C3;
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn bits_are_spread_by_three() {
-        assert_eq!(spread(0b11_1111_1111), 0x0924_9249);
+        assert_eq!(spread_bits(0b11_1111_1111), 0x0924_9249);
         assert_eq!(morton([0.0, 0.0, 1.0]), 0x0924_9249);
         assert_eq!(morton([0.5, 0.0, 0.0]), 1 << 29);
     }

@@ -212,7 +212,7 @@ fn block(row: &[u64], [from, to]: Run, blocked: &mut [u64], scratch: &mut [u64])
     let mut covered = 1;
     while covered < length {
         let step = covered.min(length - covered);
-        spread(scratch, step);
+        dilate(scratch, step);
         covered += step;
     }
     blocked.iter_mut().zip(scratch).for_each(|(blocked, more)| *blocked |= *more);
@@ -229,7 +229,7 @@ fn shift(row: &[u64], by: u32, into: &mut [u64]) {
 }
 
 /// Sets what is `by` columns to the left of what is set too.
-fn spread(row: &mut [u64], by: u32) {
+fn dilate(row: &mut [u64], by: u32) {
     let (words, bits) = (by as usize / 64, by % 64);
     for i in 0..row.len() {
         let word = |k: usize| row.get(k).copied().unwrap_or(0);

@@ -71,18 +71,19 @@ fn grow(topology: &Topology, seeds: &mut Vec<Seed>) -> Vec<u32> {
     let mut labels = vec![NONE; topology.len()];
     let mut claims: BinaryHeap<Claim> =
         seeds.iter().enumerate().map(|(i, seed)| Reverse((0, seed.triangle, i as u32))).collect();
-    spread(topology, seeds, &mut labels, &mut claims);
+    flood(topology, seeds, &mut labels, &mut claims);
     for t in 0..topology.len() {
         if labels[t] == NONE && topology.is_flat_enough(t) {
             claims.push(Reverse((0, t as u32, seeds.len() as u32)));
             seeds.push(seed_at(topology, t as u32));
-            spread(topology, seeds, &mut labels, &mut claims);
+            flood(topology, seeds, &mut labels, &mut claims);
         }
     }
     labels
 }
 
-fn spread(topology: &Topology, seeds: &[Seed], labels: &mut [u32], claims: &mut BinaryHeap<Claim>) {
+/// Gives triangles to the regions that claim them at the least cost, until no claim is left.
+fn flood(topology: &Topology, seeds: &[Seed], labels: &mut [u32], claims: &mut BinaryHeap<Claim>) {
     while let Some(Reverse((cost, triangle, label))) = claims.pop() {
         let t = triangle as usize;
         if labels[t] != NONE {

@@ -97,7 +97,7 @@ impl<'a> Element<'a> {
     /// Finds where blocks start, and the end of the last.
     fn walk(&mut self) -> std::result::Result<usize, String> {
         if self.properties.iter().all(|property| property.length.is_none()) {
-            let row: usize = self.properties.iter().map(|field| size(&property.scalar)).sum();
+            let row: usize = self.properties.iter().map(|property| size(&property.scalar)).sum();
             self.starts = (0..self.count).step_by(BLOCK).map(|i| i * row).collect();
             return Ok(self.count * row);
         }
