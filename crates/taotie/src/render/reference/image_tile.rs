@@ -5,7 +5,7 @@ use super::super::columns::get3;
 use super::super::frame::Frame;
 use super::super::settings::RenderSettings;
 use super::tracer::Tracer;
-use super::walk::{Path, Workspace};
+use super::walk::{Path, PathScratch};
 use crate::image::Image;
 use crate::math::Vec3;
 use crate::math::sequence::{Sequence, hash};
@@ -50,7 +50,7 @@ impl Tracer<'_> {
             aovs = std::array::from_fn(|_| vec![[0.0; 4]; pixels]);
         }
         let mut sums = vec![[0.0f64; 4]; pixels];
-        let mut work = Workspace::new(self.sources.len());
+        let mut work = PathScratch::new(self.sources.len());
         let spp = self.reference.spp;
         for first in (0..spp).step_by(TOGETHER as usize) {
             let indices = first..(first + TOGETHER).min(spp);

@@ -3,7 +3,7 @@
 //!
 //! A path begins at a point of a pixel, chosen evenly, and meets surfaces (see [`surfaces`]). At each it gathers
 //! light directly: from every point, spot and directional light by a shadow ray, and from the environment in two ways
-//! that are weighed against each other: towards where it is bright, and where the surface reflects much ([`respond`]).
+//! that are weighed against each other: towards where it is bright, and where the surface reflects much ([`evaluate`]).
 //! Then it goes on in the second direction. Reflection is
 //! [`ShadingPoint::reflect`](super::point::ShadingPoint::reflect), so that every named model works, physical or not.
 //! Textures are read at their finest level, since a pixel's many paths average them.
@@ -13,9 +13,9 @@
 //! light through in proportion to what they lack, while the rasteriser's cast no shadow.
 
 mod environment;
+mod evaluate;
 mod groove;
 mod image_tile;
-mod respond;
 mod scatter;
 mod settings;
 mod surfaces;
