@@ -1,7 +1,7 @@
 //! A few hundred fragments in columns, so that eight neighbours load as one pack.
 
 use super::columns::{Column, Column3, ZERO, ZERO3, load, load3, splat3};
-use super::corners::{CornerColumns, Run};
+use super::corners::{Run, VertexAttributes};
 use super::lookups::{Lookups, UvSet};
 pub use crate::math::BATCH;
 use crate::math::{MOST_LANES, Pack, Quads, Vec3};
@@ -20,7 +20,7 @@ pub struct Batch {
     pub(super) weights: Column3,
     pub(super) d_x: Column3,
     pub(super) d_y: Column3,
-    pub(super) corners: CornerColumns,
+    pub(super) corners: VertexAttributes,
     /// The uv sets, as many as the mesh has.
     pub(super) uv_sets: Vec<UvSet>,
     /// Vertex colours, where the mesh has some.
@@ -131,7 +131,7 @@ impl Batch {
             weights: ZERO3,
             d_x: ZERO3,
             d_y: ZERO3,
-            corners: CornerColumns::ZERO,
+            corners: VertexAttributes::ZERO,
             uv_sets: Vec::new(),
             color: [ZERO; 4],
             curvature: ZERO,

@@ -17,9 +17,9 @@ pub(super) struct Run {
 /// Triangles may be smaller than a pixel. Written out for each fragment, what their corners hold can be weighted in
 /// packs that go over all fragments, whichever triangles they belong to.
 #[derive(Debug, Clone)]
-pub(super) struct CornerColumns([[Column; 4]; 3]);
+pub(super) struct VertexAttributes([[Column; 4]; 3]);
 
-impl CornerColumns {
+impl VertexAttributes {
     pub(super) const ZERO: Self = Self([[Column::ZERO; 4]; 3]);
 
     /// Writes numbers of the three corners as they are. Runs come in the order of their fragments: a pack's end may

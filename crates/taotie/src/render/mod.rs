@@ -20,7 +20,6 @@ mod geometry;
 mod ground;
 mod grouping;
 mod interpolate;
-mod key;
 mod layers;
 mod light_source;
 mod lighting;
@@ -43,6 +42,7 @@ mod stages;
 mod tiles;
 mod tree;
 mod view;
+mod visible_sample;
 
 #[doc(hidden)]
 pub use batch::{BATCH, Batch};
@@ -54,12 +54,12 @@ pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, refer
 pub use renderer::Renderer;
 pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, SurfaceSettings};
 #[doc(hidden)]
-pub use {key::Key, stages::Stages};
+pub use {stages::Stages, visible_sample::VisibleSample};
 
 use crate::error::Result;
 use crate::progress::Progress;
 use crate::scene::Scene;
-use pass::Kept;
+use pass::FrameCache;
 use prepare::{Parts, Ready};
 
 /// Prepares `scene` and renders one image of it.
@@ -68,5 +68,5 @@ use prepare::{Parts, Ready};
 /// As [`Prepared::new`] and [`Pass::new`].
 pub fn render(scene: &Scene, shot: &Shot<'_>) -> Result<Frame> {
     let parts = Parts::new(scene, &shot.settings.surface)?;
-    Pass::with(Kept::default(), Ready { scene, parts: &parts }, shot)?.render(Progress::SILENT)
+    Pass::with(FrameCache::default(), Ready { scene, parts: &parts }, shot)?.render(Progress::SILENT)
 }
