@@ -1,6 +1,6 @@
 //! The low-poly mesh that is baked onto: given, or made from the scan.
 
-use super::kept::Kept;
+use super::kept_textures::KeptTextures;
 use super::notes;
 use super::options::{BakeOptions, MeshSource};
 use super::scan::{Scan, check_extent};
@@ -19,7 +19,7 @@ pub(super) struct LowPoly {
     pub origin: Origin,
     pub material: Material,
     /// Textures of its material that stay.
-    pub kept: Kept,
+    pub kept: KeptTextures,
 }
 
 /// The origin of a low-poly mesh.
@@ -61,7 +61,7 @@ impl LowPoly {
         }
         let material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
         notes::left_of_low(&material, options, warnings);
-        let kept = Kept::of(&material, &scene);
+        let kept = KeptTextures::of(&material, &scene);
         let mesh = bake::low_poly_mesh(scene)?;
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
@@ -79,7 +79,7 @@ impl LowPoly {
         let mut origin = Origin { simplified: Some(simplification), charts: None };
         let mesh = unwrapped(&simplified.mesh, size, &mut origin, progress)?;
         let material = Material { base_color_texture: None, ..scan.about.material.clone() };
-        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept: Kept::default() })
+        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept: KeptTextures::default() })
     }
 }
 

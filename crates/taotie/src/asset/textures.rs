@@ -1,6 +1,6 @@
 //! Baked maps as textures of an asset, and as files beside it.
 
-use super::kept::Kept;
+use super::kept_textures::KeptTextures;
 use super::misses::Misses;
 use super::options::BakeOptions;
 use crate::bake::{BakedMaps, MapKind};
@@ -102,7 +102,7 @@ impl Textures {
 
     /// Returns the asset's material: the factors of `base`, its textures where `kept` holds them and nothing was baked
     /// in their place.
-    pub(super) fn material<'a>(&'a self, base: &'a Material, kept: &'a Kept) -> GltfMaterial<'a> {
+    pub(super) fn material<'a>(&'a self, base: &'a Material, kept: &'a KeptTextures) -> GltfMaterial<'a> {
         let color = self.color.as_ref().or(kept.color.as_ref());
         let orm = self.has.roughness.then_some(self.orm.as_ref()).flatten();
         let mr = orm.or(kept.metallic_roughness.as_ref());

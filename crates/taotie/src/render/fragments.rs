@@ -25,8 +25,8 @@ impl Interpolation<'_> {
         batch.constants_of = Some(self.draw.first_triangle);
     }
 
-    /// The origins of rays, at the height `lift` above the surface, model units.
-    pub(super) fn origins(&self, lift: f32, batch: &Batch) -> [Vec3; BATCH] {
+    /// The origins of rays, at the height `offset` above the surface, model units.
+    pub(super) fn origins(&self, offset: f32, batch: &Batch) -> [Vec3; BATCH] {
         let (draw, mut origins) = (self.draw, [Vec3::default(); BATCH]);
         for run in &batch.runs {
             let vertices = draw.vertices(run.triangle);
@@ -35,8 +35,8 @@ impl Interpolation<'_> {
             for (i, origin) in origins.iter_mut().enumerate().take(run.end).skip(run.start) {
                 let smooth = SmoothTriangle { corners, normals: normals.map(|n| n * batch.facing[i]) };
                 let weights = get3(&batch.weights, i).to_array();
-                let lift = get3(&batch.n_geom, i) * lift;
-                *origin = smooth.shadow_origin(get3(&batch.position, i), weights, lift);
+                let offset = get3(&batch.n_geom, i) * offset;
+                *origin = smooth.shadow_origin(get3(&batch.position, i), weights, offset);
             }
         }
         origins

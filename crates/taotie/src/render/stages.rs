@@ -36,7 +36,7 @@ pub struct Stages<'p> {
     /// The settings, as the model takes them.
     settings: RenderSettings,
     level: Level,
-    lift: f32,
+    ray_offset: f32,
 }
 
 /// The working memory for drawing a tile.
@@ -74,7 +74,7 @@ impl<'p> Stages<'p> {
             environment: shot.lighting.environment.clone(),
             level: settings.surface.simd.dispatch()?,
             settings,
-            lift: ready.lift(),
+            ray_offset: ready.ray_offset(),
         })
     }
 
@@ -248,7 +248,7 @@ impl<'p> Stages<'p> {
             );
         }
         if settings.shadows {
-            let origins = interpolation.origins(self.lift, batch);
+            let origins = interpolation.origins(self.ray_offset, batch);
             trace_shadows(self.casters(), &self.sources, &origins, batch);
         }
         let illumination = Illumination {

@@ -149,7 +149,7 @@ pub(super) struct Edges<P: Pack> {
 }
 
 /// The intersections of a ray with a pack of triangles.
-pub(super) struct Meeting<P: Pack> {
+pub(super) struct PackHits<P: Pack> {
     /// `true` where the ray meets the triangle.
     pub hit: P::Mask,
     pub distance: P,
@@ -171,13 +171,13 @@ impl<P: Pack> Edges<P> {
 
     /// The second half of [`Ray::intersect`].
     #[inline(always)]
-    pub fn meet(&self) -> Meeting<P> {
+    pub fn meet(&self) -> PackHits<P> {
         let [e, z] = [self.edges, self.along];
         let det = e[0] + e[1] + e[2];
         let weights = [e[0] / det, e[1] / det, e[2] / det];
         let distance = self.stretch * (weights[0] * z[0] + weights[1] * z[1] + weights[2] * z[2]);
         let zero = det.lit(0.0);
-        Meeting { hit: self.inside.and(det.abs().le(zero).not()).and(zero.le(distance)), distance, weights }
+        PackHits { hit: self.inside.and(det.abs().le(zero).not()).and(zero.le(distance)), distance, weights }
     }
 }
 

@@ -73,7 +73,7 @@ fn a_coarse_sphere_looks_like_a_fine_one() {
     assert_eq!((baked.counts.missed, baked.counts.lost, baked.counts.shared), (0, 0, 0));
     let fine = Storage { bits: 16, dither: false };
     let [mean, max] = shown_angles(&low, &baked.maps, fine, (&cage, &scan));
-    // Bilinear lookups at the borders of UV islands take in texels of the skirt.
+    // Bilinear lookups at the borders of UV islands take in texels of the padding.
     assert!(mean < 0.01 && max < 2.0, "16 bits: {mean}° {max}°");
     let exact = mean;
     let coarse = Storage { bits: 8, dither: false };
@@ -274,7 +274,7 @@ fn differences(a: &BakedMaps, b: &BakedMaps) -> [(&'static str, f32); 7] {
         ("normal", most(a.normal.as_flattened(), b.normal.as_flattened())),
         ("occlusion", most(&a.occlusion, &b.occlusion)),
         ("albedo", most(a.albedo.as_flattened(), b.albedo.as_flattened())),
-        ("lift", most(&a.heights, &b.heights)),
+        ("height", most(&a.heights, &b.heights)),
         ("bent", most(a.bent.as_flattened(), b.bent.as_flattened())),
         ("curvature", most(&a.curvature, &b.curvature)),
         ("roughness", most(&a.roughness, &b.roughness)),
@@ -300,7 +300,7 @@ fn maps_depend_on_neither_threads_nor_order() {
     };
     let one = of(&low, &fine, 1);
     assert!([one.occlusion.len(), one.curvature.len(), one.roughness.len()] == [one.texels.len(); 3]);
-    // Sums over the triangles around a vertex round by their order: in the scan those of its curvature, in the light
+    // Sums over the triangles around a vertex round by their order: in the scan those of its curvature, in the low-poly
     // mesh those of the cage. Measured: 3.6e-7 and 4.2e-7.
     const ROUNDING: f32 = 6e-7;
     let cases = [
@@ -311,7 +311,7 @@ fn maps_depend_on_neither_threads_nor_order() {
         (
             "the low-poly mesh's triangles",
             of(&backwards(&low), &fine, 2),
-            Some(&["normal", "lift", "bent", "curvature", "roughness"][..]),
+            Some(&["normal", "height", "bent", "curvature", "roughness"][..]),
         ),
     ];
     for (what, other, rounded) in cases {

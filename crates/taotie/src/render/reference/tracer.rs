@@ -31,7 +31,7 @@ pub(super) struct Tracer<'t> {
     pub reference: ReferenceSettings,
     pub level: Level,
     /// The height above the surface at which rays start, model units.
-    pub lift: f32,
+    pub ray_offset: f32,
     /// `true` where any surface emits light.
     pub emitters: bool,
 }
@@ -69,7 +69,7 @@ impl<'t> Tracer<'t> {
             settings,
             reference: *paths,
             level,
-            lift: ready.lift(),
+            ray_offset: ready.ray_offset(),
             emitters: draws.all.iter().any(Draw::shines),
         })
     }

@@ -233,7 +233,7 @@ impl Tracer<'_> {
         }
         let eye = (stop.depth == 0).then_some(self.view.eye);
         interpolation.fill(eye, batch);
-        work.origins = interpolation.origins(self.lift, batch);
+        work.origins = interpolation.origins(self.ray_offset, batch);
     }
 
     /// Fills the batch with what does not come by interpolation.
