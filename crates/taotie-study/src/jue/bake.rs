@@ -60,7 +60,7 @@ impl Bake {
     }
 
     /// The normals of the rounded mesh displaced along its interpolated normals, Q = B + h n: Q_u × Q_v, turned by
-    /// `store`. Margins go on as the border of the UV island is; away from UV islands stands `fill`.
+    /// `store`. Padding goes on as the border of the UV island is; away from UV islands stands `fill`.
     fn normals(
         &self,
         fill: [f32; 4],

@@ -10,29 +10,29 @@ const PADDING: u32 = 4;
 /// Gives free texels values: `steps` of growing UV islands, each texel from a neighbour; or with `None` first a narrow
 /// padding and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels
 /// are, that holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
-pub(super) fn fill(planes: &mut BakedMaps, steps: Option<u32>) {
-    let size = [planes.width as usize, planes.height as usize];
-    let mut known: Vec<bool> = planes.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();
+pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
+    let size = [maps.width as usize, maps.height as usize];
+    let mut known: Vec<bool> = maps.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();
     if !known.contains(&true) {
         return;
     }
     for _ in 0..steps.unwrap_or(PADDING) {
         let grown = neighbours(&known, size);
-        each(planes, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
+        each(maps, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
         grown.iter().for_each(|(to, _)| known[*to] = true);
     }
     if steps.is_none() {
-        each(planes, |plane| pull_push(plane, &known, size), |plane| pull_push(plane, &known, size));
+        each(maps, |plane| pull_push(plane, &known, size), |plane| pull_push(plane, &known, size));
     }
 }
 
 /// Does the same to every plane that is there.
-fn each(planes: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
-    let BakedMaps { occlusion, heights, curvature, roughness, .. } = planes;
+fn each(maps: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
+    let BakedMaps { occlusion, heights, curvature, roughness, .. } = maps;
     for plane in [occlusion, heights, curvature, roughness] {
         one(plane.as_chunks_mut::<1>().0);
     }
-    for plane in [&mut planes.normal, &mut planes.albedo, &mut planes.bent] {
+    for plane in [&mut maps.normal, &mut maps.albedo, &mut maps.bent] {
         three(plane);
     }
 }
@@ -123,8 +123,7 @@ mod tests {
 
     /// Returns two UV islands of different heights on a map of 64 × 64.
     fn islands() -> BakedMaps {
-        let mut planes =
-            BakedMaps::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
+        let mut maps = BakedMaps::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
         for y in 0..64 {
             for x in 0..64 {
                 let height = match (x, y) {
@@ -132,32 +131,32 @@ mod tests {
                     (40..=60, 9..=44) => 3.0,
                     _ => continue,
                 };
-                planes.texels[y * 64 + x] = TexelStatus::Met;
-                planes.heights[y * 64 + x] = height;
-                planes.albedo[y * 64 + x] = [height; 3];
+                maps.texels[y * 64 + x] = TexelStatus::Met;
+                maps.heights[y * 64 + x] = height;
+                maps.albedo[y * 64 + x] = [height; 3];
             }
         }
-        planes
+        maps
     }
 
     #[test]
     fn every_mip_texel_is_made_of_islands_alone() {
-        let mut planes = islands();
+        let mut maps = islands();
         // What free texels hold before is not to be seen anywhere.
-        for i in 0..planes.heights.len() {
-            if planes.texels[i] == TexelStatus::Free {
-                planes.heights[i] = -1000.0;
+        for i in 0..maps.heights.len() {
+            if maps.texels[i] == TexelStatus::Free {
+                maps.heights[i] = -1000.0;
             }
         }
-        let before = planes.clone();
-        fill(&mut planes, None);
+        let before = maps.clone();
+        fill(&mut maps, None);
         let rounding = 1e-5;
         let is_of_islands = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
         for (i, texel) in before.texels.iter().enumerate() {
-            assert!(*texel == TexelStatus::Free || planes.heights[i] == before.heights[i]);
-            assert!(is_of_islands(&planes.heights[i]), "{}", planes.heights[i]);
+            assert!(*texel == TexelStatus::Free || maps.heights[i] == before.heights[i]);
+            assert!(is_of_islands(&maps.heights[i]), "{}", maps.heights[i]);
         }
-        let mut level = planes.heights;
+        let mut level = maps.heights;
         let mut width = 64;
         while width > 2 {
             let at = |x: usize, y: usize| level[y * width + x];
@@ -175,10 +174,10 @@ mod tests {
     }
 
     #[test]
-    fn a_skirt_is_as_wide_as_asked() {
-        let mut planes = islands();
-        fill(&mut planes, Some(3));
-        let at = |x: usize, y: usize| (planes.heights[y * 64 + x], planes.albedo[y * 64 + x]);
+    fn padding_is_as_wide_as_asked() {
+        let mut maps = islands();
+        fill(&mut maps, Some(3));
+        let at = |x: usize, y: usize| (maps.heights[y * 64 + x], maps.albedo[y * 64 + x]);
         assert_eq!(at(23, 10), (1.0, [1.0; 3]));
         assert_eq!(at(24, 10), (0.0, [0.0; 3]));
         assert_eq!(at(0, 10), (1.0, [1.0; 3]));

@@ -64,11 +64,11 @@ fn view(group: &TriangleSamples, corners: [Vec3; 3], projections: &[ProjectionRa
     }
     let mut slack = [0.0f32; 2];
     let mut depths = [f32::INFINITY, f32::NEG_INFINITY];
-    let mut reach = 0.0f32;
+    let mut farthest = 0.0f32;
     for projection in projections {
         for way in [-projection.distance, projection.distance] {
             let end = projection.point + projection.direction * way;
-            reach = reach.max((end - origin).length()).max(end.length());
+            farthest = farthest.max((end - origin).length()).max(end.length());
             for k in 0..2 {
                 slack[k] = slack[k].max((axes[k].dot(projection.direction) * way).abs());
             }
@@ -77,7 +77,7 @@ fn view(group: &TriangleSamples, corners: [Vec3; 3], projections: &[ProjectionRa
         }
     }
     // Rounding of places and of their shadows, generously.
-    let rounding = axes.map(|axis| axis.length() * reach * 2e-6);
+    let rounding = axes.map(|axis| axis.length() * farthest * 2e-6);
     Some(PacketView {
         origin,
         axes,

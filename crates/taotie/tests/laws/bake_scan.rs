@@ -50,13 +50,13 @@ fn settings(size: u32, maps: &[MapKind]) -> BakeSettings {
     BakeSettings { size: [size; 2], maps: maps.iter().copied().collect(), ..BakeSettings::default() }
 }
 
-fn covered(planes: &BakedMaps) -> impl Iterator<Item = usize> + '_ {
-    (0..planes.texels.len()).filter(|i| planes.texels[*i] != TexelStatus::Free)
+fn covered(maps: &BakedMaps) -> impl Iterator<Item = usize> + '_ {
+    (0..maps.texels.len()).filter(|i| maps.texels[*i] != TexelStatus::Free)
 }
 
 /// Angles over the surface as a viewer shows it, degrees: mean and largest.
-fn shown_angles(low: &Mesh, planes: &BakedMaps, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
-    let bitmap = store_unit_vectors(planes.size(), &planes.normal, storage).unwrap();
+fn shown_angles(low: &Mesh, maps: &BakedMaps, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
+    let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
     let verifier = Verifier { mesh: low, normal: Some((&texture, NormalSpace::Tangent)), cage, scan };
     let normal_error = verifier.normal_error(20_000).unwrap();
@@ -102,7 +102,7 @@ fn turned_round(mesh: &Mesh) -> Mesh {
 
 #[test]
 fn the_order_of_vertices_does_not_matter_to_the_proof() {
-    // An ellipsoid, so that reach and direction differ from vertex to vertex.
+    // An ellipsoid, so that ray distance and direction differ from vertex to vertex.
     let stretched = |columns, rows| {
         let data = bare_sphere(1.0, columns, rows).into_data();
         let positions = data.positions.iter().map(|p| Vec3::new(p.x, p.y * 2.0, p.z)).collect();
@@ -133,12 +133,12 @@ fn object_space_holds_the_directions_of_a_sphere() {
     let low = light(&bare_sphere(1.0, 32, 16), 256);
     let settings = BakeSettings { space: NormalSpace::Object, ..settings(256, &[MapKind::Normal]) };
     let cage = Cage::automatic(&low, &scan);
-    let planes =
+    let maps =
         bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().maps;
     // Every direction is there, and each texel beside another is nearly the same.
     let mut seen = [false; 6];
-    for i in covered(&planes) {
-        let n = Vec3::from_array(planes.normal[i]);
+    for i in covered(&maps) {
+        let n = Vec3::from_array(maps.normal[i]);
         assert!((n.length() - 1.0).abs() < 1e-5);
         let axes = [n.x, -n.x, n.y, -n.y, n.z, -n.z];
         axes.iter().zip(&mut seen).for_each(|(c, seen)| *seen |= *c > 0.95);
@@ -201,18 +201,18 @@ fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
     let settings =
         BakeSettings { sky_rays: 256, ..settings(32, &[MapKind::Occlusion, MapKind::Bent, MapKind::Normal]) };
     let cage = Cage::uniform(&low, 0.01).unwrap();
-    let planes =
+    let maps =
         bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().maps;
-    for (i, open) in planes.occlusion.iter().enumerate() {
+    for (i, open) in maps.occlusion.iter().enumerate() {
         let x = f64::from((i % 32) as u32) / 32.0 * 2.0 - 1.0 + 1.0 / 32.0;
         // A long wall of height 1 at distance d hides (1 − sin of its elevation's complement)/2 of the cosine-weighted
         // sky: view factor (1 − d/√(d² + 1))/2.
         let hidden = (1.0 - x.abs() / (x * x + 1.0).sqrt()) / 2.0;
         assert!((f64::from(*open) - (1.0 - hidden)).abs() < 0.06, "{open} at {x}: {}", 1.0 - hidden);
-        let bent = planes.bent[i];
+        let bent = maps.bent[i];
         assert!(f64::from(bent[0]) * x.signum() > 0.0, "open directions lean away from the wall");
     }
-    let mean = planes.occlusion.iter().map(|v| f64::from(*v)).sum::<f64>() / 1024.0;
+    let mean = maps.occlusion.iter().map(|v| f64::from(*v)).sum::<f64>() / 1024.0;
     let truth = (0..1024).map(|i| {
         let x = (i as f64 + 0.5) / 1024.0;
         1.0 - (1.0 - x / (x * x + 1.0).sqrt()) / 2.0
