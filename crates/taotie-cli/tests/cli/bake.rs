@@ -285,8 +285,8 @@ fn a_light_mesh_without_uvs_is_unwrapped() {
     place.write("low.obj", Ball { uv: None, ..LIGHT }.obj());
     let report = place.json("bake scan.obj --low low.obj -o out.glb --size 128 --json");
     assert_eq!(report["warnings"], json!([]));
-    assert_eq!((&report["light"]["simplified"], &report["triangles"]), (&Value::Null, &json!([528])));
-    assert!(number(&report, "/light/charts") >= 2.0);
+    assert_eq!((&report["origin"]["simplified"], &report["triangles"]), (&Value::Null, &json!([528])));
+    assert!(number(&report, "/origin/islands") >= 2.0);
     assert!(number(&report, "/proof/angles/mean") < 1.0);
 }
 
