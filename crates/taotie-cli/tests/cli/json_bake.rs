@@ -3,7 +3,7 @@
 //! A field more or less is a change of schema: it needs a new number, here and in the command.
 #![allow(dead_code)]
 
-use super::balls::{LIGHT, SCAN};
+use super::balls::{LOW, SCAN};
 use super::json::Spread;
 use super::place::Place;
 use serde::Deserialize;
@@ -158,7 +158,7 @@ struct Counted {
 #[test]
 fn of_a_pair() {
     let place = Place::with("scan.obj", SCAN.obj());
-    place.write("low.obj", LIGHT.obj());
+    place.write("low.obj", LOW.obj());
     let line =
         "bake scan.obj --low low.obj -o out.glb --size 64 --maps normal,height --require mean-angle=9 --json";
     let printed = place.json(line);

@@ -35,7 +35,7 @@ fn bare_sphere(radius: f64, columns: usize, rows: usize) -> Mesh {
 }
 
 /// Unwrapped, with tangents.
-fn light(mesh: &Mesh, size: u32) -> Mesh {
+fn low_poly(mesh: &Mesh, size: u32) -> Mesh {
     let unwrapped = unwrap(mesh, &UnwrapOptions { size, padding: 2 }, Progress::SILENT).unwrap();
     with_frames(&unwrapped.mesh, 0, None).unwrap().0.into_owned()
 }
@@ -68,7 +68,7 @@ fn shown_angles(low: &Mesh, maps: &BakedMaps, storage: Storage, (cage, scan): (&
 #[test]
 fn a_coarse_sphere_looks_like_a_fine_one() {
     let scan = scan(bare_sphere(2.0, 512, 256));
-    let low = light(&bare_sphere(2.0, 24, 12), 512);
+    let low = low_poly(&bare_sphere(2.0, 24, 12), 512);
     let (baked, cage) = baked(&low, &scan, &settings(512, &[MapKind::Normal]));
     assert_eq!((baked.counts.missed, baked.counts.lost, baked.counts.shared), (0, 0, 0));
     let fine = Storage { bits: 16, dither: false };
@@ -111,7 +111,7 @@ fn the_order_of_vertices_does_not_matter_to_the_proof() {
         Mesh::new(MeshData { normals, ..mesh.into_data() }).unwrap()
     };
     let scan = scan(stretched(256, 128));
-    let low = light(&stretched(24, 12), 256);
+    let low = low_poly(&stretched(24, 12), 256);
     let (baked, cage) = baked(&low, &scan, &settings(256, &[MapKind::Normal]));
     let fine = Storage { bits: 16, dither: false };
     let copy = turned_round(&low);
@@ -130,7 +130,7 @@ fn the_order_of_vertices_does_not_matter_to_the_proof() {
 #[test]
 fn object_space_holds_the_directions_of_a_sphere() {
     let scan = scan(bare_sphere(1.0, 256, 128));
-    let low = light(&bare_sphere(1.0, 32, 16), 256);
+    let low = low_poly(&bare_sphere(1.0, 32, 16), 256);
     let settings = BakeSettings { space: NormalSpace::Object, ..settings(256, &[MapKind::Normal]) };
     let cage = Cage::automatic(&low, &scan);
     let maps =
@@ -148,13 +148,13 @@ fn object_space_holds_the_directions_of_a_sphere() {
 
 #[test]
 fn heights_are_distances_to_the_scan() {
-    // A sphere of radius 1.05 around a light one that is inscribed into radius 1.
+    // A sphere of radius 1.05 around a low-poly one that is inscribed into radius 1.
     let scan = scan(bare_sphere(1.05, 256, 128));
-    let low = light(&bare_sphere(1.0, 64, 32), 256);
+    let low = low_poly(&bare_sphere(1.0, 64, 32), 256);
     let (baked, _) = baked(&low, &scan, &settings(256, &[MapKind::Height, MapKind::Curvature]));
     assert_eq!(baked.counts.missed, 0);
     for i in covered(&baked.maps) {
-        // The light sphere's facets lie up to 1 − cos(π/64) inside of it.
+        // The low-poly sphere's facets lie up to 1 − cos(π/64) inside of it.
         assert!((0.0495..0.0565).contains(&baked.maps.heights[i]), "{}", baked.maps.heights[i]);
         // Triangles at the poles are so small that the rounding of their corners bends them.
         assert!((baked.maps.curvature[i] * 1.05 - 1.0).abs() < 0.1, "{}", baked.maps.curvature[i]);
@@ -223,7 +223,7 @@ fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
 
 #[test]
 fn a_nearer_sheet_goes_before_one_behind_it_and_backs_do_not_count() {
-    // Under the light square: a floor a little below, and a ceiling's back a little above.
+    // Under the low-poly square: a floor a little below, and a ceiling's back a little above.
     let mut data = square(-0.02, 2.0).into_data();
     let ceiling = square(0.01, 2.0).into_data();
     let first = data.positions.len() as u32;
@@ -240,7 +240,7 @@ fn a_nearer_sheet_goes_before_one_behind_it_and_backs_do_not_count() {
 
 #[test]
 fn what_is_not_there_is_counted_and_never_made_up() {
-    // The scan covers the left half of the light square alone.
+    // The scan covers the left half of the low-poly square alone.
     let mut data = square(0.0, 2.0).into_data();
     data.positions.iter_mut().filter(|p| p.x > 0.0).for_each(|p| p.x = 0.0);
     data.uvs.clear();
@@ -291,7 +291,7 @@ fn backwards(mesh: &Mesh) -> Mesh {
 #[test]
 fn maps_depend_on_neither_threads_nor_order() {
     let fine = bare_sphere(1.0, 128, 64);
-    let low = light(&bare_sphere(1.02, 20, 10), 128);
+    let low = low_poly(&bare_sphere(1.02, 20, 10), 128);
     let maps: Maps = MapKind::NAMES.iter().map(|(_, kind)| *kind).collect();
     let of = |low: &Mesh, fine: &Mesh, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
