@@ -115,7 +115,7 @@ fn compensated_white_dielectrics_return_all_light_at_any_angle() {
 }
 
 #[test]
-fn white_surroundings_come_back_white() {
+fn white_environments_come_back_white() {
     for metallic in [0.0, 1.0] {
         for roughness in ROUGHNESS {
             for n_dot_v in N_DOT_V {
@@ -130,7 +130,7 @@ fn white_surroundings_come_back_white() {
 }
 
 #[test]
-fn surroundings_weigh_what_lights_from_everywhere_send() {
+fn environments_weigh_what_lights_from_everywhere_send() {
     // The two ways to light a surface agree where light is the same from everywhere, for any colour and for each form.
     let f0 = Vec3::new(0.9, 0.5, 0.2);
     for roughness in [0.2, 0.5, 0.9] {

@@ -213,8 +213,8 @@ fn masking_agrees<L: Scalar>(
     check.number(&format!("case {i} g_v_cavity"), g, &truth["g_v_cavity"]);
     check.number(&format!("case {i} v_smith_ggx"), smith, &truth["v_smith_ggx"]);
     check.number(&format!("case {i} v_schlick lights"), lights, &truth["v_schlick_lights"]);
-    let surround = v_schlick_ggx(n_dot_l, a.n_dot_v, environment);
-    check.number(&format!("case {i} v_schlick environment"), surround, &truth["v_schlick_environment"]);
+    let indirect = v_schlick_ggx(n_dot_l, a.n_dot_v, environment);
+    check.number(&format!("case {i} v_schlick environment"), indirect, &truth["v_schlick_environment"]);
 }
 
 #[test]

@@ -142,7 +142,7 @@ fn rough_gold() -> Scene {
     finishes::sphere(finishes::metal([1.0, 0.72, 0.35], 1.0), Vec::new())
 }
 
-fn surroundings() -> Vec<Golden> {
+fn under_environments() -> Vec<Golden> {
     let under_sky = |name: &str, scene: Scene| Golden::new(name, scene, near(), Vec::new()).under_sky();
     vec![
         under_sky("sky-smooth-metal", finishes::occluded_gold(0.1)),
@@ -297,8 +297,8 @@ fn golden_finishes() {
 }
 
 #[test]
-fn golden_surroundings() {
-    check_all(&surroundings());
+fn golden_under_environments() {
+    check_all(&under_environments());
 }
 
 #[test]
