@@ -44,8 +44,8 @@ impl Default for Grouping {
 }
 
 impl Grouping {
-    /// Appends the pixels of `plane` to `samples`, those of a triangle together and the triangles in the order of `rank`,
-    /// at equal rank in that of their first pixels.
+    /// Appends the pixels of `plane` to `samples`, those of a triangle together and the triangles in the order of
+    /// `rank`, at equal rank in that of their first pixels.
     pub(super) fn append(
         &mut self,
         plane: &TilePlane,

@@ -7,9 +7,9 @@ use crate::shade::{Angles, coat_lobe};
 
 /// A clearcoat: KHR_materials_clearcoat.
 ///
-/// The base loses what the coat reflects of equal light from everywhere, so that a white surface under a clearcoat returns all
-/// light at any roughness. Where the coat is smooth that is the extension's 1 − F(n·v); where it is rough, 1 − F(n·v)
-/// alone would leave a dark rim, since a rough coat seen at a grazing angle reflects less than F.
+/// The base loses what the coat reflects of equal light from everywhere, so that a white surface under a clearcoat
+/// returns all light at any roughness. Where the coat is smooth that is the extension's 1 − F(n·v); where it is rough,
+/// 1 − F(n·v) alone would leave a dark rim, since a rough coat seen at a grazing angle reflects less than F.
 /// Law: `white_room::clearcoat_over_white_returns_what_arrives`.
 pub(super) struct Coat<L> {
     /// The normal: unit, world space.

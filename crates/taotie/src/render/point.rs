@@ -86,8 +86,8 @@ impl<P: Pack> ShadingPoint<P> {
         reflected * self.terminator.share(l)
     }
 
-    /// Radiance to the viewer of what the environment sends, linear RGB; `batch.environment_radiance` and its tables must be
-    /// filled.
+    /// Radiance to the viewer of what the environment sends, linear RGB; `batch.environment_radiance` and its tables
+    /// must be filled.
     #[inline(always)]
     pub(super) fn reflect_environment(&self, at: Lanes<'_, P>) -> Vec3<P> {
         let batch = at.batch;

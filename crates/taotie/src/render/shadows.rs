@@ -32,8 +32,8 @@ pub(super) struct SmoothTriangle {
 
 impl SmoothTriangle {
     /// The origin of shadow rays: the point of the smooth surface above the triangle's `point`, so that a low-poly mesh
-    /// does not shade itself in facets (Hanika 2021, "Hacking the Shadow Terminator"), moved by `offset`, a little along
-    /// the geometric normal, against rounding.
+    /// does not shade itself in facets (Hanika 2021, "Hacking the Shadow Terminator"), moved by `offset`, a little
+    /// along the geometric normal, against rounding.
     pub(super) fn shadow_origin(&self, point: Vec3, weights: [f32; 3], offset: Vec3) -> Vec3 {
         let mut shift = Vec3::default();
         for ((corner, normal), weight) in self.corners.into_iter().zip(self.normals).zip(weights) {
