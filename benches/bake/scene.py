@@ -12,7 +12,7 @@ import vessel
 # Cells around and from foot to mouth; two triangles each.
 SCANS = {"1m": (1000, 500), "8m": (2840, 1410), "20m": (4500, 2250)}
 LOW = (32, 32)
-# Part of the map that stays empty along each side, as around any chart.
+# Part of the map that stays empty along each side, as around any UV island.
 BORDER = 1 / 64
 # Rows of a scan that are in memory at once.
 ROWS = 64

@@ -1,7 +1,7 @@
 //! Images of the library as sheets.
 
 use crate::sheet::{GROUND, Sheet};
-use taotie::compare::Picture;
+use taotie::compare::DisplayImage;
 use taotie::image::{Bitmap, Image};
 use taotie::math::{Vec3, srgb};
 use taotie::surface::encode_normal;
@@ -13,7 +13,7 @@ fn code(v: f32) -> u8 {
 
 impl Sheet {
     /// Takes the pixels of a developed picture.
-    pub fn developed(picture: &Picture) -> Self {
+    pub fn developed(picture: &DisplayImage) -> Self {
         let pixels = picture.pixels().iter().map(|rgb| rgb.map(code)).collect();
         Self { width: picture.width() as usize, height: picture.height() as usize, pixels }
     }

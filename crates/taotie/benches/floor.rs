@@ -26,7 +26,7 @@ use taotie::render::{Lighting, RenderSettings, Renderer, Shot};
 use taotie::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Scene};
 use taotie::shade::dfg::Dfg;
 use taotie::shade::{
-    Angles, Shading, SubPixelVariance, Substance, compensation, curvature_variance, lights, reflect,
+    Angles, MaterialSample, Shading, SubPixelVariance, compensation, curvature_variance, lights, reflect,
 };
 use taotie::surface::tangent_normal;
 
@@ -111,7 +111,7 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let n = tangent_normal(normal, tangent, one, map);
     let roughness = SubPixelVariance { curvature, normal_variance: relief }.widened(x.lit(0.5));
     let dfg = Dfg { scale: at[9], bias: at[10], edge: zero, diffuse_edge: zero };
-    let substance = Substance {
+    let sample = MaterialSample {
         base_color: color,
         metallic: one,
         roughness,
@@ -127,7 +127,7 @@ fn pixel<L: Lane>(at: [L; INPUTS], constants: &Constants<L>) -> Vec3<L> {
     let to_light = Vec3::new(one, one, one) - position;
     let squared = to_light.dot(to_light).max(x.lit(1e-12));
     let l = to_light * (one / squared.sqrt());
-    let reflected = reflect(Shading::CookTorrance, &substance, &Angles::new(n, v, l));
+    let reflected = reflect(Shading::CookTorrance, &sample, &Angles::new(n, v, l));
     let radiance = reflected * lights::inverse_square(squared) + color * x.lit(0.04);
     // The film: within [0, 1], and a place in the table of codes.
     let code = |light: L| light.clamp(0.0, 1.0) * x.lit(4096.0);

@@ -46,13 +46,13 @@ fn stages(stages: &Stages<'_>) -> Times {
         let tile = Tile::new(stages.viewport(), index);
         let at = TileSample { tile: &tile, offset: stages.viewport().pattern.offsets()[0] };
         let start = Instant::now();
-        let keys = stages.visible(at, &mut plane).expect("the SIMD level is there");
+        let visible = stages.visible(at, &mut plane).expect("the SIMD level is there");
         times.raster += start.elapsed();
-        times.fragments += keys.len();
-        for (draw, keys) in stages.runs(&keys) {
-            for keys in keys.chunks(BATCH) {
+        times.fragments += visible.len();
+        for (draw, visible) in stages.runs(&visible) {
+            for visible in visible.chunks(BATCH) {
                 let start = Instant::now();
-                stages.gather(at, draw, keys, &mut batch);
+                stages.gather(at, draw, visible, &mut batch);
                 let gathered = Instant::now();
                 stages.light(draw, &mut batch);
                 times.texture += gathered - start;

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 use taotie::film::Development;
-use taotie::io::{self, PictureFormat};
+use taotie::io::{self, ImageFormat};
 use taotie::mesh::Mesh;
 use taotie::render::{RenderSettings, Renderer, Shot};
 use taotie::scene::{Material, Scene};
@@ -22,7 +22,7 @@ pub fn turntable(scene: &Scene, count: u32, size: u32, output: &Path) -> Result<
         let shot = Shot { camera: &view.camera(), lighting: &lighting, settings: &settings };
         let frame = renderer.render(&shot, Progress::SILENT)?;
         let path = output.with_extension(format!("{index:03}.png"));
-        io::write_picture(&path, &frame.color, &Development::default(), PictureFormat::Png8)?;
+        io::write_image(&path, &frame.color, &Development::default(), ImageFormat::Png8)?;
         Ok(path)
     });
     pictures.collect()

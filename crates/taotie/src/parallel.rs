@@ -13,7 +13,7 @@ const LONGEST: usize = 4096;
 
 /// Calls `work` with each number below `count`.
 pub(crate) fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
-    (0..count).into_par_iter().for_each(work);
+    (0..count).into_par_iter().with_max_len(1).for_each(work);
 }
 
 /// Calls `work` with each number below `count`, until it fails.
@@ -21,7 +21,7 @@ pub(crate) fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
 /// # Errors
 /// One of those of the work.
 pub(crate) fn try_each(count: usize, work: &(dyn Fn(usize) -> Result<()> + Sync)) -> Result<()> {
-    (0..count).into_par_iter().try_for_each(work)
+    (0..count).into_par_iter().with_max_len(1).try_for_each(work)
 }
 
 /// Calls `work` with pieces of `size` elements and the number of each; the last one may be shorter.
@@ -106,14 +106,14 @@ mod tests {
 
     #[test]
     fn results_stand_in_the_order_of_the_numbers() {
-        for len in [0, 1, 63, 100_000] {
+        for len in [0usize, 1, 63, 100_000] {
             assert_eq!(collect(len, |i| i * 3), (0..len).map(|i| i * 3).collect::<Vec<_>>());
             assert_eq!(tasks(len.min(100), &|i| i.to_string()).len(), len.min(100));
             let thirds = filter(len, |i| i % 3 == 0);
             assert_eq!(thirds, (0..len).filter(|i| i % 3 == 0).collect::<Vec<_>>());
             assert_eq!(count(len, |i| i % 3 == 0), thirds.len());
             let sum: usize = fold(len, |sum: &mut usize, i| *sum += i).into_iter().sum();
-            assert_eq!(sum, (0..len).sum());
+            assert_eq!(sum, (0..len).sum::<usize>());
         }
         assert_eq!(tasks(3, &|i| i.to_string()), ["0", "1", "2"]);
     }
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn the_first_is_found_wherever_it_stands() {
-        for len in [0, 1, 63, 100_000] {
+        for len in [0usize, 1, 63, 100_000] {
             for wanted in [0, 1, len / 2, len.saturating_sub(1), len] {
                 let expected = (wanted..len).next();
                 assert_eq!(first(len, |i| i >= wanted), expected, "one of {len} and all behind it");

@@ -4,7 +4,7 @@ use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::scene::preset;
 use taotie::shade::furnace::Furnace;
-use taotie::shade::{Shading, Substance};
+use taotie::shade::{MaterialSample, Shading};
 
 /// Computes the lines of a table.
 type Lines = fn() -> String;
@@ -34,9 +34,9 @@ const BLINN_PHONG: Pair = [Shading::BlinnPhongPrinted, Shading::BlinnPhong];
 const GGX: Pair = [Shading::GgxPrinted, Shading::Ggx];
 
 /// A mirror-white metal; its highlight alone, where the model knows of k_d and k_s.
-fn white() -> Substance<f64> {
+fn white() -> MaterialSample<f64> {
     let (white, black) = (Vec3::splat(1.0), Vec3::splat(0.0));
-    Substance {
+    MaterialSample {
         base_color: white,
         metallic: 1.0,
         roughness: 0.5,
@@ -53,17 +53,17 @@ fn white() -> Substance<f64> {
 
 fn cook_torrance() -> String {
     let slopes = [0.1, 0.3, 0.5, 1.0];
-    let rows = slopes.map(|slope| (format!("{slope}"), Substance { slope, ..white() }));
+    let rows = slopes.map(|slope| (format!("{slope}"), MaterialSample { slope, ..white() }));
     by_angle("k", &COOK_TORRANCE, &rows)
 }
 
 fn blinn_phong() -> String {
-    let rows = [1.0, 5.0, 10.0, 100.0].map(|m| (format!("{m}"), Substance { shininess: m, ..white() }));
+    let rows = [1.0, 5.0, 10.0, 100.0].map(|m| (format!("{m}"), MaterialSample { shininess: m, ..white() }));
     by_angle("m", &BLINN_PHONG, &rows)
 }
 
 fn ggx_dielectric() -> String {
-    let plaster = Substance { metallic: 0.0, f0: Vec3::splat(0.04), ..white() };
+    let plaster = MaterialSample { metallic: 0.0, f0: Vec3::splat(0.04), ..white() };
     by_roughness(plaster)
 }
 
@@ -71,9 +71,9 @@ fn ggx_metal() -> String {
     by_roughness(white())
 }
 
-fn by_roughness(substance: Substance<f64>) -> String {
-    let rows =
-        [0.2, 0.5, 0.8, 1.0].map(|roughness| (format!("{roughness}"), Substance { roughness, ..substance }));
+fn by_roughness(sample: MaterialSample<f64>) -> String {
+    let rows = [0.2, 0.5, 0.8, 1.0]
+        .map(|roughness| (format!("{roughness}"), MaterialSample { roughness, ..sample }));
     by_angle("roughness", &GGX, &rows)
 }
 
@@ -82,7 +82,7 @@ fn guo_wang_2025() -> String {
     let preset = preset("guo-wang-2025").expect("the paper's material is a preset");
     let color =
         |authored: Option<[f32; 3]>| authored.map_or(Vec3::splat(0.0), |c| Vec3::from_array(c).to_f64());
-    let material = Substance {
+    let material = MaterialSample {
         diffuse: color(preset.classic.diffuse),
         specular: color(preset.classic.specular),
         f0: color(preset.f0),
@@ -99,19 +99,18 @@ fn guo_wang_2025() -> String {
     lines
 }
 
-/// A row for each substance and model, a column for each angle, and one for light from everywhere to everywhere.
-fn by_angle(parameter: &str, pair: &Pair, substances: &[(String, Substance<f64>)]) -> String {
+/// A row for each material sample and model, a column for each angle, and one for light from everywhere to everywhere.
+fn by_angle(parameter: &str, pair: &Pair, samples: &[(String, MaterialSample<f64>)]) -> String {
     let angles = N_DOT_V.map(|n_dot_v| format!("n·v = {n_dot_v}"));
     let mut titles = vec![parameter, "model"];
     titles.extend(angles.iter().map(String::as_str));
     titles.push("all directions");
     let furnace = Furnace::default();
     let mut lines = heading(&titles);
-    for (value, substance) in substances {
+    for (value, sample) in samples {
         for shading in pair {
-            let directional =
-                N_DOT_V.map(|n_dot_v| furnace.directional_albedo(*shading, substance, n_dot_v).x);
-            let all = furnace.hemispherical_albedo(*shading, substance).x;
+            let directional = N_DOT_V.map(|n_dot_v| furnace.directional_albedo(*shading, sample, n_dot_v).x);
+            let all = furnace.hemispherical_albedo(*shading, sample).x;
             lines += &format!("| {value} {}", row(*shading, directional.into_iter().chain([all])));
         }
     }

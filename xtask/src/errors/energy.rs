@@ -4,7 +4,7 @@ use super::row;
 use taotie::math::Vec3;
 use taotie::shade::dfg::{self, Dfg};
 use taotie::shade::furnace::Furnace;
-use taotie::shade::{Shading, Substance, compensation};
+use taotie::shade::{MaterialSample, Shading, compensation};
 
 const ROUGHNESS: [f64; 6] = [0.1, 0.2, 0.4, 0.6, 0.8, 1.0];
 const N_DOT_V: [f64; 4] = [0.1, 0.3, 0.6, 1.0];
@@ -51,7 +51,12 @@ fn lost(shading: Shading, metallic: f64, roughness: f64, compensated: bool) -> S
     format!("{farthest:.4}")
 }
 
-fn white(shading: Shading, metallic: f64, roughness: f64, compensated_at: Option<f64>) -> Substance<f64> {
+fn white(
+    shading: Shading,
+    metallic: f64,
+    roughness: f64,
+    compensated_at: Option<f64>,
+) -> MaterialSample<f64> {
     let (white, black) = (Vec3::splat(1.0), Vec3::splat(0.0));
     let f0 = if metallic > 0.0 { white } else { white * 0.04 };
     let slope = roughness * roughness;
@@ -64,7 +69,7 @@ fn white(shading: Shading, metallic: f64, roughness: f64, compensated_at: Option
             [table.scale, table.bias, table.edge, table.diffuse_edge].map(f64::from);
         compensation(&Dfg { scale, bias, edge, diffuse_edge }, f0, 1.0, black)
     });
-    Substance {
+    MaterialSample {
         base_color: white,
         metallic,
         roughness,

@@ -68,8 +68,8 @@ pub struct NormalsArgs {
     #[arg(long, value_parser = options::named::<TangentMethod>, help_heading = "Mesh")]
     pub tangents: Option<TangentMethod>,
     /// Padding around UV islands, texels
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Mesh")]
-    pub margin: u32,
+    #[arg(long, alias = "margin", value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Mesh")]
+    pub dilation: u32,
 
     /// Number of threads; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]

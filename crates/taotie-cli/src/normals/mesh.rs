@@ -19,7 +19,7 @@ pub fn laid_out(
     let mut loaded = io::load_model(path)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mesh = &loaded.scene.meshes()[part(args, path, &loaded)?];
-    let grid = TexelGrid { width, height, uv_set: args.uv_set, padding: args.margin };
+    let grid = TexelGrid { width, height, uv_set: args.uv_set, padding: args.dilation };
     let (surface, found) = lay_out(mesh, &grid, args.tangents).with_context(|| path.display().to_string())?;
     if surface.coverage().covered() == 0 {
         bail!("{}: its uvs cover no texel of the map", path.display());

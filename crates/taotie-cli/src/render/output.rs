@@ -5,34 +5,34 @@ use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use taotie::film::{Development, ToneCurve};
 use taotie::image::Image;
-use taotie::io::{MovingFormat, PictureFormat, write_picture};
+use taotie::io::{AnimationFormat, ImageFormat, write_image};
 use taotie::render::Frame;
 
 /// The file formats of the pictures of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Formats {
     /// Each of them.
-    pub still: PictureFormat,
+    pub still: ImageFormat,
     /// All together, where there are several and the format can move.
-    pub moving: Option<MovingFormat>,
+    pub moving: Option<AnimationFormat>,
 }
 
 impl Formats {
     /// Chooses the formats by the output's extension.
     pub fn of(args: &RenderArgs) -> Result<Self> {
         let extension = args.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let png = if args.bits == "16" { PictureFormat::Png16 } else { PictureFormat::Png8 };
+        let png = if args.bits == "16" { ImageFormat::Png16 } else { ImageFormat::Png8 };
         let (still, moving) = match extension.as_str() {
-            "png" => (png, Some(MovingFormat::Png)),
-            "gif" => (png, Some(MovingFormat::Gif)),
-            "exr" => (PictureFormat::Exr, None),
+            "png" => (png, Some(AnimationFormat::Png)),
+            "gif" => (png, Some(AnimationFormat::Gif)),
+            "exr" => (ImageFormat::Exr, None),
             _ => bail!(
                 "{}: pictures are written as .png or .exr, animations as .png or .gif",
                 args.output.display()
             ),
         };
         let several = args.motion.takes_several();
-        if !several && moving == Some(MovingFormat::Gif) {
+        if !several && moving == Some(AnimationFormat::Gif) {
             let path = args.output.display();
             bail!("{path}: a .gif holds an animation; add --turntable, --frames or --fps, or write a .png");
         }
@@ -40,15 +40,15 @@ impl Formats {
     }
 }
 
-fn extension(format: PictureFormat) -> &'static str {
+fn extension(format: ImageFormat) -> &'static str {
     match format {
-        PictureFormat::Png8 | PictureFormat::Png16 => "png",
-        PictureFormat::Exr => "exr",
+        ImageFormat::Png8 | ImageFormat::Png16 => "png",
+        ImageFormat::Exr => "exr",
     }
 }
 
 /// `turn.gif` becomes `turn.007.png`.
-pub fn numbered(path: &Path, format: PictureFormat, index: usize, count: usize) -> PathBuf {
+pub fn numbered(path: &Path, format: ImageFormat, index: usize, count: usize) -> PathBuf {
     let digits = (count.saturating_sub(1)).to_string().len().max(3);
     path.with_extension(format!("{index:0digits$}.{}", extension(format)))
 }
@@ -66,16 +66,16 @@ pub fn check_place(path: &Path) -> Result<()> {
 }
 
 /// Writes a frame and the output variables asked for; returns the files.
-pub fn write(args: &RenderArgs, path: &Path, format: PictureFormat, frame: &Frame) -> Result<Vec<PathBuf>> {
-    write_picture(path, &frame.color, &args.film.development(args.running.simd)?, format)?;
+pub fn write(args: &RenderArgs, path: &Path, format: ImageFormat, frame: &Frame) -> Result<Vec<PathBuf>> {
+    write_image(path, &frame.color, &args.film.development(args.running.simd)?, format)?;
     let mut files = vec![path.to_path_buf()];
     let named = frame.aovs.iter().flat_map(|aovs| aovs.named());
     for (name, image) in named.filter(|(name, _)| args.aovs.iter().any(|asked| asked == name)) {
         let exact = path.with_extension(format!("{name}.exr"));
-        write_picture(&exact, image, &Development::default(), PictureFormat::Exr)?;
+        write_image(&exact, image, &Development::default(), ImageFormat::Exr)?;
         let visible = path.with_extension(format!("{name}.png"));
         let development = Development { tone: ToneCurve::Linear, background: None, ..Development::default() };
-        write_picture(&visible, &to_look_at(name, image), &development, PictureFormat::Png8)?;
+        write_image(&visible, &to_look_at(name, image), &development, ImageFormat::Png8)?;
         files.extend([exact, visible]);
     }
     Ok(files)

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use std::path::PathBuf;
 use taotie::film::{self, Development};
 use taotie::image::{Image, Texels};
-use taotie::io::{MovingPicture, MovingSpec, PictureFormat, write_developed};
+use taotie::io::{AnimatedImage, AnimationSpec, ImageFormat, write_developed};
 use taotie::render::{EnvironmentLight, Frame, RenderSettings, Renderer, Shot, reference};
 use taotie::scene::Scene;
 use taotie::studio::{Sequence, SequenceFrame};
@@ -98,9 +98,9 @@ impl<'a> Shooting<'a> {
         Ok(std::mem::take(&mut self.files))
     }
 
-    fn moving_picture(&self) -> Result<Option<MovingPicture>> {
+    fn moving_picture(&self) -> Result<Option<AnimatedImage>> {
         let Some(format) = self.formats.moving else { return Ok(None) };
-        let spec = MovingSpec {
+        let spec = AnimationSpec {
             format,
             width: self.settings.width,
             height: self.settings.height,
@@ -108,7 +108,7 @@ impl<'a> Shooting<'a> {
             seconds: self.plan.seconds,
             alpha: self.development.background.is_none(),
         };
-        Ok(Some(MovingPicture::create(&self.args.output, &spec)?))
+        Ok(Some(AnimatedImage::create(&self.args.output, &spec)?))
     }
 
     fn render(&mut self, stage: &mut Stage<'_>, planned: &SequenceFrame) -> Result<Picture> {
@@ -127,7 +127,7 @@ impl<'a> Shooting<'a> {
         let shot = Shot { camera: &camera, lighting: &lighting, settings };
         let renderer = &mut stage.renderer;
         let picture = match self.args.integrator.reference() {
-            None if self.formats.still == PictureFormat::Png8 && !settings.aovs => {
+            None if self.formats.still == ImageFormat::Png8 && !settings.aovs => {
                 let mut codes = Vec::new();
                 renderer.develop(&shot, &self.development, &mut codes, progress)?;
                 Picture::Developed(codes)
@@ -139,7 +139,7 @@ impl<'a> Shooting<'a> {
         Ok(picture)
     }
 
-    fn write(&mut self, picture: Picture, moving: Option<&mut MovingPicture>) -> Result<()> {
+    fn write(&mut self, picture: Picture, moving: Option<&mut AnimatedImage>) -> Result<()> {
         let still = self.formats.still;
         let path = match self.args.motion.takes_several() {
             true => output::numbered(&self.args.output, still, self.done, self.plan.shots.len()),

@@ -7,7 +7,7 @@ use crate::threejs::{View, ours, three};
 use crate::{common, empty_folder};
 use std::path::Path;
 use std::process::Command;
-use taotie::compare::{PIXELS_PER_DEGREE, Picture, flip};
+use taotie::compare::{DisplayImage, PIXELS_PER_DEGREE, flip};
 use taotie::image::Encoding;
 use taotie::io::{
     GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, PngColor, PngImage, PngSamples, load_model,
@@ -102,7 +102,7 @@ fn assert_same(node: &Node, folder: &Path, view: &View, measured: f64) {
     assert!(mean < measured * SLACK, "{}: mean FLIP {mean}, once {measured}", folder.display());
 }
 
-fn write_picture(path: &Path, picture: &Picture) {
+fn write_picture(path: &Path, picture: &DisplayImage) {
     let bytes: Vec<u8> = picture.pixels().as_flattened().iter().map(|v| (v * 255.0).round() as u8).collect();
     let image = PngImage {
         width: picture.width(),

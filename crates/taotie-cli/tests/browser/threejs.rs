@@ -3,7 +3,7 @@
 use crate::node::Node;
 use serde_json::{Value, json};
 use std::path::Path;
-use taotie::compare::Picture;
+use taotie::compare::DisplayImage;
 use taotie::film::{Development, ToneCurve, develop8};
 use taotie::image::Texels;
 use taotie::io::{decode_bitmap, load_model, read_bytes};
@@ -29,7 +29,7 @@ pub struct View {
 }
 
 /// Returns three.js's picture of `model.glb` in a folder, on black and without tone curve.
-pub fn three(node: &Node, folder: &Path, view: &View) -> Picture {
+pub fn three(node: &Node, folder: &Path, view: &View) -> DisplayImage {
     std::fs::write(folder.join("view.json"), json_of(view).to_string()).unwrap();
     node.run(&["three.mjs"], folder);
     let path = folder.join("three.png");
@@ -53,7 +53,7 @@ fn json_of(view: &View) -> Value {
 }
 
 /// Means of squares of pixels, in linear light.
-fn averaged(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> Picture {
+fn averaged(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> DisplayImage {
     let (width, height) = (width as usize, height as usize);
     let mean = |x: usize, y: usize, channel: usize| {
         let at = |i: usize| (y * FINER + i / FINER) * width * FINER + x * FINER + i % FINER;
@@ -61,7 +61,7 @@ fn averaged(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> Picture {
         srgb_from_linear(sum / (FINER * FINER) as f64) as f32
     };
     let pixels = (0..width * height).map(|i| [0, 1, 2].map(|channel| mean(i % width, i / width, channel)));
-    Picture::new(width as u32, height as u32, pixels.collect()).unwrap()
+    DisplayImage::new(width as u32, height as u32, pixels.collect()).unwrap()
 }
 
 /// Source: IEC 61966-2-1.
@@ -75,7 +75,7 @@ fn srgb_from_linear(v: f64) -> f64 {
 }
 
 /// Returns our picture of the same.
-pub fn ours(folder: &Path, view: &View) -> Picture {
+pub fn ours(folder: &Path, view: &View) -> DisplayImage {
     let scene = load_model(&folder.join("model.glb")).unwrap().scene;
     let kind = LightKind::Directional { direction: view.direction };
     let light =
@@ -98,7 +98,7 @@ pub fn ours(folder: &Path, view: &View) -> Picture {
     picture_of(&develop8(&frame.color, &development).unwrap(), view.size)
 }
 
-fn picture_of(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> Picture {
+fn picture_of(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> DisplayImage {
     let pixels: Vec<[u8; 3]> = texels.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect();
-    Picture::from_8bit(width, height, &pixels).unwrap()
+    DisplayImage::from_8bit(width, height, &pixels).unwrap()
 }

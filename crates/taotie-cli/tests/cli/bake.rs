@@ -1,6 +1,6 @@
 //! What `taotie bake` writes and says, and what it refuses.
 
-use super::balls::{Ball, LIGHT, SCAN};
+use super::balls::{Ball, LOW, SCAN};
 use super::models::TRIANGLE;
 use super::place::Place;
 use serde_json::{Value, json};
@@ -11,7 +11,7 @@ use taotie::io::{GltfAsset, GltfFormat, GltfLevel, Json, load_model, read_bitmap
 /// A folder with a scan and a low-poly mesh.
 fn pair() -> Place {
     let place = Place::with("scan.obj", SCAN.obj());
-    place.write("low.obj", LIGHT.obj());
+    place.write("low.obj", LOW.obj());
     place
 }
 
@@ -76,7 +76,7 @@ fn refusals() {
     place.write("triangle.obj", TRIANGLE);
     place.write("nan.obj", SCAN.obj().replacen("v 0 1 0", "v nan 1 0", 1));
     place.write("point.obj", "v 1 1 1\nf 1 1 1\n");
-    place.write("other.obj", Ball { rings: 13, ..LIGHT }.obj());
+    place.write("other.obj", Ball { rings: 13, ..LOW }.obj());
     place.write("scan.glb", "no model");
     place.write("list.json", "[]");
     let before = place.files();
@@ -163,7 +163,7 @@ fn refusals() {
 #[test]
 fn maps_stand_where_they_say_and_mean_what_they_say() {
     let place = Place::with("scan.obj", Ball { radius: 2.06, waves: 0.0, ..SCAN }.obj());
-    place.write("low.obj", Ball { radius: 2.0, rings: 48, meridians: 96, ..LIGHT }.obj());
+    place.write("low.obj", Ball { radius: 2.0, rings: 48, meridians: 96, ..LOW }.obj());
     let line = "bake scan.obj --low low.obj -o out.glb --size 128 --ao-rays 16 --roughness 0.5 \
                 --maps normal,height,curvature,bent,ao,albedo,roughness --json";
     let report = place.json(line);
@@ -254,7 +254,7 @@ fn levels_of_detail_share_the_map() {
 }
 
 #[test]
-fn a_level_that_is_no_lighter_is_told() {
+fn a_level_that_is_no_coarser_is_told() {
     let place = pair();
     let line = "bake scan.obj --low low.obj -o out.glb --size 64 --lods 1000";
     let assert = place.taotie(line).assert().success();
@@ -280,20 +280,20 @@ fn threads_change_no_bit() {
 }
 
 #[test]
-fn a_light_mesh_without_uvs_is_unwrapped() {
+fn a_low_poly_mesh_without_uvs_is_unwrapped() {
     let place = Place::with("scan.obj", SCAN.obj());
-    place.write("low.obj", Ball { uv: None, ..LIGHT }.obj());
+    place.write("low.obj", Ball { uv: None, ..LOW }.obj());
     let report = place.json("bake scan.obj --low low.obj -o out.glb --size 128 --json");
     assert_eq!(report["warnings"], json!([]));
-    assert_eq!((&report["light"]["simplified"], &report["triangles"]), (&Value::Null, &json!([528])));
-    assert!(number(&report, "/light/charts") >= 2.0);
+    assert_eq!((&report["origin"]["simplified"], &report["triangles"]), (&Value::Null, &json!([528])));
+    assert!(number(&report, "/origin/islands") >= 2.0);
     assert!(number(&report, "/proof/angles/mean") < 1.0);
 }
 
 #[test]
 fn a_cage_says_how_far() {
     let place = pair();
-    place.write("cage.obj", Ball { radius: 1.2, ..LIGHT }.obj());
+    place.write("cage.obj", Ball { radius: 1.2, ..LOW }.obj());
     let report = place.json("bake scan.obj --low low.obj --cage cage.obj -o out.glb --size 64 --json");
     assert_eq!((&report["warnings"], number(&report, "/proof/missed_texels")), (&json!([]), 0.0));
 }
@@ -355,7 +355,7 @@ fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
     write_gltf(&place.path("scan.glb"), &asset, &GltfFormat::default()).unwrap();
     place.write("more.json", r#"{"dc:title": "a round ball", "dc:creator": "the wind"}"#);
     std::fs::create_dir(place.path("secret")).unwrap();
-    place.write("secret/cage.obj", Ball { radius: 1.2, ..LIGHT }.obj());
+    place.write("secret/cage.obj", Ball { radius: 1.2, ..LOW }.obj());
     let line =
         "bake scan.glb --low low.obj --cage secret/cage.obj -o out.glb --size 64 --provenance more.json";
     place.taotie(line).assert().success();

@@ -1,6 +1,6 @@
 //! Pairs and scans that are not as they should be: each gets a plain warning or is refused, none is baked in silence.
 
-use super::balls::{Ball, LIGHT, SCAN};
+use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 
 /// What is said, one warning a line.
@@ -19,7 +19,7 @@ fn refused(obj: String) -> String {
     String::from_utf8_lossy(&assert.get_output().stderr).into_owned()
 }
 
-fn with_light(obj: String) -> String {
+fn with_low(obj: String) -> String {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", obj);
     said(&place, "scan.obj --low low.obj")
@@ -27,7 +27,7 @@ fn with_light(obj: String) -> String {
 
 fn with_scan(obj: String) -> String {
     let place = Place::with("scan.obj", obj);
-    place.write("low.obj", LIGHT.obj());
+    place.write("low.obj", LOW.obj());
     said(&place, "scan.obj --low low.obj")
 }
 
@@ -38,12 +38,12 @@ fn assert_says(said: &str, parts: &[&str]) {
 
 #[test]
 fn a_good_pair_gets_no_warning() {
-    assert_eq!(with_light(LIGHT.obj()), "");
+    assert_eq!(with_low(LOW.obj()), "");
 }
 
 #[test]
 fn moved() {
-    let said = with_light(Ball { center: [0.3, 0.0, 0.0], ..LIGHT }.obj());
+    let said = with_low(Ball { center: [0.3, 0.0, 0.0], ..LOW }.obj());
     assert_says(
         &said,
         &[
@@ -57,7 +57,7 @@ fn moved() {
 #[test]
 fn in_another_pose() {
     // Its upper part leans over.
-    let obj: String = LIGHT
+    let obj: String = LOW
         .obj()
         .lines()
         .map(|line| match line.split(' ').collect::<Vec<_>>()[..] {
@@ -69,40 +69,40 @@ fn in_another_pose() {
         })
         .collect();
     assert_says(
-        &with_light(obj),
+        &with_low(obj),
         &["the meshes lie apart: ", "is one of them moved, scaled or posed differently?"],
     );
 }
 
 #[test]
 fn far_apart() {
-    let said = refused(Ball { center: [30.0, 0.0, 0.0], ..LIGHT }.obj());
+    let said = refused(Ball { center: [30.0, 0.0, 0.0], ..LOW }.obj());
     assert_says(&said, &["projection rays met the scan", "the meshes do not overlap: 100.0 %"]);
     assert!(!said.contains("reverse"), "which side is nearer is chance: {said}");
 }
 
 #[test]
 fn of_another_size() {
-    assert_says(&refused(Ball { radius: 2.0, ..LIGHT }.obj()), &["the meshes do not overlap: ", "scaled"]);
+    assert_says(&refused(Ball { radius: 2.0, ..LOW }.obj()), &["the meshes do not overlap: ", "scaled"]);
 }
 
 #[test]
 fn inside_out() {
-    let turned: Vec<_> = LIGHT.faces().into_iter().map(|[a, b, c]| [a, c, b]).collect();
-    let said = refused(LIGHT.obj_of(&turned));
+    let turned: Vec<_> = LOW.faces().into_iter().map(|[a, b, c]| [a, c, b]).collect();
+    let said = refused(LOW.obj_of(&turned));
     assert_says(&said, &["one of the meshes is inside out: 100.0 %", "reverse its triangles and normals"]);
 }
 
 #[test]
 fn some_triangles_turned() {
-    let mut faces = LIGHT.faces();
+    let mut faces = LOW.faces();
     faces[..60].iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
-    assert_says(&with_light(LIGHT.obj_of(&faces)), &["reversed winding of some triangles: "]);
+    assert_says(&with_low(LOW.obj_of(&faces)), &["reversed winding of some triangles: "]);
 }
 
 #[test]
 fn uvs_that_overlap() {
-    let said = with_light(Ball { uv: Some(|u, v| [u.min(1.0 - u) * 2.0, v]), ..LIGHT }.obj());
+    let said = with_low(Ball { uv: Some(|u, v| [u.min(1.0 - u) * 2.0, v]), ..LOW }.obj());
     assert_says(
         &said,
         &["of the map lies under more than one triangle: UV islands overlap", "unwrap the low-poly mesh"],
@@ -111,7 +111,7 @@ fn uvs_that_overlap() {
 
 #[test]
 fn uvs_out_of_range() {
-    let said = with_light(Ball { uv: Some(|u, v| [u * 0.9 - 0.5, v]), ..LIGHT }.obj());
+    let said = with_low(Ball { uv: Some(|u, v| [u * 0.9 - 0.5, v]), ..LOW }.obj());
     assert_says(
         &said,
         &["vertices of the low-poly mesh with uvs outside of the map, which is repeated there ("],
@@ -121,7 +121,7 @@ fn uvs_out_of_range() {
 
 #[test]
 fn uvs_without_area() {
-    let said = refused(Ball { uv: Some(|_, v| [0.5, v]), ..LIGHT }.obj());
+    let said = refused(Ball { uv: Some(|_, v| [0.5, v]), ..LOW }.obj());
     assert_says(&said, &["none of its 528 triangles covers a texel of the map (528 without uv area)"]);
 }
 

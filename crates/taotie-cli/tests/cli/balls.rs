@@ -24,7 +24,7 @@ pub const SCAN: Ball =
     Ball { rings: 48, meridians: 96, radius: 1.0, waves: 0.01, center: [0.0; 3], uv: None };
 
 /// A low-poly mesh of 528 triangles that fits [`SCAN`].
-pub const LIGHT: Ball = Ball { rings: 12, meridians: 24, waves: 0.0, uv: Some(|u, v| [u, v]), ..SCAN };
+pub const LOW: Ball = Ball { rings: 12, meridians: 24, waves: 0.0, uv: Some(|u, v| [u, v]), ..SCAN };
 
 impl Ball {
     /// As an OBJ file.

@@ -1,6 +1,6 @@
 //! What `taotie inspect` says.
 
-use super::models::{Green, TRIANGLE, lacquered_square, square, square_json, write_ball, write_relief};
+use super::models::{Green, TRIANGLE, coated_square, square, square_json, write_ball, write_relief};
 use super::place::Place;
 use serde_json::json;
 use snapbox::str;
@@ -75,7 +75,7 @@ Warnings
 
 #[test]
 fn layers_of_a_material() {
-    let place = Place::with("a.gltf", lacquered_square());
+    let place = Place::with("a.gltf", coated_square());
     write_relief(&place.path("normals.png"), Green::Up);
     place.taotie("inspect a.gltf").assert().success().stdout_eq(str![[r#"
 ...

@@ -3,7 +3,7 @@
 //! A field more or less is a change of schema: it needs a new number, here and in the command.
 #![allow(dead_code)]
 
-use super::models::{Green, lacquered_square, square, write_relief};
+use super::models::{Green, coated_square, square, write_relief};
 use super::place::Place;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -308,7 +308,7 @@ fn of_inspect() {
 
 #[test]
 fn of_inspect_with_layers() {
-    let place = Place::with("a.gltf", lacquered_square());
+    let place = Place::with("a.gltf", coated_square());
     write_relief(&place.path("normals.png"), Green::Up);
     let report: InspectReport =
         serde_json::from_value(place.json("inspect a.gltf --json")).expect("the document has this form");
@@ -319,9 +319,9 @@ fn of_inspect_with_layers() {
     );
     let coat = material.clearcoat.as_ref().expect("it has a coat");
     assert_eq!((coat.factor, coat.roughness, coat.normal_scale), (0.75, 0.125, Some(0.25)));
-    let stretch = material.anisotropy.as_ref().expect("it is stretched");
-    assert!((stretch.rotation_deg - 90.0).abs() < 1e-4 && stretch.strength == 0.5);
-    let sheen = material.sheen.as_ref().expect("it has fibres");
+    let anisotropy = material.anisotropy.as_ref().expect("it is anisotropic");
+    assert!((anisotropy.rotation_deg - 90.0).abs() < 1e-4 && anisotropy.strength == 0.5);
+    let sheen = material.sheen.as_ref().expect("it has sheen");
     assert_eq!((sheen.color, sheen.roughness), ([0.5, 0.25, 0.0], 0.5));
     let roles: Vec<&str> = material.textures.iter().map(|texture| texture.role.as_str()).collect();
     assert_eq!(roles, ["normal", "specular-color", "clearcoat-normal"]);

@@ -3,7 +3,7 @@
 //! A field more or less is a change of schema: it needs a new number, here and in the command.
 #![allow(dead_code)]
 
-use super::balls::{LIGHT, SCAN};
+use super::balls::{LOW, SCAN};
 use super::json::Spread;
 use super::place::Place;
 use serde::Deserialize;
@@ -18,7 +18,7 @@ struct BakeReport {
     high_sha256: String,
     high_triangles: usize,
     low: Option<String>,
-    light: Origin,
+    origin: Origin,
     triangles: Vec<usize>,
     size: [u32; 2],
     parameters: Parameters,
@@ -35,13 +35,13 @@ struct BakeReport {
 #[serde(deny_unknown_fields)]
 struct Origin {
     simplified: Option<Simplified>,
-    charts: Option<usize>,
+    islands: Option<usize>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Simplified {
-    means: String,
+    method: String,
     error: f64,
 }
 
@@ -158,14 +158,14 @@ struct Counted {
 #[test]
 fn of_a_pair() {
     let place = Place::with("scan.obj", SCAN.obj());
-    place.write("low.obj", LIGHT.obj());
+    place.write("low.obj", LOW.obj());
     let line =
         "bake scan.obj --low low.obj -o out.glb --size 64 --maps normal,height --require mean-angle=9 --json";
     let printed = place.json(line);
     let written: serde_json::Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     assert_eq!(printed, written);
     let report: BakeReport = serde_json::from_value(printed).expect("the document has this form");
-    assert_eq!((report.schema, report.version.as_str()), (1, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.schema, report.version.as_str()), (2, env!("CARGO_PKG_VERSION")));
     assert_eq!((report.high.as_str(), report.low.as_deref()), ("scan.obj", Some("low.obj")));
     assert_eq!((report.high_triangles, report.triangles, report.size), (9024, vec![528], [64; 2]));
     assert_eq!(report.high_sha256.len(), 64);
@@ -218,10 +218,10 @@ fn of_a_scan_alone_without_proof() {
     let place = Place::with("scan.obj", SCAN.obj());
     let line = "bake scan.obj -o out.glb --triangles 800 --size 64 --ray-distance 0.1 --dilation 2 --no-verify --json";
     let report: BakeReport = serde_json::from_value(place.json(line)).expect("the document has this form");
-    let simplified = report.light.simplified.expect("it was made light");
-    assert_eq!(simplified.means, "collapsed");
+    let simplified = report.origin.simplified.expect("it was simplified");
+    assert_eq!(simplified.method, "edge-collapse");
     assert!(simplified.error > 0.0 && simplified.error < 0.1, "{}", simplified.error);
-    assert!(report.light.charts.expect("it was unwrapped") > 1);
+    assert!(report.origin.islands.expect("it was unwrapped") > 1);
     let parameters = &report.parameters;
     assert_eq!((&parameters.dilation, &parameters.ray_distance), (&AutoOr::Given(2.0), &AutoOr::Given(0.1)));
     assert_eq!((parameters.triangles, parameters.size), (Some(800), Some(64)));

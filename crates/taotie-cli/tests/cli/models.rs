@@ -110,7 +110,7 @@ pub fn square_json() -> Value {
 }
 
 /// [`square`] with every layer that a material can have.
-pub fn lacquered_square() -> String {
+pub fn coated_square() -> String {
     let mut json = square_json();
     json["materials"][0]["extensions"] = json!({
         "KHR_materials_ior": { "ior": 1.25 },

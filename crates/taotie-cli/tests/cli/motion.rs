@@ -1,4 +1,4 @@
-//! Moving pictures: turntables and animations.
+//! Animated images: turntables and animations.
 
 use super::models::{Green, TRIANGLE, moving_square, write_relief};
 use super::place::Place;
@@ -122,7 +122,7 @@ fn the_report_tells_animation_and_times() {
 }
 
 #[test]
-fn threads_change_no_byte_of_a_moving_picture() {
+fn threads_change_no_byte_of_an_animated_image() {
     let place = moving();
     let bytes = |name: &str, threads: u32| {
         let line = format!("render a.gltf -o {name} --size 24x24 --frames 3 --threads {threads}");

@@ -1,4 +1,4 @@
-//! The bronze jue at a million triangles, made light and baked: its relief is found again.
+//! The bronze jue at a million triangles, simplified and baked: its relief is found again.
 
 use taotie::Progress;
 use taotie::bake::{

@@ -1,5 +1,5 @@
-//! `taotie bake` on real scans: pairs of high-poly and low-poly meshes, and scans alone. What is written is proved by the
-//! command itself and once more here, against meshes read anew.
+//! `taotie bake` on real scans: pairs of high-poly and low-poly meshes, and scans alone. What is written is proved by
+//! the command itself and once more here, against meshes read anew.
 
 use crate::common::absent;
 use crate::files::data_files;
@@ -43,8 +43,8 @@ fn objects(count: usize) -> Vec<Vec<PathBuf>> {
     found
 }
 
-/// Asserts that the proof finds the bake near its scan. Measured on five, at worst: a mean of 0.58° and a median of 0.16°, where the light
-/// mesh alone has 13 times the mean; 1.8e-5 of the texels missed.
+/// Asserts that the proof finds the bake near its scan. Measured on five, at worst: a mean of 0.58° and a median of
+/// 0.16°, where the low-poly mesh alone has 13 times the mean; 1.8e-5 of the texels missed.
 fn assert_near(report: &Value, what: &str) {
     let [mean, median] = ["mean", "median"].map(|of| number(report, &format!("/proof/angles/{of}")));
     let plain = number(report, "/proof/without_map/mean");
@@ -81,7 +81,7 @@ fn pairs_are_baked_within_a_degree_and_nearly_without_a_miss() {
 }
 
 #[test]
-fn scans_alone_are_made_light_unwrapped_and_baked() {
+fn scans_alone_are_simplified_unwrapped_and_baked() {
     for files in objects(1) {
         let folder = tempfile::tempdir().unwrap();
         let high = files[0].to_str().expect("a path of text");

@@ -6,7 +6,7 @@ use crate::sheet::Sheet;
 use crate::{Legend, Picture, View};
 use taotie::Result;
 use taotie::asset::{Proof, Textures, ViewFigures};
-use taotie::compare::{ColorMap, Field, Picture as Developed};
+use taotie::compare::{ColorMap, DisplayImage, Field};
 use taotie::names::Named;
 
 /// Pixels along a side of the pictures of maps.
@@ -38,7 +38,7 @@ pub fn views(proof: &Proof, textures: &Textures) -> Result<Vec<View>> {
 }
 
 /// Scan and asset from one side.
-fn side([scan, asset]: [&Developed; 2], flip: &Field, figures: &ViewFigures) -> Result<View> {
+fn side([scan, asset]: [&DisplayImage; 2], flip: &Field, figures: &ViewFigures) -> Result<View> {
     let visual_difference = format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim);
     Ok(View {
         name: format!("{:.0}°", figures.azimuth_deg),

@@ -36,17 +36,17 @@ pub(super) const BOTTOM_SCALE: f64 = 4.4;
 pub(super) const BOTTOM_CENTER: Vec2<f64> = Vec2::new(0.222, 0.462);
 /// The scale of the interior's disk, and its origin (the vessel's axis).
 pub(super) const INSIDE_SCALE: f64 = 2.45;
-/// The point at which the vessel's axis meets the interior's chart.
+/// The point at which the vessel's axis meets the interior's UV island.
 pub(super) const INSIDE_CENTER: Vec2<f64> = Vec2::new(0.728, 0.112);
-/// Middles of the two posts' charts.
+/// Middles of the two posts' UV islands.
 pub(super) const POST_CENTERS: [Vec2<f64>; 2] = [Vec2::new(0.690, 0.360), Vec2::new(0.690, 0.500)];
-/// Half the side of a post's chart.
+/// Half the side of a post's UV island.
 pub(super) const POST_RADIUS: f64 = 0.056;
-/// The part of a post's chart that its cap fills.
+/// The part of a post's UV island that its cap fills.
 pub(super) const CAP_FRACTION: f64 = 0.47;
-/// The middle of the handle's chart.
+/// The middle of the handle's UV island.
 pub(super) const HANDLE_CENTER: Vec2<f64> = Vec2::new(0.846, 0.470);
-/// Half the side of the handle's chart.
+/// Half the side of the handle's UV island.
 pub(super) const HANDLE_RADIUS: f64 = 0.088;
 /// uv units a metre along a leg.
 pub(super) const LEG_SCALE: f64 = 2.75;

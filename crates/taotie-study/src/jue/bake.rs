@@ -60,8 +60,12 @@ impl Bake {
     }
 
     /// The normals of the rounded mesh displaced along its interpolated normals, Q = B + h n: Q_u × Q_v, turned by
-    /// `store`. Margins go on as the border of the chart is; away from charts stands `fill`.
-    fn normals(&self, fill: [f32; 4], store: impl Fn(&Frame, Vec3<f64>) -> Vec3<f64> + Sync) -> Image {
+    /// `store`. Padding goes on as the border of the UV island is; away from UV islands stands `fill`.
+    fn normals(
+        &self,
+        fill: [f32; 4],
+        store: impl Fn(&InterpolatedFrame, Vec3<f64>) -> Vec3<f64> + Sync,
+    ) -> Image {
         let (mesh, coverage) = (self.surface.mesh(), self.surface.coverage());
         let welds = Welds::new(mesh);
         let rounded = Rounded::new(mesh, &welds);
@@ -72,7 +76,7 @@ impl Bake {
             let triangle = triangle as usize;
             let [u, v] = [x, y].map(|i| (f64::from(i) + 0.5) / f64::from(size));
             let weights = rounded.weights(triangle, Vec2::new(u, v));
-            let frame = Frame::new(mesh, triangle, weights);
+            let frame = InterpolatedFrame::new(mesh, triangle, weights);
             let dp = rounded.by_uv(triangle, weights);
             let base = ReliefBase { n: frame.normal, dp, dn: point.normal_by_uv };
             let height = f64::from(self.heights[(y * size + x) as usize]) * DEPTH;
@@ -98,7 +102,7 @@ impl Bake {
         let surfaces = self.surface.map(fill, |x, y, point| {
             let i = y as usize * size + x as usize;
             let h = self.heights[i];
-            patina::surface(&patina::Place {
+            patina::surface(&patina::PatinaInput {
                 position: point.position.to_f32(),
                 normal: point.normal.to_f32(),
                 height: h,
@@ -144,13 +148,13 @@ impl Corners {
     }
 }
 
-/// Normal and tangent between the corners of a triangle, not normalised. No chart of the vessel is mirrored.
-struct Frame {
+/// Normal and tangent between the corners of a triangle, not normalised. No UV island of the vessel is mirrored.
+struct InterpolatedFrame {
     normal: Vec3<f64>,
     tangent: Vec3<f64>,
 }
 
-impl Frame {
+impl InterpolatedFrame {
     fn new(mesh: &Mesh, triangle: usize, weights: [f64; 3]) -> Self {
         let corners = mesh.triangles()[triangle].map(|i| i as usize);
         let blend = |of: &dyn Fn(usize) -> Vec3| {
@@ -185,7 +189,7 @@ fn displaced_normal(base: ReliefBase<f64>, relief: Relief<f64>) -> Vec3<f64> {
     q
 }
 
-/// The mesh with its tangents on a map of `size` × `size`, charts grown by 1/128 of a side.
+/// The mesh with its tangents on a map of `size` × `size`, UV islands grown by 1/128 of a side.
 pub(super) fn laid_out(mesh: &Mesh, size: u32) -> TexelSurface {
     let grid = TexelGrid { width: size, height: size, uv_set: 0, padding: (size / 128).max(2) };
     TexelSurface::new(with_frames(mesh), &grid).expect("the vessel has uvs, and its maps can be made")

@@ -13,7 +13,7 @@ pub(super) const ROUND: Smooth = Smooth(0);
 
 /// A mesh in the making.
 ///
-/// No chart of the atlas is mirrored, so a triangle's orientation follows from its uvs and nobody needs to
+/// No UV island of the atlas is mirrored, so a triangle's orientation follows from its uvs and nobody needs to
 /// think about the order of its corners.
 #[derive(Debug, Default)]
 pub(super) struct Builder {
@@ -87,7 +87,7 @@ impl Builder {
         Mesh::new(data).expect("every index comes from `vertex` and every number is finite")
     }
 
-    /// Seams are welded for this, so that charts do not show.
+    /// Seams are welded for this, so that UV islands do not show.
     fn normals(&self) -> Vec<Vec3<f64>> {
         let leaders: Vec<usize> = (0..self.positions.len()).map(|i| self.leader(i)).collect();
         let welded: Vec<[usize; 3]> = self.triangles.iter().map(|t| t.map(|i| leaders[i])).collect();

@@ -2,7 +2,7 @@
 //!
 //! Each triangle becomes a cubic patch that touches the vertex normals' planes (Vlachos et al. 2001, "Curved PN
 //! triangles"), so that between its relief the surface is as round as the low mesh's smooth shading says. Patches meet
-//! without cracks: an edge's curve depends on what both its triangles know, and relief is 0 on chart borders.
+//! without cracks: an edge's curve depends on what both its triangles know, and relief is 0 on UV island borders.
 
 use super::patch::{Patch, Point, edge_of};
 use super::rounded::Rounded;

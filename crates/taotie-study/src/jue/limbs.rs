@@ -105,21 +105,21 @@ fn ring(count: usize, phase: f64) -> Vec<Vec2<f64>> {
         .collect()
 }
 
-/// A square shaft under a six-sided cone; the chart is the post seen from above, unrolled.
+/// A square shaft under a six-sided cone; the UV island is the post seen from above, unrolled.
 fn add_post(b: &mut Builder, post: usize, side: f64) {
     let group = Smooth(30 + post as u32);
     let center = atlas::POST_CENTERS[post];
-    let mut add = |offset: Vec2<f64>, radius: f64, y: f64, chart: Vec2<f64>| {
+    let mut add = |offset: Vec2<f64>, radius: f64, y: f64, island: Vec2<f64>| {
         let p = Vec3::new(POST[0] + offset.x * radius, y, POST[1] * side + offset.y * radius);
-        b.vertex(p, center + chart * atlas::POST_RADIUS, group)
+        b.vertex(p, center + island * atlas::POST_RADIUS, group)
     };
     // The square stands along the rim, which runs 27 degrees off the x axis here.
     let square = ring(4, 0.5 - side * 0.3);
     let hexagon = ring(6, 0.5 - side * 0.45);
     let apex = add(Vec2::new(0.0, 0.0), 0.0, CAP[2], Vec2::new(0.0, 0.0));
     let cap: Vec<usize> = hexagon.iter().map(|o| add(*o, CAP[0], CAP[1], *o * atlas::CAP_FRACTION)).collect();
-    let [foot, head] = [(SHAFT[0], 1.0), (SHAFT[1], 0.73)].map(|([half, y], chart)| -> Vec<usize> {
-        square.iter().map(|o| add(*o, half * std::f64::consts::SQRT_2, y, *o * chart)).collect()
+    let [foot, head] = [(SHAFT[0], 1.0), (SHAFT[1], 0.73)].map(|([half, y], island)| -> Vec<usize> {
+        square.iter().map(|o| add(*o, half * std::f64::consts::SQRT_2, y, *o * island)).collect()
     });
     // The sole hangs on the side from corner 3 to corner 0, so its far corners are copies of 2 and 1.
     let outward = (square[0] + square[3]) * 0.35;
@@ -137,7 +137,7 @@ fn add_post(b: &mut Builder, post: usize, side: f64) {
     b.hidden_triangle([foot[3], far, near]);
 }
 
-/// Fills the chart between two rings around the same middle, both in the order of rising angle.
+/// Fills the UV island between two rings around the same middle, both in the order of rising angle.
 fn stitch(b: &mut Builder, inner: &[usize], outer: &[usize]) {
     let distance = |b: &Builder, i: usize, j: usize| {
         let d = b.uv(i) - b.uv(j);
@@ -162,7 +162,7 @@ fn stitch(b: &mut Builder, inner: &[usize], outer: &[usize]) {
     }
 }
 
-/// A loop of square section; the chart is the loop seen along itself from its lower end, as nested squares.
+/// A loop of square section; the UV island is the loop seen along itself from its lower end, as nested squares.
 fn add_handle(b: &mut Builder) {
     let group = Smooth(40);
     let corners = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
@@ -170,12 +170,12 @@ fn add_handle(b: &mut Builder) {
         let ([y, z, dy, dz], [half, thick]) = (HANDLE[k], HANDLE_SECTION[k]);
         Vec3::new(across * half, y + out * thick * dy, -z - out * thick * dz)
     };
-    let chart = |radius: f64, (x, y): (f64, f64)| {
+    let island = |radius: f64, (x, y): (f64, f64)| {
         atlas::HANDLE_CENTER + Vec2::new(x, y) * (radius * atlas::HANDLE_RADIUS)
     };
     let radii = [0.80, 0.66, 0.49, 0.31, 0.14];
     let rings: Vec<[usize; 4]> =
-        (0..5).map(|k| corners.map(|c| b.vertex(point(k, c), chart(radii[k], c), group))).collect();
+        (0..5).map(|k| corners.map(|c| b.vertex(point(k, c), island(radii[k], c), group))).collect();
     for pair in rings.windows(2) {
         for k in 0..4 {
             let next = (k + 1) % 4;
@@ -187,7 +187,7 @@ fn add_handle(b: &mut Builder) {
     b.hidden_triangle([end[0], end[2], end[3]]);
     // The upper end's lid hangs on the side of its outer corners.
     let [left, right] =
-        [(-1.0, -1.0), (1.0, -1.0)].map(|c| b.vertex(point(0, c), chart(1.0, (c.0 * 0.8, 1.0)), group));
+        [(-1.0, -1.0), (1.0, -1.0)].map(|c| b.vertex(point(0, c), island(1.0, (c.0 * 0.8, 1.0)), group));
     b.hidden_triangle([rings[0][0], rings[0][1], right]);
     b.hidden_triangle([rings[0][0], right, left]);
 }

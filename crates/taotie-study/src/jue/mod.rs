@@ -35,7 +35,7 @@ use taotie::scene::{
 
 /// The low mesh: 251 vertices, metres, standing on y = 0 with its spout along +x and its handle towards −z.
 ///
-/// Every part is closed and turned outward; the one uv set has no mirrored and no overlapping charts. Tangents are
+/// Every part is closed and turned outward; the one uv set has no mirrored and no overlapping UV islands. Tangents are
 /// left to the renderer.
 pub fn low_mesh() -> Mesh {
     let mut builder = builder::Builder::default();
@@ -44,7 +44,7 @@ pub fn low_mesh() -> Mesh {
     builder.finish()
 }
 
-/// The relief as a 16-bit grey map of `size` × `size` texels (1 to [`Bitmap::MAX_SIDE`]), grown beyond the charts'
+/// The relief as a 16-bit grey map of `size` × `size` texels (1 to [`Bitmap::MAX_SIDE`]), grown beyond the UV islands'
 /// borders by 1/128 of its side. To be read as linear.
 pub fn height_map(size: u32) -> Bitmap {
     Bake::new(&low_mesh(), size).height_map()

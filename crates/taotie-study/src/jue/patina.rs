@@ -11,10 +11,10 @@ static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
     (0..=65535u32).map(|i| (srgb::srgb_from_linear(f64::from(i) / 65535.0) * 255.0 + 0.5) as u8).collect()
 });
 
-/// A texel's place, which decides its look.
+/// The inputs of patina: they decide the look of a texel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
-    /// The place on the vessel, metres.
+pub(super) struct PatinaInput {
+    /// The position on the vessel, metres.
     pub position: Vec3,
     /// The interpolated vertex normal, not normalised.
     pub normal: Vec3,
@@ -63,16 +63,16 @@ fn mix(a: Vec3, b: Vec3, t: f32) -> Vec3 {
     a + (b - a) * t
 }
 
-/// The look of a place.
-pub(super) fn surface(place: &Place) -> Surface {
-    let p = place.position * 1000.0;
+/// The look of a texel.
+pub(super) fn surface(texel: &PatinaInput) -> Surface {
+    let p = texel.position * 1000.0;
     let broad = fractal(p * (1.0 / 24.0), 3);
     let patch = fractal(p * (1.0 / 7.0) + Vec3::splat(91.0), 3);
     let grain = fractal(p * (1.0 / 1.1) + Vec3::splat(37.0), 2);
-    let n = place.normal.normalize();
-    let recess = 0.5 * smooth(place.cavity * 4.0 + 0.10) + 0.7 * smooth(place.wide_cavity * 2.2);
-    let raised = smooth((place.height - 0.42) / 0.20);
-    let ridge = smooth(-place.cavity * 5.0 - 0.05) * smooth((place.height - 0.28) / 0.2);
+    let n = texel.normal.normalize();
+    let recess = 0.5 * smooth(texel.cavity * 4.0 + 0.10) + 0.7 * smooth(texel.wide_cavity * 2.2);
+    let raised = smooth((texel.height - 0.42) / 0.20);
+    let ridge = smooth(-texel.cavity * 5.0 - 0.05) * smooth((texel.height - 0.28) / 0.2);
 
     // Skin: brown to olive, with blushes of cuprite.
     let mut color = mix(TARNISH, OLIVE, smooth(0.5 + 0.9 * broad)) * (1.0 + 0.2 * grain);
@@ -103,14 +103,14 @@ pub(super) fn surface(place: &Place) -> Surface {
     color = mix(color, METAL, metallic);
     roughness += metallic * (0.32 + 0.05 * grain - roughness);
 
-    Surface { color, occlusion: occlusion(place), roughness: roughness.clamp(0.2, 0.95), metallic }
+    Surface { color, occlusion: occlusion(texel), roughness: roughness.clamp(0.2, 0.95), metallic }
 }
 
-/// Returns the part of the sky that a place sees: less in furrows, far less deep in the cup.
-fn occlusion(place: &Place) -> f32 {
-    let p = place.position;
-    let furrow = 0.55 * smooth(place.cavity * 3.0) + 0.30 * smooth(place.wide_cavity * 1.6);
-    let n = place.normal;
+/// Returns the part of the sky that a texel sees: less in furrows, far less deep in the cup.
+fn occlusion(texel: &PatinaInput) -> f32 {
+    let p = texel.position;
+    let furrow = 0.55 * smooth(texel.cavity * 3.0) + 0.30 * smooth(texel.wide_cavity * 1.6);
+    let n = texel.normal;
     // Inside the cup normals point to the axis.
     let inward = smooth(-(n.x * p.x + n.z * p.z) / 0.008) + smooth(n.y * 2.0 - 1.0);
     let within = smooth((0.034 * 0.034 - p.x * p.x - p.z * p.z) * 4000.0) * inward.min(1.0);

@@ -23,7 +23,7 @@ const FLANGE: f32 = 1.35;
 static RELIEF: LazyLock<Relief> = LazyLock::new(Relief::new);
 
 /// Returns the relief at a uv in [0, 1]², as a fraction of [`DEPTH`] in [0, 1]. It is continuous, and 0 at the border
-/// of every chart.
+/// of every UV island.
 pub fn height(u: f32, v: f32) -> f32 {
     RELIEF.height(u, v)
 }
@@ -40,7 +40,7 @@ impl Relief {
         Self { mask: Mask::new() }
     }
 
-    /// The height in [0, 1] at a uv; 0 at and beyond the border of every chart.
+    /// The height in [0, 1] at a uv; 0 at and beyond the border of every UV island.
     pub fn height(&self, u: f32, v: f32) -> f32 {
         let scale = 1000.0 / atlas::STRIP_SCALE as f32;
         let (x, y) = ((u - atlas::STRIP_LEFT as f32) * scale, (atlas::STRIP_BOTTOM as f32 - v) * scale);
@@ -107,7 +107,7 @@ fn neck(from_tail: f32, y: f32) -> f32 {
     height.max(long(tail, from_tail, y)).max(long(spout, spout_x, y))
 }
 
-/// A chart, as far as relief is concerned.
+/// A UV island, as far as relief is concerned.
 enum Part {
     Strip,
     Leg(usize),

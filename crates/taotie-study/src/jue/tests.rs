@@ -128,20 +128,20 @@ fn coverage(mesh: &Mesh, size: usize) -> Vec<Vec<usize>> {
     texels
 }
 
-/// The chart of each triangle: those connected through shared vertices, uv seams apart.
-fn charts(mesh: &Mesh) -> Vec<u32> {
-    let mut chart: Vec<u32> = (0..mesh.positions().len() as u32).collect();
+/// The UV island of each triangle: those connected through shared vertices, uv seams apart.
+fn islands(mesh: &Mesh) -> Vec<u32> {
+    let mut island: Vec<u32> = (0..mesh.positions().len() as u32).collect();
     for _ in 0..mesh.positions().len() {
         for triangle in mesh.triangles() {
-            let least = triangle.iter().map(|i| chart[*i as usize]).min().unwrap();
-            triangle.iter().for_each(|i| chart[*i as usize] = least);
+            let least = triangle.iter().map(|i| island[*i as usize]).min().unwrap();
+            triangle.iter().for_each(|i| island[*i as usize] = least);
         }
     }
-    mesh.triangles().iter().map(|t| chart[t[0] as usize]).collect()
+    mesh.triangles().iter().map(|t| island[t[0] as usize]).collect()
 }
 
 #[test]
-fn charts_lie_apart_in_the_unit_square() {
+fn islands_lie_apart_in_the_unit_square() {
     const SIZE: usize = 512;
     let mesh = low_mesh();
     assert_eq!(mesh.uvs().len(), 1);
@@ -149,15 +149,15 @@ fn charts_lie_apart_in_the_unit_square() {
     let coverage = coverage(&mesh, SIZE);
     let double = coverage.iter().position(|texel| texel.len() > 1);
     assert!(double.is_none(), "triangles overlap in uv: {:?}", double.map(|i| (i % SIZE, i / SIZE)));
-    let charts = charts(&mesh);
-    let at = |x: usize, y: usize| coverage[y * SIZE + x].first().map(|t| charts[*t]);
+    let islands = islands(&mesh);
+    let at = |x: usize, y: usize| coverage[y * SIZE + x].first().map(|t| islands[*t]);
     // 3 texels here are 12 at 2048.
     for y in 0..SIZE - 3 {
         for x in 3..SIZE - 3 {
             let Some(here) = at(x, y) else { continue };
             for (dx, dy) in [(3, 0), (0, 3), (3, 3), (2, 3), (3, 2)] {
-                assert!(at(x + dx, y + dy).is_none_or(|there| there == here), "charts touch at {x} {y}");
-                assert!(at(x - dx, y + dy).is_none_or(|there| there == here), "charts touch at {x} {y}");
+                assert!(at(x + dx, y + dy).is_none_or(|there| there == here), "UV islands touch at {x} {y}");
+                assert!(at(x - dx, y + dy).is_none_or(|there| there == here), "UV islands touch at {x} {y}");
             }
         }
     }
@@ -166,7 +166,7 @@ fn charts_lie_apart_in_the_unit_square() {
 }
 
 #[test]
-fn relief_is_flat_at_the_borders_of_charts() {
+fn relief_is_flat_at_the_borders_of_islands() {
     let mesh = low_mesh();
     let mut count: HashMap<(u32, u32), u32> = HashMap::new();
     let edges = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
@@ -259,7 +259,7 @@ fn normal_map_agrees_with_the_displaced_surface() {
 }
 
 #[test]
-fn no_chart_is_mirrored() {
+fn no_island_is_mirrored() {
     assert!(bake::with_frames(&low_mesh()).tangents().iter().all(|t| t[3] == 1.0));
 }
 

@@ -115,7 +115,7 @@ fn add_bottom(b: &mut Builder) {
     }
 }
 
-/// A vertex of the interior, its chart a plan of the vessel with `spread` times the distance from the axis.
+/// A vertex of the interior, its UV island a plan of the vessel with `spread` times the distance from the axis.
 fn inside_vertex(b: &mut Builder, p: Vec3<f64>, spread: f64) -> usize {
     let c = atlas::INSIDE_CENTER;
     let scale = atlas::INSIDE_SCALE * spread;
@@ -149,13 +149,13 @@ fn add_inside(b: &mut Builder) {
     add_walls(b, &lip, &ring);
 }
 
-/// The outer edge of the lip, pushed off its inner edge in the chart so that the lip has room.
+/// The outer edge of the lip, pushed off its inner edge in the UV island so that the lip has room.
 fn edge_vertex(b: &mut Builder, p: Vec3<f64>, lip: &[usize], k: usize) -> usize {
     let at = |i: usize| b.uv(lip[(i + lip.len()) % lip.len()]);
     let (here, before, after) = (at(k), at(k + lip.len() - 1), at(k + 1));
     let along = (unit(after - here), unit(here - before));
     let sum = along.0 + along.1;
-    // The columns run clockwise in the chart (u right, v down), so outward is to the right of the way.
+    // The columns run clockwise in the UV island (u right, v down), so outward is to the right of the way.
     let out = unit(Vec2::new(-sum.y, sum.x));
     b.vertex(p, here + out * 0.010, INSIDE)
 }

@@ -21,12 +21,12 @@ pub struct Misprint {
     /// The reason for the correction.
     pub reason: String,
     #[serde(skip)]
-    place: Place,
+    correction: Correction,
 }
 
-/// The place of a misprint in its row.
+/// The corrected value of a misprint, and its column.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
+enum Correction {
     Normal(usize, Normal),
     Angle(usize, f64),
 }
@@ -35,9 +35,9 @@ impl Misprint {
     /// Puts it right.
     pub(super) fn correct(&self, rows: &mut [Printed]) {
         let row = &mut rows[self.row - 1];
-        match self.place {
-            Place::Normal(which, normal) => row.normals[which] = normal,
-            Place::Angle(which, angle) => row.angles[which] = angle,
+        match self.correction {
+            Correction::Normal(which, normal) => row.normals[which] = normal,
+            Correction::Angle(which, angle) => row.angles[which] = angle,
         }
     }
 
@@ -57,7 +57,7 @@ impl Misprint {
             printed: pick(|number| number.printed),
             corrected: pick(|number| number.recomputed),
             reason: reason_of_normal(fit, which, &wrong),
-            place: Place::Normal(which, corrected),
+            correction: Correction::Normal(which, corrected),
         })
     }
 
@@ -77,7 +77,7 @@ impl Misprint {
             printed: vec![angle.printed],
             corrected: vec![corrected],
             reason,
-            place: Place::Angle(which, corrected),
+            correction: Correction::Angle(which, corrected),
         }
     }
 }

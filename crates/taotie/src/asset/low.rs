@@ -1,6 +1,6 @@
 //! The low-poly mesh that is baked onto: given, or made from the scan.
 
-use super::kept::Kept;
+use super::kept_textures::KeptTextures;
 use super::notes;
 use super::options::{BakeOptions, MeshSource};
 use super::scan::{Scan, check_extent};
@@ -19,7 +19,7 @@ pub(super) struct LowPoly {
     pub origin: Origin,
     pub material: Material,
     /// Textures of its material that stay.
-    pub kept: Kept,
+    pub kept: KeptTextures,
 }
 
 /// The origin of a low-poly mesh.
@@ -43,7 +43,7 @@ pub struct Origin {
     /// The simplification of the scan; `None` where the mesh was given.
     pub simplified: Option<Simplification>,
     /// UV islands of the atlas, where uvs were made.
-    pub charts: Option<usize>,
+    pub islands: Option<usize>,
 }
 
 /// The simplification of a scan.
@@ -61,8 +61,8 @@ pub struct Origin {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Simplification {
-    /// The method that was needed: `kept`, `collapsed`, `pruned` or `clustered`.
-    pub means: String,
+    /// The method that was needed: `unchanged`, `edge-collapse`, `prune` or `cluster`.
+    pub method: String,
     /// The distance of the low-poly mesh from the scan, as the simplifier estimates, model units.
     pub error: f64,
 }
@@ -84,7 +84,7 @@ impl LowPoly {
         }
         let material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
         notes::left_of_low(&material, options, warnings);
-        let kept = Kept::of(&material, &scene);
+        let kept = KeptTextures::of(&material, &scene);
         let mesh = bake::low_poly_mesh(scene)?;
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
@@ -97,21 +97,21 @@ impl LowPoly {
 
     /// Unwraps a simplified scan for maps of this size.
     pub fn made(scan: &Scan, simplified: &Simplified, size: u32, progress: Progress<'_>) -> Result<Self> {
-        let means = means(simplified.method).to_owned();
-        let simplification = Simplification { means, error: simplified.error };
-        let mut origin = Origin { simplified: Some(simplification), charts: None };
+        let method = method_name(simplified.method).to_owned();
+        let simplification = Simplification { method, error: simplified.error };
+        let mut origin = Origin { simplified: Some(simplification), islands: None };
         let mesh = unwrapped(&simplified.mesh, size, &mut origin, progress)?;
         let material = Material { base_color_texture: None, ..scan.about.material.clone() };
-        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept: Kept::default() })
+        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept: KeptTextures::default() })
     }
 }
 
-fn means(means: SimplifyMethod) -> &'static str {
-    match means {
-        SimplifyMethod::Kept => "kept",
-        SimplifyMethod::Collapsed => "collapsed",
-        SimplifyMethod::Pruned => "pruned",
-        SimplifyMethod::Clustered => "clustered",
+fn method_name(method: SimplifyMethod) -> &'static str {
+    match method {
+        SimplifyMethod::Kept => "unchanged",
+        SimplifyMethod::Collapsed => "edge-collapse",
+        SimplifyMethod::Pruned => "prune",
+        SimplifyMethod::Clustered => "cluster",
     }
 }
 
@@ -150,7 +150,7 @@ pub(super) fn note_simplified(simplified: &Simplified, triangles: u32, warnings:
 fn unwrapped(mesh: &Mesh, size: u32, origin: &mut Origin, progress: Progress<'_>) -> Result<Mesh> {
     let options = UnwrapOptions { size, padding: (size / 512).clamp(2, 16) };
     let unwrapped = bake::unwrap(mesh, &options, progress.begin("unwrap")?)?;
-    origin.charts = Some(unwrapped.charts);
+    origin.islands = Some(unwrapped.islands);
     Ok(unwrapped.mesh)
 }
 

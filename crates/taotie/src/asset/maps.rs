@@ -38,7 +38,7 @@ pub(super) fn bake_maps(
         maps: options.maps.iter().copied().collect::<Maps>(),
         space: options.space,
         sky_rays: options.ao_rays,
-        sky_reach: options.ao_distance.map(|distance| distance as f32),
+        sky_distance: options.ao_distance.map(|distance| distance as f32),
         roughness: options.roughness.map_or(scan.about.material.roughness, |v| v as f32),
         dilation: options.dilation,
     };

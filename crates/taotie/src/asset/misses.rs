@@ -29,14 +29,14 @@ pub struct Misses {
 
 impl Misses {
     /// Looks the map through; `None` where no ray missed.
-    pub(super) fn of(planes: &BakedMaps) -> Option<Self> {
-        let [width, height] = planes.size().map(|side| side as usize);
-        planes.texels.iter().find(|texel| matches!(texel, TexelStatus::Closest | TexelStatus::Lost))?;
+    pub(super) fn of(maps: &BakedMaps) -> Option<Self> {
+        let [width, height] = maps.size().map(|side| side as usize);
+        maps.texels.iter().find(|texel| matches!(texel, TexelStatus::Closest | TexelStatus::Lost))?;
         let step = width.max(height).div_ceil(SIDE);
         let (across, down) = (width / step, height / step);
         let worst = |i: usize| {
             let (x, y) = (i % across * step, i / across * step);
-            let block = (y..y + step).flat_map(|y| planes.texels[y * width + x..][..step].iter());
+            let block = (y..y + step).flat_map(|y| maps.texels[y * width + x..][..step].iter());
             block.copied().max_by_key(|texel| *texel as u8).unwrap_or_default()
         };
         Some(Self { width: across, height: down, texels: (0..across * down).map(worst).collect() })

@@ -25,7 +25,7 @@
 mod baker;
 mod hash;
 mod judgement;
-mod kept;
+mod kept_textures;
 mod low;
 mod made;
 mod maps;

@@ -11,7 +11,7 @@ use crate::error::{Result, Warnings};
 use std::path::PathBuf;
 
 /// The version of the report's layout.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// All that is to be told of a bake. What the caller knows, figures and times, is filled in by it.
 ///
@@ -46,7 +46,7 @@ pub struct Report {
     /// The low-poly mesh's file, or `None` where it was made.
     pub low: Option<String>,
     /// The origin of the low-poly mesh.
-    pub light: Origin,
+    pub origin: Origin,
     /// Triangles of each level of detail, the finest first.
     pub triangles: Vec<usize>,
     /// Texels across and down.
@@ -131,7 +131,7 @@ impl Report {
             high_sha256: made.about.sha256()?,
             high_triangles: made.about.size.triangles as usize,
             low: made.options.low.as_ref().and_then(MeshSource::path),
-            light: made.low.origin.clone(),
+            origin: made.low.origin.clone(),
             triangles: asset.levels().map(|mesh| mesh.triangles().len()).collect(),
             size: [made.size; 2],
             parameters: Parameters::new(&made.options, &written.packing),

@@ -67,14 +67,14 @@ pub(super) fn smallest(
 ) -> Result<Found> {
     let mut trials: Vec<Trial> = Vec::new();
     // Maps of several sizes are tried on the same triangles.
-    let mut lighter: BTreeMap<u32, Simplified> = BTreeMap::new();
+    let mut known: BTreeMap<u32, Simplified> = BTreeMap::new();
     for [triangles, size] in candidates(scan.mesh().triangles().len()) {
         let fails = |trial: &Trial| triangles as usize <= trial.triangles && size <= trial.size;
         if trials.iter().any(fails) {
             continue;
         }
-        let simplified = match lighter.entry(triangles) {
-            Entry::Occupied(known) => known.into_mut(),
+        let simplified = match known.entry(triangles) {
+            Entry::Occupied(entry) => entry.into_mut(),
             Entry::Vacant(place) => place.insert(low::simplified(scan, triangles, progress)?),
         };
         let low = LowPoly::made(scan, simplified, size, progress)?;
@@ -91,7 +91,7 @@ pub(super) fn smallest(
     Err(none_near_enough(most, &trials, scan.mesh().triangles().len()))
 }
 
-/// Triangles and texels along a side of what is lighter than the scan, by the size of the file.
+/// Triangles and texels along a side of candidates coarser than the scan, by the size of the file.
 fn candidates(scan: usize) -> Vec<[u32; 2]> {
     let mut candidates: Vec<[u32; 2]> = TRIANGLES
         .into_iter()

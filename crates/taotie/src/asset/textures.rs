@@ -1,6 +1,6 @@
 //! Baked maps as textures of an asset, and as files beside it.
 
-use super::kept::Kept;
+use super::kept_textures::KeptTextures;
 use super::misses::Misses;
 use super::options::BakeOptions;
 use crate::bake::{BakedMaps, MapKind};
@@ -107,11 +107,11 @@ pub struct Range {
 
 impl Textures {
     /// Stores the maps that were baked; `metallic` is that of the material.
-    pub(super) fn new(planes: &BakedMaps, options: &BakeOptions, metallic: f32) -> Result<Self> {
-        let mut textures = Self { misses: Misses::of(planes), ..Self::default() };
+    pub(super) fn new(maps: &BakedMaps, options: &BakeOptions, metallic: f32) -> Result<Self> {
+        let mut textures = Self { misses: Misses::of(maps), ..Self::default() };
         let storage = Storage { bits: options.bits, dither: options.bits == 8 };
-        if !planes.normal.is_empty() {
-            let bitmap = store_unit_vectors(planes.size(), &planes.normal, storage)?;
+        if !maps.normal.is_empty() {
+            let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage)?;
             match options.space {
                 NormalSpace::Tangent => textures.normal = Some(bitmap),
                 NormalSpace::Object => {
@@ -119,31 +119,30 @@ impl Textures {
                 }
             }
         }
-        if !planes.albedo.is_empty() {
-            textures.color = Some(color(planes)?);
+        if !maps.albedo.is_empty() {
+            textures.color = Some(color(maps)?);
         }
-        textures.has =
-            Has { occlusion: !planes.occlusion.is_empty(), roughness: !planes.roughness.is_empty() };
+        textures.has = Has { occlusion: !maps.occlusion.is_empty(), roughness: !maps.roughness.is_empty() };
         if textures.has != Has::default() {
-            textures.orm = Some(orm(planes, textures.has, metallic)?);
+            textures.orm = Some(orm(maps, textures.has, metallic)?);
         }
-        if !planes.bent.is_empty() {
-            let bitmap = store_unit_vectors(planes.size(), &planes.bent, storage)?;
+        if !maps.bent.is_empty() {
+            let bitmap = store_unit_vectors(maps.size(), &maps.bent, storage)?;
             textures.beside.push(Beside { map: MapKind::Bent, bitmap, range: None });
         }
         let numbers = [
-            (MapKind::Height, &planes.heights, "model units"),
-            (MapKind::Curvature, &planes.curvature, "1 / model unit"),
+            (MapKind::Height, &maps.heights, "model units"),
+            (MapKind::Curvature, &maps.curvature, "1 / model unit"),
         ];
         for (map, plane, unit) in numbers.into_iter().filter(|(_, plane, _)| !plane.is_empty()) {
-            textures.beside.push(of_numbers(map, planes, plane, unit)?);
+            textures.beside.push(of_numbers(map, maps, plane, unit)?);
         }
         Ok(textures)
     }
 
     /// Returns the asset's material: the factors of `base`, its textures where `kept` holds them and nothing was baked
     /// in their place.
-    pub(super) fn material<'a>(&'a self, base: &'a Material, kept: &'a Kept) -> GltfMaterial<'a> {
+    pub(super) fn material<'a>(&'a self, base: &'a Material, kept: &'a KeptTextures) -> GltfMaterial<'a> {
         let color = self.color.as_ref().or(kept.color.as_ref());
         let orm = self.has.roughness.then_some(self.orm.as_ref()).flatten();
         let mr = orm.or(kept.metallic_roughness.as_ref());
@@ -185,33 +184,33 @@ impl Beside {
     }
 }
 
-fn color(planes: &BakedMaps) -> Result<Bitmap> {
+fn color(maps: &BakedMaps) -> Result<Bitmap> {
     let encode = |v: f32| srgb_from_linear(f64::from(v.clamp(0.0, 1.0))) as f32;
-    store_codes(planes.size(), |i| planes.albedo[i].map(encode), 3, Storage { bits: 8, dither: true })
+    store_codes(maps.size(), |i| maps.albedo[i].map(encode), 3, Storage { bits: 8, dither: true })
 }
 
-fn orm(planes: &BakedMaps, has: Has, metallic: f32) -> Result<Bitmap> {
+fn orm(maps: &BakedMaps, has: Has, metallic: f32) -> Result<Bitmap> {
     let at = |plane: &[f32], i: usize, none: f32| plane.get(i).copied().unwrap_or(none);
-    let codes = |i: usize| [at(&planes.occlusion, i, 1.0), at(&planes.roughness, i, 1.0), metallic];
+    let codes = |i: usize| [at(&maps.occlusion, i, 1.0), at(&maps.roughness, i, 1.0), metallic];
     let channels = if has.roughness { 3 } else { 1 };
     let codes = |i: usize| if has.roughness { codes(i) } else { [codes(i)[0]; 3] };
-    store_codes(planes.size(), codes, channels, Storage { bits: 8, dither: true })
+    store_codes(maps.size(), codes, channels, Storage { bits: 8, dither: true })
 }
 
 /// Makes a map of numbers, in 16 bits.
-fn of_numbers(map: MapKind, planes: &BakedMaps, plane: &[f32], unit: &'static str) -> Result<Beside> {
-    let [black, white] = range(map, planes, plane);
+fn of_numbers(map: MapKind, maps: &BakedMaps, plane: &[f32], unit: &'static str) -> Result<Beside> {
+    let [black, white] = range(map, maps, plane);
     let number = |v: f32| (v - black) / (white - black);
     let fine = Storage { bits: 16, dither: false };
-    let bitmap = store_codes(planes.size(), |i| [number(plane[i]); 3], 1, fine)?;
+    let bitmap = store_codes(maps.size(), |i| [number(plane[i]); 3], 1, fine)?;
     let range = Range { black: f64::from(black), white: f64::from(white), unit };
     Ok(Beside { map, bitmap, range: Some(range) })
 }
 
 /// Returns the values of black and white: from the least to the greatest height, and as much curvature either way as
 /// all but the hundredth part of the texels have.
-fn range(map: MapKind, planes: &BakedMaps, plane: &[f32]) -> [f32; 2] {
-    let mut covered = planes.covered(plane);
+fn range(map: MapKind, maps: &BakedMaps, plane: &[f32]) -> [f32; 2] {
+    let mut covered = maps.covered(plane);
     covered.sort_unstable_by(f32::total_cmp);
     let (Some(least), Some(most)) = (covered.first(), covered.last()) else { return [0.0, 1.0] };
     let [low, high] = match map {

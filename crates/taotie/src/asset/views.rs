@@ -1,6 +1,6 @@
 //! Scan and asset seen from all sides in the same light.
 
-use crate::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
+use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
 use crate::error::Result;
 use crate::film::Development;
 use crate::math::Vec3;
@@ -28,9 +28,9 @@ const ELEVATIONS: [f64; 2] = [20.0, -12.0];
 #[non_exhaustive]
 pub struct Views {
     /// Of the scan.
-    pub scan: Vec<Picture>,
+    pub scan: Vec<DisplayImage>,
     /// Of the asset.
-    pub asset: Vec<Picture>,
+    pub asset: Vec<DisplayImage>,
     /// The difference as an observer sees it.
     pub flip: Vec<Field>,
     /// The same in numbers.
@@ -121,7 +121,12 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
     (0..COUNT).map(camera).collect()
 }
 
-fn pictures(scene: Scene, side: u32, cameras: &[Camera], progress: Progress<'_>) -> Result<Vec<Picture>> {
+fn pictures(
+    scene: Scene,
+    side: u32,
+    cameras: &[Camera],
+    progress: Progress<'_>,
+) -> Result<Vec<DisplayImage>> {
     let settings = RenderSettings { width: side, height: side, samples: 4, ..RenderSettings::default() };
     let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
     let mut renderer = Renderer::new(scene, &settings.surface)?;
@@ -132,7 +137,7 @@ fn pictures(scene: Scene, side: u32, cameras: &[Camera], progress: Progress<'_>)
             Lighting { lights: three_point_rig(camera), ambient: Vec3::splat(0.15), environment: None };
         let shot = Shot { camera, lighting: &lighting, settings: &settings };
         renderer.develop(&shot, &development, &mut codes, progress.part(from, to))?;
-        pictures.push(Picture::from_developed(side, side, &codes)?);
+        pictures.push(DisplayImage::from_developed(side, side, &codes)?);
     }
     Ok(pictures)
 }

@@ -24,7 +24,7 @@ pub struct Cage {
 }
 
 /// The ray distance as a multiple of the gap that was found.
-const MARGIN: f32 = 2.0;
+const GAPS: f32 = 2.0;
 /// The shortest ray distance, as a part of the mesh's diagonal.
 const LEAST: f64 = 2e-4;
 /// The gap is sought no farther than this part of the mesh's diagonal.
@@ -55,7 +55,7 @@ impl Cage {
         let mut distances = vec![(diagonal * LEAST) as f32; directions.len()];
         for (triangle, gap) in low.triangles().iter().zip(gaps) {
             for v in triangle {
-                distances[*v as usize] = distances[*v as usize].max(gap * MARGIN);
+                distances[*v as usize] = distances[*v as usize].max(gap * GAPS);
             }
         }
         surface::shared_by_position(low, &mut distances);

@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn padding_goes_around_charts_and_across_borders() {
+    fn padding_goes_around_islands_and_across_borders() {
         let left = [[0.0, 0.25], [0.0, 0.45], [0.2, 0.25]];
         let coverage = Coverage::new(&mesh(&left), &grid(8, 8, 0)).unwrap();
         assert_eq!(

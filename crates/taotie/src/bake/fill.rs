@@ -3,36 +3,36 @@
 use super::baked_maps::{BakedMaps, TexelStatus};
 use rayon::prelude::*;
 
-/// Texels around each chart that take the value of the nearest one before the rest is filled: more than any bilinear or
-/// anisotropic lookup at the finest level reaches over a border.
+/// Texels around each UV island that take the value of the nearest one before the rest is filled: more than any
+/// bilinear or anisotropic lookup at the finest level reaches over a border.
 const PADDING: u32 = 4;
 
-/// Gives free texels values: `steps` of growing charts, each texel from a neighbour; or with `None` first a narrow
+/// Gives free texels values: `steps` of growing UV islands, each texel from a neighbour; or with `None` first a narrow
 /// padding and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels
 /// are, that holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
-pub(super) fn fill(planes: &mut BakedMaps, steps: Option<u32>) {
-    let size = [planes.width as usize, planes.height as usize];
-    let mut known: Vec<bool> = planes.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();
+pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
+    let size = [maps.width as usize, maps.height as usize];
+    let mut known: Vec<bool> = maps.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();
     if !known.contains(&true) {
         return;
     }
     for _ in 0..steps.unwrap_or(PADDING) {
         let grown = neighbours(&known, size);
-        each(planes, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
+        each(maps, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
         grown.iter().for_each(|(to, _)| known[*to] = true);
     }
     if steps.is_none() {
-        each(planes, |plane| pull_push(plane, &known, size), |plane| pull_push(plane, &known, size));
+        each(maps, |plane| pull_push(plane, &known, size), |plane| pull_push(plane, &known, size));
     }
 }
 
 /// Does the same to every plane that is there.
-fn each(planes: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
-    let BakedMaps { occlusion, heights, curvature, roughness, .. } = planes;
+fn each(maps: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
+    let BakedMaps { occlusion, heights, curvature, roughness, .. } = maps;
     for plane in [occlusion, heights, curvature, roughness] {
         one(plane.as_chunks_mut::<1>().0);
     }
-    for plane in [&mut planes.normal, &mut planes.albedo, &mut planes.bent] {
+    for plane in [&mut maps.normal, &mut maps.albedo, &mut maps.bent] {
         three(plane);
     }
 }
@@ -61,8 +61,8 @@ fn copy<T: Copy>(plane: &mut [T], from: &[(usize, usize)]) {
     }
 }
 
-/// A plane at a coarser level; `None` where none of what a texel covers is known.
-struct Level<const N: usize> {
+/// A level of the pyramid that fills gaps; `None` where none of what a texel covers is known.
+struct PyramidLevel<const N: usize> {
     size: [usize; 2],
     texels: Vec<Option<[f32; N]>>,
 }
@@ -100,7 +100,7 @@ fn pull_push<const N: usize>(plane: &mut [[f32; N]], known: &[bool], size: [usiz
 fn coarser<const N: usize>(
     [width, height]: [usize; 2],
     at: impl Fn(usize) -> Option<[f32; N]> + Sync,
-) -> Level<N> {
+) -> PyramidLevel<N> {
     let size = [width.div_ceil(2), height.div_ceil(2)];
     let mean = |i: usize| {
         let (x, y) = (i % size[0] * 2, i / size[0] * 2);
@@ -113,7 +113,7 @@ fn coarser<const N: usize>(
         }
         (count > 0).then(|| sum.map(|v| v / count as f32))
     };
-    Level { size, texels: (0..size[0] * size[1]).into_par_iter().map(mean).collect() }
+    PyramidLevel { size, texels: (0..size[0] * size[1]).into_par_iter().map(mean).collect() }
 }
 
 #[cfg(test)]
@@ -121,10 +121,9 @@ mod tests {
     use super::*;
     use crate::bake::{MapKind, Maps};
 
-    /// Returns two charts of different heights on a map of 64 × 64.
-    fn charts() -> BakedMaps {
-        let mut planes =
-            BakedMaps::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
+    /// Returns two UV islands of different heights on a map of 64 × 64.
+    fn islands() -> BakedMaps {
+        let mut maps = BakedMaps::new([64, 64], Maps::default().with(MapKind::Height).with(MapKind::Albedo));
         for y in 0..64 {
             for x in 0..64 {
                 let height = match (x, y) {
@@ -132,32 +131,32 @@ mod tests {
                     (40..=60, 9..=44) => 3.0,
                     _ => continue,
                 };
-                planes.texels[y * 64 + x] = TexelStatus::Met;
-                planes.heights[y * 64 + x] = height;
-                planes.albedo[y * 64 + x] = [height; 3];
+                maps.texels[y * 64 + x] = TexelStatus::Met;
+                maps.heights[y * 64 + x] = height;
+                maps.albedo[y * 64 + x] = [height; 3];
             }
         }
-        planes
+        maps
     }
 
     #[test]
-    fn every_mip_texel_is_made_of_charts_alone() {
-        let mut planes = charts();
+    fn every_mip_texel_is_made_of_islands_alone() {
+        let mut maps = islands();
         // What free texels hold before is not to be seen anywhere.
-        for i in 0..planes.heights.len() {
-            if planes.texels[i] == TexelStatus::Free {
-                planes.heights[i] = -1000.0;
+        for i in 0..maps.heights.len() {
+            if maps.texels[i] == TexelStatus::Free {
+                maps.heights[i] = -1000.0;
             }
         }
-        let before = planes.clone();
-        fill(&mut planes, None);
+        let before = maps.clone();
+        fill(&mut maps, None);
         let rounding = 1e-5;
-        let is_of_charts = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
+        let is_of_islands = |v: &f32| (1.0 - rounding..=3.0 + rounding).contains(v);
         for (i, texel) in before.texels.iter().enumerate() {
-            assert!(*texel == TexelStatus::Free || planes.heights[i] == before.heights[i]);
-            assert!(is_of_charts(&planes.heights[i]), "{}", planes.heights[i]);
+            assert!(*texel == TexelStatus::Free || maps.heights[i] == before.heights[i]);
+            assert!(is_of_islands(&maps.heights[i]), "{}", maps.heights[i]);
         }
-        let mut level = planes.heights;
+        let mut level = maps.heights;
         let mut width = 64;
         while width > 2 {
             let at = |x: usize, y: usize| level[y * width + x];
@@ -167,17 +166,18 @@ mod tests {
                 .map(|(x, y)| (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4.0)
                 .collect();
             (level, width) = (next, half);
-            // A texel wholly over one chart and its surroundings is of that chart: none is darker than all charts.
-            assert!(level.iter().all(is_of_charts));
+            // A texel wholly over one UV island and its neighbourhood is of that island: none is darker than all
+            // islands.
+            assert!(level.iter().all(is_of_islands));
         }
         assert!(level[0] < 1.5 && level[1] > 2.5, "both UV islands still stand apart: {level:?}");
     }
 
     #[test]
-    fn a_skirt_is_as_wide_as_asked() {
-        let mut planes = charts();
-        fill(&mut planes, Some(3));
-        let at = |x: usize, y: usize| (planes.heights[y * 64 + x], planes.albedo[y * 64 + x]);
+    fn padding_is_as_wide_as_asked() {
+        let mut maps = islands();
+        fill(&mut maps, Some(3));
+        let at = |x: usize, y: usize| (maps.heights[y * 64 + x], maps.albedo[y * 64 + x]);
         assert_eq!(at(23, 10), (1.0, [1.0; 3]));
         assert_eq!(at(24, 10), (0.0, [0.0; 3]));
         assert_eq!(at(0, 10), (1.0, [1.0; 3]));

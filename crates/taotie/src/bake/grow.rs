@@ -3,7 +3,7 @@
 use super::owner::{NONE, PADDING};
 use rayon::prelude::*;
 
-/// Grows every chart by `steps` texels into free ones, across the map's borders too.
+/// Grows every UV island by `steps` texels into free ones, across the map's borders too.
 ///
 /// In each step a free texel takes the triangle of its first neighbour that has one: left, right, above, below.
 pub(super) fn grow(texels: &mut [u32], width: usize, steps: u32) {

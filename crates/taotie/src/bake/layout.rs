@@ -23,14 +23,14 @@ pub(super) struct Layout<'a> {
 }
 
 /// The samples of one triangle in one tile.
-pub(super) struct Patch {
+pub(super) struct TriangleSamples {
     pub triangle: u32,
     pub samples: Vec<Sample>,
     /// The weights of the triangle's corners at column and row (0, 0), (1, 0) and (0, 1) of the tile.
     pub weights: [[f32; 3]; 3],
 }
 
-/// A sample of a patch.
+/// A sample of a triangle in a tile.
 pub(super) struct Sample {
     /// Its texel, counted within the band.
     pub texel: u32,
@@ -40,8 +40,8 @@ pub(super) struct Sample {
     pub weights: [f32; 3],
 }
 
-impl Patch {
-    /// Returns the point of the mesh that a sample of the patch shows.
+impl TriangleSamples {
+    /// Returns the point of the mesh that one of its samples shows.
     pub fn point(&self, sample: &Sample) -> Point {
         Point { triangle: self.triangle, weights: sample.weights }
     }
@@ -85,7 +85,7 @@ impl<'a> Layout<'a> {
     /// Calls `take` with all samples of a band, triangle by triangle and tile by tile. Of triangles that lie over one
     /// another the one with the lowest number has the sample. Returns the number of samples that others would have had
     /// too.
-    pub fn patches(&self, band: usize, mut take: impl FnMut(&Patch)) -> usize {
+    pub fn triangle_samples(&self, band: usize, mut take: impl FnMut(&TriangleSamples)) -> usize {
         let width = (self.size[0] * self.side) as usize;
         let rows = self.texel_rows(band);
         let rows = i64::from(rows.start * self.side)..i64::from(rows.end * self.side);
@@ -103,7 +103,8 @@ impl<'a> Layout<'a> {
             });
         }
         let mut spans = Vec::new();
-        let mut patch = Patch { triangle: 0, samples: Vec::new(), weights: Default::default() };
+        let mut triangle_samples =
+            TriangleSamples { triangle: 0, samples: Vec::new(), weights: Default::default() };
         for t in &self.bands[band] {
             spans.clear();
             self.spans(*t, &rows, |y, span, down| spans.push((y, span, down)));
@@ -112,15 +113,15 @@ impl<'a> Layout<'a> {
             let columns =
                 spans.iter().fold((i64::MAX, i64::MIN), |(l, h), (_, s, _)| (l.min(s[0]), h.max(s[1])));
             for column in columns.0.div_euclid(tile)..=columns.1.div_euclid(tile) {
-                patch.triangle = *t;
-                patch.samples.clear();
+                triangle_samples.triangle = *t;
+                triangle_samples.samples.clear();
                 let left = column * tile;
                 for (y, [from, to], down) in &spans {
                     for x in *from.max(&left)..=*to.min(&(left + tile - 1)) {
                         let place = place(*y, x);
                         if owners[place] == *t {
                             owners[place] = NONE;
-                            patch.samples.push(Sample {
+                            triangle_samples.samples.push(Sample {
                                 texel: self.texel(place, width),
                                 at: [(x - left) as u16, (y - rows.start) as u16],
                                 weights: weights.at(x, y + down),
@@ -130,10 +131,10 @@ impl<'a> Layout<'a> {
                 }
                 if let Some((_, _, down)) = spans.first() {
                     let corner = |x: i64, y: i64| weights.at(left + x, rows.start + y + down);
-                    patch.weights = [corner(0, 0), corner(1, 0), corner(0, 1)];
+                    triangle_samples.weights = [corner(0, 0), corner(1, 0), corner(0, 1)];
                 }
-                if !patch.samples.is_empty() {
-                    take(&patch);
+                if !triangle_samples.samples.is_empty() {
+                    take(&triangle_samples);
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! Levels of detail of an unwrapped mesh, which all show the same maps.
 
-use super::simplify::{Frame, adapter, compact, is_near, triples};
+use super::simplify::{UnitCube, adapter, compact, is_near, triples};
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
@@ -13,7 +13,7 @@ const UV_WEIGHT: f32 = 3.0;
 
 /// A level of detail.
 #[derive(Debug, Clone)]
-pub struct Level {
+pub struct DetailLevel {
     /// Vertices of the unwrapped mesh, with all that they had but tangents, and fewer triangles.
     pub mesh: Mesh,
     /// The distance from the unwrapped mesh, and the shift of what its maps show, model units: meshoptimizer's
@@ -32,21 +32,21 @@ pub struct Level {
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] where the mesh has no uvs or a count is 0.
-pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<Vec<Level>> {
+pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<Vec<DetailLevel>> {
     let Some(uvs) = mesh.uvs().first() else {
         return Err(Error::invalid("a mesh for levels of detail", "it has no uvs; unwrap it first"));
     };
     if counts.contains(&0) {
         return Err(Error::invalid("a level of 0 triangles", "ask for at least one"));
     }
-    let frame = Frame::of(mesh.positions());
-    let points: Vec<[f32; 3]> = mesh.positions().iter().map(|p| frame.scaled(*p)).collect();
+    let cube = UnitCube::of(mesh.positions());
+    let points: Vec<[f32; 3]> = mesh.positions().iter().map(|p| cube.scaled(*p)).collect();
     let places: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
     let level = |(i, count): (usize, &usize)| {
         progress.at(i as f64 / counts.len() as f64)?;
         let (triangles, error) = fewer(mesh, &points, &places, *count);
         let reached = is_near(triangles.len(), *count) || triangles.len() < *count;
-        Ok(Level { mesh: with_triangles(mesh, triangles)?, error: error * frame.extent, reached })
+        Ok(DetailLevel { mesh: with_triangles(mesh, triangles)?, error: error * cube.extent, reached })
     };
     let levels = counts.par_iter().enumerate().map(level).collect::<Result<_>>()?;
     progress.at(1.0)?;

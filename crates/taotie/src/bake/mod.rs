@@ -33,7 +33,7 @@ pub use baked_maps::{BakedMaps, TexelStatus};
 pub use cage::Cage;
 pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;
-pub use levels::{Level, levels};
+pub use levels::{DetailLevel, levels};
 pub use maps::{MapKind, Maps};
 pub use projection::{Correspondence, ProjectionRay};
 pub use scan::{Scan, low_poly_mesh};

@@ -3,7 +3,7 @@
 use super::scan::Scan;
 use crate::math::Vec3;
 use crate::mesh::Point;
-use crate::trace::{Hit, Ray, Stretch};
+use crate::trace::{Hit, Ray, RayInterval};
 
 /// A correspondence: the point of the high-poly surface that a point of the low-poly mesh is projected onto.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,9 +29,9 @@ pub struct ProjectionRay {
 
 impl ProjectionRay {
     /// Returns the ray from its inner end, beside others that run along `main`, and the part of it that matters.
-    pub(super) fn ray(&self, main: Vec3) -> (Ray, Stretch) {
+    pub(super) fn ray(&self, main: Vec3) -> (Ray, RayInterval) {
         let ray = Ray::beside(self.point - self.direction * self.distance, self.direction, main);
-        (ray, Stretch { from: 0.0, center: self.distance, to: self.distance + self.distance })
+        (ray, RayInterval { from: 0.0, center: self.distance, to: self.distance + self.distance })
     }
 
     /// Returns the correspondence of a hit of [`ProjectionRay::ray`] on a surface with this normal.
@@ -44,8 +44,8 @@ impl Scan {
     /// Returns the nearest point on the ray where the scan faces as the ray does: whatever faces the other way is the
     /// far side of something else.
     pub fn project(&self, projection: &ProjectionRay) -> Option<Correspondence> {
-        let (ray, stretch) = projection.ray(projection.direction);
-        let (hit, normal) = self.bvh().nearest_to(&ray, stretch, |hit| self.facing(hit, projection))?;
+        let (ray, interval) = projection.ray(projection.direction);
+        let (hit, normal) = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection))?;
         Some(projection.found(&hit, normal))
     }
 
@@ -55,9 +55,9 @@ impl Scan {
         (normal.dot(projection.direction) > 0.0).then_some(normal)
     }
 
-    /// Returns the closest point of the scan within `reach`, if it faces as `direction` does.
-    pub fn closest(&self, point: Vec3, direction: Vec3, reach: f32) -> Option<Correspondence> {
-        let closest = self.bvh().closest(point, reach)?;
+    /// Returns the closest point of the scan within `most`, if it faces as `direction` does.
+    pub fn closest(&self, point: Vec3, direction: Vec3, most: f32) -> Option<Correspondence> {
+        let closest = self.bvh().closest(point, most)?;
         let there = closest.point();
         let normal = there.normal(self.mesh());
         let side = if (there.position(self.mesh()) - point).dot(direction) < 0.0 { -1.0 } else { 1.0 };
@@ -98,14 +98,17 @@ mod tests {
             direction,
             distance,
         };
-        let at = |z: f32, reach: f32| scan.project(&projection(z, up, reach));
+        let at = |z: f32, distance: f32| scan.project(&projection(z, up, distance));
         let below = at(0.2, 0.5).unwrap();
         assert!((below.height + 0.2).abs() < 1e-6 && (below.normal - up).length() < 1e-6);
         assert!((at(-0.1, 0.5).unwrap().height - 0.1).abs() < 1e-6);
         let on = at(0.0, 0.5).unwrap();
         assert!(on.height.abs() < 1e-6 && (on.normal - up).length() < 1e-6);
-        assert!(at(0.3, 0.2).is_none(), "beyond reach");
-        assert!(at(0.9, 0.5).is_none(), "the nearer sheet faces the other way, the other is out of reach");
+        assert!(at(0.3, 0.2).is_none(), "beyond the ray distance");
+        assert!(
+            at(0.9, 0.5).is_none(),
+            "the nearer sheet faces the other way, the other is beyond the ray distance"
+        );
         assert!(
             (at(0.9, 1.0).unwrap().height + 0.9).abs() < 1e-6,
             "what faces the other way is passed through"

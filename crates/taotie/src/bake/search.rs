@@ -1,6 +1,6 @@
-//! The places on a scan of all samples of a patch at once.
+//! The points of a scan that correspond to all samples of a triangle in a tile, at once.
 
-use super::layout::Patch;
+use super::layout::TriangleSamples;
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use crate::math::Vec3;
@@ -10,16 +10,16 @@ use crate::trace::{Nearest, PacketView, Ray, RayPacket};
 /// Fewer samples are found faster one by one.
 const FEW: usize = 6;
 
-/// Directions that part more than this from the patch's own are no packet: within it, all run along one axis.
+/// Directions that part more than this from the triangle's own are no packet: within it, all run along one axis.
 const LEAST_COSINE: f32 = 0.9;
 
-/// Returns the match of each projection of a patch, as [`Scan::project`] finds it.
+/// Returns the correspondence of each projection ray of a triangle in a tile, as [`Scan::project`] finds it.
 ///
 /// Neighbouring samples look in nearly the same direction, so their projections are a packet: columns and rows are
 /// those of the tile, and depths run along the mean direction.
 pub(super) fn search(
     scan: &Scan,
-    patch: &Patch,
+    group: &TriangleSamples,
     corners: [Vec3; 3],
     projections: &[ProjectionRay],
 ) -> Vec<Option<Correspondence>> {
@@ -27,15 +27,15 @@ pub(super) fn search(
     if projections.len() <= FEW {
         return one_by_one();
     }
-    let Some(view) = view(patch, corners, projections) else { return one_by_one() };
+    let Some(view) = view(group, corners, projections) else { return one_by_one() };
     let (rays, mut nearest): (Vec<Ray>, Vec<Nearest<Vec3>>) = projections
         .iter()
         .map(|projection| {
-            let (ray, stretch) = projection.ray(view.axes[2]);
-            (ray, Nearest::on(stretch))
+            let (ray, interval) = projection.ray(view.axes[2]);
+            (ray, Nearest::on(interval))
         })
         .unzip();
-    let places: Vec<[f32; 2]> = patch.samples.iter().map(|sample| sample.at.map(f32::from)).collect();
+    let places: Vec<[f32; 2]> = group.samples.iter().map(|sample| sample.at.map(f32::from)).collect();
     let Some(packet) = RayPacket::new(&rays, &places, view) else { return one_by_one() };
     scan.bvh().meet_all(&packet, |i, hit| {
         nearest[i].offer(hit, |hit| scan.facing(hit, &projections[i]));
@@ -47,11 +47,11 @@ pub(super) fn search(
     projections.iter().zip(nearest).map(found).collect()
 }
 
-/// Returns the view of a ray packet along the projection rays of a patch; `None` where the patch is seen edge on.
+/// Returns the view of a ray packet along the projection rays of a triangle; `None` where it is seen edge on.
 ///
 /// A sample at column x and row y looks along corner + x · across + y · down + depth · direction.
-fn view(patch: &Patch, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Option<PacketView> {
-    let [origin, across, down] = patch.weights.map(|weights| blend(corners, weights));
+fn view(group: &TriangleSamples, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Option<PacketView> {
+    let [origin, across, down] = group.weights.map(|weights| blend(corners, weights));
     let (across, down) = (across - origin, down - origin);
     let sum = projections.iter().fold(Vec3::default(), |sum, projection| sum + projection.direction);
     let mean = sum.normalize_or(projections[0].direction);
@@ -64,11 +64,11 @@ fn view(patch: &Patch, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Opt
     }
     let mut slack = [0.0f32; 2];
     let mut depths = [f32::INFINITY, f32::NEG_INFINITY];
-    let mut reach = 0.0f32;
+    let mut farthest = 0.0f32;
     for projection in projections {
         for way in [-projection.distance, projection.distance] {
             let end = projection.point + projection.direction * way;
-            reach = reach.max((end - origin).length()).max(end.length());
+            farthest = farthest.max((end - origin).length()).max(end.length());
             for k in 0..2 {
                 slack[k] = slack[k].max((axes[k].dot(projection.direction) * way).abs());
             }
@@ -77,7 +77,7 @@ fn view(patch: &Patch, corners: [Vec3; 3], projections: &[ProjectionRay]) -> Opt
         }
     }
     // Rounding of places and of their shadows, generously.
-    let rounding = axes.map(|axis| axis.length() * reach * 2e-6);
+    let rounding = axes.map(|axis| axis.length() * farthest * 2e-6);
     Some(PacketView {
         origin,
         axes,
@@ -124,13 +124,13 @@ mod tests {
                 let layout = Layout::new(&low, [size; 2], 2).unwrap();
                 let (mut met, mut missed) = (0, 0);
                 for band in 0..layout.band_count() {
-                    layout.patches(band, |patch| {
-                        let corners = low.corners(patch.triangle as usize);
+                    layout.triangle_samples(band, |group| {
+                        let corners = low.corners(group.triangle as usize);
                         let projection =
-                            |weights| cage.projection_ray(&low, Point { triangle: patch.triangle, weights });
+                            |weights| cage.projection_ray(&low, Point { triangle: group.triangle, weights });
                         let projections: Vec<ProjectionRay> =
-                            patch.samples.iter().map(|s| projection(s.weights)).collect();
-                        let all = search(&scan, patch, corners, &projections);
+                            group.samples.iter().map(|s| projection(s.weights)).collect();
+                        let all = search(&scan, group, corners, &projections);
                         for (projection, found) in projections.iter().zip(all) {
                             let alone = scan.project(projection);
                             // Rays of a packet are all intersected along one axis, which rounds otherwise.

@@ -13,7 +13,7 @@ pub(super) struct Sky {
     /// Samples a texel, which share the directions out between them.
     classes: u32,
     /// The distance within which surfaces block the rays, model units.
-    reach: f32,
+    distance: f32,
     /// The height above the surface at which rays begin.
     offset: f32,
 }
@@ -38,11 +38,11 @@ pub(super) struct Open {
 }
 
 impl Sky {
-    /// Makes about `rays` a texel of `classes` samples over the hemisphere; surfaces farther than `reach` away do not
-    /// count.
+    /// Makes about `rays` a texel of `classes` samples over the hemisphere; surfaces farther than `distance` away do
+    /// not count.
     ///
     /// Directions are a spherical Fibonacci lattice (Keinert et al. 2015, "Spherical Fibonacci mapping", eq. 2).
-    pub fn new(rays: u32, classes: u32, reach: f32, diagonal: f64) -> Self {
+    pub fn new(rays: u32, classes: u32, distance: f32, diagonal: f64) -> Self {
         // Half of the sphere lies under the surface.
         let count = 2 * rays.max(classes);
         let golden = (5.0f64.sqrt() - 1.0) / 2.0;
@@ -56,7 +56,7 @@ impl Sky {
         Self {
             directions: (0..count).map(direction).collect(),
             classes,
-            reach,
+            distance,
             offset: (diagonal * 1e-5) as f32,
         }
     }
@@ -103,12 +103,12 @@ impl Sky {
         let rays: Vec<Ray> = looking.iter().map(|k| Ray::new(ao_samples[*k].origin, direction)).collect();
         let packet = (rays.len() > FEW).then(|| self.packet(&rays, direction)).flatten();
         let Some(packet) = packet else {
-            return rays.iter().map(|ray| scan.bvh().occluded(ray, self.reach, |_| true)).collect();
+            return rays.iter().map(|ray| scan.bvh().occluded(ray, self.distance, |_| true)).collect();
         };
         let mut blocked = vec![false; rays.len()];
         let mut open = rays.len();
         scan.bvh().meet_all(&packet, |ray, hit| {
-            if hit.distance < self.reach && !blocked[ray] {
+            if hit.distance < self.distance && !blocked[ray] {
                 blocked[ray] = true;
                 open -= 1;
             }
@@ -127,7 +127,7 @@ impl Sky {
         let farthest = rays.iter().map(|ray| local(ray, 2)).fold(f32::NEG_INFINITY, f32::max);
         // Rounding of places and of their shadows, which grows with how far away they are from zero.
         let slack = (origin.length() + farthest - nearest) * 2e-6 + self.offset * 0.1;
-        let depths = [nearest - slack, farthest + self.reach];
+        let depths = [nearest - slack, farthest + self.distance];
         RayPacket::new(rays, &places, PacketView { origin, axes, slack: [slack; 2], depths })
     }
 }

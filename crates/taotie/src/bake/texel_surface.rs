@@ -64,7 +64,7 @@ impl TexelSurface {
     /// Returns the surface at the centre of a texel; in padding as if the triangle went on. `None` away from all UV
     /// islands.
     pub fn point(&self, x: u32, y: u32) -> Option<SurfacePoint> {
-        Some(Patch::new(self, self.coverage.triangle(x, y)?).at(&self.coverage, x, y))
+        Some(UvTriangle::new(self, self.coverage.triangle(x, y)?).at(&self.coverage, x, y))
     }
 
     /// Makes a map texel by texel, row by row from the top; `fill` is the value away from all UV islands.
@@ -76,15 +76,15 @@ impl TexelSurface {
         let (width, height) = (self.coverage.width(), self.coverage.height());
         let mut texels = vec![fill; width as usize * height as usize];
         texels.par_chunks_mut(width as usize).enumerate().for_each(|(y, row)| {
-            let mut patch: Option<Patch> = None;
+            let mut uv_triangle: Option<UvTriangle> = None;
             for (x, value) in row.iter_mut().enumerate() {
                 let (x, y) = (x as u32, y as u32);
                 let Some(triangle) = self.coverage.triangle(x, y) else { continue };
-                let patch = match &mut patch {
-                    Some(patch) if patch.triangle == triangle => patch,
-                    other => other.insert(Patch::new(self, triangle)),
+                let uv_triangle = match &mut uv_triangle {
+                    Some(uv_triangle) if uv_triangle.triangle == triangle => uv_triangle,
+                    other => other.insert(UvTriangle::new(self, triangle)),
                 };
-                *value = texel(x, y, &patch.at(&self.coverage, x, y));
+                *value = texel(x, y, &uv_triangle.at(&self.coverage, x, y));
             }
         });
         texels
@@ -132,7 +132,7 @@ impl Linear {
 }
 
 /// A triangle in uv space.
-struct Patch {
+struct UvTriangle {
     triangle: u32,
     corners: [Vec2<f64>; 3],
     position: Linear,
@@ -141,7 +141,7 @@ struct Patch {
     handedness: f64,
 }
 
-impl Patch {
+impl UvTriangle {
     fn new(surface: &TexelSurface, triangle: u32) -> Self {
         let mesh = &surface.mesh;
         let vertices = mesh.triangles()[triangle as usize].map(|v| v as usize);

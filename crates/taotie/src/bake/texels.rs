@@ -4,7 +4,7 @@ use super::baked_maps::{BakedMaps, BandMaps, TexelStatus};
 use super::cage::Cage;
 use super::curvature::mean_curvatures;
 use super::fill::fill;
-use super::layout::{BAND, Layout, Patch};
+use super::layout::{BAND, Layout, TriangleSamples};
 use super::maps::{MapKind, Maps};
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
@@ -34,7 +34,7 @@ pub struct BakeSettings {
     /// Rays over the hemisphere a texel, for occlusion and bent normals.
     pub sky_rays: u32,
     /// The distance within which surfaces block these rays, model units; `None` for any distance.
-    pub sky_reach: Option<f32>,
+    pub sky_distance: Option<f32>,
     /// The scan's own roughness, what artists set.
     pub roughness: f32,
     /// The number of texels around each UV island that take the value of the nearest one; `None` fills the whole map.
@@ -50,7 +50,7 @@ impl Default for BakeSettings {
             maps: Maps::default().with(MapKind::Normal),
             space: NormalSpace::Tangent,
             sky_rays: 64,
-            sky_reach: None,
+            sky_distance: None,
             roughness: 0.6,
             dilation: None,
         }
@@ -130,22 +130,22 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
         scan,
         settings,
     };
-    let mut planes = BakedMaps::new(settings.size, settings.maps);
+    let mut maps = BakedMaps::new(settings.size, settings.maps);
     let done = AtomicUsize::new(0);
     let bands = job.layout.band_count();
-    let counts = planes
+    let counts = maps
         .bands(BAND)
         .into_par_iter()
         .enumerate()
-        .map(|(band, planes)| {
-            let counts = job.band(band, planes);
+        .map(|(band, maps)| {
+            let counts = job.band(band, maps);
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress.at(done as f64 / bands as f64).map(|()| counts)
         })
         .try_reduce(BakeCounts::default, |a, b| Ok(a.and(b)))?;
     let counts = BakeCounts { flat: job.layout.flat, ..counts };
-    fill(&mut planes, settings.dilation);
-    Ok(Baked { maps: planes, counts })
+    fill(&mut maps, settings.dilation);
+    Ok(Baked { maps, counts })
 }
 
 fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {
@@ -164,8 +164,8 @@ fn check(low: &Mesh, settings: &BakeSettings) -> Result<()> {
 }
 
 fn sky(low: &Mesh, settings: &BakeSettings) -> Sky {
-    let reach = settings.sky_reach.unwrap_or(f32::INFINITY);
-    Sky::new(settings.sky_rays, settings.side * settings.side, reach, low.diagonal())
+    let distance = settings.sky_distance.unwrap_or(f32::INFINITY);
+    Sky::new(settings.sky_rays, settings.side * settings.side, distance, low.diagonal())
 }
 
 /// All that a band needs.
@@ -201,12 +201,12 @@ struct Cell {
 }
 
 impl Job<'_> {
-    fn band(&self, band: usize, mut planes: BandMaps<'_>) -> BakeCounts {
-        let mut cells = vec![Cell::default(); planes.texels.len()];
-        let shared = self.layout.patches(band, |patch| self.patch(patch, &mut cells));
+    fn band(&self, band: usize, mut maps: BandMaps<'_>) -> BakeCounts {
+        let mut cells = vec![Cell::default(); maps.texels.len()];
+        let shared = self.layout.triangle_samples(band, |group| self.add_samples(group, &mut cells));
         let mut counts = BakeCounts { shared, ..BakeCounts::default() };
         for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.samples > 0) {
-            self.store(i, cell, &mut planes);
+            self.store(i, cell, &mut maps);
             counts.samples += cell.samples as usize;
             counts.missed += cell.missed as usize;
             counts.lost += cell.lost as usize;
@@ -216,19 +216,19 @@ impl Job<'_> {
         counts
     }
 
-    /// Finds the places of a patch's samples on the scan.
-    fn patch(&self, patch: &Patch, cells: &mut [Cell]) {
-        let corners = self.layout.mesh.corners(patch.triangle as usize);
-        let projections: Vec<ProjectionRay> = patch
+    /// Adds what the scan has at the samples of a triangle in a tile.
+    fn add_samples(&self, group: &TriangleSamples, cells: &mut [Cell]) {
+        let corners = self.layout.mesh.corners(group.triangle as usize);
+        let projections: Vec<ProjectionRay> = group
             .samples
             .iter()
-            .map(|sample| self.cage.projection_ray(self.layout.mesh, patch.point(sample)))
+            .map(|sample| self.cage.projection_ray(self.layout.mesh, group.point(sample)))
             .collect();
-        let found = search(self.scan, patch, corners, &projections);
+        let found = search(self.scan, group, corners, &projections);
         let mut ao_samples = Vec::new();
-        for ((sample, projection), found) in patch.samples.iter().zip(&projections).zip(found) {
+        for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells[sample.texel as usize];
-            self.add_frame(patch.point(sample), cell);
+            self.add_frame(group.point(sample), cell);
             let Some(found) = self.found(projection, found, cell) else { continue };
             self.add(&found, cell);
             if let Some(sky) = &self.sky {
@@ -295,36 +295,36 @@ impl Job<'_> {
     }
 
     /// Writes the means.
-    fn store(&self, i: usize, cell: &Cell, planes: &mut BandMaps<'_>) {
+    fn store(&self, i: usize, cell: &Cell, maps: &mut BandMaps<'_>) {
         let share = 1.0 / cell.samples as f32;
-        let maps = self.settings.maps;
-        planes.texels[i] = match cell {
+        let wanted = self.settings.maps;
+        maps.texels[i] = match cell {
             cell if cell.lost > 0 => TexelStatus::Lost,
             cell if cell.missed > 0 => TexelStatus::Closest,
             _ => TexelStatus::Met,
         };
-        if maps.has(MapKind::Normal) {
-            planes.normal[i] = self.turned(cell, cell.normal).to_array();
+        if wanted.has(MapKind::Normal) {
+            maps.normal[i] = self.turned(cell, cell.normal).to_array();
         }
-        if maps.has(MapKind::Bent) {
-            planes.bent[i] = self.turned(cell, cell.bent).to_array();
+        if wanted.has(MapKind::Bent) {
+            maps.bent[i] = self.turned(cell, cell.bent).to_array();
         }
-        if maps.has(MapKind::Albedo) {
-            planes.albedo[i] = (cell.color * share).to_array();
+        if wanted.has(MapKind::Albedo) {
+            maps.albedo[i] = (cell.color * share).to_array();
         }
-        if maps.has(MapKind::Height) {
-            planes.heights[i] = cell.heights * share;
+        if wanted.has(MapKind::Height) {
+            maps.heights[i] = cell.heights * share;
         }
-        if maps.has(MapKind::Occlusion) {
-            planes.occlusion[i] = if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 };
+        if wanted.has(MapKind::Occlusion) {
+            maps.occlusion[i] = if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 };
         }
-        if maps.has(MapKind::Curvature) {
-            planes.curvature[i] = cell.curvature * share;
+        if wanted.has(MapKind::Curvature) {
+            maps.curvature[i] = cell.curvature * share;
         }
-        if maps.has(MapKind::Roughness) {
+        if wanted.has(MapKind::Roughness) {
             let mean = cell.normal * share;
             let normal_variance = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
-            planes.roughness[i] =
+            maps.roughness[i] =
                 SubPixelVariance { curvature: 0.0f32, normal_variance }.widened(self.settings.roughness);
         }
     }

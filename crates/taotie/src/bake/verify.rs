@@ -72,7 +72,7 @@ impl Verifier<'_> {
     pub fn normal_error(&self, count: usize) -> Result<NormalError> {
         self.check()?;
         let found: Vec<(f32, Way)> =
-            spread(self.mesh, count)?.par_iter().map(|point| self.angle(*point)).collect();
+            sample_area(self.mesh, count)?.par_iter().map(|point| self.angle(*point)).collect();
         let part = |way: Way| found.iter().filter(|(_, w)| *w == way).count() as f64 / count as f64;
         let angles = found.iter().map(|(angle, _)| *angle).collect();
         Ok(NormalError {
@@ -91,9 +91,9 @@ impl Verifier<'_> {
         let layout = Layout::new(self.mesh, size, 1)?;
         let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
         values.par_chunks_mut((BAND * size[0]) as usize).enumerate().for_each(|(band, values)| {
-            layout.patches(band, |patch| {
-                for sample in &patch.samples {
-                    values[sample.texel as usize] = self.angle(patch.point(sample)).0;
+            layout.triangle_samples(band, |group| {
+                for sample in &group.samples {
+                    values[sample.texel as usize] = self.angle(group.point(sample)).0;
                 }
             });
         });
@@ -110,7 +110,7 @@ impl Verifier<'_> {
             let distance = |point: &Point| {
                 to.closest(point.position(from), f32::INFINITY).map_or(f32::NAN, |closest| closest.distance)
             };
-            let distances = spread(from, count)?.par_iter().map(distance).collect();
+            let distances = sample_area(from, count)?.par_iter().map(distance).collect();
             Field::new(count as u32, 1, distances)
         };
         Ok(Deviation {
@@ -190,7 +190,7 @@ enum Way {
 }
 
 /// Points spread evenly over a mesh's area, the same for the same mesh.
-fn spread(mesh: &Mesh, count: usize) -> Result<Vec<Point>> {
+fn sample_area(mesh: &Mesh, count: usize) -> Result<Vec<Point>> {
     let mut sum = 0.0;
     let sums: Vec<f64> = (0..mesh.triangles().len())
         .map(|t| {
@@ -224,7 +224,7 @@ impl Verifier<'_> {
     /// closest surface faces the other way, and the mean distance to it as a part of `diagonal`; `None` where the mesh
     /// has no area.
     pub fn fit(&self, count: usize, diagonal: f64) -> Option<Fit> {
-        let points = spread(self.mesh, count).ok()?;
+        let points = sample_area(self.mesh, count).ok()?;
         let look = |point: &Point| {
             let facing = facet_normal(self.mesh.corners(point.triangle as usize)).unwrap_or_default();
             let closest = self.scan.bvh().closest(point.position(self.mesh), f32::INFINITY)?;

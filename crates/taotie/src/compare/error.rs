@@ -1,6 +1,6 @@
 //! The root mean square error, the peak signal-to-noise ratio, and the difference of each pixel.
 
-use super::{Field, Picture};
+use super::{DisplayImage, Field};
 use crate::error::Result;
 use crate::math::scalar;
 
@@ -8,7 +8,7 @@ use crate::math::scalar;
 ///
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) where the sizes differ.
-pub fn rmse(a: &Picture, b: &Picture) -> Result<f64> {
+pub fn rmse(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
     Ok(mean_squared(a, b)?.sqrt())
 }
 
@@ -17,7 +17,7 @@ pub fn rmse(a: &Picture, b: &Picture) -> Result<f64> {
 ///
 /// # Errors
 /// As [`rmse`].
-pub fn psnr(a: &Picture, b: &Picture) -> Result<f64> {
+pub fn psnr(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
     let squared = mean_squared(a, b)?;
     Ok(if squared == 0.0 { f64::INFINITY } else { -10.0 * scalar::log10(squared) })
 }
@@ -26,13 +26,13 @@ pub fn psnr(a: &Picture, b: &Picture) -> Result<f64> {
 ///
 /// # Errors
 /// As [`rmse`].
-pub fn difference(a: &Picture, b: &Picture) -> Result<Field> {
+pub fn difference(a: &DisplayImage, b: &DisplayImage) -> Result<Field> {
     a.check_same_size(b)?;
     let mean = |(a, b): (&[f32; 3], &[f32; 3])| (0..3).map(|c| (a[c] - b[c]).abs()).sum::<f32>() / 3.0;
     Field::new(a.width(), a.height(), a.pixels().iter().zip(b.pixels()).map(mean).collect())
 }
 
-fn mean_squared(a: &Picture, b: &Picture) -> Result<f64> {
+fn mean_squared(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
     a.check_same_size(b)?;
     let channels = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
     let squared = |(a, b): (&f32, &f32)| (f64::from(*a) - f64::from(*b)) * (f64::from(*a) - f64::from(*b));
@@ -44,8 +44,8 @@ fn mean_squared(a: &Picture, b: &Picture) -> Result<f64> {
 mod tests {
     use super::*;
 
-    fn flat(value: f32) -> Picture {
-        Picture::new(4, 3, vec![[value; 3]; 12]).unwrap()
+    fn flat(value: f32) -> DisplayImage {
+        DisplayImage::new(4, 3, vec![[value; 3]; 12]).unwrap()
     }
 
     #[test]
@@ -64,14 +64,15 @@ mod tests {
 
     #[test]
     fn pixels_differ_by_the_mean_of_their_channels() {
-        let red = Picture::new(2, 1, vec![[0.75, 0.0, 0.0], [0.0; 3]]).unwrap();
-        let black = Picture::new(2, 1, vec![[0.0; 3]; 2]).unwrap();
+        let red = DisplayImage::new(2, 1, vec![[0.75, 0.0, 0.0], [0.0; 3]]).unwrap();
+        let black = DisplayImage::new(2, 1, vec![[0.0; 3]; 2]).unwrap();
         assert_eq!(difference(&black, &red).unwrap().values(), [0.25, 0.0]);
     }
 
     #[test]
     fn other_sizes_are_named() {
-        let why = rmse(&flat(0.0), &Picture::new(1, 1, vec![[0.0; 3]]).unwrap()).unwrap_err().to_string();
+        let why =
+            rmse(&flat(0.0), &DisplayImage::new(1, 1, vec![[0.0; 3]]).unwrap()).unwrap_err().to_string();
         assert!(why.contains("4x3") && why.contains("1x1"), "{why}");
     }
 }

@@ -4,21 +4,21 @@
 //! of pixels.
 
 mod angle;
+mod display_image;
 mod error;
 mod field;
 mod flip;
 mod heat;
-mod picture;
 mod plane;
 mod ssim;
 mod stored;
 
 pub use angle::{angle_deg, angular_error};
+pub use display_image::DisplayImage;
 pub use error::{difference, psnr, rmse};
 pub use field::{Field, Summary};
 pub use flip::{PIXELS_PER_DEGREE, flip};
 pub use heat::{ColorMap, heat};
-pub use picture::Picture;
 pub use ssim::{SSIM_WINDOW, ssim, ssim_map};
 pub use stored::{NormalEncoding, StoredNormals, stored_normals, stored_picture};
 

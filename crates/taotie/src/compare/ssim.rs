@@ -1,7 +1,7 @@
 //! The structural similarity of images.
 
 use super::plane::Plane;
-use super::{Field, Picture};
+use super::{DisplayImage, Field};
 use crate::error::{Error, Result};
 use crate::math::scalar;
 
@@ -23,7 +23,7 @@ const C2: f64 = 0.03 * 0.03;
 ///
 /// # Errors
 /// [`Error::Invalid`] where the sizes differ or a side is below [`SSIM_WINDOW`].
-pub fn ssim(a: &Picture, b: &Picture) -> Result<f64> {
+pub fn ssim(a: &DisplayImage, b: &DisplayImage) -> Result<f64> {
     let inside: Vec<f64> = similarity(a, b)?.into_iter().filter(|v| !v.is_nan()).collect();
     Ok(inside.iter().sum::<f64>() / inside.len() as f64)
 }
@@ -32,11 +32,11 @@ pub fn ssim(a: &Picture, b: &Picture) -> Result<f64> {
 ///
 /// # Errors
 /// As [`ssim`].
-pub fn ssim_map(a: &Picture, b: &Picture) -> Result<Field> {
+pub fn ssim_map(a: &DisplayImage, b: &DisplayImage) -> Result<Field> {
     Field::new(a.width(), a.height(), similarity(a, b)?.into_iter().map(|v| v as f32).collect())
 }
 
-fn similarity(a: &Picture, b: &Picture) -> Result<Vec<f64>> {
+fn similarity(a: &DisplayImage, b: &DisplayImage) -> Result<Vec<f64>> {
     a.check_same_size(b)?;
     let (width, height) = (a.width(), a.height());
     if width.min(height) < SSIM_WINDOW {
@@ -56,7 +56,7 @@ fn similarity(a: &Picture, b: &Picture) -> Result<Vec<f64>> {
     Ok((0..red.len()).map(mean).collect())
 }
 
-fn channel_similarity(a: &Picture, b: &Picture, channel: usize) -> Vec<f64> {
+fn channel_similarity(a: &DisplayImage, b: &DisplayImage, channel: usize) -> Vec<f64> {
     let kernel = window();
     let pairs: Vec<[f64; 2]> =
         a.pixels().iter().zip(b.pixels()).map(|(a, b)| [a, b].map(|p| f64::from(p[channel]))).collect();
@@ -89,9 +89,9 @@ fn window() -> [f64; SSIM_WINDOW as usize] {
 mod tests {
     use super::*;
 
-    fn picture(side: u32, value: impl Fn(u32, u32) -> f32) -> Picture {
+    fn picture(side: u32, value: impl Fn(u32, u32) -> f32) -> DisplayImage {
         let pixels = (0..side * side).map(|i| [value(i % side, i / side); 3]).collect();
-        Picture::new(side, side, pixels).unwrap()
+        DisplayImage::new(side, side, pixels).unwrap()
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The conversion from the texels that a file stores to what is compared.
 
-use super::Picture;
+use super::DisplayImage;
 use crate::error::Result;
 use crate::image::{Bitmap, Image, Texels};
 use crate::math::Vec3;
@@ -60,8 +60,8 @@ pub fn stored_normals(bitmap: &Bitmap, encoding: NormalEncoding) -> Result<Store
 /// integer texels stay as they are.
 ///
 /// # Errors
-/// As [`Picture::new`], of which none can happen to a sound bitmap.
-pub fn stored_picture(bitmap: &Bitmap, background: Vec3) -> Result<(Picture, usize)> {
+/// As [`DisplayImage::new`], of which none can happen to a sound bitmap.
+pub fn stored_picture(bitmap: &Bitmap, background: Vec3) -> Result<(DisplayImage, usize)> {
     let linear = matches!(bitmap.texels(), Texels::F32(_));
     let background = background.to_f64().to_array();
     let shown = |i: usize| match (linear, bitmap.stored(i)) {
@@ -72,7 +72,7 @@ pub fn stored_picture(bitmap: &Bitmap, background: Vec3) -> Result<(Picture, usi
     let texels: Vec<([f32; 3], bool)> = parallel::collect(bitmap.texels().len(), shown);
     let clipped = texels.iter().filter(|(_, clipped)| *clipped).count();
     let pixels = texels.into_iter().map(|(pixel, _)| pixel).collect();
-    Ok((Picture::new(bitmap.width(), bitmap.height(), pixels)?, clipped))
+    Ok((DisplayImage::new(bitmap.width(), bitmap.height(), pixels)?, clipped))
 }
 
 fn premultiplied([r, g, b, alpha]: [f64; 4]) -> [f64; 4] {

@@ -8,7 +8,7 @@ use crate::normal_map::{Storage, decoded_normals, object_from_tangent, store_nor
 use crate::scene::{GreenChannel, NormalMap, NormalSpace};
 use crate::surface::{TangentMethod, with_frames};
 
-/// Texels around charts that are filled too, as a part of the map's side: enough for the mip levels that are seen.
+/// Texels around UV islands that are filled too, as a part of the map's side: enough for the mip levels that are seen.
 const PADDING: u32 = 128;
 
 /// A converted map.

@@ -7,7 +7,7 @@ use super::parameters::Parameters;
 use super::relief::Relief;
 use super::subject::Subject;
 use super::surfaces::{Difference, PictureDifference, RenderedSurface, SkippedMethod};
-use crate::compare::{self, Picture};
+use crate::compare::{self, DisplayImage};
 use crate::error::{Error, Result, Warnings};
 use crate::image::Image;
 use crate::io::Stopwatch;
@@ -111,7 +111,7 @@ impl<'a> Photographer<'a> {
             let settings = RenderSettings { shading: *shading, ..settings.clone() };
             let shot = Shot { camera: &self.camera, lighting: &self.lighting, settings: &settings };
             renderer.develop(&shot, &self.options.development, &mut codes, self.next_step())?;
-            pictures.push((*shading, Picture::from_developed(settings.width, settings.height, &codes)?));
+            pictures.push((*shading, DisplayImage::from_developed(settings.width, settings.height, &codes)?));
             self.step()?;
         }
         Ok(RenderedSurface {

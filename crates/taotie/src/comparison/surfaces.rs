@@ -1,7 +1,7 @@
 //! The surfaces of a comparison as they are seen, and their differences.
 
 use super::method::Method;
-use crate::compare::{self, Field, PIXELS_PER_DEGREE, Picture};
+use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
 use crate::error::Result;
 use crate::image::Image;
 use crate::names::Named;
@@ -25,7 +25,7 @@ pub struct RenderedSurface {
     /// The mean normal of each pixel, as [`crate::render::Aovs::normals`].
     pub normals: Image,
     /// The developed image under each shading.
-    pub pictures: Vec<(Shading, Picture)>,
+    pub pictures: Vec<(Shading, DisplayImage)>,
     /// Time from scene to all of these.
     pub milliseconds: f64,
     /// The difference from what it is compared with; `None` for that itself.
@@ -129,7 +129,7 @@ impl RenderedSurface {
 
 impl PictureDifference {
     /// Measures `picture` against the expected one.
-    pub(super) fn of(expected: &Picture, picture: &Picture) -> Result<Self> {
+    pub(super) fn of(expected: &DisplayImage, picture: &DisplayImage) -> Result<Self> {
         Ok(Self {
             rmse: compare::rmse(expected, picture)?,
             psnr: compare::psnr(expected, picture)?,

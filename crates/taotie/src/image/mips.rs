@@ -52,8 +52,8 @@ struct Shrink {
     is_plain: bool,
 }
 
-/// The source of a band of the next level.
-struct Source<'a, S> {
+/// The rows of the finer level that a band of the next one is made from.
+struct FinerRows<'a, S> {
     /// All texels of the level.
     texels: &'a [[S; 4]],
     rows: &'a [Span],
@@ -75,7 +75,7 @@ impl Shrink {
         let mut out = vec![[T::default(); 4]; self.half_width * self.rows.len()];
         let rows = TASK.div_ceil(self.half_width);
         parallel::pieces(&mut out, rows * self.half_width, &|i, out| {
-            let from = Source { texels, rows: &self.rows[i * rows..] };
+            let from = FinerRows { texels, rows: &self.rows[i * rows..] };
             dispatch_pack!(level, P, token => self.band::<P, S, T>(token, codec, &from, out));
         });
         out
@@ -87,10 +87,10 @@ impl Shrink {
         &self,
         token: P::Token,
         codec: &Codec,
-        from: &Source<'_, S>,
+        from: &FinerRows<'_, S>,
         out: &mut [[T; 4]],
     ) {
-        let Source { texels, rows } = *from;
+        let FinerRows { texels, rows } = *from;
         let room = |width: usize| vec![[0.0; 4]; width.next_multiple_of(MOST_LANES)];
         let mut decoded = [room(self.width), room(self.width), room(self.width)];
         let mut means = room(self.half_width);

@@ -4,15 +4,15 @@ mod bitmap;
 mod codec;
 mod decode;
 mod encoding;
+mod linear;
 mod lookup;
 mod mips;
-mod picture;
 mod sampler;
 mod texture;
 
 pub use bitmap::{Bitmap, Texels};
 pub use encoding::Encoding;
+pub use linear::Image;
 pub(crate) use lookup::{Lookup, LookupPoints};
-pub use picture::Image;
 pub use sampler::{MipFilter, Sampler, TexelFilter, Wrap};
 pub use texture::Texture;

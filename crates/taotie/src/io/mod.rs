@@ -30,14 +30,14 @@ pub use loaded::Loaded;
 pub use stopwatch::Stopwatch;
 pub use system::free_memory;
 pub use variants::Variants;
+pub use write::{
+    AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfImage,
+    GltfImages, GltfLevel, GltfMaterial, ImageFormat, PngColor, PngImage, PngSamples, WrittenScene,
+    encode_glb, encode_gltf, encode_png, encode_png_bitmap, write_bytes, write_developed, write_files,
+    write_gltf, write_image, write_png, write_png_bitmap, write_scene, write_text,
+};
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, write_exr};
-pub use write::{
-    FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial,
-    MovingFormat, MovingPicture, MovingSpec, PictureFormat, PngColor, PngImage, PngSamples, WrittenScene,
-    encode_glb, encode_gltf, encode_png, encode_png_bitmap, write_bytes, write_developed, write_files,
-    write_gltf, write_picture, write_png, write_png_bitmap, write_scene, write_text,
-};
 pub use xmp::Provenance;
 
 use crate::error::{Error, Result};

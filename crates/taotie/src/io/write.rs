@@ -1,13 +1,14 @@
 //! Writes images and reports to files, each under a temporary name and then renamed, so that no half a file is left.
 
+mod animated_image;
 #[cfg(feature = "exr")]
 mod exr;
 mod files;
 mod gltf;
-mod moving;
-mod picture;
 mod png;
+mod still_image;
 
+pub use animated_image::{AnimatedImage, AnimationFormat, AnimationSpec};
 #[cfg(feature = "exr")]
 pub use exr::{ExrLayer, write_exr};
 pub use files::{FileBytes, write_files};
@@ -15,9 +16,8 @@ pub use gltf::{
     GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, WrittenScene,
     encode_glb, encode_gltf, write_gltf, write_scene,
 };
-pub use moving::{MovingFormat, MovingPicture, MovingSpec};
-pub use picture::{PictureFormat, write_developed, write_picture};
 pub use png::{PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_png, write_png_bitmap};
+pub use still_image::{ImageFormat, write_developed, write_image};
 
 use crate::error::{Error, Result};
 use std::io::{self, BufWriter, Seek, Write};

@@ -5,7 +5,7 @@ mod point;
 mod repair;
 mod sphere;
 
-pub use point::{Frame, Point};
+pub use point::{Point, TangentFrame};
 pub(crate) use point::{blend, each};
 pub(crate) use repair::repair;
 

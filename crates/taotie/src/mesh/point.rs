@@ -17,7 +17,7 @@ pub struct Point {
 
 /// The interpolated tangent frame at a point; its vectors are not normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct TangentFrame {
     /// The normal, interpolated between those of the corners.
     pub normal: Vec3,
     /// The tangent, interpolated between those of the corners.
@@ -72,14 +72,14 @@ impl Point {
 
     /// The interpolated tangent frame.
     #[inline]
-    pub fn frame(&self, mesh: &Mesh) -> Frame {
+    pub fn frame(&self, mesh: &Mesh) -> TangentFrame {
         let vertices = self.vertices(mesh);
         let tangents = mesh.tangents();
         let tangent = |v: usize| {
             let [x, y, z, _] = tangents[v];
             Vec3::new(x, y, z)
         };
-        Frame {
+        TangentFrame {
             normal: self.mean_normal(mesh),
             tangent: blend(each(vertices, tangent), self.weights),
             handedness: tangents[vertices[0]][3],

@@ -84,8 +84,8 @@ pub struct Conversion {
     pub warnings: Warnings,
 }
 
-/// Converts `source` to the space and the bits asked for. `surface` is the mesh that the map is for: it is needed between
-/// tangent and object space.
+/// Converts `source` to the space and the bits asked for. `surface` is the mesh that the map is for: it is needed
+/// between tangent and object space.
 ///
 /// ```
 /// use taotie::image::{Bitmap, Texels};
@@ -101,8 +101,8 @@ pub struct Conversion {
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] where the height of white or the mesh is lacking, where the mesh covers no texel or was laid out on
-/// a map of another size, and for bits other than 8 and 16.
+/// [`Error::Invalid`] where the height of white or the mesh is lacking, where the mesh covers no texel or was laid out
+/// on a map of another size, and for bits other than 8 and 16.
 pub fn convert_map(
     source: &MapSource,
     options: &ConversionOptions,
@@ -204,7 +204,7 @@ impl Task<'_> {
         let exact = there(surface, &before)?;
         let made = self.stored(&exact)?;
         let read = decoded_normals(&made.bitmap, self.space, self.options.green)?;
-        let round_trip = self.in_charts(angular_error(&before, &back(surface, &read)?)?)?;
+        let round_trip = self.in_islands(angular_error(&before, &back(surface, &read)?)?)?;
         let warnings = lost(surface, &exact, self.space);
         Ok(Conversion { round_trip: Some(round_trip), warnings, ..made })
     }
@@ -212,7 +212,7 @@ impl Task<'_> {
     fn stored(self, exact: &Image) -> Result<Conversion> {
         let stored = store_normals(exact, self.space, self.options.green, self.storage(16))?;
         let (bitmap, warnings) = (stored.bitmap, Warnings::default());
-        let stored = self.in_charts(stored.error)?;
+        let stored = self.in_islands(stored.error)?;
         Ok(Conversion { bitmap, space: self.space, stored, round_trip: None, warnings })
     }
 
@@ -230,7 +230,7 @@ impl Task<'_> {
     }
 
     /// Returns the field where UV islands are, without their padding.
-    fn in_charts(self, field: Field) -> Result<Field> {
+    fn in_islands(self, field: Field) -> Result<Field> {
         match self.surface {
             Some(surface) => field.within(&surface.coverage().mask()),
             None => Ok(field),

@@ -1,6 +1,6 @@
 //! Clipping, culling, snapping and sorting triangles into tiles.
 
-use super::cull::{BLOCK, Corners, Culling, Verdict};
+use super::cull::{BLOCK, Corners, CullResult, Culling};
 use super::setup::{ScreenTriangle, Setup};
 use super::vertices::ScreenVertices;
 use super::{Faces, SUBPIXELS, TILE_SIZE, Viewport};
@@ -129,8 +129,8 @@ impl Chunk {
                     places[i] = part.vertices.places[*vertex as usize];
                 }
             }
-            let verdict = culling.verdict(&corners, triangles.len());
-            part.push(start, &corners, verdict, &mut self.triangles);
+            let result = culling.test(&corners, triangles.len());
+            part.push(start, &corners, result, &mut self.triangles);
         }
         self.sort_into_tiles(part.viewport);
     }
@@ -167,20 +167,20 @@ impl Chunk {
 
 impl Part<'_> {
     /// Adds the triangles of a block, the first of which is `start`, that may be seen.
-    fn push(&self, start: usize, corners: &Corners, verdict: Verdict, out: &mut Vec<ScreenTriangle>) {
-        let mut left = verdict.seen | verdict.unknown;
+    fn push(&self, start: usize, corners: &Corners, result: CullResult, out: &mut Vec<ScreenTriangle>) {
+        let mut left = result.seen | result.unknown;
         while left != 0 {
             let i = left.trailing_zeros() as usize;
             left &= left - 1;
             let indices = self.geometry.triangles[start + i];
             let id = self.geometry.first_id + (start + i) as u32;
-            if verdict.unknown >> i & 1 == 1 {
+            if result.unknown >> i & 1 == 1 {
                 let corners = indices.map(|v| self.geometry.clip[v as usize].map(f64::from));
                 Setup::new(self.viewport, self.geometry.faces).push(corners, id, out);
                 continue;
             }
             // The corners in clockwise order.
-            let [a, b, c] = if verdict.counter_clockwise >> i & 1 == 1 { [0, 2, 1] } else { [0, 1, 2] };
+            let [a, b, c] = if result.counter_clockwise >> i & 1 == 1 { [0, 2, 1] } else { [0, 1, 2] };
             let order = |places: &[[[i32; 2]; BLOCK]; 3], axis: usize| {
                 [places[a][i][axis], places[b][i][axis], places[c][i][axis]]
             };

@@ -18,7 +18,7 @@ pub(super) struct Corners {
 
 /// The facts known of the triangles of a block; bit i belongs to triangle i.
 #[derive(Debug, Default, Clone, Copy)]
-pub(super) struct Verdict {
+pub(super) struct CullResult {
     /// The triangles that cover a sample, or have so many around them that they may.
     pub seen: u64,
     /// The triangles that turn counter-clockwise.
@@ -41,13 +41,13 @@ impl Culling {
     }
 
     /// Tests the first `count` triangles of a block; the others must be there and may be anything.
-    pub fn verdict(&self, corners: &Corners, count: usize) -> Verdict {
+    pub fn test(&self, corners: &Corners, count: usize) -> CullResult {
         dispatch!(self.level, simd => self.block(simd, corners, count))
     }
 
     #[inline(always)]
-    fn block<S: Simd>(&self, simd: S, corners: &Corners, count: usize) -> Verdict {
-        let mut all = Verdict::default();
+    fn block<S: Simd>(&self, simd: S, corners: &Corners, count: usize) -> CullResult {
+        let mut all = CullResult::default();
         let mut start = 0;
         while start < count {
             let small = Small::load(simd, corners, start);
@@ -64,7 +64,7 @@ impl Culling {
             start += PACK;
         }
         let asked = u64::MAX >> (BLOCK - count);
-        Verdict { seen: all.seen & asked, unknown: all.unknown & asked, ..all }
+        CullResult { seen: all.seen & asked, unknown: all.unknown & asked, ..all }
     }
 }
 

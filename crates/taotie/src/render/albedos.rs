@@ -7,7 +7,7 @@ use super::model::{is_cook_torrance, takes_layers};
 use super::settings::RenderSettings;
 use crate::math::{Pack, Vec3, Words, dispatch_pack};
 use crate::scene::Material;
-use crate::shade::dfg::{self, Dfg, Place};
+use crate::shade::dfg::{self, Dfg, TablePosition};
 use crate::shade::{COAT_F0, Energy, Shading, ndf};
 use fearless_simd::Level;
 
@@ -45,8 +45,8 @@ impl Places {
             let at: Lanes<'_, P> = batch.lanes(token, i);
             let n_dot_v = at.load3(&batch.n).dot(at.load3(&batch.v));
             let place = match is_cook_torrance(shading) {
-                true => Place::of_cook_torrance(n_dot_v, slope(at, material)),
-                false => Place::of_ggx(n_dot_v, at.load(&batch.roughness)),
+                true => TablePosition::of_cook_torrance(n_dot_v, slope(at, material)),
+                false => TablePosition::of_ggx(n_dot_v, at.load(&batch.roughness)),
             };
             place.node.store_words(&mut self.node[i..]);
             place.across.store(&mut self.across[i..]);

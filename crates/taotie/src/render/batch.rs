@@ -1,12 +1,12 @@
 //! A few hundred fragments in columns, so that eight neighbours load as one pack.
 
 use super::columns::{Column, Column3, ZERO, ZERO3, load, load3, splat3};
-use super::corners::{CornerColumns, Run};
+use super::corners::{Run, VertexAttributes};
 use super::lookups::{Lookups, UvSet};
 pub use crate::math::BATCH;
 use crate::math::{MOST_LANES, Pack, Quads, Vec3};
 use crate::shade::dfg::Dfg;
-use crate::shade::environment::{Gatherer, Mirrors};
+use crate::shade::environment::{EnvironmentLookup, LookupDirections};
 
 /// Fragments of one draw between interpolation and film, those of a triangle together. Entries from `len` on hold what
 /// packs leave there, which only packs read.
@@ -20,7 +20,7 @@ pub struct Batch {
     pub(super) weights: Column3,
     pub(super) d_x: Column3,
     pub(super) d_y: Column3,
-    pub(super) corners: CornerColumns,
+    pub(super) corners: VertexAttributes,
     /// The uv sets, as many as the mesh has.
     pub(super) uv_sets: Vec<UvSet>,
     /// Vertex colours, where the mesh has some.
@@ -75,9 +75,9 @@ pub struct Batch {
     pub(super) dfg: Quads,
     /// `true` where light that scatters several times is added.
     pub(super) compensated: bool,
-    pub(super) surround: Surroundings,
-    pub(super) mirrors: Mirrors,
-    pub(super) gatherer: Gatherer,
+    pub(super) environment_radiance: EnvironmentRadiance,
+    pub(super) lookup_directions: LookupDirections,
+    pub(super) environment_lookup: EnvironmentLookup,
     /// Unit to viewer, world space.
     pub(super) v: Column3,
     /// The shading normal: unit but for `bump-printed`.
@@ -103,16 +103,17 @@ pub(super) struct Layers {
     pub sheen_color: Column3,
     pub sheen_roughness: Column,
     pub sheen_albedo: Column,
-    pub stretch: Column,
+    /// The strength of anisotropy.
+    pub anisotropy: Column,
     /// Cosine and sine of the angle of anisotropy from the tangent.
-    pub stretch_turn: [Column; 2],
+    pub anisotropy_turn: [Column; 2],
     /// The direction of anisotropy: unit, world space.
-    pub stretch_tangent: Column3,
+    pub anisotropy_direction: Column3,
 }
 
 /// The light of the environment at a fragment, linear RGB.
 #[derive(Debug, Clone)]
-pub(super) struct Surroundings {
+pub(super) struct EnvironmentRadiance {
     /// The radiance that the highlight gathers.
     pub specular: Column3,
     /// The irradiance over π.
@@ -130,7 +131,7 @@ impl Batch {
             weights: ZERO3,
             d_x: ZERO3,
             d_y: ZERO3,
-            corners: CornerColumns::ZERO,
+            corners: VertexAttributes::ZERO,
             uv_sets: Vec::new(),
             color: [ZERO; 4],
             curvature: ZERO,
@@ -168,17 +169,17 @@ impl Batch {
                 sheen_color: ZERO3,
                 sheen_roughness: ZERO,
                 sheen_albedo: ZERO,
-                stretch: ZERO,
-                stretch_turn: [ZERO; 2],
-                stretch_tangent: ZERO3,
+                anisotropy: ZERO,
+                anisotropy_turn: [ZERO; 2],
+                anisotropy_direction: ZERO3,
             },
             smooth: ZERO3,
             bump: ZERO,
             dfg: Quads::ZERO,
             compensated: false,
-            surround: Surroundings { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
-            mirrors: Mirrors::default(),
-            gatherer: Gatherer::default(),
+            environment_radiance: EnvironmentRadiance { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
+            lookup_directions: LookupDirections::default(),
+            environment_lookup: EnvironmentLookup::default(),
             v: ZERO3,
             n: ZERO3,
             albedo: ZERO3,

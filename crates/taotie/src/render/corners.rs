@@ -17,9 +17,9 @@ pub(super) struct Run {
 /// Triangles may be smaller than a pixel. Written out for each fragment, what their corners hold can be weighted in
 /// packs that go over all fragments, whichever triangles they belong to.
 #[derive(Debug, Clone)]
-pub(super) struct CornerColumns([[Column; 4]; 3]);
+pub(super) struct VertexAttributes([[Column; 4]; 3]);
 
-impl CornerColumns {
+impl VertexAttributes {
     pub(super) const ZERO: Self = Self([[Column::ZERO; 4]; 3]);
 
     /// Writes numbers of the three corners as they are. Runs come in the order of their fragments: a pack's end may
@@ -43,7 +43,7 @@ impl CornerColumns {
     /// Writes the first corner's numbers and their differences to the others': two weights do then, and what is the
     /// same at all corners stays as it is.
     #[inline(always)]
-    pub(super) fn spread<P: Pack, const N: usize>(
+    pub(super) fn write_differences<P: Pack, const N: usize>(
         &mut self,
         token: P::Token,
         run: Run,
@@ -69,7 +69,7 @@ impl CornerColumns {
         Vec3::new(load(token, x, i), load(token, y, i), load(token, z, i))
     }
 
-    /// A number that was [`Self::spread`], where the corners have these weights.
+    /// A number written by [`Self::write_differences`], where the corners have these weights.
     #[inline(always)]
     pub(super) fn at<P: Pack>(&self, token: P::Token, weights: &Column3, n: usize, i: usize) -> P {
         self.written::<P>(token, 0, n, i) + self.change(token, weights, n, i)
@@ -82,7 +82,7 @@ impl CornerColumns {
         self.written::<P>(token, 1, n, i) * second + self.written::<P>(token, 2, n, i) * third
     }
 
-    /// The first three numbers that were [`Self::spread`], where the corners have these weights.
+    /// The first three numbers written by [`Self::write_differences`], where the corners have these weights.
     #[inline(always)]
     pub(super) fn at3<P: Pack>(&self, token: P::Token, weights: &Column3, i: usize) -> Vec3<P> {
         let (x, y) = (self.at(token, weights, 0, i), self.at(token, weights, 1, i));

@@ -25,8 +25,8 @@ impl Interpolation<'_> {
         batch.constants_of = Some(self.draw.first_triangle);
     }
 
-    /// The origins of rays, at the height `lift` above the surface, model units.
-    pub(super) fn origins(&self, lift: f32, batch: &Batch) -> [Vec3; BATCH] {
+    /// The origins of rays, at the height `offset` above the surface, model units.
+    pub(super) fn origins(&self, offset: f32, batch: &Batch) -> [Vec3; BATCH] {
         let (draw, mut origins) = (self.draw, [Vec3::default(); BATCH]);
         for run in &batch.runs {
             let vertices = draw.vertices(run.triangle);
@@ -35,8 +35,8 @@ impl Interpolation<'_> {
             for (i, origin) in origins.iter_mut().enumerate().take(run.end).skip(run.start) {
                 let smooth = SmoothTriangle { corners, normals: normals.map(|n| n * batch.facing[i]) };
                 let weights = get3(&batch.weights, i).to_array();
-                let lift = get3(&batch.n_geom, i) * lift;
-                *origin = smooth.shadow_origin(get3(&batch.position, i), weights, lift);
+                let offset = get3(&batch.n_geom, i) * offset;
+                *origin = smooth.shadow_origin(get3(&batch.position, i), weights, offset);
             }
         }
         origins
@@ -107,7 +107,7 @@ impl Interpolation<'_> {
         let (material, len) = (self.draw.material, batch.len);
         let colored = !self.draw.mesh.colors().is_empty();
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader = Reader {
+        let mut reader = TextureReader {
             interpolation: self,
             lookups,
             at: Coordinates { sets: uv_sets, len },
@@ -152,7 +152,7 @@ impl Interpolation<'_> {
         let (specular, len) = (&self.draw.material.specular, batch.len);
         let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
         let mut reader =
-            Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh };
+            TextureReader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh };
         let factors = [1.0, 1.0, 1.0, specular.factor];
         reader.read(&specular.factor_texture, [spare, spare2, spare3, &mut batch.specular], factors);
         let ([r, g, b], [red, green, blue]) = (&mut batch.specular_color, specular.color);
@@ -165,8 +165,12 @@ impl Interpolation<'_> {
             self.coat(coat, batch);
         }
         let Batch { lookups, uv_sets, layers, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader =
-            Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh: true };
+        let mut reader = TextureReader {
+            interpolation: self,
+            lookups,
+            at: Coordinates { sets: uv_sets, len },
+            fresh: true,
+        };
         if let Some(sheen) = &material.sheen {
             let ([r, g, b], [red, green, blue]) = (&mut layers.sheen_color, sheen.color);
             reader.read(&sheen.color_texture, [r, g, b, spare], [red, green, blue, 1.0]);
@@ -179,12 +183,12 @@ impl Interpolation<'_> {
             let (sin, cos) = (scalar::sin(angle) as f32, scalar::cos(angle) as f32);
             let has_texture = anisotropy.texture.is_some();
             let factors = [1.0, 1.0, anisotropy.strength, 1.0];
-            reader.read(&anisotropy.texture, [spare, spare2, &mut layers.stretch, spare3], factors);
+            reader.read(&anisotropy.texture, [spare, spare2, &mut layers.anisotropy, spare3], factors);
             for i in 0..len {
                 let (x, y) = (2.0 * spare[i] - 1.0, 2.0 * spare2[i] - 1.0);
                 let [x, y] = if has_texture { [x, y] } else { [1.0, 0.0] };
-                layers.stretch_turn[0][i] = cos * x - sin * y;
-                layers.stretch_turn[1][i] = sin * x + cos * y;
+                layers.anisotropy_turn[0][i] = cos * x - sin * y;
+                layers.anisotropy_turn[1][i] = sin * x + cos * y;
             }
         }
     }
@@ -196,8 +200,12 @@ impl Interpolation<'_> {
     fn coat(&self, coat: &Clearcoat, batch: &mut Batch) {
         let len = batch.len;
         let Batch { lookups, uv_sets, layers, curvature, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader =
-            Reader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh: true };
+        let mut reader = TextureReader {
+            interpolation: self,
+            lookups,
+            at: Coordinates { sets: uv_sets, len },
+            fresh: true,
+        };
         let factors = [coat.factor, 1.0, 1.0, 1.0];
         reader.read(&coat.factor_texture, [&mut layers.coat, spare, spare2, spare3], factors);
         let factors = [1.0, coat.roughness, 1.0, 1.0];
@@ -214,7 +222,7 @@ impl Interpolation<'_> {
 }
 
 /// Reads the textures of a batch.
-struct Reader<'b, 'i> {
+struct TextureReader<'b, 'i> {
     interpolation: &'i Interpolation<'i>,
     lookups: &'b mut Lookups,
     at: Coordinates<'b>,
@@ -222,7 +230,7 @@ struct Reader<'b, 'i> {
     fresh: bool,
 }
 
-impl Reader<'_, '_> {
+impl TextureReader<'_, '_> {
     /// A texture's linear values times `factors`; without one it is white.
     fn read(&mut self, texture: &Option<TextureRef>, mut out: [&mut Column; 4], factors: [f32; 4]) {
         match texture {

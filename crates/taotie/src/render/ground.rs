@@ -1,8 +1,8 @@
 //! A shadow catcher: the ground under an object, of which nothing is seen but how much darker the object makes it.
 
+use super::light_source::LightSource;
 use super::rays::CameraRays;
 use super::settings::{EnvironmentLight, Lighting};
-use super::source::Source;
 use super::tree::Casters;
 use crate::math::Vec3;
 use crate::math::sequence::Sequence;
@@ -108,14 +108,14 @@ impl Ground {
 
 /// The lights over the ground.
 struct Lights {
-    sources: Vec<Source>,
+    sources: Vec<LightSource>,
     /// Directions to the environment, each with its irradiance.
     sky: Vec<(Vec3, f32)>,
 }
 
 impl Lights {
     fn new(lighting: &Lighting) -> Self {
-        let sources = lighting.lights.iter().map(Source::new).collect();
+        let sources = lighting.lights.iter().map(LightSource::new).collect();
         let mut sky = lighting.environment.as_ref().map_or_else(Vec::new, environment);
         if lighting.ambient != Vec3::default() {
             let share = luminance(lighting.ambient) * std::f32::consts::PI / DIRECTIONS as f32;
@@ -149,8 +149,8 @@ impl Lights {
 fn environment(light: &EnvironmentLight) -> Vec<(Vec3, f32)> {
     let turn = light.turn();
     let sources = directions().flat_map(|[a, b, c, d]| {
-        let spread = upward(cosine_direction([a, b]));
-        [spread, turn.to_world(light.environment.sample([c, d]).direction)]
+        let by_cosine = upward(cosine_direction([a, b]));
+        [by_cosine, turn.to_world(light.environment.sample([c, d]).direction)]
     });
     let weigh = |direction: Vec3| {
         let inside = turn.to_environment(direction);

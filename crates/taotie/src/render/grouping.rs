@@ -1,6 +1,6 @@
 //! The pixels of a tile, sorted by the triangle that they show: what fragments of a triangle share is made once.
 
-use super::key::Key;
+use super::visible_sample::VisibleSample;
 use crate::raster::{NO_TRIANGLE, TILE_PIXELS, TILE_SIZE, TilePlane};
 
 /// Entries of the table from triangle to group; twice as many as there may be groups.
@@ -44,9 +44,14 @@ impl Default for Grouping {
 }
 
 impl Grouping {
-    /// Appends the pixels of `plane` to `keys`, those of a triangle together and the triangles in the order of `rank`,
-    /// at equal rank in that of their first pixels.
-    pub(super) fn append(&mut self, plane: &TilePlane, rank: impl Fn(u32) -> usize, keys: &mut Vec<Key>) {
+    /// Appends the pixels of `plane` to `samples`, those of a triangle together and the triangles in the order of
+    /// `rank`, at equal rank in that of their first pixels.
+    pub(super) fn append(
+        &mut self,
+        plane: &TilePlane,
+        rank: impl Fn(u32) -> usize,
+        samples: &mut Vec<VisibleSample>,
+    ) {
         for (y, row) in plane.ids.chunks_exact(TILE_SIZE as usize).enumerate() {
             let mut start = 0;
             while start < row.len() {
@@ -64,7 +69,7 @@ impl Grouping {
             self.table[group.entry as usize] = 0;
             let mut next = group.first;
             while let Some(span) = self.spans.get(next as usize) {
-                keys.extend((span.start..span.end).map(|pixel| Key {
+                samples.extend((span.start..span.end).map(|pixel| VisibleSample {
                     pixel,
                     triangle: group.triangle,
                     depth: plane.depths[pixel as usize],
@@ -112,16 +117,19 @@ mod tests {
             };
             plane.depths[pixel] = pixel as f32;
         }
-        let (mut grouping, mut keys) = (Grouping::default(), Vec::new());
+        let (mut grouping, mut samples) = (Grouping::default(), Vec::new());
         for _ in 0..2 {
-            keys.clear();
-            grouping.append(&plane, |triangle| usize::from(triangle < 100), &mut keys);
+            samples.clear();
+            grouping.append(&plane, |triangle| usize::from(triangle < 100), &mut samples);
             let seen = plane.ids.iter().filter(|id| **id != NO_TRIANGLE).count();
-            assert_eq!(keys.len(), seen);
-            for key in &keys {
-                assert_eq!((plane.ids[key.pixel as usize], key.depth), (key.triangle, key.pixel as f32));
+            assert_eq!(samples.len(), seen);
+            for sample in &samples {
+                assert_eq!(
+                    (plane.ids[sample.pixel as usize], sample.depth),
+                    (sample.triangle, sample.pixel as f32)
+                );
             }
-            let mut groups: Vec<u32> = keys.iter().map(|key| key.triangle).collect();
+            let mut groups: Vec<u32> = samples.iter().map(|sample| sample.triangle).collect();
             groups.dedup();
             let ranks: Vec<bool> = groups.iter().map(|triangle| *triangle < 100).collect();
             assert!(ranks.is_sorted());

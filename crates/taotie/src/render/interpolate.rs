@@ -87,17 +87,17 @@ impl Interpolation<'_> {
 
     /// Writes vectors of the corners for all fragments.
     #[inline(always)]
-    fn spread<P: Pack>(&self, token: P::Token, values: &[Vec3], batch: &mut Batch) {
+    fn write_vectors<P: Pack>(&self, token: P::Token, values: &[Vec3], batch: &mut Batch) {
         for run in batch.runs.iter().copied() {
             let corners = self.draw.vertices(run.triangle).map(|v| values[v as usize].to_array());
-            batch.corners.spread::<P, 3>(token, run, corners);
+            batch.corners.write_differences::<P, 3>(token, run, corners);
         }
     }
 
     /// Fills position, sight and side.
     #[inline(always)]
     fn geometry<P: Pack>(&self, token: P::Token, eye: Option<Eye>, batch: &mut Batch) {
-        self.spread::<P>(token, self.draw.positions, batch);
+        self.write_vectors::<P>(token, self.draw.positions, batch);
         let sign = P::splat(token, if self.draw.mirrored { -1.0 } else { 1.0 });
         let up: Vec3<P> = splat3(token, Vec3::new(0.0, 0.0, 1.0));
         let (zero, one) = (P::splat(token, 0.0), P::splat(token, 1.0));
@@ -126,7 +126,7 @@ impl Interpolation<'_> {
     #[inline(always)]
     fn normals<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         let draw = self.draw;
-        self.spread::<P>(token, draw.normals, batch);
+        self.write_vectors::<P>(token, draw.normals, batch);
         let bends = self.specular_aa && !matches!(draw.normal_source, NormalSource::Facet);
         for i in batch.packs::<P>() {
             let mut bent = P::splat(token, 0.0);
@@ -139,7 +139,7 @@ impl Interpolation<'_> {
             store3(batch.corners.at3::<P>(token, &batch.weights, i), &mut batch.normal, i);
         }
         if let NormalSource::BumpPrinted(..) = draw.normal_source {
-            self.spread::<P>(token, draw.mesh.normals(), batch);
+            self.write_vectors::<P>(token, draw.mesh.normals(), batch);
             for i in batch.packs::<P>() {
                 store3(batch.corners.at3::<P>(token, &batch.weights, i), &mut batch.normal, i);
             }
@@ -175,7 +175,7 @@ impl Interpolation<'_> {
             for corner in &mut corners {
                 corner[3] = handedness;
             }
-            batch.corners.spread::<P, 4>(token, run, corners);
+            batch.corners.write_differences::<P, 4>(token, run, corners);
         }
         for i in batch.packs::<P>() {
             store3(batch.corners.at3::<P>(token, &batch.weights, i), &mut batch.tangent, i);
@@ -190,7 +190,7 @@ impl Interpolation<'_> {
             for run in runs.iter().copied() {
                 let numbers =
                     self.draw.vertices(run.triangle).map(|v| [uvs[v as usize].x, uvs[v as usize].y]);
-                corners.spread::<P, 2>(token, run, numbers);
+                corners.write_differences::<P, 2>(token, run, numbers);
             }
             for i in (0..*len).step_by(P::LANES) {
                 for axis in 0..2 {
@@ -206,7 +206,7 @@ impl Interpolation<'_> {
     fn colors<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
         for run in batch.runs.iter().copied() {
             let corners = self.draw.vertices(run.triangle).map(|v| self.draw.mesh.colors()[v as usize]);
-            batch.corners.spread::<P, 4>(token, run, corners);
+            batch.corners.write_differences::<P, 4>(token, run, corners);
         }
         for i in batch.packs::<P>() {
             for channel in 0..4 {

@@ -7,10 +7,10 @@ use crate::shade::{Angles, coat_lobe};
 
 /// A clearcoat: KHR_materials_clearcoat.
 ///
-/// The base loses what the coat reflects of even surroundings, so that a white surface under a clearcoat returns all
-/// light at any roughness. Where the coat is smooth that is the extension's 1 − F(n·v); where it is rough, 1 − F(n·v)
-/// alone would leave a dark rim, since a rough coat seen at a grazing angle reflects less than F.
-/// Law: `white_room::lacquer_over_white_returns_what_arrives`.
+/// The base loses what the coat reflects of equal light from everywhere, so that a white surface under a clearcoat
+/// returns all light at any roughness. Where the coat is smooth that is the extension's 1 − F(n·v); where it is rough,
+/// 1 − F(n·v) alone would leave a dark rim, since a rough coat seen at a grazing angle reflects less than F.
+/// Law: `white_room::clearcoat_over_white_returns_what_arrives`.
 pub(super) struct Coat<L> {
     /// The normal: unit, world space.
     pub n: Vec3<L>,
@@ -19,7 +19,7 @@ pub(super) struct Coat<L> {
     pub roughness: L,
     /// The part of the light that it lets through to the viewer, [0, 1].
     pub kept: L,
-    /// The part of even surroundings' light that it reflects.
+    /// The part of equal light from everywhere that it reflects.
     albedo: L,
 }
 
@@ -44,13 +44,13 @@ impl<L: Lane> Coat<L> {
 
     /// Puts the clearcoat over what the base reflects of the environment; `gathered` is what its own highlight sees.
     #[inline(always)]
-    pub(super) fn over_surround(&self, base: Vec3<L>, gathered: Vec3<L>) -> Vec3<L> {
+    pub(super) fn over_environment(&self, base: Vec3<L>, gathered: Vec3<L>) -> Vec3<L> {
         base * self.kept + gathered * (self.factor * self.albedo)
     }
 }
 
 /// Sheen: KHR_materials_sheen.
-pub(super) struct Fibres<L> {
+pub(super) struct Sheen<L> {
     color: Vec3<L>,
     roughness: L,
     /// The part of the light that it lets through to the base, [0, 1].
@@ -58,7 +58,7 @@ pub(super) struct Fibres<L> {
     albedo: L,
 }
 
-impl<P: Pack> Fibres<P> {
+impl<P: Pack> Sheen<P> {
     #[inline(always)]
     pub(super) fn new(at: Lanes<'_, P>) -> Self {
         let layers = &at.batch.layers;
@@ -70,7 +70,7 @@ impl<P: Pack> Fibres<P> {
     }
 }
 
-impl<L: Lane> Fibres<L> {
+impl<L: Lane> Sheen<L> {
     /// Puts the sheen over what the base reflects of a light.
     #[inline(always)]
     pub(super) fn over(&self, base: Vec3<L>, a: &Angles<L>) -> Vec3<L> {

@@ -1,11 +1,11 @@
-//! Radiance of each fragment: lights, surroundings and emission.
+//! Radiance of each fragment: lights, environment and emission.
 
 use super::batch::{Batch, Lanes};
 use super::columns::store3;
 use super::draw::Draw;
+use super::light_source::LightSource;
 use super::model::Model;
-use super::point::SurfacePoint;
-use super::source::Source;
+use super::point::ShadingPoint;
 use crate::math::{Pack, Vec3, dispatch_pack};
 use crate::scene::Material;
 use crate::shade::Shading;
@@ -15,11 +15,11 @@ use fearless_simd::Level;
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub shading: Shading,
-    pub sources: &'a [Source],
+    pub sources: &'a [LightSource],
     pub ambient: Vec3,
     pub shadows: bool,
-    /// `true` where `batch.surround` is filled.
-    pub surrounded: bool,
+    /// `true` where `batch.environment_radiance` is filled.
+    pub has_environment: bool,
 }
 
 /// The models that are compiled by themselves, since nearly all images show them: what the others need would cost
@@ -74,12 +74,12 @@ fn lit_pack<P: Pack>(
     material: &Material,
 ) -> Vec3<P> {
     let batch = at.batch;
-    let surface: SurfacePoint<P> = SurfacePoint::new(at, model, material);
+    let surface: ShadingPoint<P> = ShadingPoint::new(at, model, material);
     let position = at.load3(&batch.position);
     let ambient = at.splat3(illumination.ambient) * at.load(&batch.occlusion);
     let mut radiance = surface.emitted + surface.ambient.mul_elements(ambient);
-    if illumination.surrounded {
-        radiance += surface.surrounded(at);
+    if illumination.has_environment {
+        radiance += surface.reflect_environment(at);
     }
     for (index, source) in illumination.sources.iter().enumerate() {
         let (l, irradiance) = source.incidence(at.token, position);

@@ -11,6 +11,7 @@ mod batch;
 mod columns;
 mod corners;
 mod draw;
+mod environment_lookup;
 mod follow;
 mod footprint;
 mod fragments;
@@ -19,10 +20,11 @@ mod geometry;
 mod ground;
 mod grouping;
 mod interpolate;
-mod key;
 mod layers;
+mod light_source;
 mod lighting;
 mod lookups;
+mod material_sample;
 mod model;
 mod normals;
 mod pass;
@@ -36,13 +38,11 @@ mod renderer;
 mod resolve;
 mod settings;
 mod shadows;
-mod source;
 mod stages;
-mod substance;
-mod surround;
 mod tiles;
 mod tree;
 mod view;
+mod visible_sample;
 
 #[doc(hidden)]
 pub use batch::{BATCH, Batch};
@@ -54,12 +54,12 @@ pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, refer
 pub use renderer::Renderer;
 pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, SurfaceSettings};
 #[doc(hidden)]
-pub use {key::Key, stages::Stages};
+pub use {stages::Stages, visible_sample::VisibleSample};
 
 use crate::error::Result;
 use crate::progress::Progress;
 use crate::scene::Scene;
-use pass::Kept;
+use pass::FrameCache;
 use prepare::{Parts, Ready};
 
 /// Prepares `scene` and renders one image of it.
@@ -68,5 +68,5 @@ use prepare::{Parts, Ready};
 /// As [`Prepared::new`] and [`Pass::new`].
 pub fn render(scene: &Scene, shot: &Shot<'_>) -> Result<Frame> {
     let parts = Parts::new(scene, &shot.settings.surface)?;
-    Pass::with(Kept::default(), Ready { scene, parts: &parts }, shot)?.render(Progress::SILENT)
+    Pass::with(FrameCache::default(), Ready { scene, parts: &parts }, shot)?.render(Progress::SILENT)
 }

@@ -61,12 +61,12 @@ fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i:
     if draw.material.anisotropy.is_some() {
         let at: Lanes<'_, P> = batch.lanes(token, i);
         let (n, tangent) = (at.load3(&batch.n), at.load3(&batch.tangent));
-        let [cos, sin] = &batch.layers.stretch_turn;
+        let [cos, sin] = &batch.layers.anisotropy_turn;
         let (cos, sin) = (at.load(cos), at.load(sin));
         let across = n.cross(tangent) * at.load(&batch.handedness);
         let along = tangent * cos + across * sin;
         let flat = along - n * n.dot(along);
-        store3(flat.normalize_or(n.any_perpendicular()), &mut batch.layers.stretch_tangent, i);
+        store3(flat.normalize_or(n.any_perpendicular()), &mut batch.layers.anisotropy_direction, i);
     }
 }
 

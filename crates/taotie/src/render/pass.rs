@@ -7,7 +7,7 @@ use super::ground::Ground;
 use super::prepare::{Prepared, Ready};
 use super::rays::CameraRays;
 use super::settings::Shot;
-use super::stages::{Desk, Stages};
+use super::stages::{Stages, TileScratch};
 use super::tiles::tiles_of;
 use crate::error::{Error, Result};
 use crate::film::{Developer, Development};
@@ -22,16 +22,16 @@ const TILES_AT_ONCE: usize = 256;
 /// One image: a prepared scene, seen from a camera under lights.
 pub struct Pass<'p> {
     stages: Stages<'p>,
-    desks: Mutex<Vec<Desk>>,
+    scratches: Mutex<Vec<TileScratch>>,
     ground: Option<Ground>,
     backdrop: Option<Backdrop>,
 }
 
 /// Room that one image leaves to the next.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(super) struct FrameCache {
     projected: Projected,
-    desks: Vec<Desk>,
+    scratches: Vec<TileScratch>,
 }
 
 impl<'p> Pass<'p> {
@@ -41,17 +41,17 @@ impl<'p> Pass<'p> {
     /// [`Error::Invalid`] or [`Error::Limit`] for a size, sample count or camera that cannot be drawn,
     /// [`Error::Unsupported`] for a SIMD level that the processor lacks.
     pub fn new(prepared: &'p Prepared, shot: &Shot<'_>) -> Result<Self> {
-        Self::with(Kept::default(), prepared.ready(), shot)
+        Self::with(FrameCache::default(), prepared.ready(), shot)
     }
 
     /// Does what [`Self::new`] does, in the memory of an earlier image.
-    pub(super) fn with(kept: Kept, ready: Ready<'p>, shot: &Shot<'_>) -> Result<Self> {
+    pub(super) fn with(cache: FrameCache, ready: Ready<'p>, shot: &Shot<'_>) -> Result<Self> {
         let Shot { camera, lighting, settings } = shot;
-        let stages = Stages::new(ready, shot, kept.projected)?;
+        let stages = Stages::new(ready, shot, cache.projected)?;
         let rays = CameraRays::new(camera, [settings.width, settings.height]);
         let bounds = ready.bounds().filter(|_| settings.ground);
         Ok(Self {
-            desks: Mutex::new(kept.desks),
+            scratches: Mutex::new(cache.scratches),
             ground: bounds.map(|bounds| Ground::new(stages.casters(), bounds, lighting, rays)),
             backdrop: Backdrop::new(lighting.environment.as_ref(), rays),
             stages,
@@ -64,7 +64,7 @@ impl<'p> Pass<'p> {
     /// [`Error::Cancelled`]; where the image cannot be allocated as asked.
     pub fn render(&self, progress: Progress<'_>) -> Result<Frame> {
         let mut frame = Frame::new(self.stages.settings())?;
-        self.draw(frame.tiles(), progress, |desk, tile| tile.write(&desk.resolve))?;
+        self.draw(frame.tiles(), progress, |scratch, tile| tile.write(&scratch.resolve))?;
         Ok(frame)
     }
 
@@ -87,9 +87,9 @@ impl<'p> Pass<'p> {
             return Err(Error::invalid(what, format!("the picture has {width}×{height}")));
         }
         let developer = Developer::new(development)?;
-        self.draw(tiles_of(codes, width), progress, |desk, tile| {
-            developer.codes8(&desk.resolve.color, &mut desk.codes);
-            tile.write(&desk.codes);
+        self.draw(tiles_of(codes, width), progress, |scratch, tile| {
+            developer.codes8(&scratch.resolve.color, &mut scratch.codes);
+            tile.write(&scratch.codes);
         })
     }
 
@@ -104,7 +104,7 @@ impl<'p> Pass<'p> {
         &self,
         mut outputs: Vec<O>,
         progress: Progress<'_>,
-        finish: impl Fn(&mut Desk, &mut O) + Sync,
+        finish: impl Fn(&mut TileScratch, &mut O) + Sync,
     ) -> Result<()> {
         if self.stages.settings().shadows {
             self.stages.casters();
@@ -114,10 +114,10 @@ impl<'p> Pass<'p> {
             let first = group * TILES_AT_ONCE;
             let done = first + outputs.len();
             outputs.par_iter_mut().with_max_len(1).enumerate().try_for_each(|(i, output)| -> Result<()> {
-                let mut desk = self.desk();
-                self.tile(first + i, &mut desk)?;
-                finish(&mut desk, output);
-                self.desks().push(desk);
+                let mut scratch = self.scratch();
+                self.tile(first + i, &mut scratch)?;
+                finish(&mut scratch, output);
+                self.scratches().push(scratch);
                 Ok(())
             })?;
             progress.at(done as f64 / total as f64)?;
@@ -125,31 +125,31 @@ impl<'p> Pass<'p> {
         Ok(())
     }
 
-    fn tile(&self, index: usize, desk: &mut Desk) -> Result<()> {
+    fn tile(&self, index: usize, scratch: &mut TileScratch) -> Result<()> {
         let tile = Tile::new(self.stages.viewport(), index);
-        self.stages.tile(&tile, desk)?;
+        self.stages.tile(&tile, scratch)?;
         if let Some(ground) = &self.ground {
-            ground.fill(&tile, &mut desk.resolve.color);
+            ground.fill(&tile, &mut scratch.resolve.color);
         }
         if let Some(backdrop) = &self.backdrop {
-            backdrop.fill(&tile, &mut desk.resolve.color);
+            backdrop.fill(&tile, &mut scratch.resolve.color);
         }
         Ok(())
     }
 
     /// Returns the memory that the next image can use again.
-    pub(super) fn into_kept(self) -> Kept {
-        let desks = self.desks.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Kept { projected: self.stages.into_projected(), desks }
+    pub(super) fn into_cache(self) -> FrameCache {
+        let scratches = self.scratches.into_inner().unwrap_or_else(PoisonError::into_inner);
+        FrameCache { projected: self.stages.into_projected(), scratches }
     }
 
-    /// Returns a desk that is free, or a new one.
-    fn desk(&self) -> Desk {
-        let free = self.desks().pop();
-        free.unwrap_or_else(|| self.stages.desk())
+    /// Returns a scratch that is free, or a new one.
+    fn scratch(&self) -> TileScratch {
+        let free = self.scratches().pop();
+        free.unwrap_or_else(|| self.stages.scratch())
     }
 
-    fn desks(&self) -> MutexGuard<'_, Vec<Desk>> {
-        self.desks.lock().unwrap_or_else(PoisonError::into_inner)
+    fn scratches(&self) -> MutexGuard<'_, Vec<TileScratch>> {
+        self.scratches.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -3,14 +3,14 @@
 use super::albedos;
 use super::batch::{Batch, Lanes};
 use super::draw::Draw;
-use super::layers::{Coat, Fibres, Terminator};
+use super::layers::{Coat, Sheen, Terminator};
+use super::material_sample::material_sample;
 use super::model::{Model, takes_albedos};
 use super::normals::shade_normals;
 use super::settings::RenderSettings;
-use super::substance::substance;
 use crate::math::{Pack, Vec3};
 use crate::scene::Material;
-use crate::shade::{self, Angles, Shading, Stretch, Substance};
+use crate::shade::{self, Angles, AnisotropicLobe, MaterialSample, Shading};
 use fearless_simd::Level;
 
 /// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the
@@ -22,10 +22,10 @@ pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>,
     }
 }
 
-/// Points of a surface: a pack of fragments, or one.
-pub(super) struct SurfacePoint<L> {
+/// Shading points: a pack of fragments, or one, with all that their reflection depends on.
+pub(super) struct ShadingPoint<L> {
     pub shading: Shading,
-    pub substance: Substance<L>,
+    pub sample: MaterialSample<L>,
     /// k_a, linear RGB.
     pub ambient: Vec3<L>,
     /// Emitted radiance that arrives at the viewer, linear RGB.
@@ -35,30 +35,30 @@ pub(super) struct SurfacePoint<L> {
     /// The direction to the viewer: unit, world space.
     pub v: Vec3<L>,
     terminator: Terminator<L>,
-    pub stretch: Option<Stretch<L>>,
+    pub anisotropic: Option<AnisotropicLobe<L>>,
     pub coat: Option<Coat<L>>,
-    pub fibres: Option<Fibres<L>>,
+    pub sheen: Option<Sheen<L>>,
 }
 
-impl<P: Pack> SurfacePoint<P> {
+impl<P: Pack> ShadingPoint<P> {
     /// The fragments of `batch` from `i` on.
     #[inline(always)]
     pub(super) fn new(at: Lanes<'_, P>, Model { shading, layered }: Model, material: &Material) -> Self {
         let batch = at.batch;
-        let (substance, ambient) = substance(at, shading, material);
+        let (sample, ambient) = material_sample(at, shading, material);
         let (n, v) = (at.load3(&batch.n), at.load3(&batch.v));
-        let stretched = layered && material.anisotropy.is_some();
-        let stretch = stretched.then(|| {
-            let tangent = at.load3(&batch.layers.stretch_tangent);
-            let strength = at.load(&batch.layers.stretch);
-            Stretch::new(tangent, n.cross(tangent), substance.roughness, strength)
+        let is_anisotropic = layered && material.anisotropy.is_some();
+        let anisotropic = is_anisotropic.then(|| {
+            let tangent = at.load3(&batch.layers.anisotropy_direction);
+            let strength = at.load(&batch.layers.anisotropy);
+            AnisotropicLobe::new(tangent, n.cross(tangent), sample.roughness, strength)
         });
         let coat = (layered && material.clearcoat.is_some()).then(|| Coat::new(at));
-        let fibres = (layered && material.sheen.is_some()).then(|| Fibres::new(at));
+        let sheen = (layered && material.sheen.is_some()).then(|| Sheen::new(at));
         let emitted = at.load3(&batch.emissive);
         let emitted = coat.as_ref().map_or(emitted, |coat| emitted * coat.kept);
         let terminator = Terminator::new(at);
-        Self { shading, substance, ambient, emitted, n, v, terminator, stretch, coat, fibres }
+        Self { shading, sample, ambient, emitted, n, v, terminator, anisotropic, coat, sheen }
     }
 
     /// Radiance to the viewer per unit of irradiance on a plane that faces the light in direction `l` (unit, world
@@ -76,33 +76,33 @@ impl<P: Pack> SurfacePoint<P> {
     #[inline(always)]
     pub(super) fn reflect_bare(&self, l: Vec3<P>) -> Vec3<P> {
         let angles = Angles::new(self.n, self.v, l);
-        let mut reflected = match &self.stretch {
-            Some(stretch) => shade::reflect_stretched(&self.substance, stretch, &angles, [self.v, l]),
-            None => shade::reflect(self.shading, &self.substance, &angles),
+        let mut reflected = match &self.anisotropic {
+            Some(lobe) => shade::reflect_anisotropic(&self.sample, lobe, &angles, [self.v, l]),
+            None => shade::reflect(self.shading, &self.sample, &angles),
         };
-        if let Some(fibres) = &self.fibres {
-            reflected = fibres.over(reflected, &angles);
+        if let Some(sheen) = &self.sheen {
+            reflected = sheen.over(reflected, &angles);
         }
         reflected * self.terminator.share(l)
     }
 
-    /// Radiance to the viewer of what the environment sends, linear RGB; `batch.surround` and its tables must be
-    /// filled.
+    /// Radiance to the viewer of what the environment sends, linear RGB; `batch.environment_radiance` and its tables
+    /// must be filled.
     #[inline(always)]
-    pub(super) fn surrounded(&self, at: Lanes<'_, P>) -> Vec3<P> {
+    pub(super) fn reflect_environment(&self, at: Lanes<'_, P>) -> Vec3<P> {
         let batch = at.batch;
-        let weights = shade::surround(self.shading, &self.substance, &at.dfg());
+        let weights = shade::environment_weights(self.shading, &self.sample, &at.dfg());
         let occlusion = at.load(&batch.occlusion);
-        let mean = at.load3(&batch.surround.mean) * occlusion;
+        let mean = at.load3(&batch.environment_radiance.mean) * occlusion;
         let n_dot_v = self.n.dot(self.v).clamp(0.0, 1.0);
-        let seen = shade::specular_occlusion(n_dot_v, occlusion, self.substance.roughness);
-        let gathered = at.load3(&batch.surround.specular) * seen;
+        let seen = shade::specular_occlusion(n_dot_v, occlusion, self.sample.roughness);
+        let gathered = at.load3(&batch.environment_radiance.specular) * seen;
         let mut radiance = weights.specular.mul_elements(gathered) + weights.diffuse.mul_elements(mean);
-        if let Some(fibres) = &self.fibres {
-            radiance = fibres.over_mean(radiance, mean);
+        if let Some(sheen) = &self.sheen {
+            radiance = sheen.over_mean(radiance, mean);
         }
         match &self.coat {
-            Some(coat) => coat.over_surround(radiance, at.load3(&batch.surround.coat)),
+            Some(coat) => coat.over_environment(radiance, at.load3(&batch.environment_radiance.coat)),
             None => radiance,
         }
     }

@@ -92,14 +92,14 @@ impl<'a> Preparation<'a> {
     /// The uv set that the layers' tangents follow, where a layer has a direction and the mesh that uv set.
     fn layers_set(&mut self, mesh: usize, material: &Material) -> Option<usize> {
         let coat = material.clearcoat.as_ref().and_then(|coat| coat.normal.as_ref());
-        let stretch = material.anisotropy.as_ref();
-        let set = match (coat, stretch) {
+        let anisotropy = material.anisotropy.as_ref();
+        let set = match (coat, anisotropy) {
             (Some(map), _) => map.texture.uv_set,
-            (None, Some(stretch)) => stretch.texture.as_ref().map_or(0, |texture| texture.uv_set),
+            (None, Some(anisotropy)) => anisotropy.texture.as_ref().map_or(0, |texture| texture.uv_set),
             (None, None) => return None,
         };
         let lacks = set >= self.scene.meshes()[mesh].uvs().len();
-        let what = "meshes without the uv set of their lacquer's normals or of their anisotropy: drawn without direction";
+        let what = "meshes without the uv set of their clearcoat's normals or of their anisotropy: drawn without direction";
         self.warnings.note(what, usize::from(lacks));
         (!lacks).then_some(set)
     }

@@ -11,7 +11,7 @@ use fearless_simd::Level;
 use std::sync::{Arc, OnceLock};
 
 /// The height above the surface at which shadow rays start, as a fraction of the scene's size.
-const SHADOW_LIFT: f64 = 1e-5;
+const RAY_OFFSET: f64 = 1e-5;
 
 /// A scene made ready for images from any camera. It owns its share of the scene and can be sent between threads.
 pub struct Prepared {
@@ -121,9 +121,9 @@ impl<'p> Ready<'p> {
     }
 
     /// The height above the surface at which rays start, model units.
-    pub(super) fn lift(self) -> f32 {
+    pub(super) fn ray_offset(self) -> f32 {
         let size = self.bounds().map_or(1.0, |bounds| bounds.diagonal());
-        (size * SHADOW_LIFT) as f32
+        (size * RAY_OFFSET) as f32
     }
 }
 

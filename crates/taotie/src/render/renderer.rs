@@ -1,7 +1,7 @@
 //! Images of one scene, one after the other.
 
 use super::frame::Frame;
-use super::pass::{Kept, Pass};
+use super::pass::{FrameCache, Pass};
 use super::prepare::Prepared;
 use super::settings::{Shot, SurfaceSettings};
 use crate::error::Result;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// The same image has the same bits whatever was rendered before.
 pub struct Renderer {
     prepared: Prepared,
-    kept: Kept,
+    cache: FrameCache,
 }
 
 impl Renderer {
@@ -25,7 +25,7 @@ impl Renderer {
     /// # Errors
     /// As [`Prepared::new`].
     pub fn new(scene: impl Into<Arc<Scene>>, settings: &SurfaceSettings) -> Result<Self> {
-        Ok(Self { prepared: Prepared::new(scene, settings)?, kept: Kept::default() })
+        Ok(Self { prepared: Prepared::new(scene, settings)?, cache: FrameCache::default() })
     }
 
     /// The scene, prepared.
@@ -61,9 +61,9 @@ impl Renderer {
     }
 
     fn with_pass<T>(&mut self, shot: &Shot<'_>, take: impl FnOnce(&Pass<'_>) -> Result<T>) -> Result<T> {
-        let pass = Pass::with(std::mem::take(&mut self.kept), self.prepared.ready(), shot)?;
+        let pass = Pass::with(std::mem::take(&mut self.cache), self.prepared.ready(), shot)?;
         let taken = take(&pass);
-        self.kept = pass.into_kept();
+        self.cache = pass.into_cache();
         taken
     }
 }

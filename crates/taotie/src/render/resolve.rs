@@ -2,8 +2,8 @@
 
 use super::batch::Batch;
 use super::columns::get3;
-use super::key::Key;
 use super::view::View;
+use super::visible_sample::VisibleSample;
 use crate::math::Vec3;
 use crate::raster::TILE_PIXELS;
 use crate::scene::AlphaMode;
@@ -26,7 +26,7 @@ pub(super) struct Resolve {
 /// A fragment with its colour.
 #[derive(Debug, Clone, Copy)]
 struct Shaded {
-    key: Key,
+    sample: VisibleSample,
     /// The radiance, linear RGB, not premultiplied.
     radiance: Vec3,
     /// The part of what is behind that is covered.
@@ -48,19 +48,19 @@ impl Resolve {
     }
 
     /// Adds fragments of which each is all that is seen in its pixel.
-    pub(super) fn add_opaque(&mut self, keys: &[Key], batch: &Batch) {
+    pub(super) fn add_opaque(&mut self, samples: &[VisibleSample], batch: &Batch) {
         let weight = self.weight;
-        for (i, key) in keys.iter().enumerate() {
-            let sum = &mut self.color[key.pixel as usize];
+        for (i, sample) in samples.iter().enumerate() {
+            let sum = &mut self.color[sample.pixel as usize];
             let [r, g, b] = get3(&batch.radiance, i).to_array();
             *sum = [sum[0] + r * weight, sum[1] + g * weight, sum[2] + b * weight, sum[3] + weight];
         }
     }
 
     /// Keeps fragments that may lie over one another until [`Self::add_layers`].
-    pub(super) fn keep(&mut self, keys: &[Key], mode: AlphaMode, batch: &Batch) {
-        self.layers.extend(keys.iter().enumerate().map(|(i, key)| Shaded {
-            key: *key,
+    pub(super) fn keep(&mut self, samples: &[VisibleSample], mode: AlphaMode, batch: &Batch) {
+        self.layers.extend(samples.iter().enumerate().map(|(i, sample)| Shaded {
+            sample: *sample,
             radiance: get3(&batch.radiance, i),
             coverage: coverage(mode, batch.alpha[i]),
         }));
@@ -70,10 +70,10 @@ impl Resolve {
     pub(super) fn add_layers(&mut self) {
         // At equal depth what was drawn first lies on top, as in the depth test.
         self.layers.sort_by(|a, b| {
-            let order = |s: &Shaded| (s.key.pixel, s.key.depth.to_bits());
-            order(a).cmp(&order(b)).then(b.key.triangle.cmp(&a.key.triangle))
+            let order = |s: &Shaded| (s.sample.pixel, s.sample.depth.to_bits());
+            order(a).cmp(&order(b)).then(b.sample.triangle.cmp(&a.sample.triangle))
         });
-        for fragments in self.layers.chunk_by(|a, b| a.key.pixel == b.key.pixel) {
+        for fragments in self.layers.chunk_by(|a, b| a.sample.pixel == b.sample.pixel) {
             let mut color = [0.0f32; 4];
             for fragment in fragments {
                 let [r, g, b] = fragment.radiance.to_array();
@@ -81,7 +81,7 @@ impl Resolve {
                 let behind = 1.0 - fragment.coverage;
                 color = std::array::from_fn(|c| source[c] * fragment.coverage + color[c] * behind);
             }
-            let sum = &mut self.color[fragments[0].key.pixel as usize];
+            let sum = &mut self.color[fragments[0].sample.pixel as usize];
             for c in 0..4 {
                 sum[c] += color[c] * self.weight;
             }
@@ -90,13 +90,20 @@ impl Resolve {
     }
 
     /// Keeps in the output variables what is nearest so far and at least half there.
-    pub(super) fn note_aovs(&mut self, keys: &[Key], mode: AlphaMode, batch: &Batch, view: &View) {
+    pub(super) fn note_aovs(
+        &mut self,
+        samples: &[VisibleSample],
+        mode: AlphaMode,
+        batch: &Batch,
+        view: &View,
+    ) {
         let [normals, depth, albedo, uv, triangle] = &mut self.aovs;
         if normals.is_empty() {
             return;
         }
-        for (i, key) in keys.iter().enumerate().filter(|(i, _)| coverage(mode, batch.alpha[*i]) >= 0.5) {
-            let pixel = key.pixel as usize;
+        for (i, sample) in samples.iter().enumerate().filter(|(i, _)| coverage(mode, batch.alpha[*i]) >= 0.5)
+        {
+            let pixel = sample.pixel as usize;
             let distance = view.depth(get3(&batch.position, i));
             if depth[pixel][3] != 0.0 && depth[pixel][0] <= distance {
                 continue;
@@ -107,7 +114,7 @@ impl Resolve {
             albedo[pixel] = with_one(get3(&batch.albedo, i));
             let [u, v] = batch.first_uv(i);
             uv[pixel] = [u, v, 0.0, 1.0];
-            let id = key.triangle as f32;
+            let id = sample.triangle as f32;
             triangle[pixel] = [id, id, id, 1.0];
         }
     }

@@ -2,14 +2,14 @@
 
 use super::batch::{BATCH, Batch};
 use super::columns::get3;
-use super::source::Source;
+use super::light_source::LightSource;
 use super::tree::Casters;
 use crate::math::Vec3;
 
 /// Fills `batch.visibility`. `origins` are the points that rays leave from.
 pub(super) fn trace_shadows(
     casters: Casters<'_>,
-    sources: &[Source],
+    sources: &[LightSource],
     origins: &[Vec3; BATCH],
     batch: &mut Batch,
 ) {
@@ -32,16 +32,16 @@ pub(super) struct SmoothTriangle {
 
 impl SmoothTriangle {
     /// The origin of shadow rays: the point of the smooth surface above the triangle's `point`, so that a low-poly mesh
-    /// does not shade itself in facets (Hanika 2021, "Hacking the Shadow Terminator"), moved by `lift`, a little along
-    /// the geometric normal, against rounding.
-    pub(super) fn shadow_origin(&self, point: Vec3, weights: [f32; 3], lift: Vec3) -> Vec3 {
+    /// does not shade itself in facets (Hanika 2021, "Hacking the Shadow Terminator"), moved by `offset`, a little
+    /// along the geometric normal, against rounding.
+    pub(super) fn shadow_origin(&self, point: Vec3, weights: [f32; 3], offset: Vec3) -> Vec3 {
         let mut shift = Vec3::default();
         for ((corner, normal), weight) in self.corners.into_iter().zip(self.normals).zip(weights) {
             let height = (point - corner).dot(normal).min(0.0);
             shift += normal * (-height * weight);
         }
         // A surface seen from behind bulges away from the viewer: no shift.
-        let shift = if shift.dot(lift) > 0.0 { shift } else { Vec3::default() };
-        point + shift + lift
+        let shift = if shift.dot(offset) > 0.0 { shift } else { Vec3::default() };
+        point + shift + offset
     }
 }

@@ -3,10 +3,11 @@
 use super::batch::{BATCH, Batch};
 use super::corners::Run;
 use super::draw::Draws;
+use super::environment_lookup::{self, EnvironmentQuery};
 use super::geometry::Projected;
 use super::grouping::Grouping;
 use super::interpolate::{Interpolation, Screen};
-use super::key::Key;
+use super::light_source::LightSource;
 use super::lighting::{Illumination, light};
 use super::model::{as_taken, takes_roughness};
 use super::point::complete;
@@ -14,10 +15,9 @@ use super::prepare::Ready;
 use super::resolve::Resolve;
 use super::settings::{EnvironmentLight, RenderSettings, Shot};
 use super::shadows::trace_shadows;
-use super::source::Source;
-use super::surround::{self, Surrounding};
 use super::tree::Casters;
 use super::view::View;
+use super::visible_sample::VisibleSample;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::raster::{self, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, TileSample, Viewport};
@@ -30,22 +30,22 @@ pub struct Stages<'p> {
     projected: Projected,
     view: View,
     viewport: Viewport,
-    sources: Vec<Source>,
+    sources: Vec<LightSource>,
     ambient: Vec3,
     environment: Option<EnvironmentLight>,
     /// The settings, as the model takes them.
     settings: RenderSettings,
     level: Level,
-    lift: f32,
+    ray_offset: f32,
 }
 
 /// The working memory for drawing a tile.
-pub(super) struct Desk {
+pub(super) struct TileScratch {
     pub resolve: Resolve,
     pub codes: Vec<[u8; 4]>,
     plane: TilePlane,
     grouping: Grouping,
-    keys: Vec<Key>,
+    visible: Vec<VisibleSample>,
     batch: Box<Batch>,
 }
 
@@ -69,12 +69,12 @@ impl<'p> Stages<'p> {
             projected,
             view,
             viewport,
-            sources: shot.lighting.lights.iter().map(Source::new).collect(),
+            sources: shot.lighting.lights.iter().map(LightSource::new).collect(),
             ambient: shot.lighting.ambient,
             environment: shot.lighting.environment.clone(),
             level: settings.surface.simd.dispatch()?,
             settings,
-            lift: ready.lift(),
+            ray_offset: ready.ray_offset(),
         })
     }
 
@@ -110,13 +110,13 @@ impl<'p> Stages<'p> {
     }
 
     /// Makes empty working memory for drawing a tile.
-    pub(super) fn desk(&self) -> Desk {
-        Desk {
+    pub(super) fn scratch(&self) -> TileScratch {
+        TileScratch {
             resolve: Resolve::default(),
             codes: vec![[0; 4]; TILE_PIXELS],
             plane: TilePlane::default(),
             grouping: Grouping::default(),
-            keys: Vec::new(),
+            visible: Vec::new(),
             batch: self.batch(),
         }
     }
@@ -125,16 +125,16 @@ impl<'p> Stages<'p> {
     ///
     /// # Errors
     /// Returns an error if the SIMD level is not available.
-    pub(super) fn tile(&self, tile: &Tile, desk: &mut Desk) -> Result<()> {
+    pub(super) fn tile(&self, tile: &Tile, scratch: &mut TileScratch) -> Result<()> {
         let offsets = self.viewport.pattern.offsets();
-        desk.batch.begin(self.sources.len());
-        desk.resolve.begin(offsets.len(), self.settings.aovs);
+        scratch.batch.begin(self.sources.len());
+        scratch.resolve.begin(offsets.len(), self.settings.aovs);
         for (sample, offset) in offsets.iter().enumerate() {
             let at = TileSample { tile, offset: *offset };
-            let Desk { plane, grouping, keys, .. } = desk;
-            keys.clear();
-            self.find(at, plane, grouping, keys)?;
-            self.shade(at, sample == 0, desk);
+            let TileScratch { plane, grouping, visible, .. } = scratch;
+            visible.clear();
+            self.find(at, plane, grouping, visible)?;
+            self.shade(at, sample == 0, scratch);
         }
         Ok(())
     }
@@ -144,10 +144,10 @@ impl<'p> Stages<'p> {
     ///
     /// # Errors
     /// Returns an error if the SIMD level is not available.
-    pub fn visible(&self, at: TileSample<'_>, plane: &mut TilePlane) -> Result<Vec<Key>> {
-        let mut keys = Vec::new();
-        self.find(at, plane, &mut Grouping::default(), &mut keys)?;
-        Ok(keys)
+    pub fn visible(&self, at: TileSample<'_>, plane: &mut TilePlane) -> Result<Vec<VisibleSample>> {
+        let mut visible = Vec::new();
+        self.find(at, plane, &mut Grouping::default(), &mut visible)?;
+        Ok(visible)
     }
 
     fn find(
@@ -155,54 +155,61 @@ impl<'p> Stages<'p> {
         at: TileSample<'_>,
         plane: &mut TilePlane,
         grouping: &mut Grouping,
-        keys: &mut Vec<Key>,
+        visible: &mut Vec<VisibleSample>,
     ) -> Result<()> {
         let simd = self.settings.surface.simd;
         raster::rasterize_opaque(&self.projected.opaque, at, simd, plane)?;
         let layers = raster::rasterize_layers(&self.projected.layered, at, simd, plane)?;
-        grouping.append(plane, |triangle| self.draws.number_of(triangle), keys);
+        grouping.append(plane, |triangle| self.draws.number_of(triangle), visible);
         // Layers come in the order of drawing, and no draw has both.
-        keys.extend(layers.iter().map(|l| Key { pixel: l.pixel, triangle: l.id, depth: l.depth }));
+        visible.extend(layers.iter().map(|l| VisibleSample {
+            pixel: l.pixel,
+            triangle: l.id,
+            depth: l.depth,
+        }));
         Ok(())
     }
 
     /// Runs stages 2 to 5 for all fragments of a sample, the first of its tile or a later one.
-    fn shade(&self, at: TileSample<'_>, first: bool, desk: &mut Desk) {
-        let Desk { keys, batch, resolve, .. } = desk;
-        let layered = self.runs(keys).any(|(draw, _)| self.draws.all[draw].layered());
-        for (draw, keys) in self.runs(keys) {
+    fn shade(&self, at: TileSample<'_>, first: bool, scratch: &mut TileScratch) {
+        let TileScratch { visible, batch, resolve, .. } = scratch;
+        let layered = self.runs(visible).any(|(draw, _)| self.draws.all[draw].layered());
+        for (draw, visible) in self.runs(visible) {
             let alpha = self.draws.all[draw].material.alpha;
-            for keys in keys.chunks(BATCH) {
-                self.gather(at, draw, keys, batch);
+            for visible in visible.chunks(BATCH) {
+                self.gather(at, draw, visible, batch);
                 self.light(draw, batch);
                 if layered {
-                    resolve.keep(keys, alpha, batch);
+                    resolve.keep(visible, alpha, batch);
                 } else {
-                    resolve.add_opaque(keys, batch);
+                    resolve.add_opaque(visible, batch);
                 }
                 if first {
-                    resolve.note_aovs(keys, alpha, batch, &self.view);
+                    resolve.note_aovs(visible, alpha, batch, &self.view);
                 }
             }
         }
         resolve.add_layers();
     }
 
-    /// The parts of `keys`, in which those of a draw are together, with the draw's number.
-    pub fn runs<'k>(&self, mut keys: &'k [Key]) -> impl Iterator<Item = (usize, &'k [Key])> {
+    /// The parts of `visible`, samples in which those of a draw are together, with the draw's number.
+    pub fn runs<'k>(
+        &self,
+        mut visible: &'k [VisibleSample],
+    ) -> impl Iterator<Item = (usize, &'k [VisibleSample])> {
         std::iter::from_fn(move || {
-            let draw = self.draws.number_of(keys.first()?.triangle);
+            let draw = self.draws.number_of(visible.first()?.triangle);
             let triangles = self.draws.all[draw].numbers();
-            let same = keys.iter().take_while(|key| triangles.contains(&key.triangle)).count();
-            let (run, rest) = keys.split_at(same.max(1));
-            keys = rest;
+            let same = visible.iter().take_while(|sample| triangles.contains(&sample.triangle)).count();
+            let (run, rest) = visible.split_at(same.max(1));
+            visible = rest;
             Some((draw, run))
         })
     }
 
-    /// Stage 2: interpolates vertices and reads textures for at most [`BATCH`] keys of one draw.
-    pub fn gather(&self, at: TileSample<'_>, draw: usize, keys: &[Key], batch: &mut Batch) {
-        place(keys, at.offset.map(|o| o as f32 / 256.0), batch);
+    /// Stage 2: interpolates vertices and reads textures for at most [`BATCH`] visible samples of one draw.
+    pub fn gather(&self, at: TileSample<'_>, draw: usize, visible: &[VisibleSample], batch: &mut Batch) {
+        place(visible, at.offset.map(|o| o as f32 / 256.0), batch);
         let interpolation = self.interpolation(draw);
         let screen = Screen {
             viewport: &self.viewport,
@@ -233,10 +240,15 @@ impl<'p> Stages<'p> {
         let draw = &self.draws.all[draw];
         complete(self.level, settings, draw, batch);
         if let Some(light) = &self.environment {
-            surround::look_up(self.level, Surrounding { light, shading: settings.shading }, draw, batch);
+            environment_lookup::look_up(
+                self.level,
+                EnvironmentQuery { light, shading: settings.shading },
+                draw,
+                batch,
+            );
         }
         if settings.shadows {
-            let origins = interpolation.origins(self.lift, batch);
+            let origins = interpolation.origins(self.ray_offset, batch);
             trace_shadows(self.casters(), &self.sources, &origins, batch);
         }
         let illumination = Illumination {
@@ -244,22 +256,22 @@ impl<'p> Stages<'p> {
             sources: &self.sources,
             ambient: self.ambient,
             shadows: settings.shadows,
-            surrounded: self.environment.is_some(),
+            has_environment: self.environment.is_some(),
         };
         light(self.level, &illumination, draw, batch);
     }
 }
 
-/// Empties `batch` and fills in the places of `keys`, seen at `offset` within their pixels.
-fn place(keys: &[Key], offset: [f32; 2], batch: &mut Batch) {
-    batch.len = keys.len();
+/// Empties `batch` and fills in the places of visible samples, seen at `offset` within their pixels.
+fn place(visible: &[VisibleSample], offset: [f32; 2], batch: &mut Batch) {
+    batch.len = visible.len();
     batch.runs.clear();
-    for (i, key) in keys.iter().enumerate() {
-        batch.place[0][i] = (key.pixel % TILE_SIZE) as f32 + offset[0];
-        batch.place[1][i] = (key.pixel / TILE_SIZE) as f32 + offset[1];
+    for (i, sample) in visible.iter().enumerate() {
+        batch.place[0][i] = (sample.pixel % TILE_SIZE) as f32 + offset[0];
+        batch.place[1][i] = (sample.pixel / TILE_SIZE) as f32 + offset[1];
         match batch.runs.last_mut() {
-            Some(run) if run.triangle == key.triangle => run.end = i + 1,
-            _ => batch.runs.push(Run { triangle: key.triangle, start: i, end: i + 1 }),
+            Some(run) if run.triangle == sample.triangle => run.end = i + 1,
+            _ => batch.runs.push(Run { triangle: sample.triangle, start: i, end: i + 1 }),
         }
     }
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// A GGX lobe with one width along a tangent and another across.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch<L> {
+pub struct AnisotropicLobe<L> {
     /// The direction of the anisotropy, unit, at a right angle to the normal.
     pub tangent: Vec3<L>,
     /// Unit, at a right angle to both.
@@ -18,7 +18,7 @@ pub struct Stretch<L> {
     pub across: L,
 }
 
-impl<L: Lane> Stretch<L> {
+impl<L: Lane> AnisotropicLobe<L> {
     /// The widths of glTF: across stays α = roughness², along goes from α to 1 with the square of `strength`.
     ///
     /// `strength` and `roughness` in [0, 1].

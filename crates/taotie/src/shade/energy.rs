@@ -1,7 +1,7 @@
 //! The energy of microfacet models, and the reflection of light from all around.
 
 use super::dfg::Dfg;
-use super::{Shading, Substance};
+use super::{MaterialSample, Shading};
 use crate::math::{Lane, Vec3};
 
 /// The treatment of the energy of microfacet models.
@@ -23,26 +23,30 @@ impl crate::names::Named for Energy {
 
 /// The reflection of light that comes from all around, as weights of two radiances, linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Surround<L> {
+pub struct EnvironmentWeights<L> {
     /// The weight of the radiance that the highlight gathers.
     pub specular: Vec3<L>,
     /// The weight of the mean radiance over the hemisphere, which is the irradiance over π.
     pub diffuse: Vec3<L>,
 }
 
-/// The weights for a substance with the directional albedos `dfg` of its lobe.
+/// The weights for a material sample with the directional albedos `dfg` of its lobe.
 ///
 /// `ggx` and `cook-torrance`: the split sum, albedo and what it leaves to the diffuse part. The other models have no
 /// such lobe: `lambert` reflects its colour, the Phong family k_d and k_s, as if each were normalised.
 /// Source: Karis 2013; the article's environment term.
 #[inline(always)]
-pub fn surround<L: Lane>(shading: Shading, s: &Substance<L>, dfg: &Dfg<L>) -> Surround<L> {
+pub fn environment_weights<L: Lane>(
+    shading: Shading,
+    s: &MaterialSample<L>,
+    dfg: &Dfg<L>,
+) -> EnvironmentWeights<L> {
     let one = s.f90.lit(1.0);
     let zero = Vec3::splat(one.lit(0.0));
     let ones = Vec3::splat(one);
     let gain = s.compensation.map_or(ones, |c| c.gain);
     match shading {
-        Shading::Lambert => Surround { specular: zero, diffuse: s.base_color },
+        Shading::Lambert => EnvironmentWeights { specular: zero, diffuse: s.base_color },
         Shading::Ggx | Shading::GgxPrinted => {
             let diffuse = s.base_color * (one - s.metallic);
             let kept = match s.compensation {
@@ -50,19 +54,19 @@ pub fn surround<L: Lane>(shading: Shading, s: &Substance<L>, dfg: &Dfg<L>) -> Su
                 None => ones - s.f0 - (Vec3::splat(s.f90) - s.f0) * dfg.diffuse_edge,
             };
             let specular = dfg.albedo(s.f0, s.f90, s.f82_drop).mul_elements(gain);
-            Surround { specular, diffuse: diffuse.mul_elements(kept) }
+            EnvironmentWeights { specular, diffuse: diffuse.mul_elements(kept) }
         }
         Shading::CookTorrance | Shading::CookTorrancePrinted => {
             let specular = dfg.albedo(s.f0, s.f90, s.f82_drop).mul_elements(gain);
-            Surround { specular: s.specular.mul_elements(specular), diffuse: s.diffuse }
+            EnvironmentWeights { specular: s.specular.mul_elements(specular), diffuse: s.diffuse }
         }
         Shading::Phong | Shading::BlinnPhong | Shading::BlinnPhongClassic | Shading::BlinnPhongPrinted => {
-            Surround { specular: s.specular, diffuse: s.diffuse }
+            EnvironmentWeights { specular: s.specular, diffuse: s.diffuse }
         }
     }
 }
 
-/// The share of a highlight's surround that is seen where `occlusion` of the hemisphere's is.
+/// The share of a highlight's environment that is seen where `occlusion` of the hemisphere's is.
 ///
 /// Lobes narrower than the hemisphere are occluded less seen along the normal and more at grazing angles:
 /// (n·v + o)^(2^(−16 r − 1)) − 1 + o, kept in [0, 1]; r the roughness.
@@ -74,6 +78,6 @@ pub fn specular_occlusion<L: Lane>(n_dot_v: L, occlusion: L, roughness: L) -> L 
     use crate::math::poly;
     let one = n_dot_v.lit(1.0);
     let exponent = poly::exp2(-(roughness * one.lit(16.0)) - one);
-    let spread = poly::pow((n_dot_v + occlusion).max(one.lit(1e-6)), exponent);
-    (spread - one + occlusion).clamp(0.0, 1.0)
+    let power = poly::pow((n_dot_v + occlusion).max(one.lit(1e-6)), exponent);
+    (power - one + occlusion).clamp(0.0, 1.0)
 }

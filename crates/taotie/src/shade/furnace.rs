@@ -3,7 +3,7 @@
 //! A surface that absorbs nothing, under a sky of equal radiance all over, cannot be told from that sky: its albedo is
 //! one at every angle. Above one, light is made of nothing; below, the model loses what it does not follow.
 
-use super::{Angles, Shading, Substance, reflect};
+use super::{Angles, MaterialSample, Shading, reflect};
 use crate::math::quadrature::nodes;
 use crate::math::{Vec3, scalar};
 use std::f64::consts::PI;
@@ -72,7 +72,7 @@ impl Furnace {
     /// least 0.1 (`laws::shade::albedos_are_as_exact_as_stated`).
     /// Law: 1 − ln 2 for a white metal of `ggx` with roughness 1, along the normal (`laws::shade::white_furnace_of_ggx`).
     /// Source: Heitz 2014, §5.1.
-    pub fn directional_albedo(self, shading: Shading, s: &Substance<f64>, n_dot_v: f64) -> Vec3<f64> {
+    pub fn directional_albedo(self, shading: Shading, s: &MaterialSample<f64>, n_dot_v: f64) -> Vec3<f64> {
         let n = Vec3::new(0.0, 0.0, 1.0);
         let v = Vec3::new((1.0 - n_dot_v * n_dot_v).sqrt(), 0.0, n_dot_v);
         // n·l = 2 (v·h)(n·h) − n·v is above 0 up to this angle of h.
@@ -87,7 +87,7 @@ impl Furnace {
     /// The share of the sky's light that is reflected anywhere, linear RGB: 2 ∫ albedo(n·v) n·v d(n·v).
     ///
     /// By default its relative error is below 1e-4 for slopes and α of at least 0.1.
-    pub fn hemispherical_albedo(self, shading: Shading, s: &Substance<f64>) -> Vec3<f64> {
+    pub fn hemispherical_albedo(self, shading: Shading, s: &MaterialSample<f64>) -> Vec3<f64> {
         let mut total = Vec3::splat(0.0);
         for (n_dot_v, weight) in nodes(self.fineness, &[0.0, 1.0]) {
             total += self.directional_albedo(shading, s, n_dot_v) * (2.0 * n_dot_v * weight);

@@ -3,7 +3,7 @@
 //!
 //! [`fresnel`], [`ndf`] and [`masking`] are the parts, free to combine; [`reflect`] evaluates the named models of
 //! [`Shading`], and [`furnace`] adds up what they reflect. Nothing here knows of a scene: the caller samples textures
-//! into a [`Substance`], makes [`Angles`] from its directions and multiplies the result by the irradiance that
+//! into a [`MaterialSample`], makes [`Angles`] from its directions and multiplies the result by the irradiance that
 //! [`lights`] helps to find.
 
 mod angles;
@@ -12,9 +12,9 @@ mod coat;
 mod compensation;
 mod energy;
 mod facets;
+mod material_sample;
 mod models;
 mod shading;
-mod substance;
 mod widening;
 
 pub mod dfg;
@@ -28,12 +28,12 @@ pub mod sampling;
 pub mod sheen;
 
 pub use angles::Angles;
-pub use anisotropy::Stretch;
+pub use anisotropy::AnisotropicLobe;
 pub use coat::{COAT_F0, coat_fresnel, coat_lobe};
 pub use compensation::{Compensation, compensation};
-pub use energy::{Energy, Surround, specular_occlusion, surround};
+pub use energy::{Energy, EnvironmentWeights, environment_weights, specular_occlusion};
 pub use facets::Facets;
-pub use models::{reflect, reflect_stretched};
+pub use material_sample::MaterialSample;
+pub use models::{reflect, reflect_anisotropic};
 pub use shading::Shading;
-pub use substance::Substance;
 pub use widening::{SubPixelVariance, curvature_variance};

@@ -4,7 +4,7 @@
 //! function of the same name; `u` are numbers in [0, 1), uniformly distributed.
 
 use super::ndf::{MIN_ALPHA, alpha_from_roughness, alpha_from_shininess};
-use super::{Shading, Substance, fresnel};
+use super::{MaterialSample, Shading, fresnel};
 use crate::math::{Lane, Mask, Vec3};
 use std::f64::consts::{FRAC_1_PI, PI};
 
@@ -144,7 +144,7 @@ impl<L: Lane> Lobes<L> {
     /// `n_dot_v` in (0, 1].
     /// Law: sampled albedos agree with the quadrature (`laws::sampling::the_furnace_by_sampling_is_that_by_quadrature`).
     #[inline(always)]
-    pub fn of(shading: Shading, s: &Substance<L>, n_dot_v: L) -> Self {
+    pub fn of(shading: Shading, s: &MaterialSample<L>, n_dot_v: L) -> Self {
         let (zero, one) = (n_dot_v.lit(0.0), n_dot_v.lit(1.0));
         let highlight = fresnel::f_f82(s.f0, s.f90, s.f82_drop, n_dot_v);
         let (width, gloss, matt, even) = match shading {

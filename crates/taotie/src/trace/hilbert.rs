@@ -33,12 +33,12 @@ pub(super) fn hilbert_index(cell: [u32; 3]) -> u64 {
         }
         bit >>= 1;
     }
-    let [a, b, c] = x.map(|v| spread(v ^ flips));
+    let [a, b, c] = x.map(|v| spread_bits(v ^ flips));
     a << 2 | b << 1 | c
 }
 
 /// The bits of a number of at most 21, two zeros between each and the next.
-fn spread(v: u32) -> u64 {
+fn spread_bits(v: u32) -> u64 {
     let mut v = u64::from(v);
     v = (v | v << 32) & 0x001f_0000_0000_ffff;
     v = (v | v << 16) & 0x001f_0000_ff00_00ff;

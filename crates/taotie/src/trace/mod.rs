@@ -11,6 +11,6 @@ mod walk;
 
 pub use bvh::{Bvh, Hit};
 pub use nearby::Closest;
-pub use nearest::{Nearest, Stretch};
+pub use nearest::{Nearest, RayInterval};
 pub use ray_packet::{PacketView, RayPacket};
 pub use triangle::Ray;

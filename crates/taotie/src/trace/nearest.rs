@@ -7,7 +7,7 @@ use crate::math::dispatch_eight;
 
 /// An interval of a ray in which the hit nearest to its centre is sought: distances in lengths of the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch {
+pub struct RayInterval {
     /// The start of the interval, at least 0.
     pub from: f32,
     /// The distance that hits are to be near to.
@@ -19,14 +19,14 @@ pub struct Stretch {
 /// The hit nearest to the centre of an interval so far, with what was said of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest<T> {
-    stretch: Stretch,
+    interval: RayInterval,
     best: Option<(Hit, T)>,
 }
 
 impl<T> Nearest<T> {
     /// Begins without a hit.
-    pub fn on(stretch: Stretch) -> Self {
-        Self { stretch, best: None }
+    pub fn on(interval: RayInterval) -> Self {
+        Self { interval, best: None }
     }
 
     /// Takes a hit that lies in the interval, is nearer than the best so far, and for which `judge` returns something;
@@ -46,7 +46,7 @@ impl<T> Nearest<T> {
     }
 
     fn is_before(&self, hit: &Hit) -> bool {
-        let Stretch { from, center, to } = self.stretch;
+        let RayInterval { from, center, to } = self.interval;
         if !(from..=to).contains(&hit.distance) {
             return false;
         }
@@ -58,7 +58,7 @@ impl<T> Nearest<T> {
 
     /// The interval in which a better hit may still lie.
     fn span(&self) -> Span {
-        let Stretch { from, center, to } = self.stretch;
+        let RayInterval { from, center, to } = self.interval;
         let reach = self.best.as_ref().map_or(f32::INFINITY, |(hit, _)| (hit.distance - center).abs());
         Span { from: from.max(center - reach), to: to.min(center + reach) }
     }
@@ -70,10 +70,10 @@ impl Bvh {
     pub fn nearest_to<T>(
         &self,
         ray: &Ray,
-        stretch: Stretch,
+        interval: RayInterval,
         judge: impl Fn(&Hit) -> Option<T>,
     ) -> Option<(Hit, T)> {
-        let mut nearest = Nearest::on(stretch);
+        let mut nearest = Nearest::on(interval);
         let span = nearest.span();
         let meet = |met: Met, _: Span| {
             nearest.offer(self.hit(&met), &judge);
@@ -95,9 +95,10 @@ mod tests {
         let bvh = Bvh::build(&[sheet(1.0), sheet(2.0), sheet(4.0)]);
         let ray = Ray::new(Vec3::default(), Vec3::new(0.0, 0.0, 1.0));
         let found = |[from, center, to]: [f32; 3], judge: &dyn Fn(&Hit) -> Option<u32>| {
-            bvh.nearest_to(&ray, Stretch { from, center, to }, judge).map(|(hit, said)| (hit.triangle, said))
+            bvh.nearest_to(&ray, RayInterval { from, center, to }, judge)
+                .map(|(hit, said)| (hit.triangle, said))
         };
-        let nearest = |stretch: [f32; 3]| found(stretch, &|_| Some(0)).map(|(triangle, _)| triangle);
+        let nearest = |interval: [f32; 3]| found(interval, &|_| Some(0)).map(|(triangle, _)| triangle);
         assert_eq!(nearest([0.0, 0.1, 9.0]), Some(0));
         assert_eq!(nearest([0.0, 3.5, 9.0]), Some(2));
         assert_eq!(nearest([0.0, 3.0, 9.0]), Some(2), "of equals the farther");

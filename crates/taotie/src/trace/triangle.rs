@@ -142,14 +142,14 @@ pub(super) struct Edges<P: Pack> {
     /// The corners along the ray's main axis.
     along: [P; 3],
     /// Lengths of the direction per length of that axis.
-    stretch: P,
+    scale: P,
     inside: P::Mask,
     /// `true` where it runs through an edge, as far as single precision can tell: [`Ray::intersect`] must decide.
     pub unsure: P::Mask,
 }
 
 /// The intersections of a ray with a pack of triangles.
-pub(super) struct Meeting<P: Pack> {
+pub(super) struct PackHits<P: Pack> {
     /// `true` where the ray meets the triangle.
     pub hit: P::Mask,
     pub distance: P,
@@ -159,25 +159,25 @@ pub(super) struct Meeting<P: Pack> {
 impl<P: Pack> Edges<P> {
     /// Returns the edges of corners seen along the ray, `None` where all are passed by.
     #[inline(always)]
-    fn new([a, b, c]: [[P; 2]; 3], along: [P; 3], stretch: P) -> Option<Self> {
+    fn new([a, b, c]: [[P; 2]; 3], along: [P; 3], scale: P) -> Option<Self> {
         let edges = [b[0] * c[1] - b[1] * c[0], c[0] * a[1] - c[1] * a[0], a[0] * b[1] - a[1] * b[0]];
-        let zero = stretch.lit(0.0);
+        let zero = scale.lit(0.0);
         let below = edges[0].min(edges[1]).min(edges[2]).lt(zero);
         let above = zero.lt(edges[0].max(edges[1]).max(edges[2]));
         let inside = below.and(above).not();
         let unsure = edges[0].abs().min(edges[1].abs()).min(edges[2].abs()).le(zero);
-        inside.or(unsure).any().then_some(Self { edges, along, inside, unsure, stretch })
+        inside.or(unsure).any().then_some(Self { edges, along, inside, unsure, scale })
     }
 
     /// The second half of [`Ray::intersect`].
     #[inline(always)]
-    pub fn meet(&self) -> Meeting<P> {
+    pub fn meet(&self) -> PackHits<P> {
         let [e, z] = [self.edges, self.along];
         let det = e[0] + e[1] + e[2];
         let weights = [e[0] / det, e[1] / det, e[2] / det];
-        let distance = self.stretch * (weights[0] * z[0] + weights[1] * z[1] + weights[2] * z[2]);
+        let distance = self.scale * (weights[0] * z[0] + weights[1] * z[1] + weights[2] * z[2]);
         let zero = det.lit(0.0);
-        Meeting { hit: self.inside.and(det.abs().le(zero).not()).and(zero.le(distance)), distance, weights }
+        PackHits { hit: self.inside.and(det.abs().le(zero).not()).and(zero.le(distance)), distance, weights }
     }
 }
 

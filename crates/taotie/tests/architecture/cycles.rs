@@ -29,7 +29,7 @@ impl Files {
             _ => None,
         });
         let mut reader =
-            Reader { module: module.to_vec(), children: children.collect(), file: File::default() };
+            ImportReader { module: module.to_vec(), children: children.collect(), file: File::default() };
         reader.visit_file(&source);
         self.0.insert(module.to_vec(), reader.file);
         Ok(())
@@ -83,13 +83,13 @@ fn reach<'f>(from: &'f Path, arrows: &BTreeMap<&'f Path, BTreeSet<&'f Path>>) ->
     found
 }
 
-struct Reader {
+struct ImportReader {
     module: Path,
     children: BTreeSet<String>,
     file: File,
 }
 
-impl Visit<'_> for Reader {
+impl Visit<'_> for ImportReader {
     /// What the tests in a file import is no arrow.
     fn visit_item_mod(&mut self, _: &ItemMod) {}
 
@@ -131,7 +131,7 @@ impl Visit<'_> for Reader {
     }
 }
 
-impl Reader {
+impl ImportReader {
     /// The path from the crate's root on; `None` for what lies in another crate.
     fn absolute(&self, path: &[String]) -> Option<Path> {
         let (first, rest) = path.split_first()?;

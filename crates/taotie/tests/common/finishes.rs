@@ -44,8 +44,8 @@ pub fn polished_bosses(scale: f32, roughness: f32) -> Scene {
     })
 }
 
-/// Red paint with bosses under a lacquer that has waves of its own.
-pub fn lacquer() -> Scene {
+/// Red paint with bosses under a clearcoat that has waves of its own.
+pub fn clearcoat() -> Scene {
     let mut scene = embossed_sphere(NormalSpace::Tangent).into_data();
     let waves = texture(128, Encoding::Normal, |u, v| {
         let slope = 0.12 * scalar::sin(TAU * (6.0 * u + 14.0 * v));

@@ -57,7 +57,7 @@ impl View {
 }
 
 /// A visible environment from its picture. It takes a while to make; clones share it.
-pub fn surrounding(sky: Image) -> EnvironmentLight {
+pub fn environment_of(sky: Image) -> EnvironmentLight {
     let environment = Arc::new(Environment::new(sky).unwrap());
     EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: true }
 }

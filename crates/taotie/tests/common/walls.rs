@@ -1,6 +1,6 @@
 //! A large wall of which all pixels are alike, so that pixels are independent samples of one number.
 use super::scenes;
-use super::views::{View, surrounding};
+use super::views::{View, environment_of};
 use taotie::image::Image;
 use taotie::math::{Mat4, Vec3, scalar};
 use taotie::mesh::Mesh;
@@ -9,7 +9,7 @@ use taotie::scene::{Camera, Material, Orbit, Projection, Scene, SceneData};
 
 /// An environment of radiance one.
 pub fn white_sky() -> EnvironmentLight {
-    surrounding(Image::new(8, 4, [1.0; 4]).unwrap())
+    environment_of(Image::new(8, 4, [1.0; 4]).unwrap())
 }
 
 pub fn scene_of(parts: Vec<(Mesh, Material)>) -> Scene {

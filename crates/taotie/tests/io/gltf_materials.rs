@@ -160,9 +160,9 @@ fn anisotropy() {
         r#""KHR_materials_anisotropy":{{"anisotropyStrength":0.5,"anisotropyRotation":-1.5,{}}}"#,
         slot("anisotropyTexture", 4)
     ));
-    let stretch = read.anisotropy.unwrap();
-    assert_eq!((stretch.strength, stretch.rotation), (0.5, -1.5));
-    assert_slot(stretch.texture, 4.0);
+    let anisotropy = read.anisotropy.unwrap();
+    assert_eq!((anisotropy.strength, anisotropy.rotation), (0.5, -1.5));
+    assert_slot(anisotropy.texture, 4.0);
 }
 
 #[test]
@@ -181,10 +181,10 @@ fn sheen() {
 #[test]
 fn layers_that_are_switched_off_ask_for_no_texture() {
     let textures = [slot("clearcoatTexture", 1), slot("sheenColorTexture", 2), slot("anisotropyTexture", 3)];
-    let [coat, sheen, stretch] = textures;
+    let [coat, sheen, anisotropy] = textures;
     let loaded = with_extensions(&format!(
         r#""KHR_materials_clearcoat":{{{coat}}},"KHR_materials_sheen":{{{sheen}}},
-        "KHR_materials_anisotropy":{{"anisotropyRotation":1,{stretch}}}"#
+        "KHR_materials_anisotropy":{{"anisotropyRotation":1,{anisotropy}}}"#
     ));
     let read = &loaded.scene.materials()[0];
     assert!(read.clearcoat.is_none() && read.sheen.is_none() && read.anisotropy.is_none());
@@ -204,8 +204,8 @@ fn values_out_of_range_are_clamped_with_a_warning() {
     assert_eq!((read.ior, read.specular.factor, read.specular.color), (1.0, 1.0, [0.0, 1.0, 1.0]));
     let (coat, sheen) = (read.clearcoat.unwrap(), read.sheen.unwrap());
     assert_eq!((coat.factor, coat.roughness, sheen.color, sheen.roughness), (1.0, 0.0, [1.0, 0.0, 0.0], 0.0));
-    let stretch = read.anisotropy.unwrap();
-    assert_eq!((stretch.strength, stretch.rotation), (1.0, 0.0));
+    let anisotropy = read.anisotropy.unwrap();
+    assert_eq!((anisotropy.strength, anisotropy.rotation), (1.0, 0.0));
     for name in
         ["ior", "specularFactor", "specularColorFactor", "clearcoatFactor", "clearcoatRoughnessFactor"]
     {

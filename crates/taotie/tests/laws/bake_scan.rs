@@ -1,4 +1,5 @@
-//! What baking a scan must do whatever the scan is: shapes whose normals, heights and openness are known in closed form.
+//! What baking a scan must do whatever the scan is: shapes whose normals, heights and openness are known in closed
+//! form.
 
 use taotie::Progress;
 use taotie::bake::{
@@ -34,7 +35,7 @@ fn bare_sphere(radius: f64, columns: usize, rows: usize) -> Mesh {
 }
 
 /// Unwrapped, with tangents.
-fn light(mesh: &Mesh, size: u32) -> Mesh {
+fn low_poly(mesh: &Mesh, size: u32) -> Mesh {
     let unwrapped = unwrap(mesh, &UnwrapOptions { size, padding: 2 }, Progress::SILENT).unwrap();
     with_frames(&unwrapped.mesh, 0, None).unwrap().0.into_owned()
 }
@@ -49,13 +50,13 @@ fn settings(size: u32, maps: &[MapKind]) -> BakeSettings {
     BakeSettings { size: [size; 2], maps: maps.iter().copied().collect(), ..BakeSettings::default() }
 }
 
-fn covered(planes: &BakedMaps) -> impl Iterator<Item = usize> + '_ {
-    (0..planes.texels.len()).filter(|i| planes.texels[*i] != TexelStatus::Free)
+fn covered(maps: &BakedMaps) -> impl Iterator<Item = usize> + '_ {
+    (0..maps.texels.len()).filter(|i| maps.texels[*i] != TexelStatus::Free)
 }
 
 /// Angles over the surface as a viewer shows it, degrees: mean and largest.
-fn shown_angles(low: &Mesh, planes: &BakedMaps, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
-    let bitmap = store_unit_vectors(planes.size(), &planes.normal, storage).unwrap();
+fn shown_angles(low: &Mesh, maps: &BakedMaps, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
+    let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
     let verifier = Verifier { mesh: low, normal: Some((&texture, NormalSpace::Tangent)), cage, scan };
     let normal_error = verifier.normal_error(20_000).unwrap();
@@ -67,12 +68,12 @@ fn shown_angles(low: &Mesh, planes: &BakedMaps, storage: Storage, (cage, scan): 
 #[test]
 fn a_coarse_sphere_looks_like_a_fine_one() {
     let scan = scan(bare_sphere(2.0, 512, 256));
-    let low = light(&bare_sphere(2.0, 24, 12), 512);
+    let low = low_poly(&bare_sphere(2.0, 24, 12), 512);
     let (baked, cage) = baked(&low, &scan, &settings(512, &[MapKind::Normal]));
     assert_eq!((baked.counts.missed, baked.counts.lost, baked.counts.shared), (0, 0, 0));
     let fine = Storage { bits: 16, dither: false };
     let [mean, max] = shown_angles(&low, &baked.maps, fine, (&cage, &scan));
-    // Bilinear lookups at the borders of charts take in texels of the skirt.
+    // Bilinear lookups at the borders of UV islands take in texels of the padding.
     assert!(mean < 0.01 && max < 2.0, "16 bits: {mean}° {max}°");
     let exact = mean;
     let coarse = Storage { bits: 8, dither: false };
@@ -101,7 +102,7 @@ fn turned_round(mesh: &Mesh) -> Mesh {
 
 #[test]
 fn the_order_of_vertices_does_not_matter_to_the_proof() {
-    // An ellipsoid, so that reach and direction differ from vertex to vertex.
+    // An ellipsoid, so that ray distance and direction differ from vertex to vertex.
     let stretched = |columns, rows| {
         let data = bare_sphere(1.0, columns, rows).into_data();
         let positions = data.positions.iter().map(|p| Vec3::new(p.x, p.y * 2.0, p.z)).collect();
@@ -110,7 +111,7 @@ fn the_order_of_vertices_does_not_matter_to_the_proof() {
         Mesh::new(MeshData { normals, ..mesh.into_data() }).unwrap()
     };
     let scan = scan(stretched(256, 128));
-    let low = light(&stretched(24, 12), 256);
+    let low = low_poly(&stretched(24, 12), 256);
     let (baked, cage) = baked(&low, &scan, &settings(256, &[MapKind::Normal]));
     let fine = Storage { bits: 16, dither: false };
     let copy = turned_round(&low);
@@ -129,15 +130,15 @@ fn the_order_of_vertices_does_not_matter_to_the_proof() {
 #[test]
 fn object_space_holds_the_directions_of_a_sphere() {
     let scan = scan(bare_sphere(1.0, 256, 128));
-    let low = light(&bare_sphere(1.0, 32, 16), 256);
+    let low = low_poly(&bare_sphere(1.0, 32, 16), 256);
     let settings = BakeSettings { space: NormalSpace::Object, ..settings(256, &[MapKind::Normal]) };
     let cage = Cage::automatic(&low, &scan);
-    let planes =
+    let maps =
         bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().maps;
     // Every direction is there, and each texel beside another is nearly the same.
     let mut seen = [false; 6];
-    for i in covered(&planes) {
-        let n = Vec3::from_array(planes.normal[i]);
+    for i in covered(&maps) {
+        let n = Vec3::from_array(maps.normal[i]);
         assert!((n.length() - 1.0).abs() < 1e-5);
         let axes = [n.x, -n.x, n.y, -n.y, n.z, -n.z];
         axes.iter().zip(&mut seen).for_each(|(c, seen)| *seen |= *c > 0.95);
@@ -147,13 +148,13 @@ fn object_space_holds_the_directions_of_a_sphere() {
 
 #[test]
 fn heights_are_distances_to_the_scan() {
-    // A sphere of radius 1.05 around a light one that is inscribed into radius 1.
+    // A sphere of radius 1.05 around a low-poly one that is inscribed into radius 1.
     let scan = scan(bare_sphere(1.05, 256, 128));
-    let low = light(&bare_sphere(1.0, 64, 32), 256);
+    let low = low_poly(&bare_sphere(1.0, 64, 32), 256);
     let (baked, _) = baked(&low, &scan, &settings(256, &[MapKind::Height, MapKind::Curvature]));
     assert_eq!(baked.counts.missed, 0);
     for i in covered(&baked.maps) {
-        // The light sphere's facets lie up to 1 − cos(π/64) inside of it.
+        // The low-poly sphere's facets lie up to 1 − cos(π/64) inside of it.
         assert!((0.0495..0.0565).contains(&baked.maps.heights[i]), "{}", baked.maps.heights[i]);
         // Triangles at the poles are so small that the rounding of their corners bends them.
         assert!((baked.maps.curvature[i] * 1.05 - 1.0).abs() < 0.1, "{}", baked.maps.curvature[i]);
@@ -200,18 +201,18 @@ fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
     let settings =
         BakeSettings { sky_rays: 256, ..settings(32, &[MapKind::Occlusion, MapKind::Bent, MapKind::Normal]) };
     let cage = Cage::uniform(&low, 0.01).unwrap();
-    let planes =
+    let maps =
         bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap().maps;
-    for (i, open) in planes.occlusion.iter().enumerate() {
+    for (i, open) in maps.occlusion.iter().enumerate() {
         let x = f64::from((i % 32) as u32) / 32.0 * 2.0 - 1.0 + 1.0 / 32.0;
         // A long wall of height 1 at distance d hides (1 − sin of its elevation's complement)/2 of the cosine-weighted
         // sky: view factor (1 − d/√(d² + 1))/2.
         let hidden = (1.0 - x.abs() / (x * x + 1.0).sqrt()) / 2.0;
         assert!((f64::from(*open) - (1.0 - hidden)).abs() < 0.06, "{open} at {x}: {}", 1.0 - hidden);
-        let bent = planes.bent[i];
+        let bent = maps.bent[i];
         assert!(f64::from(bent[0]) * x.signum() > 0.0, "open directions lean away from the wall");
     }
-    let mean = planes.occlusion.iter().map(|v| f64::from(*v)).sum::<f64>() / 1024.0;
+    let mean = maps.occlusion.iter().map(|v| f64::from(*v)).sum::<f64>() / 1024.0;
     let truth = (0..1024).map(|i| {
         let x = (i as f64 + 0.5) / 1024.0;
         1.0 - (1.0 - x / (x * x + 1.0).sqrt()) / 2.0
@@ -222,7 +223,7 @@ fn half_of_the_sky_is_open_at_the_foot_of_a_wall() {
 
 #[test]
 fn a_nearer_sheet_goes_before_one_behind_it_and_backs_do_not_count() {
-    // Under the light square: a floor a little below, and a ceiling's back a little above.
+    // Under the low-poly square: a floor a little below, and a ceiling's back a little above.
     let mut data = square(-0.02, 2.0).into_data();
     let ceiling = square(0.01, 2.0).into_data();
     let first = data.positions.len() as u32;
@@ -239,7 +240,7 @@ fn a_nearer_sheet_goes_before_one_behind_it_and_backs_do_not_count() {
 
 #[test]
 fn what_is_not_there_is_counted_and_never_made_up() {
-    // The scan covers the left half of the light square alone.
+    // The scan covers the left half of the low-poly square alone.
     let mut data = square(0.0, 2.0).into_data();
     data.positions.iter_mut().filter(|p| p.x > 0.0).for_each(|p| p.x = 0.0);
     data.uvs.clear();
@@ -273,7 +274,7 @@ fn differences(a: &BakedMaps, b: &BakedMaps) -> [(&'static str, f32); 7] {
         ("normal", most(a.normal.as_flattened(), b.normal.as_flattened())),
         ("occlusion", most(&a.occlusion, &b.occlusion)),
         ("albedo", most(a.albedo.as_flattened(), b.albedo.as_flattened())),
-        ("lift", most(&a.heights, &b.heights)),
+        ("height", most(&a.heights, &b.heights)),
         ("bent", most(a.bent.as_flattened(), b.bent.as_flattened())),
         ("curvature", most(&a.curvature, &b.curvature)),
         ("roughness", most(&a.roughness, &b.roughness)),
@@ -290,7 +291,7 @@ fn backwards(mesh: &Mesh) -> Mesh {
 #[test]
 fn maps_depend_on_neither_threads_nor_order() {
     let fine = bare_sphere(1.0, 128, 64);
-    let low = light(&bare_sphere(1.02, 20, 10), 128);
+    let low = low_poly(&bare_sphere(1.02, 20, 10), 128);
     let maps: Maps = MapKind::NAMES.iter().map(|(_, kind)| *kind).collect();
     let of = |low: &Mesh, fine: &Mesh, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -299,7 +300,7 @@ fn maps_depend_on_neither_threads_nor_order() {
     };
     let one = of(&low, &fine, 1);
     assert!([one.occlusion.len(), one.curvature.len(), one.roughness.len()] == [one.texels.len(); 3]);
-    // Sums over the triangles around a vertex round by their order: in the scan those of its curvature, in the light
+    // Sums over the triangles around a vertex round by their order: in the scan those of its curvature, in the low-poly
     // mesh those of the cage. Measured: 3.6e-7 and 4.2e-7.
     const ROUNDING: f32 = 6e-7;
     let cases = [
@@ -310,7 +311,7 @@ fn maps_depend_on_neither_threads_nor_order() {
         (
             "the low-poly mesh's triangles",
             of(&backwards(&low), &fine, 2),
-            Some(&["normal", "lift", "bent", "curvature", "roughness"][..]),
+            Some(&["normal", "height", "bent", "curvature", "roughness"][..]),
         ),
     ];
     for (what, other, rounded) in cases {

@@ -4,7 +4,9 @@ use taotie::math::Vec3;
 use taotie::shade::dfg::{self, Dfg, integrate};
 use taotie::shade::furnace::{Furnace, over_hemisphere};
 use taotie::shade::sheen::{d_charlie, v_neubelt};
-use taotie::shade::{self, Angles, Shading, Stretch, Substance, compensation, surround};
+use taotie::shade::{
+    self, Angles, AnisotropicLobe, MaterialSample, Shading, compensation, environment_weights,
+};
 
 type V = Vec3<f64>;
 
@@ -25,11 +27,11 @@ fn viewer(n_dot_v: f64) -> V {
 }
 
 /// A white surface of this roughness, compensated for this view.
-fn white(shading: Shading, metallic: f64, roughness: f64, n_dot_v: f64) -> Substance<f64> {
+fn white(shading: Shading, metallic: f64, roughness: f64, n_dot_v: f64) -> MaterialSample<f64> {
     let slope = roughness * roughness;
     let f0 = if metallic > 0.0 { WHITE } else { WHITE * 0.04 };
     let dfg = tables(shading, roughness, n_dot_v);
-    Substance {
+    MaterialSample {
         base_color: WHITE,
         metallic,
         roughness,
@@ -96,7 +98,7 @@ fn compensated_white_metals_return_all_light() {
 
 #[test]
 fn single_scattering_loses_what_compensation_gives_back() {
-    let lossy = Substance { compensation: None, ..white(Shading::Ggx, 1.0, 1.0, 1.0) };
+    let lossy = MaterialSample { compensation: None, ..white(Shading::Ggx, 1.0, 1.0, 1.0) };
     let albedo = Furnace::default().directional_albedo(Shading::Ggx, &lossy, 1.0).x;
     assert!((albedo - (1.0 - std::f64::consts::LN_2)).abs() < 1e-3, "{albedo}");
 }
@@ -113,12 +115,13 @@ fn compensated_white_dielectrics_return_all_light_at_any_angle() {
 }
 
 #[test]
-fn white_surroundings_come_back_white() {
+fn white_environments_come_back_white() {
     for metallic in [0.0, 1.0] {
         for roughness in ROUGHNESS {
             for n_dot_v in N_DOT_V {
                 let s = white(Shading::Ggx, metallic, roughness, n_dot_v);
-                let weights = surround(Shading::Ggx, &s, &tables(Shading::Ggx, roughness, n_dot_v));
+                let weights =
+                    environment_weights(Shading::Ggx, &s, &tables(Shading::Ggx, roughness, n_dot_v));
                 let sum = weights.specular + weights.diffuse;
                 assert!((sum - WHITE).length() < 1e-6, "{sum:?} at {metallic} {roughness} {n_dot_v}");
             }
@@ -127,7 +130,7 @@ fn white_surroundings_come_back_white() {
 }
 
 #[test]
-fn surroundings_weigh_what_lights_from_everywhere_send() {
+fn environments_weigh_what_lights_from_everywhere_send() {
     // The two ways to light a surface agree where light is the same from everywhere, for any colour and for each form.
     let f0 = Vec3::new(0.9, 0.5, 0.2);
     for roughness in [0.2, 0.5, 0.9] {
@@ -136,7 +139,7 @@ fn surroundings_weigh_what_lights_from_everywhere_send() {
                 let dfg = tables(Shading::Ggx, roughness, n_dot_v);
                 let drop = Vec3::new(2.0, 1.0, 0.0);
                 let f90 = 0.8;
-                let s = Substance {
+                let s = MaterialSample {
                     base_color: Vec3::new(0.3, 0.6, 0.9),
                     metallic: 0.3,
                     f0,
@@ -145,7 +148,7 @@ fn surroundings_weigh_what_lights_from_everywhere_send() {
                     compensation: compensated.then(|| compensation(&dfg, f0, f90, drop)),
                     ..white(Shading::Ggx, 0.0, roughness, n_dot_v)
                 };
-                let weights = surround(Shading::Ggx, &s, &dfg);
+                let weights = environment_weights(Shading::Ggx, &s, &dfg);
                 let got = weights.specular + weights.diffuse;
                 let exact = Furnace::default().directional_albedo(Shading::Ggx, &s, n_dot_v);
                 assert!((got - exact).length() < 0.015, "{got:?} for {exact:?}, {roughness} {n_dot_v}");
@@ -155,19 +158,19 @@ fn surroundings_weigh_what_lights_from_everywhere_send() {
 }
 
 #[test]
-fn stretched_lobes_of_equal_widths_are_round() {
+fn anisotropic_lobes_of_equal_widths_are_round() {
     let (t, b) = (Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0));
     for roughness in [0.2, 0.6, 1.0] {
-        let stretch = Stretch::new(t, b, roughness, 0.0);
-        let s = Substance { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
+        let lobe = AnisotropicLobe::new(t, b, roughness, 0.0);
+        let s = MaterialSample { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
         for v in [viewer(0.3), viewer(0.9)] {
             for l in [viewer(0.5), Vec3::new(0.48, 0.6, 0.64), Vec3::new(-0.6, 0.0, 0.8)] {
                 let a = Angles::new(N, v, l);
                 let round = shade::reflect(Shading::Ggx, &s, &a);
-                let stretched = shade::reflect_stretched(&s, &stretch, &a, [v, l]);
+                let anisotropic = shade::reflect_anisotropic(&s, &lobe, &a, [v, l]);
                 assert!(
-                    (round - stretched).length() < 1e-9 * (1.0 + round.length()),
-                    "{round:?} {stretched:?}"
+                    (round - anisotropic).length() < 1e-9 * (1.0 + round.length()),
+                    "{round:?} {anisotropic:?}"
                 );
             }
         }
@@ -175,17 +178,16 @@ fn stretched_lobes_of_equal_widths_are_round() {
 }
 
 #[test]
-fn stretched_lobes_lose_no_more_than_scattering_does() {
+fn anisotropic_lobes_lose_no_more_than_scattering_does() {
     let (t, b) = (Vec3::new(0.8, 0.6, 0.0), Vec3::new(-0.6, 0.8, 0.0));
     for (roughness, strength) in [(0.4, 0.5), (0.5, 1.0), (0.7, 0.8)] {
-        let stretch = Stretch::new(t, b, roughness, strength);
-        let s = Substance { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
+        let lobe = AnisotropicLobe::new(t, b, roughness, strength);
+        let s = MaterialSample { compensation: None, ..white(Shading::Ggx, 1.0, roughness, 1.0) };
         for n_dot_v in [0.3, 0.8, 1.0] {
             let v = viewer(n_dot_v);
-            let albedo = over_hemisphere(16, |l| {
-                shade::reflect_stretched(&s, &stretch, &Angles::new(N, v, l), [v, l])
-            });
-            let [narrow, broad] = [stretch.across, stretch.along].map(|alpha| {
+            let albedo =
+                over_hemisphere(16, |l| shade::reflect_anisotropic(&s, &lobe, &Angles::new(N, v, l), [v, l]));
+            let [narrow, broad] = [lobe.across, lobe.along].map(|alpha| {
                 let dfg = dfg::of_ggx(n_dot_v as f32, alpha.sqrt() as f32);
                 f64::from(dfg.total())
             });
@@ -196,7 +198,7 @@ fn stretched_lobes_lose_no_more_than_scattering_does() {
 }
 
 #[test]
-fn fibres_reflect_what_their_table_says_and_no_more_than_arrives() {
+fn sheen_reflects_what_its_table_says_and_no_more_than_arrives() {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
         for n_dot_v in [0.1, 0.4, 0.8, 1.0] {
             let v = viewer(n_dot_v);

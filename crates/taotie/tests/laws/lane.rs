@@ -9,7 +9,7 @@ use taotie::math::{Lane, Mask, Pack, SimdLevel, Vec3, poly, scalar};
 use taotie::names::Named;
 use taotie::shade::fresnel::{f_conductor, f_dielectric};
 use taotie::shade::lights::{inverse_square, range_window, spot_cone};
-use taotie::shade::{Angles, Shading, Substance, reflect};
+use taotie::shade::{Angles, MaterialSample, Shading, reflect};
 
 /// n, v, l, base colour, f0, f82 drop, diffuse, specular; metallic, roughness, shininess, slope.
 const INPUTS: usize = 28;
@@ -25,7 +25,7 @@ fn vector<L: Lane>(x: &[L; INPUTS], at: usize) -> Vec3<L> {
 
 #[inline(always)]
 fn shade<L: Lane>(shading: Shading, x: &[L; INPUTS]) -> Vec3<L> {
-    let s = Substance {
+    let s = MaterialSample {
         base_color: vector(x, 3),
         metallic: x[24],
         roughness: x[ROUGHNESS],

@@ -11,7 +11,7 @@ use taotie::shade::ndf::{MIN_ALPHA, d_ggx};
 use taotie::shade::sampling::{
     Lobes, cosine_direction, cosine_pdf, ggx_visible_normal, ggx_visible_pdf, mirrored, uniform_direction,
 };
-use taotie::shade::{Angles, Shading, Substance, reflect};
+use taotie::shade::{Angles, MaterialSample, Shading, reflect};
 
 type V = Vec3<f64>;
 
@@ -149,9 +149,9 @@ fn densities_integrate_to_one() {
 }
 
 /// A mirror-white metal.
-fn white(roughness: f64) -> Substance<f64> {
+fn white(roughness: f64) -> MaterialSample<f64> {
     let (white, black) = (Vec3::splat(1.0), Vec3::splat(0.0));
-    Substance {
+    MaterialSample {
         base_color: white,
         metallic: 1.0,
         roughness,
@@ -195,7 +195,7 @@ fn weights_of_visible_normals_are_shadowing_alone() {
 }
 
 /// Mean and standard error of the albedo by sampling.
-fn sampled_albedo(shading: Shading, s: &Substance<f64>, n_dot_v: f64, samples: usize) -> [f64; 2] {
+fn sampled_albedo(shading: Shading, s: &MaterialSample<f64>, n_dot_v: f64, samples: usize) -> [f64; 2] {
     let v = viewer(n_dot_v);
     let lobes = Lobes::of(shading, s, n_dot_v);
     let mut random = Random(11);
@@ -229,7 +229,7 @@ fn the_furnace_by_sampling_is_that_by_quadrature() {
         for n_dot_v in [1.0, 0.5, 0.1] {
             let mut color = || Vec3::new(random.next(), random.next(), random.next());
             let (base_color, f0, diffuse, specular) = (color(), color(), color(), color());
-            let s = Substance {
+            let s = MaterialSample {
                 base_color,
                 f0,
                 diffuse,
@@ -260,7 +260,7 @@ fn lobes_reach_wherever_light_is_reflected() {
     let mut random = Random(9);
     for (name, shading) in Shading::NAMES {
         for metallic in [0.0, 1.0] {
-            let s = Substance { metallic, ..white(0.3) };
+            let s = MaterialSample { metallic, ..white(0.3) };
             for _ in 0..500 {
                 let v = viewer(0.001 + 0.999 * random.next());
                 let z = random.next();

@@ -13,7 +13,7 @@ use taotie::shade::masking::{
 use taotie::shade::ndf::{
     MIN_ALPHA, alpha_from_roughness, alpha_from_shininess, d_beckmann, d_blinn, d_ggx, shininess_from_alpha,
 };
-use taotie::shade::{Angles, Shading, Substance, reflect};
+use taotie::shade::{Angles, MaterialSample, Shading, reflect};
 
 type V = Vec3<f64>;
 
@@ -24,8 +24,8 @@ const ROUGHNESS: [f64; 7] = [0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0];
 const N_DOT_V: [f64; 8] = [0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0];
 
 /// A mirror-white metal without a diffuse part: what its lobe loses is lost by the lobe.
-fn white() -> Substance<f64> {
-    Substance {
+fn white() -> MaterialSample<f64> {
+    MaterialSample {
         base_color: WHITE,
         metallic: 1.0,
         roughness: 0.5,
@@ -45,7 +45,7 @@ fn viewer(n_dot_v: f64) -> V {
 }
 
 /// The directional albedo, red channel.
-fn albedo(shading: Shading, s: &Substance<f64>, n_dot_v: f64) -> f64 {
+fn albedo(shading: Shading, s: &MaterialSample<f64>, n_dot_v: f64) -> f64 {
     Furnace::default().directional_albedo(shading, s, n_dot_v).x
 }
 
@@ -69,9 +69,9 @@ impl Random {
         Vec3::new(self.next(), self.next(), self.next())
     }
 
-    fn substance(&mut self) -> Substance<f64> {
+    fn sample(&mut self) -> MaterialSample<f64> {
         let (f0, f82) = (self.color(), self.color());
-        Substance {
+        MaterialSample {
             base_color: self.color(),
             metallic: self.next(),
             roughness: 0.1 + 0.9 * self.next(),
@@ -262,19 +262,19 @@ fn white_furnace_of_ggx() {
             let t = u * a2 + rest;
             a2 / (t * t) * 2.0 * x / (x + (a2 + (1.0 - a2) * x * x).sqrt())
         });
-        let e = albedo(Shading::Ggx, &Substance { roughness, ..white() }, 1.0);
+        let e = albedo(Shading::Ggx, &MaterialSample { roughness, ..white() }, 1.0);
         eprintln!("roughness {roughness}: E = {e}");
         assert!((e - exact).abs() < 1e-6, "roughness {roughness}: {e}, exactly {exact}");
     }
-    let roughest = albedo(Shading::Ggx, &Substance { roughness: 1.0, ..white() }, 1.0);
+    let roughest = albedo(Shading::Ggx, &MaterialSample { roughness: 1.0, ..white() }, 1.0);
     assert!((roughest - (1.0 - LN_2)).abs() < 1e-6, "{roughest}");
-    let smoothest = albedo(Shading::Ggx, &Substance { roughness: 0.1, ..white() }, 0.8);
+    let smoothest = albedo(Shading::Ggx, &MaterialSample { roughness: 0.1, ..white() }, 0.8);
     assert!((0.9995..=1.0).contains(&smoothest), "tends to 1 with α → 0: {smoothest}");
 }
 
 /// A dielectric, a metal as rough, and what stands between, as each model knows it.
-fn of_width(width: f64) -> Substance<f64> {
-    Substance {
+fn of_width(width: f64) -> MaterialSample<f64> {
+    MaterialSample {
         diffuse: WHITE * 0.5,
         roughness: width.sqrt(),
         slope: width,
@@ -321,11 +321,11 @@ fn white_furnace_of_blinn_phong() {
         let at = |u: f64, s: f64| 2.0 * power(u, s / 2.0 + 2.0) - power(u, s / 2.0 + 1.0);
         for (shading, s) in [(Shading::BlinnPhong, m), (Shading::BlinnPhongPrinted, 5.0)] {
             let exact = (m + 8.0) / 2.0 * (at(1.0, s) - at(0.5, s));
-            let e = albedo(shading, &Substance { shininess: m, ..white() }, 1.0);
+            let e = albedo(shading, &MaterialSample { shininess: m, ..white() }, 1.0);
             assert!((e / exact - 1.0).abs() < 1e-6, "{}, m {m}: {e}, exactly {exact}", shading.name());
         }
     }
-    let ten = Substance { shininess: 10.0, ..white() };
+    let ten = MaterialSample { shininess: 10.0, ..white() };
     let all = Furnace::default().hemispherical_albedo(Shading::BlinnPhongPrinted, &ten).x;
     assert!((all - 1.0).abs() < 1e-5, "{all}");
 }
@@ -334,7 +334,7 @@ fn white_furnace_of_blinn_phong() {
 /// article's GGX has no highlight at all, and twice the light, for want of n·l.
 #[test]
 fn white_furnace_of_what_is_printed() {
-    let chalk = Substance { diffuse: WHITE, specular: BLACK, ..white() };
+    let chalk = MaterialSample { diffuse: WHITE, specular: BLACK, ..white() };
     for n_dot_v in [0.3, 1.0] {
         assert!((albedo(Shading::CookTorrance, &chalk, n_dot_v) - 1.0).abs() < 1e-9);
         assert!((albedo(Shading::CookTorrancePrinted, &chalk, n_dot_v) - PI).abs() < 1e-9);
@@ -347,7 +347,7 @@ fn white_furnace_of_what_is_printed() {
 fn lambert_reflects_its_colour() {
     for n_dot_v in [0.3, 1.0] {
         let v = viewer(n_dot_v);
-        let s = Substance { base_color: Vec3::new(0.37, 0.0, 0.0), ..white() };
+        let s = MaterialSample { base_color: Vec3::new(0.37, 0.0, 0.0), ..white() };
         let total = over_hemisphere(12, |l| reflect(Shading::Lambert, &s, &Angles::new(N, v, l))).x;
         assert!((total - 0.37).abs() < 1e-13, "{total}");
     }
@@ -360,7 +360,7 @@ fn asymmetry(shading: Shading) -> f64 {
     let mut random = Random(7);
     let mut worst = 0.0f64;
     for _ in 0..500 {
-        let (s, v, l) = (random.substance(), random.direction(0.05), random.direction(0.05));
+        let (s, v, l) = (random.sample(), random.direction(0.05), random.direction(0.05));
         let there = reflect(shading, &s, &Angles::new(N, v, l)).x / l.z;
         let back = reflect(shading, &s, &Angles::new(N, l, v)).x / v.z;
         worst = worst.max((there - back).abs() / there.max(back).max(1e-12));
@@ -377,13 +377,14 @@ fn physical_models_are_reciprocal() {
 
 #[test]
 fn physical_models_stay_within_energy() {
-    let split = |share: f64| Substance { diffuse: WHITE * share, specular: WHITE * (1.0 - share), ..white() };
+    let split =
+        |share: f64| MaterialSample { diffuse: WHITE * share, specular: WHITE * (1.0 - share), ..white() };
     for n_dot_v in N_DOT_V {
         for (i, roughness) in ROUGHNESS.into_iter().enumerate() {
             let slope = [0.05, 0.1, 0.2, 0.35, 0.5, 0.8, 1.2][i];
             let shininess = [0.0, 1.0, 9.0, 30.0, 100.0, 300.0, 1000.0][i];
             for share in [0.0, 0.5] {
-                let s = Substance { roughness, slope, shininess, ..split(share) };
+                let s = MaterialSample { roughness, slope, shininess, ..split(share) };
                 let e = [Shading::Lambert, Shading::CookTorrance, Shading::Ggx]
                     .map(|shading| albedo(shading, &s, n_dot_v));
                 assert!(
@@ -403,7 +404,7 @@ fn physical_models_stay_within_energy() {
 /// opposite.
 #[test]
 fn a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only() {
-    let dielectric = |roughness| Substance { metallic: 0.0, f0: WHITE * 0.04, roughness, ..white() };
+    let dielectric = |roughness| MaterialSample { metallic: 0.0, f0: WHITE * 0.04, roughness, ..white() };
     for roughness in ROUGHNESS {
         for n_dot_v in [0.6, 0.8, 1.0] {
             let e = albedo(Shading::Ggx, &dielectric(roughness), n_dot_v);
@@ -419,7 +420,7 @@ fn a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only() {
 
 #[test]
 fn unphysical_models_earn_their_names() {
-    let s = Substance {
+    let s = MaterialSample {
         metallic: 0.0,
         f0: WHITE * 0.9,
         diffuse: WHITE * 0.5,
@@ -443,7 +444,7 @@ fn unphysical_models_earn_their_names() {
 fn light_from_behind_gives_nothing() {
     let mut random = Random(3);
     for (_, shading) in Shading::NAMES.iter().copied() {
-        let (s, v, l) = (random.substance(), random.direction(0.1), -random.direction(0.0));
+        let (s, v, l) = (random.sample(), random.direction(0.1), -random.direction(0.0));
         let value = reflect(shading, &s, &Angles::new(N, v, l));
         if shading == Shading::GgxPrinted {
             // F0 ρ/π of the first channel: lit from below, as its code says.
@@ -476,7 +477,7 @@ fn every_value_is_a_plain_number() {
             let a = Angles::new(n, *v, *l);
             for i in 0..64 {
                 let bit = |k: usize| ends[i >> k & 1];
-                let s = Substance {
+                let s = MaterialSample {
                     base_color: Vec3::splat(1.0),
                     metallic: bit(0),
                     roughness: bit(1),

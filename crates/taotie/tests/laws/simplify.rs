@@ -1,4 +1,4 @@
-//! What holds of surfaces made light: their number, their place, their border, and that threads do not matter.
+//! What holds of simplified surfaces: their number, their place, their border, and that threads do not matter.
 
 use crate::distance::deviation;
 use crate::files::data_files;
@@ -30,17 +30,17 @@ fn area(mesh: &Mesh) -> f64 {
 fn an_embossed_ball_keeps_its_shape() {
     let ball = hostile::embossed_ball(100_000);
     for (wanted, mean, most) in [(10_000, 2e-4, 2e-3), (2_000, 8e-4, 6e-3), (200, 8e-3, 4e-2)] {
-        let light = to(&ball, wanted);
-        let [found_mean, found_most] = deviation(&ball, &light.mesh, 20);
+        let low = to(&ball, wanted);
+        let [found_mean, found_most] = deviation(&ball, &low.mesh, 20);
         println!(
             "{wanted}: {} triangles, mean {found_mean:.1e}, most {found_most:.1e}",
-            light.mesh.triangles().len()
+            low.mesh.triangles().len()
         );
-        assert!(light.reached && light.method == SimplifyMethod::Collapsed, "{light:?}");
-        assert!(light.mesh.triangles().len().abs_diff(wanted) * 50 <= wanted);
+        assert!(low.reached && low.method == SimplifyMethod::Collapsed, "{low:?}");
+        assert!(low.mesh.triangles().len().abs_diff(wanted) * 50 <= wanted);
         assert!(found_mean < mean && found_most < most, "{wanted}: {found_mean} {found_most}");
-        assert!(light.error > 0.0 && light.error < 0.2, "{}", light.error);
-        for (p, n) in light.mesh.positions().iter().zip(light.mesh.normals()) {
+        assert!(low.error > 0.0 && low.error < 0.2, "{}", low.error);
+        for (p, n) in low.mesh.positions().iter().zip(low.mesh.normals()) {
             assert!(ball.positions().contains(p), "positions are those of the ball");
             assert!((n.length() - 1.0).abs() < 1e-6 && n.dot(p.normalize()) > 0.5);
         }
@@ -83,20 +83,20 @@ fn open_edges(mesh: &Mesh) -> usize {
 fn borders_stay() {
     let wavy =
         hostile::sheet(120, 120, |u, v| Vec3::new(u, v, 0.02 * scalar::sin(9.0 * u) * scalar::sin(7.0 * v)));
-    let light = to(&wavy, 400);
+    let low = to(&wavy, 400);
     for corner in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-        assert!(light.mesh.positions().iter().any(|p| (p.x, p.y) == corner), "{corner:?}");
+        assert!(low.mesh.positions().iter().any(|p| (p.x, p.y) == corner), "{corner:?}");
     }
-    let (before, after) = (area(&wavy), area(&light.mesh));
+    let (before, after) = (area(&wavy), area(&low.mesh));
     assert!((before - after).abs() < 0.01 * before, "{before} {after}");
 }
 
 #[test]
 fn few_triangles_are_kept_and_nothing_is_refused() {
     let ball = hostile::embossed_ball(1_000);
-    let light = to(&ball, 5_000);
-    assert_eq!((light.method, light.reached, light.error), (SimplifyMethod::Kept, true, 0.0));
-    assert_eq!(light.mesh.triangles().len(), ball.triangles().len());
+    let low = to(&ball, 5_000);
+    assert_eq!((low.method, low.reached, low.error), (SimplifyMethod::Kept, true, 0.0));
+    assert_eq!(low.mesh.triangles().len(), ball.triangles().len());
     let refused = |mesh: &Mesh, options: SimplifyOptions| {
         simplify(mesh, &options, Progress::SILENT).unwrap_err().to_string()
     };
@@ -137,17 +137,17 @@ fn hostile_surfaces_end_near_the_number_or_say_so() {
         let before = mesh.triangles().len();
         for wanted in [before / 2, before / 10, 1] {
             let wanted = wanted.max(1);
-            let Ok(light) =
+            let Ok(low) =
                 simplify(&mesh, &SimplifyOptions { triangles: wanted, normal_weight: 0.1 }, Progress::SILENT)
             else {
                 continue;
             };
-            let found = light.mesh.triangles().len();
-            println!("{name}: {before} to {wanted}: {found}, {:?}, {:?}", light.method, light.notes);
+            let found = low.mesh.triangles().len();
+            println!("{name}: {before} to {wanted}: {found}, {:?}, {:?}", low.method, low.notes);
             assert!(found <= before);
-            assert!(light.error.is_finite());
+            assert!(low.error.is_finite());
             let near = found.abs_diff(wanted) as f64 <= (0.02 * wanted as f64).max(1.0);
-            assert_eq!(light.reached, near || light.method == SimplifyMethod::Kept, "{name}");
+            assert_eq!(low.reached, near || low.method == SimplifyMethod::Kept, "{name}");
         }
     }
 }
@@ -157,8 +157,8 @@ fn normals_as_attributes_draw_triangles_to_creases() {
     // A flat sheet with one gentle fold: with normals the fold keeps its vertices.
     let folded = hostile::sheet(60, 60, |u, v| Vec3::new(u, v, 0.02 * (u - 0.5).abs()));
     let options = SimplifyOptions { triangles: 60, normal_weight: 1.0 };
-    let light = simplify(&folded, &options, Progress::SILENT).unwrap();
-    let [_, most] = deviation(&folded, &light.mesh, 1);
+    let low = simplify(&folded, &options, Progress::SILENT).unwrap();
+    let [_, most] = deviation(&folded, &low.mesh, 1);
     assert!(most < 1e-6, "{most}");
 }
 
@@ -167,17 +167,17 @@ fn scans_by_others_keep_their_shape() {
     for path in data_files("odedstein-meshes", &["obj"]) {
         let mesh = load_model(&path).unwrap().scene.into_data().meshes.swap_remove(0);
         for (wanted, mean, most) in [(2_000, 1.5e-3, 1.5e-2), (10_000, 4e-4, 5e-3)] {
-            let light = to(&mesh, wanted);
-            let [found_mean, found_most] = deviation(&mesh, &light.mesh, mesh.positions().len() / 5_000);
-            let found = light.mesh.triangles().len();
+            let low = to(&mesh, wanted);
+            let [found_mean, found_most] = deviation(&mesh, &low.mesh, mesh.positions().len() / 5_000);
+            let found = low.mesh.triangles().len();
             let name = path.file_name().expect("a name").to_string_lossy();
             println!(
                 "{name} {} to {wanted}: {found} {:?}, mean {found_mean:.1e}, most {found_most:.1e}, {:?}",
                 mesh.triangles().len(),
-                light.method,
-                light.notes
+                low.method,
+                low.notes
             );
-            assert!(light.reached && found <= wanted + wanted / 50, "{name}");
+            assert!(low.reached && found <= wanted + wanted / 50, "{name}");
             assert!(found_mean < mean && found_most < most, "{name} to {wanted}: {found_mean} {found_most}");
         }
     }

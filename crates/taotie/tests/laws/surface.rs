@@ -47,10 +47,10 @@ fn sphere(rings: u32, segments: u32, turns: f32) -> Mesh {
 }
 
 /// A corner's normal, tangent, handedness and position.
-type Frame = (Vec3<f64>, Vec3<f64>, f64, Vec3<f64>);
+type CornerFrame = (Vec3<f64>, Vec3<f64>, f64, Vec3<f64>);
 
 /// The corners of triangle `t`.
-fn frames(mesh: &Mesh, t: usize) -> [Frame; 3] {
+fn frames(mesh: &Mesh, t: usize) -> [CornerFrame; 3] {
     mesh.triangles()[t].map(|v| {
         let v = v as usize;
         let [x, y, z, w] = mesh.tangents()[v];
@@ -320,7 +320,7 @@ fn object_and_tangent_maps_of_one_relief_agree_on_a_sphere() {
         let [a, b, c] = frames(&made, t);
         let (x, y) = (random.next(), random.next());
         let bary = [1.0 - x.max(y), x.min(y), (x - y).abs()];
-        let mix = |f: fn(&Frame) -> Vec3<f64>| f(&a) * bary[0] + f(&b) * bary[1] + f(&c) * bary[2];
+        let mix = |f: fn(&CornerFrame) -> Vec3<f64>| f(&a) * bary[0] + f(&b) * bary[1] + f(&c) * bary[2];
         let (n, tangent) = (mix(|f| f.0), mix(|f| f.1));
         let target = (n + random.unit() * 0.5).normalize();
         // What a baker does: the inverse of the un-normalised frame.

@@ -1,4 +1,5 @@
-//! What holds of unwrapped meshes: nothing overlaps, charts keep their distance, areas keep their size, every mesh ends.
+//! What holds of unwrapped meshes: nothing overlaps, UV islands keep their distance, areas keep their size, every mesh
+//! ends.
 
 use crate::files::data_files;
 use crate::hostile;
@@ -39,24 +40,24 @@ fn check(name: &str, mesh: &Mesh, result: &Unwrapped, options: UnwrapOptions) {
     check_distances(name, result, &coverage, options);
 }
 
-/// Texels of two charts, or of one and of the border, are at least the padding apart.
+/// Texels of two UV islands, or of one and of the border, are at least the padding apart.
 fn check_distances(name: &str, result: &Unwrapped, coverage: &Coverage, options: UnwrapOptions) {
     let UnwrapOptions { size, padding } = options;
     let (size, padding) = (i64::from(size), i64::from(padding));
-    let chart = |x: i64, y: i64| {
+    let island = |x: i64, y: i64| {
         let inside = (0..size).contains(&x) && (0..size).contains(&y);
-        inside.then(|| coverage.triangle(x as u32, y as u32)).flatten().map(|t| result.chart_of[t as usize])
+        inside.then(|| coverage.triangle(x as u32, y as u32)).flatten().map(|t| result.island_of[t as usize])
     };
     // Texels that are padding + 1 to the right or below have the padding between them.
     for y in 0..size {
         for x in 0..size {
-            let Some(own) = chart(x, y) else { continue };
+            let Some(own) = island(x, y) else { continue };
             let inside = (padding..size - padding).contains(&x) && (padding..size - padding).contains(&y);
             assert!(inside, "{name}: ({x}, {y}) is near the border");
             for step in 1..=padding {
                 for (dx, dy) in [(step, 0), (0, step)] {
-                    if let Some(other) = chart(x + dx, y + dy) {
-                        assert_eq!(own, other, "{name}: charts are near at ({x}, {y})");
+                    if let Some(other) = island(x + dx, y + dy) {
+                        assert_eq!(own, other, "{name}: UV islands are near at ({x}, {y})");
                     }
                 }
             }
@@ -86,15 +87,18 @@ fn in_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 }
 
 #[test]
-fn a_ball_is_unwrapped_into_few_charts_of_little_stretch() {
+fn a_ball_is_unwrapped_into_few_islands_of_little_stretch() {
     let ball = hostile::embossed_ball(10_000);
     let options = UnwrapOptions { size: 1024, padding: 4 };
     let result = unwrapped(&ball, options.size, options.padding);
     check("ball", &ball, &result, options);
     let stretches = stretches(&result, options.size);
     let far: f64 = stretches.iter().filter(|(_, s)| !(0.5..2.0).contains(s)).map(|(part, _)| part).sum();
-    println!("{} charts, {:.3} covered, {far:.4} of the area beyond 2", result.charts, result.utilisation);
-    assert!(result.charts <= 16 && result.utilisation > 0.57, "{} {}", result.charts, result.utilisation);
+    println!(
+        "{} UV islands, {:.3} covered, {far:.4} of the area beyond 2",
+        result.islands, result.utilisation
+    );
+    assert!(result.islands <= 16 && result.utilisation > 0.57, "{} {}", result.islands, result.utilisation);
     assert!(far < 0.02 && stretches.iter().all(|(_, s)| *s > 0.0), "mirrored, or {far} is stretched");
 }
 
@@ -104,16 +108,16 @@ fn threads_do_not_matter() {
     let [one, three] = [1, 3].map(|threads| in_threads(threads, || unwrapped(&ball, 512, 2)));
     assert_eq!(one.mesh.uvs(), three.mesh.uvs());
     assert_eq!(one.mesh.triangles(), three.mesh.triangles());
-    assert_eq!(one.chart_of, three.chart_of);
+    assert_eq!(one.island_of, three.island_of);
 }
 
 #[test]
-fn a_flat_sheet_is_one_chart_that_fills_the_map() {
+fn a_flat_sheet_is_one_island_that_fills_the_map() {
     let sheet = hostile::sheet(20, 20, |u, v| Vec3::new(u, 5.0, -v));
     let options = UnwrapOptions { size: 256, padding: 3 };
     let result = unwrapped(&sheet, options.size, options.padding);
     check("sheet", &sheet, &result, options);
-    assert_eq!(result.charts, 1);
+    assert_eq!(result.islands, 1);
     let whole = f64::from(options.size - 2 * options.padding) / f64::from(options.size);
     assert!(result.utilisation > 0.95 * whole * whole, "{}", result.utilisation);
     assert!(stretches(&result, options.size).iter().all(|(_, s)| (s - 1.0).abs() < 1e-3));
@@ -130,7 +134,7 @@ fn what_lies_over_itself_is_cut() {
     let options = UnwrapOptions { size: 512, padding: 2 };
     let result = unwrapped(&ramp, options.size, options.padding);
     check("ramp", &ramp, &result, options);
-    assert!((2..=8).contains(&result.charts), "{}", result.charts);
+    assert!((2..=8).contains(&result.islands), "{}", result.islands);
 }
 
 #[test]
@@ -156,7 +160,7 @@ fn hostile_meshes_end() {
         let options = UnwrapOptions { size: 1024, padding: 2 };
         match unwrap(&mesh, &options, Progress::SILENT) {
             Ok(result) => {
-                println!("{name}: {} charts, {:.2}", result.charts, result.utilisation);
+                println!("{name}: {} UV islands, {:.2}", result.islands, result.utilisation);
                 check(name, &mesh, &result, options);
             }
             Err(error) => {
@@ -205,10 +209,10 @@ fn scans_by_others_are_unwrapped() {
             let far: f64 =
                 stretches.iter().filter(|(_, s)| !(0.5..2.0).contains(s)).map(|(part, _)| part).sum();
             println!(
-                "{name} {triangles}: {} charts, {:.3} covered, {far:.4} beyond 2",
-                result.charts, result.utilisation
+                "{name} {triangles}: {} UV islands, {:.3} covered, {far:.4} beyond 2",
+                result.islands, result.utilisation
             );
-            assert!(result.charts < 200 && result.utilisation > 0.5 && far < 0.03, "{name}");
+            assert!(result.islands < 200 && result.utilisation > 0.5 && far < 0.03, "{name}");
         }
     }
 }
@@ -240,7 +244,7 @@ fn levels_share_the_map_and_have_no_crack() {
         let strays = strays as f64 / own.covered() as f64;
         let shared = own.shared() as f64 / own.covered() as f64;
         let most = farthest_move(&base, mesh);
-        println!("{wanted}: {strays:.5} beside charts, {shared:.5} shared, moved by {most:.4}");
+        println!("{wanted}: {strays:.5} beside UV islands, {shared:.5} shared, moved by {most:.4}");
         assert!(strays < outside && shared < outside, "{wanted}: {strays} {shared}");
         assert!(most < moved, "{wanted}: what the map shows is moved by {most}");
         assert_eq!(open_edges(mesh), 0, "a seam is torn");
@@ -265,7 +269,7 @@ fn farthest_move(base: &Mesh, level: &Mesh) -> f64 {
     let apart = (0..40_000).filter_map(|i| Some((base.at(texel(i))?.0 - level.at(texel(i))?.0).length()));
     let mut apart: Vec<f64> = apart.map(f64::from).collect();
     apart.sort_by(f64::total_cmp);
-    // A few texels at the charts' borders may lie on what a neighbour has become.
+    // A few texels at the UV islands' borders may lie on what a neighbour has become.
     apart[apart.len() * 998 / 1000]
 }
 

@@ -2,7 +2,7 @@
 //! scikit-image (`tests/oracle/compare_oracle.py`).
 
 use serde_json::Value;
-use taotie::compare::{Picture, flip, psnr, rmse, ssim};
+use taotie::compare::{DisplayImage, flip, psnr, rmse, ssim};
 
 /// What every value has to be within; single precision on their side alone takes 2e-5.
 const BOUND: f64 = 1e-4;
@@ -54,7 +54,7 @@ fn color(name: &str, at: [i64; 2], size: [i64; 2], second: bool) -> [u8; 3] {
 }
 
 /// The picture, once its codes have the sum that the script's have.
-fn picture(case: &Value, second: bool) -> Picture {
+fn picture(case: &Value, second: bool) -> DisplayImage {
     let [width, height] = ["width", "height"].map(|key| case[key].as_i64().unwrap());
     let name = case["name"].as_str().unwrap();
     let codes: Vec<[u8; 3]> =
@@ -62,7 +62,7 @@ fn picture(case: &Value, second: bool) -> Picture {
     let sum: u64 =
         codes.as_flattened().iter().enumerate().map(|(i, c)| u64::from(*c) * (i as u64 % 251 + 1)).sum();
     assert_eq!(sum, case["sums"][usize::from(second)].as_u64().unwrap(), "{name} is another picture");
-    Picture::from_8bit(width as u32, height as u32, &codes).unwrap()
+    DisplayImage::from_8bit(width as u32, height as u32, &codes).unwrap()
 }
 
 fn close(what: &str, ours: f64, expected: f64) -> f64 {

@@ -7,7 +7,7 @@ use taotie::math::Vec3;
 use taotie::shade::dfg::{self, Dfg, integrate};
 use taotie::shade::ndf::{alpha_squared_from_divergence_ggx, divergence_ggx};
 use taotie::shade::sheen::{d_charlie, v_neubelt};
-use taotie::shade::{Angles, Stretch, coat_lobe, compensation, specular_occlusion};
+use taotie::shade::{Angles, AnisotropicLobe, coat_lobe, compensation, specular_occlusion};
 
 /// The rows of a table of the oracle.
 fn rows(name: &str) -> Vec<Value> {
@@ -82,7 +82,7 @@ fn directional_albedos_of_both_lobes() {
 }
 
 #[test]
-fn directional_albedo_of_fibres() {
+fn directional_albedo_of_sheen() {
     let (mut exact, mut table) = (Worst::default(), Worst::default());
     for row in rows("sheen") {
         let (n_dot_v, roughness) = (number(&row, "n_dot_v"), number(&row, "roughness"));
@@ -90,8 +90,8 @@ fn directional_albedo_of_fibres() {
         exact.see(integrate::sheen(n_dot_v, roughness), truth, at);
         table.see(f64::from(dfg::of_sheen(n_dot_v as f32, roughness as f32)), truth, at);
     }
-    exact.at_most(1e-3, "quadrature of the fibres");
-    table.at_most(1e-2, "table of the fibres");
+    exact.at_most(1e-3, "quadrature of the sheen");
+    table.at_most(1e-2, "table of the sheen");
 }
 
 #[test]
@@ -109,15 +109,15 @@ fn what_compensation_gives_back_and_lets_through() {
 }
 
 #[test]
-fn stretched_lobes_fibres_and_lacquer() {
+fn anisotropic_lobes_sheen_and_clearcoat() {
     let mut worst = Worst::default();
     for (i, row) in rows("lobes").iter().enumerate() {
         let [n, v, l, t, b] = ["n", "v", "l", "t", "b"].map(|name| vector(&row[name]));
         let (roughness, strength) = (number(row, "roughness"), number(row, "strength"));
         let a = Angles::new(n, v, l);
-        let stretched = Stretch::new(t, b, roughness, strength).lobe(&a, v, l);
+        let anisotropic = AnisotropicLobe::new(t, b, roughness, strength).lobe(&a, v, l);
         let found = [
-            ("stretched", stretched),
+            ("stretched", anisotropic),
             ("d_charlie", d_charlie(a.sin2_h, roughness)),
             ("v_neubelt", v_neubelt(a.n_dot_l, a.n_dot_v)),
             ("coat", coat_lobe(roughness, &a)),

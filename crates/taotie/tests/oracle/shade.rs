@@ -11,7 +11,7 @@ use taotie::shade::masking::{g_v_cavity, k_for_environment, k_for_lights, v_schl
 use taotie::shade::ndf::{
     alpha_from_roughness, alpha_from_shininess, d_beckmann, d_blinn, d_ggx, shininess_from_alpha,
 };
-use taotie::shade::{Angles, Shading, Substance, reflect};
+use taotie::shade::{Angles, MaterialSample, Shading, reflect};
 
 /// Relative error allowed in `f64`, where only the polynomials of `exp` and `ln` differ: 1e-9 · |y ln x| and less.
 const DOUBLE: f64 = 2e-8;
@@ -94,8 +94,8 @@ fn vector<L: Scalar>(value: &Value) -> Vec3<L> {
     Vec3::new(scalar(&value[0]), scalar(&value[1]), scalar(&value[2]))
 }
 
-fn substance<L: Scalar>(case: &Value) -> Substance<L> {
-    Substance {
+fn sample<L: Scalar>(case: &Value) -> MaterialSample<L> {
+    MaterialSample {
         base_color: vector(&case["base_color"]),
         metallic: scalar(&case["metallic"]),
         roughness: scalar(&case["roughness"]),
@@ -118,7 +118,7 @@ fn models_agree<L: Scalar>(tolerance: f64) {
     let oracle = read("shade_oracle.json");
     let mut check = Check::new(tolerance);
     for (i, case) in rows(&oracle, "cases").iter().enumerate() {
-        let (s, a) = (substance::<L>(case), angles::<L>(case));
+        let (s, a) = (sample::<L>(case), angles::<L>(case));
         for (name, shading) in Shading::NAMES.iter().copied() {
             check.color(&format!("case {i} {name}"), reflect(shading, &s, &a), &case["models"][name]);
         }
@@ -140,7 +140,7 @@ fn blocks_agree<L: Scalar>(tolerance: f64) {
     let oracle = read("shade_oracle.json");
     let mut check = Check::new(tolerance);
     for (i, case) in rows(&oracle, "cases").iter().enumerate() {
-        let (s, a) = (substance::<L>(case), angles::<L>(case));
+        let (s, a) = (sample::<L>(case), angles::<L>(case));
         cosines_agree(&mut check, i, &a, &case["angles"]);
         fresnel_agrees(&mut check, i, &s, &a, case);
         distributions_agree(&mut check, i, &s, &a, &case["blocks"]);
@@ -161,7 +161,13 @@ fn cosines_agree<L: Scalar>(check: &mut Check, i: usize, a: &Angles<L>, truth: &
     );
 }
 
-fn fresnel_agrees<L: Scalar>(check: &mut Check, i: usize, s: &Substance<L>, a: &Angles<L>, case: &Value) {
+fn fresnel_agrees<L: Scalar>(
+    check: &mut Check,
+    i: usize,
+    s: &MaterialSample<L>,
+    a: &Angles<L>,
+    case: &Value,
+) {
     let truth = &case["blocks"];
     check.color(&format!("case {i} f82_drop"), s.f82_drop, &case["f82_drop"]);
     check.color(&format!("case {i} f_schlick"), f_schlick(s.f0, a.v_dot_h), &truth["f_schlick"]);
@@ -176,7 +182,7 @@ fn fresnel_agrees<L: Scalar>(check: &mut Check, i: usize, s: &Substance<L>, a: &
 fn distributions_agree<L: Scalar>(
     check: &mut Check,
     i: usize,
-    s: &Substance<L>,
+    s: &MaterialSample<L>,
     a: &Angles<L>,
     truth: &Value,
 ) {
@@ -192,7 +198,13 @@ fn distributions_agree<L: Scalar>(
     check.number(&format!("case {i} s"), shininess_from_alpha(alpha), &truth["shininess_from_alpha"]);
 }
 
-fn masking_agrees<L: Scalar>(check: &mut Check, i: usize, s: &Substance<L>, a: &Angles<L>, truth: &Value) {
+fn masking_agrees<L: Scalar>(
+    check: &mut Check,
+    i: usize,
+    s: &MaterialSample<L>,
+    a: &Angles<L>,
+    truth: &Value,
+) {
     let n_dot_l = a.n_dot_l.abs();
     let environment = k_for_environment(s.roughness.max(L::of(0.05)));
     let g = g_v_cavity(n_dot_l, a.n_dot_v, a.n_dot_h, a.v_dot_h);
@@ -201,8 +213,8 @@ fn masking_agrees<L: Scalar>(check: &mut Check, i: usize, s: &Substance<L>, a: &
     check.number(&format!("case {i} g_v_cavity"), g, &truth["g_v_cavity"]);
     check.number(&format!("case {i} v_smith_ggx"), smith, &truth["v_smith_ggx"]);
     check.number(&format!("case {i} v_schlick lights"), lights, &truth["v_schlick_lights"]);
-    let surround = v_schlick_ggx(n_dot_l, a.n_dot_v, environment);
-    check.number(&format!("case {i} v_schlick environment"), surround, &truth["v_schlick_environment"]);
+    let indirect = v_schlick_ggx(n_dot_l, a.n_dot_v, environment);
+    check.number(&format!("case {i} v_schlick environment"), indirect, &truth["v_schlick_environment"]);
 }
 
 #[test]

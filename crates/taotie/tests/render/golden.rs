@@ -122,8 +122,8 @@ fn finishes() -> Vec<Golden> {
             .with(|settings| settings.energy = energy)
     };
     vec![
-        under_lamp("lacquer", finishes::lacquer()),
-        under_lamp("lacquer-under-sky", finishes::lacquer()).under_sky(),
+        under_lamp("clearcoat", finishes::clearcoat()),
+        under_lamp("clearcoat-under-sky", finishes::clearcoat()).under_sky(),
         under_lamp("velvet", finishes::velvet()),
         under_lamp("velvet-under-sky", finishes::velvet()).under_sky(),
         under_lamp("brushed", finishes::brushed()),
@@ -142,7 +142,7 @@ fn rough_gold() -> Scene {
     finishes::sphere(finishes::metal([1.0, 0.72, 0.35], 1.0), Vec::new())
 }
 
-fn surroundings() -> Vec<Golden> {
+fn under_environments() -> Vec<Golden> {
     let under_sky = |name: &str, scene: Scene| Golden::new(name, scene, near(), Vec::new()).under_sky();
     vec![
         under_sky("sky-smooth-metal", finishes::occluded_gold(0.1)),
@@ -297,8 +297,8 @@ fn golden_finishes() {
 }
 
 #[test]
-fn golden_surroundings() {
-    check_all(&surroundings());
+fn golden_under_environments() {
+    check_all(&under_environments());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::scenes;
 use crate::skies;
-use crate::views::{View, difference, keep_to_look_at, surrounding};
+use crate::views::{View, difference, environment_of, keep_to_look_at};
 use taotie::image::Image;
 use taotie::math::{SimdLevel, Vec3, scalar};
 use taotie::names::Named;
@@ -74,7 +74,7 @@ fn what_is_seen_through_masks_and_panes_is_as_in_the_rasteriser() {
 /// A sphere with relief on a floor, under a sky with small bright parts and one light.
 fn rich() -> View {
     let mut view = View::under(
-        surrounding(skies::speckled(64)),
+        environment_of(skies::speckled(64)),
         scenes::floor_and_mirrored_spheres(),
         scenes::camera(-15.0, 25.0, 6.0),
     );

@@ -3,7 +3,7 @@
 use crate::scenes;
 use crate::skies;
 use crate::views;
-use crate::views::{View, surrounding};
+use crate::views::{View, environment_of};
 use crate::walls::{
     assert_mean, assert_ways_agree, by_each_way, close_up, matt, metal, scene_of, statistics, wall,
     wall_view, white_sky,
@@ -16,7 +16,7 @@ use taotie::names::Named;
 use taotie::render::{EnvironmentSampling, NormalMapping, ReferenceSettings};
 use taotie::scene::{AlphaMode, Anisotropy, Clearcoat, Material, Orbit, Sheen};
 use taotie::shade::furnace::Furnace;
-use taotie::shade::{Energy, Shading, Substance};
+use taotie::shade::{Energy, MaterialSample, Shading};
 
 /// Sixteen paths of direct light.
 const DIRECT: ReferenceSettings = ReferenceSettings {
@@ -48,9 +48,9 @@ fn a_white_sphere_is_not_seen_in_a_white_furnace() {
     }
 }
 
-fn white(roughness: f64) -> Substance<f64> {
+fn white(roughness: f64) -> MaterialSample<f64> {
     let (white, black) = (Vec3::splat(1.0), Vec3::splat(0.0));
-    Substance {
+    MaterialSample {
         base_color: white,
         metallic: 1.0,
         roughness,
@@ -171,7 +171,7 @@ fn one_bright_texel_lights_as_a_light_from_its_direction() {
     let mut floor = scenes::floor_and_mirrored_spheres();
     floor.edit(|scene| scene.materials[1].base_color_texture = None).unwrap();
     let camera = scenes::camera(-15.0, 25.0, 6.0);
-    let mut by_sky = View::under(surrounding(sky), floor.clone(), camera.clone());
+    let mut by_sky = View::under(environment_of(sky), floor.clone(), camera.clone());
     let mut by_light = View::of(floor, camera);
     by_light.lighting.lights = vec![scenes::directional(-toward.to_f32(), strength as f32)];
     by_light.lighting.ambient = Vec3::splat(0.0);
@@ -195,7 +195,7 @@ fn one_bright_texel_lights_as_a_light_from_its_direction() {
 #[test]
 fn mirrors_show_the_environment_where_it_lies() {
     let sky = |d: Vec3<f64>| d * 0.4 + Vec3::splat(0.5);
-    let mut view = wall_view(metal(0.0), scalar::cos(0.6), surrounding(skies::equirect(256, sky)));
+    let mut view = wall_view(metal(0.0), scalar::cos(0.6), environment_of(skies::equirect(256, sky)));
     for rotation in [0.0, 0.8, -2.0] {
         let environment = view.lighting.environment.as_mut().unwrap();
         environment.rotation = rotation;
@@ -225,7 +225,7 @@ fn all_ways_to_find_the_environment_agree_and_both_together_are_the_best() {
         ("a half-rough wall under something between", 0.4, sun(60.0, 20.0)),
     ] {
         let [both, light, surface] =
-            by_each_way(&wall_view(metal(roughness), 0.8, surrounding(sky)), &DIRECT);
+            by_each_way(&wall_view(metal(roughness), 0.8, environment_of(sky)), &DIRECT);
         eprintln!("{what}: {both:?} together, {light:?} by light, {surface:?} by surface");
         for other in [light, surface] {
             let error = ((both[1] + other[1]) / (32.0 * 32.0)).sqrt();
@@ -245,17 +245,22 @@ fn every_kind_of_surface_sends_paths_as_its_density_says() {
         normal: None,
     };
     let sheen = Sheen { color: [0.9; 3], color_texture: None, roughness: 0.4, roughness_texture: None };
-    let stretch = Anisotropy { strength: 0.8, rotation: 0.5, texture: None };
+    let anisotropy = Anisotropy { strength: 0.8, rotation: 0.5, texture: None };
     let half_rough = metal(0.4);
     let materials = [
-        ("lacquer", Material { clearcoat: Some(coat), ..matt(0.1) }),
-        ("lacquered metal", Material { clearcoat: Some(coat), ..half_rough.clone() }),
-        ("fibres", Material { sheen: Some(sheen), ..matt(0.2) }),
-        ("fibres on metal", Material { sheen: Some(sheen), ..half_rough.clone() }),
-        ("stretched metal", Material { anisotropy: Some(stretch), ..half_rough.clone() }),
+        ("clearcoat", Material { clearcoat: Some(coat), ..matt(0.1) }),
+        ("clearcoat on metal", Material { clearcoat: Some(coat), ..half_rough.clone() }),
+        ("sheen", Material { sheen: Some(sheen), ..matt(0.2) }),
+        ("sheen on metal", Material { sheen: Some(sheen), ..half_rough.clone() }),
+        ("anisotropic metal", Material { anisotropy: Some(anisotropy), ..half_rough.clone() }),
         (
             "everything",
-            Material { clearcoat: Some(coat), sheen: Some(sheen), anisotropy: Some(stretch), ..metal(0.5) },
+            Material {
+                clearcoat: Some(coat),
+                sheen: Some(sheen),
+                anisotropy: Some(anisotropy),
+                ..metal(0.5)
+            },
         ),
     ];
     let layered = materials.map(|(name, material)| (name, material, Shading::Ggx));
@@ -263,7 +268,7 @@ fn every_kind_of_surface_sends_paths_as_its_density_says() {
         let material = Material { metallic: 0.3, roughness: 0.5, ..matt(0.5) };
         (*name, material, *shading)
     });
-    let sky = surrounding(skies::equirect(64, |d| Vec3::splat(1.0 + 0.8 * d.x + 0.5 * d.y * d.z)));
+    let sky = environment_of(skies::equirect(64, |d| Vec3::splat(1.0 + 0.8 * d.x + 0.5 * d.y * d.z)));
     for (name, material, shading) in layered.into_iter().chain(named) {
         for n_dot_v in [0.9, 0.3] {
             let mut view = wall_view(material.clone(), n_dot_v, sky.clone());

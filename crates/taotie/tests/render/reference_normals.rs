@@ -2,7 +2,7 @@
 
 use crate::scenes;
 use crate::skies;
-use crate::views::{View, surrounding};
+use crate::views::{View, environment_of};
 use crate::walls::{assert_mean, assert_ways_agree, matt, metal, statistics, wall_view, white_sky};
 use taotie::image::Encoding;
 use taotie::math::{Vec3, scalar};
@@ -77,8 +77,8 @@ fn grooves_send_paths_as_their_density_says() {
     let named = Shading::NAMES
         .iter()
         .map(|(name, shading)| (*name, Material { metallic: 0.3, roughness: 0.5, ..matt(0.5) }, *shading));
-    let coated = [("lacquered metal", Material { clearcoat: Some(coat), ..metal(0.4) }, Shading::Ggx)];
-    let sky = surrounding(skies::equirect(64, |d| Vec3::splat(1.0 + 0.8 * d.x + 0.5 * d.y * d.z)));
+    let coated = [("clearcoat on metal", Material { clearcoat: Some(coat), ..metal(0.4) }, Shading::Ggx)];
+    let sky = environment_of(skies::equirect(64, |d| Vec3::splat(1.0 + 0.8 * d.x + 0.5 * d.y * d.z)));
     for (name, material, shading) in named.chain(coated) {
         for n_dot_v in [0.9, 0.3] {
             let (mut view, _) = leaning_wall(material.clone(), 30.0, n_dot_v, sky.clone());
@@ -90,7 +90,7 @@ fn grooves_send_paths_as_their_density_says() {
 
 #[test]
 fn a_flat_map_is_the_same_in_both_ways() {
-    let (view, _) = leaning_wall(metal(0.5), 0.0, 0.7, surrounding(skies::speckled(16)));
+    let (view, _) = leaning_wall(metal(0.5), 0.0, 0.7, environment_of(skies::speckled(16)));
     let classic = ReferenceSettings { normal_mapping: NormalMapping::Classic, ..GROOVED };
     let [grooved, classic] = [GROOVED, classic].map(|tracing| statistics(&view.traced(&tracing).color));
     let error = ((grooved[1] + classic[1]) / (32.0 * 32.0)).sqrt();

@@ -66,24 +66,24 @@ fn single_scattering_darkens_a_rough_metal() {
 }
 
 #[test]
-fn lacquer_over_white_returns_what_arrives() {
+fn clearcoat_over_white_returns_what_arrives() {
     for (what, base) in whites() {
         for (factor, roughness) in [(1.0, 0.0), (1.0, 0.4), (1.0, 1.0), (0.5, 0.3)] {
             let coat =
                 Clearcoat { factor, factor_texture: None, roughness, roughness_texture: None, normal: None };
-            let lacquered = Material { clearcoat: Some(coat), ..base.clone() };
-            assert_unseen(&format!("{what}, lacquer of {roughness}"), extremes(lacquered));
+            let coated = Material { clearcoat: Some(coat), ..base.clone() };
+            assert_unseen(&format!("{what}, clearcoat of {roughness}"), extremes(coated));
         }
     }
 }
 
 #[test]
-fn white_fibres_over_white_return_what_arrives() {
+fn white_sheen_over_white_returns_what_arrives() {
     for (what, base) in whites() {
         for roughness in [0.1, 0.5, 1.0] {
             let sheen = Sheen { color: WHITE, color_texture: None, roughness, roughness_texture: None };
-            let clothed = Material { sheen: Some(sheen), ..base.clone() };
-            assert_unseen(&format!("{what}, fibres of {roughness}"), extremes(clothed));
+            let sheened = Material { sheen: Some(sheen), ..base.clone() };
+            assert_unseen(&format!("{what}, sheen of {roughness}"), extremes(sheened));
         }
     }
 }

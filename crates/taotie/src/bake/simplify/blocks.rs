@@ -1,4 +1,4 @@
-//! Large surfaces made lighter block by block, so that neither memory nor one thread is the limit.
+//! Large surfaces simplified block by block, so that neither memory nor one thread is the limit.
 
 use super::part::{Part, adapter, triples};
 use crate::error::Result;
@@ -28,16 +28,16 @@ pub(super) fn lighten(part: Part, wanted: usize, progress: Progress<'_>) -> Resu
     }
     let locks = shared_vertices(&part);
     let (done, blocks) = (AtomicUsize::new(0), total.div_ceil(BLOCK));
-    let lighter = |block: &[[u32; 3]]| {
+    let simplified = |block: &[[u32; 3]]| {
         let target = (block.len() as u128 * left as u128 / total as u128) as usize;
-        let result = lighter_block(&part, block, &locks, target);
+        let result = simplified_block(&part, block, &locks, target);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         progress.at(done as f64 / blocks as f64).map(|()| result)
     };
-    let lighter: Vec<(Vec<[u32; 3]>, f32)> =
-        part.triangles.par_chunks(BLOCK).map(lighter).collect::<Result<_>>()?;
-    let error = lighter.iter().fold(0.0, |most: f32, (_, error)| most.max(*error));
-    let triangles = lighter.into_iter().flat_map(|(triangles, _)| triangles).collect();
+    let simplified: Vec<(Vec<[u32; 3]>, f32)> =
+        part.triangles.par_chunks(BLOCK).map(simplified).collect::<Result<_>>()?;
+    let error = simplified.iter().fold(0.0, |most: f32, (_, error)| most.max(*error));
+    let triangles = simplified.into_iter().flat_map(|(triangles, _)| triangles).collect();
     Ok((Part { triangles, ..part }.compacted(), error))
 }
 
@@ -57,7 +57,7 @@ fn shared_vertices(part: &Part) -> Vec<bool> {
     shared
 }
 
-fn lighter_block(part: &Part, block: &[[u32; 3]], locks: &[bool], target: usize) -> (Vec<[u32; 3]>, f32) {
+fn simplified_block(part: &Part, block: &[[u32; 3]], locks: &[bool], target: usize) -> (Vec<[u32; 3]>, f32) {
     let mut error = 0.0;
     let choices = Choices::Sparse | Choices::ErrorAbsolute;
     let corners = meshopt::simplify_with_locks(

@@ -12,7 +12,7 @@ use crate::progress::Progress;
 use crate::surface::vertex_normals;
 pub use options::{SimplifyMethod, SimplifyOptions};
 use part::Part;
-pub(super) use part::{Frame, adapter, compact, triples};
+pub(super) use part::{UnitCube, adapter, compact, triples};
 pub(super) use weld::{morton, places};
 pub(super) use whole::is_near;
 
@@ -48,7 +48,7 @@ pub struct Simplified {
 pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) -> Result<Simplified> {
     check(options)?;
     let mut notes = Warnings::default();
-    let (part, frame) = weld::weld(mesh, &mut notes);
+    let (part, cube) = weld::weld(mesh, &mut notes);
     if part.triangles.is_empty() {
         return Err(Error::invalid(
             "the surface to simplify",
@@ -66,7 +66,7 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
             "nothing is left of this one with so few, as all its parts are small; ask for more",
         ));
     }
-    let error = (f64::from(in_blocks) + f64::from(reduced.error)) * frame.extent;
+    let error = (f64::from(in_blocks) + f64::from(reduced.error)) * cube.extent;
     let method = if in_blocks > 0.0 { reduced.method.max(SimplifyMethod::Collapsed) } else { reduced.method };
     let mesh = finish(mesh, &part, reduced.triangles)?;
     let reached = whole::is_near(found, options.triangles) || method == SimplifyMethod::Kept;

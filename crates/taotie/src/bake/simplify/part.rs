@@ -14,13 +14,13 @@ pub(in crate::bake) struct Part {
 
 /// The cube that points are scaled from.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::bake) struct Frame {
+pub(in crate::bake) struct UnitCube {
     least: Vec3<f64>,
     /// The longest side, model units; above 0.
     pub extent: f64,
 }
 
-impl Frame {
+impl UnitCube {
     pub fn of(positions: &[Vec3]) -> Self {
         let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for position in positions {

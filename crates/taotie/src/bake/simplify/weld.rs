@@ -3,7 +3,7 @@
 //! Positions are sorted along a Morton curve, so that equal ones meet in one cell: no hash table, whose size and order
 //! would be felt at twenty million triangles.
 
-use super::part::{Frame, Part};
+use super::part::{Part, UnitCube};
 use crate::error::Warnings;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
@@ -15,23 +15,23 @@ const DROPPED: [u32; 3] = [u32::MAX; 3];
 const CELL_BITS: u32 = 10;
 
 /// Returns the mesh on welded points. Each triangle begins with its lowest vertex, and triangles are sorted.
-pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, Frame) {
+pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, UnitCube) {
     let positions = mesh.positions();
-    let frame = Frame::of(positions);
-    let (places, sources) = classes(positions, &sorted(positions, &frame));
-    let points = sources.par_iter().map(|v| frame.scaled(positions[*v as usize])).collect();
+    let cube = UnitCube::of(positions);
+    let (places, sources) = classes(positions, &sorted(positions, &cube));
+    let points = sources.par_iter().map(|v| cube.scaled(positions[*v as usize])).collect();
     let triangles = sound_triangles(mesh.triangles(), &places, notes);
-    (Part { points, sources, triangles }, frame)
+    (Part { points, sources, triangles }, cube)
 }
 
 /// Returns the place of each vertex: vertices with equal positions have one.
 pub(in crate::bake) fn places(positions: &[Vec3]) -> Vec<u32> {
-    classes(positions, &sorted(positions, &Frame::of(positions))).0
+    classes(positions, &sorted(positions, &UnitCube::of(positions))).0
 }
 
 /// Returns vertex numbers in the low half, sorted by cell, then position, then number.
-fn sorted(positions: &[Vec3], frame: &Frame) -> Vec<u64> {
-    let cell = |position: &Vec3| u64::from(morton(frame.scaled(*position)));
+fn sorted(positions: &[Vec3], cube: &UnitCube) -> Vec<u64> {
+    let cell = |position: &Vec3| u64::from(morton(cube.scaled(*position)));
     let mut keys: Vec<u64> =
         positions.par_iter().enumerate().map(|(v, position)| cell(position) << 32 | v as u64).collect();
     keys.par_sort_unstable();
@@ -92,12 +92,12 @@ fn bits(position: Vec3) -> [u32; 3] {
 /// Returns the number of a point's cell along the Morton curve; the point lies in the unit cube.
 pub(in crate::bake) fn morton(point: [f32; 3]) -> u32 {
     let cells = 1 << CELL_BITS;
-    let [x, y, z] = point.map(|v| spread(((v * cells as f32) as u32).min(cells - 1)));
+    let [x, y, z] = point.map(|v| spread_bits(((v * cells as f32) as u32).min(cells - 1)));
     x << 2 | y << 1 | z
 }
 
 /// Spreads ten bits, with two free places before each.
-fn spread(v: u32) -> u32 {
+fn spread_bits(v: u32) -> u32 {
     let v = (v | v << 16) & 0x0300_00FF;
     let v = (v | v << 8) & 0x0300_F00F;
     let v = (v | v << 4) & 0x030C_30C3;
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn bits_are_spread_by_three() {
-        assert_eq!(spread(0b11_1111_1111), 0x0924_9249);
+        assert_eq!(spread_bits(0b11_1111_1111), 0x0924_9249);
         assert_eq!(morton([0.0, 0.0, 1.0]), 0x0924_9249);
         assert_eq!(morton([0.5, 0.0, 0.0]), 1 << 29);
     }
@@ -125,8 +125,8 @@ mod tests {
             ..MeshData::default()
         };
         let mut notes = Warnings::default();
-        let (part, frame) = weld(&Mesh::new(data).unwrap(), &mut notes);
-        assert_eq!((part.points.len(), frame.extent), (4, 1.0));
+        let (part, cube) = weld(&Mesh::new(data).unwrap(), &mut notes);
+        assert_eq!((part.points.len(), cube.extent), (4, 1.0));
         assert_eq!(part.triangles.len(), 3, "the triangle seen from behind stays: {:?}", part.triangles);
         let found: Vec<(&str, usize)> = notes.iter().collect();
         assert_eq!(

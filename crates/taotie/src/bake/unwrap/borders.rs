@@ -1,4 +1,4 @@
-//! Borders between charts made shorter.
+//! Borders between UV islands made shorter.
 
 use super::merge::Limits;
 use super::topology::{NONE, Topology};
@@ -7,8 +7,8 @@ use crate::math::Vec3;
 /// The number of times that all triangles are looked at.
 const ROUNDS: usize = 4;
 
-/// Gives triangles that stick into another chart to it, where it sees them well enough. Charts stay connected: what
-/// is given away hangs on its chart by one edge at most.
+/// Gives triangles that stick into another UV island to it, where it sees them well enough. UV islands stay connected:
+/// what is given away hangs on its UV island by one edge at most.
 pub(super) fn shorten(topology: &Topology, labels: &mut [u32], axes: &[Vec3<f64>], limits: &Limits) {
     for _ in 0..ROUNDS {
         for t in 0..labels.len() {
@@ -23,7 +23,7 @@ pub(super) fn shorten(topology: &Topology, labels: &mut [u32], axes: &[Vec3<f64>
     }
 }
 
-/// Returns the chart that a triangle has a longer border with than with its own.
+/// Returns the UV island that a triangle has a longer border with than with its own.
 fn better(topology: &Topology, labels: &[u32], t: usize) -> Option<u32> {
     let beside = topology.neighbours[t].map(|side| if side == NONE { NONE } else { labels[side as usize] });
     let own = labels[t];

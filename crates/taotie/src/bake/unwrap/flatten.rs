@@ -1,4 +1,4 @@
-//! Charts laid flat: seen from their axis, and cut where they would lie over themselves.
+//! UV islands laid flat: seen from their axis, and cut where they would lie over themselves.
 
 use super::topology::{NONE, Topology};
 use crate::bake::raster::{ALL_ROWS, Rasterizer};
@@ -7,26 +7,27 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::FRAC_PI_2;
 
-/// The most texels that a chart is drawn on when it is searched for places that lie over others.
+/// The most texels that a UV island is drawn on when it is searched for places that lie over others.
 const MOST_TEXELS: f64 = (1u64 << 22) as f64;
-/// About as many pieces a chart is cut into at most because it is too long.
+/// About as many pieces a UV island is cut into at most because it is too long.
 const MOST_PIECES: f64 = 8.0;
 /// Angles between 0 and 90° that are tried for the smallest box.
 const ANGLES: usize = 32;
 
 /// Triangles that are laid out together.
 #[derive(Debug, Clone)]
-pub(super) struct Chart {
+pub(super) struct Island {
     pub triangles: Vec<u32>,
     /// The unit direction along which it is seen.
     axis: Vec3<f64>,
-    /// A corner's place on the chart is its product with each of these. The area of the whole is that of the surface.
+    /// A corner's place on the UV island is its product with each of these. The area of the whole is that of the
+    /// surface.
     right: Vec3<f64>,
     down: Vec3<f64>,
 }
 
-impl Chart {
-    /// Makes the chart of triangles seen along a unit axis.
+impl Island {
+    /// Makes the UV island of triangles seen along a unit axis.
     fn seen(topology: &Topology, triangles: Vec<u32>, axis: Vec3<f64>) -> Self {
         let (mut own, mut seen) = (0.0, 0.0);
         for t in &triangles {
@@ -49,7 +50,7 @@ impl Chart {
         self.triangles.iter().map(|t| topology.corners[*t as usize].map(|p| self.place(p))).collect()
     }
 
-    /// Cuts the chart in two, each part nearer to one of two of its triangles.
+    /// Cuts the UV island in two, each part nearer to one of two of its triangles.
     pub fn cut(self, topology: &Topology, pair: [u32; 2], measure: &Measure) -> Vec<Self> {
         let parts = split(topology, &self.triangles, pair);
         parts.into_iter().flat_map(|part| flatten(topology, part, self.axis, measure)).collect()
@@ -61,7 +62,7 @@ impl Chart {
         (high[0] - low[0]).max(high[1] - low[1])
     }
 
-    /// Returns the chart turned so that its upright box is small.
+    /// Returns the UV island turned so that its upright box is small.
     pub fn turned(self, topology: &Topology) -> Self {
         let laid = self.laid(topology);
         let (mut best, mut chosen) = (f64::INFINITY, [1.0, 0.0]);
@@ -88,47 +89,48 @@ pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
     })
 }
 
-/// The sizes by which charts are split.
+/// The sizes by which UV islands are split.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Measure {
     /// Texels a unit that overlaps are searched with.
     pub density: f64,
-    /// The longest side of a chart's box, units.
+    /// The longest side of a UV island's box, units.
     pub longest: f64,
 }
 
-/// Returns the charts of triangles seen along an axis: one, or several where one would lie over itself or be too long.
+/// Returns the UV islands of triangles seen along an axis: one, or several where one would lie over itself or be too
+/// long.
 pub(super) fn flatten(
     topology: &Topology,
     triangles: Vec<u32>,
     axis: Vec3<f64>,
     measure: &Measure,
-) -> Vec<Chart> {
+) -> Vec<Island> {
     let (mut waiting, mut flat) = (vec![triangles], Vec::new());
     // What is as thin as a thread stays in few pieces, however long it is.
     let mut longest = measure.longest;
     while let Some(triangles) = waiting.pop() {
-        let chart = Chart::seen(topology, triangles, axis);
-        if let Some(pair) = overlap(topology, &chart, measure.density) {
-            waiting.extend(split(topology, &chart.triangles, pair));
+        let island = Island::seen(topology, triangles, axis);
+        if let Some(pair) = overlap(topology, &island, measure.density) {
+            waiting.extend(split(topology, &island.triangles, pair));
             continue;
         }
-        let chart = chart.turned(topology);
-        longest = longest.max(chart.length(topology) / MOST_PIECES);
-        match far_ends(topology, &chart, longest) {
-            Some(pair) => waiting.extend(split(topology, &chart.triangles, pair)),
-            None => flat.push(chart),
+        let island = island.turned(topology);
+        longest = longest.max(island.length(topology) / MOST_PIECES);
+        match far_ends(topology, &island, longest) {
+            Some(pair) => waiting.extend(split(topology, &island.triangles, pair)),
+            None => flat.push(island),
         }
     }
     flat
 }
 
 /// Returns two triangles that lie over one another.
-fn overlap(topology: &Topology, chart: &Chart, density: f64) -> Option<[u32; 2]> {
-    if chart.triangles.len() < 2 {
+fn overlap(topology: &Topology, island: &Island, density: f64) -> Option<[u32; 2]> {
+    if island.triangles.len() < 2 {
         return None;
     }
-    let laid = chart.laid(topology);
+    let laid = island.laid(topology);
     let [low, high] = bounds(laid.iter().flatten().copied());
     let size = [high[0] - low[0], high[1] - low[1]].map(|v| v.max(1e-9));
     let density = density.min((MOST_TEXELS / (size[0] * size[1])).sqrt());
@@ -152,15 +154,15 @@ fn overlap(topology: &Topology, chart: &Chart, density: f64) -> Option<[u32; 2]>
             }
         });
         if other != NONE {
-            return Some([chart.triangles[other as usize], chart.triangles[t]]);
+            return Some([island.triangles[other as usize], island.triangles[t]]);
         }
     }
     None
 }
 
-/// Returns two triangles at the ends of a chart whose box is longer than `longest`.
-fn far_ends(topology: &Topology, chart: &Chart, longest: f64) -> Option<[u32; 2]> {
-    let laid = chart.laid(topology);
+/// Returns two triangles at the ends of a UV island whose box is longer than `longest`.
+fn far_ends(topology: &Topology, island: &Island, longest: f64) -> Option<[u32; 2]> {
+    let laid = island.laid(topology);
     let [low, high] = bounds(laid.iter().flatten().copied());
     let axis = usize::from(high[1] - low[1] > high[0] - low[0]);
     if high[axis] - low[axis] <= longest {
@@ -169,7 +171,7 @@ fn far_ends(topology: &Topology, chart: &Chart, longest: f64) -> Option<[u32; 2]
     let middle = |i: &usize| laid[*i].iter().map(|p| p[axis]).sum::<f64>();
     let first = (0..laid.len()).min_by(|a, b| middle(a).total_cmp(&middle(b)))?;
     let last = (0..laid.len()).max_by(|a, b| middle(a).total_cmp(&middle(b)))?;
-    (first != last).then_some([first, last].map(|i| chart.triangles[i]))
+    (first != last).then_some([first, last].map(|i| island.triangles[i]))
 }
 
 /// Returns the triangles in two parts, each of what is nearer to one of two of them on the way over the surface.

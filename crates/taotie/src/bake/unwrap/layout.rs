@@ -1,27 +1,27 @@
-//! The largest scale at which all charts fit into the map.
+//! The largest scale at which all UV islands fit into the map.
 
 use super::flatten::bounds;
 use super::mask::{Mask, corner, turned};
 use super::options::UnwrapOptions;
-use super::pack::{Field, Placement, pack};
+use super::pack::{Bin, Placement, pack};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
-/// Cells along a side of the coarse field, on which the scale is sought in several orders.
+/// Cells along a side of the coarse bin, on which the scale is sought in several orders.
 const COARSE: f64 = 256.0;
-/// Cells along a side of the fine field, on which charts are placed in the best of them; the time that it takes grows
-/// with the number of charts and the fourth power of this.
+/// Cells along a side of the fine bin, on which UV islands are placed in the best of them; the time that it takes
+/// grows with the number of UV islands and the fourth power of this.
 const FINE: f64 = 1024.0;
-/// The same where there are more than [`MANY`] charts.
+/// The same where there are more than [`MANY`] UV islands.
 const FINE_FOR_MANY: f64 = 512.0;
 const MANY: usize = 150;
-/// No fewer cells along a side for one chart, times the root of the number of charts.
+/// No fewer cells along a side for one UV island, times the root of the number of UV islands.
 const FOR_ONE: f64 = 6.0;
-/// The number of packings once a scale is known at which charts fit: on the coarse field and on the fine one.
+/// The number of packings once a scale is known at which UV islands fit: on the coarse bin and on the fine one.
 const TRIES: [usize; 2] = [9, 4];
-/// The largest number of packings at all: each time that charts do not fit the scale falls.
+/// The largest number of packings at all: each time that UV islands do not fit the scale falls.
 const MOST_TRIES: usize = 40;
 /// The search ends where the scale is known within this.
 const EXACT: f64 = 1.004;
@@ -30,31 +30,31 @@ const NEAR: f64 = 1.02;
 /// The orders that are tried: by half the circumference, the longer side, the cells, the shorter side; largest first.
 const ORDERS: [usize; 4] = [0, 1, 2, 3];
 
-/// The place of each chart on the map.
+/// The place of each UV island on the map.
 pub(super) struct Layout {
     /// Texels for one unit.
     pub scale: f64,
-    /// Of each chart: quarter turns, what lies at its corner, and where that corner is, in texels.
-    charts: Vec<(u8, [f64; 2], [f64; 2])>,
+    /// Of each UV island: quarter turns, what lies at its corner, and where that corner is, in texels.
+    islands: Vec<(u8, [f64; 2], [f64; 2])>,
 }
 
 impl Layout {
-    /// Returns the texels, right and down, of a point of a chart.
-    pub fn place(&self, chart: u32, point: [f64; 2]) -> [f64; 2] {
-        let (quarters, low, at) = self.charts[chart as usize];
+    /// Returns the texels, right and down, of a point of a UV island.
+    pub fn place(&self, island: u32, point: [f64; 2]) -> [f64; 2] {
+        let (quarters, low, at) = self.islands[island as usize];
         let p = turned(point, quarters);
         [0, 1].map(|k| at[k] + (p[k] - low[k]) * self.scale)
     }
 }
 
-/// Charts as they were laid flat.
+/// UV islands as they were laid flat.
 type Laid = Vec<[[f64; 2]; 3]>;
 
-/// The cells that charts are packed in.
+/// The cells that UV islands are packed in.
 struct Cells {
     /// Texels along a side of one.
     side: u32,
-    field: Field,
+    bin: Bin,
 }
 
 impl Cells {
@@ -62,14 +62,11 @@ impl Cells {
         let side = (f64::from(options.size) / wanted).ceil().max(1.0) as u32;
         // What is left between the borders is at least one texel, and at least one cell.
         let width = ((options.size - 2 * options.padding) / side).max(1);
-        Self {
-            side,
-            field: Field { width, gap: options.padding.div_ceil(side), most: width.saturating_mul(3) },
-        }
+        Self { side, bin: Bin { width, gap: options.padding.div_ceil(side), most: width.saturating_mul(3) } }
     }
 }
 
-/// Charts that fit.
+/// UV islands that fit.
 struct Fit {
     places: Vec<Placement>,
     /// Texels a unit.
@@ -77,7 +74,7 @@ struct Fit {
     order: usize,
 }
 
-/// Packs charts at rising and falling scales: on a coarse field in several orders, then on a fine one in the best.
+/// Packs UV islands at rising and falling scales: on a coarse bin in several orders, then on a fine one in the best.
 /// `guess` is the first scale, in maps a unit.
 pub(super) fn lay_out(
     laid: &[Laid],
@@ -105,7 +102,7 @@ pub(super) fn lay_out(
     Ok(layout(laid, &fit, &fine, options))
 }
 
-/// A search for the largest scale on one field.
+/// A search for the largest scale on one bin.
 struct Search<'a> {
     laid: &'a [Laid],
     cells: &'a Cells,
@@ -116,13 +113,13 @@ struct Search<'a> {
 impl Search<'_> {
     /// Returns the largest scale found, if any. `start` is in texels a unit.
     fn run(&self, start: f64, progress: Progress<'_>) -> Result<Option<Fit>> {
-        let (width, side) = (f64::from(self.cells.field.width), f64::from(self.cells.side));
-        // A chart that is longer than the field fits in no turn.
+        let (width, side) = (f64::from(self.cells.bin.width), f64::from(self.cells.side));
+        // A UV island that is longer than the bin fits in no turn.
         let mut fails = 0.9999 * width / longest_side(self.laid);
         let (mut scale, mut best, mut fits) = ((start / side).min(0.999 * fails), None, 0.0);
         for attempt in 0..MOST_TRIES {
             progress.at(attempt.min(self.tries) as f64 / (self.tries + 1) as f64)?;
-            let packed = packed(self.laid, scale, &self.cells.field, self.orders);
+            let packed = packed(self.laid, scale, &self.cells.bin, self.orders);
             let rows = packed.as_ref().map_or(3.0 * width, |(_, rows, _)| f64::from(*rows));
             match packed.filter(|_| rows <= width) {
                 Some((places, _, order)) => {
@@ -151,7 +148,7 @@ fn next(suggested: f64, [fits, fails]: [f64; 2], attempt: usize) -> f64 {
     suggested.clamp(low, high)
 }
 
-/// Returns the longest side of the boxes around charts.
+/// Returns the longest side of the boxes around UV islands.
 fn longest_side(laid: &[Laid]) -> f64 {
     let side = |laid: &Laid| {
         let [low, high] = bounds(laid.iter().flatten().copied());
@@ -160,14 +157,9 @@ fn longest_side(laid: &[Laid]) -> f64 {
     laid.iter().map(side).fold(1e-9, f64::max)
 }
 
-/// Packs charts in several orders: the places, rows and number of the one that takes the fewest rows.
-fn packed(
-    laid: &[Laid],
-    scale: f64,
-    field: &Field,
-    orders: &[usize],
-) -> Option<(Vec<Placement>, u32, usize)> {
-    let turns = |laid: &Laid| [0, 1, 2, 3].map(|quarters| Mask::new(laid, quarters, scale, 2 * field.gap));
+/// Packs UV islands in several orders: the places, rows and number of the one that takes the fewest rows.
+fn packed(laid: &[Laid], scale: f64, bin: &Bin, orders: &[usize]) -> Option<(Vec<Placement>, u32, usize)> {
+    let turns = |laid: &Laid| [0, 1, 2, 3].map(|quarters| Mask::new(laid, quarters, scale, 2 * bin.gap));
     let masks: Vec<[Mask; 4]> = laid.par_iter().map(turns).collect();
     let size = |mask: &Mask, by: usize| match by {
         0 => (mask.width + mask.height()) as usize,
@@ -177,8 +169,8 @@ fn packed(
     };
     let in_order = |by: &usize| {
         let mut order: Vec<u32> = (0..masks.len() as u32).collect();
-        order.sort_by_cached_key(|chart| (Reverse(size(&masks[*chart as usize][0], *by)), *chart));
-        pack(&masks, &order, field).map(|(places, rows)| (places, rows, *by))
+        order.sort_by_cached_key(|island| (Reverse(size(&masks[*island as usize][0], *by)), *island));
+        pack(&masks, &order, bin).map(|(places, rows)| (places, rows, *by))
     };
     let all: Vec<_> = orders.par_iter().map(in_order).collect();
     all.into_iter().flatten().min_by_key(|(_, rows, _)| *rows)
@@ -186,8 +178,8 @@ fn packed(
 
 fn layout(laid: &[Laid], fit: &Fit, cells: &Cells, options: &UnwrapOptions) -> Layout {
     let texels = |v: u32| f64::from(options.padding) + f64::from(v * cells.side);
-    let chart = |(laid, place): (&Laid, &Placement)| {
+    let island = |(laid, place): (&Laid, &Placement)| {
         (place.quarters, corner(laid, place.quarters), [texels(place.x), texels(place.y)])
     };
-    Layout { scale: fit.scale, charts: laid.par_iter().zip(&fit.places).map(chart).collect() }
+    Layout { scale: fit.scale, islands: laid.par_iter().zip(&fit.places).map(island).collect() }
 }

@@ -1,4 +1,4 @@
-//! The silhouette of a chart in cells: every cell that it touches.
+//! The silhouette of a UV island in cells: every cell that it touches.
 
 use super::flatten::bounds;
 

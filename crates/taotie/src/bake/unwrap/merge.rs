@@ -1,11 +1,11 @@
-//! Charts from patches: neighbours are joined as long as their triangles face nearly one way.
+//! UV islands from regions: neighbours are joined as long as their triangles face nearly one way.
 
 use super::cone::Directions;
 use super::topology::{NONE, Topology};
 use crate::math::Vec3;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// The widest angles between the axis of a chart and the normals of its triangles, as least cosines.
+/// The widest angles between the axis of a UV island and the normals of its triangles, as least cosines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Of the smooth normals.
@@ -16,7 +16,7 @@ pub(super) struct Limits {
     pub small: f64,
 }
 
-/// A chart while charts are joined: its normals, area and borders.
+/// A UV island while UV islands are joined: its normals, area and borders.
 #[derive(Debug, Clone, Default)]
 struct Region {
     smooth: Directions,
@@ -34,7 +34,7 @@ struct Region {
 /// A pair of neighbours, the more worth to be joined the greater. The versions tell whether it is out of date.
 type Pair = (u64, u32, u32, [u32; 2]);
 
-/// The charts of triangles as they are joined.
+/// The UV islands of triangles as they are joined.
 pub(super) struct Merger {
     regions: Vec<Region>,
     /// The region that each region was joined to, itself where to none.
@@ -65,8 +65,8 @@ impl Merger {
         }
     }
 
-    /// Returns the chart of each triangle, numbered without gaps, and the axis of each.
-    pub fn charts(&self, labels: &[u32]) -> (Vec<u32>, Vec<Vec3<f64>>) {
+    /// Returns the UV island of each triangle, numbered without gaps, and the axis of each.
+    pub fn islands(&self, labels: &[u32]) -> (Vec<u32>, Vec<Vec3<f64>>) {
         let mut numbers = vec![NONE; self.regions.len()];
         let mut axes = Vec::new();
         for (i, region) in self.regions.iter().enumerate().filter(|(i, _)| self.parents[*i] == *i as u32) {
@@ -142,7 +142,7 @@ impl Region {
         region
     }
 
-    /// Returns the direction that the chart is seen from: where all triangles are seen well, else where most are.
+    /// Returns the direction that the UV island is seen from: where all triangles are seen well, else where most are.
     fn axis(&self) -> Vec3<f64> {
         axis(&self.smooth, &self.own, self.facing)
     }

@@ -8,18 +8,18 @@ mod mask;
 mod merge;
 mod options;
 mod pack;
-mod patches;
+mod regions;
 mod topology;
 
 use super::levels::chosen;
 use super::raster::{ALL_ROWS, Rasterizer};
-use super::simplify::Frame;
+use super::simplify::UnitCube;
 use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
-use flatten::{Chart, Measure};
+use flatten::{Island, Measure};
 use layout::Layout;
 use merge::{Limits, Merger};
 pub use options::UnwrapOptions;
@@ -27,19 +27,20 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use topology::{NONE, Topology};
 
-/// The widest angles between the triangles of a chart and its axis: 62° for the smooth surface, 80° for single ones.
+/// The widest angles between the triangles of a UV island and its axis: 62° for the smooth surface, 80° for single
+/// ones.
 const WIDE: Limits = Limits { smooth: 0.47, own: 0.17, small: f64::INFINITY };
 /// The same where one side is a crumb.
 const CRUMBS: Limits = Limits { smooth: 0.26, own: 0.12, small: f64::INFINITY };
 /// A crumb is smaller than this part of the surface.
 const CRUMB: f64 = 1.0 / 400.0;
-/// The part of the square that charts cover, first guess.
+/// The part of the square that UV islands cover, first guess.
 const COVER: f64 = 0.7;
-/// Texels along a side for one of the map, when charts are searched for places that lie over others.
+/// Texels along a side for one of the map, when UV islands are searched for places that lie over others.
 const FINER: f64 = 2.0;
 /// The largest number of layouts: overlaps of less than a texel show only there.
 const ROUNDS: u32 = 8;
-/// No chart is longer than this part of the map: a blade in one piece would leave the rest of it empty.
+/// No UV island is longer than this part of the map: a blade in one piece would leave the rest of it empty.
 const LONGEST: f64 = 0.95;
 
 /// A mesh with uvs.
@@ -49,9 +50,9 @@ pub struct Unwrapped {
     /// the only one, in [0, 1], origin top left; tangents are left out, all else is kept to the bit.
     pub mesh: Mesh,
     /// The number of UV islands.
-    pub charts: usize,
+    pub islands: usize,
     /// The UV island of each triangle; `None` for triangles without area, whose uvs are 0.
-    pub chart_of: Vec<Option<u32>>,
+    pub island_of: Vec<Option<u32>>,
     /// The part of the map that triangles cover, 0 to 1.
     pub utilisation: f64,
     /// Texels of the map for one model unit, on the average.
@@ -77,22 +78,22 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
     }
     progress.at(0.1)?;
     let flat = Flat { mesh, topology: &topology, size: f64::from(options.size) };
-    let (labels, axes) = charted(&topology, surface, progress)?;
+    let (labels, axes) = joined_regions(&topology, surface, progress)?;
     let scale = (COVER / surface).sqrt();
     let measure = Measure { density: FINER * f64::from(options.size) * scale, longest: LONGEST / scale };
-    let mut charts = flat_charts(&topology, &labels, &axes, &measure);
+    let mut islands = flat_islands(&topology, &labels, &axes, &measure);
     progress.at(0.5)?;
     for round in 0..ROUNDS {
-        let laid: Vec<Vec<[[f64; 2]; 3]>> = charts.par_iter().map(|chart| chart.laid(&topology)).collect();
+        let laid: Vec<Vec<[[f64; 2]; 3]>> = islands.par_iter().map(|island| island.laid(&topology)).collect();
         let attempt = progress.part(1.0 - 0.5 / f64::from(round + 1), 1.0);
         let layout = layout::lay_out(&laid, options, scale, attempt)?;
-        let unwrapped = flat.cut(&charts, &layout)?;
+        let unwrapped = flat.cut(&islands, &layout)?;
         let overlaps = overlaps(&unwrapped, options.size)?;
         if overlaps.is_empty() {
             progress.at(1.0)?;
             return Ok(unwrapped);
         }
-        charts = without_overlaps(&topology, charts, &overlaps, &measure);
+        islands = without_overlaps(&topology, islands, &overlaps, &measure);
     }
     Err(Error::limit(
         "a mesh whose UV islands overlap themselves however they are cut",
@@ -100,22 +101,22 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
     ))
 }
 
-/// Returns a triangle that lies over another one of its chart, for each chart where there is one.
+/// Returns a triangle that lies over another one of its UV island, for each UV island where there is one.
 fn overlaps(unwrapped: &Unwrapped, size: u32) -> Result<BTreeMap<u32, [u32; 2]>> {
     let mesh = &unwrapped.mesh;
     let rasterizer = Rasterizer::new(mesh.triangles(), &mesh.uvs()[0], [size; 2])?;
     let mut owners = vec![NONE; size as usize * size as usize];
     let mut found = BTreeMap::new();
-    for (t, chart) in unwrapped.chart_of.iter().enumerate() {
-        let Some(chart) = *chart else { continue };
+    for (t, island) in unwrapped.island_of.iter().enumerate() {
+        let Some(island) = *island else { continue };
         rasterizer.spans(t, ALL_ROWS, |y, [from, to]| {
             for x in from..=to {
                 let owner =
                     &mut owners[y as usize % size as usize * size as usize + x as usize % size as usize];
                 match *owner {
                     NONE => *owner = t as u32,
-                    owner if unwrapped.chart_of[owner as usize] == Some(chart) => {
-                        found.entry(chart).or_insert([owner, t as u32]);
+                    owner if unwrapped.island_of[owner as usize] == Some(island) => {
+                        found.entry(island).or_insert([owner, t as u32]);
                     }
                     _ => {}
                 }
@@ -127,15 +128,15 @@ fn overlaps(unwrapped: &Unwrapped, size: u32) -> Result<BTreeMap<u32, [u32; 2]>>
 
 fn without_overlaps(
     topology: &Topology,
-    charts: Vec<Chart>,
+    islands: Vec<Island>,
     overlaps: &BTreeMap<u32, [u32; 2]>,
     measure: &Measure,
-) -> Vec<Chart> {
-    let parts = |(chart, number): (Chart, u32)| match overlaps.get(&number) {
-        Some(pair) => chart.cut(topology, *pair, measure),
-        None => vec![chart],
+) -> Vec<Island> {
+    let parts = |(island, number): (Island, u32)| match overlaps.get(&number) {
+        Some(pair) => island.cut(topology, *pair, measure),
+        None => vec![island],
     };
-    charts.into_iter().zip(0..).flat_map(parts).collect()
+    islands.into_iter().zip(0..).flat_map(parts).collect()
 }
 
 fn check(options: &UnwrapOptions) -> Result<()> {
@@ -149,19 +150,23 @@ fn check(options: &UnwrapOptions) -> Result<()> {
     Ok(())
 }
 
-/// Returns the chart of each triangle and the axis of each chart.
-fn charted(topology: &Topology, surface: f64, progress: Progress<'_>) -> Result<(Vec<u32>, Vec<Vec3<f64>>)> {
-    let (labels, count) = patches::patches(topology);
+/// Returns the UV island of each triangle and the axis of each UV island.
+fn joined_regions(
+    topology: &Topology,
+    surface: f64,
+    progress: Progress<'_>,
+) -> Result<(Vec<u32>, Vec<Vec3<f64>>)> {
+    let (labels, count) = regions::regions(topology);
     progress.at(0.3)?;
     let mut merger = Merger::new(topology, &labels, count);
     merger.join(&WIDE);
     merger.join(&Limits { small: CRUMB * surface, ..CRUMBS });
-    let (mut labels, axes) = merger.charts(&labels);
+    let (mut labels, axes) = merger.islands(&labels);
     borders::shorten(topology, &mut labels, &axes, &WIDE);
     Ok((labels, axes))
 }
 
-fn flat_charts(topology: &Topology, labels: &[u32], axes: &[Vec3<f64>], measure: &Measure) -> Vec<Chart> {
+fn flat_islands(topology: &Topology, labels: &[u32], axes: &[Vec3<f64>], measure: &Measure) -> Vec<Island> {
     let mut members = vec![Vec::new(); axes.len()];
     for (t, label) in labels.iter().enumerate().filter(|(_, label)| **label != NONE) {
         members[*label as usize].push(t as u32);
@@ -170,8 +175,8 @@ fn flat_charts(topology: &Topology, labels: &[u32], axes: &[Vec3<f64>], measure:
         true => Vec::new(),
         false => flatten::flatten(topology, triangles, *axis, measure),
     };
-    let charts: Vec<Vec<Chart>> = members.into_par_iter().zip(axes).map(flat).collect();
-    charts.into_iter().flatten().collect()
+    let islands: Vec<Vec<Island>> = members.into_par_iter().zip(axes).map(flat).collect();
+    islands.into_iter().flatten().collect()
 }
 
 /// A mesh that is to be laid flat on a map.
@@ -183,30 +188,29 @@ struct Flat<'a> {
 }
 
 impl Flat<'_> {
-    /// Returns the mesh with its vertices split between charts.
-    fn cut(&self, charts: &[Chart], layout: &Layout) -> Result<Unwrapped> {
-        let mut chart_of = vec![None; self.topology.len()];
-        for (chart, number) in charts.iter().zip(0u32..) {
-            chart.triangles.iter().for_each(|t| chart_of[*t as usize] = Some(number));
+    /// Returns the mesh with its vertices split between UV islands.
+    fn cut(&self, islands: &[Island], layout: &Layout) -> Result<Unwrapped> {
+        let mut island_of = vec![None; self.topology.len()];
+        for (island, number) in islands.iter().zip(0u32..) {
+            island.triangles.iter().for_each(|t| island_of[*t as usize] = Some(number));
         }
         let mut split = Split::default();
         let mut covered = 0.0;
-        for (t, chart) in chart_of.iter().enumerate() {
-            let places = match chart {
-                Some(chart) => {
-                    self.topology.corners[t].map(|p| layout.place(*chart, charts[*chart as usize].place(p)))
-                }
+        for (t, island) in island_of.iter().enumerate() {
+            let places = match island {
+                Some(island) => self.topology.corners[t]
+                    .map(|p| layout.place(*island, islands[*island as usize].place(p))),
                 None => [[0.0; 2]; 3],
             };
             covered += area(places);
             let uvs = places.map(|p| p.map(|v| (v / self.size) as f32));
-            split.add(self.mesh.triangles()[t], chart.unwrap_or(NONE), uvs);
+            split.add(self.mesh.triangles()[t], island.unwrap_or(NONE), uvs);
         }
-        let extent = Frame::of(self.mesh.positions()).extent;
+        let extent = UnitCube::of(self.mesh.positions()).extent;
         Ok(Unwrapped {
             mesh: split.mesh(self.mesh)?,
-            charts: charts.len(),
-            chart_of,
+            islands: islands.len(),
+            island_of,
             utilisation: covered / (self.size * self.size),
             texels_per_unit: layout.scale / extent,
         })
@@ -227,9 +231,9 @@ struct Split {
 }
 
 impl Split {
-    fn add(&mut self, triangle: [u32; 3], chart: u32, uvs: [[f32; 2]; 3]) {
+    fn add(&mut self, triangle: [u32; 3], island: u32, uvs: [[f32; 2]; 3]) {
         let mut corner = |k: usize| {
-            *self.numbers.entry((triangle[k], chart)).or_insert_with(|| {
+            *self.numbers.entry((triangle[k], island)).or_insert_with(|| {
                 self.sources.push(triangle[k]);
                 self.uvs.push(Vec2::new(uvs[k][0], uvs[k][1]));
                 self.sources.len() as u32 - 1

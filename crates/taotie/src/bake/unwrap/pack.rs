@@ -1,4 +1,4 @@
-//! Charts put into a square so that little of it is lost.
+//! UV islands put into a square so that little of it is lost.
 
 use super::mask::{Mask, Run};
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ const LARGE: usize = 4096;
 /// The number of rows of a mask that are held against the longest free runs before cells are looked at.
 const PROBES: usize = 8;
 
-/// The place of a chart: cells from the left and the top, after quarter turns to the right.
+/// The place of a UV island: cells from the left and the top, after quarter turns to the right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Placement {
     pub quarters: u8,
@@ -19,41 +19,41 @@ pub(super) struct Placement {
     pub y: u32,
 }
 
-/// The field that charts are put on, and what is needed around each.
+/// The bin that UV islands are packed into, and what is needed around each.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Field {
+pub(super) struct Bin {
     /// Cells across.
     pub width: u32,
-    /// Cells between charts.
+    /// Cells between UV islands.
     pub gap: u32,
     /// Cells down, at which the search is given up.
     pub most: u32,
 }
 
-/// Puts charts, each given in its four turns, on a field in the order of `order`: each as far up as it can be, then as
-/// far left. Gives the places and how many rows are used; `None` where a chart is wider than the field, or the
+/// Puts UV islands, each given in its four turns, into a bin in the order of `order`: each as far up as it can be, then
+/// as far left. Gives the places and how many rows are used; `None` where a UV island is wider than the bin, or the
 /// rows are more than the most.
 ///
-/// Law: charts lie at least `gap` cells apart.
-pub(super) fn pack(charts: &[[Mask; 4]], order: &[u32], field: &Field) -> Option<(Vec<Placement>, u32)> {
-    let mut board = Board::new(field);
-    let mut places = vec![Placement { quarters: 0, x: 0, y: 0 }; charts.len()];
+/// Law: UV islands lie at least `gap` cells apart.
+pub(super) fn pack(islands: &[[Mask; 4]], order: &[u32], bin: &Bin) -> Option<(Vec<Placement>, u32)> {
+    let mut board = Board::new(bin);
+    let mut places = vec![Placement { quarters: 0, x: 0, y: 0 }; islands.len()];
     let mut used = 0;
-    for chart in order {
-        let turns = &charts[*chart as usize];
+    for island in order {
+        let turns = &islands[*island as usize];
         let place = board.find(turns)?;
         let mask = &turns[place.quarters as usize];
         board.stamp(mask, place);
         used = used.max(place.y + mask.height());
-        if used > field.most {
+        if used > bin.most {
             return None;
         }
-        places[*chart as usize] = place;
+        places[*island as usize] = place;
     }
     Some((places, used))
 }
 
-/// Cells that are taken, each chart with its gap around it.
+/// Cells that are taken, each UV island with its gap around it.
 struct Board {
     width: u32,
     words: usize,
@@ -68,8 +68,8 @@ struct Board {
 }
 
 impl Board {
-    fn new(field: &Field) -> Self {
-        let gap = i64::from(field.gap);
+    fn new(bin: &Bin) -> Self {
+        let gap = i64::from(bin.gap);
         // Cells whose nearest points are less than the gap apart.
         let is_near = |dx: i64, dy: i64| {
             let [dx, dy] = [dx, dy].map(|d: i64| (d - 1).max(0));
@@ -77,8 +77,8 @@ impl Board {
         };
         let half = |dy: i64| (0..=gap).rev().find(|dx| is_near(*dx, dy));
         Self {
-            width: field.width,
-            words: field.width.div_ceil(64) as usize,
+            width: bin.width,
+            words: bin.width.div_ceil(64) as usize,
             taken: Vec::new(),
             free: Vec::new(),
             halves: (0..=gap).map_while(half).map(|half| half as u32).collect(),
@@ -90,7 +90,7 @@ impl Board {
         self.taken.get(y as usize * self.words..(y as usize + 1) * self.words)
     }
 
-    /// Returns the best place of a chart in any of its turns: the one that ends first.
+    /// Returns the best place of a UV island in any of its turns: the one that ends first.
     fn find(&mut self, turns: &[Mask; 4]) -> Option<Placement> {
         let place = |(quarters, mask): (u8, &Mask)| {
             let start = if mask.cells() < SMALL { self.known.get(mask).copied().unwrap_or(0) } else { 0 };
@@ -212,7 +212,7 @@ fn block(row: &[u64], [from, to]: Run, blocked: &mut [u64], scratch: &mut [u64])
     let mut covered = 1;
     while covered < length {
         let step = covered.min(length - covered);
-        spread(scratch, step);
+        dilate(scratch, step);
         covered += step;
     }
     blocked.iter_mut().zip(scratch).for_each(|(blocked, more)| *blocked |= *more);
@@ -229,7 +229,7 @@ fn shift(row: &[u64], by: u32, into: &mut [u64]) {
 }
 
 /// Sets what is `by` columns to the left of what is set too.
-fn spread(row: &mut [u64], by: u32) {
+fn dilate(row: &mut [u64], by: u32) {
     let (words, bits) = (by as usize / 64, by % 64);
     for i in 0..row.len() {
         let word = |k: usize| row.get(k).copied().unwrap_or(0);
@@ -249,10 +249,10 @@ mod tests {
         [flat.clone(), upright.clone(), flat, upright]
     }
 
-    /// Returns the cells of all charts, each drawn with its number.
-    fn drawn(charts: &[[Mask; 4]], places: &[Placement], size: [u32; 2]) -> Vec<String> {
+    /// Returns the cells of all UV islands, each drawn with its number.
+    fn drawn(islands: &[[Mask; 4]], places: &[Placement], size: [u32; 2]) -> Vec<String> {
         let mut cells = vec![vec!['.'; size[0] as usize]; size[1] as usize];
-        for ((turns, place), name) in charts.iter().zip(places).zip('a'..) {
+        for ((turns, place), name) in islands.iter().zip(places).zip('a'..) {
             for (y, row) in turns[place.quarters as usize].rows.iter().enumerate() {
                 for x in row.iter().flat_map(|[from, to]| *from..*to) {
                     let cell = &mut cells[place.y as usize + y][(place.x + x) as usize];
@@ -266,21 +266,21 @@ mod tests {
 
     #[test]
     fn rectangles_lie_side_by_side_with_their_gap() {
-        let charts = [rectangle(4, 2), rectangle(2, 2), rectangle(7, 1)];
-        let field = Field { width: 8, gap: 1, most: 100 };
-        let (places, used) = pack(&charts, &[0, 1, 2], &field).unwrap();
+        let islands = [rectangle(4, 2), rectangle(2, 2), rectangle(7, 1)];
+        let bin = Bin { width: 8, gap: 1, most: 100 };
+        let (places, used) = pack(&islands, &[0, 1, 2], &bin).unwrap();
         assert_eq!(used, 4);
-        assert_eq!(drawn(&charts, &places, [8, 4]), ["aaaa.bb.", "aaaa.bb.", "........", "ccccccc."]);
-        assert!(pack(&charts, &[0, 1, 2], &Field { most: 3, ..field }).is_none());
-        assert!(pack(&[rectangle(9, 9)], &[0], &field).is_none());
+        assert_eq!(drawn(&islands, &places, [8, 4]), ["aaaa.bb.", "aaaa.bb.", "........", "ccccccc."]);
+        assert!(pack(&islands, &[0, 1, 2], &Bin { most: 3, ..bin }).is_none());
+        assert!(pack(&[rectangle(9, 9)], &[0], &bin).is_none());
     }
 
     #[test]
-    fn a_small_chart_goes_into_a_hole() {
+    fn a_small_island_goes_into_a_hole() {
         let ring = |y: u32| if (1..9).contains(&y) { vec![[0, 1], [9, 10]] } else { vec![[0, 10]] };
         let ring = Mask { width: 10, rows: (0..10).map(ring).collect() };
-        let charts = [[ring.clone(), ring.clone(), ring.clone(), ring], rectangle(4, 4)];
-        let (places, used) = pack(&charts, &[0, 1], &Field { width: 10, gap: 2, most: 100 }).unwrap();
+        let islands = [[ring.clone(), ring.clone(), ring.clone(), ring], rectangle(4, 4)];
+        let (places, used) = pack(&islands, &[0, 1], &Bin { width: 10, gap: 2, most: 100 }).unwrap();
         assert_eq!((used, places[1]), (10, Placement { quarters: 0, x: 3, y: 3 }));
     }
 
@@ -297,14 +297,14 @@ mod tests {
 
     #[test]
     fn rows_over_many_words_are_searched_as_narrow_ones_are() {
-        let charts: Vec<[Mask; 4]> = (0..40).map(|i| rectangle(20 + 3 * i % 70, 5 + i % 7)).collect();
+        let islands: Vec<[Mask; 4]> = (0..40).map(|i| rectangle(20 + 3 * i % 70, 5 + i % 7)).collect();
         let order: Vec<u32> = (0..40).collect();
-        let (places, used) = pack(&charts, &order, &Field { width: 200, gap: 3, most: 1000 }).unwrap();
-        drawn(&charts, &places, [200, used]);
+        let (places, used) = pack(&islands, &order, &Bin { width: 200, gap: 3, most: 1000 }).unwrap();
+        drawn(&islands, &places, [200, used]);
         for (i, a) in places.iter().enumerate() {
             for (j, b) in places.iter().enumerate().skip(i + 1) {
                 let side = |p: &Placement, k: usize| {
-                    let mask = &charts[k][p.quarters as usize];
+                    let mask = &islands[k][p.quarters as usize];
                     [[p.x, p.x + mask.width], [p.y, p.y + mask.height()]]
                 };
                 let apart = |k: usize| {

@@ -1,11 +1,11 @@
 //! The topology of a mesh before it is cut: triangles, their neighbours and the directions that they face.
 
-use crate::bake::simplify::{Frame, places};
+use crate::bake::simplify::{UnitCube, places};
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 use rayon::prelude::*;
 
-/// Marks the absence of a triangle or a chart.
+/// Marks the absence of a triangle or a UV island.
 pub(super) const NONE: u32 = u32::MAX;
 /// Triangles scaled into the unit cube, with their neighbours.
 pub(super) struct Topology {
@@ -24,12 +24,12 @@ pub(super) struct Topology {
 
 impl Topology {
     pub fn new(mesh: &Mesh) -> Self {
-        let frame = Frame::of(mesh.positions());
+        let cube = UnitCube::of(mesh.positions());
         let places = places(mesh.positions());
         let on_places: Vec<[u32; 3]> =
             mesh.triangles().iter().map(|t| t.map(|v| places[v as usize])).collect();
         let corners: Vec<[Vec3<f64>; 3]> =
-            (0..on_places.len()).map(|t| mesh.corners(t).map(|p| frame.unit(p))).collect();
+            (0..on_places.len()).map(|t| mesh.corners(t).map(|p| cube.unit(p))).collect();
         let vectors: Vec<Vec3<f64>> =
             corners.iter().map(|[a, b, c]| (*b - *a).cross(*c - *a) * 0.5).collect();
         let areas: Vec<f64> = vectors.iter().map(|v| v.length()).collect();

@@ -10,7 +10,7 @@ mod features;
 mod spatial;
 
 use super::plane::Plane;
-use super::{Field, Picture};
+use super::{DisplayImage, Field};
 use crate::error::{Error, Result};
 use crate::math::{Vec3, scalar};
 use crate::parallel;
@@ -26,7 +26,7 @@ pub const PIXELS_PER_DEGREE: f32 = 67.020_64;
 ///
 /// # Errors
 /// [`Error::Invalid`] where the sizes differ or `pixels_per_degree` is outside [1, 1000].
-pub fn flip(reference: &Picture, test: &Picture, pixels_per_degree: f32) -> Result<Field> {
+pub fn flip(reference: &DisplayImage, test: &DisplayImage, pixels_per_degree: f32) -> Result<Field> {
     reference.check_same_size(test)?;
     if !(1.0..=1000.0).contains(&pixels_per_degree) {
         return Err(Error::invalid(
@@ -60,7 +60,7 @@ struct SeenPixel {
     features: [f64; 2],
 }
 
-fn seen(picture: &Picture, pixels_per_degree: f64) -> Seen {
+fn seen(picture: &DisplayImage, pixels_per_degree: f64) -> Seen {
     let encoded = |i: usize| Vec3::from_array(picture.pixels[i]).to_f64();
     let opponent = parallel::collect(picture.pixels.len(), |i| color::opponent_from_srgb(encoded(i)));
     let plane = |component: fn(&Vec3<f64>) -> f64| Plane::new(picture.width, &opponent, component);
@@ -77,19 +77,19 @@ fn seen(picture: &Picture, pixels_per_degree: f64) -> Seen {
 mod tests {
     use super::*;
 
-    fn flat(color: [f32; 3]) -> Picture {
-        Picture::new(24, 20, vec![color; 480]).unwrap()
+    fn flat(color: [f32; 3]) -> DisplayImage {
+        DisplayImage::new(24, 20, vec![color; 480]).unwrap()
     }
 
-    fn mean(a: &Picture, b: &Picture) -> f64 {
+    fn mean(a: &DisplayImage, b: &DisplayImage) -> f64 {
         flip(a, b, PIXELS_PER_DEGREE).unwrap().summary().unwrap().mean
     }
 
     /// Noise in colour, always the same.
-    fn noise(seed: u32) -> Picture {
+    fn noise(seed: u32) -> DisplayImage {
         let value = |i: u32, c: u32| ((i * 3 + c + seed).wrapping_mul(2_654_435_761) >> 24) as u8;
         let pixels: Vec<_> = (0..480).map(|i| [value(i, 0), value(i, 1), value(i, 2)]).collect();
-        Picture::from_8bit(24, 20, &pixels).unwrap()
+        DisplayImage::from_8bit(24, 20, &pixels).unwrap()
     }
 
     /// The largest difference of colour is that of green and blue (§4.1.3); black and white come close.
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_compared_is_refused() {
-        let small = Picture::new(1, 1, vec![[0.0; 3]]).unwrap();
+        let small = DisplayImage::new(1, 1, vec![[0.0; 3]]).unwrap();
         assert!(flip(&small, &flat([0.0; 3]), 67.0).unwrap_err().to_string().contains("24x20"));
         for wrong in [0.0, -1.0, f32::NAN, 1e6] {
             assert!(flip(&small, &small, wrong).is_err());

@@ -2,7 +2,7 @@
 
 use super::options::{DiffOptions, Metric};
 use super::pair::{ImageContent, ImagePair};
-use crate::compare::{self, Field, Picture, SSIM_WINDOW, Summary};
+use crate::compare::{self, DisplayImage, Field, SSIM_WINDOW, Summary};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 
@@ -62,7 +62,11 @@ impl ImagePair {
     }
 }
 
-fn of_pictures([a, b]: [&Picture; 2], options: &DiffOptions, progress: Progress<'_>) -> Result<DiffFigures> {
+fn of_pictures(
+    [a, b]: [&DisplayImage; 2],
+    options: &DiffOptions,
+    progress: Progress<'_>,
+) -> Result<DiffFigures> {
     let mut figures = DiffFigures::default();
     let asked = |metric| options.metric.is_none_or(|asked| asked == metric);
     if asked(Metric::Rmse) {

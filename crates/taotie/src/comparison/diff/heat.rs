@@ -2,7 +2,7 @@
 
 use super::options::{DiffOptions, Metric};
 use super::pair::{ImageContent, ImagePair};
-use crate::compare::{self, ColorMap, Field, Picture};
+use crate::compare::{self, ColorMap, DisplayImage, Field};
 use crate::error::Result;
 
 /// The difference at each pixel, with how it is to be shown.
@@ -56,7 +56,7 @@ fn angle(field: Field) -> DifferenceMap {
     DifferenceMap { field, title: "angle between normals", unit: "°", map: ColorMap::Viridis, top }
 }
 
-fn of_pictures([a, b]: [&Picture; 2], options: &DiffOptions) -> Result<DifferenceMap> {
+fn of_pictures([a, b]: [&DisplayImage; 2], options: &DiffOptions) -> Result<DifferenceMap> {
     let shown = |field, title, map, top| DifferenceMap { field, title, unit: "", map, top };
     Ok(match options.metric.unwrap_or(Metric::Flip) {
         Metric::Ssim => {

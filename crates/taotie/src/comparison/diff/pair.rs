@@ -1,7 +1,7 @@
 //! The content of two images: colours, or normals.
 
 use super::options::{DiffOptions, Encoding, Metric};
-use crate::compare::{NormalEncoding, Picture, StoredNormals, stored_normals, stored_picture};
+use crate::compare::{DisplayImage, NormalEncoding, StoredNormals, stored_normals, stored_picture};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Bitmap, Texels};
 use crate::surface::{NormalMapKind, is_normal_map};
@@ -63,7 +63,7 @@ pub struct ImagePair {
 #[derive(Debug, Clone)]
 pub enum ImageContent {
     /// Colours.
-    Pictures([Picture; 2]),
+    Pictures([DisplayImage; 2]),
     /// Normals, with how each image stores them.
     Normals([(StoredNormals, NormalEncoding); 2]),
 }
@@ -171,7 +171,7 @@ fn normals(image: NamedBitmap<'_>, encoding: NormalEncoding) -> Result<(StoredNo
     Ok((stored_normals(image.bitmap, encoding)?, encoding))
 }
 
-fn picture(image: NamedBitmap<'_>, options: &DiffOptions, warnings: &mut Warnings) -> Result<Picture> {
+fn picture(image: NamedBitmap<'_>, options: &DiffOptions, warnings: &mut Warnings) -> Result<DisplayImage> {
     let (picture, clipped) = stored_picture(image.bitmap, options.background)?;
     warnings.note(format!("{}: pixels beyond black or white are clipped", image.name), clipped);
     Ok(picture)

@@ -23,7 +23,7 @@ pub(super) fn read(document: &Document, nodes: &[Node], warnings: &mut Warnings)
     for (i, json) in document.animations.iter().enumerate() {
         let name = json.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
         let animation = Animation { name, ..Animation::default() };
-        let mut reader = Reader {
+        let mut reader = AnimationReader {
             document,
             nodes,
             json,
@@ -48,7 +48,8 @@ pub(super) fn read(document: &Document, nodes: &[Node], warnings: &mut Warnings)
     animations
 }
 
-struct Reader<'a> {
+/// Reads the channels of one animation.
+struct AnimationReader<'a> {
     document: &'a Document,
     nodes: &'a [Node],
     json: &'a Value,
@@ -59,7 +60,7 @@ struct Reader<'a> {
     seen: HashSet<(usize, Path)>,
 }
 
-impl Reader<'_> {
+impl AnimationReader<'_> {
     fn channel(&mut self, json: &Value) -> Reason<()> {
         let path = json.get("target").and_then(|target| target.get("path")).and_then(Value::as_str);
         if path == Some("pointer") {

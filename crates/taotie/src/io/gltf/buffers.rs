@@ -103,9 +103,9 @@ fn load_buffer(path: &Path, name: &str, index: usize) -> Result<Vec<u8>> {
     let wrong = |what: String| Err(Error::parse(path, format!("buffer {index}"), what));
     let short = uri::shortened(name);
     match uri::locate(name, path.parent().unwrap_or(Path::new(""))) {
-        Ok(uri::Source::Data { bytes, .. }) => Ok(bytes),
-        Ok(uri::Source::File(path)) if path.exists() => file::read(&path),
-        Ok(uri::Source::File(path)) => {
+        Ok(uri::ByteSource::Data { bytes, .. }) => Ok(bytes),
+        Ok(uri::ByteSource::File(path)) if path.exists() => file::read(&path),
+        Ok(uri::ByteSource::File(path)) => {
             wrong(format!("the file '{short}' is missing; put it at {}", path.display()))
         }
         Err(why) => wrong(format!("'{short}': {why}")),

@@ -56,13 +56,13 @@ pub(super) fn read_image(document: &Document, index: usize) -> std::result::Resu
     }
     let Some(address) = &image.uri else { return Err("it has neither uri nor bufferView".to_owned().into()) };
     match uri::locate(address, document.folder()).map_err(|why| format!("'{name}': {why}"))? {
-        uri::Source::Data { bytes, .. } => decode(&bytes),
-        uri::Source::File(path) if path.exists() => {
+        uri::ByteSource::Data { bytes, .. } => decode(&bytes),
+        uri::ByteSource::File(path) if path.exists() => {
             let bytes = file::read(&path).map_err(|e| e.to_string())?;
             let file_name = path.file_name().unwrap_or_default().to_string_lossy();
             decode_bitmap(&bytes, &file_name, &path).map_err(|e| e.to_string().into())
         }
-        uri::Source::File(_) => {
+        uri::ByteSource::File(_) => {
             Err(Unread { why: format!("the file '{name}' is missing"), missing: Some(name) })
         }
     }

@@ -3,12 +3,12 @@
 //! A layer whose factor switches it off is not there, so neither are its textures. The JSON of extensions that the
 //! parser does not know is read member by member: one that is wrong is left at its default, with a warning.
 
-use super::materials::Reader;
+use super::materials::MaterialReader;
 use crate::image::Encoding;
 use crate::scene::{Anisotropy, Clearcoat, Material, NormalMap, Sheen, Specular, TextureRef};
 use gltf::json::{Value, deserialize, extensions, material};
 
-impl Reader<'_, '_> {
+impl MaterialReader<'_, '_> {
     /// Fills in the values of the extensions.
     pub fn read_layers(&mut self, material: &mut Material) {
         let Some(extensions) = &self.json.extensions else { return };

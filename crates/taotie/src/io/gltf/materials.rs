@@ -14,7 +14,7 @@ pub(super) fn read(document: &Document, textures: &mut Textures, warnings: &mut 
     let mut materials: Vec<Material> = json
         .map(|(i, json)| {
             let name = json.name.clone().unwrap_or_else(|| format!("material {i}"));
-            Reader { json, textures, warnings, place: format!("material {i}") }.read(name)
+            MaterialReader { json, textures, warnings, place: format!("material {i}") }.read(name)
         })
         .collect();
     materials.push(default_material());
@@ -33,7 +33,7 @@ fn default_material() -> Material {
 }
 
 /// Reads one material.
-pub(super) struct Reader<'a, 'b> {
+pub(super) struct MaterialReader<'a, 'b> {
     /// The material that is read.
     pub json: &'a json::Material,
     textures: &'a mut Textures<'b>,
@@ -41,7 +41,7 @@ pub(super) struct Reader<'a, 'b> {
     place: String,
 }
 
-impl Reader<'_, '_> {
+impl MaterialReader<'_, '_> {
     fn read(&mut self, name: String) -> Material {
         let json = self.json;
         let pbr = &json.pbr_metallic_roughness;

@@ -17,7 +17,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// The source of bytes.
 #[derive(Debug, PartialEq)]
-pub(super) enum Source {
+pub(super) enum ByteSource {
     /// In the URI itself.
     Data {
         /// The media type, such as `image/png`; may be empty.
@@ -30,7 +30,7 @@ pub(super) enum Source {
 }
 
 /// Finds the source that `uri` names, seen from `folder`.
-pub(super) fn locate(uri: &str, folder: &Path) -> Reason<Source> {
+pub(super) fn locate(uri: &str, folder: &Path) -> Reason<ByteSource> {
     if let Some(data) = strip_scheme(uri, "data:") {
         return decode_data(data);
     }
@@ -44,7 +44,7 @@ pub(super) fn locate(uri: &str, folder: &Path) -> Reason<Source> {
     // Names written without encoding, or with the separators of Windows, are common.
     let candidates = [decoded.as_ref(), uri, &decoded.replace('\\', "/")].map(|name| folder.join(name));
     let found = candidates.iter().find(|path| path.exists()).unwrap_or(&candidates[0]);
-    Ok(Source::File(found.clone()))
+    Ok(ByteSource::File(found.clone()))
 }
 
 /// Returns a URI fit for one line of a message.
@@ -66,7 +66,7 @@ fn has_scheme(uri: &str) -> bool {
         && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
 }
 
-fn decode_data(data: &str) -> Reason<Source> {
+fn decode_data(data: &str) -> Reason<ByteSource> {
     let (header, body) = data.split_once(',').ok_or("a data URI without a comma")?;
     let mut parts = header.split(';');
     let media_type = parts.next().unwrap_or_default().to_ascii_lowercase();
@@ -76,7 +76,7 @@ fn decode_data(data: &str) -> Reason<Source> {
     } else {
         percent_decode_str(body).collect()
     };
-    Ok(Source::Data { media_type, bytes })
+    Ok(ByteSource::Data { media_type, bytes })
 }
 
 #[cfg(test)]
@@ -85,8 +85,8 @@ mod tests {
 
     fn data(uri: &str) -> Vec<u8> {
         match locate(uri, Path::new("")).unwrap() {
-            Source::Data { bytes, .. } => bytes,
-            Source::File(path) => panic!("{path:?}"),
+            ByteSource::Data { bytes, .. } => bytes,
+            ByteSource::File(path) => panic!("{path:?}"),
         }
     }
 
@@ -107,10 +107,10 @@ mod tests {
         let there = folder.path().join("a b/c%20d.bin");
         std::fs::write(&there, "").unwrap();
         for name in ["a%20b/c%2520d.bin", "a b/c%20d.bin"] {
-            assert_eq!(locate(name, folder.path()).unwrap(), Source::File(there.clone()), "{name}");
+            assert_eq!(locate(name, folder.path()).unwrap(), ByteSource::File(there.clone()), "{name}");
         }
         std::fs::write(folder.path().join("a b/e.bin"), "").unwrap();
-        let Ok(Source::File(found)) = locate("a b\\e.bin", folder.path()) else { panic!("a file") };
+        let Ok(ByteSource::File(found)) = locate("a b\\e.bin", folder.path()) else { panic!("a file") };
         assert!(found.exists());
     }
 

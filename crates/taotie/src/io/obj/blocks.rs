@@ -5,18 +5,18 @@ use super::super::text;
 /// Bytes of a block, or a line more.
 const BLOCK: usize = 1 << 20;
 
-/// The amount of a file before some place.
+/// An offset in a file, in lines and entries.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Place {
+pub(super) struct FileOffset {
     /// The number of lines.
     pub lines: usize,
     /// The numbers of positions, uvs and normals.
     pub counts: [usize; 3],
 }
 
-impl Place {
+impl FileOffset {
     /// Counts the content of `text`.
-    pub fn behind(text: &str) -> Self {
+    pub fn of(text: &str) -> Self {
         let mut counts = [0; 3];
         for (_, statement) in text::lines(text) {
             match split_keyword(&statement).0 {
@@ -29,7 +29,7 @@ impl Place {
         Self { lines: text.bytes().filter(|b| *b == b'\n').count(), counts }
     }
 
-    /// Goes on by `length` and returns the place so far.
+    /// Goes on by `length` and returns the offset so far.
     pub fn advance(&mut self, length: &Self) -> Self {
         let so_far = *self;
         self.lines += length.lines;

@@ -1,7 +1,7 @@
 //! MTL materials into the scene's.
 
 use super::mtl::{Channel, Map, Mtl};
-use super::textures::{Reader, Textures, combine};
+use super::textures::{ChannelReader, Textures, combine};
 use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
 use crate::scene::{
@@ -113,8 +113,8 @@ fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warning
         let is_float = color.as_ref().is_some_and(|b| b.bits() == 32);
         let encoding =
             if is_float { Encoding::Linear } else { colored.map_or(Encoding::Linear, color_encoding) };
-        let c = |i| color.as_ref().map(|b| Reader::new(b, Channel::Stored(i)));
-        let both = combine([c(0), c(1), c(2), Some(Reader::new(&opacity, channel))])?;
+        let c = |i| color.as_ref().map(|b| ChannelReader::new(b, Channel::Stored(i)));
+        let both = combine([c(0), c(1), c(2), Some(ChannelReader::new(&opacity, channel))])?;
         Some(Texture::new(both, encoding))
     });
     let Some(texture) = index else { return };
@@ -166,8 +166,8 @@ fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, 
             let default = Channel::Stored(if packed { packed_as } else { 0 });
             map.and_then(|m| m.channel).unwrap_or(default)
         };
-        let green = green.as_ref().map(|b| Reader::new(b, channel(rough, 1)));
-        let blue = blue.as_ref().map(|b| Reader::new(b, channel(metal, 2)));
+        let green = green.as_ref().map(|b| ChannelReader::new(b, channel(rough, 1)));
+        let blue = blue.as_ref().map(|b| ChannelReader::new(b, channel(metal, 2)));
         combine([None, green, blue, None]).map(|b| Texture::new(b, Encoding::Linear))
     });
     let Some(texture) = index else { return };
@@ -229,7 +229,7 @@ fn height_map(
         Some(channel) => {
             let key = format!("height {map:?} in {}", mtl.folder.display());
             textures.keyed(key, &map.file, |textures| {
-                let heights = Reader::new(textures.list[texture].bitmap(), channel);
+                let heights = ChannelReader::new(textures.list[texture].bitmap(), channel);
                 combine([Some(heights), None, None, None]).map(|b| Texture::new(b, Encoding::Linear))
             })?
         }

@@ -2,7 +2,7 @@
 
 use super::super::polygon::Cutter;
 use super::super::text::{self, quote};
-use super::blocks::{Place, blocks, split_keyword};
+use super::blocks::{FileOffset, blocks, split_keyword};
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::first;
@@ -58,10 +58,10 @@ pub(super) struct Obj {
 /// [`Error::Parse`] naming the line of the first number or index that cannot be used, and where there is no face.
 pub(super) fn parse(path: &Path, text: &str, warnings: &mut Warnings) -> Result<Obj> {
     let mut whole = Whole::default();
-    let mut place = Place::default();
+    let mut offset = FileOffset::default();
     for group in blocks(text).chunks(4 * rayon::current_num_threads()) {
-        let lengths = parallel::tasks(group.len(), &|i| Place::behind(group[i]));
-        let starts: Vec<Place> = lengths.iter().map(|length| place.advance(length)).collect();
+        let lengths = parallel::tasks(group.len(), &|i| FileOffset::of(group[i]));
+        let starts: Vec<FileOffset> = lengths.iter().map(|length| offset.advance(length)).collect();
         let read = |i: usize| Parser::new(starts[i]).block(group[i]);
         for parser in parallel::tasks(group.len(), &read) {
             let parser = parser.map_err(|(line, what)| Error::parse(path, format!("line {line}"), what))?;
@@ -84,7 +84,7 @@ const INHERITED: u32 = u32::MAX - 1;
 
 /// Reads one block.
 struct Parser {
-    start: Place,
+    start: FileOffset,
     /// The content of the block. Corners count from the start of the file, all else from that of the block.
     obj: Obj,
     warnings: Warnings,
@@ -95,7 +95,7 @@ struct Parser {
 }
 
 impl Parser {
-    fn new(start: Place) -> Self {
+    fn new(start: FileOffset) -> Self {
         Self {
             start,
             obj: Obj::default(),

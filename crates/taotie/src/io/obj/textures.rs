@@ -118,12 +118,12 @@ fn full_name(map: &Map, folder: &Path) -> String {
 }
 
 /// The channel that a map reads of an image, in [0, 1], at a position in [0, 1) by the nearest texel.
-pub(super) struct Reader<'a> {
+pub(super) struct ChannelReader<'a> {
     bitmap: &'a Bitmap,
     channel: Channel,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ChannelReader<'a> {
     pub(super) fn new(bitmap: &'a Bitmap, channel: Channel) -> Self {
         Self { bitmap, channel }
     }
@@ -143,7 +143,7 @@ impl<'a> Reader<'a> {
 
 /// Makes a linear image whose channels are read from others; `None` is 1 everywhere. It is as large as the largest of
 /// them and has 16 bits where one of them has more than 8.
-pub(super) fn combine(channels: [Option<Reader>; 4]) -> Option<Bitmap> {
+pub(super) fn combine(channels: [Option<ChannelReader>; 4]) -> Option<Bitmap> {
     let sources = || channels.iter().flatten().map(|r| r.bitmap);
     let size = (sources().map(Bitmap::width).max()?, sources().map(Bitmap::height).max()?);
     let deep = sources().any(|b| b.bits() > 8);
@@ -168,8 +168,8 @@ mod tests {
     fn combines_pictures_of_different_size() {
         let small = Bitmap::new(1, 1, 1, Texels::U8(vec![[51; 4]])).unwrap();
         let wide = Bitmap::new(2, 1, 3, Texels::U8(vec![[0, 7, 30, 255], [0, 9, 60, 255]])).unwrap();
-        let green = Reader::new(&small, Channel::Stored(0));
-        let blue = Reader::new(&wide, Channel::Mean);
+        let green = ChannelReader::new(&small, Channel::Stored(0));
+        let blue = ChannelReader::new(&wide, Channel::Mean);
         let both = combine([None, Some(green), Some(blue), None]).unwrap();
         assert_eq!(both.texels(), &Texels::U8(vec![[255, 51, 12, 255], [255, 51, 23, 255]]));
         assert!(combine([None, None, None, None]).is_none());

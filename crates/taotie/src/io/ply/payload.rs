@@ -1,4 +1,4 @@
-//! Rows of binary elements: their places, and the uses of their fields.
+//! Rows of binary elements: their places, and the uses of their properties.
 //!
 //! A scan is one long table of vertices and one of faces, so rows are never separate objects: they are found by one
 //! walk over the file, which notes where each block of them starts, and the blocks are decoded in parallel.
@@ -15,7 +15,7 @@ use std::path::Path;
 const BLOCK: usize = 1 << 15;
 
 /// One property of an element.
-pub(super) struct Field {
+pub(super) struct Property {
     role: Role,
     /// The type of a list's length; `None` where there is one number.
     length: Option<ScalarType>,
@@ -32,21 +32,21 @@ pub(super) struct Element<'a> {
     pub with_uvs: usize,
     bytes: Cow<'a, [u8]>,
     big_endian: bool,
-    fields: Vec<Field>,
+    properties: Vec<Property>,
     /// The start of each block in `bytes`.
     starts: Vec<usize>,
 }
 
 /// Some consecutive rows.
 pub(super) struct Rows<'a> {
-    fields: &'a [Field],
+    properties: &'a [Property],
     big_endian: bool,
     rest: &'a [u8],
     /// The number of rows left.
     pub left: usize,
 }
 
-/// The numbers of one field in one row.
+/// The numbers of one property in one row.
 #[derive(Clone, Copy)]
 pub(super) struct Values<'a> {
     /// The number of values.
@@ -80,29 +80,33 @@ impl<'a> Element<'a> {
     }
 
     fn new(path: &Path, definition: &ElementDef, bytes: Cow<'a, [u8]>, big_endian: bool) -> Result<Self> {
-        let fields = definition.properties.iter().map(|(name, property)| {
+        let properties = definition.properties.iter().map(|(name, property)| {
             let role = names::role(&definition.name, name, &property.data_type)
                 .map_err(|what| error(path, definition, what))?;
             let (length, scalar) = match &property.data_type {
                 PropertyType::Scalar(scalar) => (None, scalar),
                 PropertyType::List(length, scalar) => (Some(length.clone()), scalar),
             };
-            Ok(Field { role, length, scalar: scalar.clone() })
+            Ok(Property { role, length, scalar: scalar.clone() })
         });
-        let fields = fields.collect::<Result<Vec<Field>>>()?;
+        let properties = properties.collect::<Result<Vec<Property>>>()?;
         let (count, starts) = (definition.count, Vec::new());
-        Ok(Self { count, corners: 0, with_uvs: 0, bytes, big_endian, fields, starts })
+        Ok(Self { count, corners: 0, with_uvs: 0, bytes, big_endian, properties, starts })
     }
 
     /// Finds where blocks start, and the end of the last.
     fn walk(&mut self) -> std::result::Result<usize, String> {
-        if self.fields.iter().all(|field| field.length.is_none()) {
-            let row: usize = self.fields.iter().map(|field| size(&field.scalar)).sum();
+        if self.properties.iter().all(|property| property.length.is_none()) {
+            let row: usize = self.properties.iter().map(|property| size(&property.scalar)).sum();
             self.starts = (0..self.count).step_by(BLOCK).map(|i| i * row).collect();
             return Ok(self.count * row);
         }
-        let mut rows =
-            Rows { fields: &self.fields, big_endian: self.big_endian, rest: &self.bytes, left: self.count };
+        let mut rows = Rows {
+            properties: &self.properties,
+            big_endian: self.big_endian,
+            rest: &self.bytes,
+            left: self.count,
+        };
         while rows.left > 0 {
             let i = self.count - rows.left;
             if i.is_multiple_of(BLOCK) {
@@ -128,7 +132,7 @@ impl<'a> Element<'a> {
         mut take: impl FnMut(T) -> Result<()>,
     ) -> Result<()> {
         let rows = |block: usize| Rows {
-            fields: &self.fields,
+            properties: &self.properties,
             big_endian: self.big_endian,
             rest: &self.bytes[self.starts[block]..],
             left: BLOCK.min(self.count - block * BLOCK),
@@ -143,7 +147,7 @@ impl<'a> Element<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// Shows the fields of the next row; `false` where there is none.
+    /// Shows the properties of the next row; `false` where there is none.
     #[inline(always)]
     pub fn next(&mut self, see: impl FnMut(Role, Values<'a>)) -> bool {
         self.left > 0 && self.try_next(see).is_ok()
@@ -151,12 +155,12 @@ impl<'a> Rows<'a> {
 
     #[inline(always)]
     fn try_next(&mut self, mut see: impl FnMut(Role, Values<'a>)) -> std::result::Result<(), &'static str> {
-        for field in self.fields {
-            let count = match &field.length {
+        for property in self.properties {
+            let count = match &property.length {
                 None => 1,
                 Some(scalar) => length(self.take(1, scalar)?)?,
             };
-            see(field.role, self.take(count, &field.scalar)?);
+            see(property.role, self.take(count, &property.scalar)?);
         }
         self.left -= 1;
         Ok(())

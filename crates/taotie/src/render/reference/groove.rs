@@ -6,7 +6,7 @@ use super::super::columns::{Column, Column3, get3, set3};
 use super::super::draw::Draw;
 use super::super::model::takes_albedos;
 use super::super::normals::shade_normals;
-use super::super::point::SurfacePoint;
+use super::super::point::ShadingPoint;
 use super::super::settings::{GrazingNormals, RenderSettings};
 use super::settings::{NormalMapping, ReferenceSettings};
 use crate::math::{Pack, Vec3};
@@ -53,7 +53,7 @@ impl Grooves {
         }
         if takes_albedos(settings.shading) {
             albedos::look_up(level, settings, draw, batch);
-            // The lacquer lies over the groove: the true viewer sees it.
+            // The clearcoat lies over the groove: the true viewer sees it.
             for i in batch.entries() {
                 albedos::look_up_coat(draw.material, batch, i, get3(&self.v, i));
             }
@@ -70,14 +70,14 @@ pub(super) struct Groove<P> {
 
 impl<P: Pack> Groove<P> {
     #[inline(always)]
-    pub(super) fn new(at: Lanes<'_, P>, grooves: &Grooves, surface: &SurfacePoint<P>) -> Self {
+    pub(super) fn new(at: Lanes<'_, P>, grooves: &Grooves, surface: &ShadingPoint<P>) -> Self {
         let facets = Facets::new(at.load3(&at.batch.smooth), surface.n);
         Self { facets, u: at.load(&grooves.u) }
     }
 
     /// Radiance to the viewer per unit of irradiance from `l`, without clearcoat.
     #[inline(always)]
-    pub(super) fn reflect(&self, surface: &SurfacePoint<P>, l: Vec3<P>) -> Vec3<P> {
+    pub(super) fn reflect(&self, surface: &ShadingPoint<P>, l: Vec3<P>) -> Vec3<P> {
         let zero = l.x.lit(0.0);
         let mut sum = Vec3::splat(zero);
         for (way, share) in self.facets.ways(l) {

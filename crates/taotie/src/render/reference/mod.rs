@@ -3,22 +3,22 @@
 //!
 //! A path begins at a point of a pixel, chosen evenly, and meets surfaces (see [`surfaces`]). At each it gathers
 //! light directly: from every point, spot and directional light by a shadow ray, and from the environment in two ways
-//! that are weighed against each other: towards where it is bright, and where the surface reflects much ([`respond`]).
+//! that are weighed against each other: towards where it is bright, and where the surface reflects much ([`evaluate`]).
 //! Then it goes on in the second direction. Reflection is
-//! [`SurfacePoint::reflect`](super::point::SurfacePoint::reflect), so that every named model works, physical or not.
+//! [`ShadingPoint::reflect`](super::point::ShadingPoint::reflect), so that every named model works, physical or not.
 //! Textures are read at their finest level, since a pixel's many paths average them.
 //!
 //! The following is the same as in the rasteriser, so that direct light is equal: interpolation, normals, the origins
 //! of shadow rays, and that light behind the shading normal counts as shadowed. One thing differs: blended surfaces let
 //! light through in proportion to what they lack, while the rasteriser's cast no shadow.
 
+mod environment;
+mod evaluate;
 mod groove;
-mod patch;
-mod respond;
+mod image_tile;
 mod scatter;
 mod settings;
 mod surfaces;
-mod surround;
 mod tracer;
 mod walk;
 
@@ -53,17 +53,17 @@ pub fn reference(
     let draws = ready.draws();
     let tracer = Tracer::new(ready, &draws, shot, paths)?;
     let mut frame = Frame::new(shot.settings)?;
-    let patches = patch::patches(shot.settings);
+    let tiles = image_tile::tiles(shot.settings);
     // How many there are between two reports changes no pixel.
     let at_once = 8 * rayon::current_num_threads();
     let mut done = 0;
-    for part in patches.chunks(at_once) {
-        let pictures = parallel::tasks(part.len(), &|i| tracer.patch(&part[i]));
-        for (patch, picture) in part.iter().zip(&pictures) {
-            picture.store(patch, &mut frame);
+    for part in tiles.chunks(at_once) {
+        let images = parallel::tasks(part.len(), &|i| tracer.tile(&part[i]));
+        for (tile, pixels) in part.iter().zip(&images) {
+            pixels.store(tile, &mut frame);
         }
         done += part.len();
-        progress.at(done as f64 / patches.len() as f64)?;
+        progress.at(done as f64 / tiles.len() as f64)?;
     }
     Ok(frame)
 }

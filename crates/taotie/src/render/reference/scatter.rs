@@ -1,7 +1,7 @@
 //! Chooses where a surface sends paths: as its base reflects, or as its clearcoat does.
 
 use super::super::layers::Coat;
-use super::super::point::SurfacePoint;
+use super::super::point::ShadingPoint;
 use super::groove::Groove;
 use crate::math::{Lane, Pack, Vec3};
 use crate::shade::coat_fresnel;
@@ -10,7 +10,7 @@ use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrore
 
 /// The distribution of directions in which a surface point sends paths.
 pub(super) struct Scatter<'s, L> {
-    base: Frame<L>,
+    base: ShadingFrame<L>,
     lobes: Lobes<L>,
     coat: Option<CoatLobe<L>>,
     groove: Option<&'s Groove<L>>,
@@ -18,14 +18,14 @@ pub(super) struct Scatter<'s, L> {
 
 /// The clearcoat's own lobe.
 struct CoatLobe<L> {
-    frame: Frame<L>,
+    frame: ShadingFrame<L>,
     alpha: L,
     /// The probability with which it is chosen, (0, 1).
     share: L,
 }
 
 /// A normal's own space, and the viewer in it.
-struct Frame<L> {
+struct ShadingFrame<L> {
     t: Vec3<L>,
     b: Vec3<L>,
     n: Vec3<L>,
@@ -36,18 +36,18 @@ struct Frame<L> {
 impl<'s, P: Pack> Scatter<'s, P> {
     /// Makes the distribution; `v` is where the viewer truly is; the surface may be seen in the mirror of its groove.
     #[inline(always)]
-    pub(super) fn new(surface: &SurfacePoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
+    pub(super) fn new(surface: &ShadingPoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
         let n = surface.n.normalize_or(surface.v);
-        let t = match &surface.stretch {
-            Some(stretch) => stretch.tangent,
+        let t = match &surface.anisotropic {
+            Some(lobe) => lobe.tangent,
             None => n.any_perpendicular(),
         };
-        let base = Frame::new(n, t, surface.v);
-        let mut lobes = Lobes::of(surface.shading, &surface.substance, base.v.z);
-        if let Some(stretch) = &surface.stretch {
-            lobes.alpha = [stretch.along, stretch.across];
+        let base = ShadingFrame::new(n, t, surface.v);
+        let mut lobes = Lobes::of(surface.shading, &surface.sample, base.v.z);
+        if let Some(lobe) = &surface.anisotropic {
+            lobes.alpha = [lobe.along, lobe.across];
         }
-        if surface.fibres.is_some() {
+        if surface.sheen.is_some() {
             lobes.glossy = lobes.glossy * n.x.lit(0.5);
         }
         let coat = surface.coat.as_ref().map(|coat| CoatLobe::new(coat, v, surface));
@@ -87,17 +87,17 @@ impl<'s, P: Pack> Scatter<'s, P> {
 
 impl<P: Pack> CoatLobe<P> {
     #[inline(always)]
-    fn new(coat: &Coat<P>, v: Vec3<P>, surface: &SurfacePoint<P>) -> Self {
-        let frame = Frame::new(coat.n, coat.n.any_perpendicular(), v);
+    fn new(coat: &Coat<P>, v: Vec3<P>, surface: &ShadingPoint<P>) -> Self {
+        let frame = ShadingFrame::new(coat.n, coat.n.any_perpendicular(), v);
         let reflected = coat.factor * coat_fresnel(frame.v.z.clamp(0.0, 1.0));
-        let Vec3 { x, y, z } = surface.substance.base_color + surface.substance.f0;
+        let Vec3 { x, y, z } = surface.sample.base_color + surface.sample.f0;
         let below = (x + y + z) * x.lit(1.0 / 3.0);
         let share = (reflected / (reflected + below).max(x.lit(1e-6))).clamp(0.1, 0.9);
         Self { frame, alpha: alpha_from_roughness(coat.roughness), share }
     }
 }
 
-impl<L: Lane> Frame<L> {
+impl<L: Lane> ShadingFrame<L> {
     /// Makes the frame; `n`, `t` and `v` unit, world space; `t` at a right angle to `n`.
     #[inline(always)]
     fn new(n: Vec3<L>, t: Vec3<L>, v: Vec3<L>) -> Self {

@@ -9,7 +9,7 @@ use crate::trace::{Hit, Ray};
 
 /// The point where a ray met a surface.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Meeting {
+pub(super) struct Intersection {
     pub draw: u32,
     /// The triangle's number over all draws.
     pub triangle: u32,
@@ -41,7 +41,7 @@ impl Sight<'_> {
         limit: f32,
         camera: bool,
         chance: impl FnOnce() -> f32,
-    ) -> Option<Meeting> {
+    ) -> Option<Intersection> {
         let seen = |hit: &Hit| {
             let draw = self.draw(hit);
             let culled = camera && !draw.material.double_sided && !from_front(draw, hit, ray);
@@ -53,7 +53,7 @@ impl Sight<'_> {
         }
         let draw = self.draws.number_of(hit.triangle);
         let front = from_front(&self.draws.all[draw], &hit, ray);
-        Some(Meeting { draw: draw as u32, triangle: hit.triangle, weights: hit.weights, front })
+        Some(Intersection { draw: draw as u32, triangle: hit.triangle, weights: hit.weights, front })
     }
 
     /// Goes from one surface to the next until one is there. What remains of the chance is as evenly distributed as it

@@ -2,16 +2,16 @@
 
 use super::super::draw::{Draw, Draws};
 use super::super::ground::Ground;
+use super::super::light_source::LightSource;
 use super::super::model::as_taken;
 use super::super::prepare::Ready;
 use super::super::rays::CameraRays;
 use super::super::settings::{RenderSettings, Shot};
-use super::super::source::Source;
 use super::super::tree::Casters;
 use super::super::view::View;
+use super::environment::WorldEnvironment;
 use super::settings::ReferenceSettings;
 use super::surfaces::Sight;
-use super::surround::Surround;
 use crate::error::Result;
 use crate::math::Vec3;
 use fearless_simd::Level;
@@ -22,16 +22,16 @@ pub(super) struct Tracer<'t> {
     pub sight: Sight<'t>,
     pub view: View,
     pub camera: CameraRays,
-    pub sources: Vec<Source>,
+    pub sources: Vec<LightSource>,
     pub ambient: Vec3,
     pub ground: Option<Ground>,
-    pub surround: Option<Surround<'t>>,
+    pub environment: Option<WorldEnvironment<'t>>,
     /// The settings, as the model takes them.
     pub settings: RenderSettings,
     pub reference: ReferenceSettings,
     pub level: Level,
     /// The height above the surface at which rays start, model units.
-    pub lift: f32,
+    pub ray_offset: f32,
     /// `true` where any surface emits light.
     pub emitters: bool,
 }
@@ -62,14 +62,14 @@ impl<'t> Tracer<'t> {
             sight: Sight { draws, tree },
             view,
             camera,
-            sources: lighting.lights.iter().map(Source::new).collect(),
+            sources: lighting.lights.iter().map(LightSource::new).collect(),
             ambient: lighting.ambient,
             ground: bounds.map(ground),
-            surround: lighting.environment.as_ref().map(Surround::new),
+            environment: lighting.environment.as_ref().map(WorldEnvironment::new),
             settings,
             reference: *paths,
             level,
-            lift: ready.lift(),
+            ray_offset: ready.ray_offset(),
             emitters: draws.all.iter().any(Draw::shines),
         })
     }

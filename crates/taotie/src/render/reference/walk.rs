@@ -6,10 +6,10 @@ use super::super::corners::Run;
 use super::super::draw::Draw;
 use super::super::interpolate::Interpolation;
 use super::super::point::complete;
+use super::evaluate::{BsdfBatch, BsdfQuery, evaluate};
 use super::groove::is_grooved;
-use super::respond::{Exchange, Question, respond};
 use super::settings::EnvironmentSampling;
-use super::surfaces::Meeting;
+use super::surfaces::Intersection;
 use super::tracer::Tracer;
 use crate::math::Vec3;
 use crate::math::sequence::{Sequence, hash};
@@ -25,7 +25,7 @@ const LEAST_CHANCE: f32 = 0.05;
 
 /// A path of light, followed against the light from the camera on.
 pub(super) struct Path {
-    /// Its pixel in the patch.
+    /// Its pixel in the tile.
     pub pixel: u32,
     /// Its number among the pixel's.
     pub index: u32,
@@ -50,25 +50,25 @@ pub(super) struct Path {
     pub coverage: f32,
 }
 
-/// Memory that the paths of a patch use one after another.
-pub(super) struct Workspace {
+/// Memory that the paths of a tile use one after another.
+pub(super) struct PathScratch {
     batch: Box<Batch>,
-    exchange: Box<Exchange>,
+    bsdf: Box<BsdfBatch>,
     origins: [Vec3; BATCH],
     sky: Vec<EnvironmentSample>,
-    meetings: Vec<(u32, Meeting)>,
+    intersections: Vec<(u32, Intersection)>,
     /// The paths that go on.
     alive: Vec<u32>,
 }
 
-impl Workspace {
+impl PathScratch {
     pub(super) fn new(sources: usize) -> Self {
         Self {
             batch: Batch::new(0),
-            exchange: Exchange::new(sources),
+            bsdf: BsdfBatch::new(sources),
             origins: [Vec3::default(); BATCH],
             sky: Vec::new(),
-            meetings: Vec::new(),
+            intersections: Vec::new(),
             alive: Vec::new(),
         }
     }
@@ -80,55 +80,56 @@ struct Stop<'s> {
     depth: u32,
     draw: &'s Draw<'s>,
     /// The path's number, and where it is.
-    meetings: &'s [(u32, Meeting)],
+    intersections: &'s [(u32, Intersection)],
 }
 
 impl Stop<'_> {
     /// The path's number and its place of entry `i` of a batch. Packs read on to the next multiple of eight: there the
     /// last is repeated.
-    fn entry(&self, i: usize) -> &(u32, Meeting) {
-        &self.meetings[i.min(self.meetings.len() - 1)]
+    fn entry(&self, i: usize) -> &(u32, Intersection) {
+        &self.intersections[i.min(self.intersections.len() - 1)]
     }
 }
 
-/// Receives what the camera sees: the path, the batch with its normals, the entry, and the triangle's number.
-pub(super) type Witness<'w> = dyn FnMut(&Path, &Batch, usize, u32) + 'w;
+/// A sink of output variables that receives what the camera sees: the path, the batch with its normals, the entry, and
+/// the triangle's number.
+pub(super) type AovSink<'w> = dyn FnMut(&Path, &Batch, usize, u32) + 'w;
 
 impl Tracer<'_> {
     /// Follows all paths to their ends.
-    pub(super) fn walk(&self, paths: &mut [Path], work: &mut Workspace, witness: &mut Witness<'_>) {
+    pub(super) fn walk(&self, paths: &mut [Path], work: &mut PathScratch, sink: &mut AovSink<'_>) {
         work.alive.clear();
         work.alive.extend(0..paths.len() as u32);
         let mut depth = 0;
         while !work.alive.is_empty() {
             self.cast(depth, paths, work);
             work.alive.clear();
-            let meetings = std::mem::take(&mut work.meetings);
-            for same_draw in meetings.chunk_by(|(_, a), (_, b)| a.draw == b.draw) {
+            let intersections = std::mem::take(&mut work.intersections);
+            for same_draw in intersections.chunk_by(|(_, a), (_, b)| a.draw == b.draw) {
                 let draw = &self.draws.all[same_draw[0].1.draw as usize];
-                for meetings in same_draw.chunks(BATCH) {
-                    self.meet(&Stop { depth, draw, meetings }, paths, work, witness);
+                for intersections in same_draw.chunks(BATCH) {
+                    self.meet(&Stop { depth, draw, intersections }, paths, work, sink);
                 }
             }
-            work.meetings = meetings;
+            work.intersections = intersections;
             depth += 1;
         }
     }
 
     /// Follows the rays of the living paths to the surfaces that they meet, sorted by draw.
-    fn cast(&self, depth: u32, paths: &mut [Path], work: &mut Workspace) {
-        work.meetings.clear();
+    fn cast(&self, depth: u32, paths: &mut [Path], work: &mut PathScratch) {
+        work.intersections.clear();
         for index in &work.alive {
             let path = &mut paths[*index as usize];
             let ray = Ray::new(path.origin, path.direction);
             match self.sight.nearest(&ray, path.limit, depth == 0, || path.chance(depth)) {
                 // It went through the surface that it left from.
-                Some(meeting) if path.below && !meeting.front => {}
-                Some(meeting) => work.meetings.push((*index, meeting)),
+                Some(intersection) if path.below && !intersection.front => {}
+                Some(intersection) => work.intersections.push((*index, intersection)),
                 None => self.escape(depth, path),
             }
         }
-        work.meetings.sort_by_key(|(_, meeting)| meeting.draw);
+        work.intersections.sort_by_key(|(_, intersection)| intersection.draw);
     }
 
     /// Ends a path that meets no surface.
@@ -139,15 +140,15 @@ impl Tracer<'_> {
             let dark = ground.shadow_along(path.origin, path.direction);
             (path.throughput, path.coverage) = (path.throughput * (1.0 - dark), dark);
         }
-        let Some(surround) = &self.surround else { return };
+        let Some(environment) = &self.environment else { return };
         let weight = match self.reference.environment {
-            _ if depth == 0 => f32::from(u8::from(surround.visible)),
-            EnvironmentSampling::Combined => power_heuristic(path.pdf, surround.pdf(path.direction)),
+            _ if depth == 0 => f32::from(u8::from(environment.visible)),
+            EnvironmentSampling::Combined => power_heuristic(path.pdf, environment.pdf(path.direction)),
             EnvironmentSampling::ByLight => 0.0,
             EnvironmentSampling::BySurface => 1.0,
         };
         if weight > 0.0 {
-            path.light += path.throughput.mul_elements(surround.radiance(path.direction)) * weight;
+            path.light += path.throughput.mul_elements(environment.radiance(path.direction)) * weight;
         }
         if depth == 0 && weight > 0.0 {
             path.coverage = 1.0;
@@ -155,17 +156,17 @@ impl Tracer<'_> {
     }
 
     /// Gathers light where paths meet surfaces of one draw, and sends them on.
-    fn meet(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut Workspace, witness: &mut Witness<'_>) {
+    fn meet(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut PathScratch, sink: &mut AovSink<'_>) {
         if self.is_last(stop) && !stop.draw.shines() {
             return;
         }
         self.gather(stop, paths, work);
         self.complete(stop, paths, work);
         if stop.depth == 0 {
-            for (i, (index, meeting)) in stop.meetings.iter().enumerate() {
+            for (i, (index, intersection)) in stop.intersections.iter().enumerate() {
                 let path = &mut paths[*index as usize];
                 path.coverage = 1.0;
-                witness(path, &work.batch, i, meeting.triangle);
+                sink(path, &work.batch, i, intersection.triangle);
             }
         }
         if stop.draw.material.unlit {
@@ -181,12 +182,12 @@ impl Tracer<'_> {
     }
 
     /// Adds the light that surfaces emit and reflect, and sends paths on.
-    fn light(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut Workspace) {
+    fn light(&self, stop: &Stop<'_>, paths: &mut [Path], work: &mut PathScratch) {
         let last = self.is_last(stop);
         if !last {
             self.choose(stop, paths, work);
         }
-        let question = Question {
+        let query = BsdfQuery {
             depth: stop.depth,
             shading: self.settings.shading,
             material: stop.draw.material,
@@ -197,11 +198,11 @@ impl Tracer<'_> {
             onward: !last && self.goes_on(stop.depth),
             grooved: is_grooved(&self.reference, stop.draw),
         };
-        respond(self.level, &question, &work.batch, &mut work.exchange);
-        for (i, (index, _)) in stop.meetings.iter().enumerate() {
+        evaluate(self.level, &query, &work.batch, &mut work.bsdf);
+        for (i, (index, _)) in stop.intersections.iter().enumerate() {
             let path = &mut paths[*index as usize];
-            self.gain(&question, i, path, work);
-            if question.onward && self.send_on(stop.depth, i, path, work) {
+            self.gain(&query, i, path, work);
+            if query.onward && self.send_on(stop.depth, i, path, work) {
                 work.alive.push(*index);
             }
         }
@@ -209,11 +210,11 @@ impl Tracer<'_> {
 
     /// Says whether anything may be found beyond the surface.
     fn goes_on(&self, depth: u32) -> bool {
-        depth < self.reference.bounces || self.surround.is_some() || self.emitters
+        depth < self.reference.bounces || self.environment.is_some() || self.emitters
     }
 
     /// Fills the batch, and where rays leave from.
-    fn gather(&self, stop: &Stop<'_>, paths: &[Path], work: &mut Workspace) {
+    fn gather(&self, stop: &Stop<'_>, paths: &[Path], work: &mut PathScratch) {
         let interpolation = Interpolation {
             level: self.level,
             scene: self.draws.scene,
@@ -222,88 +223,89 @@ impl Tracer<'_> {
             takes_roughness: true,
         };
         let batch = &mut work.batch;
-        batch.len = stop.meetings.len();
+        batch.len = stop.intersections.len();
         batch.both_sides = stop.depth > 0;
         batch.runs.clear();
-        for (i, (index, meeting)) in stop.meetings.iter().enumerate() {
-            batch.runs.push(Run { triangle: meeting.triangle, start: i, end: i + 1 });
-            set3(&mut batch.weights, i, Vec3::from_array(meeting.weights));
+        for (i, (index, intersection)) in stop.intersections.iter().enumerate() {
+            batch.runs.push(Run { triangle: intersection.triangle, start: i, end: i + 1 });
+            set3(&mut batch.weights, i, Vec3::from_array(intersection.weights));
             set3(&mut batch.v, i, -paths[*index as usize].direction);
         }
         let eye = (stop.depth == 0).then_some(self.view.eye);
         interpolation.fill(eye, batch);
-        work.origins = interpolation.origins(self.lift, batch);
+        work.origins = interpolation.origins(self.ray_offset, batch);
     }
 
     /// Fills the batch with what does not come by interpolation.
-    fn complete(&self, stop: &Stop<'_>, paths: &[Path], work: &mut Workspace) {
+    fn complete(&self, stop: &Stop<'_>, paths: &[Path], work: &mut PathScratch) {
         if !is_grooved(&self.reference, stop.draw) {
             complete(self.level, &self.settings, stop.draw, &mut work.batch);
             return;
         }
         for i in work.batch.entries() {
             let path = &paths[stop.entry(i).0 as usize];
-            work.exchange.grooves.u[i] = path.sequence.four(path.index, 2 + 2 * stop.depth)[3];
+            work.bsdf.grooves.u[i] = path.sequence.four(path.index, 2 + 2 * stop.depth)[3];
         }
-        work.exchange.grooves.complete(self.level, &self.settings, stop.draw, &mut work.batch);
+        work.bsdf.grooves.complete(self.level, &self.settings, stop.draw, &mut work.batch);
     }
 
     /// Chooses numbers and directions to the environment.
-    fn choose(&self, stop: &Stop<'_>, paths: &[Path], work: &mut Workspace) {
+    fn choose(&self, stop: &Stop<'_>, paths: &[Path], work: &mut PathScratch) {
         work.sky.clear();
-        let surround = self.surround.filter(|_| self.reference.environment != EnvironmentSampling::BySurface);
-        for (i, (index, _)) in stop.meetings.iter().enumerate() {
+        let environment =
+            self.environment.filter(|_| self.reference.environment != EnvironmentSampling::BySurface);
+        for (i, (index, _)) in stop.intersections.iter().enumerate() {
             let path = &paths[*index as usize];
             let [a, b, c, _] = path.sequence.four(path.index, 1 + 2 * stop.depth);
-            set3(&mut work.exchange.u, i, Vec3::new(a, b, c));
-            if let Some(surround) = surround {
+            set3(&mut work.bsdf.u, i, Vec3::new(a, b, c));
+            if let Some(environment) = environment {
                 let [a, b, ..] = path.sequence.four(path.index, 2 + 2 * stop.depth);
-                let sample = surround.sample([a, b]);
-                set3(&mut work.exchange.to_sky, i, sample.direction);
+                let sample = environment.sample([a, b]);
+                set3(&mut work.bsdf.to_sky, i, sample.direction);
                 work.sky.push(sample);
             }
         }
     }
 
     /// Adds the light that entry `i` emits and reflects from lights and environment.
-    fn gain(&self, question: &Question<'_>, i: usize, path: &mut Path, work: &Workspace) {
+    fn gain(&self, query: &BsdfQuery<'_>, i: usize, path: &mut Path, work: &PathScratch) {
         let origin = work.origins[i];
-        let mut light = get3(&work.exchange.own, i);
-        for (number, (source, lit)) in question.sources.iter().zip(&work.exchange.lit).enumerate() {
+        let mut light = get3(&work.bsdf.own, i);
+        for (number, (source, lit)) in query.sources.iter().zip(&work.bsdf.lit).enumerate() {
             let reflected = get3(lit, i);
             if reflected == Vec3::default() {
                 continue;
             }
             let ray = Ray::new(origin, source.ray_from(origin));
-            let chance = path.shadow(question.depth, 1 + number as u32);
+            let chance = path.shadow(query.depth, 1 + number as u32);
             if !self.settings.shadows || self.sight.is_free(&ray, source.ray_limit(), chance) {
                 light += reflected;
             }
         }
-        if question.sky {
-            light += self.sky_light(question.depth, i, path, work);
+        if query.sky {
+            light += self.sky_light(query.depth, i, path, work);
         }
         path.light += path.throughput.mul_elements(light);
     }
 
-    fn sky_light(&self, depth: u32, i: usize, path: &Path, work: &Workspace) -> Vec3 {
+    fn sky_light(&self, depth: u32, i: usize, path: &Path, work: &PathScratch) -> Vec3 {
         let sample = &work.sky[i];
-        let reflected = get3(&work.exchange.from_sky, i).mul_elements(sample.radiance);
+        let reflected = get3(&work.bsdf.from_sky, i).mul_elements(sample.radiance);
         let ray = Ray::new(work.origins[i], sample.direction);
         if reflected == Vec3::default() || !self.sight.is_free(&ray, f32::INFINITY, path.shadow(depth, 0)) {
             return Vec3::default();
         }
         let weight = match self.reference.environment {
-            EnvironmentSampling::Combined => power_heuristic(sample.pdf, work.exchange.sky_pdf[i]),
+            EnvironmentSampling::Combined => power_heuristic(sample.pdf, work.bsdf.sky_pdf[i]),
             _ => 1.0,
         };
         reflected * (weight / sample.pdf)
     }
 
     /// Turns the path of entry `i` into its next direction; returns whether it goes on.
-    fn send_on(&self, depth: u32, i: usize, path: &mut Path, work: &Workspace) -> bool {
-        let pdf = work.exchange.onward_pdf[i];
-        let reflected = get3(&work.exchange.from_onward, i);
+    fn send_on(&self, depth: u32, i: usize, path: &mut Path, work: &PathScratch) -> bool {
+        let pdf = work.bsdf.onward_pdf[i];
+        let reflected = get3(&work.bsdf.from_onward, i);
         if pdf <= 0.0 || reflected == Vec3::default() {
             return false;
         }
@@ -318,7 +320,7 @@ impl Tracer<'_> {
             path.throughput = path.throughput * (1.0 / survives);
         }
         path.origin = work.origins[i];
-        path.direction = get3(&work.exchange.onward, i);
+        path.direction = get3(&work.bsdf.onward, i);
         path.limit = f32::INFINITY;
         path.pdf = pdf;
         path.below = get3(&work.batch.n_geom, i).dot(path.direction) < 0.0;
@@ -327,9 +329,9 @@ impl Tracer<'_> {
 }
 
 /// Adds the light that unlit surfaces emit.
-fn show_color(stop: &Stop<'_>, paths: &mut [Path], work: &Workspace) {
+fn show_color(stop: &Stop<'_>, paths: &mut [Path], work: &PathScratch) {
     let [r, g, b, _] = stop.draw.material.base_color;
-    for (i, (index, _)) in stop.meetings.iter().enumerate() {
+    for (i, (index, _)) in stop.intersections.iter().enumerate() {
         let path = &mut paths[*index as usize];
         let color = get3(&work.batch.tint, i).mul_elements(Vec3::new(r, g, b));
         path.light += path.throughput.mul_elements(color);

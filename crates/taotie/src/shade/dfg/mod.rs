@@ -68,7 +68,7 @@ pub fn of_cook_torrance(n_dot_v: f32, slope: f32) -> Dfg<f32> {
 /// roughness below 0.3.
 ///
 /// `n_dot_v` and `roughness` in [0, 1].
-/// Law: within 1 % of the quadrature (`laws::energy::fibres_reflect_what_their_table_says_and_no_more_than_arrives`).
+/// Law: within 1 % of the quadrature (`laws::energy::sheen_reflects_what_its_table_says_and_no_more_than_arrives`).
 pub fn of_sheen(n_dot_v: f32, roughness: f32) -> f32 {
     bilinear(&sheen::TABLE, n_dot_v, roughness)[0]
 }
@@ -88,9 +88,9 @@ pub fn row_roughness(j: usize) -> f64 {
     j as f64 / (ROWS - 1) as f64
 }
 
-/// The place at which a table is read.
+/// The position at which a table is read.
 #[derive(Debug, Clone, Copy)]
-pub struct Place<L> {
+pub struct TablePosition<L> {
     /// The node below, an integer: its row times [`COLUMNS`] plus its column.
     pub node: L,
     /// The fraction of the way from this node to the next along the cosine, [0, 1].
@@ -99,8 +99,8 @@ pub struct Place<L> {
     pub down: L,
 }
 
-impl<L: Lane> Place<L> {
-    /// Finds the place for `n_dot_v` and `roughness` in [0, 1].
+impl<L: Lane> TablePosition<L> {
+    /// Finds the position for `n_dot_v` and `roughness` in [0, 1].
     #[inline(always)]
     pub fn of_ggx(n_dot_v: L, roughness: L) -> Self {
         let (i, across) = node(n_dot_v.max(n_dot_v.lit(0.0)).sqrt(), COLUMNS);
@@ -108,7 +108,7 @@ impl<L: Lane> Place<L> {
         Self { node: j * j.lit(COLUMNS as f64) + i, across, down }
     }
 
-    /// Finds the place for `n_dot_v` in [0, 1] and a `slope` of at least 0.
+    /// Finds the position for `n_dot_v` in [0, 1] and a `slope` of at least 0.
     #[inline(always)]
     pub fn of_cook_torrance(n_dot_v: L, slope: L) -> Self {
         Self::of_ggx(n_dot_v, slope.max(slope.lit(0.0)).sqrt())
@@ -116,13 +116,13 @@ impl<L: Lane> Place<L> {
 }
 
 impl Dfg<f32> {
-    /// The numbers of GGX's lobe at a place, in the order of the fields.
+    /// The numbers of GGX's lobe at a position, in the order of the fields.
     #[inline]
     pub fn of_ggx_at(node: u32, shares: [f32; 2]) -> [f32; 4] {
         between(&ggx::TABLE, node as usize, shares)
     }
 
-    /// The numbers of Cook-Torrance's lobe at a place, in the order of the fields.
+    /// The numbers of Cook-Torrance's lobe at a position, in the order of the fields.
     #[inline]
     pub fn of_cook_torrance_at(node: u32, shares: [f32; 2]) -> [f32; 4] {
         between(&cook_torrance::TABLE, node as usize, shares)
@@ -130,7 +130,7 @@ impl Dfg<f32> {
 }
 
 fn bilinear<const N: usize>(table: &[[f32; N]; COLUMNS * ROWS], n_dot_v: f32, roughness: f32) -> [f32; N] {
-    let Place { node, across, down } = Place::of_ggx(n_dot_v, roughness);
+    let TablePosition { node, across, down } = TablePosition::of_ggx(n_dot_v, roughness);
     between(table, node as usize, [across, down])
 }
 

@@ -3,9 +3,9 @@
 //! After the header come the number of mended texels, the image and the levels. Texels
 //! are six bytes, three half floats, after the exponent of two that they are multiplied by.
 
-use super::levels::{Level, Levels, alphas};
+use super::equirect::Equirect;
+use super::levels::{Levels, RoughnessLevel, alphas};
 use super::octahedron::Octahedron;
-use super::picture::Picture;
 use super::texels::HalfTexels;
 use super::{ENVIRONMENT_VERSION, Environment};
 use crate::error::{Error, Result};
@@ -69,7 +69,7 @@ impl Environment {
         let mended = rest.count(usize::MAX)?;
         let side = Image::MAX_SIDE as usize;
         let (width, height) = (rest.size(side)?, rest.size(side)?);
-        let picture = Picture::from_texels(width, height, rest.texels(width * height)?);
+        let picture = Equirect::from_texels(width, height, rest.texels(width * height)?);
         let levels = (0..rest.count(MOST_LEVELS)?).map(|_| rest.level()).collect::<Result<Vec<_>>>()?;
         let expected = alphas().into_iter().map(|alpha| alpha as f32);
         if !rest.is_at_end() || !levels.iter().map(|level| level.alpha).eq(expected) {
@@ -161,9 +161,9 @@ impl<R: Read> Rest<R> {
         Ok(texels)
     }
 
-    fn level(&mut self) -> Result<Level> {
+    fn level(&mut self) -> Result<RoughnessLevel> {
         let alpha = f32::from_le_bytes(self.array()?);
-        Ok(Level { alpha, map: self.map()? })
+        Ok(RoughnessLevel { alpha, map: self.map()? })
     }
 
     fn map(&mut self) -> Result<Octahedron> {

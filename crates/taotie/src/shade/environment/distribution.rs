@@ -1,6 +1,6 @@
 //! Directions chosen at random, with more likelihood where more light comes from.
 
-use super::picture::{Picture, direction_at, uv_of};
+use super::equirect::{Equirect, direction_at, uv_of};
 use crate::math::{Vec3, scalar};
 use std::f64::consts::{PI, TAU};
 
@@ -30,7 +30,7 @@ pub(super) struct Distribution {
 
 impl Distribution {
     /// Makes the distribution for the light of an image.
-    pub(super) fn new(picture: &Picture) -> Self {
+    pub(super) fn new(picture: &Equirect) -> Self {
         let columns = picture.width().min(MOST[0]);
         let rows = picture.height().min(MOST[1]);
         let mut weights = brightest(picture, columns, rows);
@@ -99,7 +99,7 @@ fn find(rising: &[f64], u: f64) -> (usize, f64) {
 }
 
 /// The mean of the channels where filtered lookup finds most, for each cell, row by row.
-fn brightest(picture: &Picture, columns: usize, rows: usize) -> Vec<f64> {
+fn brightest(picture: &Equirect, columns: usize, rows: usize) -> Vec<f64> {
     let (width, height) = (picture.width(), picture.height());
     let mut across = Vec::with_capacity(height * columns);
     for y in 0..height {

@@ -1,6 +1,6 @@
 //! Irradiance by nine numbers a channel.
 
-use super::picture::Picture;
+use super::equirect::Equirect;
 use crate::math::{Vec3, scalar};
 use crate::parallel;
 use std::f64::consts::{PI, TAU};
@@ -23,7 +23,7 @@ const FACTORS: [f64; 9] = {
 
 impl IrradianceHarmonics {
     /// Makes the harmonics of an image whose texels each shine evenly.
-    pub(super) fn new(picture: &Picture) -> Self {
+    pub(super) fn new(picture: &Equirect) -> Self {
         let waves = waves(picture.width());
         let row = |y: usize| {
             let edge = |y: usize| Edge::new(y as f64 * PI / picture.height() as f64);
@@ -68,7 +68,7 @@ fn waves(width: usize) -> Vec<[f64; 5]> {
 }
 
 /// A row's light times each wave.
-fn sums(picture: &Picture, y: usize, waves: &[[f64; 5]]) -> [Vec3<f64>; 5] {
+fn sums(picture: &Equirect, y: usize, waves: &[[f64; 5]]) -> [Vec3<f64>; 5] {
     let mut sums = [Vec3::default(); 5];
     for (x, wave) in waves.iter().enumerate() {
         let light = picture.texel(x, y).to_f64();

@@ -5,7 +5,7 @@ use crate::math::{Lane, Vec3, poly, scalar};
 
 /// The light at one roughness.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Level {
+pub(super) struct RoughnessLevel {
     /// Roughness², (0, 1].
     pub(super) alpha: f32,
     pub(super) map: Octahedron,
@@ -13,7 +13,7 @@ pub(super) struct Level {
 
 /// Levels from the smoothest to the roughest, which has roughness 1.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Levels(pub(super) Vec<Level>);
+pub(super) struct Levels(pub(super) Vec<RoughnessLevel>);
 
 /// The α from which levels are dense; next their density below and above. Going between two lobes of GGX that are a
 /// factor of e^δ apart in α errs by up to 0.18 δ² in the mean square; steps above are 1.14.

@@ -5,11 +5,11 @@
 
 mod bytes;
 mod distribution;
-mod gather;
+mod equirect;
 mod irradiance;
 mod levels;
+mod lookup;
 mod octahedron;
-mod picture;
 mod prefilter;
 mod studio;
 mod texels;
@@ -18,10 +18,10 @@ use crate::error::Result;
 use crate::image::Image;
 use crate::math::{Lane, Vec3};
 use distribution::Distribution;
-pub(crate) use gather::{Gatherer, Mirrors, Wanted};
+use equirect::{Equirect, uv_of};
 pub use irradiance::IrradianceHarmonics;
 use levels::Levels;
-use picture::{Picture, uv_of};
+pub(crate) use lookup::{EnvironmentLookup, LookupDirections, LookupRequest};
 use std::sync::OnceLock;
 
 pub use studio::{STUDIO_VERSION, studio};
@@ -33,7 +33,7 @@ pub const ENVIRONMENT_VERSION: u32 = 3;
 /// Light from infinitely far all around.
 #[derive(Debug, Clone)]
 pub struct Environment {
-    picture: Picture,
+    picture: Equirect,
     levels: Levels,
     /// Made when it is first asked for: only who chooses directions at random needs it.
     distribution: OnceLock<Distribution>,
@@ -58,8 +58,8 @@ impl Environment {
     /// # Errors
     /// None yet.
     pub fn new(mut image: Image) -> Result<Self> {
-        let mended = picture::mended(&mut image);
-        let picture = Picture::new(&image);
+        let mended = equirect::mended(&mut image);
+        let picture = Equirect::new(&image);
         drop(image);
         let levels = prefilter::levels(&picture);
         Ok(Self { levels, picture, distribution: OnceLock::new(), mended })

@@ -1,6 +1,6 @@
 //! A photographer's studio made by code: light for models that bring none.
 
-use super::picture::direction_at;
+use super::equirect::direction_at;
 use crate::image::Image;
 use crate::math::{Vec3, scalar};
 use crate::parallel;

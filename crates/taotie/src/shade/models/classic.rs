@@ -1,7 +1,7 @@
 //! Lambert, Phong and Blinn-Phong. All are called for n·l > 0.
 
 use crate::math::{Lane, Vec3, poly};
-use crate::shade::{Angles, Substance};
+use crate::shade::{Angles, MaterialSample};
 use std::f64::consts::FRAC_1_PI;
 
 /// Perfectly diffuse reflection.
@@ -12,7 +12,7 @@ use std::f64::consts::FRAC_1_PI;
 /// Law: reflects exactly ρ of the light (`laws::shade::lambert_reflects_its_colour`).
 /// Source: Lambert 1760.
 #[inline(always)]
-pub(super) fn lambert<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub(super) fn lambert<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     s.base_color * (a.n_dot_l * a.n_dot_l.lit(FRAC_1_PI))
 }
 
@@ -24,7 +24,7 @@ pub(super) fn lambert<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
 /// Law: none of the physical ones (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: Phong 1975; Guo and Wang 2025, eq. 1, 3 and §1.2.
 #[inline(always)]
-pub(super) fn phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub(super) fn phong<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     s.diffuse * a.n_dot_l + s.specular * poly::pow(a.r_dot_v, s.shininess)
 }
 
@@ -37,7 +37,7 @@ pub(super) fn phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
 /// Law: reciprocity; energy ≤ 1.0755 (`laws::shade::physical_models_stay_within_energy`).
 /// Source: Blinn 1977; normalisation of Akenine-Möller, Haines and Hoffman, Real-Time Rendering, 3rd ed., eq. 7.49.
 #[inline(always)]
-pub(super) fn blinn_phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub(super) fn blinn_phong<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     let scale = normalisation(s.shininess);
     let lobe = poly::pow(a.n_dot_h, s.shininess);
     (s.diffuse * scale.lit(FRAC_1_PI) + s.specular * (scale * lobe)) * a.n_dot_l
@@ -50,7 +50,7 @@ pub(super) fn blinn_phong<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
 /// Law: none of the physical ones (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: Blinn 1977; the article's first formula.
 #[inline(always)]
-pub(super) fn blinn_phong_classic<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub(super) fn blinn_phong_classic<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     s.diffuse * a.n_dot_l + s.specular * poly::pow(a.n_dot_h, s.shininess)
 }
 

@@ -4,7 +4,7 @@ use crate::math::{Lane, Vec3};
 use crate::shade::fresnel::f_f82;
 use crate::shade::masking::{g_v_cavity, v_smith_ggx};
 use crate::shade::ndf::{alpha_from_roughness, d_beckmann, d_ggx};
-use crate::shade::{Angles, Substance};
+use crate::shade::{Angles, MaterialSample};
 use std::f64::consts::FRAC_1_PI;
 
 /// Cook and Torrance's model in today's normalisation.
@@ -15,7 +15,7 @@ use std::f64::consts::FRAC_1_PI;
 /// Law: reciprocity; energy ≤ 1 where k_d + k_s ≤ 1 (`laws::shade`).
 /// Source: Cook and Torrance 1982, eq. 1–5, with 4 for their π (Torrance and Sparrow 1967; Walter et al. 2007, eq. 20).
 #[inline(always)]
-pub(super) fn cook_torrance<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub(super) fn cook_torrance<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     let d = d_beckmann(a.n_dot_h, a.sin2_h, s.slope);
     let g = g_v_cavity(a.n_dot_l, a.n_dot_v, a.n_dot_h, a.v_dot_h);
     let f = f_f82(s.f0, s.f90, s.f82_drop, a.v_dot_h);
@@ -37,14 +37,14 @@ pub(super) fn cook_torrance<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L>
 /// `laws::shade::a_white_dielectric_of_ggx_exceeds_its_energy_at_grazing_view_only`).
 /// Source: glTF 2.0 specification, appendix B.3; Walter et al. 2007; Heitz 2014; Turquin 2019.
 #[inline(always)]
-pub(super) fn ggx<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub(super) fn ggx<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     let alpha = alpha_from_roughness(s.roughness);
     ggx_with_lobe(s, a, d_ggx(a.n_dot_h, a.sin2_h, alpha) * v_smith_ggx(a.n_dot_l, a.n_dot_v, alpha))
 }
 
 /// Computes [`ggx`] for another D V.
 #[inline(always)]
-pub(super) fn ggx_with_lobe<L: Lane>(s: &Substance<L>, a: &Angles<L>, lobe: L) -> Vec3<L> {
+pub(super) fn ggx_with_lobe<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>, lobe: L) -> Vec3<L> {
     let one = a.n_dot_l.lit(1.0);
     let f = f_f82(s.f0, s.f90, s.f82_drop, a.v_dot_h);
     let (f, kept) = match s.compensation {

@@ -4,17 +4,17 @@ mod classic;
 mod microfacet;
 mod printed;
 
-use super::{Angles, Shading, Stretch, Substance};
+use super::{Angles, AnisotropicLobe, MaterialSample, Shading};
 use crate::math::{Lane, Vec3};
 
 /// Outgoing radiance per unit of irradiance on a plane that faces the light, linear RGB.
 ///
 /// That is f · (n·l)⁺ for the physical models and the printed expression for the others. Zero where n·l ≤ 0, but
-/// for `ggx-printed`, whose diffuse part has no n·l at all. Finite for every substance in the ranges that
-/// [`Substance`] states and any [`Angles::new`].
+/// for `ggx-printed`, whose diffuse part has no n·l at all. Finite for every material sample in the ranges that
+/// [`MaterialSample`] states and any [`Angles::new`].
 /// Law: reciprocity and energy of the physical models (`laws::shade`), every value (`oracle::shade`).
 #[inline(always)]
-pub fn reflect<L: Lane>(shading: Shading, s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub fn reflect<L: Lane>(shading: Shading, s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     match shading {
         Shading::Lambert => lit(a, classic::lambert(s, a)),
         Shading::Phong => lit(a, classic::phong(s, a)),
@@ -30,13 +30,13 @@ pub fn reflect<L: Lane>(shading: Shading, s: &Substance<L>, a: &Angles<L>) -> Ve
 
 /// Computes [`reflect`] with [`Shading::Ggx`], for an anisotropic highlight; `v` and `l` are those of `a`.
 #[inline(always)]
-pub fn reflect_stretched<L: Lane>(
-    s: &Substance<L>,
-    stretch: &Stretch<L>,
+pub fn reflect_anisotropic<L: Lane>(
+    s: &MaterialSample<L>,
+    anisotropic: &AnisotropicLobe<L>,
     a: &Angles<L>,
     [v, l]: [Vec3<L>; 2],
 ) -> Vec3<L> {
-    lit(a, microfacet::ggx_with_lobe(s, a, stretch.lobe(a, v, l)))
+    lit(a, microfacet::ggx_with_lobe(s, a, anisotropic.lobe(a, v, l)))
 }
 
 /// `value` where n·l > 0, else zero.

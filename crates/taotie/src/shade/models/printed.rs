@@ -5,7 +5,7 @@ use crate::math::{Lane, Vec3};
 use crate::shade::fresnel::pow5;
 use crate::shade::masking::{g_v_cavity, g1_schlick_ggx, k_for_lights};
 use crate::shade::ndf::{MIN_ALPHA, d_beckmann, d_ggx};
-use crate::shade::{Angles, Substance};
+use crate::shade::{Angles, MaterialSample};
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// The smallest n·l that the printed Cook-Torrance divides by. G falls with n·l, so the quotient stays finite.
@@ -21,7 +21,7 @@ const MIN_N_DOT_L: f64 = 1e-6;
 /// Law: neither reciprocal nor within energy (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: Guo and Wang 2025, eq. 1–8.
 #[inline(always)]
-pub(super) fn cook_torrance_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub(super) fn cook_torrance_printed<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     let one = a.n_dot_l.lit(1.0);
     let d = d_beckmann(a.n_dot_h, a.sin2_h, s.slope) * one.lit(PI);
     let g = g_v_cavity(a.n_dot_l, a.n_dot_v, a.n_dot_h, a.v_dot_h);
@@ -39,7 +39,7 @@ pub(super) fn cook_torrance_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) ->
 /// Law: not within energy for large m (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: the article's shader `Custom/BlinnPhong`.
 #[inline(always)]
-pub(super) fn blinn_phong_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub(super) fn blinn_phong_printed<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     let scale = normalisation(s.shininess);
     (s.diffuse * scale.lit(FRAC_1_PI) + s.specular * (scale * pow5(a.n_dot_h))) * a.n_dot_l
 }
@@ -59,7 +59,7 @@ pub(super) fn blinn_phong_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> V
 /// Law: neither reciprocal nor dark at n·l = 0 (`laws::shade::unphysical_models_earn_their_names`).
 /// Source: the article's shader `Custom/BRDF`.
 #[inline(always)]
-pub(super) fn ggx_printed<L: Lane>(s: &Substance<L>, a: &Angles<L>) -> Vec3<L> {
+pub(super) fn ggx_printed<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     let one = a.n_dot_l.lit(1.0);
     let half = one.lit(0.5);
     let n_dot_l = a.n_dot_l.max(one.lit(0.0));

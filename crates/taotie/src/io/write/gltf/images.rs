@@ -265,8 +265,8 @@ fn no_floats(stored: Stored) -> Error {
     Error::unsupported(format!("a {:?} texture of floats in glTF", stored.encoding), "store 8 or 16 bits")
 }
 
-/// The place where images are put.
-pub(super) enum Place<'a> {
+/// The storage of images: within the document or beside it.
+pub(super) enum ImageStorage<'a> {
     /// In the document's buffer.
     Inside,
     /// In files beside the model, whose name without extension this is.
@@ -274,11 +274,11 @@ pub(super) enum Place<'a> {
 }
 
 /// Adds images, and a texture for each.
-pub(super) fn add(draft: &mut GltfDraft, images: &[Encoded], place: &Place) {
+pub(super) fn add(draft: &mut GltfDraft, images: &[Encoded], storage: &ImageStorage) {
     if images.is_empty() {
         return;
     }
-    let json: Vec<Value> = images.iter().map(|image| entry(draft, image, place)).collect();
+    let json: Vec<Value> = images.iter().map(|image| entry(draft, image, storage)).collect();
     images.iter().filter_map(Encoded::extension).for_each(|name| draft.require(name));
     let textures: Vec<Value> = images.iter().enumerate().map(|(i, image)| image.texture(i)).collect();
     draft.json["images"] = json!(json);
@@ -289,13 +289,13 @@ pub(super) fn add(draft: &mut GltfDraft, images: &[Encoded], place: &Place) {
     }]);
 }
 
-fn entry(draft: &mut GltfDraft, image: &Encoded, place: &Place) -> Value {
-    match (image.bytes(), place) {
-        (Some(bytes), Place::Inside) => {
+fn entry(draft: &mut GltfDraft, image: &Encoded, storage: &ImageStorage) -> Value {
+    match (image.bytes(), storage) {
+        (Some(bytes), ImageStorage::Inside) => {
             let view = draft.view(bytes);
             json!({ "name": image.role(), "bufferView": view, "mimeType": image.format.mime_type() })
         }
-        (Some(_), Place::Beside(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
+        (Some(_), ImageStorage::Beside(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
         (None, _) => json!({ "uri": uri(&image.file_name("")) }),
     }
 }

@@ -20,7 +20,7 @@ use crate::io::json::Json;
 use crate::io::xmp;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
-use images::{Encoded, Place};
+use images::{Encoded, ImageStorage};
 use packed::Grid;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Resul
         Container::Gltf => {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let encoded = images::encode(&asset.material, format.images)?;
-            let draft = draft(asset, format, (&encoded, &Place::Beside(&stem)))?;
+            let draft = draft(asset, format, (&encoded, &ImageStorage::Beside(&stem)))?;
             draft.into_files(path, encoded.into_iter().filter_map(|image| image.into_file(path)).collect())
         }
     }
@@ -135,11 +135,15 @@ impl GltfDraft {
     /// # Errors
     /// As [`encode_glb`].
     pub fn new(asset: &GltfAsset, format: &GltfFormat) -> Result<Self> {
-        draft(asset, format, (&images::encode(&asset.material, format.images)?, &Place::Inside))
+        draft(asset, format, (&images::encode(&asset.material, format.images)?, &ImageStorage::Inside))
     }
 }
 
-fn draft(asset: &GltfAsset, format: &GltfFormat, (images, place): (&[Encoded], &Place)) -> Result<GltfDraft> {
+fn draft(
+    asset: &GltfAsset,
+    format: &GltfFormat,
+    (images, storage): (&[Encoded], &ImageStorage),
+) -> Result<GltfDraft> {
     check(asset)?;
     let mut draft = GltfDraft::default();
     let grid = format.meshopt.then(|| Grid::around(asset.levels.iter().map(|level| level.mesh)));
@@ -173,7 +177,7 @@ fn draft(asset: &GltfAsset, format: &GltfFormat, (images, place): (&[Encoded], &
     if asset.levels.len() > 1 {
         draft.uses(LEVELS);
     }
-    images::add(&mut draft, images, place);
+    images::add(&mut draft, images, storage);
     Ok(draft)
 }
 

@@ -17,7 +17,7 @@ const FEWEST: usize = 8;
 pub(super) fn blur(input: &Rings, areas: &Areas, lobe: Fisher, width: usize) -> Rings {
     let mut output = Rings::black(width, width / 2);
     let polars: Vec<f64> = (0..output.height).map(|y| output.polar(y)).collect();
-    let sources = Sources::new(input, areas);
+    let sources = InputRings::new(input, areas);
     parallel::pieces(&mut output.pixels, width, &|y, row| {
         let stride = stride(width, polars[y]);
         sources.sum(lobe, polars[y], stride, row);
@@ -51,21 +51,21 @@ fn fill(row: &mut [Pixel], stride: usize) {
 }
 
 /// The rings of the input.
-struct Sources {
+struct InputRings {
     width: usize,
-    rings: Vec<Source>,
+    rings: Vec<InputRing>,
 }
 
-/// A ring, twice in a row so that no sum meets its end.
-struct Source {
+/// A ring of the input, twice in a row so that no sum meets its end.
+struct InputRing {
     polar: f64,
     area: f64,
     twice: Vec<Pixel>,
 }
 
-impl Sources {
+impl InputRings {
     fn new(input: &Rings, areas: &Areas) -> Self {
-        let ring = |(y, area)| Source { polar: input.polar(y), area, twice: input.row(y).repeat(2) };
+        let ring = |(y, area)| InputRing { polar: input.polar(y), area, twice: input.row(y).repeat(2) };
         Self { width: input.width, rings: input.areas(areas).into_iter().enumerate().map(ring).collect() }
     }
 
@@ -91,7 +91,7 @@ impl Sources {
     }
 
     /// The part of a ring that the lobe reaches from the ring at `polar`.
-    fn part<'a>(&self, ring: &'a Source, lobe: Fisher, polar: f64, ratio: usize) -> Option<Part<'a>> {
+    fn part<'a>(&self, ring: &'a InputRing, lobe: Fisher, polar: f64, ratio: usize) -> Option<Part<'a>> {
         let apart = scalar::sin((polar - ring.polar) / 2.0);
         let round = 2.0 * scalar::sin(polar) * scalar::sin(ring.polar);
         // q = 2 sin²(Δθ/2) + 2 sin θ sin θ' sin²(Δφ/2)

@@ -12,9 +12,9 @@ mod lobe;
 mod resize;
 mod rings;
 
-use super::levels::{Level, Levels, alphas};
+use super::equirect::{Equirect, uv_of};
+use super::levels::{Levels, RoughnessLevel, alphas};
 use super::octahedron::{self, Octahedron};
-use super::picture::{Picture, uv_of};
 use crate::parallel;
 use blur::blur;
 use harmonics::Harmonics;
@@ -50,7 +50,7 @@ const MOST_TEXELS: [f64; 2] = [0.625, 1.2];
 const FEWEST_TEXELS: f64 = 64.0;
 
 /// The light of an image at each roughness.
-pub(super) fn levels(picture: &Picture) -> Levels {
+pub(super) fn levels(picture: &Equirect) -> Levels {
     let scales = Scales::new(resize::rings(picture));
     let mut places = Vec::new();
     let level = |alpha: f64| {
@@ -62,7 +62,7 @@ pub(super) fn levels(picture: &Picture) -> Levels {
         }
         let sum = scales.sum(Ggx::new(alpha));
         let map = Octahedron::new(side, |texel| sum.at(places[texel], picture));
-        Level { alpha: alpha as f32, map }
+        RoughnessLevel { alpha: alpha as f32, map }
     };
     Levels(alphas().into_iter().map(level).collect())
 }
@@ -162,7 +162,7 @@ struct Sum {
 }
 
 impl Sum {
-    fn at(&self, uv: [f32; 2], picture: &Picture) -> [f32; 4] {
+    fn at(&self, uv: [f32; 2], picture: &Equirect) -> [f32; 4] {
         let mut sum = self.rings.cubic(uv);
         if self.sharp > LEAST {
             let light = picture.radiance_at(uv);

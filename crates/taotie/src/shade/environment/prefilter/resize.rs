@@ -3,7 +3,7 @@
 use super::rings::{Pixel, Rings, accumulate};
 use crate::math::scalar;
 use crate::parallel;
-use crate::shade::environment::picture::Picture;
+use crate::shade::environment::equirect::Equirect;
 use std::f64::consts::PI;
 
 /// The narrowest and the widest image that is filtered.
@@ -11,7 +11,7 @@ const WIDTHS: [usize; 2] = [256, 2048];
 
 /// The image on rings, half as many as pixels a ring. Their number can be halved until rings of 256 pixels to 511
 /// are left. An image that already is like this stays as it is.
-pub(super) fn rings(picture: &Picture) -> Rings {
+pub(super) fn rings(picture: &Equirect) -> Rings {
     let wanted = picture.width().clamp(WIDTHS[0], WIDTHS[1]);
     let unit = 2 << (wanted / 256).ilog2();
     let width = wanted / unit * unit;
@@ -31,13 +31,13 @@ pub(super) fn rings(picture: &Picture) -> Rings {
     output
 }
 
-fn texel(picture: &Picture, x: usize, y: usize) -> Pixel {
+fn texel(picture: &Equirect, x: usize, y: usize) -> Pixel {
     let light = picture.texel(x, y);
     [light.x, light.y, light.z, 0.0]
 }
 
 /// A row between texels.
-fn interpolate(picture: &Picture, v: f64, row: &mut [Pixel]) {
+fn interpolate(picture: &Equirect, v: f64, row: &mut [Pixel]) {
     let width = row.len() as f32;
     for (x, pixel) in row.iter_mut().enumerate() {
         let light = picture.radiance_at([(x as f32 + 0.5) / width, v as f32]);
@@ -46,7 +46,7 @@ fn interpolate(picture: &Picture, v: f64, row: &mut [Pixel]) {
 }
 
 /// A row to which each texel gives its light by nearness, which leaves the middle of all light where it is.
-fn gather(picture: &Picture, y: usize, height: usize, row: &mut [Pixel]) {
+fn gather(picture: &Equirect, y: usize, height: usize, row: &mut [Pixel]) {
     let (width, scale) = (row.len(), height as f64 / picture.height() as f64);
     let mut weights = vec![0.0f32; width];
     for source in 0..picture.height() {
@@ -82,7 +82,7 @@ mod tests {
             [(1, 256), (600, 600), (1000, 1000), (1023, 1020), (1024, 1024), (9000, 2048)]
         {
             let image = Image::new(width, 2, [1.0; 4]).unwrap();
-            let rings = rings(&Picture::new(&image));
+            let rings = rings(&Equirect::new(&image));
             assert_eq!((rings.width, rings.height), (expected, expected / 2));
             assert!(rings.pixels.iter().all(|pixel| (pixel[0] - 1.0).abs() < 1e-6));
         }
@@ -94,7 +94,7 @@ mod tests {
         let mut image = Image::new(4100, 2050, [0.0, 0.0, 0.0, 1.0]).unwrap();
         let (x, y) = (1000, 700);
         image.pixels_mut()[y * 4100 + x][0] = 1000.0;
-        let rings = rings(&Picture::new(&image));
+        let rings = rings(&Equirect::new(&image));
         let (mut light, mut middle) = (0.0, [0.0, 0.0]);
         for (i, pixel) in rings.pixels.iter().enumerate() {
             let area = scalar::sin(rings.polar(i / rings.width)) * f64::from(pixel[0]);

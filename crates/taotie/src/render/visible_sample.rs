@@ -1,8 +1,8 @@
-//! The key of the surface that is seen at a sample of a pixel.
+//! The surface that is seen at a sample of a pixel.
 
 /// A triangle seen at a sample of a tile.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Key {
+pub struct VisibleSample {
     /// The pixel, `y · TILE_SIZE + x` in the tile.
     pub pixel: u32,
     /// The triangle's number over all draws.

@@ -6,7 +6,7 @@ use crate::math::Vec3;
 /// A material sample: the parameters of a surface at a point. Each model reads the fields it knows and ignores the
 /// rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Substance<L> {
+pub struct MaterialSample<L> {
     /// ρ, linear RGB in [0, 1]; diffuse colour of `lambert`, `ggx` and `ggx-printed`.
     pub base_color: Vec3<L>,
     /// [0, 1]; 1 has no diffuse part in `ggx`.

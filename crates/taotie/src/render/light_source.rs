@@ -7,7 +7,7 @@ use crate::shade::lights;
 
 /// A light made ready for shading.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Source {
+pub(super) struct LightSource {
     color: Vec3,
     /// The position, or for directional lights the unit direction to the light.
     place: Vec3,
@@ -17,7 +17,7 @@ pub(super) struct Source {
     cone: Option<(Vec3, f32, f32)>,
 }
 
-impl Source {
+impl LightSource {
     pub(super) fn new(light: &Light) -> Self {
         let (place, at_infinity, cone) = match light.kind {
             LightKind::Point { position } => (position, false, None),

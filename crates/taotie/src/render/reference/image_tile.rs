@@ -1,60 +1,60 @@
-//! A patch of the image: its paths begin, and their light is added up.
+//! A tile of the image: its paths begin, and their light is added up.
 
 use super::super::batch::Batch;
 use super::super::columns::get3;
 use super::super::frame::Frame;
 use super::super::settings::RenderSettings;
 use super::tracer::Tracer;
-use super::walk::{Path, Workspace};
+use super::walk::{Path, PathScratch};
 use crate::image::Image;
 use crate::math::Vec3;
 use crate::math::sequence::{Sequence, hash};
 
-/// The side of a patch in pixels.
+/// The side of a tile in pixels.
 const SIDE: u32 = 16;
 
 /// The number of paths of each pixel that are followed together.
 const TOGETHER: u32 = 4;
 
-/// A patch of the image, pixels.
+/// A tile of the image, pixels.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Patch {
+pub(super) struct ImageTile {
     x: u32,
     y: u32,
     width: u32,
     height: u32,
 }
 
-/// A patch's pixels, row by row.
-pub(super) struct PatchPicture {
+/// A tile's pixels, row by row.
+pub(super) struct TilePixels {
     color: Vec<[f32; 4]>,
     /// Normals, depth, albedo, uv, triangle; empty where not asked for.
     aovs: [Vec<[f32; 4]>; 5],
 }
 
-/// The patches of an image, row by row.
-pub(super) fn patches(settings: &RenderSettings) -> Vec<Patch> {
+/// The tiles of an image, row by row.
+pub(super) fn tiles(settings: &RenderSettings) -> Vec<ImageTile> {
     let (width, height) = (settings.width, settings.height);
     let rows = (0..height).step_by(SIDE as usize);
     rows.flat_map(|y| (0..width).step_by(SIDE as usize).map(move |x| (x, y)))
-        .map(|(x, y)| Patch { x, y, width: SIDE.min(width - x), height: SIDE.min(height - y) })
+        .map(|(x, y)| ImageTile { x, y, width: SIDE.min(width - x), height: SIDE.min(height - y) })
         .collect()
 }
 
 impl Tracer<'_> {
-    /// Follows all paths of a patch.
-    pub(super) fn patch(&self, patch: &Patch) -> PatchPicture {
-        let pixels = (patch.width * patch.height) as usize;
+    /// Follows all paths of a tile.
+    pub(super) fn tile(&self, tile: &ImageTile) -> TilePixels {
+        let pixels = (tile.width * tile.height) as usize;
         let mut aovs: [Vec<[f32; 4]>; 5] = Default::default();
         if self.settings.aovs {
             aovs = std::array::from_fn(|_| vec![[0.0; 4]; pixels]);
         }
         let mut sums = vec![[0.0f64; 4]; pixels];
-        let mut work = Workspace::new(self.sources.len());
+        let mut work = PathScratch::new(self.sources.len());
         let spp = self.reference.spp;
         for first in (0..spp).step_by(TOGETHER as usize) {
             let indices = first..(first + TOGETHER).min(spp);
-            let mut paths: Vec<Path> = indices.flat_map(|index| self.begin(patch, index)).collect();
+            let mut paths: Vec<Path> = indices.flat_map(|index| self.begin(tile, index)).collect();
             self.walk(&mut paths, &mut work, &mut |path, batch, i, triangle| {
                 if self.settings.aovs && path.index == 0 {
                     let seen = self.seen(batch, i, triangle);
@@ -70,12 +70,12 @@ impl Tracer<'_> {
             }
         }
         let color = sums.iter().map(|sum| sum.map(|v| (v / f64::from(spp)) as f32)).collect();
-        PatchPicture { color, aovs }
+        TilePixels { color, aovs }
     }
 
     /// Begins path number `index` of each pixel.
-    fn begin(&self, patch: &Patch, index: u32) -> impl Iterator<Item = Path> {
-        let Patch { x, y, width, height } = *patch;
+    fn begin(&self, tile: &ImageTile, index: u32) -> impl Iterator<Item = Path> {
+        let ImageTile { x, y, width, height } = *tile;
         (0..width * height).map(move |pixel| {
             let (x, y) = (x + pixel % width, y + pixel / width);
             let seed = hash(hash(hash(self.reference.seed, 0), x), y);
@@ -99,7 +99,7 @@ impl Tracer<'_> {
         })
     }
 
-    /// The output variables of entry `i`, in the order of [`PatchPicture::aovs`].
+    /// The output variables of entry `i`, in the order of [`TilePixels::aovs`].
     fn seen(&self, batch: &Batch, i: usize, triangle: u32) -> [[f32; 4]; 5] {
         let with_one = |v: Vec3| [v.x, v.y, v.z, 1.0];
         let depth = self.view.depth(get3(&batch.position, i));
@@ -116,24 +116,24 @@ impl Tracer<'_> {
     }
 }
 
-impl PatchPicture {
+impl TilePixels {
     /// Writes its pixels into the frame.
-    pub(super) fn store(&self, patch: &Patch, frame: &mut Frame) {
-        copy(&mut frame.color, patch, &self.color);
+    pub(super) fn store(&self, tile: &ImageTile, frame: &mut Frame) {
+        copy(&mut frame.color, tile, &self.color);
         if let Some(aovs) = &mut frame.aovs {
             let images =
                 [&mut aovs.normals, &mut aovs.depth, &mut aovs.albedo, &mut aovs.uv, &mut aovs.triangle];
             for (image, pixels) in images.into_iter().zip(&self.aovs) {
-                copy(image, patch, pixels);
+                copy(image, tile, pixels);
             }
         }
     }
 }
 
-fn copy(image: &mut Image, patch: &Patch, pixels: &[[f32; 4]]) {
-    let (across, width) = (image.width() as usize, patch.width as usize);
+fn copy(image: &mut Image, tile: &ImageTile, pixels: &[[f32; 4]]) {
+    let (across, width) = (image.width() as usize, tile.width as usize);
     for (row, pixels) in pixels.chunks(width).enumerate() {
-        let start = (patch.y as usize + row) * across + patch.x as usize;
+        let start = (tile.y as usize + row) * across + tile.x as usize;
         image.pixels_mut()[start..start + width].copy_from_slice(pixels);
     }
 }

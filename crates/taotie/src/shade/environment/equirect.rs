@@ -7,7 +7,7 @@ use std::f32::consts::PI;
 
 /// An equirectangular image.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Picture {
+pub(super) struct Equirect {
     width: usize,
     height: usize,
     texels: HalfTexels,
@@ -28,7 +28,7 @@ pub(super) fn direction_at(u: f64, y: f64) -> Vec3 {
     Vec3::new(radius * scalar::cos(azimuth), y, radius * scalar::sin(azimuth)).to_f32()
 }
 
-impl Picture {
+impl Equirect {
     /// Encodes an image whose texels were [`mended`].
     pub(super) fn new(image: &Image) -> Self {
         let (width, height) = (image.width() as usize, image.height() as usize);
@@ -123,7 +123,7 @@ mod tests {
         for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
             *pixel = [i as f32, 0.0, 0.0, 1.0];
         }
-        let picture = Picture::new(&image);
+        let picture = Equirect::new(&image);
         let red = |u: f32, v: f32| picture.radiance_at([u, v]).x;
         assert!((red(0.125, 0.25) - 0.0).abs() < 1e-5 && (red(0.875, 0.75) - 7.0).abs() < 1e-5);
         assert!((red(0.0, 0.25) - 1.5).abs() < 1e-5 && (red(1.0, 0.25) - 1.5).abs() < 1e-5);

@@ -1,11 +1,11 @@
-//! The response of surfaces to light: emission, and reflection of every light, of the environment and of the direction
+//! Evaluation of BSDFs: emission, and reflection of every light, of the environment and of the direction
 //! in which a path goes on, for eight fragments at a time.
 
 use super::super::batch::{Batch, Lanes};
 use super::super::columns::{Column, Column3, ZERO, ZERO3, store3};
+use super::super::light_source::LightSource;
 use super::super::model::Model;
-use super::super::point::SurfacePoint;
-use super::super::source::Source;
+use super::super::point::ShadingPoint;
 use super::groove::{Groove, Grooves};
 use super::scatter::Scatter;
 use crate::math::{Pack, Vec3, dispatch_eight};
@@ -13,13 +13,13 @@ use crate::scene::Material;
 use crate::shade::Shading;
 use fearless_simd::Level;
 
-/// The inputs of a response beside the fragments.
-pub(super) struct Question<'t> {
+/// A BSDF query: the inputs of evaluation beside the fragments.
+pub(super) struct BsdfQuery<'t> {
     /// The number of surfaces that the paths have met before.
     pub depth: u32,
     pub shading: Shading,
     pub material: &'t Material,
-    pub sources: &'t [Source],
+    pub sources: &'t [LightSource],
     pub ambient: Vec3,
     /// `true` where light behind the shading normal is shadowed.
     pub shadows: bool,
@@ -31,8 +31,8 @@ pub(super) struct Question<'t> {
     pub grooved: bool,
 }
 
-/// Directions of fragments and the answers to them.
-pub(super) struct Exchange {
+/// A batch of BSDF evaluations: directions of fragments and the answers to them.
+pub(super) struct BsdfBatch {
     /// Numbers in [0, 1) that choose where the path goes on.
     pub u: [Column; 3],
     pub grooves: Grooves,
@@ -52,7 +52,7 @@ pub(super) struct Exchange {
     pub from_onward: Column3,
 }
 
-impl Exchange {
+impl BsdfBatch {
     pub(super) fn new(sources: usize) -> Box<Self> {
         Box::new(Self {
             u: ZERO3,
@@ -70,35 +70,35 @@ impl Exchange {
 }
 
 /// Fills the answers for the fragments of `batch`, whose normals are known.
-pub(super) fn respond(level: Level, question: &Question<'_>, batch: &Batch, exchange: &mut Exchange) {
-    dispatch_eight!(level, P, token => all_packs::<P>(token, question, batch, exchange));
+pub(super) fn evaluate(level: Level, query: &BsdfQuery<'_>, batch: &Batch, bsdf: &mut BsdfBatch) {
+    dispatch_eight!(level, P, token => all_packs::<P>(token, query, batch, bsdf));
 }
 
 #[inline(always)]
-fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, exchange: &mut Exchange) {
+fn all_packs<P: Pack>(token: P::Token, query: &BsdfQuery<'_>, batch: &Batch, bsdf: &mut BsdfBatch) {
     for i in batch.packs::<P>() {
         let at: Lanes<'_, P> = batch.lanes(token, i);
-        let seen: Seen<P> = Seen::new(at, question, exchange);
-        store3(own(at, question, &seen.surface), &mut exchange.own, i);
+        let seen: Seen<P> = Seen::new(at, query, bsdf);
+        store3(own(at, query, &seen.surface), &mut bsdf.own, i);
         let scatter = Scatter::new(&seen.surface, seen.from, seen.groove.as_ref());
-        let [u, v, w] = &exchange.u;
+        let [u, v, w] = &bsdf.u;
         let onward = scatter.direction([at.load(u), at.load(v), at.load(w)]);
-        store3(onward, &mut exchange.onward, i);
+        store3(onward, &mut bsdf.onward, i);
         let position = at.load3(&batch.position);
         // One loop over all directions, so that reflection is compiled once.
-        for request in question.requests() {
+        for request in query.requests() {
             let (l, irradiance) = match request {
-                Request::Source(number) => question.sources[number].incidence(token, position),
-                Request::Sky => (at.load3(&exchange.to_sky), at.splat3(ONE)),
+                Request::Light(number) => query.sources[number].incidence(token, position),
+                Request::Sky => (at.load3(&bsdf.to_sky), at.splat3(ONE)),
                 Request::Onward => (onward, at.splat3(ONE)),
             };
-            let shadowed = question.shadows || !matches!(request, Request::Source(_));
+            let shadowed = query.shadows || !matches!(request, Request::Light(_));
             let reflected = seen.reflected(l, shadowed).mul_elements(irradiance);
             let pdf = match request {
-                Request::Source(_) => reflected.x,
+                Request::Light(_) => reflected.x,
                 Request::Sky | Request::Onward => scatter.pdf(l),
             };
-            exchange.answer(request, i, reflected, pdf);
+            bsdf.answer(request, i, reflected, pdf);
         }
     }
 }
@@ -107,37 +107,37 @@ fn all_packs<P: Pack>(token: P::Token, question: &Question<'_>, batch: &Batch, e
 #[derive(Clone, Copy)]
 enum Request {
     /// The direction towards a light, by its number.
-    Source(usize),
+    Light(usize),
     /// The direction towards the environment.
     Sky,
     /// The direction in which the path goes on.
     Onward,
 }
 
-impl Question<'_> {
+impl BsdfQuery<'_> {
     #[inline(always)]
     fn requests(&self) -> impl Iterator<Item = Request> {
         let sources = self.sources.len();
         let all = (0..sources + 2).map(move |number| match number {
-            number if number < sources => Request::Source(number),
+            number if number < sources => Request::Light(number),
             number if number == sources => Request::Sky,
             _ => Request::Onward,
         });
         let (sky, onward) = (self.sky, self.onward);
         all.filter(move |request| match request {
-            Request::Source(_) => true,
+            Request::Light(_) => true,
             Request::Sky => sky,
             Request::Onward => onward,
         })
     }
 }
 
-impl Exchange {
+impl BsdfBatch {
     /// Keeps the answers of entries from `i` on; the density only where it is needed.
     #[inline(always)]
     fn answer<P: Pack>(&mut self, request: Request, i: usize, reflected: Vec3<P>, pdf: P) {
         match request {
-            Request::Source(number) => store3(reflected, &mut self.lit[number], i),
+            Request::Light(number) => store3(reflected, &mut self.lit[number], i),
             Request::Sky => {
                 store3(reflected, &mut self.from_sky, i);
                 pdf.store(&mut self.sky_pdf[i..]);
@@ -154,14 +154,14 @@ const ONE: Vec3 = Vec3::new(1.0, 1.0, 1.0);
 
 /// Emission and reflected ambient light.
 #[inline(always)]
-fn own<P: Pack>(at: Lanes<'_, P>, question: &Question<'_>, surface: &SurfacePoint<P>) -> Vec3<P> {
-    let ambient = at.splat3(question.ambient) * at.load(&at.batch.occlusion);
+fn own<P: Pack>(at: Lanes<'_, P>, query: &BsdfQuery<'_>, surface: &ShadingPoint<P>) -> Vec3<P> {
+    let ambient = at.splat3(query.ambient) * at.load(&at.batch.occlusion);
     surface.emitted + surface.ambient.mul_elements(ambient)
 }
 
 /// Points of a surface as a viewer sees them.
 struct Seen<P> {
-    surface: SurfacePoint<P>,
+    surface: ShadingPoint<P>,
     /// The true direction to the viewer.
     from: Vec3<P>,
     groove: Option<Groove<P>>,
@@ -169,14 +169,14 @@ struct Seen<P> {
 
 impl<P: Pack> Seen<P> {
     #[inline(always)]
-    fn new(at: Lanes<'_, P>, question: &Question<'_>, exchange: &Exchange) -> Self {
-        let model = Model::new(question.shading, question.material);
-        let surface = SurfacePoint::new(at, model, question.material);
-        if !question.grooved {
+    fn new(at: Lanes<'_, P>, query: &BsdfQuery<'_>, bsdf: &BsdfBatch) -> Self {
+        let model = Model::new(query.shading, query.material);
+        let surface = ShadingPoint::new(at, model, query.material);
+        if !query.grooved {
             return Self { from: surface.v, surface, groove: None };
         }
-        let groove = Groove::new(at, &exchange.grooves, &surface);
-        Self { surface, from: at.load3(&exchange.grooves.v), groove: Some(groove) }
+        let groove = Groove::new(at, &bsdf.grooves, &surface);
+        Self { surface, from: at.load3(&bsdf.grooves.v), groove: Some(groove) }
     }
 
     /// Radiance per unit of irradiance; where light is `shadowed` behind the shading normal, 0 there.

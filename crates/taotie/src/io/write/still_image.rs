@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// The file format of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PictureFormat {
+pub enum ImageFormat {
     /// PNG, sRGB, 8 bits a channel.
     Png8,
     /// PNG, sRGB, 16 bits a channel.
@@ -22,26 +22,21 @@ pub enum PictureFormat {
 /// ```no_run
 /// use taotie::film::Development;
 /// use taotie::image::Image;
-/// use taotie::io::{PictureFormat, write_picture};
+/// use taotie::io::{ImageFormat, write_image};
 ///
 /// let grey = Image::new(64, 64, [0.2, 0.2, 0.2, 1.0])?;
-/// write_picture("grey.png".as_ref(), &grey, &Development::default(), PictureFormat::Png16)?;
+/// write_image("grey.png".as_ref(), &grey, &Development::default(), ImageFormat::Png16)?;
 /// # Ok::<(), taotie::Error>(())
 /// ```
 ///
 /// # Errors
 /// Those of the development, [`crate::Error::Unsupported`] for OpenEXR without the feature `exr`, and
 /// [`crate::Error::Io`] where the file cannot be written.
-pub fn write_picture(
-    path: &Path,
-    image: &Image,
-    development: &Development,
-    format: PictureFormat,
-) -> Result<()> {
+pub fn write_image(path: &Path, image: &Image, development: &Development, format: ImageFormat) -> Result<()> {
     let texels = match format {
-        PictureFormat::Exr => return write_linear(path, image),
-        PictureFormat::Png8 => Texels::U8(develop8(image, development)?),
-        PictureFormat::Png16 => Texels::U16(develop16(image, development)?),
+        ImageFormat::Exr => return write_linear(path, image),
+        ImageFormat::Png8 => Texels::U8(develop8(image, development)?),
+        ImageFormat::Png16 => Texels::U16(develop16(image, development)?),
     };
     write_developed(path, [image.width(), image.height()], development, texels)
 }

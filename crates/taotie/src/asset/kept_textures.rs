@@ -6,13 +6,13 @@ use crate::scene::{Material, Scene, TextureRef};
 
 /// Textures of a low-poly mesh's material that stay where nothing is baked in their place.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(super) struct KeptTextures {
     pub color: Option<Bitmap>,
     pub metallic_roughness: Option<Bitmap>,
     pub occlusion: Option<Bitmap>,
 }
 
-impl Kept {
+impl KeptTextures {
     /// Takes those of uv set 0 that are not moved by a transform.
     pub fn of(material: &Material, scene: &Scene) -> Self {
         let bitmap = |texture: &Option<TextureRef>| {

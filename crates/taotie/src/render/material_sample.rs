@@ -4,7 +4,7 @@ use super::batch::Lanes;
 use super::model::{takes_compensation, takes_fresnel};
 use crate::math::{Pack, Vec3};
 use crate::scene::Material;
-use crate::shade::{self, Shading, Substance, fresnel, ndf};
+use crate::shade::{self, MaterialSample, Shading, fresnel, ndf};
 
 /// The least α that shininess and slope are made from.
 const LEAST_ALPHA: f32 = 0.02;
@@ -12,11 +12,11 @@ const LEAST_ALPHA: f32 = 0.02;
 /// The surface's parameters in every model's terms, and k_a. What the material does not author follows from the
 /// metallic-roughness values.
 #[inline(always)]
-pub(super) fn substance<P: Pack>(
+pub(super) fn material_sample<P: Pack>(
     at: Lanes<'_, P>,
     shading: Shading,
     material: &Material,
-) -> (Substance<P>, Vec3<P>) {
+) -> (MaterialSample<P>, Vec3<P>) {
     let batch = at.batch;
     let tint = at.load3(&batch.tint);
     let (metallic, roughness) = (at.load(&batch.metallic), at.load(&batch.roughness));
@@ -47,7 +47,7 @@ pub(super) fn substance<P: Pack>(
     };
     let compensated = batch.compensated && takes_compensation(shading);
     let compensation = compensated.then(|| shade::compensation(&at.dfg(), f0, f90, f82_drop));
-    let substance = Substance {
+    let sample = MaterialSample {
         base_color,
         metallic,
         roughness,
@@ -60,7 +60,7 @@ pub(super) fn substance<P: Pack>(
         slope,
         compensation,
     };
-    (substance, ambient)
+    (sample, ambient)
 }
 
 /// Returns F0 and F90: a dielectric's by its index of refraction and its specular strength and colour, a metal's by

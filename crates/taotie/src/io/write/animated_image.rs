@@ -13,7 +13,7 @@ type GifResult<T> = std::result::Result<T, gif::EncodingError>;
 
 /// The file format of an animated image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MovingFormat {
+pub enum AnimationFormat {
     /// Animated PNG: every colour and alpha, 8 bits a channel. Programs without animation show the first frame.
     Png,
     /// GIF: 256 colours a frame, each pixel seen or not.
@@ -22,9 +22,9 @@ pub enum MovingFormat {
 
 /// The properties that all frames of an animated image share.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MovingSpec {
+pub struct AnimationSpec {
     /// The file format.
-    pub format: MovingFormat,
+    pub format: AnimationFormat,
     /// Width in pixels, 1 to 16384.
     pub width: u32,
     /// Height in pixels, 1 to 16384.
@@ -38,10 +38,10 @@ pub struct MovingSpec {
 }
 
 /// An animated image in the making. It appears under its name when it is finished, and not at all if it never is.
-pub struct MovingPicture {
+pub struct AnimatedImage {
     path: PathBuf,
     file: NamedTempFile,
-    spec: MovingSpec,
+    spec: AnimationSpec,
     encoder: Encoder,
     added: u32,
 }
@@ -55,24 +55,24 @@ enum Encoder {
     },
 }
 
-impl MovingPicture {
+impl AnimatedImage {
     /// Begins an image at `path`.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a size, number of frames or length that cannot be, [`Error::Io`] where the place cannot
     /// be written to.
-    pub fn create(path: &Path, spec: &MovingSpec) -> Result<Self> {
+    pub fn create(path: &Path, spec: &AnimationSpec) -> Result<Self> {
         const LARGEST: u32 = 16384;
         let sized = (1..=LARGEST).contains(&spec.width) && (1..=LARGEST).contains(&spec.height);
         if !sized || spec.frames == 0 || !(spec.seconds >= 0.0 && spec.seconds.is_finite()) {
-            return Err(Error::invalid("moving picture", format!("{spec:?} cannot be")));
+            return Err(Error::invalid("animated image", format!("{spec:?} cannot be")));
         }
         let file = draft(path)?;
         let second_handle = file.reopen().map_err(|e| Error::io(path, e))?;
         let out = BufWriter::with_capacity(BUFFER, second_handle);
         let encoder = match spec.format {
-            MovingFormat::Png => Encoder::Png(Box::new(png(spec, out).map_err(|e| png_error(path, e))?)),
-            MovingFormat::Gif => {
+            AnimationFormat::Png => Encoder::Png(Box::new(png(spec, out).map_err(|e| png_error(path, e))?)),
+            AnimationFormat::Gif => {
                 let writer = Box::new(gif(spec, out).map_err(|e| gif_error(path, e))?);
                 Encoder::Gif { writer, waiting: Vec::new() }
             }
@@ -81,17 +81,17 @@ impl MovingPicture {
     }
 
     /// Adds the next frame: sRGB with alpha that is not premultiplied, row by row from the top. Without
-    /// [`MovingSpec::alpha`] alpha is not looked at; a GIF shows what has at least half of it.
+    /// [`AnimationSpec::alpha`] alpha is not looked at; a GIF shows what has at least half of it.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the number of pixels does not fit, or there are frames enough; [`Error::Io`] where
     /// the file cannot be written.
     pub fn add(&mut self, pixels: &[[u8; 4]]) -> Result<()> {
-        let MovingSpec { width, height, frames, alpha, .. } = self.spec;
+        let AnimationSpec { width, height, frames, alpha, .. } = self.spec;
         let wanted = width as usize * height as usize;
         if pixels.len() != wanted || self.added == frames {
             let why = format!("frame {} of {frames} has {} pixels of {wanted}", self.added + 1, pixels.len());
-            return Err(Error::invalid("moving picture", why));
+            return Err(Error::invalid("animated image", why));
         }
         match &mut self.encoder {
             Encoder::Png(writer) => {
@@ -119,7 +119,7 @@ impl MovingPicture {
     pub fn finish(self) -> Result<()> {
         let Self { path, file, spec, encoder, added } = self;
         if added != spec.frames {
-            return Err(Error::invalid("moving picture", format!("{added} of {} frames", spec.frames)));
+            return Err(Error::invalid("animated image", format!("{added} of {} frames", spec.frames)));
         }
         match encoder {
             Encoder::Png(writer) => writer.finish().map_err(|e| png_error(&path, e))?,
@@ -134,7 +134,7 @@ impl MovingPicture {
     }
 }
 
-impl MovingSpec {
+impl AnimationSpec {
     /// Returns the length of frame `index` in parts of a second. Rounded so that the sum over all frames is right.
     fn delay(&self, index: u32, parts: u32) -> u64 {
         let end = |frames: u32| {
@@ -166,7 +166,7 @@ impl MovingSpec {
     }
 }
 
-fn png(spec: &MovingSpec, out: BufWriter<File>) -> PngResult<png::Writer<BufWriter<File>>> {
+fn png(spec: &AnimationSpec, out: BufWriter<File>) -> PngResult<png::Writer<BufWriter<File>>> {
     let mut encoder = png::Encoder::new(out, spec.width, spec.height);
     encoder.set_color(if spec.alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
     encoder.set_compression(png::Compression::Fast);
@@ -176,7 +176,7 @@ fn png(spec: &MovingSpec, out: BufWriter<File>) -> PngResult<png::Writer<BufWrit
     encoder.write_header()
 }
 
-fn gif(spec: &MovingSpec, out: BufWriter<File>) -> GifResult<gif::Encoder<BufWriter<File>>> {
+fn gif(spec: &AnimationSpec, out: BufWriter<File>) -> GifResult<gif::Encoder<BufWriter<File>>> {
     let mut encoder = gif::Encoder::new(out, spec.width as u16, spec.height as u16, &[])?;
     encoder.set_repeat(gif::Repeat::Infinite)?;
     Ok(encoder)
@@ -207,7 +207,7 @@ fn channels(pixels: &[[u8; 4]], count: usize) -> Vec<u8> {
 fn png_error(path: &Path, error: png::EncodingError) -> Error {
     match error {
         png::EncodingError::IoError(e) => Error::io(path, e),
-        other => Error::invalid("moving picture", other.to_string()),
+        other => Error::invalid("animated image", other.to_string()),
     }
 }
 
@@ -222,8 +222,8 @@ fn gif_error(path: &Path, error: gif::EncodingError) -> Error {
 mod tests {
     use super::*;
 
-    fn spec(format: MovingFormat, alpha: bool) -> MovingSpec {
-        MovingSpec { format, width: 3, height: 2, frames: 3, seconds: 0.1, alpha }
+    fn spec(format: AnimationFormat, alpha: bool) -> AnimationSpec {
+        AnimationSpec { format, width: 3, height: 2, frames: 3, seconds: 0.1, alpha }
     }
 
     /// Every frame of one colour, the first pixel hidden.
@@ -233,10 +233,10 @@ mod tests {
         pixels
     }
 
-    fn written(spec: &MovingSpec) -> (tempfile::TempDir, PathBuf) {
+    fn written(spec: &AnimationSpec) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("moving");
-        let mut picture = MovingPicture::create(&path, spec).unwrap();
+        let mut picture = AnimatedImage::create(&path, spec).unwrap();
         [20, 120, 220].iter().for_each(|grey| picture.add(&frame(*grey)).unwrap());
         assert!(!path.exists(), "it appears when it is whole");
         picture.finish().unwrap();
@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn png_frames_read_back_as_written() {
         for alpha in [false, true] {
-            let (_folder, path) = written(&spec(MovingFormat::Png, alpha));
+            let (_folder, path) = written(&spec(AnimationFormat::Png, alpha));
             let file = io::BufReader::new(File::open(&path).unwrap());
             let mut reader = png::Decoder::new(file).read_info().unwrap();
             assert_eq!(reader.info().animation_control().unwrap().num_frames, 3);
@@ -268,7 +268,7 @@ mod tests {
     #[test]
     fn gif_frames_keep_colours_and_holes() {
         for alpha in [false, true] {
-            let (_folder, path) = written(&spec(MovingFormat::Gif, alpha));
+            let (_folder, path) = written(&spec(AnimationFormat::Gif, alpha));
             let mut options = gif::DecodeOptions::new();
             options.set_color_output(gif::ColorOutput::RGBA);
             let mut reader = options.read_info(File::open(&path).unwrap()).unwrap();
@@ -289,7 +289,7 @@ mod tests {
     fn unfinished_pictures_leave_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("m.png");
-        let mut picture = MovingPicture::create(&path, &spec(MovingFormat::Png, false)).unwrap();
+        let mut picture = AnimatedImage::create(&path, &spec(AnimationFormat::Png, false)).unwrap();
         assert!(picture.add(&[[0; 4]; 5]).is_err(), "a pixel is lacking");
         picture.add(&frame(1)).unwrap();
         assert!(picture.finish().unwrap_err().to_string().contains("1 of 3 frames"));
@@ -298,12 +298,13 @@ mod tests {
 
     #[test]
     fn wrong_sizes_lengths_and_places_are_refused() {
-        let create = |spec: MovingSpec| MovingPicture::create(Path::new("no/such/m.gif"), &spec).is_err();
-        let good = spec(MovingFormat::Gif, true);
+        let create = |spec: AnimationSpec| AnimatedImage::create(Path::new("no/such/m.gif"), &spec).is_err();
+        let good = spec(AnimationFormat::Gif, true);
         assert!(create(good));
-        assert!(create(MovingSpec { width: 0, ..good }) && create(MovingSpec { frames: 0, ..good }));
+        assert!(create(AnimationSpec { width: 0, ..good }) && create(AnimationSpec { frames: 0, ..good }));
         assert!(
-            create(MovingSpec { height: 70_000, ..good }) && create(MovingSpec { seconds: f64::NAN, ..good })
+            create(AnimationSpec { height: 70_000, ..good })
+                && create(AnimationSpec { seconds: f64::NAN, ..good })
         );
     }
 }

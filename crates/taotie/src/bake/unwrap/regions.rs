@@ -1,4 +1,4 @@
-//! Small compact patches that face one way, from which charts are put together.
+//! Small compact regions that face one way, from which UV islands are put together.
 
 use super::topology::{NONE, Topology};
 use crate::bake::simplify::morton;
@@ -8,36 +8,36 @@ use std::collections::BinaryHeap;
 
 /// Rounds of growing from better places.
 const ROUNDS: usize = 4;
-/// The cosine of the widest angle between a patch's axis and its smooth normals: 40°.
+/// The cosine of the widest angle between a region's axis and its smooth normals: 40°.
 const SMOOTH_COSINE: f64 = 0.766;
 /// The same for the triangles' own normals: 70°.
 const OWN_COSINE: f64 = 0.342;
 /// The factor by which a way seems longer where the surface faces elsewhere.
 const DETOUR: f64 = 8.0;
 
-/// A patch while it grows.
+/// The start of a region: a triangle, and the axis that its triangles face along.
 #[derive(Clone, Copy)]
-struct Patch {
-    seed: u32,
+struct Seed {
+    triangle: u32,
     axis: Vec3<f64>,
 }
 
-/// Returns the patch of each triangle, [`NONE`] for those without area, and how many patches there are.
+/// Returns the region of each triangle, [`NONE`] for those without area, and how many regions there are.
 ///
-/// Patches grow at once, nearest triangles first, as in Lloyd's method; new ones grow from triangles that none reaches.
+/// Regions grow at once, nearest triangles first, as in Lloyd's method; new ones grow from triangles that none reaches.
 /// Source: Cohen-Steiner, Alliez and Desbrun 2004, "Variational shape approximation".
-pub(super) fn patches(topology: &Topology) -> (Vec<u32>, usize) {
-    let mut patches = first_seeds(topology);
+pub(super) fn regions(topology: &Topology) -> (Vec<u32>, usize) {
+    let mut seeds = first_seeds(topology);
     for _ in 1..ROUNDS {
-        let labels = grow(topology, &mut patches);
-        patches = centred(topology, &labels, patches.len());
+        let labels = grow(topology, &mut seeds);
+        seeds = centred(topology, &labels, seeds.len());
     }
-    let labels = grow(topology, &mut patches);
-    (labels, patches.len())
+    let labels = grow(topology, &mut seeds);
+    (labels, seeds.len())
 }
 
 /// Triangles at equal steps of area along a Morton curve.
-fn first_seeds(topology: &Topology) -> Vec<Patch> {
+fn first_seeds(topology: &Topology) -> Vec<Seed> {
     let mut order: Vec<u32> =
         (0..topology.len() as u32).filter(|t| topology.is_flat_enough(*t as usize)).collect();
     order.sort_by_key(|t| (morton(topology.centres[*t as usize].to_f32().to_array()), *t));
@@ -50,46 +50,47 @@ fn first_seeds(topology: &Topology) -> Vec<Patch> {
             passed -= step;
             // A triangle larger than a step is one seed.
             passed = passed.min(step);
-            seeds.push(patch_at(topology, t));
+            seeds.push(seed_at(topology, t));
         }
     }
     seeds
 }
 
-/// Makes a patch of one triangle, whose axis is one that it may have.
-fn patch_at(topology: &Topology, seed: u32) -> Patch {
-    let t = seed as usize;
+/// Makes the seed of one triangle, whose axis is one that it may have.
+fn seed_at(topology: &Topology, triangle: u32) -> Seed {
+    let t = triangle as usize;
     let smooth = topology.smooth[t];
-    Patch { seed, axis: if faces(topology, t, smooth) { smooth } else { topology.normals[t] } }
+    Seed { triangle, axis: if faces(topology, t, smooth) { smooth } else { topology.normals[t] } }
 }
 
-/// Costs in a heap: bits of a number from 0 up, which sort as the number does; then triangle and patch.
+/// Costs in a heap: bits of a number from 0 up, which sort as the number does; then triangle and region.
 type Claim = Reverse<(u64, u32, u32)>;
 
-/// Grows all patches at once; from triangles that none has reached in the end, in order, new ones.
-fn grow(topology: &Topology, patches: &mut Vec<Patch>) -> Vec<u32> {
+/// Grows all regions at once; from triangles that none has reached in the end, in order, new ones.
+fn grow(topology: &Topology, seeds: &mut Vec<Seed>) -> Vec<u32> {
     let mut labels = vec![NONE; topology.len()];
     let mut claims: BinaryHeap<Claim> =
-        patches.iter().enumerate().map(|(i, patch)| Reverse((0, patch.seed, i as u32))).collect();
-    spread(topology, patches, &mut labels, &mut claims);
+        seeds.iter().enumerate().map(|(i, seed)| Reverse((0, seed.triangle, i as u32))).collect();
+    flood(topology, seeds, &mut labels, &mut claims);
     for t in 0..topology.len() {
         if labels[t] == NONE && topology.is_flat_enough(t) {
-            claims.push(Reverse((0, t as u32, patches.len() as u32)));
-            patches.push(patch_at(topology, t as u32));
-            spread(topology, patches, &mut labels, &mut claims);
+            claims.push(Reverse((0, t as u32, seeds.len() as u32)));
+            seeds.push(seed_at(topology, t as u32));
+            flood(topology, seeds, &mut labels, &mut claims);
         }
     }
     labels
 }
 
-fn spread(topology: &Topology, patches: &[Patch], labels: &mut [u32], claims: &mut BinaryHeap<Claim>) {
+/// Gives triangles to the regions that claim them at the least cost, until no claim is left.
+fn flood(topology: &Topology, seeds: &[Seed], labels: &mut [u32], claims: &mut BinaryHeap<Claim>) {
     while let Some(Reverse((cost, triangle, label))) = claims.pop() {
         let t = triangle as usize;
         if labels[t] != NONE {
             continue;
         }
         labels[t] = label;
-        let axis = patches[label as usize].axis;
+        let axis = seeds[label as usize].axis;
         for side in topology.neighbours[t].into_iter().filter(|side| *side != NONE) {
             let s = side as usize;
             if labels[s] == NONE && faces(topology, s, axis) {
@@ -101,15 +102,15 @@ fn spread(topology: &Topology, patches: &[Patch], labels: &mut [u32], claims: &m
     }
 }
 
-/// Returns `true` where a triangle may belong to a patch with this axis.
+/// Returns `true` where a triangle may belong to a region with this axis.
 fn faces(topology: &Topology, triangle: usize, axis: Vec3<f64>) -> bool {
     topology.is_flat_enough(triangle)
         && topology.smooth[triangle].dot(axis) >= SMOOTH_COSINE
         && topology.normals[triangle].dot(axis) >= OWN_COSINE
 }
 
-/// Patches anew, each from its triangle nearest to its middle. Patches without a triangle are gone.
-fn centred(topology: &Topology, labels: &[u32], count: usize) -> Vec<Patch> {
+/// The seeds of regions anew, each the triangle nearest to its middle. Regions without a triangle are gone.
+fn centred(topology: &Topology, labels: &[u32], count: usize) -> Vec<Seed> {
     let zero = Vec3::splat(0.0);
     let mut sums = vec![(0.0, zero, zero); count];
     for (t, label) in labels.iter().enumerate().filter(|(_, label)| **label != NONE) {
@@ -129,10 +130,10 @@ fn centred(topology: &Topology, labels: &[u32], count: usize) -> Vec<Patch> {
             best[*label as usize] = (off, t as u32);
         }
     }
-    let patch = |(i, (_, seed)): (usize, &(f64, u32))| {
+    let anew = |(i, (_, seed)): (usize, &(f64, u32))| {
         let axis = sums[i].2.normalize_or(topology.smooth[*seed as usize]);
         let fits = faces(topology, *seed as usize, axis);
-        if fits { Patch { seed: *seed, axis } } else { patch_at(topology, *seed) }
+        if fits { Seed { triangle: *seed, axis } } else { seed_at(topology, *seed) }
     };
-    best.iter().enumerate().filter(|(_, (_, seed))| *seed != NONE).map(patch).collect()
+    best.iter().enumerate().filter(|(_, (_, seed))| *seed != NONE).map(anew).collect()
 }

@@ -6,14 +6,14 @@ use crate::shade::environment::EnvironmentSample;
 
 /// The environment in world space.
 #[derive(Clone, Copy)]
-pub(super) struct Surround<'t> {
+pub(super) struct WorldEnvironment<'t> {
     light: &'t EnvironmentLight,
     turn: Turn,
     /// `true` where it is seen wherever nothing stands before it.
     pub visible: bool,
 }
 
-impl<'t> Surround<'t> {
+impl<'t> WorldEnvironment<'t> {
     pub(super) fn new(light: &'t EnvironmentLight) -> Self {
         Self { light, turn: light.turn(), visible: light.visible }
     }

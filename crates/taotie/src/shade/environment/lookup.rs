@@ -7,10 +7,10 @@ use super::octahedron::taps;
 use crate::math::{Column, Pack, Quads, Vec3, Words, dispatch_pack};
 use fearless_simd::Level;
 
-/// The directions and roughnesses for which light is gathered, at most [`crate::math::BATCH`], in the environment's
+/// The directions and roughnesses that are looked up, at most [`crate::math::BATCH`], in the environment's
 /// space.
 #[derive(Debug, Clone)]
-pub(crate) struct Mirrors {
+pub(crate) struct LookupDirections {
     /// The directions that light comes from, of any length.
     pub direction: [Column; 3],
     /// [`Environment::place_of`] it.
@@ -19,25 +19,25 @@ pub(crate) struct Mirrors {
     pub roughness: Column,
 }
 
-/// The light to be gathered.
+/// A lookup: where, of how many, and by what factor.
 #[derive(Clone, Copy)]
-pub(crate) struct Wanted<'a> {
-    pub mirrors: &'a Mirrors,
+pub(crate) struct LookupRequest<'a> {
+    pub directions: &'a LookupDirections,
     /// The number of them that count, from the first on.
     pub len: usize,
     /// The factor of the light.
     pub factor: f32,
 }
 
-impl Default for Mirrors {
+impl Default for LookupDirections {
     fn default() -> Self {
         Self { direction: [Column::ZERO; 3], place: [Column::ZERO; 2], roughness: Column::ZERO }
     }
 }
 
-/// Room for texels of two levels.
+/// The scratch memory of a lookup: texels of two levels.
 #[derive(Debug, Clone)]
-pub(crate) struct Gatherer {
+pub(crate) struct EnvironmentLookup {
     below: Taps,
     above: Taps,
     /// The number of the level below; −1 where all are rougher.
@@ -61,7 +61,7 @@ struct Taps {
     rows: [Quads; 2],
 }
 
-impl Default for Gatherer {
+impl Default for EnvironmentLookup {
     fn default() -> Self {
         let zero = Column::ZERO;
         let taps = Taps {
@@ -78,17 +78,17 @@ impl Default for Gatherer {
 }
 
 impl Environment {
-    /// [`Self::specular`] of the mirrors, times the factor.
-    pub(crate) fn gather(
+    /// [`Self::specular`] of the directions, times the factor.
+    pub(crate) fn look_up(
         &self,
         level: Level,
-        gatherer: &mut Gatherer,
-        wanted: Wanted<'_>,
+        lookup: &mut EnvironmentLookup,
+        request: LookupRequest<'_>,
         out: &mut [Column; 3],
     ) {
-        let Wanted { mirrors, len, factor } = wanted;
-        dispatch_pack!(level, P, token => gatherer.choose::<P>(token, &mirrors.roughness, len));
-        let Gatherer { below, above, number, .. } = gatherer;
+        let LookupRequest { directions, len, factor } = request;
+        dispatch_pack!(level, P, token => lookup.choose::<P>(token, &directions.roughness, len));
+        let EnvironmentLookup { below, above, number, .. } = lookup;
         for (i, number) in number.iter().take(len).enumerate() {
             // As integers: −1 becomes 0.
             let number = *number as u32 as usize;
@@ -96,12 +96,12 @@ impl Environment {
             above.choose(i, &self.levels, number + 1);
         }
         for taps in [below, above] {
-            taps.read(level, &self.levels, &mirrors.place, len);
+            taps.read(level, &self.levels, &directions.place, len);
         }
-        dispatch_pack!(level, P, token => gatherer.mix::<P>(token, len, factor, out));
-        for i in (0..len).filter(|i| gatherer.number[*i] < 0.0) {
-            let direction = mirrors.direction.each_ref().map(|column| column[i]);
-            let light = self.specular(Vec3::from_array(direction), mirrors.roughness[i]) * factor;
+        dispatch_pack!(level, P, token => lookup.mix::<P>(token, len, factor, out));
+        for i in (0..len).filter(|i| lookup.number[*i] < 0.0) {
+            let direction = directions.direction.each_ref().map(|column| column[i]);
+            let light = self.specular(Vec3::from_array(direction), directions.roughness[i]) * factor;
             for (column, value) in out.iter_mut().zip(light.to_array()) {
                 column[i] = value;
             }
@@ -109,22 +109,22 @@ impl Environment {
     }
 
     /// [`Self::irradiance`] at the places, times the factor over π.
-    pub(crate) fn gather_mean(
+    pub(crate) fn look_up_mean(
         &self,
         level: Level,
-        gatherer: &mut Gatherer,
-        wanted: Wanted<'_>,
+        lookup: &mut EnvironmentLookup,
+        request: LookupRequest<'_>,
         out: &mut [Column; 3],
     ) {
-        let Wanted { mirrors, len, factor } = wanted;
-        let (taps, roughest) = (&mut gatherer.below, self.levels.count() - 1);
+        let LookupRequest { directions, len, factor } = request;
+        let (taps, roughest) = (&mut lookup.below, self.levels.count() - 1);
         (0..len).for_each(|i| taps.choose(i, &self.levels, roughest));
-        taps.read(level, &self.levels, &mirrors.place, len);
+        taps.read(level, &self.levels, &directions.place, len);
         dispatch_pack!(level, P, token => taps.fill::<P>(token, len, factor, out));
     }
 }
 
-impl Gatherer {
+impl EnvironmentLookup {
     #[inline(always)]
     fn choose<P: Pack>(&mut self, token: P::Token, roughness: &Column, len: usize) {
         for i in (0..len).step_by(P::LANES) {

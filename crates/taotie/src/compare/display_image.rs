@@ -5,13 +5,13 @@ use crate::error::{Error, Result};
 
 /// An image as a screen shows it: sRGB-encoded red, green and blue in [0, 1], row by row from the top.
 #[derive(Debug, Clone)]
-pub struct Picture {
+pub struct DisplayImage {
     pub(super) width: u32,
     pub(super) height: u32,
     pub(super) pixels: Vec<[f32; 3]>,
 }
 
-impl Picture {
+impl DisplayImage {
     /// An image from encoded pixels, row by row from the top.
     ///
     /// # Errors
@@ -31,7 +31,7 @@ impl Picture {
     /// An image as it was developed, opaque: its fourth channel is not looked at.
     ///
     /// # Errors
-    /// As [`Picture::new`].
+    /// As [`DisplayImage::new`].
     pub fn from_developed(width: u32, height: u32, codes: &[[u8; 4]]) -> Result<Self> {
         let pixels: Vec<[u8; 3]> = codes.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
         Self::from_8bit(width, height, &pixels)
@@ -40,7 +40,7 @@ impl Picture {
     /// An image from the codes of an 8-bit file, row by row from the top.
     ///
     /// # Errors
-    /// As [`Picture::new`].
+    /// As [`DisplayImage::new`].
     pub fn from_8bit(width: u32, height: u32, pixels: &[[u8; 3]]) -> Result<Self> {
         Self::new(width, height, pixels.iter().map(|p| p.map(|v| f32::from(v) / 255.0)).collect())
     }
@@ -60,7 +60,7 @@ impl Picture {
         &self.pixels
     }
 
-    pub(super) fn check_same_size(&self, other: &Picture) -> Result<()> {
+    pub(super) fn check_same_size(&self, other: &DisplayImage) -> Result<()> {
         same_size((self.width, self.height), (other.width, other.height))
     }
 }
@@ -71,16 +71,16 @@ mod tests {
 
     #[test]
     fn codes_become_numbers() {
-        let picture = Picture::from_8bit(1, 1, &[[0, 51, 255]]).unwrap();
+        let picture = DisplayImage::from_8bit(1, 1, &[[0, 51, 255]]).unwrap();
         assert_eq!(picture.pixels(), [[0.0, 0.2, 1.0]]);
     }
 
     #[test]
     fn what_no_screen_shows_is_refused() {
         for wrong in [-0.01, 1.01, f32::NAN, f32::INFINITY] {
-            let why = Picture::new(2, 1, vec![[0.0; 3], [0.5, wrong, 0.5]]).unwrap_err().to_string();
+            let why = DisplayImage::new(2, 1, vec![[0.0; 3], [0.5, wrong, 0.5]]).unwrap_err().to_string();
             assert!(why.contains("(1, 0)"), "{why}");
         }
-        assert!(Picture::new(2, 2, vec![[0.0; 3]; 3]).is_err());
+        assert!(DisplayImage::new(2, 2, vec![[0.0; 3]; 3]).is_err());
     }
 }
