@@ -18,7 +18,7 @@ FEATURES = draco basis exr webp
 features: ## The library without each of its cargo features
 	cargo check -p taotie --tests --no-default-features
 	$(foreach off,$(FEATURES),cargo check -p taotie --no-default-features --features "$(filter-out $(off),$(FEATURES))" &&) true
-	cargo test -p taotie --no-default-features --profile light --test features
+	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 
 test-slow: ## The tests that take minutes each
 	cargo test --release --workspace --lib --bins --tests -- --ignored
