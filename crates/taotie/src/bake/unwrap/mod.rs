@@ -18,12 +18,12 @@ use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
+use crate::parallel;
 use crate::progress::Progress;
 use flatten::{Chart, Measure};
 use layout::Layout;
 use merge::{Limits, Merger};
 pub use options::UnwrapOptions;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use topology::{NONE, Topology};
 
@@ -83,7 +83,7 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
     let mut charts = flat_charts(&topology, &labels, &axes, &measure);
     progress.at(0.5)?;
     for round in 0..ROUNDS {
-        let laid: Vec<Vec<[[f64; 2]; 3]>> = charts.par_iter().map(|chart| chart.laid(&topology)).collect();
+        let laid: Vec<Vec<[[f64; 2]; 3]>> = parallel::tasks(charts.len(), &|i| charts[i].laid(&topology));
         let attempt = progress.part(1.0 - 0.5 / f64::from(round + 1), 1.0);
         let layout = layout::lay_out(&laid, options, scale, attempt)?;
         let unwrapped = flat.cut(&charts, &layout)?;
@@ -166,11 +166,10 @@ fn flat_charts(topology: &Topology, labels: &[u32], axes: &[Vec3<f64>], measure:
     for (t, label) in labels.iter().enumerate().filter(|(_, label)| **label != NONE) {
         members[*label as usize].push(t as u32);
     }
-    let flat = |(triangles, axis): (Vec<u32>, &Vec3<f64>)| match triangles.is_empty() {
+    let charts: Vec<Vec<Chart>> = parallel::tasks(axes.len(), &|i| match members[i].is_empty() {
         true => Vec::new(),
-        false => flatten::flatten(topology, triangles, *axis, measure),
-    };
-    let charts: Vec<Vec<Chart>> = members.into_par_iter().zip(axes).map(flat).collect();
+        false => flatten::flatten(topology, members[i].clone(), axes[i], measure),
+    });
     charts.into_iter().flatten().collect()
 }
 
