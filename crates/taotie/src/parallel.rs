@@ -99,6 +99,21 @@ pub(crate) fn first(count: usize, is: impl Fn(usize) -> bool + Sync) -> Option<u
     (lowest < count).then_some(lowest)
 }
 
+/// Returns the value of each number below `count`, where each is long work as in [`tasks`], until it fails.
+///
+/// # Errors
+/// One of those of the work.
+pub(crate) fn try_tasks<T: Send>(count: usize, task: &(dyn Fn(usize) -> Result<T> + Sync)) -> Result<Vec<T>> {
+    let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    try_each(count, &|i| {
+        let result = task(i)?;
+        *slots[i].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+        Ok(())
+    })?;
+    let results = slots.into_iter().map(|slot| slot.into_inner().unwrap_or_else(PoisonError::into_inner));
+    Ok(results.flatten().collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,6 +157,13 @@ mod tests {
     #[test]
     fn an_error_ends_the_loop() {
         let result = try_each(1000, &|i| if i == 500 { Err(Error::Cancelled) } else { Ok(()) });
+        assert!(matches!(result, Err(Error::Cancelled)));
+    }
+
+    #[test]
+    fn results_of_work_that_may_fail_stand_in_order() {
+        assert_eq!(try_tasks(3, &|i| Ok(i.to_string())).unwrap(), ["0", "1", "2"]);
+        let result = try_tasks(1000, &|i| if i == 500 { Err(Error::Cancelled) } else { Ok(i) });
         assert!(matches!(result, Err(Error::Cancelled)));
     }
 }

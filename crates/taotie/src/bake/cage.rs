@@ -5,9 +5,9 @@ use super::scan::Scan;
 use crate::error::{Error, Result};
 use crate::math::{Vec3, sequence};
 use crate::mesh::{Mesh, Point, blend, each};
+use crate::parallel;
 use crate::surface;
 use crate::trace::Bvh;
-use rayon::prelude::*;
 
 /// The direction in which the scan is looked for from each vertex of a low-poly mesh, and the ray distance.
 ///
@@ -51,7 +51,7 @@ impl Cage {
         let directions = directions(low);
         let diagonal = low.diagonal();
         let search = GapSearch { low, directions: &directions, scan, diagonal };
-        let gaps: Vec<f32> = (0..low.triangles().len()).into_par_iter().map(|t| search.largest(t)).collect();
+        let gaps = parallel::collect(low.triangles().len(), |t| search.largest(t));
         let mut distances = vec![(diagonal * LEAST) as f32; directions.len()];
         for (triangle, gap) in low.triangles().iter().zip(gaps) {
             for v in triangle {
@@ -134,18 +134,15 @@ impl Cage {
     /// beside: each takes the values of the cage at the closest point of the original mesh.
     pub fn carried_over(&self, own: &Mesh, copy: &Mesh) -> Self {
         let surface = Bvh::of(own.triangles().len(), |t| own.corners(t));
-        let at = |point: &Vec3| {
-            let closest = surface.closest(*point, f32::INFINITY)?;
-            Some(self.projection_ray(own, closest.point()))
+        let at = |v: usize| {
+            let closest = surface.closest(copy.positions()[v], f32::INFINITY)?;
+            let projection = self.projection_ray(own, closest.point());
+            Some((projection.direction, projection.distance))
         };
         // A mesh without triangles has no line to follow either.
-        let none = ProjectionRay { point: Vec3::default(), direction: Vec3::default(), distance: 0.0 };
-        let projections: Vec<ProjectionRay> =
-            copy.positions().par_iter().map(|point| at(point).unwrap_or(none)).collect();
-        Self::new(
-            projections.iter().map(|projection| projection.direction).collect(),
-            projections.iter().map(|projection| projection.distance).collect(),
-        )
+        let lines = parallel::collect(copy.positions().len(), |v| at(v).unwrap_or_default());
+        let (directions, distances) = lines.into_iter().unzip();
+        Self::new(directions, distances)
     }
 }
 

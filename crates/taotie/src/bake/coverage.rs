@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::Vec2;
 use crate::mesh::Mesh;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// The map that a mesh is to be laid out on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,10 +57,9 @@ impl Coverage {
         let uvs = uv_set(mesh, grid.uv_set)?;
         let rasterizer = Rasterizer::new(mesh.triangles(), uvs, [width, height])?;
         let canvas = Canvas::new(width, height);
-        let skipped =
-            (0..mesh.triangles().len()).into_par_iter().filter(|t| !rasterizer.draw(*t, &canvas)).count();
+        let skipped = parallel::count(mesh.triangles().len(), |t| !rasterizer.draw(t, &canvas));
         let (mut texels, shared) = canvas.finish();
-        let covered = texels.par_iter().filter(|t| **t != NONE).count();
+        let covered = parallel::count(texels.len(), |i| texels[i] != NONE);
         grow(&mut texels, width as usize, grid.padding);
         Ok(Self { width, height, texels, covered, shared, skipped })
     }
@@ -88,7 +87,7 @@ impl Coverage {
 
     /// Returns for each texel, row by row from the top, whether a triangle covers its centre.
     pub fn mask(&self) -> Vec<bool> {
-        self.texels.par_iter().map(|texel| *texel < PADDING).collect()
+        parallel::collect(self.texels.len(), |i| self.texels[i] < PADDING)
     }
 
     /// Returns the number of texels that have a triangle over their centre.

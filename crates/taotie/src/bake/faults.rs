@@ -1,6 +1,7 @@
 //! Faults of a surface itself.
 
 use crate::mesh::Mesh;
+use crate::parallel;
 use crate::surface;
 use rayon::prelude::*;
 
@@ -22,15 +23,15 @@ impl Faults {
     pub fn of(mesh: &Mesh) -> Self {
         let places = surface::by_position(mesh.positions()).of;
         let triangles = mesh.triangles();
-        let corners = |t: &[u32; 3]| t.map(|v| places[v as usize]);
-        let is_whole = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
-        let mut edges: Vec<u64> = triangles
-            .par_iter()
-            .map(corners)
-            .filter(is_whole)
-            .flat_map_iter(|[a, b, c]| [[a, b], [b, c], [c, a]])
-            .map(|[a, b]| u64::from(a.min(b)) << 32 | u64::from(a.max(b)))
-            .collect();
+        let corners = |t: usize| triangles[t].map(|v| places[v as usize]);
+        let mut wholes: Vec<[u32; 3]> = parallel::collect(triangles.len(), corners);
+        wholes.retain(|[a, b, c]| a != b && b != c && c != a);
+        let edge = |[a, b]: [u32; 2]| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
+        let edges: Vec<[u64; 3]> = parallel::collect(wholes.len(), |t| {
+            let [a, b, c] = wholes[t];
+            [edge([a, b]), edge([b, c]), edge([c, a])]
+        });
+        let mut edges = edges.into_flattened();
         edges.par_sort_unstable();
         let (mut open_edges, mut crowded_edges) = (0, 0);
         for edge in edges.chunk_by(|a, b| a == b) {
@@ -38,12 +39,7 @@ impl Faults {
             crowded_edges += usize::from(edge.len() > 2);
         }
         drop(edges);
-        let sorted = |mut corners: [u32; 3]| {
-            corners.sort_unstable();
-            corners
-        };
-        let mut wholes: Vec<[u32; 3]> =
-            triangles.par_iter().map(corners).filter(is_whole).map(sorted).collect();
+        parallel::change(&mut wholes, |_, corners| corners.sort_unstable());
         wholes.par_sort_unstable();
         let duplicates = wholes.windows(2).filter(|pair| pair[0] == pair[1]).count();
         Self { open_edges, crowded_edges, duplicates, flat: mesh.degenerate_triangles() }

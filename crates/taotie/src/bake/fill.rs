@@ -1,7 +1,7 @@
 //! Filling between UV islands, so that no filter and no mip level shows a seam.
 
 use super::baked_maps::{BakedMaps, TexelStatus};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Texels around each UV island that take the value of the nearest one before the rest is filled: more than any
 /// bilinear or anisotropic lookup at the finest level reaches over a border.
@@ -52,7 +52,7 @@ fn neighbours(known: &[bool], [width, height]: [usize; 2]) -> Vec<(usize, usize)
             sides.into_iter().flatten().find(|k| known[*k]).map(|k| (i, k))
         })
     };
-    (0..height).into_par_iter().flat_map_iter(row).collect()
+    parallel::fold(height, |found: &mut Vec<(usize, usize)>, y| found.extend(row(y))).concat()
 }
 
 fn copy<T: Copy>(plane: &mut [T], from: &[(usize, usize)]) {
@@ -82,14 +82,14 @@ fn pull_push<const N: usize>(plane: &mut [[f32; N]], known: &[bool], size: [usiz
         let (fine, coarse) = levels.split_at_mut(k);
         let (fine, coarse) = (&mut fine[k - 1], &coarse[0]);
         let width = fine.size[0];
-        fine.texels.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        parallel::pieces(&mut fine.texels, width, &|y, row| {
             for (x, texel) in row.iter_mut().enumerate() {
                 *texel = texel.or(coarse.texels[y / 2 * coarse.size[0] + x / 2]);
             }
         });
     }
     let coarse = &levels[0];
-    plane.par_chunks_mut(size[0]).enumerate().for_each(|(y, row)| {
+    parallel::pieces(plane, size[0], &|y, row| {
         for (x, texel) in row.iter_mut().enumerate().filter(|(x, _)| !known[y * size[0] + x]) {
             *texel = coarse.texels[y / 2 * coarse.size[0] + x / 2].unwrap_or(*texel);
         }
@@ -113,7 +113,7 @@ fn coarser<const N: usize>(
         }
         (count > 0).then(|| sum.map(|v| v / count as f32))
     };
-    PyramidLevel { size, texels: (0..size[0] * size[1]).into_par_iter().map(mean).collect() }
+    PyramidLevel { size, texels: parallel::collect(size[0] * size[1], mean) }
 }
 
 #[cfg(test)]

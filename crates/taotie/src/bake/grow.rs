@@ -1,6 +1,7 @@
 //! Growing UV islands beyond their borders.
 
 use super::owner::{NONE, PADDING};
+use crate::parallel;
 use rayon::prelude::*;
 
 /// Grows every UV island by `steps` texels into free ones, across the map's borders too.
@@ -8,30 +9,28 @@ use rayon::prelude::*;
 /// In each step a free texel takes the triangle of its first neighbour that has one: left, right, above, below.
 pub(super) fn grow(texels: &mut [u32], width: usize, steps: u32) {
     let around = |i: usize| neighbors(i, width, texels.len());
-    let is_front = |i: &usize| texels[*i] == NONE && around(*i).into_iter().any(|k| texels[k] != NONE);
+    let is_front = |i: usize| texels[i] == NONE && around(i).into_iter().any(|k| texels[k] != NONE);
     let mut front: Vec<usize> = match steps {
         0 => return,
-        _ => (0..texels.len()).into_par_iter().filter(is_front).collect(),
+        _ => parallel::filter(texels.len(), is_front),
     };
     for _ in 0..steps {
         front = step(texels, width, &front);
     }
 }
 
-/// Gives the front to its neighbours' triangles; returns the next front.
+/// Gives the front, each texel of which has a neighbour with a triangle, to these triangles; returns the next front.
 fn step(texels: &mut [u32], width: usize, front: &[usize]) -> Vec<usize> {
     let count = texels.len();
     let triangle = |i: usize| neighbors(i, width, count).into_iter().map(|k| texels[k]).find(|t| *t != NONE);
-    let grown: Vec<(usize, u32)> =
-        front.par_iter().filter_map(|i| triangle(*i).map(|t| (*i, t | PADDING))).collect();
-    for (i, triangle) in &grown {
-        texels[*i] = *triangle;
+    let grown = parallel::collect(front.len(), |i| triangle(front[i]).unwrap_or(NONE) | PADDING);
+    for (i, triangle) in front.iter().zip(grown) {
+        texels[*i] = triangle;
     }
-    let mut next: Vec<usize> = grown
-        .par_iter()
-        .flat_map_iter(|(i, _)| neighbors(*i, width, count))
-        .filter(|k| texels[*k] == NONE)
-        .collect();
+    let free = parallel::fold(front.len(), |free: &mut Vec<usize>, i| {
+        free.extend(neighbors(front[i], width, count).into_iter().filter(|k| texels[*k] == NONE));
+    });
+    let mut next = free.concat();
     next.par_sort_unstable();
     next.dedup();
     next

@@ -3,9 +3,9 @@
 use super::simplify::{UnitCube, adapter, compact, is_near, triples};
 use crate::error::{Error, Result};
 use crate::mesh::{Mesh, MeshData};
+use crate::parallel;
 use crate::progress::Progress;
 use meshopt::SimplifyOptions as Choices;
-use rayon::prelude::*;
 
 /// The weight of a way on the map beside one on the surface: the map's side is as long as the mesh's longest, times
 /// this.
@@ -42,13 +42,12 @@ pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<V
     let cube = UnitCube::of(mesh.positions());
     let points: Vec<[f32; 3]> = mesh.positions().iter().map(|p| cube.scaled(*p)).collect();
     let places: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
-    let level = |(i, count): (usize, &usize)| {
+    let levels = parallel::try_tasks(counts.len(), &|i| {
         progress.at(i as f64 / counts.len() as f64)?;
-        let (triangles, error) = fewer(mesh, &points, &places, *count);
-        let reached = is_near(triangles.len(), *count) || triangles.len() < *count;
+        let (triangles, error) = fewer(mesh, &points, &places, counts[i]);
+        let reached = is_near(triangles.len(), counts[i]) || triangles.len() < counts[i];
         Ok(DetailLevel { mesh: with_triangles(mesh, triangles)?, error: error * cube.extent, reached })
-    };
-    let levels = counts.par_iter().enumerate().map(level).collect::<Result<_>>()?;
+    })?;
     progress.at(1.0)?;
     Ok(levels)
 }

@@ -3,7 +3,7 @@
 use super::owner::NONE;
 use crate::error::{Error, Result};
 use crate::math::Vec2;
-use rayon::prelude::*;
+use crate::parallel;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -24,20 +24,18 @@ pub(super) struct Canvas {
 impl Canvas {
     pub fn new(width: u32, height: u32) -> Self {
         let (width, height) = (width as usize, height as usize);
-        Self {
-            width,
-            height,
-            texels: (0..width * height).into_par_iter().map(|_| AtomicU32::new(NONE)).collect(),
-        }
+        let texels = parallel::collect(width * height, |_| NONE);
+        Self { width, height, texels: texels.into_iter().map(AtomicU32::new).collect() }
     }
 
     /// Returns the triangle of each texel, and how many texels lie under more than one.
     pub fn finish(self) -> (Vec<u32>, usize) {
-        let texels: Vec<u32> = self.texels.into_par_iter().map(AtomicU32::into_inner).collect();
-        let is_shared = |texel: &u32| *texel != NONE && texel & SHARED != 0;
-        let shared = texels.par_iter().filter(|texel| is_shared(texel)).count();
+        let mut texels: Vec<u32> = self.texels.into_iter().map(AtomicU32::into_inner).collect();
+        let is_shared = |texel: u32| texel != NONE && texel & SHARED != 0;
+        let shared = parallel::count(texels.len(), |i| is_shared(texels[i]));
         let plain = |texel: u32| if texel == NONE { NONE } else { texel & !SHARED };
-        (texels.into_par_iter().map(plain).collect(), shared)
+        parallel::change(&mut texels, |_, texel| *texel = plain(*texel));
+        (texels, shared)
     }
 
     /// Gives the texels `from` to `to` of row `y`, wrapped, to a triangle, unless one of a lower number has them.
@@ -76,7 +74,8 @@ impl<'a> Rasterizer<'a> {
         let mut rasterizer = Self { triangles, uvs, size: [width.into(), height.into()], bits: 0 };
         let reach =
             |t: usize| rasterizer.corners(t).map_or(0.0, |c| c.into_iter().flatten().fold(0.0, f64::max));
-        let reach = (0..triangles.len()).into_par_iter().map(reach).reduce(|| 1.0, f64::max);
+        let reaches = parallel::fold(triangles.len(), |most: &mut f64, t| *most = most.max(reach(t)));
+        let reach = reaches.into_iter().fold(1.0, f64::max);
         let most = MOST_COPIES * f64::from(width.max(height));
         if reach > most {
             return Err(Error::limit(

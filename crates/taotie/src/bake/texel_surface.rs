@@ -4,7 +4,7 @@ use super::coverage::{Coverage, TexelGrid, uv_set};
 use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::Mesh;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// A point of a mesh as the renderer sees it: interpolated between vertices, object space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +75,7 @@ impl TexelSurface {
     ) -> Vec<T> {
         let (width, height) = (self.coverage.width(), self.coverage.height());
         let mut texels = vec![fill; width as usize * height as usize];
-        texels.par_chunks_mut(width as usize).enumerate().for_each(|(y, row)| {
+        parallel::pieces(&mut texels, width as usize, &|y, row| {
             let mut uv_triangle: Option<UvTriangle> = None;
             for (x, value) in row.iter_mut().enumerate() {
                 let (x, y) = (x as u32, y as u32);

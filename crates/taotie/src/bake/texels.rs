@@ -13,12 +13,13 @@ use super::sky::{AoSample, Sky};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
+use crate::parallel;
 use crate::progress::Progress;
 use crate::scene::NormalSpace;
 use crate::shade::SubPixelVariance;
 use crate::surface::tangent_space_normal;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// The settings of a bake.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,18 +132,7 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
         settings,
     };
     let mut maps = BakedMaps::new(settings.size, settings.maps);
-    let done = AtomicUsize::new(0);
-    let bands = job.layout.band_count();
-    let counts = maps
-        .bands(BAND)
-        .into_par_iter()
-        .enumerate()
-        .map(|(band, maps)| {
-            let counts = job.band(band, maps);
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress.at(done as f64 / bands as f64).map(|()| counts)
-        })
-        .try_reduce(BakeCounts::default, |a, b| Ok(a.and(b)))?;
+    let counts = job.bands(maps.bands(BAND), progress)?;
     let counts = BakeCounts { flat: job.layout.flat, ..counts };
     fill(&mut maps, settings.dilation);
     Ok(Baked { maps, counts })
@@ -201,12 +191,25 @@ struct Cell {
 }
 
 impl Job<'_> {
-    fn band(&self, band: usize, mut maps: BandMaps<'_>) -> BakeCounts {
+    /// Bakes all bands.
+    fn bands(&self, bands: Vec<BandMaps<'_>>, progress: Progress<'_>) -> Result<BakeCounts> {
+        let done = AtomicUsize::new(0);
+        let bands: Vec<Mutex<BandMaps<'_>>> = bands.into_iter().map(Mutex::new).collect();
+        let counts = parallel::try_tasks(bands.len(), &|band| {
+            // Each is locked once.
+            let counts = self.band(band, &mut bands[band].lock().unwrap_or_else(PoisonError::into_inner));
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress.at(done as f64 / bands.len() as f64).map(|()| counts)
+        })?;
+        Ok(counts.into_iter().fold(BakeCounts::default(), BakeCounts::and))
+    }
+
+    fn band(&self, band: usize, maps: &mut BandMaps<'_>) -> BakeCounts {
         let mut cells = vec![Cell::default(); maps.texels.len()];
         let shared = self.layout.triangle_samples(band, |group| self.add_samples(group, &mut cells));
         let mut counts = BakeCounts { shared, ..BakeCounts::default() };
         for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.samples > 0) {
-            self.store(i, cell, &mut maps);
+            self.store(i, cell, maps);
             counts.samples += cell.samples as usize;
             counts.missed += cell.missed as usize;
             counts.lost += cell.lost as usize;

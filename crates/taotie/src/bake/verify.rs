@@ -8,10 +8,10 @@ use crate::error::{Error, Result};
 use crate::image::{Sampler, Texture};
 use crate::math::{Vec3, sequence::Sequence};
 use crate::mesh::{Mesh, Point};
+use crate::parallel;
 use crate::scene::NormalSpace;
 use crate::surface::{decode_normal, decode_object_normal, facet_normal, tangent_normal};
 use crate::trace::Bvh;
-use rayon::prelude::*;
 
 /// A low-poly mesh as a viewer shows it.
 pub struct Verifier<'a> {
@@ -71,8 +71,8 @@ impl Verifier<'_> {
     /// [`Error::Invalid`] where the mesh has no area, or lacks uvs, normals or tangents for its map.
     pub fn normal_error(&self, count: usize) -> Result<NormalError> {
         self.check()?;
-        let found: Vec<(f32, Way)> =
-            sample_area(self.mesh, count)?.par_iter().map(|point| self.angle(*point)).collect();
+        let point = sample_area(self.mesh, count)?;
+        let found: Vec<(f32, Way)> = parallel::collect(count, |i| self.angle(point(i)));
         let part = |way: Way| found.iter().filter(|(_, w)| *w == way).count() as f64 / count as f64;
         let angles = found.iter().map(|(angle, _)| *angle).collect();
         Ok(NormalError {
@@ -90,7 +90,7 @@ impl Verifier<'_> {
         self.check()?;
         let layout = Layout::new(self.mesh, size, 1)?;
         let mut values = vec![f32::NAN; size[0] as usize * size[1] as usize];
-        values.par_chunks_mut((BAND * size[0]) as usize).enumerate().for_each(|(band, values)| {
+        parallel::pieces(&mut values, (BAND * size[0]) as usize, &|band, values| {
             layout.triangle_samples(band, |group| {
                 for sample in &group.samples {
                     values[sample.texel as usize] = self.angle(group.point(sample)).0;
@@ -107,11 +107,12 @@ impl Verifier<'_> {
     pub fn deviation(&self, count: usize) -> Result<Deviation> {
         let light = Bvh::of(self.mesh.triangles().len(), |t| self.mesh.corners(t));
         let measure = |from: &Mesh, to: &Bvh| {
-            let distance = |point: &Point| {
-                to.closest(point.position(from), f32::INFINITY).map_or(f32::NAN, |closest| closest.distance)
+            let point = sample_area(from, count)?;
+            let distance = |i: usize| {
+                let closest = to.closest(point(i).position(from), f32::INFINITY);
+                closest.map_or(f32::NAN, |closest| closest.distance)
             };
-            let distances = sample_area(from, count)?.par_iter().map(distance).collect();
-            Field::new(count as u32, 1, distances)
+            Field::new(count as u32, 1, parallel::collect(count, distance))
         };
         Ok(Deviation {
             of_scan: measure(self.scan.mesh(), &light)?,
@@ -135,7 +136,7 @@ impl Verifier<'_> {
             (on_map / doubled_area(self.mesh, t)).sqrt() as f32
         };
         let count = self.mesh.triangles().len();
-        Field::new(count as u32, 1, (0..count).into_par_iter().map(density).collect())
+        Field::new(count as u32, 1, parallel::collect(count, density))
     }
 
     fn check(&self) -> Result<()> {
@@ -182,15 +183,16 @@ impl Verifier<'_> {
 }
 
 /// The way in which a point found the scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Way {
+    #[default]
     Met,
     Closest,
     Lost,
 }
 
-/// Points spread evenly over a mesh's area, the same for the same mesh.
-fn sample_area(mesh: &Mesh, count: usize) -> Result<Vec<Point>> {
+/// Returns each of `count` points spread evenly over a mesh's area by its number; they are the same for the same mesh.
+fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync> {
     let mut sum = 0.0;
     let sums: Vec<f64> = (0..mesh.triangles().len())
         .map(|t| {
@@ -203,14 +205,13 @@ fn sample_area(mesh: &Mesh, count: usize) -> Result<Vec<Point>> {
         return Err(Error::invalid("the mesh", "its triangles have no area"));
     }
     let points = Sequence::new(0);
-    let point = |i: usize| {
+    Ok(move |i: usize| {
         // One point in each of equal parts of the area.
         let [jitter, u, v, _] = points.four(i as u32 % Sequence::MOST, (i as u32 / Sequence::MOST) * 2);
         let target = (i as f64 + f64::from(jitter)) / count as f64 * sum;
         let triangle = sums.partition_point(|s| *s <= target).min(sums.len() - 1);
         Point { triangle: triangle as u32, weights: triangle_weights(u, v) }
-    };
-    Ok((0..count).into_par_iter().map(point).collect())
+    })
 }
 
 fn doubled_area(mesh: &Mesh, triangle: usize) -> f64 {
@@ -224,14 +225,15 @@ impl Verifier<'_> {
     /// closest surface faces the other way, and the mean distance to it as a part of `diagonal`; `None` where the mesh
     /// has no area.
     pub fn fit(&self, count: usize, diagonal: f64) -> Option<Fit> {
-        let points = sample_area(self.mesh, count).ok()?;
-        let look = |point: &Point| {
+        let point = sample_area(self.mesh, count).ok()?;
+        let look = |i: usize| {
+            let point = point(i);
             let facing = facet_normal(self.mesh.corners(point.triangle as usize)).unwrap_or_default();
             let closest = self.scan.bvh().closest(point.position(self.mesh), f32::INFINITY)?;
             let normal = closest.point().normal(self.scan.mesh());
             Some((f64::from(closest.distance) / diagonal, normal.dot(facing) < 0.0))
         };
-        let found: Vec<(f64, bool)> = points.par_iter().filter_map(look).collect();
+        let found: Vec<(f64, bool)> = parallel::collect(count, look).into_iter().flatten().collect();
         let part = |of: &dyn Fn(&(f64, bool)) -> bool| {
             found.iter().filter(|f| of(f)).count() as f64 / found.len().max(1) as f64
         };

@@ -43,7 +43,7 @@ impl Bvh {
     /// Sorts the triangles 0 to `count` − 1, at most 2^32, whose finite corners `corners` returns. It is called several
     /// times.
     pub fn of(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
-        Self { tree: Tree::new(count, corners), level: SimdLevel::fastest() }
+        Self { tree: Tree::new(count, &corners), level: SimdLevel::fastest() }
     }
 
     /// Returns the same tree, whose rays are traced at another SIMD level than the machine's fastest.

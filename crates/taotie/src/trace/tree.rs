@@ -6,6 +6,7 @@
 
 use super::hilbert::{BITS, hilbert_index};
 use crate::math::Vec3;
+use crate::parallel;
 use rayon::prelude::*;
 
 /// The number of children of a node, and of triangles in a leaf.
@@ -51,6 +52,9 @@ impl Leaf {
     }
 }
 
+/// Returns the finite corners of a triangle. Called through a pointer, so that one code makes all trees.
+pub(super) type Corners<'a> = &'a (dyn Fn(usize) -> [Vec3; 3] + Sync);
+
 /// The tree: leaves, and levels of boxes above them, the last of which has one node.
 pub(super) struct Tree {
     /// The triangle in each slot of each leaf, in the order given.
@@ -61,10 +65,11 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Makes the tree of `count` triangles, at most 2^32, whose finite corners `corners` returns.
-    pub fn new(count: usize, corners: impl Fn(usize) -> [Vec3; 3] + Sync) -> Self {
-        let order = sorted(count, &corners);
-        let leaves: Vec<Leaf> = order.par_chunks(WIDTH).map(|slots| leaf(slots, &corners)).collect();
+    /// Makes the tree of `count` triangles, at most 2^32.
+    pub fn new(count: usize, corners: Corners<'_>) -> Self {
+        let order = sorted(count, corners);
+        // Most of the tree's memory: Rayon's collection is filled by all threads from its first byte on.
+        let leaves: Vec<Leaf> = order.par_chunks(WIDTH).map(|slots| leaf(slots, corners)).collect();
         let bounds = |leaf: &Leaf| {
             let around = |of: fn(f32, f32) -> f32, start: f32| {
                 [0, 1, 2].map(|axis| {
@@ -74,24 +79,25 @@ impl Tree {
             [around(f32::min, f32::INFINITY), around(f32::max, f32::NEG_INFINITY)]
         };
         let slack = slack(&leaves);
-        let mut levels: Vec<Vec<Boxes>> = vec![
-            leaves
-                .par_chunks(WIDTH)
-                .map(|leaves| boxes(leaves.iter().map(|leaf| widened(bounds(leaf), slack))))
-                .collect(),
-        ];
+        let mut levels = vec![above(leaves.len(), |i| widened(bounds(&leaves[i]), slack))];
         while let Some(below) = levels.last().filter(|level| level.len() > 1) {
-            let above = below.par_chunks(WIDTH).map(|nodes| boxes(nodes.iter().map(Boxes::around))).collect();
-            levels.push(above);
+            let next = above(below.len(), |i| below[i].around());
+            levels.push(next);
         }
         Self { order, leaves, levels }
     }
 }
 
-fn boxes(children: impl Iterator<Item = [[f32; 3]; 2]>) -> Boxes {
-    let mut boxes = Boxes::EMPTY;
-    children.enumerate().for_each(|(i, child)| boxes.set(i, child));
-    boxes
+/// The level above so many children, whose boxes `around` returns.
+fn above(children: usize, around: impl Fn(usize) -> [[f32; 3]; 2] + Sync) -> Vec<Boxes> {
+    let mut nodes = vec![Boxes::EMPTY; children.div_ceil(WIDTH)];
+    parallel::change(&mut nodes, |node, boxes| {
+        let first = node * WIDTH;
+        for child in first..children.min(first + WIDTH) {
+            boxes.set(child - first, around(child));
+        }
+    });
+    nodes
 }
 
 /// Boxes are wider than their triangles by a little, so that a flat one is entered in spite of rounding.
@@ -104,10 +110,11 @@ fn slack(leaves: &[Leaf]) -> f32 {
     let largest = |leaf: &Leaf| {
         leaf.corners.as_flattened().as_flattened().iter().fold(0.0f32, |most, v| most.max(v.abs()))
     };
-    leaves.par_iter().map(largest).reduce(|| 0.0, f32::max) * 5e-7 + f32::MIN_POSITIVE
+    let parts = parallel::fold(leaves.len(), |most: &mut f32, i| *most = most.max(largest(&leaves[i])));
+    parts.into_iter().fold(0.0, f32::max) * 5e-7 + f32::MIN_POSITIVE
 }
 
-fn leaf(slots: &[u32], corners: &impl Fn(usize) -> [Vec3; 3]) -> Leaf {
+fn leaf(slots: &[u32], corners: Corners<'_>) -> Leaf {
     let mut leaf = Leaf { corners: [[[f32::NAN; WIDTH]; 3]; 3] };
     for (i, triangle) in slots.iter().enumerate() {
         for (corner, point) in corners(*triangle as usize).into_iter().enumerate() {
@@ -120,18 +127,19 @@ fn leaf(slots: &[u32], corners: &impl Fn(usize) -> [Vec3; 3]) -> Leaf {
 }
 
 /// The triangles in the order of their middles along the curve; of equal ones the lower number first.
-fn sorted(count: usize, corners: &(impl Fn(usize) -> [Vec3; 3] + Sync)) -> Vec<u32> {
+fn sorted(count: usize, corners: Corners<'_>) -> Vec<u32> {
     let middle = |t: usize| {
         let [a, b, c] = corners(t);
         a * (1.0 / 3.0) + b * (1.0 / 3.0) + c * (1.0 / 3.0)
     };
-    let none = || [Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY)];
+    let none = [Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY)];
     let lower = |a: Vec3, b: Vec3| Vec3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z));
     let upper = |a: Vec3, b: Vec3| Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
-    let [low, high] = (0..count)
-        .into_par_iter()
-        .fold(none, |[low, high], t| [lower(low, middle(t)), upper(high, middle(t))])
-        .reduce(none, |a, b| [lower(a[0], b[0]), upper(a[1], b[1])]);
+    let join = |a: [Vec3; 2], b: [Vec3; 2]| [lower(a[0], b[0]), upper(a[1], b[1])];
+    let parts = parallel::fold(count, |part: &mut Option<[Vec3; 2]>, t| {
+        *part = Some(join(part.unwrap_or(none), [middle(t); 2]));
+    });
+    let [low, high] = parts.into_iter().flatten().fold(none, join);
     let size = high - low;
     let side = size.x.max(size.y).max(size.z).max(f32::MIN_POSITIVE);
     let cells = (1u32 << BITS) as f32;
@@ -139,7 +147,7 @@ fn sorted(count: usize, corners: &(impl Fn(usize) -> [Vec3; 3] + Sync)) -> Vec<u
         let cell = (middle(t) - low).to_array().map(|v| ((v / side * cells) as u32).min((1 << BITS) - 1));
         hilbert_index(cell) << INDEX_BITS | t as u64
     };
-    let mut keys: Vec<u64> = (0..count).into_par_iter().map(key).collect();
+    let mut keys = parallel::collect(count, key);
     keys.par_sort_unstable();
-    keys.into_par_iter().map(|key| (key & ((1 << INDEX_BITS) - 1)) as u32).collect()
+    parallel::collect(count, |i| (keys[i] & ((1 << INDEX_BITS) - 1)) as u32)
 }

@@ -2,9 +2,9 @@
 
 use super::part::{Part, adapter, triples};
 use crate::error::Result;
+use crate::parallel;
 use crate::progress::Progress;
 use meshopt::SimplifyOptions as Choices;
-use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Triangles of a block. Its border, which cannot change, is about one vertex in a hundred.
@@ -27,15 +27,14 @@ pub(super) fn lighten(part: Part, wanted: usize, progress: Progress<'_>) -> Resu
         return Ok((part, 0.0));
     }
     let locks = shared_vertices(&part);
-    let (done, blocks) = (AtomicUsize::new(0), total.div_ceil(BLOCK));
-    let simplified = |block: &[[u32; 3]]| {
-        let target = (block.len() as u128 * left as u128 / total as u128) as usize;
-        let result = simplified_block(&part, block, &locks, target);
+    let done = AtomicUsize::new(0);
+    let blocks: Vec<&[[u32; 3]]> = part.triangles.chunks(BLOCK).collect();
+    let simplified = parallel::try_tasks(blocks.len(), &|i| {
+        let target = (blocks[i].len() as u128 * left as u128 / total as u128) as usize;
+        let result = simplified_block(&part, blocks[i], &locks, target);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        progress.at(done as f64 / blocks as f64).map(|()| result)
-    };
-    let simplified: Vec<(Vec<[u32; 3]>, f32)> =
-        part.triangles.par_chunks(BLOCK).map(simplified).collect::<Result<_>>()?;
+        progress.at(done as f64 / blocks.len() as f64).map(|()| result)
+    })?;
     let error = simplified.iter().fold(0.0, |most: f32, (_, error)| most.max(*error));
     let triangles = simplified.into_iter().flat_map(|(triangles, _)| triangles).collect();
     Ok((Part { triangles, ..part }.compacted(), error))

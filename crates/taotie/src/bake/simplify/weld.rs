@@ -7,6 +7,7 @@ use super::part::{Part, UnitCube};
 use crate::error::Warnings;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
+use crate::parallel;
 use rayon::prelude::*;
 
 /// Marks triangles that are left out; they are sorted to the end.
@@ -19,7 +20,7 @@ pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, UnitCube) {
     let positions = mesh.positions();
     let cube = UnitCube::of(positions);
     let (places, sources) = classes(positions, &sorted(positions, &cube));
-    let points = sources.par_iter().map(|v| cube.scaled(positions[*v as usize])).collect();
+    let points = parallel::collect(sources.len(), |i| cube.scaled(positions[sources[i] as usize]));
     let triangles = sound_triangles(mesh.triangles(), &places, notes);
     (Part { points, sources, triangles }, cube)
 }
@@ -31,9 +32,8 @@ pub(in crate::bake) fn places(positions: &[Vec3]) -> Vec<u32> {
 
 /// Returns vertex numbers in the low half, sorted by cell, then position, then number.
 fn sorted(positions: &[Vec3], cube: &UnitCube) -> Vec<u64> {
-    let cell = |position: &Vec3| u64::from(morton(cube.scaled(*position)));
-    let mut keys: Vec<u64> =
-        positions.par_iter().enumerate().map(|(v, position)| cell(position) << 32 | v as u64).collect();
+    let cell = |position: Vec3| u64::from(morton(cube.scaled(position)));
+    let mut keys = parallel::collect(positions.len(), |v| cell(positions[v]) << 32 | v as u64);
     keys.par_sort_unstable();
     let by_position = |key: &u64| (bits(positions[*key as u32 as usize]), *key);
     keys.par_chunk_by_mut(|a, b| a >> 32 == b >> 32).for_each(|cell| {
@@ -63,8 +63,8 @@ fn classes(positions: &[Vec3], sorted: &[u64]) -> (Vec<u32>, Vec<u32>) {
 
 /// Returns the triangles on places, each once, those with two equal corners left out.
 fn sound_triangles(triangles: &[[u32; 3]], places: &[u32], notes: &mut Warnings) -> Vec<[u32; 3]> {
-    let on_places = |triangle: &[u32; 3]| lowest_first(triangle.map(|v| places[v as usize]));
-    let mut sound: Vec<[u32; 3]> = triangles.par_iter().map(on_places).collect();
+    let on_places = |t: usize| lowest_first(triangles[t].map(|v| places[v as usize]));
+    let mut sound = parallel::collect(triangles.len(), on_places);
     sound.par_sort_unstable();
     sound.truncate(sound.partition_point(|triangle| *triangle != DROPPED));
     notes.note("triangles with two equal corners, left out", triangles.len() - sound.len());

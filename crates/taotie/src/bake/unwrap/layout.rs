@@ -5,8 +5,8 @@ use super::mask::{Mask, corner, turned};
 use super::options::UnwrapOptions;
 use super::pack::{Bin, Placement, pack};
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::progress::Progress;
-use rayon::prelude::*;
 use std::cmp::Reverse;
 
 /// Cells along a side of the coarse bin, on which the scale is sought in several orders.
@@ -159,27 +159,29 @@ fn longest_side(laid: &[Laid]) -> f64 {
 
 /// Packs UV islands in several orders: the places, rows and number of the one that takes the fewest rows.
 fn packed(laid: &[Laid], scale: f64, bin: &Bin, orders: &[usize]) -> Option<(Vec<Placement>, u32, usize)> {
-    let turns = |laid: &Laid| [0, 1, 2, 3].map(|quarters| Mask::new(laid, quarters, scale, 2 * bin.gap));
-    let masks: Vec<[Mask; 4]> = laid.par_iter().map(turns).collect();
+    let masks: Vec<[Mask; 4]> = parallel::tasks(laid.len(), &|island| {
+        [0, 1, 2, 3].map(|quarters| Mask::new(&laid[island], quarters, scale, 2 * bin.gap))
+    });
     let size = |mask: &Mask, by: usize| match by {
         0 => (mask.width + mask.height()) as usize,
         1 => mask.width.max(mask.height()) as usize,
         2 => mask.cells(),
         _ => mask.width.min(mask.height()) as usize,
     };
-    let in_order = |by: &usize| {
+    let all = parallel::tasks(orders.len(), &|i| {
+        let by = orders[i];
         let mut order: Vec<u32> = (0..masks.len() as u32).collect();
-        order.sort_by_cached_key(|island| (Reverse(size(&masks[*island as usize][0], *by)), *island));
-        pack(&masks, &order, bin).map(|(places, rows)| (places, rows, *by))
-    };
-    let all: Vec<_> = orders.par_iter().map(in_order).collect();
+        order.sort_by_cached_key(|island| (Reverse(size(&masks[*island as usize][0], by)), *island));
+        pack(&masks, &order, bin).map(|(places, rows)| (places, rows, by))
+    });
     all.into_iter().flatten().min_by_key(|(_, rows, _)| *rows)
 }
 
 fn layout(laid: &[Laid], fit: &Fit, cells: &Cells, options: &UnwrapOptions) -> Layout {
     let texels = |v: u32| f64::from(options.padding) + f64::from(v * cells.side);
-    let island = |(laid, place): (&Laid, &Placement)| {
-        (place.quarters, corner(laid, place.quarters), [texels(place.x), texels(place.y)])
+    let island = |i: usize| {
+        let place = fit.places[i];
+        (place.quarters, corner(&laid[i], place.quarters), [texels(place.x), texels(place.y)])
     };
-    Layout { scale: fit.scale, islands: laid.par_iter().zip(&fit.places).map(island).collect() }
+    Layout { scale: fit.scale, islands: parallel::collect(laid.len(), island) }
 }

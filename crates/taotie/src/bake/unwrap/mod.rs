@@ -18,12 +18,12 @@ use crate::error::{Error, Result};
 use crate::image::Image;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
+use crate::parallel;
 use crate::progress::Progress;
 use flatten::{Island, Measure};
 use layout::Layout;
 use merge::{Limits, Merger};
 pub use options::UnwrapOptions;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use topology::{NONE, Topology};
 
@@ -84,7 +84,7 @@ pub fn unwrap(mesh: &Mesh, options: &UnwrapOptions, progress: Progress<'_>) -> R
     let mut islands = flat_islands(&topology, &labels, &axes, &measure);
     progress.at(0.5)?;
     for round in 0..ROUNDS {
-        let laid: Vec<Vec<[[f64; 2]; 3]>> = islands.par_iter().map(|island| island.laid(&topology)).collect();
+        let laid: Vec<Vec<[[f64; 2]; 3]>> = parallel::tasks(islands.len(), &|i| islands[i].laid(&topology));
         let attempt = progress.part(1.0 - 0.5 / f64::from(round + 1), 1.0);
         let layout = layout::lay_out(&laid, options, scale, attempt)?;
         let unwrapped = flat.cut(&islands, &layout)?;
@@ -171,11 +171,10 @@ fn flat_islands(topology: &Topology, labels: &[u32], axes: &[Vec3<f64>], measure
     for (t, label) in labels.iter().enumerate().filter(|(_, label)| **label != NONE) {
         members[*label as usize].push(t as u32);
     }
-    let flat = |(triangles, axis): (Vec<u32>, &Vec3<f64>)| match triangles.is_empty() {
+    let islands: Vec<Vec<Island>> = parallel::tasks(axes.len(), &|i| match members[i].is_empty() {
         true => Vec::new(),
-        false => flatten::flatten(topology, triangles, *axis, measure),
-    };
-    let islands: Vec<Vec<Island>> = members.into_par_iter().zip(axes).map(flat).collect();
+        false => flatten::flatten(topology, members[i].clone(), axes[i], measure),
+    });
     islands.into_iter().flatten().collect()
 }
 

@@ -1,7 +1,7 @@
 //! UV islands put into a square so that little of it is lost.
 
 use super::mask::{Mask, Run};
-use rayon::prelude::*;
+use crate::parallel;
 use std::collections::BTreeMap;
 
 /// Masks with fewer cells are so often alike that what is known of one is kept for the next.
@@ -92,14 +92,15 @@ impl Board {
 
     /// Returns the best place of a UV island in any of its turns: the one that ends first.
     fn find(&mut self, turns: &[Mask; 4]) -> Option<Placement> {
-        let place = |(quarters, mask): (u8, &Mask)| {
+        let place = |quarters: usize| {
+            let mask = &turns[quarters];
             let start = if mask.cells() < SMALL { self.known.get(mask).copied().unwrap_or(0) } else { 0 };
             let [x, y] = self.place(mask, start)?;
-            Some(Placement { quarters, x, y })
+            Some(Placement { quarters: quarters as u8, x, y })
         };
         let found: Vec<Option<Placement>> = match turns[0].cells() > LARGE {
-            true => (0..4u8).into_par_iter().zip(turns).map(place).collect(),
-            false => (0..).zip(turns).map(place).collect(),
+            true => parallel::tasks(turns.len(), &place),
+            false => (0..turns.len()).map(place).collect(),
         };
         for (mask, place) in turns.iter().zip(&found) {
             if let Some(place) = place.filter(|_| mask.cells() < SMALL) {

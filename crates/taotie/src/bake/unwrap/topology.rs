@@ -3,6 +3,7 @@
 use crate::bake::simplify::{UnitCube, places};
 use crate::math::Vec3;
 use crate::mesh::Mesh;
+use crate::parallel;
 use rayon::prelude::*;
 
 /// Marks the absence of a triangle or a UV island.
@@ -65,8 +66,8 @@ impl Topology {
     fn smoothed(&self, mut vectors: Vec<Vec3<f64>>) -> Vec<Vec3<f64>> {
         let rounds = ((self.len() as f64).sqrt() / 25.0).clamp(2.0, 24.0) as usize;
         for _ in 0..rounds {
-            let mean = |(t, sides): (usize, &[u32; 3])| {
-                let around = sides.iter().filter(|s| **s != NONE).map(|s| vectors[*s as usize]);
+            let mean = |t: usize| {
+                let around = self.neighbours[t].iter().filter(|s| **s != NONE).map(|s| vectors[*s as usize]);
                 let mut sum = vectors[t];
                 let mut count = 1.0;
                 for vector in around {
@@ -75,7 +76,7 @@ impl Topology {
                 }
                 sum / count
             };
-            vectors = self.neighbours.par_iter().enumerate().map(mean).collect();
+            vectors = parallel::collect(self.len(), mean);
         }
         let zero = Vec3::splat(0.0);
         vectors
