@@ -29,7 +29,7 @@ pub(super) struct LowPoly {
 ///
 /// /// Returns a few words about a low-poly mesh.
 /// fn words(origin: &Origin) -> &'static str {
-///     match (&origin.simplified, origin.charts) {
+///     match (&origin.simplified, origin.islands) {
 ///         (Some(_), _) => "made of the scan",
 ///         (None, Some(_)) => "given, unwrapped",
 ///         (None, None) => "given with its uvs",
@@ -54,7 +54,7 @@ pub struct Origin {
 /// /// Returns the method that an asset's simplification needed.
 /// fn method(asset: &Asset) -> Option<&str> {
 ///     let simplified: &Simplification = asset.origin().simplified.as_ref()?;
-///     Some(&simplified.means)
+///     Some(&simplified.method)
 /// }
 /// ```
 #[derive(Debug, Clone, PartialEq)]
