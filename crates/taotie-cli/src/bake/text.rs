@@ -1,7 +1,8 @@
 //! A bake in plain words.
 
 use std::fmt::Write;
-use taotie::asset::{Figures, Met, Report, ViewFigures};
+use taotie::asset::{Figures, MaterialFigures, Met, Report, ViewFigures};
+use taotie::compare::Summary;
 use taotie::names::Named;
 use taotie_report::summary;
 use taotie_report::table::Table;
@@ -20,7 +21,14 @@ pub fn of(report: &Report) -> String {
     if let Some(figures) = &report.proof {
         normals(figures, &mut table);
         shape(figures, &mut table);
+        material(&figures.material, &mut table);
         table.row(["visual difference".into(), visual_difference(&figures.views)]);
+        if !figures.full_views.is_empty() {
+            table.row(["in full material".into(), visual_difference(&figures.full_views)]);
+        }
+        if !figures.unseen.is_empty() {
+            table.row(["not looked at".into(), figures.unseen.join("; ")]);
+        }
         table.row(["bytes".into(), format!("{} in, {} out", figures.bytes_in, figures.bytes_out)]);
     }
     report.required.iter().for_each(|met| table.row(["required".into(), requirement(met)]));
@@ -69,6 +77,14 @@ fn shape(figures: &Figures, table: &mut Table) {
         let text = format!("{median:.digits$} texels per unit (median), {used} of the map used");
         table.row(["texel density".into(), text]);
     }
+}
+
+fn material(figures: &MaterialFigures, table: &mut Table) {
+    let Some(color) = &figures.color else { return };
+    table.row(["colour error (ΔE00)".into(), summary::text(color, 2, "")]);
+    let mean = |(name, of): (&str, Option<Summary>)| Some(format!("{name} {:.4}", of?.mean));
+    let means: Vec<String> = figures.numbers().into_iter().filter_map(mean).collect();
+    table.row(["material error".into(), format!("means: {}", means.join(", "))]);
 }
 
 fn visual_difference(views: &[ViewFigures]) -> String {

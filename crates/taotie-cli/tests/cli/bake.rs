@@ -40,6 +40,7 @@ ray missed                0.000 % of the texels, 0.000 % of the samples (closest
 shape error               at most [..] ([..] % of the diagonal), RMS [..] ([..] %)
 texel density             [..] texels per unit (median), [..] % of the map used
 visual difference         FLIP [..], SSIM [..], mean of 8 views
+not looked at             colour and material, of which the scan says nothing
 bytes                     [..] in, [..] out
 required                  met: mean-angle is [..], at most 2
 required                  met: missed is 0.0000, at most 0.001

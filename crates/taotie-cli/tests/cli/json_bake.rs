@@ -102,9 +102,22 @@ struct Proof {
     density: Option<Spread>,
     uv_use: f64,
     views: Vec<View>,
+    full_views: Vec<View>,
+    material: MaterialFigures,
+    unseen: Vec<String>,
     fit: Option<Fit>,
     bytes_in: u64,
     bytes_out: u64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialFigures {
+    color: Option<Spread>,
+    metallic: Option<Spread>,
+    roughness: Option<Spread>,
+    emission: Option<Spread>,
+    alpha: Option<Spread>,
 }
 
 #[derive(Deserialize)]
@@ -201,6 +214,8 @@ fn of_a_pair() {
     assert!(angles.mean * 4.0 < proof.without_map.expect("points were found").mean);
     assert_eq!((proof.missed_texels, proof.lost, proof.views.len()), (0.0, 0.0, 8));
     assert!(proof.rms < proof.hausdorff && proof.uv_use > 0.8);
+    assert!(proof.material.color.is_none() && proof.full_views.is_empty(), "the scan has no material");
+    assert_eq!(proof.unseen, ["colour and material, of which the scan says nothing", "heights"]);
     assert_eq!(
         proof.bytes_out as usize,
         ["out.glb", "out.height.png"].map(|f| place.read(f).len()).iter().sum::<usize>()

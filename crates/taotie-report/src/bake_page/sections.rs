@@ -1,8 +1,9 @@
 //! The tables, histogram and texts of a proof.
 
+use super::material;
 use crate::summary::figures;
 use crate::{Cell, Column, Section, Series, Tone};
-use taotie::asset::{BIN_WIDTH, Figures, Met, Report, StageTime, ViewFigures, Warning};
+use taotie::asset::{BIN_WIDTH, Figures, Met, Report, StageTime, ViewFigures};
 use taotie::compare::Summary;
 use taotie::names::Named;
 
@@ -12,19 +13,10 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     if !report.required.is_empty() {
         sections.push(required(report));
     }
-    sections.extend([normals(proof), histogram(proof), shape(proof), views(proof), stages(report)]);
-    let warnings: Vec<String> = report.warnings.iter().map(warning).collect();
-    if !warnings.is_empty() {
-        sections.push(Section::Text { title: "Warnings".into(), paragraphs: warnings });
-    }
+    sections.extend([normals(proof), histogram(proof), shape(proof)]);
+    sections.extend(material::section(&proof.material));
+    sections.extend([views(proof), stages(report)]);
     sections
-}
-
-fn warning(warning: &Warning) -> String {
-    match warning.count {
-        1 => warning.what.clone(),
-        count => format!("{} ({count} times)", warning.what),
-    }
 }
 
 fn required(report: &Report) -> Section {
@@ -111,26 +103,31 @@ fn shape(proof: &Figures) -> Section {
 }
 
 fn views(proof: &Figures) -> Section {
-    let row = |view: &ViewFigures| {
+    let row = |(look, view): (&str, &ViewFigures)| {
         vec![
+            Cell::text(look),
             Cell::number(view.azimuth_deg, 0),
             Cell::number(view.elevation_deg, 0),
             Cell::number(view.flip, 4),
             Cell::number(view.ssim, 4),
         ]
     };
+    let grey = proof.views.iter().map(|view| ("grey", view));
+    let full = proof.full_views.iter().map(|view| ("full", view));
     Section::Table {
         title: "Visual difference".into(),
         note: "Pictures of scan and asset, compared pixel by pixel: FLIP is 0 and SSIM is 1 where they are equal. Both \
-               also count where the low-poly mesh lies beside the scan."
+               also count where the low-poly mesh lies beside the scan. Grey pictures show shape and normals alone; \
+               full ones the materials of both, where the scan says anything of its own."
             .into(),
         columns: vec![
+            Column::words("look"),
             Column::numbers("azimuth", "°"),
             Column::numbers("elevation", "°"),
             Column::numbers("FLIP", ""),
             Column::numbers("SSIM", ""),
         ],
-        rows: proof.views.iter().map(row).collect(),
+        rows: grey.chain(full).map(row).collect(),
     }
 }
 

@@ -1,13 +1,13 @@
 //! Scan and asset seen from all sides in the same light.
 
+use super::look;
 use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
 use crate::error::Result;
 use crate::film::Development;
 use crate::math::Vec3;
-use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::render::{Lighting, RenderSettings, Renderer, Shot};
-use crate::scene::{Camera, Material, Orbit, Scene, fitting_distance, three_point_rig};
+use crate::render::{EnvironmentLight, RenderSettings, Renderer, Shot};
+use crate::scene::{Camera, Orbit, Scene, fitting_distance};
 
 /// From how many sides.
 const COUNT: usize = 8;
@@ -61,49 +61,76 @@ pub struct ViewFigures {
     pub ssim: f64,
 }
 
-/// Takes the images, both of one neutral material, so that nothing but shape and normals differs.
+/// Views in each look.
+pub(super) struct Looks {
+    /// In one grey material, so that nothing but shape and normals differs.
+    pub grey: Views,
+    /// In their own materials; `None` where the scan says nothing of its material.
+    pub full: Option<Views>,
+}
+
+/// Takes the images of scan and asset in each look.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
-pub(super) fn take(scan: Mesh, asset: Scene, side: u32, progress: Progress<'_>) -> Result<Views> {
-    let high = Scene::of_mesh(scan, neutral())?;
-    let cameras = cameras(&high);
-    let low = neutralised(asset)?;
-    let scan = pictures(high, side, &cameras, progress.part(0.0, 0.5))?;
-    let asset = pictures(low, side, &cameras, progress.part(0.5, 0.9))?;
-    let mut views = Views { scan, asset, ..Views::default() };
-    for (i, (a, b)) in views.scan.iter().zip(&views.asset).enumerate() {
-        progress.at(0.9 + 0.1 * i as f64 / COUNT as f64)?;
-        let flip = compare::flip(a, b, PIXELS_PER_DEGREE)?;
-        views.figures.push(ViewFigures {
-            azimuth_deg: azimuth(i),
-            elevation_deg: ELEVATIONS[i % 2],
-            flip: flip.summary().map_or(0.0, |summary| summary.mean),
-            ssim: compare::ssim(a, b)?,
-        });
-        views.flip.push(flip);
+pub(super) fn take(scan: Scene, asset: Scene, side: u32, progress: Progress<'_>) -> Result<Looks> {
+    let mut setting = Setting { cameras: cameras(&scan), side, environment: None };
+    if look::is_plain(&scan) {
+        let grey = setting.views([look::grey(scan)?, look::grey(asset)?], progress)?;
+        return Ok(Looks { grey, full: None });
     }
-    Ok(views)
+    setting.environment = look::environment([&scan, &asset])?;
+    let own = [look::full(scan.clone())?, look::full(asset.clone())?];
+    let full = Some(setting.views(own, progress.part(0.0, 0.5))?);
+    setting.environment = None;
+    let grey = setting.views([look::grey(scan)?, look::grey(asset)?], progress.part(0.5, 1.0))?;
+    Ok(Looks { grey, full })
 }
 
-fn neutral() -> Material {
-    Material {
-        base_color: [0.55, 0.55, 0.55, 1.0],
-        roughness: 0.5,
-        double_sided: true,
-        ..Material::default()
-    }
+/// How images are taken.
+struct Setting {
+    cameras: Vec<Camera>,
+    /// Pixels along a side.
+    side: u32,
+    /// Light from all around, in place of lights.
+    environment: Option<EnvironmentLight>,
 }
 
-/// Returns the finest level of the asset with the neutral material, its normal map kept.
-fn neutralised(mut asset: Scene) -> Result<Scene> {
-    asset.edit(|asset| {
-        for material in &mut asset.materials {
-            *material = Material { normal: material.normal, ..neutral() };
+impl Setting {
+    /// Takes images of scan and asset, and compares them.
+    fn views(&self, [scan, asset]: [Scene; 2], progress: Progress<'_>) -> Result<Views> {
+        let scan = self.pictures(scan, progress.part(0.0, 0.5))?;
+        let asset = self.pictures(asset, progress.part(0.5, 0.9))?;
+        let mut views = Views { scan, asset, ..Views::default() };
+        for (i, (a, b)) in views.scan.iter().zip(&views.asset).enumerate() {
+            progress.at(0.9 + 0.1 * i as f64 / COUNT as f64)?;
+            let flip = compare::flip(a, b, PIXELS_PER_DEGREE)?;
+            views.figures.push(ViewFigures {
+                azimuth_deg: azimuth(i),
+                elevation_deg: ELEVATIONS[i % 2],
+                flip: flip.summary().map_or(0.0, |summary| summary.mean),
+                ssim: compare::ssim(a, b)?,
+            });
+            views.flip.push(flip);
         }
-        asset.lights.clear();
-    })?;
-    Ok(asset)
+        Ok(views)
+    }
+
+    fn pictures(&self, scene: Scene, progress: Progress<'_>) -> Result<Vec<DisplayImage>> {
+        let side = self.side;
+        let settings = RenderSettings { width: side, height: side, samples: 4, ..RenderSettings::default() };
+        let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
+        let mut renderer = Renderer::new(scene, &settings.surface)?;
+        let (mut pictures, mut codes) = (Vec::new(), Vec::new());
+        for (i, camera) in self.cameras.iter().enumerate() {
+            let [from, to] = [i, i + 1].map(|views| views as f64 / self.cameras.len() as f64);
+            let lighting = look::lighting(camera, self.environment.as_ref());
+            let shot = Shot { camera, lighting: &lighting, settings: &settings };
+            renderer.develop(&shot, &development, &mut codes, progress.part(from, to))?;
+            pictures.push(DisplayImage::from_developed(side, side, &codes)?);
+        }
+        Ok(pictures)
+    }
 }
 
 fn azimuth(view: usize) -> f64 {
@@ -119,25 +146,4 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
         orbit.camera(bounds.diagonal() / 2.0)
     };
     (0..COUNT).map(camera).collect()
-}
-
-fn pictures(
-    scene: Scene,
-    side: u32,
-    cameras: &[Camera],
-    progress: Progress<'_>,
-) -> Result<Vec<DisplayImage>> {
-    let settings = RenderSettings { width: side, height: side, samples: 4, ..RenderSettings::default() };
-    let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
-    let mut renderer = Renderer::new(scene, &settings.surface)?;
-    let (mut pictures, mut codes) = (Vec::new(), Vec::new());
-    for (i, camera) in cameras.iter().enumerate() {
-        let [from, to] = [i, i + 1].map(|views| views as f64 / cameras.len() as f64);
-        let lighting =
-            Lighting { lights: three_point_rig(camera), ambient: Vec3::splat(0.15), environment: None };
-        let shot = Shot { camera, lighting: &lighting, settings: &settings };
-        renderer.develop(&shot, &development, &mut codes, progress.part(from, to))?;
-        pictures.push(DisplayImage::from_developed(side, side, &codes)?);
-    }
-    Ok(pictures)
 }
