@@ -8,12 +8,7 @@ use crate::scene::{AlphaMode, Material, NormalSpace, Scene, Specular, TextureRef
 
 /// Notes what a scan's file holds that no bake reads.
 pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
-    let Loaded { scene, warnings, xmp, rig, .. } = loaded;
-    let has_relief = |material: &&Material| material.normal.is_some() || material.height.is_some();
-    warnings.note(
-        "materials of the scan with a normal or height map, which is not read: its relief is its triangles",
-        used(scene).filter(has_relief).count(),
-    );
+    let Loaded { warnings, xmp, rig, .. } = loaded;
     warnings.note(
         "XMP metadata of the scan beside that of the whole asset, left out",
         xmp.len().saturating_sub(1),

@@ -10,6 +10,7 @@ use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use super::search::search;
 use super::sky::{AoSample, Sky};
+use super::texture_lookup::LookupPoint;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
@@ -188,6 +189,8 @@ struct Cell {
     open: f32,
     bent: Vec3,
     curvature: f32,
+    /// Of the scan's normals within the lookup width.
+    variance: f32,
 }
 
 impl Job<'_> {
@@ -228,12 +231,13 @@ impl Job<'_> {
             .map(|sample| self.cage.projection_ray(self.layout.mesh, group.point(sample)))
             .collect();
         let found = search(self.scan, group, corners, &projections);
+        let width = group.spacing(corners);
         let mut ao_samples = Vec::new();
         for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells[sample.texel as usize];
             self.add_frame(group.point(sample), cell);
             let Some(found) = self.found(projection, found, cell) else { continue };
-            self.add(&found, cell);
+            self.add(&found, width, cell);
             if let Some(sky) = &self.sky {
                 let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
                 let class = y * self.layout.side + x;
@@ -283,11 +287,14 @@ impl Job<'_> {
         found
     }
 
-    fn add(&self, found: &Correspondence, cell: &mut Cell) {
-        cell.normal += found.normal;
+    /// Adds what the scan is at a correspondence, its textures read with this lookup width.
+    fn add(&self, found: &Correspondence, width: f32, cell: &mut Cell) {
+        let mapped = self.scan.mapped_normal(found, width);
+        cell.normal += mapped.normal;
+        cell.variance += mapped.variance;
         cell.heights += found.height;
         if self.settings.maps.has(MapKind::Albedo) {
-            cell.color += Vec3::from_array(self.scan.color(found.point));
+            cell.color += self.scan.sample(LookupPoint { point: found.point, width }).color;
         }
         if !self.curvatures.is_empty() {
             let vertices = found.point.vertices(self.scan.mesh());
@@ -326,7 +333,7 @@ impl Job<'_> {
         }
         if wanted.has(MapKind::Roughness) {
             let mean = cell.normal * share;
-            let normal_variance = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
+            let normal_variance = (1.0 - mean.dot(mean) + cell.variance * share).clamp(0.0, 1.0);
             maps.roughness[i] =
                 SubPixelVariance { curvature: 0.0f32, normal_variance }.widened(self.settings.roughness);
         }
