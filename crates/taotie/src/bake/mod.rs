@@ -33,6 +33,7 @@ mod textured_mesh;
 mod unwrap;
 mod uv_lookup;
 mod verify;
+mod verify_material;
 
 pub use appearance::MaterialSample;
 pub use baked_maps::{BakedMaps, TexelStatus};
@@ -53,3 +54,4 @@ pub use textured_mesh::TexturedMesh;
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
 pub use verify::{Deviation, Fit, NormalError, Verifier};
+pub use verify_material::MaterialError;

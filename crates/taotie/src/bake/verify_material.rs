@@ -23,7 +23,7 @@ pub struct MaterialError {
     pub roughness: Field,
     /// Between the radiances emitted, in the channel that differs most.
     pub emission: Field,
-    /// Between the alphas, [0, 1]: 1 where opaque, 0 or 1 under a mask.
+    /// Between the alphas, [0, 1]: 1 where opaque, 0 or 1 where a mask decides.
     pub alpha: Field,
 }
 
@@ -81,7 +81,7 @@ impl Verifier<'_> {
 
     fn material_difference(&self, shown: &TexturedMesh, point: Point) -> Difference {
         let (Some(found), _) = self.found(point) else { return Difference::default() };
-        let scan = Shown::of(self.scan.textured(), found.point);
+        let scan = Shown::of(self.scan.surface(), found.point);
         Shown::of(shown, point).difference(&scan)
     }
 }
@@ -97,7 +97,7 @@ struct Shown {
 
 impl Shown {
     fn of(mesh: &TexturedMesh, point: Point) -> Self {
-        let sample = mesh.sample(LookupPoint { point, width: 0.0 });
+        let sample = mesh.sample(LookupPoint::finest(point));
         Self {
             color: sample.color.to_array(),
             metallic: sample.metallic,
