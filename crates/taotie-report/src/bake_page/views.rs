@@ -37,8 +37,11 @@ pub fn views(proof: &Proof, textures: &Textures) -> Result<Vec<View>> {
     Ok(views)
 }
 
-/// Scan and asset from one side.
-fn side([scan, asset]: [&DisplayImage; 2], flip: &Field, figures: &ViewFigures) -> Result<View> {
+/// Makes the view of scan and asset from one side.
+///
+/// # Errors
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
+pub fn side([scan, asset]: [&DisplayImage; 2], flip: &Field, figures: &ViewFigures) -> Result<View> {
     let visual_difference = format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim);
     Ok(View {
         name: format!("{:.0}°", figures.azimuth_deg),

@@ -61,19 +61,30 @@ pub struct ViewFigures {
     pub ssim: f64,
 }
 
-/// Takes the images, both of one neutral material, so that nothing but shape and normals differs.
+/// Takes the images of the scan and of each level of the asset, all of one neutral material, so that nothing but shape
+/// and normals differs.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
-pub(super) fn take(scan: Mesh, asset: Scene, side: u32, progress: Progress<'_>) -> Result<Views> {
+pub(super) fn take(scan: Mesh, levels: Vec<Scene>, side: u32, progress: Progress<'_>) -> Result<Vec<Views>> {
     let high = Scene::of_mesh(scan, neutral())?;
     let cameras = cameras(&high);
-    let low = neutralised(asset)?;
     let scan = pictures(high, side, &cameras, progress.part(0.0, 0.5))?;
-    let asset = pictures(low, side, &cameras, progress.part(0.5, 0.9))?;
+    let share = 0.5 / levels.len().max(1) as f64;
+    let take = |(i, level): (usize, Scene)| {
+        let from = 0.5 + i as f64 * share;
+        let rendering = progress.part(from, from + 0.8 * share);
+        let asset = pictures(neutralised(level)?, side, &cameras, rendering)?;
+        compared(scan.clone(), asset, progress.part(from + 0.8 * share, from + share))
+    };
+    levels.into_iter().enumerate().map(take).collect()
+}
+
+/// Compares the images view by view.
+fn compared(scan: Vec<DisplayImage>, asset: Vec<DisplayImage>, progress: Progress<'_>) -> Result<Views> {
     let mut views = Views { scan, asset, ..Views::default() };
     for (i, (a, b)) in views.scan.iter().zip(&views.asset).enumerate() {
-        progress.at(0.9 + 0.1 * i as f64 / COUNT as f64)?;
+        progress.at(i as f64 / COUNT as f64)?;
         let flip = compare::flip(a, b, PIXELS_PER_DEGREE)?;
         views.figures.push(ViewFigures {
             azimuth_deg: azimuth(i),
@@ -95,7 +106,7 @@ fn neutral() -> Material {
     }
 }
 
-/// Returns the finest level of the asset with the neutral material, its normal map kept.
+/// Returns a level of the asset with the neutral material, its normal map kept.
 fn neutralised(mut asset: Scene) -> Result<Scene> {
     asset.edit(|asset| {
         for material in &mut asset.materials {
