@@ -1,7 +1,7 @@
 //! A bake in plain words.
 
 use std::fmt::Write;
-use taotie::asset::{Figures, MaterialFigures, Met, Report, ViewFigures};
+use taotie::asset::{Figures, LevelFigures, MaterialFigures, Met, Report, ViewFigures};
 use taotie::compare::Summary;
 use taotie::names::Named;
 use taotie_report::summary;
@@ -26,12 +26,14 @@ pub fn of(report: &Report) -> String {
         if !figures.full_views.is_empty() {
             table.row(["in full material".into(), visual_difference(&figures.full_views)]);
         }
+        levels(figures, &mut table);
         if !figures.unseen.is_empty() {
             table.row(["not looked at".into(), figures.unseen.join("; ")]);
         }
         table.row(["bytes".into(), format!("{} in, {} out", figures.bytes_in, figures.bytes_out)]);
     }
-    report.required.iter().for_each(|met| table.row(["required".into(), requirement(met)]));
+    let required = report.required.iter().map(|met| requirement(met, &report.triangles));
+    required.for_each(|line| table.row(["required".into(), line]));
     text += &table.lines(0);
     for file in &report.files {
         let _ = writeln!(text, "wrote {}", file.display());
@@ -45,8 +47,9 @@ fn percent(part: f64) -> String {
 
 fn normals(figures: &Figures, table: &mut Table) {
     if let Some(angles) = &figures.angles {
-        let [floor, _] = figures.floor_8_bit;
         table.row(["normal error".into(), summary::text(angles, 3, "°")]);
+    }
+    if let Some([floor, _]) = figures.floor_8_bit {
         table.row([String::new(), format!("storing normals in 8 bits alone costs {floor}° on average")]);
     }
     if let Some(plain) = &figures.without_map {
@@ -93,8 +96,35 @@ fn visual_difference(views: &[ViewFigures]) -> String {
     format!("FLIP {flip:.4}, SSIM {ssim:.4}, mean of {} views", views.len())
 }
 
-fn requirement(met: &Met) -> String {
+/// Adds a row for each coarser level of detail.
+fn levels(figures: &Figures, table: &mut Table) {
+    for (level, figures) in figures.levels.iter().enumerate().skip(1) {
+        table.row([format!("level {level}"), of_level(figures)]);
+    }
+}
+
+fn of_level(figures: &LevelFigures) -> String {
+    let angles = match &figures.angles {
+        Some(angles) => format!("{:.3}°, p95 {:.3}°", angles.mean, angles.p95),
+        None => "could not be measured".into(),
+    };
+    format!(
+        "{} triangles: normal error mean {angles}; shape error at most {} of the diagonal; {}",
+        figures.triangles,
+        percent(figures.hausdorff_of_diagonal),
+        visual_difference(&figures.views)
+    )
+}
+
+/// Tells a requirement's outcome, and at which level where there are several.
+fn requirement(met: &Met, triangles: &[usize]) -> String {
     let verdict = if met.met { "met" } else { "NOT met" };
-    let value = met.value.map_or("could not be measured".into(), |value| format!("is {value:.4}"));
-    format!("{verdict}: {} {value}, at most {}", met.figure.name(), met.most)
+    let level = match (met.level, triangles.len()) {
+        (None, _) | (_, 0..=1) => String::new(),
+        (Some(level), _) => match triangles.get(level) {
+            Some(count) => format!(" of level {level} ({count} triangles)"),
+            None => format!(" of level {level}, which is not there,"),
+        },
+    };
+    format!("{verdict}: {}{level} {}", met.figure.name(), met.text())
 }

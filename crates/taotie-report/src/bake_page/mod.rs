@@ -17,6 +17,7 @@
 //! # Ok::<(), taotie::Error>(())
 //! ```
 
+mod levels;
 mod material;
 mod misses;
 mod notices;
@@ -40,7 +41,7 @@ pub fn page(report: &Report, proof: &Proof, textures: &Textures) -> Result<Page>
         subtitle: "The scan, and the low-poly asset baked from it".into(),
         notices: notices::notices(report, figures),
         facts: facts(report, figures),
-        views: views::views(proof, textures)?,
+        views: views::views(proof, textures)?.into_iter().chain(levels::worst_views(proof)?).collect(),
         sections: sections::sections(report, figures),
         footer: format!(
             "Made by taotie {}. All figures are in the .json file beside this page.",

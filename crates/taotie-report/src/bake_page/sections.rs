@@ -1,9 +1,9 @@
 //! The tables, histogram and texts of a proof.
 
-use super::material;
+use super::{levels, material};
 use crate::summary::figures;
 use crate::{Cell, Column, Section, Series, Tone};
-use taotie::asset::{BIN_WIDTH, Figures, Met, Report, StageTime, ViewFigures};
+use taotie::asset::{BIN_WIDTH, FigureUnit, Figures, Met, Report, StageTime, ViewFigures};
 use taotie::compare::Summary;
 use taotie::names::Named;
 
@@ -15,18 +15,22 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     }
     sections.extend([normals(proof), histogram(proof), shape(proof)]);
     sections.extend(material::section(&proof.material));
-    sections.extend([views(proof), stages(report)]);
+    sections.push(views(proof));
+    sections.extend(levels::table(&proof.levels));
+    sections.push(stages(report));
     sections
 }
 
 fn required(report: &Report) -> Section {
     Section::Table {
         title: "Required".into(),
-        note: "The figures demanded by --require.".into(),
+        note: "The figures demanded by --require. Level 0 is the finest level of detail.".into(),
         columns: vec![
             Column::words("figure"),
+            Column::words("level"),
             Column::numbers("value", ""),
             Column::numbers("at most", ""),
+            Column::words("unit"),
             Column::words("result"),
         ],
         rows: report.required.iter().map(row_of_requirement).collect(),
@@ -35,10 +39,13 @@ fn required(report: &Report) -> Section {
 
 fn row_of_requirement(met: &Met) -> Vec<Cell> {
     let (text, tone) = if met.met { ("met", Tone::Good) } else { ("not met", Tone::Bad) };
+    let FigureUnit { name, size } = met.figure.unit();
     vec![
         Cell::text(met.figure.name()),
-        met.value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value, 4)),
-        Cell::number(met.most, 4),
+        Cell::text(met.level.map_or("all".into(), |level| level.to_string())),
+        met.value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value / size, 4)),
+        Cell::number(met.most / size, 4),
+        Cell::text(name),
         Cell::Mark { text: text.into(), tone, why: String::new() },
     ]
 }
@@ -53,14 +60,21 @@ fn normals(proof: &Figures) -> Section {
     };
     Section::Table {
         title: "Normal error".into(),
-        note: format!(
-            "The angle between the normals of asset and scan, at points spread evenly over the asset as it was written \
-             and read back. Storing normals in 8 bits alone costs {}° on average and {}° at most; dithering raises the \
-             average a little and removes the steps in gentle curves.",
-            proof.floor_8_bit[0], proof.floor_8_bit[1]
-        ),
+        note: note_of_normals(proof),
         columns,
         rows: rows.into_iter().filter_map(row).collect(),
+    }
+}
+
+fn note_of_normals(proof: &Figures) -> String {
+    let note = "The angle between the normals of asset and scan, at points spread evenly over the asset as it was \
+                written and read back.";
+    match proof.floor_8_bit {
+        Some([mean, most]) => format!(
+            "{note} Storing normals in 8 bits alone costs {mean}° on average and {most}° at most; dithering raises the \
+             average a little and removes the steps in gentle curves."
+        ),
+        None => note.into(),
     }
 }
 

@@ -21,7 +21,7 @@ const TOP: f32 = 10.0;
 /// [`taotie::Error::Invalid`] where a picture has no pixels.
 pub fn views(proof: &Proof, textures: &Textures) -> Result<Vec<View>> {
     let mut views = sides(&proof.views, &GREY)?;
-    if let Some(full) = &proof.full {
+    if let Some(full) = &proof.full_views {
         views.extend(sides(full, &FULL)?);
     }
     views.extend(grouped(&maps(proof, textures)?));
@@ -42,12 +42,13 @@ pub fn views(proof: &Proof, textures: &Textures) -> Result<Vec<View>> {
 }
 
 /// How scan and asset look.
-struct Look {
+pub struct Look {
     name: &'static str,
     note: &'static str,
 }
 
-const GREY: Look = Look {
+/// One grey material.
+pub const GREY: Look = Look {
     name: "grey",
     note: "Scan and asset in one grey material under the same light, without colours: shape and normals alone. FLIP is \
            the difference that an observer sees.",
@@ -59,23 +60,31 @@ const FULL: Look = Look {
            studio. FLIP is the difference that an observer sees.",
 };
 
-/// Scan and asset from all sides, a view each.
+/// Makes a view of scan and asset from each side.
+///
+/// # Errors
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
 fn sides(shots: &Views, look: &Look) -> Result<Vec<View>> {
-    let side = |i: usize| {
-        let figures = &shots.figures[i];
-        let visual_difference = format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim);
-        Ok(View {
-            name: format!("{} {:.0}°", look.name, figures.azimuth_deg),
-            note: look.note.into(),
-            pictures: vec![
-                Picture::new("scan", "", &Sheet::developed(&shots.scan[i]))?,
-                Picture::new("FLIP", "", &HeatMap::of_flip(&shots.flip[i]).plain())?,
-                Picture::new("asset", visual_difference, &Sheet::developed(&shots.asset[i]))?,
-            ],
-            legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)),
-        })
-    };
-    (0..shots.figures.len()).map(side).collect()
+    (0..shots.figures.len()).map(|i| side(shots, i, look)).collect()
+}
+
+/// Makes the view of scan and asset from the side of this number.
+///
+/// # Errors
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
+pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
+    let figures = &shots.figures[i];
+    let visual_difference = format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim);
+    Ok(View {
+        name: format!("{} {:.0}°", look.name, figures.azimuth_deg),
+        note: look.note.into(),
+        pictures: vec![
+            Picture::new("scan", "", &Sheet::developed(&shots.scan[i]))?,
+            Picture::new("FLIP", "", &HeatMap::of_flip(&shots.flip[i]).plain())?,
+            Picture::new("asset", visual_difference, &Sheet::developed(&shots.asset[i]))?,
+        ],
+        legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)),
+    })
 }
 
 /// The map of errors, then the baked maps.

@@ -56,9 +56,9 @@ fn neutral() -> Material {
 
 /// Returns the light from all around for scenes of which one is of metal, which would be black without: the built-in
 /// studio.
-pub(super) fn environment(scenes: [&Scene; 2]) -> Result<Option<EnvironmentLight>> {
+pub(super) fn environment<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Result<Option<EnvironmentLight>> {
     let is_metal = |scene: &Scene| scene.materials().iter().any(|material| material.metallic > 0.0);
-    let source = scenes.into_iter().any(is_metal).then_some(EnvironmentSource::Studio);
+    let source = { scenes }.any(is_metal).then_some(EnvironmentSource::Studio);
     EnvironmentOptions { source, ..EnvironmentOptions::default() }.load(&mut Warnings::default())
 }
 
@@ -66,9 +66,7 @@ pub(super) fn environment(scenes: [&Scene; 2]) -> Result<Option<EnvironmentLight
 pub(super) fn lighting(camera: &Camera, environment: Option<&EnvironmentLight>) -> Lighting {
     match environment {
         Some(light) => Lighting { environment: Some(light.clone()), ..Lighting::default() },
-        None => {
-            Lighting { lights: three_point_rig(camera), ambient: Vec3::splat(0.15), environment: None }
-        }
+        None => Lighting { lights: three_point_rig(camera), ambient: Vec3::splat(0.15), environment: None },
     }
 }
 

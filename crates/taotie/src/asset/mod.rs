@@ -23,12 +23,16 @@
 //! the step is at. What is asked for and cannot be done is an error or a counted warning.
 
 mod baker;
+mod figure;
 mod hash;
 mod judgement;
 mod kept_textures;
+mod level_figures;
+mod look;
 mod low;
 mod made;
 mod maps;
+mod material_figures;
 mod memory;
 mod misses;
 mod notes;
@@ -42,20 +46,24 @@ mod requirement;
 mod scan;
 mod search;
 mod textures;
+mod unseen;
 mod views;
 mod write;
 
 pub use baker::Baker;
+pub use figure::{Figure, FigureUnit};
+pub use level_figures::{BIN_WIDTH, LevelFigures};
 pub use low::{Origin, Simplification};
 pub use made::Asset;
+pub use material_figures::MaterialFigures;
 pub use memory::{Bytes, Limits, Need, ScanSize};
 pub use misses::Misses;
 pub use options::{BakeOptions, MeshSource, RayDistance};
 pub use packing::Packing;
 pub use parameters::Parameters;
-pub use proof::{BIN_WIDTH, FLOOR_8_BIT, Figures, FitFigures, Proof, VerifyOptions};
+pub use proof::{FLOOR_8_BIT, Figures, FitFigures, Proof, VerifyOptions};
 pub use report::{Report, StageTime, Warning};
-pub use requirement::{Figure, Met, Requirement};
+pub use requirement::{Met, Requirement};
 pub use scan::{Scan, ScanFile};
 pub use search::Trial;
 pub use textures::{Beside, Has, Range, Textures};

@@ -1,6 +1,7 @@
 //! The scan that is baked from: its triangles, and what its file says beside them.
 
 use super::hash::FileHash;
+use super::look;
 use super::memory::{Limits, ScanSize};
 use super::notes;
 use crate::bake;
@@ -31,6 +32,8 @@ pub(super) struct About {
     pub material: Material,
     /// `true` where it has colours: of vertices, of textures, or of several materials.
     pub has_colors: bool,
+    /// `true` where it says nothing of its colour and material.
+    pub is_plain: bool,
 }
 
 impl About {
@@ -187,8 +190,9 @@ impl Scan {
     }
 
     /// Gives the tree up, and the triangles too where no clone of this scan holds them.
-    pub(super) fn into_mesh(self) -> Mesh {
-        Arc::try_unwrap(self.high).map_or_else(|shared| shared.mesh().clone(), bake::Scan::into_mesh)
+    pub(super) fn into_scene(self) -> Result<Scene> {
+        let shared = |high: Arc<bake::Scan>| high.surface().clone();
+        Arc::try_unwrap(self.high).map_or_else(shared, bake::Scan::into_surface).into_scene()
     }
 }
 
@@ -221,6 +225,7 @@ impl About {
             size,
             material: first.and_then(|m| scene.materials().get(m)).cloned().unwrap_or_default(),
             has_colors: notes::has_colors(scene),
+            is_plain: look::is_plain(scene),
         }
     }
 }

@@ -61,29 +61,29 @@ pub struct ViewFigures {
     pub ssim: f64,
 }
 
-/// Views in each look.
+/// Views of each level of the asset, the finest first, in each look.
 pub(super) struct Looks {
     /// In one grey material, so that nothing but shape and normals differs.
-    pub grey: Views,
-    /// In their own materials; `None` where the scan says nothing of its material.
-    pub full: Option<Views>,
+    pub grey: Vec<Views>,
+    /// In their own materials; empty where the scan says nothing of its material.
+    pub full: Vec<Views>,
 }
 
-/// Takes the images of scan and asset in each look.
+/// Takes the images of the scan and of each level of the asset, in each look.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
-pub(super) fn take(scan: Scene, asset: Scene, side: u32, progress: Progress<'_>) -> Result<Looks> {
+pub(super) fn take(scan: Scene, levels: Vec<Scene>, side: u32, progress: Progress<'_>) -> Result<Looks> {
     let mut setting = Setting { cameras: cameras(&scan), side, environment: None };
-    if look::is_plain(&scan) {
-        let grey = setting.views([look::grey(scan)?, look::grey(asset)?], progress)?;
-        return Ok(Looks { grey, full: None });
+    let (mut full, mut rest) = (Vec::new(), progress);
+    if !look::is_plain(&scan) {
+        setting.environment = look::environment(std::iter::once(&scan).chain(&levels))?;
+        let own = levels.iter().cloned().map(look::full).collect::<Result<_>>()?;
+        full = setting.views(look::full(scan.clone())?, own, progress.part(0.0, 0.5))?;
+        (setting.environment, rest) = (None, progress.part(0.5, 1.0));
     }
-    setting.environment = look::environment([&scan, &asset])?;
-    let own = [look::full(scan.clone())?, look::full(asset.clone())?];
-    let full = Some(setting.views(own, progress.part(0.0, 0.5))?);
-    setting.environment = None;
-    let grey = setting.views([look::grey(scan)?, look::grey(asset)?], progress.part(0.5, 1.0))?;
+    let levels = levels.into_iter().map(look::grey).collect::<Result<_>>()?;
+    let grey = setting.views(look::grey(scan)?, levels, rest)?;
     Ok(Looks { grey, full })
 }
 
@@ -97,23 +97,16 @@ struct Setting {
 }
 
 impl Setting {
-    /// Takes images of scan and asset, and compares them.
-    fn views(&self, [scan, asset]: [Scene; 2], progress: Progress<'_>) -> Result<Views> {
+    /// Takes images of the scan and of each level, and compares them.
+    fn views(&self, scan: Scene, levels: Vec<Scene>, progress: Progress<'_>) -> Result<Vec<Views>> {
         let scan = self.pictures(scan, progress.part(0.0, 0.5))?;
-        let asset = self.pictures(asset, progress.part(0.5, 0.9))?;
-        let mut views = Views { scan, asset, ..Views::default() };
-        for (i, (a, b)) in views.scan.iter().zip(&views.asset).enumerate() {
-            progress.at(0.9 + 0.1 * i as f64 / COUNT as f64)?;
-            let flip = compare::flip(a, b, PIXELS_PER_DEGREE)?;
-            views.figures.push(ViewFigures {
-                azimuth_deg: azimuth(i),
-                elevation_deg: ELEVATIONS[i % 2],
-                flip: flip.summary().map_or(0.0, |summary| summary.mean),
-                ssim: compare::ssim(a, b)?,
-            });
-            views.flip.push(flip);
-        }
-        Ok(views)
+        let share = 0.5 / levels.len().max(1) as f64;
+        let take = |(i, level): (usize, Scene)| {
+            let from = 0.5 + i as f64 * share;
+            let asset = self.pictures(level, progress.part(from, from + 0.8 * share))?;
+            compared(scan.clone(), asset, progress.part(from + 0.8 * share, from + share))
+        };
+        levels.into_iter().enumerate().map(take).collect()
     }
 
     fn pictures(&self, scene: Scene, progress: Progress<'_>) -> Result<Vec<DisplayImage>> {
@@ -131,6 +124,23 @@ impl Setting {
         }
         Ok(pictures)
     }
+}
+
+/// Compares the images view by view.
+fn compared(scan: Vec<DisplayImage>, asset: Vec<DisplayImage>, progress: Progress<'_>) -> Result<Views> {
+    let mut views = Views { scan, asset, ..Views::default() };
+    for (i, (a, b)) in views.scan.iter().zip(&views.asset).enumerate() {
+        progress.at(i as f64 / COUNT as f64)?;
+        let flip = compare::flip(a, b, PIXELS_PER_DEGREE)?;
+        views.figures.push(ViewFigures {
+            azimuth_deg: azimuth(i),
+            elevation_deg: ELEVATIONS[i % 2],
+            flip: flip.summary().map_or(0.0, |summary| summary.mean),
+            ssim: compare::ssim(a, b)?,
+        });
+        views.flip.push(flip);
+    }
+    Ok(views)
 }
 
 fn azimuth(view: usize) -> f64 {

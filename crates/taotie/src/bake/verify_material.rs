@@ -1,8 +1,8 @@
 //! The error of the material that a low-poly mesh shows against the scan it was baked from.
 
 use super::layout::{BAND, Layout};
-use super::textured_mesh::TexturedMesh;
 use super::texture_lookup::LookupPoint;
+use super::textured_mesh::TexturedMesh;
 use super::verify::{Verifier, sample_area};
 use crate::compare::{Field, color_difference};
 use crate::error::{Error, Result};
@@ -37,8 +37,7 @@ impl Verifier<'_> {
         self.check_triangles(shown)?;
         let point = sample_area(self.mesh, count)?;
         let found = parallel::collect(count, |i| self.material_difference(shown, point(i)));
-        let field =
-            |of: fn(&Difference) -> f32| Field::new(count as u32, 1, found.iter().map(of).collect());
+        let field = |of: fn(&Difference) -> f32| Field::new(count as u32, 1, found.iter().map(of).collect());
         Ok(MaterialError {
             color: field(|d| d.color)?,
             metallic: field(|d| d.metallic)?,
