@@ -92,10 +92,11 @@ pub struct BakeArgs {
     #[arg(long, value_name = "FILE.json", help_heading = "File")]
     pub provenance: Option<PathBuf>,
 
-    /// Exit with 1 unless every figure is at most so large: mean-angle, p95-angle, max-angle (normal error, °), missed
-    /// (texels with a missed ray, %), hausdorff (largest shape error, % of the diagonal), bytes (of the asset with all
-    /// its files). A bare number has that unit: missed=0.1 is 0.1 %; bytes may have B, kB, MB, GB, KiB, MiB, GiB. Angles
-    /// and hausdorff count at every level of detail; mean-angle@1=5 is for level 1 alone, level 0 is the finest
+    /// Exit with 1 unless every figure is at most so large: mean-angle, p95-angle, max-angle (normal error, °),
+    /// mean-color, p95-color (colour error, CIEDE2000), missed (texels with a missed ray, %), hausdorff (largest shape
+    /// error, % of the diagonal), bytes (of the asset with all its files). A bare number has that unit: missed=0.1 is
+    /// 0.1 %; bytes may have B, kB, MB, GB, KiB, MiB, GiB. Angles, colours and hausdorff count at every level of detail;
+    /// mean-angle@1=5 is for level 1 alone, level 0 is the finest
     #[arg(
         long,
         value_name = "FIGURE[@LEVEL]=MAX[UNIT],...",

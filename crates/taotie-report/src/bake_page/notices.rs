@@ -6,7 +6,7 @@ use taotie::names::Named;
 
 /// Makes all notices, the verdict first.
 pub fn notices(report: &Report, proof: &Figures) -> Vec<Notice> {
-    let mut notices = vec![verdict(&report.required)];
+    let mut notices = vec![verdict(report)];
     notices.extend(report.warnings.iter().map(|seen| Notice::new(warning(seen), Tone::Changed)));
     if !proof.unseen.is_empty() {
         let text = format!("Not looked at: {}.", proof.unseen.join("; "));
@@ -15,10 +15,15 @@ pub fn notices(report: &Report, proof: &Figures) -> Vec<Notice> {
     notices
 }
 
-fn verdict(required: &[Met]) -> Notice {
+fn verdict(report: &Report) -> Notice {
+    let has_levels = report.triangles.len() > 1;
+    let name = |met: &Met| match met.level {
+        Some(level) if has_levels => format!("{} of level {level}", met.figure.name()),
+        _ => met.figure.name().to_owned(),
+    };
     let names = |is_met: bool| {
-        let those = required.iter().filter(|met| met.met == is_met);
-        those.map(|met| met.figure.name()).collect::<Vec<_>>().join(", ")
+        let those = report.required.iter().filter(|met| met.met == is_met);
+        those.map(name).collect::<Vec<_>>().join(", ")
     };
     match [names(false), names(true)] {
         [failed, met] if failed.is_empty() && met.is_empty() => {

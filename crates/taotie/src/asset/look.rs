@@ -25,6 +25,11 @@ pub(super) fn is_plain(scene: &Scene) -> bool {
     scene.instances().iter().all(is_plain)
 }
 
+/// Returns the materials that are shown, that of each instance.
+pub(super) fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
+    scene.instances().iter().map(|instance| &scene.materials()[instance.material])
+}
+
 /// Returns the scene in one grey material, its normal and height maps kept; vertex colours, textures, transparency and
 /// lights are gone.
 pub(super) fn grey(scene: Scene) -> Result<Scene> {
@@ -56,9 +61,11 @@ fn neutral() -> Material {
 
 /// Returns the light from all around for scenes of which one is of metal, which would be black without: the built-in
 /// studio.
-pub(super) fn environment<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Result<Option<EnvironmentLight>> {
-    let is_metal = |scene: &Scene| scene.materials().iter().any(|material| material.metallic > 0.0);
-    let source = { scenes }.any(is_metal).then_some(EnvironmentSource::Studio);
+pub(super) fn environment<'a>(
+    mut scenes: impl Iterator<Item = &'a Scene>,
+) -> Result<Option<EnvironmentLight>> {
+    let is_metal = |scene: &Scene| used(scene).any(|material| material.metallic > 0.0);
+    let source = scenes.any(is_metal).then_some(EnvironmentSource::Studio);
     EnvironmentOptions { source, ..EnvironmentOptions::default() }.load(&mut Warnings::default())
 }
 

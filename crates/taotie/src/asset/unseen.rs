@@ -19,7 +19,7 @@ pub(super) fn unseen(options: &BakeOptions, [scan, asset]: [&Scene; 2]) -> Vec<S
         (|m| m.anisotropy.is_some(), "anisotropy"),
         (|m| m.specular != Specular::default() || m.ior != 1.5, "specular strength and index of refraction"),
     ];
-    let materials = || scan.materials().iter().chain(asset.materials());
+    let materials = || look::used(scan).chain(look::used(asset));
     let maps = maps.into_iter().filter(|(map, _)| options.maps.contains(map)).map(|(_, what)| what);
     let layers = layers.into_iter().filter(|(has, _)| materials().any(has)).map(|(_, what)| what);
     let plain = look::is_plain(scan).then_some("colour and material, of which the scan says nothing");

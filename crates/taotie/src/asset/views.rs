@@ -78,11 +78,11 @@ pub(super) fn take(scan: Scene, levels: Vec<Scene>, side: u32, progress: Progres
     let (mut full, mut rest) = (Vec::new(), progress);
     if !look::is_plain(&scan) {
         setting.environment = look::environment(std::iter::once(&scan).chain(&levels))?;
-        let own = levels.iter().cloned().map(look::full).collect::<Result<_>>()?;
+        let own = levels.iter().cloned().map(look::full).collect::<Result<Vec<_>>>()?;
         full = setting.views(look::full(scan.clone())?, own, progress.part(0.0, 0.5))?;
         (setting.environment, rest) = (None, progress.part(0.5, 1.0));
     }
-    let levels = levels.into_iter().map(look::grey).collect::<Result<_>>()?;
+    let levels = levels.into_iter().map(look::grey).collect::<Result<Vec<_>>>()?;
     let grey = setting.views(look::grey(scan)?, levels, rest)?;
     Ok(Looks { grey, full })
 }
