@@ -86,7 +86,7 @@ pub struct Figures {
     pub histogram: Vec<u64>,
     /// The same angles without the map: what vertex normals alone would give.
     pub without_map: Option<Summary>,
-    /// Mean and largest angle that 8 bits cost at least, degrees: [`FLOOR_8_BIT`]; `None` where normals are not stored so.
+    /// Mean and largest angle that 8 bits cost at least, degrees, [`FLOOR_8_BIT`]; `None` where no normals are stored so.
     pub floor_8_bit: Option<[f64; 2]>,
     /// The part of the texels with a sample that missed the scan.
     pub missed_texels: f64,
