@@ -82,7 +82,7 @@ pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 pub struct Figures {
     /// Degrees between the normals shown and the scan's, over points spread evenly; `None` where no point was found.
     pub angles: Option<Summary>,
-    /// Their histogram, [`BIN_WIDTH`] a bin; the last is open.
+    /// Their histogram, [`BIN_WIDTH`](super::BIN_WIDTH) a bin; the last is open.
     pub histogram: Vec<u64>,
     /// The same angles without the map: what vertex normals alone would give.
     pub without_map: Option<Summary>,
