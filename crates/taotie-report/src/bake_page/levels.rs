@@ -68,3 +68,26 @@ fn worst_view(level: usize, shots: &Views) -> Result<Option<View>> {
     let note = format!("Level of detail {level} from the side where it differs most. {}", view.note);
     Ok(Some(View { name, note, ..view }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_levels_have_a_row_each() {
+        let level = |triangles: usize| {
+            let mut level = LevelFigures::default();
+            level.triangles = triangles;
+            level.hausdorff_of_diagonal = 0.01;
+            level
+        };
+        assert_eq!(table(&[level(300)]), None, "the other tables tell all of one level");
+        let Some(Section::Table { columns, rows, .. }) = table(&[level(300), level(20)]) else {
+            panic!("two levels are a table")
+        };
+        assert!(rows.len() == 2 && rows.iter().all(|row| row.len() == columns.len()));
+        assert_eq!(rows[1][..2], [Cell::number(1.0, 0), Cell::number(20.0, 0)]);
+        assert_eq!(rows[1][2], Cell::Number { value: None, digits: 3 }, "no angle was measured");
+        assert_eq!(rows[1][7], Cell::number(1.0, 4), "per cent");
+    }
+}
