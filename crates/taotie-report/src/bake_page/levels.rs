@@ -16,13 +16,14 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
         Column::numbers("without map, mean", "°"),
         Column::numbers("points with a missed ray", "%"),
         Column::numbers("shape error, largest", "% of the diagonal"),
+        Column::numbers("colour error, mean", "ΔE00"),
         Column::numbers("FLIP", ""),
         Column::numbers("SSIM", ""),
     ];
     (levels.len() > 1).then(|| Section::Table {
         title: "Levels of detail".into(),
         note: "Each level as it was written and read back, against the scan. All show the maps that were baked for level \
-               0, the finest. FLIP and SSIM are means of all views."
+               0, the finest. FLIP and SSIM are means of all grey views."
             .into(),
         columns,
         rows: levels.iter().enumerate().map(row).collect(),
@@ -41,6 +42,7 @@ fn row((level, figures): (usize, &LevelFigures)) -> Vec<Cell> {
         degrees(figures.without_map.as_ref().map(|angles| angles.mean)),
         Cell::number(figures.missed * 100.0, 3),
         Cell::number(figures.hausdorff_of_diagonal * 100.0, 4),
+        Cell::Number { value: figures.material.color.as_ref().map(|color| color.mean), digits: 3 },
         mean(&figures.views, |view| view.flip),
         mean(&figures.views, |view| view.ssim),
     ]
@@ -67,4 +69,27 @@ fn worst_view(level: usize, shots: &Views) -> Result<Option<View>> {
     let name = format!("level {level}, {}", view.name);
     let note = format!("Level of detail {level} from the side where it differs most. {}", view.note);
     Ok(Some(View { name, note, ..view }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_levels_have_a_row_each() {
+        let level = |triangles: usize| {
+            let mut level = LevelFigures::default();
+            level.triangles = triangles;
+            level.hausdorff_of_diagonal = 0.01;
+            level
+        };
+        assert_eq!(table(&[level(300)]), None, "the other tables tell all of one level");
+        let Some(Section::Table { columns, rows, .. }) = table(&[level(300), level(20)]) else {
+            panic!("two levels are a table")
+        };
+        assert!(rows.len() == 2 && rows.iter().all(|row| row.len() == columns.len()));
+        assert_eq!(rows[1][..2], [Cell::number(1.0, 0), Cell::number(20.0, 0)]);
+        assert_eq!(rows[1][2], Cell::Number { value: None, digits: 3 }, "no angle was measured");
+        assert_eq!(rows[1][7], Cell::number(1.0, 4), "per cent");
+    }
 }

@@ -154,3 +154,21 @@ fn stages(report: &Report) -> Section {
         rows: report.stages.iter().map(row).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::asset::Requirement;
+
+    #[test]
+    fn what_is_required_is_told_in_its_unit() {
+        let mut figures = Figures::default();
+        figures.missed_texels = 0.02;
+        let row = |requirement| row_of_requirement(&figures.require(&[requirement])[0]);
+        let missed = row(Requirement::missed(0.001));
+        let wanted = [Cell::text("missed"), Cell::text("all"), Cell::number(2.0, 4), Cell::number(0.1, 4)];
+        assert_eq!((&missed[..4], &missed[4]), (&wanted[..], &Cell::text("%")));
+        let angle = row(Requirement::mean_angle_deg(1.0).at_level(2));
+        assert_eq!((&angle[1], &angle[2]), (&Cell::text("2"), &Cell::text("not measured")));
+    }
+}

@@ -84,11 +84,11 @@ pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 pub struct Figures {
     /// Degrees between the normals shown and the scan's, over points spread evenly; `None` where no point was found.
     pub angles: Option<Summary>,
-    /// Their histogram, [`BIN_WIDTH`] a bin; the last is open.
+    /// Their histogram, [`BIN_WIDTH`](super::BIN_WIDTH) a bin; the last is open.
     pub histogram: Vec<u64>,
     /// The same angles without the map: what vertex normals alone would give.
     pub without_map: Option<Summary>,
-    /// Mean and largest angle that 8 bits cost at least, degrees: [`FLOOR_8_BIT`]; `None` where normals are not stored so.
+    /// Mean and largest angle that 8 bits cost at least, degrees, [`FLOOR_8_BIT`]; `None` where no normals are stored so.
     pub floor_8_bit: Option<[f64; 2]>,
     /// The part of the texels with a sample that missed the scan.
     pub missed_texels: f64,

@@ -142,7 +142,7 @@ fn level_of(figure: Figure, level: &str) -> std::result::Result<usize, String> {
 /// Reads a number and its unit; gives it in the unit of the figure itself.
 fn most_of(figure: Figure, text: &str) -> std::result::Result<f64, String> {
     let is_of_number = |c: char| c.is_ascii_digit() || ".+-eE".contains(c);
-    let (number, unit) = text.split_at(text.find(|c| !is_of_number(c)).unwrap_or(text.len()));
+    let (number, unit) = text.split_at(text.find(|c: char| !is_of_number(c)).unwrap_or(text.len()));
     let number: f64 = number.parse().map_err(|_| format!("`{text}` is not a number"))?;
     let size = match unit.trim() {
         "" => figure.unit().size,
