@@ -109,7 +109,7 @@ fn bake(options: Arc<BakeOptions>, scan: &Scan, progress: Progress<'_>) -> Resul
 fn note_left_out(options: &BakeOptions, scan: &Scan, warnings: &mut Warnings) {
     let about = &scan.about;
     notes::unread_options(options, warnings);
-    notes::lacking(about.has_colors, options, warnings);
+    notes::lacking(&about.material, about.has_colors, options, warnings);
     if options.low.is_none() {
         notes::left_of_scan(&about.material, about.has_colors, options, warnings);
     }

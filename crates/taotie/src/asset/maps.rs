@@ -5,7 +5,7 @@ use super::low::read;
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::scan::Scan;
 use super::textures::Textures;
-use crate::bake::{self, BakeCounts, BakeInput, BakeSettings, Baked, Cage, MapKind};
+use crate::bake::{self, BakeCounts, BakeInput, BakeSettings, Baked, Cage, Maps};
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
@@ -35,17 +35,13 @@ pub(super) fn bake_maps(
     let settings = BakeSettings {
         size: [size; 2],
         side: options.side,
-        maps: options.baked_maps(),
+        maps: options.maps.iter().copied().collect::<Maps>(),
         space: options.space,
         sky_rays: options.ao_rays,
         sky_distance: options.ao_distance.map(|distance| distance as f32),
         roughness: options.roughness.map(|v| v as f32),
         dilation: options.dilation,
     };
-    warnings.note(
-        "the scan's occlusion texture is left out, since rays find occlusion: bake either occlusion or ao",
-        usize::from([MapKind::Occlusion, MapKind::OcclusionMap].iter().all(|map| settings.maps.has(*map))),
-    );
     let input = BakeInput { low: &low.mesh, cage: &cage, scan: &scan.high };
     let Baked { maps, counts } = bake::bake(input, &settings, progress.begin("bake")?)?;
     refuse_no_hit(pair, &cage, &counts)?;

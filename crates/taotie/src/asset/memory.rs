@@ -198,13 +198,13 @@ impl Need {
 
 /// Bytes a texel over all maps: floats while they are baked, codes afterwards, and what filling takes.
 fn texel_bytes(options: &BakeOptions) -> u64 {
-    let floats = |map: MapKind| match map {
+    let floats = |map: &MapKind| match map {
         MapKind::Normal | MapKind::Albedo | MapKind::Bent | MapKind::Emission => 12,
         MapKind::MetallicRoughness => 8,
         _ => 4,
     };
     let codes = 4 * u64::from(options.bits / 8);
-    8 + options.baked_maps().iter().map(|map| floats(map) + codes).sum::<u64>()
+    8 + options.maps.iter().map(|map| floats(map) + codes).sum::<u64>()
 }
 
 #[cfg(test)]

@@ -67,15 +67,8 @@ pub(super) fn left_of_scan(
         usize::from(has_colors && !bakes(MapKind::Albedo)),
     );
     let textures = [
-        (
-            "metallic-roughness",
-            material.metallic_roughness_texture.is_some() && !bakes(MapKind::MetallicRoughness),
-        ),
-        (
-            "occlusion",
-            material.occlusion_texture.is_some()
-                && !options.bakes(&[MapKind::Occlusion, MapKind::OcclusionMap]),
-        ),
+        ("metallic-roughness", material.metallic_roughness_texture.is_some()),
+        ("occlusion", material.occlusion_texture.is_some() && !bakes(MapKind::Occlusion)),
     ];
     for (what, _) in textures.iter().filter(|(_, is)| *is) {
         warnings.note(format!("the scan's {what} texture is left out"), 1);
@@ -84,11 +77,16 @@ pub(super) fn left_of_scan(
 }
 
 /// Notes what is asked of a scan that it does not have.
-pub(super) fn lacking(has_colors: bool, options: &BakeOptions, warnings: &mut Warnings) {
+pub(super) fn lacking(material: &Material, has_colors: bool, options: &BakeOptions, warnings: &mut Warnings) {
     let bakes = |map: MapKind| options.maps.contains(&map);
     warnings.note(
         "the scan has one colour alone, so the albedo map has no more",
         usize::from(bakes(MapKind::Albedo) && !has_colors),
+    );
+    let textured = material.metallic_roughness_texture.is_some() && options.roughness.is_none();
+    warnings.note(
+        "the scan's roughness texture is not read: the roughness map begins from its factor",
+        usize::from(bakes(MapKind::Roughness) && textured),
     );
 }
 

@@ -1,6 +1,6 @@
 //! The options of a bake.
 
-use crate::bake::{MapKind, Maps};
+use crate::bake::MapKind;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::scene::NormalSpace;
@@ -212,12 +212,6 @@ impl BakeOptions {
             return Err(Error::invalid(what, why));
         }
         Ok(())
-    }
-
-    /// Returns the maps that are baked: those asked for, and with alpha the colour, whose texture holds it.
-    pub(super) fn baked_maps(&self) -> Maps {
-        let color = self.bakes(&[MapKind::Alpha]).then_some(MapKind::Albedo);
-        self.maps.iter().copied().chain(color).collect()
     }
 
     /// Returns `true` where one of these maps is baked.

@@ -205,7 +205,7 @@ impl Beside {
 /// Returns the maps that textures of an asset hold. What rays found goes before what a texture says.
 fn stored(options: &BakeOptions) -> Maps {
     let rays = options.bakes(&[MapKind::Occlusion]);
-    options.baked_maps().iter().filter(|map| !(rays && *map == MapKind::OcclusionMap)).collect()
+    options.maps.iter().copied().filter(|map| !(rays && *map == MapKind::OcclusionMap)).collect()
 }
 
 fn color(maps: &BakedMaps) -> Result<Bitmap> {
