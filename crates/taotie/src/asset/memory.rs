@@ -199,7 +199,8 @@ impl Need {
 /// Bytes a texel over all maps: floats while they are baked, codes afterwards, and what filling takes.
 fn texel_bytes(options: &BakeOptions) -> u64 {
     let floats = |map: &MapKind| match map {
-        MapKind::Normal | MapKind::Albedo | MapKind::Bent => 12,
+        MapKind::Normal | MapKind::Albedo | MapKind::Bent | MapKind::Emission => 12,
+        MapKind::MetallicRoughness => 8,
         _ => 4,
     };
     let codes = 4 * u64::from(options.bits / 8);

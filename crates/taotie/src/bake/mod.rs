@@ -5,6 +5,7 @@
 //! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
 //! threads.
 
+mod alpha;
 mod appearance;
 mod baked_maps;
 mod cage;
@@ -18,6 +19,7 @@ mod layout;
 mod levels;
 mod mapped_normal;
 mod maps;
+mod material_sums;
 mod normal_source;
 mod owner;
 mod projection;

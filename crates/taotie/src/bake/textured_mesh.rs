@@ -1,5 +1,6 @@
 //! A surface with its materials: one mesh in world space that knows what each of its points shows.
 
+use super::alpha::common_mode;
 use super::appearance::{Appearance, MaterialSample, Part};
 use super::joined::{Keep, joined, moved_back};
 use super::mapped_normal::MappedNormal;
@@ -8,7 +9,7 @@ use super::texture_lookup::LookupPoint;
 use crate::error::Result;
 use crate::math::{Mat4, Vec3};
 use crate::mesh::{Mesh, MeshData};
-use crate::scene::{Instance, Material, Scene, SceneData};
+use crate::scene::{AlphaMode, Instance, Material, Scene, SceneData};
 use crate::surface::with_frames;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -48,6 +49,13 @@ impl TexturedMesh {
     /// Where there is no triangle.
     pub fn material(&self, triangle: u32) -> &Material {
         self.appearance.material(triangle)
+    }
+
+    /// Returns the alpha mode of one material that shows all triangles: blended where one of them is; else a mask, with
+    /// the cutoff 0.5 where they have several; else opaque.
+    pub fn alpha_mode(&self) -> AlphaMode {
+        let Appearance { parts, materials, .. } = &self.appearance;
+        common_mode(parts.iter().map(|part| materials[part.material].alpha))
     }
 
     /// Returns the normal at a point as a renderer shades it: `smooth`, the interpolated one, bent by the normal or

@@ -18,6 +18,7 @@ mod skies;
 
 mod bake;
 mod bake_color;
+mod bake_material;
 mod bake_scan;
 mod energy;
 mod environment;
