@@ -243,7 +243,8 @@ impl Written {
         scenes.insert(0, loaded.scene);
         let views = progress.begin("compare views")?;
         let scan = scan.into_scene()?;
-        figures.unseen = unseen(&made.options, [&scan, &scenes[0]]);
+        let maps: Vec<MapKind> = self.maps().iter().map(|note| note.map).collect();
+        figures.unseen = unseen(&maps, [&scan, &scenes[0]]);
         let looks = views::take(scan, scenes, options.view, views)?;
         Ok(Proof { color_map, warnings: loaded.warnings, ..Proof::new(figures, error_map, looks) })
     }

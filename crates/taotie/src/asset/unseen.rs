@@ -1,14 +1,14 @@
 //! Notes on what a proof does not look at, so that nobody takes it for proved.
 
 use super::look;
-use super::options::BakeOptions;
 use crate::bake::MapKind;
 use crate::scene::{Material, Scene, Specular};
 
 /// Returns what an asset holds, or its scan, that no figure and no image compares.
-pub(super) fn unseen(options: &BakeOptions, [scan, asset]: [&Scene; 2]) -> Vec<String> {
-    let maps = [
+pub(super) fn unseen(maps: &[MapKind], [scan, asset]: [&Scene; 2]) -> Vec<String> {
+    let blind = [
         (MapKind::Occlusion, "ambient occlusion, whose rays are not traced a second time"),
+        (MapKind::OcclusionMap, "the occlusion of the scan's own texture"),
         (MapKind::Bent, "bent normals"),
         (MapKind::Height, "heights"),
         (MapKind::Curvature, "curvature"),
@@ -20,7 +20,7 @@ pub(super) fn unseen(options: &BakeOptions, [scan, asset]: [&Scene; 2]) -> Vec<S
         (|m| m.specular != Specular::default() || m.ior != 1.5, "specular strength and index of refraction"),
     ];
     let materials = || look::used(scan).chain(look::used(asset));
-    let maps = maps.into_iter().filter(|(map, _)| options.maps.contains(map)).map(|(_, what)| what);
+    let maps = blind.into_iter().filter(|(map, _)| maps.contains(map)).map(|(_, what)| what);
     let layers = layers.into_iter().filter(|(has, _)| materials().any(has)).map(|(_, what)| what);
     let plain = look::is_plain(scan).then_some("colour and material, of which the scan says nothing");
     plain.into_iter().chain(maps).chain(layers).map(str::to_owned).collect()
@@ -41,10 +41,10 @@ mod tests {
         let sheen = Sheen { color: [1.0; 3], color_texture: None, roughness: 0.5, roughness_texture: None };
         let plain = ball(Material::default());
         let felt = ball(Material { sheen: Some(sheen), ..Material::default() });
-        let options = BakeOptions { maps: vec![MapKind::Normal, MapKind::Height], ..BakeOptions::default() };
-        let named = unseen(&options, [&plain, &plain]);
+        let maps = [MapKind::Normal, MapKind::Height];
+        let named = unseen(&maps, [&plain, &plain]);
         assert_eq!(named, ["colour and material, of which the scan says nothing", "heights"]);
-        assert_eq!(unseen(&options, [&felt, &plain]), ["heights", "sheen"]);
-        assert_eq!(unseen(&BakeOptions::default(), [&felt, &felt]), ["sheen"]);
+        assert_eq!(unseen(&maps, [&felt, &plain]), ["heights", "sheen"]);
+        assert_eq!(unseen(&[], [&felt, &felt]), ["sheen"]);
     }
 }
