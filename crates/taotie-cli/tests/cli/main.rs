@@ -5,6 +5,7 @@
 mod arguments;
 mod bake;
 mod bake_examples;
+mod bake_page;
 mod bake_pairs;
 mod bake_stopped;
 mod balls;
