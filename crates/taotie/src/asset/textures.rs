@@ -190,8 +190,9 @@ impl Textures {
             (MapKind::Alpha, self.color.as_ref()),
             (MapKind::OcclusionMap, orm(self.has.occlusion)),
         ];
-        let stored = maps.into_iter().filter(|(map, _)| self.stored.has(*map));
-        stored.filter_map(|(map, bitmap)| Some((map, bitmap?)))
+        let stored = self.stored;
+        let inside = maps.into_iter().filter(move |(map, _)| stored.has(*map));
+        inside.filter_map(|(map, bitmap)| Some((map, bitmap?)))
     }
 }
 

@@ -81,6 +81,20 @@ impl Appearance {
         &self.materials[self.part(triangle).material]
     }
 
+    /// Returns the factors of the first part's material, which stand where nothing is found.
+    pub fn first_factors(&self) -> MaterialSample {
+        let neutral = Material::default();
+        let material = self.parts.first().map_or(&neutral, |part| &self.materials[part.material]);
+        MaterialSample {
+            color: rgb(material.base_color),
+            alpha: 1.0,
+            metallic: material.metallic,
+            roughness: material.roughness,
+            occlusion: 1.0,
+            emission: Vec3::default(),
+        }
+    }
+
     /// Returns the normal at a point as a renderer shades it: `smooth`, the interpolated one, bent by the part's map.
     /// It is `smooth` to the bit where the part has no map, or uvs span no area.
     pub fn normal(&self, mesh: &Mesh, at: LookupPoint, smooth: Vec3) -> MappedNormal {

@@ -132,6 +132,7 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
         curvatures: if wants(MapKind::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
         alpha: scan.surface().alpha_mode(),
         reads_materials: settings.maps.has_any(&OF_MATERIALS),
+        without_hit: scan.surface().first_factors(),
         layout,
         cage,
         scan,
@@ -187,6 +188,8 @@ struct Job<'a> {
     alpha: AlphaMode,
     /// `true` where a map of the scan's materials is baked.
     reads_materials: bool,
+    /// The material of texels whose samples have no correspondence.
+    without_hit: MaterialSample,
 }
 
 /// Sums over a texel's samples.
@@ -354,8 +357,8 @@ impl Job<'_> {
         if wanted.has(MapKind::Curvature) {
             maps.curvature[i] = cell.curvature * share;
         }
-        if let Some(mean) = cell.material.mean() {
-            self.store_material(i, &mean, maps);
+        if self.reads_materials {
+            self.store_material(i, &cell.material.mean().unwrap_or(self.without_hit), maps);
         }
         if wanted.has(MapKind::Roughness) {
             let mean = cell.normal * share;
@@ -365,7 +368,7 @@ impl Job<'_> {
         }
     }
 
-    /// Writes the mean material of the samples that have a correspondence.
+    /// Writes the material of a texel.
     fn store_material(&self, i: usize, mean: &MaterialSample, maps: &mut BandMaps<'_>) {
         let wanted = self.settings.maps;
         if wanted.has(MapKind::Albedo) {

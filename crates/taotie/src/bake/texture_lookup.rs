@@ -83,7 +83,7 @@ impl TextureOnMesh<'_> {
         let most = mean + (half * half + ab * ab).sqrt();
         let least = (area * area / most).max(area / (MOST * MOST));
         let squared = f64::from(width) * f64::from(width) / least;
-        // NaN and nothing: a triangle without area.
+        // Without a width, or a triangle's, there is nothing to average.
         if squared > 0.0 { 0.5 * poly::log2(squared.clamp(1e-30, 1e30) as f32) } else { 0.0 }
     }
 }

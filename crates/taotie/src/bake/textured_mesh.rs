@@ -51,6 +51,11 @@ impl TexturedMesh {
         self.appearance.material(triangle)
     }
 
+    /// Returns the factors of the first instance's material, which stand where nothing of the surface is found.
+    pub(super) fn first_factors(&self) -> MaterialSample {
+        self.appearance.first_factors()
+    }
+
     /// Returns the alpha mode of one material that shows all triangles: blended where one of them is; else a mask, with
     /// the cutoff 0.5 where they have several; else opaque.
     pub fn alpha_mode(&self) -> AlphaMode {
