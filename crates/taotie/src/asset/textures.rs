@@ -33,6 +33,10 @@ pub struct Textures {
     pub color: Option<Bitmap>,
     /// Occlusion, roughness and metallic; or occlusion alone.
     pub orm: Option<Bitmap>,
+    /// The emitted radiance over `strength`, sRGB.
+    pub emission: Option<Bitmap>,
+    /// The radiance of white in `emission`.
+    pub strength: f32,
     /// Says which of the three are in `orm`.
     pub has: Has,
     /// Maps that glTF has no place for.

@@ -21,6 +21,16 @@ pub enum MapKind {
     Curvature,
     /// Roughness, widened by the relief that is finer than a texel.
     Roughness,
+    /// The scan's own metalness and roughness, as its materials and textures say.
+    #[cfg_attr(feature = "serde", serde(rename = "metallic-roughness"))]
+    MetallicRoughness,
+    /// The radiance that the scan emits.
+    Emission,
+    /// The scan's alpha, of its vertices, materials and textures.
+    Alpha,
+    /// The scan's own occlusion texture.
+    #[cfg_attr(feature = "serde", serde(rename = "occlusion"))]
+    OcclusionMap,
 }
 
 impl Named for MapKind {
@@ -33,12 +43,16 @@ impl Named for MapKind {
         ("bent", Self::Bent),
         ("curvature", Self::Curvature),
         ("roughness", Self::Roughness),
+        ("metallic-roughness", Self::MetallicRoughness),
+        ("emission", Self::Emission),
+        ("alpha", Self::Alpha),
+        ("occlusion", Self::OcclusionMap),
     ];
 }
 
 /// A set of maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Maps(u8);
+pub struct Maps(u16);
 
 impl Maps {
     /// Returns the maps with one more.
