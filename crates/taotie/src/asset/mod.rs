@@ -23,6 +23,8 @@
 //! the step is at. What is asked for and cannot be done is an error or a counted warning.
 
 mod baker;
+mod carried;
+mod given;
 mod hash;
 mod judgement;
 mod kept_textures;
@@ -35,7 +37,9 @@ mod notes;
 mod options;
 mod packing;
 mod parameters;
+mod plan;
 mod proof;
+mod property;
 mod provenance;
 mod report;
 mod requirement;
@@ -53,6 +57,7 @@ pub use misses::Misses;
 pub use options::{BakeOptions, MeshSource, RayDistance};
 pub use packing::Packing;
 pub use parameters::Parameters;
+pub use plan::Left;
 pub use proof::{BIN_WIDTH, FLOOR_8_BIT, Figures, FitFigures, Proof, VerifyOptions};
 pub use report::{Report, StageTime, Warning};
 pub use requirement::{Figure, Met, Requirement};
