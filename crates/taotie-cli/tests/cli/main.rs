@@ -4,6 +4,7 @@
 
 mod arguments;
 mod bake;
+mod bake_carried;
 mod bake_pairs;
 mod bake_stopped;
 mod balls;

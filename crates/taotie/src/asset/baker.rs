@@ -107,7 +107,9 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
     let mut given = given(asked, &mut warnings, progress)?;
     let plan = BakePlan::of(asked, &about.carried, given.as_ref().map(GivenMesh::look));
     note_left_out(&plan, &about.carried, &mut warnings);
-    given.iter_mut().for_each(|given| plan.fill(&about.carried, &mut given.material));
+    if let Some(given) = &mut given {
+        plan.fill(&about.carried, &mut given.material);
+    }
     let BakePlan { options, carried, left, .. } = plan;
     let subject = Subject { scan, given };
     let Lightened { mut low, mut maps, size, trials } =

@@ -152,3 +152,151 @@ fn alpha(parts: &[Part]) -> AlphaMode {
         false => AlphaMode::Mask(0.5),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+    use crate::math::Vec3;
+    use crate::mesh::MeshData;
+    use crate::scene::{Anisotropy, Clearcoat, SceneData, TextureRef, UvTransform};
+
+    /// A rectangle of this area.
+    fn rectangle(area: f32) -> MeshData {
+        let at = |x: f32, y: f32| Vec3::new(x * area, y, 0.0);
+        MeshData {
+            positions: vec![at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..MeshData::default()
+        }
+    }
+
+    /// A scene of a rectangle for each material, of 1, 3, 5 … area, with two textures: of three and of four channels.
+    fn scene(materials: Vec<Material>) -> Scene {
+        let bitmap = |channels: u8| Bitmap::new(1, 1, channels, Texels::U8(vec![[255; 4]])).unwrap();
+        let textures = [3, 4].map(|channels| Texture::new(bitmap(channels), Encoding::Srgb)).into();
+        let count = materials.len();
+        let meshes = (0..count).map(|i| Mesh::new(rectangle(2.0 * i as f32 + 1.0)).unwrap()).collect();
+        let world_from_object = Mat4::IDENTITY;
+        let instances = (0..count).map(|i| Instance { mesh: i, material: i, world_from_object }).collect();
+        Scene::new(SceneData { meshes, materials, textures, instances, ..SceneData::default() }).unwrap()
+    }
+
+    fn texture(texture: usize) -> TextureRef {
+        TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() }
+    }
+
+    fn clay() -> Material {
+        Material::default()
+    }
+
+    fn coated(factor: f32) -> Material {
+        let coat =
+            Clearcoat { factor, factor_texture: None, roughness: 0.1, roughness_texture: None, normal: None };
+        Material { clearcoat: Some(coat), ..clay() }
+    }
+
+    fn of(materials: &[Material]) -> Carried {
+        Carried::of(&scene(materials.to_vec()))
+    }
+
+    fn found(property: Property, is_uniform: bool, part: f64) -> Found {
+        Found { property, is_uniform, part }
+    }
+
+    #[test]
+    fn plain_clay_has_nothing_to_carry() {
+        let carried = of(&[Material { name: "clay".into(), ..clay() }]);
+        assert_eq!((carried.found.as_slice(), carried.maps()), (&[][..], Maps::default()));
+        assert_eq!(carried.material, Material { name: "clay".into(), ..clay() });
+    }
+
+    #[test]
+    fn what_is_one_value_everywhere_is_a_factor() {
+        let gold =
+            Material { base_color: [1.0, 0.8, 0.3, 1.0], metallic: 1.0, roughness: 0.2, ..coated(0.5) };
+        let carried = of(&[gold.clone(), gold.clone()]);
+        assert_eq!(carried.found.iter().filter(|found| found.is_uniform && found.part == 1.0).count(), 3);
+        assert_eq!((carried.maps(), carried.material), (Maps::default(), gold));
+    }
+
+    #[test]
+    fn what_any_part_has_is_found_with_its_share() {
+        let lamp = Material { emissive: [4.0; 3], ..clay() };
+        let carried = of(&[clay(), lamp]);
+        assert_eq!(carried.found, [found(Property::Emission, false, 0.75)]);
+        assert_eq!(carried.maps(), Maps::default().with(MapKind::Emission));
+        assert_eq!(carried.material.emissive, [0.0; 3], "no factor makes all of it glow");
+        let carried = of(&[coated(1.0), clay()]);
+        assert_eq!(carried.found, [found(Property::Clearcoat, false, 0.25)]);
+        assert_eq!((carried.maps(), carried.material.clearcoat), (Maps::default(), None));
+    }
+
+    #[test]
+    fn a_share_is_of_the_surface_in_the_world() {
+        let mut data = scene(vec![coated(1.0), clay()]).into_data();
+        data.instances[0].world_from_object = Mat4::scale(Vec3::new(3.0, 3.0, 1.0));
+        let carried = Carried::of(&Scene::new(data).unwrap());
+        assert_eq!(carried.found, [found(Property::Clearcoat, false, 0.75)]);
+    }
+
+    #[test]
+    fn textures_and_colours_vary() {
+        let textured = Material {
+            base_color_texture: Some(texture(0)),
+            metallic_roughness_texture: Some(texture(0)),
+            occlusion_texture: Some(texture(0)),
+            ..clay()
+        };
+        let maps = [MapKind::Albedo, MapKind::MetallicRoughness, MapKind::OcclusionMap];
+        assert_eq!(of(&[textured]).maps(), maps.into_iter().collect());
+        let colors = vec![[1.0, 0.0, 0.0, 1.0]; 4];
+        let mesh = Mesh::new(MeshData { colors, ..rectangle(1.0) }).unwrap();
+        let carried = Carried::of(&Scene::of_mesh(mesh, clay()).unwrap());
+        assert_eq!(carried.found, [found(Property::BaseColor, false, 1.0)]);
+    }
+
+    #[test]
+    fn a_texture_that_multiplies_nothing_is_none() {
+        let dark = Material { emissive_texture: Some(texture(0)), ..coated(0.0) };
+        assert!(of(&[dark]).found.is_empty());
+    }
+
+    #[test]
+    fn alpha_varies_by_texture_and_by_material() {
+        let leaf = |cutoff: f32| Material {
+            alpha: AlphaMode::Mask(cutoff),
+            base_color_texture: Some(texture(1)),
+            ..clay()
+        };
+        let maps: Maps = [MapKind::Albedo, MapKind::Alpha].into_iter().collect();
+        let carried = of(&[leaf(0.3), clay()]);
+        assert_eq!((carried.maps(), carried.alpha), (maps, AlphaMode::Mask(0.3)));
+        assert_eq!(carried.material.alpha, AlphaMode::Opaque);
+        assert_eq!(of(&[leaf(0.25), leaf(0.75)]).alpha, AlphaMode::Mask(0.5));
+        let glass = Material { alpha: AlphaMode::Blend, base_color: [1.0, 1.0, 1.0, 0.2], ..clay() };
+        assert_eq!(of(&[leaf(0.25), glass.clone()]).alpha, AlphaMode::Blend);
+        // Glass of one alpha needs no map, nor does a texture without alpha.
+        let opaque = Material { alpha: AlphaMode::Blend, base_color_texture: Some(texture(0)), ..clay() };
+        for (material, alpha) in [(glass, 0.2), (opaque, 1.0)] {
+            let carried = of(&[material]);
+            assert!(!carried.varies(Property::Alpha));
+            assert_eq!((carried.material.alpha, carried.material.base_color[3]), (AlphaMode::Blend, alpha));
+        }
+    }
+
+    #[test]
+    fn the_direction_of_anisotropy_is_of_its_uvs() {
+        let anisotropy = Some(Anisotropy { strength: 0.5, rotation: 0.0, texture: None });
+        let carried = of(&[Material { anisotropy, ..clay() }]);
+        assert_eq!(carried.found, [found(Property::Anisotropy, false, 1.0)]);
+        assert_eq!(carried.material, clay());
+    }
+
+    #[test]
+    fn materials_that_nothing_shows_do_not_count() {
+        let mut data = scene(vec![clay(), coated(1.0)]).into_data();
+        data.instances.truncate(1);
+        assert!(Carried::of(&Scene::new(data).unwrap()).found.is_empty());
+    }
+}

@@ -141,7 +141,7 @@ fn leave_layers(material: &mut Material, warnings: &mut Warnings) {
     let unsaid = [Property::Reflectance, Property::Classic].into_iter().filter(|p| p.is_said(material));
     let left: Vec<Property> = textured.chain(unsaid).collect();
     for property in left {
-        warnings.note(format!("the low-poly mesh's {} is left out", property.name()), 1);
+        warnings.note(format!("left out: the low-poly mesh's {}", property.name()), 1);
         property.copy(&Material::default(), material);
     }
 }

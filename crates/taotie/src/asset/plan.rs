@@ -90,8 +90,8 @@ impl BakePlan {
             Fate::Left(why) => {
                 let (what, percent) = (property.name(), found.part * 100.0);
                 let why = if why.is_empty() { why } else { format!("; {why}") };
-                let note = format!("the scan's {what} is left out, on {percent:.1} % of its surface{why}");
-                self.notes.note(note, 1);
+                self.notes
+                    .note(format!("left out: the scan's {what}, on {percent:.1} % of its surface{why}"), 1);
                 self.left.push(Left { what: what.to_owned(), part: found.part });
             }
         }
@@ -180,7 +180,7 @@ pub(super) fn lacking(options: &BakeOptions, scan: &Carried, warnings: &mut Warn
     };
     for property in Property::ALL.into_iter().filter(is_idle) {
         let (what, map) = (property.name(), property.map().map_or("", MapKind::name));
-        warnings.note(format!("the scan's {what} is the same everywhere, so the {map} map has no more"), 1);
+        warnings.note(format!("the {map} map shows one value: the scan has no other {what}"), 1);
     }
 }
 
@@ -188,4 +188,110 @@ pub(super) fn lacking(options: &BakeOptions, scan: &Carried, warnings: &mut Warn
 pub(super) fn alpha(options: &BakeOptions, scan: &Carried, low: &Material) -> AlphaMode {
     let is_baked = options.bakes(&[MapKind::Alpha]) && scan.alpha != AlphaMode::Opaque;
     if is_baked { scan.alpha } else { low.alpha }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scan with these properties, on a quarter of its surface where they vary.
+    fn scan(material: Material, varying: &[Property]) -> Carried {
+        let uniform = Property::ALL.into_iter().filter(|property| property.is_said(&material));
+        let uniform = uniform.map(|property| Found { property, is_uniform: true, part: 1.0 });
+        let varying = varying.iter().map(|p| Found { property: *p, is_uniform: false, part: 0.25 });
+        let found = uniform.chain(varying).collect();
+        Carried { material, alpha: AlphaMode::Mask(0.5), found }
+    }
+
+    fn plan(options: &BakeOptions, scan: &Carried) -> BakePlan {
+        BakePlan::of(options, scan, None)
+    }
+
+    fn onto(low: &Material, scan: &Carried) -> BakePlan {
+        let low = LowLook { material: low, has_colors: false };
+        BakePlan::of(&BakeOptions::default(), scan, Some(low))
+    }
+
+    fn said(plan: &BakePlan) -> String {
+        let mut warnings = Warnings::default();
+        plan.note(&mut warnings);
+        warnings.iter().map(|(what, _)| format!("{what}\n")).collect()
+    }
+
+    fn lamp() -> Material {
+        Material { emissive: [1.0; 3], ..Material::default() }
+    }
+
+    #[test]
+    fn auto_bakes_what_varies() {
+        let varying = [Property::BaseColor, Property::NormalMap, Property::Emission];
+        let plan = plan(&BakeOptions::default(), &scan(Material::default(), &varying));
+        assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Albedo, MapKind::Emission]);
+        assert_eq!((plan.carried.as_slice(), plan.left.as_slice()), (&varying[..], &[][..]));
+        assert_eq!(said(&plan), "");
+    }
+
+    #[test]
+    fn what_is_not_asked_for_is_told_with_its_share() {
+        let options = BakeOptions { carry: false, ..BakeOptions::default() };
+        let plan = plan(&options, &scan(Material::default(), &[Property::Emission, Property::Sheen]));
+        assert_eq!(plan.options.maps, options.maps);
+        let left = [Property::Emission, Property::Sheen];
+        assert_eq!(plan.left, left.map(|p| Left { what: p.name().into(), part: 0.25 }));
+        let emission = "left out: the scan's emission, on 25.0 % of its surface; bake emission to keep it\n";
+        assert_eq!(said(&plan), format!("{emission}left out: the scan's sheen, on 25.0 % of its surface\n"));
+    }
+
+    #[test]
+    fn occlusion_by_rays_goes_before_that_of_a_texture() {
+        let maps = vec![MapKind::Normal, MapKind::Occlusion];
+        let options = BakeOptions { maps: maps.clone(), ..BakeOptions::default() };
+        let plan = plan(&options, &scan(Material::default(), &[Property::Occlusion]));
+        assert_eq!(plan.options.maps, maps);
+        assert!(said(&plan).ends_with("; ao is baked in its place\n"), "{}", said(&plan));
+    }
+
+    #[test]
+    fn alpha_brings_the_texture_that_it_stands_in() {
+        let options = BakeOptions { maps: vec![MapKind::Alpha], carry: false, ..BakeOptions::default() };
+        let scan = scan(Material::default(), &[Property::Alpha]);
+        let plan = plan(&options, &scan);
+        assert_eq!(plan.options.maps, [MapKind::Alpha, MapKind::Albedo]);
+        assert_eq!(alpha(&plan.options, &scan, &Material::default()), AlphaMode::Mask(0.5));
+        assert_eq!(alpha(&BakeOptions::default(), &scan, &Material::default()), AlphaMode::Opaque);
+    }
+
+    #[test]
+    fn a_low_poly_mesh_keeps_what_it_says_and_is_given_what_it_leaves_open() {
+        let red = Material { base_color: [1.0, 0.0, 0.0, 1.0], ..Material::default() };
+        let scan = scan(lamp(), &[Property::BaseColor]);
+        for open in [Material::default(), Material { base_color: [1.0; 4], ..Material::default() }] {
+            let plan = onto(&open, &scan);
+            assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Albedo]);
+            let mut filled = open.clone();
+            plan.fill(&scan, &mut filled);
+            assert_eq!(filled, Material { emissive: [1.0; 3], ..open });
+        }
+        let plan = onto(&red, &scan);
+        assert_eq!(plan.options.maps, [MapKind::Normal]);
+        assert!(
+            said(&plan).contains("base colour, on 25.0 % of its surface; that of the low-poly mesh stays")
+        );
+        let mut filled = Material { emissive: [2.0; 3], ..red.clone() };
+        onto(&filled.clone(), &scan).fill(&scan, &mut filled);
+        assert_eq!(filled.emissive, [2.0; 3]);
+        // The same on both sides is not left out.
+        assert!(onto(&lamp(), &self::scan(lamp(), &[])).left.is_empty());
+    }
+
+    #[test]
+    fn maps_of_what_does_not_vary_are_told() {
+        let maps = vec![MapKind::Normal, MapKind::Emission];
+        let options = BakeOptions { maps, ..BakeOptions::default() };
+        let mut warnings = Warnings::default();
+        lacking(&options, &scan(lamp(), &[]), &mut warnings);
+        assert_eq!(warnings.iter().count(), 1, "{warnings:?}");
+        lacking(&options, &scan(Material::default(), &[Property::Emission]), &mut warnings);
+        assert_eq!(warnings.iter().count(), 1, "{warnings:?}");
+    }
 }
