@@ -150,8 +150,7 @@ fn a_low_poly_mesh_that_moves_is_refused() {
     let before = place.files();
     let assert = place.taotie("bake scan.obj --low low.glb -o out.glb --size 64").assert().code(2);
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-    let why =
-        "low.glb: a low-poly mesh with animations is not supported: an asset keeps no motion; save the mesh at rest";
+    let why = "low.glb: a low-poly mesh with animations is not supported: an asset keeps no motion; save the mesh at rest";
     assert!(said.contains(why), "{said}");
     assert_eq!(place.files(), before);
 }

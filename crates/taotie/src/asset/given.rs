@@ -60,14 +60,7 @@ impl GivenMesh {
         let kept = KeptTextures::of(&material, &scene);
         leave_textures(&mut material, options, warnings);
         leave_layers(&mut material, warnings);
-        if options.bakes(&[MapKind::Albedo]) && !options.bakes(&[MapKind::Alpha]) {
-            let has_alpha = material.alpha != AlphaMode::Opaque;
-            warnings.note(
-                "the low-poly mesh's alpha is left out: albedo is baked without",
-                usize::from(has_alpha),
-            );
-            material.alpha = AlphaMode::Opaque;
-        }
+        leave_alpha(&mut material, options, warnings);
         let mesh = uncolored(bake::low_poly_mesh(scene)?, options, warnings)?;
         Ok(Taken { mesh, material, kept })
     }
@@ -132,6 +125,15 @@ fn leave_textures(material: &mut Material, options: &BakeOptions, warnings: &mut
         "the low-poly mesh's normal map is left out; bake normal in its place",
         usize::from(has_relief),
     );
+}
+
+/// Leaves out alpha that stands in a texture in whose place colours without alpha are baked.
+fn leave_alpha(material: &mut Material, options: &BakeOptions, warnings: &mut Warnings) {
+    let is_textured = material.alpha != AlphaMode::Opaque && material.base_color_texture.is_some();
+    if is_textured && options.bakes(&[MapKind::Albedo]) && !options.bakes(&[MapKind::Alpha]) {
+        warnings.note("the low-poly mesh's alpha is left out: albedo is baked without", 1);
+        material.alpha = AlphaMode::Opaque;
+    }
 }
 
 /// Leaves out layers that textures hold, and reflectances that glTF cannot say.

@@ -152,7 +152,8 @@ impl Pair<'_> {
             return Fate::Map;
         }
         let is_free = self.low.is_none_or(|low| low.is_free(property));
-        if found.is_uniform && (self.is_same(property) || is_free && (self.low.is_none() || options.carry)) {
+        if found.is_uniform && (self.is_same(property) || (is_free && (self.low.is_none() || options.carry)))
+        {
             return Fate::Factor;
         }
         Fate::Left(match map {
