@@ -35,7 +35,7 @@ fn leaf() -> Bitmap {
 fn emission_has_its_texture_and_strength() {
     let (mesh, glow) = (bumpy::sphere(12, 6), bumpy::colors(16));
     for (radiance, extension) in
-        [([0.5, 0.25, 0.125], &[][..]), ([4.0, 2.0, 0.0], &["KHR_materials_emissive_strength"])]
+        [([0.5, 0.25, 0.125], &[] as &[&str]), ([4.0, 2.0, 0.0], &["KHR_materials_emissive_strength"])]
     {
         let material = GltfMaterial {
             emissive: radiance,
