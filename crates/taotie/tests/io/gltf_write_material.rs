@@ -162,10 +162,13 @@ fn what_moves_is_known() {
     let mut maker = triangle();
     maker.floats(&[0.0, 1.0], "SCALAR");
     maker.floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0], "VEC3");
+    maker.accessor(&[0; 12], (3, 5121, "VEC4"), "");
+    maker.floats(&[1.0, 0.0, 0.0, 0.0].repeat(3), "VEC4");
     let mesh = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]"#;
     let moving = |rest: &str| maker.load(rest).moving;
     assert_eq!(moving(&format!(r#""nodes":[{{"mesh":0}}],{mesh}"#)), None);
-    let skinned = format!(r#""nodes":[{{"mesh":0,"skin":0}}],"skins":[{{"joints":[0]}}],{mesh}"#);
+    let bound = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":3,"WEIGHTS_0":4}}]}]"#;
+    let skinned = format!(r#""nodes":[{{"mesh":0,"skin":0}}],"skins":[{{"joints":[0]}}],{bound}"#);
     assert_eq!(moving(&skinned), Some("a skin"));
     let morphed = r#""nodes":[{"mesh":0}],
         "meshes":[{"primitives":[{"attributes":{"POSITION":0},"targets":[{"POSITION":0}]}]}]"#;
