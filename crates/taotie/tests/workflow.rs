@@ -225,6 +225,7 @@ fn what_is_asked_for_and_not_used_is_told() {
         triangles: 200,
         size: 32,
         maps: vec![MapKind::Height],
+        carry: false,
         bits: 16,
         ao_distance: Some(1.0),
         roughness: Some(0.5),
@@ -232,7 +233,7 @@ fn what_is_asked_for_and_not_used_is_told() {
     };
     let said = said(&Baker::new(asked.clone()).bake(colored(2), Progress::SILENT).unwrap());
     for part in
-        ["colours are left out", "16 bits are not used", "distance of occlusion", "roughness is not read"]
+        ["base colour, on 100.0 %", "16 bits are not used", "distance of occlusion", "roughness is not read"]
     {
         assert!(said.contains(part), "{part}: {said}");
     }

@@ -18,6 +18,9 @@ pub fn of(report: &Report) -> String {
         report.size[1]
     );
     let mut table = Table::untitled(&["", ""]);
+    if !report.carried.is_empty() {
+        table.row(["carried".into(), report.carried.join(", ")]);
+    }
     if let Some(figures) = &report.proof {
         normals(figures, &mut table);
         shape(figures, &mut table);

@@ -24,6 +24,8 @@ struct BakeReport {
     parameters: Parameters,
     files: Vec<String>,
     maps: Vec<Map>,
+    carried: Vec<String>,
+    left: Vec<Left>,
     proof: Option<Proof>,
     required: Vec<Met>,
     trials: Vec<Trial>,
@@ -82,6 +84,13 @@ struct Map {
     black: Option<f64>,
     white: Option<f64>,
     unit: String,
+}
+
+#[derive(Deserialize, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct Left {
+    what: String,
+    part: f64,
 }
 
 #[derive(Deserialize)]
@@ -227,6 +236,7 @@ fn of_a_pair() {
     assert_eq!((normal.map.as_str(), &normal.file), ("normal", &None));
     assert_eq!((height.file.as_deref(), height.bits), (Some("out.height.png"), 16));
     assert!(height.black < Some(0.0) && height.white > Some(0.0), "{height:?}");
+    assert_eq!((report.carried.as_slice(), report.left.as_slice()), (&[][..], &[][..]), "it is grey clay");
     let proof = report.proof.expect("it was measured");
     let angles = proof.angles.expect("points were found");
     assert_eq!(proof.histogram.iter().sum::<usize>(), angles.count);

@@ -4,6 +4,7 @@
 
 mod arguments;
 mod bake;
+mod bake_carried;
 mod bake_examples;
 mod bake_page;
 mod bake_pairs;

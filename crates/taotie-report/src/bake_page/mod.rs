@@ -57,6 +57,9 @@ fn facts(report: &Report, proof: &Figures) -> Vec<Fact> {
         Fact::new("Asset", format!("{triangles} triangles, {} bytes", proof.bytes_out)),
         Fact::new("Maps", format!("{} × {}", report.size[0], report.size[1])),
     ];
+    if !report.carried.is_empty() {
+        facts.push(Fact::new("Carried", report.carried.join(", ")));
+    }
     if let Some(angles) = &proof.angles {
         facts.push(Fact::new("Normal error, mean", format!("{:.2}°", angles.mean)));
     }

@@ -23,7 +23,9 @@
 //! the step is at. What is asked for and cannot be done is an error or a counted warning.
 
 mod baker;
+mod carried;
 mod figure;
+mod given;
 mod hash;
 mod judgement;
 mod kept_textures;
@@ -39,7 +41,9 @@ mod notes;
 mod options;
 mod packing;
 mod parameters;
+mod plan;
 mod proof;
+mod property;
 mod provenance;
 mod report;
 mod requirement;
@@ -61,6 +65,7 @@ pub use misses::Misses;
 pub use options::{BakeOptions, MeshSource, RayDistance};
 pub use packing::Packing;
 pub use parameters::Parameters;
+pub use plan::Left;
 pub use proof::{FLOOR_8_BIT, Figures, FitFigures, Proof, VerifyOptions};
 pub use report::{Report, StageTime, Warning};
 pub use requirement::{Met, Requirement};

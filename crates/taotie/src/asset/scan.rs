@@ -1,5 +1,6 @@
 //! The scan that is baked from: its triangles, and what its file says beside them.
 
+use super::carried::Carried;
 use super::hash::FileHash;
 use super::look;
 use super::memory::{Limits, ScanSize};
@@ -20,7 +21,7 @@ pub(super) struct About {
     /// The path of its file; empty in memory.
     pub path: PathBuf,
     pub hash: Option<FileHash>,
-    /// Bytes of its file; 0 in memory.
+    /// Bytes of all its files; 0 in memory.
     pub bytes: u64,
     pub copyright: Option<String>,
     /// The XMP metadata of the file as a whole, JSON-LD.
@@ -28,10 +29,7 @@ pub(super) struct About {
     /// The things that were wrong or are left out.
     pub warnings: Warnings,
     pub size: ScanSize,
-    /// The material of its first part.
-    pub material: Material,
-    /// `true` where it has colours: of vertices, of textures, or of several materials.
-    pub has_colors: bool,
+    pub carried: Carried,
     /// `true` where it says nothing of its colour and material.
     pub is_plain: bool,
 }
@@ -94,8 +92,8 @@ impl ScanFile {
         let hash = FileHash::begin(&path);
         limits.or_free().check_file(&path)?;
         progress.begin("read the scan")?.apart(move |_| {
-            let bytes = io::file_size(&path)?;
             let mut loaded = io::load_model(&path)?;
+            let bytes = bytes_of(&path, &mut loaded.files)?;
             check_extent(&loaded.scene, &path.display().to_string())?;
             notes::left_of_scan_file(&mut loaded);
             let about = About {
@@ -210,10 +208,11 @@ impl std::fmt::Debug for Scan {
 
 impl About {
     fn of(scene: &Scene, path: PathBuf) -> Self {
-        let first = scene.instances().first().map(|instance| instance.material);
+        let carried = Carried::of(scene);
         let size = ScanSize {
             triangles: scene.triangle_count() as u64,
             vertices: scene.meshes().iter().map(|mesh| mesh.positions().len() as u64).sum(),
+            carries: carried.maps(),
         };
         Self {
             path,
@@ -223,11 +222,18 @@ impl About {
             xmp: None,
             warnings: Warnings::default(),
             size,
-            material: first.and_then(|m| scene.materials().get(m)).cloned().unwrap_or_default(),
-            has_colors: notes::has_colors(scene),
+            carried,
             is_plain: look::is_plain(scene),
         }
     }
+}
+
+/// Returns the bytes of a model's file and of all others that it was read from, each counted once.
+fn bytes_of(path: &Path, others: &mut Vec<PathBuf>) -> Result<u64> {
+    others.sort();
+    others.dedup();
+    let others = others.iter().filter(|other| *other != path).map(|other| io::file_size(other));
+    Ok(io::file_size(path)? + others.sum::<Result<u64>>()?)
 }
 
 /// Refuses a model that is nothing but a point.

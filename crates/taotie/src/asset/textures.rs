@@ -153,18 +153,17 @@ impl Textures {
         Ok(textures)
     }
 
-    /// Returns the asset's material: the factors of `base`, its textures where `kept` holds them and nothing was baked
-    /// in their place.
+    /// Returns the asset's material: the factors and layers of `base`, its textures where `kept` holds them and nothing
+    /// was baked in their place.
     pub(super) fn material<'a>(&'a self, base: &'a Material, kept: &'a KeptTextures) -> GltfMaterial<'a> {
         let color = self.color.as_ref().or(kept.color.as_ref());
         let orm = self.has.roughness.then_some(self.orm.as_ref()).flatten();
         let mr = orm.or(kept.metallic_roughness.as_ref());
         let occlusion = self.has.occlusion.then_some(self.orm.as_ref()).flatten().or(kept.occlusion.as_ref());
-        let [r, g, b, a] = base.base_color;
+        let emission = self.emission.as_ref();
         GltfMaterial {
             name: &base.name,
-            base_color: if self.color.is_some() { [1.0, 1.0, 1.0, a] } else { [r, g, b, a] }
-                .map(|v| v.clamp(0.0, 1.0)),
+            base_color: self.base_color(base.base_color),
             metallic: if orm.is_some() { 1.0 } else { base.metallic },
             roughness: if orm.is_some() { 1.0 } else { base.roughness },
             base_color_map: color.map(GltfImage::from),
@@ -173,8 +172,22 @@ impl Textures {
             occlusion_strength: if self.has.occlusion { 1.0 } else { base.occlusion_strength },
             normal_map: self.normal.as_ref().map(GltfImage::from),
             normal_scale: 1.0,
+            emissive: if emission.is_some() { [self.strength; 3] } else { base.emissive },
+            emissive_map: emission.or(kept.emission.as_ref()).map(GltfImage::from),
+            alpha: base.alpha,
+            layers: Some(base),
             double_sided: base.double_sided,
         }
+    }
+
+    /// Returns the factors of the base colour: those of `base`, but for what was baked.
+    fn base_color(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
+        let factors = match &self.color {
+            Some(bitmap) if bitmap.channels() == 4 => [1.0; 4],
+            Some(_) => [1.0, 1.0, 1.0, a],
+            None => [r, g, b, a],
+        };
+        factors.map(|v| v.clamp(0.0, 1.0))
     }
 
     /// Returns the maps inside of the asset, each with the texture that holds it.

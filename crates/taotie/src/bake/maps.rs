@@ -52,6 +52,11 @@ impl Named for MapKind {
 
 /// A set of maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "Vec<MapKind>", into = "Vec<MapKind>")
+)]
 pub struct Maps(u16);
 
 impl Maps {
@@ -73,6 +78,18 @@ impl Maps {
     /// Returns the maps, in the order of [`MapKind`].
     pub fn iter(self) -> impl Iterator<Item = MapKind> {
         MapKind::NAMES.iter().map(|(_, map)| *map).filter(move |map| self.has(*map))
+    }
+}
+
+impl From<Vec<MapKind>> for Maps {
+    fn from(maps: Vec<MapKind>) -> Self {
+        maps.into_iter().collect()
+    }
+}
+
+impl From<Maps> for Vec<MapKind> {
+    fn from(maps: Maps) -> Self {
+        maps.iter().collect()
     }
 }
 

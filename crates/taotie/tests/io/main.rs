@@ -30,5 +30,6 @@ mod gltf_textures;
 #[cfg(feature = "webp")]
 mod gltf_validator;
 mod gltf_write;
+mod gltf_write_material;
 mod mutations;
 mod scans;
