@@ -6,8 +6,9 @@ use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions};
 use taotie::bake::{self, Cage, MapKind, MaterialError, TexturedMesh, Verifier};
 use taotie::compare::{Field, color_difference};
+use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{AlphaMode, Material, Scene};
+use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData};
 
 /// The numbers of points that a proof of these tests measures.
 const POINTS: VerifyOptions = VerifyOptions { points: 5_000, distance_points: 500, map: 32, view: 96 };
@@ -94,8 +95,11 @@ fn scan(is_colored: bool) -> Scan {
 }
 
 fn proof(scan: &Scan, maps: Vec<MapKind>) -> Proof {
-    let low = MeshSource::Mesh(Arc::new(Mesh::sphere(1.0, 64, 32)));
-    let options = BakeOptions { low: Some(low), maps, size: 128, ..BakeOptions::default() };
+    let low = Some(MeshSource::Mesh(Arc::new(Mesh::sphere(1.0, 64, 32))));
+    proof_of(scan, BakeOptions { low, maps, carry: false, size: 128, ..BakeOptions::default() })
+}
+
+fn proof_of(scan: &Scan, options: BakeOptions) -> Proof {
     let asset = Baker::new(options).bake(scan, Progress::SILENT).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("ball.glb");
@@ -141,4 +145,55 @@ fn a_scan_without_material_is_not_compared_and_the_proof_says_so() {
     assert!(!plain.require(&[Requirement::mean_color(100.0)])[0].met, "nothing was measured");
     assert!(plain.figures.unseen.iter().any(|what| what.contains("colour and material")));
     assert!(plain.figures.unseen.contains(&"heights".to_owned()));
+}
+
+/// Three units along x for each ball of a row.
+fn center(i: usize) -> Vec3<f64> {
+    Vec3::new(3.0 * i as f64, 0.0, 0.0)
+}
+
+/// Three balls in a row as one mesh, a third of the map each with room between them.
+fn row() -> Mesh {
+    let ball = Mesh::sphere(1.0, 48, 24);
+    let mut all = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };
+    for i in 0..3 {
+        let first = all.positions.len() as u32;
+        all.positions.extend(ball.positions().iter().map(|p| *p + center(i).to_f32()));
+        all.normals.extend(ball.normals());
+        let third = |uv: &Vec2| Vec2::new((i as f32 + 0.03 + 0.94 * uv.x) / 3.0, uv.y);
+        all.uvs[0].extend(ball.uvs()[0].iter().map(third));
+        all.triangles.extend(ball.triangles().iter().map(|t| t.map(|v| v + first)));
+    }
+    Mesh::new(all).unwrap()
+}
+
+#[test]
+fn gold_clay_and_a_lamp_look_alike_on_one_map() {
+    let material = |base_color: [f32; 3], metallic: f32, roughness: f32| {
+        let [r, g, b] = base_color;
+        Material { base_color: [r, g, b, 1.0], metallic, roughness, ..Material::default() }
+    };
+    let lamp = Material { emissive: [4.0, 3.0, 1.0], ..material([0.1, 0.1, 0.1], 0.0, 0.4) };
+    let materials = vec![material([1.0, 0.77, 0.34], 1.0, 0.2), material([0.5, 0.25, 0.15], 0.0, 0.9), lamp];
+    let world_from_object = |i: usize| Mat4::translation(center(i));
+    let instance = |i: usize| Instance { mesh: 0, material: i, world_from_object: world_from_object(i) };
+    let scene = SceneData {
+        meshes: vec![Mesh::sphere(1.0, 64, 32)],
+        materials,
+        instances: (0..3).map(instance).collect(),
+        ..SceneData::default()
+    };
+    let scan = Scan::from_scene(Scene::new(scene).unwrap(), Progress::SILENT).unwrap();
+    let low = Some(MeshSource::Mesh(Arc::new(row())));
+    let proof = proof_of(&scan, BakeOptions { low, carry: true, size: 256, ..BakeOptions::default() });
+    let material = &proof.figures.material;
+    let mean = |summary: Option<taotie::compare::Summary>| summary.unwrap().mean;
+    println!("gold, clay and a lamp: {material:?}");
+    assert!(mean(material.color) < 1.5, "{material:?}");
+    assert!(mean(material.metallic) < 0.02 && mean(material.roughness) < 0.02, "{material:?}");
+    // Eight bits of at most 4.
+    assert!(mean(material.emission) < 0.05, "{material:?}");
+    assert_eq!(material.alpha.unwrap().max, 0.0);
+    let flip = proof.figures.full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
+    assert!(flip < 0.05, "{flip}");
 }
