@@ -367,7 +367,7 @@ fn colours_of_what_is_not_there_do_not_bleed() {
 fn samples_without_a_hit_darken_nothing() {
     // A narrow ray distance, and a scan of half of the square whose edge cuts texels.
     let half = Material { base_color: [0.5, 0.25, 0.125, 1.0], roughness: 0.25, ..Material::default() };
-    let scan = Scan::new(Scene::of_mesh(strip(0.0..0.4921875), half).unwrap()).unwrap();
+    let scan = Scan::new(Scene::of_mesh(strip(0.0..0.49), half).unwrap()).unwrap();
     let low = with_frames(&square(), 0, None).unwrap().0.into_owned();
     let cage = Cage::uniform(&low, 1e-4).unwrap();
     let maps = MATERIAL.iter().copied().collect();
