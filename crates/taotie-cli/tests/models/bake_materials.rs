@@ -7,8 +7,12 @@ use std::process::Command;
 
 /// Runs the command and gives back what it prints.
 fn json(args: &[&str], folder: &Path) -> Value {
-    let run = Command::new(env!("CARGO_BIN_EXE_taotie")).args(args).arg("--json").current_dir(folder);
-    let run = run.output().expect("the command runs");
+    let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
+        .args(args)
+        .arg("--json")
+        .current_dir(folder)
+        .output()
+        .expect("the command runs");
     let said = String::from_utf8_lossy(&run.stderr);
     assert!(run.status.success(), "{args:?}: {said}");
     serde_json::from_slice(&run.stdout).expect("stdout is one JSON document")

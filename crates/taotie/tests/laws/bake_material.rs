@@ -364,6 +364,21 @@ fn colours_of_what_is_not_there_do_not_bleed() {
 }
 
 #[test]
+fn samples_without_a_hit_darken_nothing() {
+    // A narrow ray distance, and a scan of half of the square whose edge cuts texels.
+    let half = Material { base_color: [0.5, 0.25, 0.125, 1.0], roughness: 0.25, ..Material::default() };
+    let scan = Scan::new(Scene::of_mesh(strip(0.0..0.49), half).unwrap()).unwrap();
+    let low = with_frames(&square(), 0, None).unwrap().0.into_owned();
+    let cage = Cage::uniform(&low, 1e-4).unwrap();
+    let maps = MATERIAL.iter().copied().collect();
+    let settings = BakeSettings { size: [32; 2], maps, ..BakeSettings::default() };
+    let baked = bake(BakeInput { low: &low, cage: &cage, scan: &scan }, &settings, Progress::SILENT).unwrap();
+    assert!(baked.counts.lost > baked.counts.samples / 2, "{:?}", baked.counts);
+    assert!(baked.maps.albedo.iter().all(|color| *color == [0.5, 0.25, 0.125]));
+    assert!(baked.maps.roughness.iter().all(|v| *v == 0.25) && baked.maps.alpha.iter().all(|v| *v == 1.0));
+}
+
+#[test]
 fn textures_follow_their_own_uv_set() {
     let mut data = square().into_data();
     let turned = data.uvs[0].iter().map(|uv| Vec2::new(1.0 - uv.x, uv.y)).collect();
