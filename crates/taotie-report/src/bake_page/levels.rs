@@ -15,6 +15,7 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
         Column::numbers("max", "°"),
         Column::numbers("without map, mean", "°"),
         Column::numbers("points with a missed ray", "%"),
+        Column::numbers("points with no hit", "%"),
         Column::numbers("shape error, largest", "% of the diagonal"),
         Column::numbers("FLIP", ""),
         Column::numbers("SSIM", ""),
@@ -40,6 +41,7 @@ fn row((level, figures): (usize, &LevelFigures)) -> Vec<Cell> {
         degrees(angles.map(|angles| angles.max)),
         degrees(figures.without_map.as_ref().map(|angles| angles.mean)),
         Cell::number(figures.missed * 100.0, 3),
+        Cell::number(figures.lost * 100.0, 3),
         Cell::number(figures.hausdorff_of_diagonal * 100.0, 4),
         mean(&figures.views, |view| view.flip),
         mean(&figures.views, |view| view.ssim),
@@ -88,6 +90,6 @@ mod tests {
         assert!(rows.len() == 2 && rows.iter().all(|row| row.len() == columns.len()));
         assert_eq!(rows[1][..2], [Cell::number(1.0, 0), Cell::number(20.0, 0)]);
         assert_eq!(rows[1][2], Cell::Number { value: None, digits: 3 }, "no angle was measured");
-        assert_eq!(rows[1][7], Cell::number(1.0, 4), "per cent");
+        assert_eq!(rows[1][8], Cell::number(1.0, 4), "per cent");
     }
 }
