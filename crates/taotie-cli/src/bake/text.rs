@@ -92,10 +92,8 @@ fn of_level(figures: &LevelFigures) -> String {
         Some(angles) => format!("{:.3}°, p95 {:.3}°", angles.mean, angles.p95),
         None => "could not be measured".into(),
     };
-    let lost = match figures.lost {
-        0.0 => String::new(),
-        lost => format!("no hit at {} of the points; ", percent(lost)),
-    };
+    let no_hit = || format!("no hit at {} of the points; ", percent(figures.lost));
+    let lost = if figures.lost > 0.0 { no_hit() } else { String::new() };
     format!(
         "{} triangles: normal error mean {angles}; {lost}shape error at most {} of the diagonal; {}",
         figures.triangles,
