@@ -4,7 +4,6 @@
 
 mod arguments;
 mod bake;
-mod bake_examples;
 mod bake_pairs;
 mod bake_stopped;
 mod balls;
@@ -12,6 +11,7 @@ mod compare;
 mod compare_paper;
 mod diff;
 mod environment;
+mod examples;
 mod help;
 mod inspect;
 mod json;
