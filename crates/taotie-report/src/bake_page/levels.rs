@@ -22,8 +22,8 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
     ];
     (levels.len() > 1).then(|| Section::Table {
         title: "Levels of detail".into(),
-        note: "Each level as it was written and read back, against the scan. All show the maps that were baked for level \
-               0, the finest. FLIP and SSIM are means of all views."
+        note: "Each level as it was written and read back, against the scan. All show the maps that were baked for \
+               level 0, the finest. FLIP and SSIM are means of all views."
             .into(),
         columns,
         rows: levels.iter().enumerate().map(row).collect(),
