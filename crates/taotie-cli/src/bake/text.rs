@@ -111,8 +111,10 @@ fn of_level(figures: &LevelFigures) -> String {
         Some(angles) => format!("{:.3}°, p95 {:.3}°", angles.mean, angles.p95),
         None => "could not be measured".into(),
     };
+    let no_hit = || format!("no hit at {} of the points; ", percent(figures.lost));
+    let lost = if figures.lost > 0.0 { no_hit() } else { String::new() };
     format!(
-        "{} triangles: normal error mean {angles}; shape error at most {} of the diagonal; {}",
+        "{} triangles: normal error mean {angles}; {lost}shape error at most {} of the diagonal; {}",
         figures.triangles,
         percent(figures.hausdorff_of_diagonal),
         visual_difference(&figures.views)

@@ -5,7 +5,6 @@
 mod arguments;
 mod bake;
 mod bake_carried;
-mod bake_examples;
 mod bake_page;
 mod bake_pairs;
 mod bake_stopped;
@@ -14,6 +13,7 @@ mod compare;
 mod compare_paper;
 mod diff;
 mod environment;
+mod examples;
 mod help;
 mod inspect;
 mod json;

@@ -15,6 +15,7 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
         Column::numbers("max", "°"),
         Column::numbers("without map, mean", "°"),
         Column::numbers("points with a missed ray", "%"),
+        Column::numbers("points with no hit", "%"),
         Column::numbers("shape error, largest", "% of the diagonal"),
         Column::numbers("colour error, mean", "ΔE00"),
         Column::numbers("FLIP", ""),
@@ -22,8 +23,8 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
     ];
     (levels.len() > 1).then(|| Section::Table {
         title: "Levels of detail".into(),
-        note: "Each level as it was written and read back, against the scan. All show the maps that were baked for level \
-               0, the finest. FLIP and SSIM are means of all grey views."
+        note: "Each level as it was written and read back, against the scan. All show the maps that were baked for \
+               level 0, the finest. FLIP and SSIM are means of all grey views."
             .into(),
         columns,
         rows: levels.iter().enumerate().map(row).collect(),
@@ -41,6 +42,7 @@ fn row((level, figures): (usize, &LevelFigures)) -> Vec<Cell> {
         degrees(angles.map(|angles| angles.max)),
         degrees(figures.without_map.as_ref().map(|angles| angles.mean)),
         Cell::number(figures.missed * 100.0, 3),
+        Cell::number(figures.lost * 100.0, 3),
         Cell::number(figures.hausdorff_of_diagonal * 100.0, 4),
         Cell::Number { value: figures.material.color.as_ref().map(|color| color.mean), digits: 3 },
         mean(&figures.views, |view| view.flip),
@@ -90,6 +92,6 @@ mod tests {
         assert!(rows.len() == 2 && rows.iter().all(|row| row.len() == columns.len()));
         assert_eq!(rows[1][..2], [Cell::number(1.0, 0), Cell::number(20.0, 0)]);
         assert_eq!(rows[1][2], Cell::Number { value: None, digits: 3 }, "no angle was measured");
-        assert_eq!(rows[1][7], Cell::number(1.0, 4), "per cent");
+        assert_eq!(rows[1][8], Cell::number(1.0, 4), "per cent");
     }
 }

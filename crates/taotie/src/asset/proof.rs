@@ -62,8 +62,8 @@ impl Default for VerifyOptions {
 /// ```
 pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 
-/// The differences of an asset from its scan, in numbers. Where levels of detail differ, these are the finest one's, and
-/// `levels` holds those of each.
+/// The differences of an asset from its scan, in numbers. Where there are several levels of detail these are the finest
+/// one's; `levels` holds those of each.
 ///
 /// ```
 /// use taotie::asset::{BIN_WIDTH, Figures};
@@ -88,7 +88,7 @@ pub struct Figures {
     pub histogram: Vec<u64>,
     /// The same angles without the map: what vertex normals alone would give.
     pub without_map: Option<Summary>,
-    /// Mean and largest angle that 8 bits cost at least, degrees, [`FLOOR_8_BIT`]; `None` where no normals are stored so.
+    /// Mean and largest angle that 8 bits cost at least, degrees; `None` where no normals are stored so.
     pub floor_8_bit: Option<[f64; 2]>,
     /// The part of the texels with a sample that missed the scan.
     pub missed_texels: f64,
