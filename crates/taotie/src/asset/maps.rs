@@ -39,7 +39,7 @@ pub(super) fn bake_maps(
         space: options.space,
         sky_rays: options.ao_rays,
         sky_distance: options.ao_distance.map(|distance| distance as f32),
-        roughness: options.roughness.map_or(scan.about.carried.material.roughness, |v| v as f32),
+        roughness: options.roughness.map(|v| v as f32),
         dilation: options.dilation,
     };
     let input = BakeInput { low: &low.mesh, cage: &cage, scan: &scan.high };

@@ -205,7 +205,8 @@ fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
     let carried = carries.iter().filter(|_| options.carry);
     let maps: Maps = options.maps.iter().copied().chain(carried).collect();
     let floats = |map: MapKind| match map {
-        MapKind::Normal | MapKind::Albedo | MapKind::Bent => 12,
+        MapKind::Normal | MapKind::Albedo | MapKind::Bent | MapKind::Emission => 12,
+        MapKind::MetallicRoughness => 8,
         _ => 4,
     };
     let codes = 4 * u64::from(options.bits / 8);

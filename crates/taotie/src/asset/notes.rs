@@ -4,27 +4,16 @@ use super::options::{AO_RAYS, BakeOptions};
 use crate::bake::MapKind;
 use crate::error::Warnings;
 use crate::io::Loaded;
-use crate::scene::{Material, NormalSpace, Scene, TextureRef, UvTransform};
+use crate::scene::{NormalSpace, TextureRef, UvTransform};
 
 /// Notes what a scan's file holds that no bake reads.
 pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
-    let Loaded { scene, warnings, xmp, rig, .. } = loaded;
-    let has_relief = |material: &&Material| material.normal.is_some() || material.height.is_some();
-    warnings.note(
-        "materials of the scan with a normal or height map, which is not read: its relief is its triangles",
-        used(scene).filter(has_relief).count(),
-    );
+    let Loaded { warnings, xmp, rig, .. } = loaded;
     warnings.note(
         "XMP metadata of the scan beside that of the whole asset, left out",
         xmp.len().saturating_sub(1),
     );
     warnings.note("animations of the scan, which is baked at rest", usize::from(rig.is_some()));
-}
-
-/// Returns the materials that are shown, each once.
-fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
-    let is_used = |m: &usize| scene.instances().iter().any(|instance| instance.material == *m);
-    (0..scene.materials().len()).filter(is_used).map(|m| &scene.materials()[m])
 }
 
 /// Notes options that no map that is baked reads.

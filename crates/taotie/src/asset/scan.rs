@@ -10,7 +10,7 @@ use crate::io;
 use crate::math::Vec3;
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, NormalSpace, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -122,7 +122,8 @@ impl ScanFile {
         self.about.size
     }
 
-    /// Sorts the scan for rays. Meshes with a normal for each facet, or without normals, get smooth ones, counted.
+    /// Sorts the scan for rays. Meshes with a normal for each facet, or without normals, get smooth ones, counted; but
+    /// not those whose normal map is relative to their facets.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices.
@@ -241,11 +242,16 @@ pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
 }
 
 /// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; returns the
-/// number of such meshes. A scan is never meant in facets.
+/// number of such meshes. A scan is never meant in facets, unless a normal map in tangent space rounds them.
 fn smooth_facets(scene: &mut Scene) -> Result<usize> {
     let (mut parts, mut count) = (std::mem::take(scene).into_data(), 0);
-    for mesh in &mut parts.meshes {
-        if is_faceted(mesh) {
+    let mut is_mapped = vec![false; parts.meshes.len()];
+    for instance in &parts.instances {
+        let normal = parts.materials[instance.material].normal;
+        is_mapped[instance.mesh] |= normal.is_some_and(|map| map.space == NormalSpace::Tangent);
+    }
+    for (mesh, is_mapped) in parts.meshes.iter_mut().zip(is_mapped) {
+        if !is_mapped && is_faceted(mesh) {
             let data = std::mem::take(mesh).into_data();
             *mesh = Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..data })?;
             count += 1;

@@ -70,6 +70,11 @@ impl Maps {
         self.0 & 1 << map as u8 != 0
     }
 
+    /// Returns `true` where one of several is among them.
+    pub fn has_any(self, maps: &[MapKind]) -> bool {
+        maps.iter().any(|map| self.has(*map))
+    }
+
     /// Returns the maps, in the order of [`MapKind`].
     pub fn iter(self) -> impl Iterator<Item = MapKind> {
         MapKind::NAMES.iter().map(|(_, map)| *map).filter(move |map| self.has(*map))

@@ -65,7 +65,8 @@ impl Deviation {
 
 impl Verifier<'_> {
     /// Measures the angle between the normal that a viewer shows, the map looked up bilinearly at its finest level, and
-    /// the scan's, at `count` points spread evenly over the low-poly mesh's area.
+    /// the scan's, at `count` points spread evenly over the low-poly mesh's area. The scan's normal and height maps are
+    /// read at their finest level, so relief that the low-poly mesh cannot hold counts.
     ///
     /// # Errors
     /// [`Error::Invalid`] where the mesh has no area, or lacks uvs, normals or tangents for its map.
@@ -164,7 +165,9 @@ impl Verifier<'_> {
             },
         };
         let shown = self.shown(point).to_f64();
-        let angle = found.map_or(f32::NAN, |found| angle_deg(shown, found.normal.to_f64()) as f32);
+        let angle = found.map_or(f32::NAN, |found| {
+            angle_deg(shown, self.scan.mapped_normal(&found, 0.0).normal.to_f64()) as f32
+        });
         (angle, way)
     }
 

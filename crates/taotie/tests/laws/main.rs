@@ -17,6 +17,7 @@ mod random;
 mod skies;
 
 mod bake;
+mod bake_material;
 mod bake_scan;
 mod energy;
 mod environment;
