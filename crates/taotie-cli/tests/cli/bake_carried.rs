@@ -53,7 +53,7 @@ fn coated() -> Material {
 /// The texels of a texture, as they are stored.
 fn texels(scene: &Scene, texture: usize) -> impl Iterator<Item = [f32; 4]> {
     let bitmap = scene.textures()[texture].bitmap();
-    (0..(bitmap.width() * bitmap.height()) as usize).map(|i| bitmap.stored(i))
+    (0..(bitmap.width() * bitmap.height()) as usize).map(move |i| bitmap.stored(i))
 }
 
 fn words(value: &Value) -> Vec<&str> {
