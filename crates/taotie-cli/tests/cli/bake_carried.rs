@@ -3,13 +3,13 @@
 use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 use serde_json::{Value, json};
-use taotie::image::{Bitmap, Encoding, Texels};
+use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::io::{
     GltfAsset, GltfDraft, GltfFormat, GltfLevel, Json, encode_png_bitmap, load_model, write_scene,
 };
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
-use taotie::scene::{Clearcoat, Instance, Material, Scene, SceneData};
+use taotie::scene::{AlphaMode, Clearcoat, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
 /// A ball with a colour for each vertex, red to one side and green to the other.
 fn colored(ball: Ball) -> String {
@@ -50,6 +50,12 @@ fn coated() -> Material {
     Material { clearcoat: Some(coat), ..Material::default() }
 }
 
+/// The texels of a texture, as they are stored.
+fn texels(scene: &Scene, texture: usize) -> impl Iterator<Item = [f32; 4]> {
+    let bitmap = scene.textures()[texture].bitmap();
+    (0..(bitmap.width() * bitmap.height()) as usize).map(move |i| bitmap.stored(i))
+}
+
 fn words(value: &Value) -> Vec<&str> {
     value.as_array().unwrap().iter().filter_map(Value::as_str).collect()
 }
@@ -72,7 +78,7 @@ fn what_a_list_of_maps_leaves_out_is_told_with_its_share() {
     let place = Place::with("scan.obj", colored(SCAN));
     place.write("low.obj", LOW.obj());
     let left = "left out: the scan's base colour, on 100.0 % of its surface; bake albedo to keep it\n";
-    for low in ["", "--low low.obj"] {
+    for low in ["--triangles 500", "--low low.obj"] {
         let said = said(&place, &format!("scan.obj {low} --maps normal"));
         assert!(said.contains(left), "{low}: {said}");
         let report: Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
@@ -91,6 +97,60 @@ fn every_part_of_a_scan_counts() {
     let report: Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     assert_eq!(words(&report["parameters"]["maps"]), ["normal", "emission"]);
     assert_eq!(words(&report["carried"]), ["emission"]);
+    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let material = &scene.materials()[0];
+    assert!(material.emissive.iter().all(|v| (v - 2.0).abs() < 1e-3), "{:?}", material.emissive);
+    let glow = material.emissive_texture.expect("the lamp glows where it is");
+    let greens: Vec<f32> = texels(&scene, glow.texture).map(|[_, green, ..]| green).collect();
+    // Half of the strength in sRGB; nothing elsewhere.
+    assert!(greens.iter().any(|v| (v - 0.735).abs() < 0.02) && greens.iter().any(|v| *v < 0.02));
+}
+
+#[test]
+fn metals_and_others_share_a_map() {
+    let place = Place::new();
+    let gold = Material { metallic: 1.0, roughness: 0.2, ..Material::default() };
+    write_scan(&place, vec![gold, Material::default()]);
+    let said = said(&place, "scan.glb --triangles 500");
+    assert!(!said.contains("left out"), "{said}");
+    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let map = scene.materials()[0].metallic_roughness_texture.expect("they differ");
+    for [roughness, metallic] in [[0.2, 1.0], [0.6, 0.0]] {
+        let is_near = |[_, g, b, _]: [f32; 4]| (g - roughness).abs() < 0.02 && (b - metallic).abs() < 0.02;
+        assert!(texels(&scene, map.texture).any(is_near), "roughness {roughness}, metallic {metallic}");
+    }
+}
+
+#[test]
+fn masks_stay_masks_and_ktx2_leaves_their_alpha_to_png() {
+    let place = Place::with("ball.obj", Ball { uv: LOW.uv, ..SCAN }.obj());
+    place.write("low.obj", LOW.obj());
+    // The left half of the map is there, the right half is not.
+    let texels_of_mask = (0..256).map(|i| [255, 255, 255, if i % 16 < 8 { 255 } else { 10 }]).collect();
+    let bitmap = Bitmap::new(16, 16, 4, Texels::U8(texels_of_mask)).unwrap();
+    let (sampler, transform) = (Sampler::default(), UvTransform::default());
+    let used = TextureRef { texture: 0, uv_set: 0, sampler, transform };
+    let material = Material {
+        alpha: AlphaMode::Mask(0.25),
+        base_color_texture: Some(used),
+        base_color: [1.0; 4],
+        ..Material::default()
+    };
+    let mut data = Scene::of_mesh(mesh(&place, "ball.obj"), Material::default()).unwrap().into_data();
+    (data.materials, data.textures) = (vec![material], vec![Texture::new(bitmap, Encoding::Srgb)]);
+    let scene = Scene::new(data).unwrap();
+    write_scene(&place.path("scan.glb"), &scene, &GltfFormat::default()).unwrap();
+    let said = said(&place, "scan.glb --low low.obj --ktx2");
+    assert!(
+        said.contains("the base colour's texture has alpha, which KTX2 is not written with: it is PNG"),
+        "{said}"
+    );
+    let scene = load_model(&place.path("out.glb")).unwrap().scene;
+    let material = &scene.materials()[0];
+    assert_eq!(material.alpha, AlphaMode::Mask(0.25));
+    let color = material.base_color_texture.expect("alpha stands in it");
+    let there = texels(&scene, color.texture).filter(|[.., alpha]| *alpha >= 0.25).count();
+    assert!((0.4..0.6).contains(&(there as f64 / (64.0 * 64.0))), "{there} of 64² texels");
 }
 
 #[test]

@@ -12,9 +12,11 @@ use super::options::BakeOptions;
 use super::plan::{self, BakePlan};
 use super::scan::Scan;
 use super::search::{Trial, smallest};
+use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::io;
 use crate::progress::Progress;
+use crate::scene::AlphaMode;
 use std::sync::Arc;
 
 /// Bakes scans, all in the same way.
@@ -114,7 +116,7 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
     let subject = Subject { scan, given };
     let Lightened { mut low, mut maps, size, trials } =
         lightened(&options, subject, &mut warnings, progress)?;
-    low.material.alpha = plan::alpha(&options, &about.carried, &low.material);
+    low.material.alpha = alpha(&options, scan, &low);
     warnings.absorb(std::mem::take(&mut maps.warnings));
     let coarser = low::coarser(&low, &options.lods, &mut warnings, progress)?;
     judgement::judge(Pair { scan, low: &low }, &maps.cage, &maps.counts, &mut warnings);
@@ -143,6 +145,14 @@ fn note_left_out(plan: &BakePlan, scan: &Carried, warnings: &mut Warnings) {
     notes::unread_options(&plan.options, warnings);
     plan::lacking(&plan.options, scan, warnings);
     plan.note(warnings);
+}
+
+/// Returns the treatment of alpha: that of the scan where its alpha is baked, else the low-poly mesh's own.
+fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
+    match scan.high.surface().alpha_mode() {
+        mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
+        _ => low.material.alpha,
+    }
 }
 
 /// Returns the low-poly mesh with its maps; where an error is wanted the smallest that meets it.

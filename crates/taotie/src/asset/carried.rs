@@ -11,8 +11,6 @@ use crate::scene::{AlphaMode, Instance, Material, Scene};
 pub(super) struct Carried {
     /// The properties that are one value everywhere; the default for all others.
     pub material: Material,
-    /// The treatment of alpha where it varies.
-    pub alpha: AlphaMode,
     /// The properties that the scan has otherwise than a default material.
     pub found: Vec<Found>,
 }
@@ -40,7 +38,7 @@ impl Carried {
             part: share(&parts, &areas, property),
         });
         let found: Vec<Found> = found.collect();
-        Self { material: material(&parts, &found), alpha: alpha(&parts), found }
+        Self { material: material(&parts, &found), found }
     }
 
     /// Returns the properties that no factor holds.
@@ -139,18 +137,6 @@ fn material(parts: &[Part], found: &[Found]) -> Material {
     // One value everywhere means that the first part has it.
     found.iter().filter(|found| found.is_uniform).for_each(|f| f.property.copy(first, &mut material));
     material
-}
-
-/// Returns how alpha that varies is treated: blended where a part is, else cut at the parts' cutoff, which is a half
-/// where they have several.
-fn alpha(parts: &[Part]) -> AlphaMode {
-    let modes = || parts.iter().map(|part| part.material.alpha).filter(|mode| *mode != AlphaMode::Opaque);
-    let Some(first) = modes().next() else { return AlphaMode::Opaque };
-    match modes().any(|mode| mode == AlphaMode::Blend) {
-        true => AlphaMode::Blend,
-        false if modes().all(|mode| mode == first) => first,
-        false => AlphaMode::Mask(0.5),
-    }
 }
 
 #[cfg(test)]
@@ -271,11 +257,10 @@ mod tests {
         };
         let maps: Maps = [MapKind::Albedo, MapKind::Alpha].into_iter().collect();
         let carried = of(&[leaf(0.3), clay()]);
-        assert_eq!((carried.maps(), carried.alpha), (maps, AlphaMode::Mask(0.3)));
-        assert_eq!(carried.material.alpha, AlphaMode::Opaque);
-        assert_eq!(of(&[leaf(0.25), leaf(0.75)]).alpha, AlphaMode::Mask(0.5));
+        assert_eq!((carried.maps(), carried.material.alpha), (maps, AlphaMode::Opaque));
+        assert!(of(&[leaf(0.25), leaf(0.25)]).varies(Property::Alpha));
         let glass = Material { alpha: AlphaMode::Blend, base_color: [1.0, 1.0, 1.0, 0.2], ..clay() };
-        assert_eq!(of(&[leaf(0.25), glass.clone()]).alpha, AlphaMode::Blend);
+        assert!(of(&[glass.clone(), clay()]).varies(Property::Alpha));
         // Glass of one alpha needs no map, nor does a texture without alpha.
         let opaque = Material { alpha: AlphaMode::Blend, base_color_texture: Some(texture(0)), ..clay() };
         for (material, alpha) in [(glass, 0.2), (opaque, 1.0)] {

@@ -24,7 +24,8 @@ impl KeptTextures {
             color: bitmap(&material.base_color_texture),
             metallic_roughness: bitmap(&material.metallic_roughness_texture),
             occlusion: bitmap(&material.occlusion_texture),
-            emission: bitmap(&material.emissive_texture),
+            // A texture that multiplies nothing shows nothing.
+            emission: bitmap(&material.emissive_texture).filter(|_| material.emissive != [0.0; 3]),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::options::{AO_RAYS, BakeOptions};
 use crate::bake::MapKind;
 use crate::error::Warnings;
 use crate::io::Loaded;
-use crate::scene::{Material, NormalSpace, Scene, TextureRef, UvTransform};
+use crate::scene::{NormalSpace, TextureRef, UvTransform};
 
 /// Notes what a scan's file holds that no bake reads.
 pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
@@ -14,12 +14,6 @@ pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
         xmp.len().saturating_sub(1),
     );
     warnings.note("animations of the scan, which is baked at rest", usize::from(rig.is_some()));
-}
-
-/// Returns the materials that are shown, each once.
-fn used(scene: &Scene) -> impl Iterator<Item = &Material> {
-    let is_used = |m: &usize| scene.instances().iter().any(|instance| instance.material == *m);
-    (0..scene.materials().len()).filter(is_used).map(|m| &scene.materials()[m])
 }
 
 /// Notes options that no map that is baked reads.

@@ -6,7 +6,7 @@ use super::property::Property;
 use crate::bake::MapKind;
 use crate::error::Warnings;
 use crate::names::Named;
-use crate::scene::{AlphaMode, Material};
+use crate::scene::Material;
 
 /// A property of a scan's material that its asset does not have.
 ///
@@ -47,7 +47,7 @@ impl LowLook<'_> {
             Property::BaseColor => is_unsaid && !self.has_colors,
             Property::Alpha => is_unsaid && self.is_free(Property::BaseColor),
             // Its own is left out, and told, where a normal map is baked.
-            Property::NormalMap => true,
+            Property::NormalMap | Property::HeightMap => true,
             _ => is_unsaid,
         }
     }
@@ -185,12 +185,6 @@ pub(super) fn lacking(options: &BakeOptions, scan: &Carried, warnings: &mut Warn
     }
 }
 
-/// Returns the treatment of alpha of an asset whose low-poly mesh has this material.
-pub(super) fn alpha(options: &BakeOptions, scan: &Carried, low: &Material) -> AlphaMode {
-    let is_baked = options.bakes(&[MapKind::Alpha]) && scan.alpha != AlphaMode::Opaque;
-    if is_baked { scan.alpha } else { low.alpha }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -201,7 +195,7 @@ mod tests {
         let uniform = uniform.map(|property| Found { property, is_uniform: true, part: 1.0 });
         let varying = varying.iter().map(|p| Found { property: *p, is_uniform: false, part: 0.25 });
         let found = uniform.chain(varying).collect();
-        Carried { material, alpha: AlphaMode::Mask(0.5), found }
+        Carried { material, found }
     }
 
     fn plan(options: &BakeOptions, scan: &Carried) -> BakePlan {
@@ -255,11 +249,8 @@ mod tests {
     #[test]
     fn alpha_brings_the_texture_that_it_stands_in() {
         let options = BakeOptions { maps: vec![MapKind::Alpha], carry: false, ..BakeOptions::default() };
-        let scan = scan(Material::default(), &[Property::Alpha]);
-        let plan = plan(&options, &scan);
+        let plan = plan(&options, &scan(Material::default(), &[Property::Alpha]));
         assert_eq!(plan.options.maps, [MapKind::Alpha, MapKind::Albedo]);
-        assert_eq!(alpha(&plan.options, &scan, &Material::default()), AlphaMode::Mask(0.5));
-        assert_eq!(alpha(&BakeOptions::default(), &scan, &Material::default()), AlphaMode::Opaque);
     }
 
     #[test]

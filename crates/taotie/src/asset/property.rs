@@ -9,6 +9,7 @@ pub(super) enum Property {
     BaseColor,
     Alpha,
     NormalMap,
+    HeightMap,
     MetallicRoughness,
     Occlusion,
     Emission,
@@ -26,10 +27,11 @@ pub(super) enum Property {
 
 impl Property {
     /// All of them, in the order in which they are told.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::BaseColor,
         Self::Alpha,
         Self::NormalMap,
+        Self::HeightMap,
         Self::MetallicRoughness,
         Self::Occlusion,
         Self::Emission,
@@ -49,6 +51,7 @@ impl Property {
             Self::BaseColor => "base colour",
             Self::Alpha => "alpha",
             Self::NormalMap => "normal map",
+            Self::HeightMap => "height map",
             Self::MetallicRoughness => "metallic-roughness",
             Self::Occlusion => "occlusion texture",
             Self::Emission => "emission",
@@ -68,7 +71,7 @@ impl Property {
         match self {
             Self::BaseColor => Some(MapKind::Albedo),
             Self::Alpha => Some(MapKind::Alpha),
-            Self::NormalMap => Some(MapKind::Normal),
+            Self::NormalMap | Self::HeightMap => Some(MapKind::Normal),
             Self::MetallicRoughness => Some(MapKind::MetallicRoughness),
             Self::Occlusion => Some(MapKind::OcclusionMap),
             Self::Emission => Some(MapKind::Emission),
@@ -81,7 +84,12 @@ impl Property {
     pub fn has_factor(self) -> bool {
         !matches!(
             self,
-            Self::NormalMap | Self::Occlusion | Self::Anisotropy | Self::Reflectance | Self::Classic
+            Self::NormalMap
+                | Self::HeightMap
+                | Self::Occlusion
+                | Self::Anisotropy
+                | Self::Reflectance
+                | Self::Classic
         )
     }
 
@@ -99,6 +107,8 @@ impl Property {
                 to.base_color[3] = from.base_color[3];
             }
             Self::NormalMap => to.normal = from.normal,
+            // A normal map goes before it.
+            Self::HeightMap => to.height = from.height.filter(|_| from.normal.is_none()),
             Self::MetallicRoughness => {
                 (to.metallic, to.roughness) = (from.metallic, from.roughness);
                 to.metallic_roughness_texture = from.metallic_roughness_texture;
