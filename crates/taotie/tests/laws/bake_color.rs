@@ -134,7 +134,7 @@ fn grey_views_are_grey_whatever_the_colors() {
     for (a, b) in plain.views.scan.iter().zip(&colored.views.scan) {
         assert!(a.pixels() == b.pixels(), "colours show");
     }
-    assert!(colored.figures.views.iter().all(|view| view.flip < 0.03), "{:?}", colored.figures.views);
+    assert!(colored.figures.views.iter().all(|view| view.flip < 0.06), "{:?}", colored.figures.views);
 }
 
 #[test]
@@ -195,5 +195,6 @@ fn gold_clay_and_a_lamp_look_alike_on_one_map() {
     assert!(mean(material.emission) < 0.05, "{material:?}");
     assert_eq!(material.alpha.unwrap().max, 0.0);
     let flip = proof.figures.full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
-    assert!(flip < 0.05, "{flip}");
+    // The balls cover an eighth of the images.
+    assert!(flip < 0.03, "{flip}");
 }
