@@ -304,8 +304,8 @@ mod tests {
             assert_eq!(both, (vec![true], vec![false]), "{above}, {below}");
         }
         let names = ["°", "deg", "ΔE", "ΔE00", "%", "B", "kB", "MB", "GB", "KiB", "MiB", "GiB"];
-        let known = Figure::NAMES.iter().flat_map(|(_, figure)| figure.units());
-        assert!(known.into_iter().all(|unit| names.contains(&unit.name)), "a unit is not looked at");
+        let mut known = Figure::NAMES.iter().flat_map(|(_, figure)| figure.units());
+        assert!(known.all(|unit| names.contains(&unit.name)), "a unit is not looked at");
     }
 
     #[test]
