@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use taotie::asset::{BakeOptions, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
 use taotie::io::GltfImages;
+use taotie::names::Named;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -45,10 +46,11 @@ pub struct BakeArgs {
     /// Width and height of the maps, texels
     #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(16..=16_384), help_heading = "Maps")]
     pub size: u32,
-    /// Maps to bake, separated by commas: normal, ao (ambient occlusion), albedo (base colour), height, bent (bent
-    /// normals), curvature, roughness
-    #[arg(long, value_name = "MAP,...", value_delimiter = ',', default_value = "normal", value_parser = options::named::<MapKind>, help_heading = "Maps")]
-    pub maps: Vec<MapKind>,
+    /// Maps to bake, separated by commas: auto (normal, and whatever varies in the scan's materials), normal, ao (ambient
+    /// occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine relief),
+    /// metallic-roughness, emission, alpha, occlusion (the scan's own texture)
+    #[arg(long, value_name = "auto|MAP,...", value_delimiter = ',', default_value = "auto", value_parser = map, help_heading = "Maps")]
+    pub maps: Vec<Auto<MapKind>>,
     /// Space of the normal map. glTF has only tangent space, so an object-space map is written beside the asset
     #[arg(long, value_enum, default_value_t = Space::Tangent, help_heading = "Maps")]
     pub space: Space,
@@ -91,11 +93,14 @@ pub struct BakeArgs {
     #[arg(long, value_name = "FILE.json", help_heading = "File")]
     pub provenance: Option<PathBuf>,
 
-    /// Exit with 1 unless every figure is at most so large: mean-angle, p95-angle, max-angle (normal error, degrees),
-    /// missed (texels with a missed ray, %), hausdorff (largest shape error, % of the diagonal), bytes (of the asset)
+    /// Exit with 1 unless every figure is at most so large: mean-angle, p95-angle, max-angle (normal error, °),
+    /// mean-color, p95-color (colour error, CIEDE2000), missed (texels with a missed ray, %), hausdorff (largest shape
+    /// error, % of the diagonal), bytes (of the asset with all its files). A bare number has that unit: missed=0.1 is
+    /// 0.1 %; bytes may have B, kB, MB, GB, KiB, MiB, GiB. Angles, colours and hausdorff count at every level of detail;
+    /// mean-angle@1=5 is for level 1 alone, level 0 is the finest
     #[arg(
         long,
-        value_name = "FIGURE=MAX,...",
+        value_name = "FIGURE[@LEVEL]=MAX[UNIT],...",
         value_delimiter = ',',
         help_heading = "Proof",
         conflicts_with = "no_verify"
@@ -116,13 +121,20 @@ pub struct BakeArgs {
     pub json: bool,
 }
 
-/// A number, or the program's choice.
+/// A value, or the program's choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Auto<T> {
     /// The program's choice.
     Auto,
-    /// The number asked for.
+    /// The value asked for.
     Given(T),
+}
+
+fn map(text: &str) -> Result<Auto<MapKind>, String> {
+    match text.trim() {
+        "auto" => Ok(Auto::Auto),
+        name => options::named(name).map(Auto::Given).map_err(|error| format!("{error}, or auto")),
+    }
 }
 
 fn dilation(text: &str) -> Result<Auto<u32>, String> {
@@ -159,7 +171,7 @@ fn memory(text: &str) -> Result<Bytes, String> {
 }
 
 impl<T> Auto<T> {
-    /// Returns the number asked for.
+    /// Returns the value asked for.
     fn given(self) -> Option<T> {
         match self {
             Self::Auto => None,
@@ -199,12 +211,29 @@ impl BakeArgs {
                 self.size
             );
         }
-        if self.error.is_some() && (self.space == Space::Object || !self.maps.contains(&MapKind::Normal)) {
+        if self.error.is_some() && (self.space == Space::Object || !self.maps().contains(&MapKind::Normal)) {
             bail!(
                 "--error needs a normal map in tangent space: add normal to --maps, leave out --space object"
             );
         }
+        self.check_levels()?;
         render::check_place(&self.output)
+    }
+
+    /// Refuses requirements of levels of detail that are not asked for.
+    fn check_levels(&self) -> Result<()> {
+        let coarsest = self.lods.len();
+        let named =
+            self.require.iter().filter_map(|requirement| Some((requirement.figure, requirement.level?)));
+        for (figure, level) in named {
+            if level > coarsest {
+                bail!(
+                    "--require {}@{level}: the coarsest level of detail is {coarsest}; --lods asks for more",
+                    figure.name()
+                );
+            }
+        }
+        Ok(())
     }
 
     /// Returns the options of the bake.
@@ -215,7 +244,8 @@ impl BakeArgs {
             mean_error_deg: self.error,
             lods: self.lods.clone(),
             size: self.size,
-            maps: self.maps.clone(),
+            maps: self.maps(),
+            carry: self.carries(),
             space: self.space.into(),
             side: self.samples.parse().unwrap_or(4u32).isqrt(),
             bits: if self.bits == "16" { 16 } else { 8 },
@@ -226,6 +256,18 @@ impl BakeArgs {
             ray_distance: self.ray_distance(),
             inspect: !self.no_verify,
         }
+    }
+
+    /// Says whether the maps of the scan's own materials are baked beside those that are named.
+    fn carries(&self) -> bool {
+        self.maps.contains(&Auto::Auto)
+    }
+
+    /// Returns the maps that are asked for by name; `auto` asks for normals at least.
+    fn maps(&self) -> Vec<MapKind> {
+        let named = self.maps.iter().filter_map(|map| map.given());
+        let normal = self.carries().then_some(MapKind::Normal);
+        normal.into_iter().chain(named).collect()
     }
 
     fn ray_distance(&self) -> RayDistance {

@@ -42,6 +42,9 @@ fn bake(args: &BakeArgs) -> Result<Report> {
         console::say_warnings(asset.warnings());
     }
     let written = asset.write(&args.output, &args.packing(), progress)?;
+    if !args.json {
+        console::say_warnings(written.warnings());
+    }
     let mut report = Report::of(&written)?;
     let proved = match args.no_verify {
         true => None,

@@ -1,5 +1,7 @@
 //! From a scan to an asset.
 
+use super::carried::Carried;
+use super::given::GivenMesh;
 use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made};
@@ -7,11 +9,14 @@ use super::maps::{StoredMaps, bake_maps};
 use super::memory::{Bytes, Limits, Need, ScanSize};
 use super::notes;
 use super::options::BakeOptions;
+use super::plan::{self, BakePlan};
 use super::scan::Scan;
 use super::search::{Trial, smallest};
+use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::io;
 use crate::progress::Progress;
+use crate::scene::AlphaMode;
 use std::sync::Arc;
 
 /// Bakes scans, all in the same way.
@@ -72,7 +77,7 @@ impl Baker {
         let (options, scan) = (Arc::clone(&self.options), scan.into());
         options.check()?;
         self.need(scan.about.size).check(self.limits_beside(&scan))?;
-        progress.apart(move |progress| bake(options, &scan, progress))
+        progress.apart(move |progress| bake(&options, &scan, progress))
     }
 
     /// Returns the limits of a bake; what the scan holds already counts as free.
@@ -91,10 +96,27 @@ struct Lightened {
     trials: Vec<Trial>,
 }
 
-fn bake(options: Arc<BakeOptions>, scan: &Scan, progress: Progress<'_>) -> Result<Asset> {
-    let mut warnings = scan.about.warnings.clone();
-    note_left_out(&options, scan, &mut warnings);
-    let Lightened { low, mut maps, size, trials } = lightened(&options, scan, &mut warnings, progress)?;
+/// The surfaces that a bake begins with.
+struct Subject<'a> {
+    scan: &'a Scan,
+    /// The low-poly mesh that is given; `None` where it is to be made.
+    given: Option<GivenMesh>,
+}
+
+fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asset> {
+    let about = Arc::clone(&scan.about);
+    let mut warnings = about.warnings.clone();
+    let mut given = given(asked, &mut warnings, progress)?;
+    let plan = BakePlan::of(asked, &about.carried, given.as_ref().map(GivenMesh::look));
+    note_left_out(&plan, &about.carried, &mut warnings);
+    if let Some(given) = &mut given {
+        plan.fill(&about.carried, &mut given.material);
+    }
+    let BakePlan { options, carried, left, .. } = plan;
+    let subject = Subject { scan, given };
+    let Lightened { mut low, mut maps, size, trials } =
+        lightened(&options, subject, &mut warnings, progress)?;
+    low.material.alpha = alpha(&options, scan, &low);
     warnings.absorb(std::mem::take(&mut maps.warnings));
     let coarser = low::coarser(&low, &options.lods, &mut warnings, progress)?;
     judgement::judge(Pair { scan, low: &low }, &maps.cage, &maps.counts, &mut warnings);
@@ -102,23 +124,41 @@ fn bake(options: Arc<BakeOptions>, scan: &Scan, progress: Progress<'_>) -> Resul
         progress.begin("inspect the scan")?;
         judgement::inspect(scan.mesh(), &mut warnings);
     }
-    let about = Arc::clone(&scan.about);
-    Ok(Asset::new(Made { options, about, low, coarser, maps, size, trials, warnings }))
+    let options = Arc::new(options);
+    Ok(Asset::new(Made { options, about, low, coarser, maps, size, trials, carried, left, warnings }))
 }
 
-fn note_left_out(options: &BakeOptions, scan: &Scan, warnings: &mut Warnings) {
-    let about = &scan.about;
-    notes::unread_options(options, warnings);
-    notes::lacking(&about.material, about.has_colors, options, warnings);
-    if options.low.is_none() {
-        notes::left_of_scan(&about.material, about.has_colors, options, warnings);
+/// Reads the low-poly mesh that the options name.
+fn given(
+    options: &BakeOptions,
+    warnings: &mut Warnings,
+    progress: Progress<'_>,
+) -> Result<Option<GivenMesh>> {
+    let Some(source) = &options.low else { return Ok(None) };
+    let reading = progress.begin("read the low-poly mesh")?;
+    let given = GivenMesh::read(source, warnings)?;
+    reading.at(1.0)?;
+    Ok(Some(given))
+}
+
+fn note_left_out(plan: &BakePlan, scan: &Carried, warnings: &mut Warnings) {
+    notes::unread_options(&plan.options, warnings);
+    plan::lacking(&plan.options, scan, warnings);
+    plan.note(warnings);
+}
+
+/// Returns the treatment of alpha: that of the scan where its alpha is baked, else the low-poly mesh's own.
+fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
+    match scan.high.surface().alpha_mode() {
+        mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
+        _ => low.material.alpha,
     }
 }
 
 /// Returns the low-poly mesh with its maps; where an error is wanted the smallest that meets it.
 fn lightened(
     options: &BakeOptions,
-    scan: &Scan,
+    Subject { scan, given }: Subject<'_>,
     warnings: &mut Warnings,
     progress: Progress<'_>,
 ) -> Result<Lightened> {
@@ -127,8 +167,8 @@ fn lightened(
         warnings.absorb(found.warnings);
         return Ok(Lightened { low: found.low, maps: found.maps, size: found.size, trials: found.trials });
     }
-    let low = match &options.low {
-        Some(source) => LowPoly::given(source, options, warnings, progress)?,
+    let low = match given {
+        Some(given) => LowPoly::given(given, options, warnings, progress)?,
         None => {
             let simplified = low::simplified(scan, options.triangles, progress)?;
             low::note_simplified(&simplified, options.triangles, warnings);

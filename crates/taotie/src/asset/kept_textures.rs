@@ -10,6 +10,7 @@ pub(super) struct KeptTextures {
     pub color: Option<Bitmap>,
     pub metallic_roughness: Option<Bitmap>,
     pub occlusion: Option<Bitmap>,
+    pub emission: Option<Bitmap>,
 }
 
 impl KeptTextures {
@@ -23,6 +24,8 @@ impl KeptTextures {
             color: bitmap(&material.base_color_texture),
             metallic_roughness: bitmap(&material.metallic_roughness_texture),
             occlusion: bitmap(&material.occlusion_texture),
+            // A texture that multiplies nothing shows nothing.
+            emission: bitmap(&material.emissive_texture).filter(|_| material.emissive != [0.0; 3]),
         }
     }
 }

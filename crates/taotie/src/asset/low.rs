@@ -1,15 +1,14 @@
 //! The low-poly mesh that is baked onto: given, or made from the scan.
 
+use super::given::{GivenMesh, Taken};
 use super::kept_textures::KeptTextures;
-use super::notes;
-use super::options::{BakeOptions, MeshSource};
-use super::scan::{Scan, check_extent};
+use super::options::BakeOptions;
+use super::scan::Scan;
 use crate::bake::{self, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
 use crate::error::{Result, Warnings};
-use crate::io;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::scene::{Material, Scene};
+use crate::scene::Material;
 use crate::surface::with_frames;
 
 /// A low-poly mesh, ready to be baked onto.
@@ -70,22 +69,12 @@ pub struct Simplification {
 impl LowPoly {
     /// Takes the mesh that is given, with uvs where it had none.
     pub fn given(
-        source: &MeshSource,
+        given: GivenMesh,
         options: &BakeOptions,
         warnings: &mut Warnings,
         progress: Progress<'_>,
     ) -> Result<Self> {
-        let reading = progress.begin("read the low-poly mesh")?;
-        let scene = read(source, warnings)?;
-        reading.at(1.0)?;
-        let used: Vec<usize> = scene.instances().iter().map(|instance| instance.material).collect();
-        if used.iter().any(|material| *material != used[0]) {
-            warnings.note("materials of the low-poly mesh made one, the first", 1);
-        }
-        let material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
-        notes::left_of_low(&material, options, warnings);
-        let kept = KeptTextures::of(&material, &scene);
-        let mesh = bake::low_poly_mesh(scene)?;
+        let Taken { mesh, material, kept } = given.taken(options, warnings)?;
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
@@ -101,7 +90,7 @@ impl LowPoly {
         let simplification = Simplification { method, error: simplified.error };
         let mut origin = Origin { simplified: Some(simplification), islands: None };
         let mesh = unwrapped(&simplified.mesh, size, &mut origin, progress)?;
-        let material = Material { base_color_texture: None, ..scan.about.material.clone() };
+        let material = scan.about.carried.material.clone();
         Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept: KeptTextures::default() })
     }
 }
@@ -112,23 +101,6 @@ fn method_name(method: SimplifyMethod) -> &'static str {
         SimplifyMethod::Collapsed => "edge-collapse",
         SimplifyMethod::Pruned => "prune",
         SimplifyMethod::Clustered => "cluster",
-    }
-}
-
-/// Reads a mesh that is given.
-pub(super) fn read(source: &MeshSource, warnings: &mut Warnings) -> Result<Scene> {
-    match source {
-        MeshSource::Mesh(mesh) => {
-            let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
-            check_extent(&scene, "the low-poly mesh").map(|()| scene)
-        }
-        MeshSource::File(path) => {
-            let loaded = io::load_model(path)?;
-            warnings.absorb(loaded.warnings);
-            check_extent(&loaded.scene, &path.display().to_string())?;
-            warnings.note("animations of the low-poly mesh, left out", usize::from(loaded.rig.is_some()));
-            Ok(loaded.scene)
-        }
     }
 }
 

@@ -3,6 +3,8 @@
 use super::low::{LowPoly, Origin};
 use super::maps::StoredMaps;
 use super::options::BakeOptions;
+use super::plan::Left;
+use super::property::Property;
 use super::scan::About;
 use super::search::Trial;
 use super::textures::Textures;
@@ -13,6 +15,7 @@ use std::sync::Arc;
 
 /// All that a bake made.
 pub(super) struct Made {
+    /// With the maps that the scan's material needed.
     pub options: Arc<BakeOptions>,
     pub about: Arc<About>,
     pub low: LowPoly,
@@ -22,6 +25,9 @@ pub(super) struct Made {
     /// Texels along a side.
     pub size: u32,
     pub trials: Vec<Trial>,
+    /// The properties of the scan's material that the asset has.
+    pub carried: Vec<Property>,
+    pub left: Vec<Left>,
     pub warnings: Warnings,
 }
 

@@ -1,7 +1,7 @@
 //! The maps of one low-poly mesh: cage, projection, storing.
 
+use super::given::read;
 use super::judgement::{Pair, refuse_no_hit};
-use super::low::read;
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::scan::Scan;
 use super::textures::Textures;
@@ -39,7 +39,7 @@ pub(super) fn bake_maps(
         space: options.space,
         sky_rays: options.ao_rays,
         sky_distance: options.ao_distance.map(|distance| distance as f32),
-        roughness: options.roughness.map_or(scan.about.material.roughness, |v| v as f32),
+        roughness: options.roughness.map(|v| v as f32),
         dilation: options.dilation,
     };
     let input = BakeInput { low: &low.mesh, cage: &cage, scan: &scan.high };
@@ -55,7 +55,7 @@ fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings
         RayDistance::Auto => Ok(Cage::automatic(low, &scan.high)),
         RayDistance::Uniform(distance) => Cage::uniform(low, *distance as f32),
         RayDistance::Cage(source) => {
-            let mesh = bake::low_poly_mesh(read(source, warnings)?)?;
+            let mesh = bake::low_poly_mesh(read(source, warnings)?.scene)?;
             Cage::from_mesh(low, &mesh).map_err(|error| of_file(source, error))
         }
     }

@@ -1,7 +1,7 @@
 //! The memory that a bake will take, estimated before it begins.
 
 use super::options::BakeOptions;
-use crate::bake::MapKind;
+use crate::bake::{MapKind, Maps};
 use crate::error::{Error, Result};
 use crate::io;
 use std::fmt;
@@ -94,22 +94,25 @@ impl Limits {
     }
 }
 
-/// The number of triangles and vertices of a scan.
+/// The number of triangles and vertices of a scan, and the maps that its materials need.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Baker, ScanSize};
 ///
 /// let baker = Baker::new(BakeOptions::default());
-/// let need = |triangles: u64| baker.need(ScanSize { triangles, vertices: triangles / 2 }).bytes();
+/// let size = |triangles| ScanSize { triangles, vertices: triangles / 2, ..ScanSize::default() };
+/// let need = |triangles: u64| baker.need(size(triangles)).bytes();
 /// assert!(need(20_000_000) > need(1_000_000));
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ScanSize {
     /// Triangles, over all instances.
     pub triangles: u64,
     /// Vertices.
     pub vertices: u64,
+    /// The maps of what varies in its materials, which a bake carries where it is asked to.
+    pub carries: Maps,
 }
 
 impl ScanSize {
@@ -130,7 +133,8 @@ impl ScanSize {
 /// use taotie::asset::{BakeOptions, Baker, Bytes, Limits, ScanSize};
 ///
 /// let baker = Baker::new(BakeOptions::default());
-/// let need = baker.need(ScanSize { triangles: 20_000_000, vertices: 10_000_000 });
+/// let size = ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() };
+/// let need = baker.need(size);
 /// assert!(need.simplifies && need.bytes() > Bytes(1 << 30));
 /// assert!(need.check(Limits { memory: Some(Bytes(1 << 30)) }).is_err());
 /// ```
@@ -157,7 +161,7 @@ impl Need {
             simplifies: options.low.is_none(),
             inspects: options.inspect,
             texels: u64::from(options.size) * u64::from(options.size),
-            texel_bytes: texel_bytes(options),
+            texel_bytes: texel_bytes(options, scan.carries),
         }
     }
 
@@ -197,13 +201,16 @@ impl Need {
 }
 
 /// Bytes a texel over all maps: floats while they are baked, codes afterwards, and what filling takes.
-fn texel_bytes(options: &BakeOptions) -> u64 {
-    let floats = |map: &MapKind| match map {
-        MapKind::Normal | MapKind::Albedo | MapKind::Bent => 12,
+fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
+    let carried = carries.iter().filter(|_| options.carry);
+    let maps: Maps = options.maps.iter().copied().chain(carried).collect();
+    let floats = |map: MapKind| match map {
+        MapKind::Normal | MapKind::Albedo | MapKind::Bent | MapKind::Emission => 12,
+        MapKind::MetallicRoughness => 8,
         _ => 4,
     };
     let codes = 4 * u64::from(options.bits / 8);
-    8 + options.maps.iter().map(|map| floats(map) + codes).sum::<u64>()
+    8 + maps.iter().map(|map| floats(map) + codes).sum::<u64>()
 }
 
 #[cfg(test)]
@@ -226,7 +233,7 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused_with_both_numbers() {
         let need = Need {
-            scan: ScanSize { triangles: 20_000_000, vertices: 10_000_000 },
+            scan: ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() },
             simplifies: true,
             inspects: true,
             texels: 1 << 22,

@@ -97,6 +97,10 @@ pub struct BakeOptions {
     pub size: u32,
     /// The maps to bake.
     pub maps: Vec<MapKind>,
+    /// `true` where the maps of all else that varies in the scan's materials are baked too: base colour, alpha, normals,
+    /// metallic-roughness, occlusion, emission. Onto a low-poly mesh that is given go those that its own material leaves
+    /// open.
+    pub carry: bool,
     /// The space of normals and bent normals.
     pub space: NormalSpace,
     /// Samples a texel along each side, 1 to 8: 2 are four a texel.
@@ -118,7 +122,7 @@ pub struct BakeOptions {
 }
 
 impl Default for BakeOptions {
-    /// 50,000 triangles and a normal map of 2048² texels, four samples each.
+    /// 50,000 triangles, a normal map of 2048² texels, four samples each, and the maps that the scan's material needs.
     fn default() -> Self {
         Self {
             low: None,
@@ -127,6 +131,7 @@ impl Default for BakeOptions {
             lods: Vec::new(),
             size: 2048,
             maps: vec![MapKind::Normal],
+            carry: true,
             space: NormalSpace::Tangent,
             side: 2,
             bits: 8,

@@ -3,6 +3,7 @@
 use super::low::Origin;
 use super::options::MeshSource;
 use super::parameters::Parameters;
+use super::plan::Left;
 use super::proof::Figures;
 use super::requirement::Met;
 use super::search::Trial;
@@ -11,7 +12,7 @@ use crate::error::{Result, Warnings};
 use std::path::PathBuf;
 
 /// The version of the report's layout.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// All that is to be told of a bake. What the caller knows, figures and times, is filled in by it.
 ///
@@ -57,6 +58,10 @@ pub struct Report {
     pub files: Vec<PathBuf>,
     /// The kind and the place of each map.
     pub maps: Vec<MapNote>,
+    /// The properties of the scan's material that the asset has, in words.
+    pub carried: Vec<String>,
+    /// The properties that it does not have.
+    pub left: Vec<Left>,
     /// The measured figures; `None` where nothing was measured.
     pub proof: Option<Figures>,
     /// The requirements and their outcomes.
@@ -123,6 +128,7 @@ impl Report {
     pub fn of(written: &Written) -> Result<Self> {
         let asset = written.asset();
         let made = &asset.made;
+        let warnings = [&made.warnings, &written.warnings].map(Warning::list).concat();
         Ok(Self {
             schema: SCHEMA,
             kind: "taotie bake",
@@ -137,11 +143,13 @@ impl Report {
             parameters: Parameters::new(&made.options, &written.packing),
             files: written.files.clone(),
             maps: written.maps(),
+            carried: made.carried.iter().map(|property| property.name().to_owned()).collect(),
+            left: made.left.clone(),
             proof: None,
             required: Vec::new(),
             trials: made.trials.clone(),
             stages: Vec::new(),
-            warnings: Warning::list(&made.warnings),
+            warnings,
         })
     }
 

@@ -1,6 +1,8 @@
 //! The scan that is baked from: its triangles, and what its file says beside them.
 
+use super::carried::Carried;
 use super::hash::FileHash;
+use super::look;
 use super::memory::{Limits, ScanSize};
 use super::notes;
 use crate::bake;
@@ -9,7 +11,7 @@ use crate::io;
 use crate::math::Vec3;
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, NormalSpace, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -19,7 +21,7 @@ pub(super) struct About {
     /// The path of its file; empty in memory.
     pub path: PathBuf,
     pub hash: Option<FileHash>,
-    /// Bytes of its file; 0 in memory.
+    /// Bytes of all its files; 0 in memory.
     pub bytes: u64,
     pub copyright: Option<String>,
     /// The XMP metadata of the file as a whole, JSON-LD.
@@ -27,10 +29,9 @@ pub(super) struct About {
     /// The things that were wrong or are left out.
     pub warnings: Warnings,
     pub size: ScanSize,
-    /// The material of its first part.
-    pub material: Material,
-    /// `true` where it has colours: of vertices, of textures, or of several materials.
-    pub has_colors: bool,
+    pub carried: Carried,
+    /// `true` where it says nothing of its colour and material.
+    pub is_plain: bool,
 }
 
 impl About {
@@ -91,8 +92,8 @@ impl ScanFile {
         let hash = FileHash::begin(&path);
         limits.or_free().check_file(&path)?;
         progress.begin("read the scan")?.apart(move |_| {
-            let bytes = io::file_size(&path)?;
             let mut loaded = io::load_model(&path)?;
+            let bytes = bytes_of(&path, &mut loaded.files)?;
             check_extent(&loaded.scene, &path.display().to_string())?;
             notes::left_of_scan_file(&mut loaded);
             let about = About {
@@ -124,7 +125,8 @@ impl ScanFile {
         self.about.size
     }
 
-    /// Sorts the scan for rays. Meshes with a normal for each facet, or without normals, get smooth ones, counted.
+    /// Sorts the scan for rays. Meshes with a normal for each facet, or without normals, get smooth ones, counted; but
+    /// not those whose normal map is relative to their facets.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices.
@@ -186,8 +188,9 @@ impl Scan {
     }
 
     /// Gives the tree up, and the triangles too where no clone of this scan holds them.
-    pub(super) fn into_mesh(self) -> Mesh {
-        Arc::try_unwrap(self.high).map_or_else(|shared| shared.mesh().clone(), bake::Scan::into_mesh)
+    pub(super) fn into_scene(self) -> Result<Scene> {
+        let shared = |high: Arc<bake::Scan>| high.surface().clone();
+        Arc::try_unwrap(self.high).map_or_else(shared, bake::Scan::into_surface).into_scene()
     }
 }
 
@@ -205,10 +208,11 @@ impl std::fmt::Debug for Scan {
 
 impl About {
     fn of(scene: &Scene, path: PathBuf) -> Self {
-        let first = scene.instances().first().map(|instance| instance.material);
+        let carried = Carried::of(scene);
         let size = ScanSize {
             triangles: scene.triangle_count() as u64,
             vertices: scene.meshes().iter().map(|mesh| mesh.positions().len() as u64).sum(),
+            carries: carried.maps(),
         };
         Self {
             path,
@@ -218,10 +222,18 @@ impl About {
             xmp: None,
             warnings: Warnings::default(),
             size,
-            material: first.and_then(|m| scene.materials().get(m)).cloned().unwrap_or_default(),
-            has_colors: notes::has_colors(scene),
+            carried,
+            is_plain: look::is_plain(scene),
         }
     }
+}
+
+/// Returns the bytes of a model's file and of all others that it was read from, each counted once.
+fn bytes_of(path: &Path, others: &mut Vec<PathBuf>) -> Result<u64> {
+    others.sort();
+    others.dedup();
+    let others = others.iter().filter(|other| *other != path).map(|other| io::file_size(other));
+    Ok(io::file_size(path)? + others.sum::<Result<u64>>()?)
 }
 
 /// Refuses a model that is nothing but a point.
@@ -235,11 +247,16 @@ pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
 }
 
 /// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; returns the
-/// number of such meshes. A scan is never meant in facets.
+/// number of such meshes. A scan is never meant in facets, unless a normal map in tangent space rounds them.
 fn smooth_facets(scene: &mut Scene) -> Result<usize> {
     let (mut parts, mut count) = (std::mem::take(scene).into_data(), 0);
-    for mesh in &mut parts.meshes {
-        if is_faceted(mesh) {
+    let mut is_mapped = vec![false; parts.meshes.len()];
+    for instance in &parts.instances {
+        let normal = parts.materials[instance.material].normal;
+        is_mapped[instance.mesh] |= normal.is_some_and(|map| map.space == NormalSpace::Tangent);
+    }
+    for (mesh, is_mapped) in parts.meshes.iter_mut().zip(is_mapped) {
+        if !is_mapped && is_faceted(mesh) {
             let data = std::mem::take(mesh).into_data();
             *mesh = Mesh::new(MeshData { normals: Vec::new(), tangents: Vec::new(), ..data })?;
             count += 1;

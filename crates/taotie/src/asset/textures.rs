@@ -3,14 +3,17 @@
 use super::kept_textures::KeptTextures;
 use super::misses::Misses;
 use super::options::BakeOptions;
-use crate::bake::{BakedMaps, MapKind};
+use crate::bake::{BakedMaps, MapKind, Maps, TexelStatus};
 use crate::error::Result;
 use crate::image::Bitmap;
 use crate::io::{GltfImage, GltfMaterial};
 use crate::math::srgb::srgb_from_linear;
 use crate::names::Named;
-use crate::normal_map::{Storage, store_codes, store_unit_vectors};
+use crate::normal_map::{Storage, store_codes, store_rgba, store_unit_vectors};
 use crate::scene::{Material, NormalSpace};
+
+/// The storage of colours and factors.
+const DITHERED: Storage = Storage { bits: 8, dither: true };
 
 /// Baked maps, stored.
 ///
@@ -29,16 +32,22 @@ use crate::scene::{Material, NormalSpace};
 pub struct Textures {
     /// The normal map in tangent space.
     pub normal: Option<Bitmap>,
-    /// The base colour, sRGB.
+    /// The base colour, sRGB; with alpha, linear, where that is baked.
     pub color: Option<Bitmap>,
     /// Occlusion, roughness and metallic; or occlusion alone.
     pub orm: Option<Bitmap>,
+    /// The emitted radiance over `strength`, sRGB.
+    pub emission: Option<Bitmap>,
+    /// The radiance of white in `emission`.
+    pub strength: f32,
     /// Says which of the three are in `orm`.
     pub has: Has,
     /// Maps that glTF has no place for.
     pub beside: Vec<Beside>,
     /// The places where projection rays missed; `None` where none did.
     pub misses: Option<Misses>,
+    /// The maps that are inside of the textures above.
+    stored: Maps,
 }
 
 /// The numbers that a texture of occlusion, roughness and metallic holds.
@@ -58,7 +67,7 @@ pub struct Textures {
 pub struct Has {
     /// Red is occlusion.
     pub occlusion: bool,
-    /// Green is roughness, and blue is metallic.
+    /// Green is roughness, and blue is metallic: the scan's, or that of the material where the scan's is not baked.
     pub roughness: bool,
 }
 
@@ -108,7 +117,7 @@ pub struct Range {
 impl Textures {
     /// Stores the maps that were baked; `metallic` is that of the material.
     pub(super) fn new(maps: &BakedMaps, options: &BakeOptions, metallic: f32) -> Result<Self> {
-        let mut textures = Self { misses: Misses::of(maps), ..Self::default() };
+        let mut textures = Self { misses: Misses::of(maps), stored: stored(options), ..Self::default() };
         let storage = Storage { bits: options.bits, dither: options.bits == 8 };
         if !maps.normal.is_empty() {
             let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage)?;
@@ -121,6 +130,10 @@ impl Textures {
         }
         if !maps.albedo.is_empty() {
             textures.color = Some(color(maps)?);
+        }
+        if !maps.emission.is_empty() {
+            textures.strength = strength(maps);
+            textures.emission = Some(emission(maps, textures.strength)?);
         }
         textures.has = Has { occlusion: !maps.occlusion.is_empty(), roughness: !maps.roughness.is_empty() };
         if textures.has != Has::default() {
@@ -140,18 +153,17 @@ impl Textures {
         Ok(textures)
     }
 
-    /// Returns the asset's material: the factors of `base`, its textures where `kept` holds them and nothing was baked
-    /// in their place.
+    /// Returns the asset's material: the factors and layers of `base`, its textures where `kept` holds them and nothing
+    /// was baked in their place.
     pub(super) fn material<'a>(&'a self, base: &'a Material, kept: &'a KeptTextures) -> GltfMaterial<'a> {
         let color = self.color.as_ref().or(kept.color.as_ref());
         let orm = self.has.roughness.then_some(self.orm.as_ref()).flatten();
         let mr = orm.or(kept.metallic_roughness.as_ref());
         let occlusion = self.has.occlusion.then_some(self.orm.as_ref()).flatten().or(kept.occlusion.as_ref());
-        let [r, g, b, a] = base.base_color;
+        let emission = self.emission.as_ref();
         GltfMaterial {
             name: &base.name,
-            base_color: if self.color.is_some() { [1.0, 1.0, 1.0, a] } else { [r, g, b, a] }
-                .map(|v| v.clamp(0.0, 1.0)),
+            base_color: self.base_color(base.base_color),
             metallic: if orm.is_some() { 1.0 } else { base.metallic },
             roughness: if orm.is_some() { 1.0 } else { base.roughness },
             base_color_map: color.map(GltfImage::from),
@@ -160,8 +172,22 @@ impl Textures {
             occlusion_strength: if self.has.occlusion { 1.0 } else { base.occlusion_strength },
             normal_map: self.normal.as_ref().map(GltfImage::from),
             normal_scale: 1.0,
+            emissive: if emission.is_some() { [self.strength; 3] } else { base.emissive },
+            emissive_map: emission.or(kept.emission.as_ref()).map(GltfImage::from),
+            alpha: base.alpha,
+            layers: Some(base),
             double_sided: base.double_sided,
         }
+    }
+
+    /// Returns the factors of the base colour: those of `base`, but for what was baked.
+    fn base_color(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
+        let factors = match &self.color {
+            Some(bitmap) if bitmap.channels() == 4 => [1.0; 4],
+            Some(_) => [1.0, 1.0, 1.0, a],
+            None => [r, g, b, a],
+        };
+        factors.map(|v| v.clamp(0.0, 1.0))
     }
 
     /// Returns the maps inside of the asset, each with the texture that holds it.
@@ -172,8 +198,14 @@ impl Textures {
             (MapKind::Albedo, self.color.as_ref()),
             (MapKind::Occlusion, orm(self.has.occlusion)),
             (MapKind::Roughness, orm(self.has.roughness)),
+            (MapKind::MetallicRoughness, orm(self.has.roughness)),
+            (MapKind::Emission, self.emission.as_ref()),
+            (MapKind::Alpha, self.color.as_ref()),
+            (MapKind::OcclusionMap, orm(self.has.occlusion)),
         ];
-        maps.into_iter().filter_map(|(map, bitmap)| Some((map, bitmap?)))
+        let stored = self.stored;
+        let inside = maps.into_iter().filter(move |(map, _)| stored.has(*map));
+        inside.filter_map(|(map, bitmap)| Some((map, bitmap?)))
     }
 }
 
@@ -184,17 +216,47 @@ impl Beside {
     }
 }
 
+/// Returns the maps that textures of an asset hold. What rays found goes before what a texture says.
+fn stored(options: &BakeOptions) -> Maps {
+    let rays = options.bakes(&[MapKind::Occlusion]);
+    options.maps.iter().copied().filter(|map| !(rays && *map == MapKind::OcclusionMap)).collect()
+}
+
 fn color(maps: &BakedMaps) -> Result<Bitmap> {
-    let encode = |v: f32| srgb_from_linear(f64::from(v.clamp(0.0, 1.0))) as f32;
-    store_codes(maps.size(), |i| maps.albedo[i].map(encode), 3, Storage { bits: 8, dither: true })
+    let codes = |i: usize| maps.albedo[i].map(srgb_code);
+    if maps.alpha.is_empty() {
+        return store_codes(maps.size(), codes, 3, DITHERED);
+    }
+    let with_alpha = |i: usize| {
+        let [r, g, b] = codes(i);
+        [r, g, b, maps.alpha[i]]
+    };
+    store_rgba(maps.size(), with_alpha, DITHERED)
+}
+
+fn srgb_code(linear: f32) -> f32 {
+    srgb_from_linear(f64::from(linear.clamp(0.0, 1.0))) as f32
+}
+
+/// Returns the greatest radiance of any channel where a triangle covers the texel, at least 1.
+fn strength(maps: &BakedMaps) -> f32 {
+    let covered = maps.texels.iter().zip(&maps.emission).filter(|(texel, _)| **texel != TexelStatus::Free);
+    covered.flat_map(|(_, radiance)| radiance).fold(1.0, |most: f32, v| most.max(*v))
+}
+
+fn emission(maps: &BakedMaps, strength: f32) -> Result<Bitmap> {
+    let codes = |i: usize| maps.emission[i].map(|v| srgb_code(v / strength));
+    store_codes(maps.size(), codes, 3, DITHERED)
 }
 
 fn orm(maps: &BakedMaps, has: Has, metallic: f32) -> Result<Bitmap> {
     let at = |plane: &[f32], i: usize, none: f32| plane.get(i).copied().unwrap_or(none);
-    let codes = |i: usize| [at(&maps.occlusion, i, 1.0), at(&maps.roughness, i, 1.0), metallic];
+    let codes = |i: usize| {
+        [at(&maps.occlusion, i, 1.0), at(&maps.roughness, i, 1.0), at(&maps.metallic, i, metallic)]
+    };
     let channels = if has.roughness { 3 } else { 1 };
     let codes = |i: usize| if has.roughness { codes(i) } else { [codes(i)[0]; 3] };
-    store_codes(maps.size(), codes, channels, Storage { bits: 8, dither: true })
+    store_codes(maps.size(), codes, channels, DITHERED)
 }
 
 /// Makes a map of numbers, in 16 bits.

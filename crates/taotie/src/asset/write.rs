@@ -5,11 +5,12 @@ use super::packing::Packing;
 use super::provenance;
 use super::textures::{Beside, Textures};
 use crate::bake::MapKind;
-use crate::error::Result;
+use crate::error::{Result, Warnings};
 use crate::image::{Bitmap, Encoding};
-use crate::io::{self, FileBytes, GltfAsset, GltfFormat, GltfLevel, Json};
+use crate::io::{self, FileBytes, GltfAsset, GltfFormat, GltfImage, GltfImages, GltfLevel, Json};
 use crate::names::Named;
 use crate::progress::Progress;
+use crate::scene::AlphaMode;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -31,6 +32,7 @@ pub struct Written {
     pub(super) asset: Asset,
     pub(super) packing: Packing,
     pub(super) files: Vec<PathBuf>,
+    pub(super) warnings: Warnings,
 }
 
 /// A map of a written asset: where it stands, and what its numbers mean.
@@ -85,8 +87,9 @@ impl Asset {
         let encode = move |_: Progress<'_>| encoded(&asset.made, &path, &packed);
         let files = progress.part(0.0, 0.8).apart(encode)?;
         io::write_files(&files, progress.part(0.8, 1.0))?;
+        let warnings = notes(&self.made, packing, &files);
         let files = files.into_iter().map(|file| file.path).collect();
-        Ok(Written { asset: self.clone(), packing: packing.clone(), files })
+        Ok(Written { asset: self.clone(), packing: packing.clone(), files, warnings })
     }
 }
 
@@ -117,6 +120,24 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         files.push(FileBytes { path: file_of(beside, path), bytes });
     }
     Ok(files)
+}
+
+/// Notes what is not packed as was asked for, and an asset that is larger than its scan.
+fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
+    let mut warnings = Warnings::default();
+    let material = made.maps.textures.material(&made.low.material, &made.low.kept);
+    let has_alpha = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
+    let has_alpha = material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has_alpha);
+    warnings.note(
+        "the base colour's texture has alpha, which KTX2 is not written with: it is PNG",
+        usize::from(has_alpha && packing.images == GltfImages::Ktx2),
+    );
+    let (of_scan, all) = (made.about.bytes, files.iter().map(|file| file.bytes.len() as u64).sum::<u64>());
+    warnings.note(
+        format!("the asset is larger than its scan: {all} bytes, {of_scan} of the scan; take smaller maps, or pack it"),
+        usize::from(of_scan > 0 && all > of_scan),
+    );
+    warnings
 }
 
 /// Returns the file of a map beside the model `path`.
@@ -164,6 +185,11 @@ impl Written {
     /// Returns the files, the model first.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
+    }
+
+    /// Returns what is not as it was asked for, or is larger than it should be.
+    pub fn warnings(&self) -> &Warnings {
+        &self.warnings
     }
 
     /// Returns the asset.

@@ -28,7 +28,7 @@ pub struct BakedMaps {
     pub texels: Vec<TexelStatus>,
     /// Unit normals, in the space asked for.
     pub normal: Vec<[f32; 3]>,
-    /// The open part of the hemisphere, [0, 1].
+    /// The open part of the hemisphere, [0, 1]: as rays found it, or else as the scan's textures say.
     pub occlusion: Vec<f32>,
     /// The base colour, linear RGB.
     pub albedo: Vec<[f32; 3]>,
@@ -40,24 +40,34 @@ pub struct BakedMaps {
     pub curvature: Vec<f32>,
     /// The perceptual roughness, as artists set it, [0, 1].
     pub roughness: Vec<f32>,
+    /// [0, 1].
+    pub metallic: Vec<f32>,
+    /// [0, 1].
+    pub alpha: Vec<f32>,
+    /// Emitted radiance, linear RGB.
+    pub emission: Vec<[f32; 3]>,
 }
 
 impl BakedMaps {
     pub(super) fn new([width, height]: [u32; 2], maps: Maps) -> Self {
         let count = width as usize * height as usize;
-        let of = |kind: MapKind| if maps.has(kind) { count } else { 0 };
+        let any = |kinds: &[MapKind]| if maps.has_any(kinds) { count } else { 0 };
+        let of = |kind: MapKind| any(&[kind]);
         const UP: [f32; 3] = [0.0, 0.0, 1.0];
         Self {
             width,
             height,
             texels: vec![TexelStatus::Free; count],
             normal: vec![UP; of(MapKind::Normal)],
-            occlusion: vec![1.0; of(MapKind::Occlusion)],
+            occlusion: vec![1.0; any(&[MapKind::Occlusion, MapKind::OcclusionMap])],
             albedo: vec![[0.0; 3]; of(MapKind::Albedo)],
             heights: vec![0.0; of(MapKind::Height)],
             bent: vec![UP; of(MapKind::Bent)],
             curvature: vec![0.0; of(MapKind::Curvature)],
-            roughness: vec![0.0; of(MapKind::Roughness)],
+            roughness: vec![0.0; any(&[MapKind::Roughness, MapKind::MetallicRoughness])],
+            metallic: vec![0.0; of(MapKind::MetallicRoughness)],
+            alpha: vec![1.0; of(MapKind::Alpha)],
+            emission: vec![[0.0; 3]; of(MapKind::Emission)],
         }
     }
 
@@ -88,6 +98,9 @@ impl BakedMaps {
         let mut bent = cut(&mut self.bent, count, bands);
         let mut curvature = cut(&mut self.curvature, count, bands);
         let mut roughness = cut(&mut self.roughness, count, bands);
+        let mut metallic = cut(&mut self.metallic, count, bands);
+        let mut alpha = cut(&mut self.alpha, count, bands);
+        let mut emission = cut(&mut self.emission, count, bands);
         (0..bands)
             .filter_map(|_| {
                 Some(BandMaps {
@@ -99,6 +112,9 @@ impl BakedMaps {
                     bent: bent.next()?,
                     curvature: curvature.next()?,
                     roughness: roughness.next()?,
+                    metallic: metallic.next()?,
+                    alpha: alpha.next()?,
+                    emission: emission.next()?,
                 })
             })
             .collect()
@@ -115,4 +131,7 @@ pub(super) struct BandMaps<'a> {
     pub bent: &'a mut [[f32; 3]],
     pub curvature: &'a mut [f32],
     pub roughness: &'a mut [f32],
+    pub metallic: &'a mut [f32],
+    pub alpha: &'a mut [f32],
+    pub emission: &'a mut [[f32; 3]],
 }

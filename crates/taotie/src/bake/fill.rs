@@ -28,11 +28,11 @@ pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
 
 /// Does the same to every plane that is there.
 fn each(maps: &mut BakedMaps, one: impl Fn(&mut [[f32; 1]]), three: impl Fn(&mut [[f32; 3]])) {
-    let BakedMaps { occlusion, heights, curvature, roughness, .. } = maps;
-    for plane in [occlusion, heights, curvature, roughness] {
+    let BakedMaps { occlusion, heights, curvature, roughness, metallic, alpha, .. } = maps;
+    for plane in [occlusion, heights, curvature, roughness, metallic, alpha] {
         one(plane.as_chunks_mut::<1>().0);
     }
-    for plane in [&mut maps.normal, &mut maps.albedo, &mut maps.bent] {
+    for plane in [&mut maps.normal, &mut maps.albedo, &mut maps.bent, &mut maps.emission] {
         three(plane);
     }
 }

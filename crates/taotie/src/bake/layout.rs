@@ -3,8 +3,8 @@
 use super::owner::NONE;
 use super::raster::Rasterizer;
 use crate::error::Result;
-use crate::math::Vec2;
-use crate::mesh::{Mesh, Point};
+use crate::math::{Vec2, Vec3};
+use crate::mesh::{Mesh, Point, blend};
 use std::ops::Range;
 
 /// Texel rows of a band, and the side of the tiles that it is cut into.
@@ -44,6 +44,13 @@ impl TriangleSamples {
     /// Returns the point of the mesh that one of its samples shows.
     pub fn point(&self, sample: &Sample) -> Point {
         Point { triangle: self.triangle, weights: sample.weights }
+    }
+
+    /// Returns the distance between neighbouring samples on a triangle with these corners: the longer of the two ways,
+    /// model units.
+    pub fn spacing(&self, corners: [Vec3; 3]) -> f32 {
+        let [origin, across, down] = self.weights.map(|weights| blend(corners, weights));
+        (across - origin).length().max((down - origin).length())
     }
 }
 

@@ -21,6 +21,16 @@ pub enum MapKind {
     Curvature,
     /// Roughness, widened by the relief that is finer than a texel.
     Roughness,
+    /// The scan's own metalness and roughness, as its materials and textures say.
+    #[cfg_attr(feature = "serde", serde(rename = "metallic-roughness"))]
+    MetallicRoughness,
+    /// The radiance that the scan emits.
+    Emission,
+    /// The scan's alpha, of its vertices, materials and textures.
+    Alpha,
+    /// The scan's own occlusion texture.
+    #[cfg_attr(feature = "serde", serde(rename = "occlusion"))]
+    OcclusionMap,
 }
 
 impl Named for MapKind {
@@ -33,12 +43,21 @@ impl Named for MapKind {
         ("bent", Self::Bent),
         ("curvature", Self::Curvature),
         ("roughness", Self::Roughness),
+        ("metallic-roughness", Self::MetallicRoughness),
+        ("emission", Self::Emission),
+        ("alpha", Self::Alpha),
+        ("occlusion", Self::OcclusionMap),
     ];
 }
 
 /// A set of maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Maps(u8);
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "Vec<MapKind>", into = "Vec<MapKind>")
+)]
+pub struct Maps(u16);
 
 impl Maps {
     /// Returns the maps with one more.
@@ -51,9 +70,26 @@ impl Maps {
         self.0 & 1 << map as u8 != 0
     }
 
+    /// Returns `true` where one of several is among them.
+    pub fn has_any(self, maps: &[MapKind]) -> bool {
+        maps.iter().any(|map| self.has(*map))
+    }
+
     /// Returns the maps, in the order of [`MapKind`].
     pub fn iter(self) -> impl Iterator<Item = MapKind> {
         MapKind::NAMES.iter().map(|(_, map)| *map).filter(move |map| self.has(*map))
+    }
+}
+
+impl From<Vec<MapKind>> for Maps {
+    fn from(maps: Vec<MapKind>) -> Self {
+        maps.into_iter().collect()
+    }
+}
+
+impl From<Maps> for Vec<MapKind> {
+    fn from(maps: Maps) -> Self {
+        maps.iter().collect()
     }
 }
 

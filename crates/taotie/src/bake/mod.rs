@@ -5,17 +5,22 @@
 //! [`crate::surface`]; here they are run over all texels, in parallel and with the same bits for any number of
 //! threads.
 
+mod alpha;
+mod appearance;
 mod baked_maps;
 mod cage;
-mod color;
 mod coverage;
 mod curvature;
 mod faults;
 mod fill;
 mod grow;
+mod joined;
 mod layout;
 mod levels;
+mod mapped_normal;
 mod maps;
+mod material_sums;
+mod normal_source;
 mod owner;
 mod projection;
 mod raster;
@@ -25,21 +30,30 @@ mod simplify;
 mod sky;
 mod texel_surface;
 mod texels;
+mod texture_lookup;
+mod textured_mesh;
 mod unwrap;
 mod uv_lookup;
 mod verify;
+mod verify_material;
 
+pub use appearance::MaterialSample;
 pub use baked_maps::{BakedMaps, TexelStatus};
 pub use cage::Cage;
 pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;
+pub use joined::low_poly_mesh;
 pub use levels::{DetailLevel, levels};
+pub use mapped_normal::MappedNormal;
 pub use maps::{MapKind, Maps};
 pub use projection::{Correspondence, ProjectionRay};
-pub use scan::{Scan, low_poly_mesh};
+pub use scan::Scan;
 pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeInput, BakeSettings, Baked, bake};
+pub use texture_lookup::LookupPoint;
+pub use textured_mesh::TexturedMesh;
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
 pub use verify::{Deviation, Fit, NormalError, Verifier};
+pub use verify_material::MaterialError;

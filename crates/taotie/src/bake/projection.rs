@@ -1,6 +1,8 @@
 //! The projection of a low-poly mesh onto the high-poly surface.
 
+use super::mapped_normal::MappedNormal;
 use super::scan::Scan;
+use super::texture_lookup::LookupPoint;
 use crate::math::Vec3;
 use crate::mesh::Point;
 use crate::trace::{Hit, Ray, RayInterval};
@@ -10,7 +12,7 @@ use crate::trace::{Hit, Ray, RayInterval};
 pub struct Correspondence {
     /// The height along the projection ray: above 0 outside the low-poly surface, model units.
     pub height: f32,
-    /// The interpolated normal there: unit, world space.
+    /// The interpolated normal there, without maps: unit, world space.
     pub normal: Vec3,
     /// The point itself, on the scan's mesh.
     pub point: Point,
@@ -47,6 +49,12 @@ impl Scan {
         let (ray, interval) = projection.ray(projection.direction);
         let (hit, normal) = self.bvh().nearest_to(&ray, interval, |hit| self.facing(hit, projection))?;
         Some(projection.found(&hit, normal))
+    }
+
+    /// Returns the normal of a correspondence with the relief of the scan's normal and height maps, which are read as
+    /// finely as `width`, model units; at their finest level where it is 0. Without a map it is the normal itself.
+    pub fn mapped_normal(&self, found: &Correspondence, width: f32) -> MappedNormal {
+        self.surface().normal(LookupPoint { point: found.point, width }, found.normal)
     }
 
     /// Returns the scan's normal at a hit, if it faces as the ray does.

@@ -1,21 +1,25 @@
 //! Baking: each sample of each texel finds its place on the scan, and the texel takes the mean of what is there.
 
+use super::alpha::under_common_mode;
+use super::appearance::MaterialSample;
 use super::baked_maps::{BakedMaps, BandMaps, TexelStatus};
 use super::cage::Cage;
 use super::curvature::mean_curvatures;
 use super::fill::fill;
 use super::layout::{BAND, Layout, TriangleSamples};
 use super::maps::{MapKind, Maps};
+use super::material_sums::MaterialSums;
 use super::projection::{Correspondence, ProjectionRay};
 use super::scan::Scan;
 use super::search::search;
 use super::sky::{AoSample, Sky};
+use super::texture_lookup::LookupPoint;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::progress::Progress;
-use crate::scene::NormalSpace;
+use crate::scene::{AlphaMode, NormalSpace};
 use crate::shade::SubPixelVariance;
 use crate::surface::tangent_space_normal;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -36,8 +40,8 @@ pub struct BakeSettings {
     pub sky_rays: u32,
     /// The distance within which surfaces block these rays, model units; `None` for any distance.
     pub sky_distance: Option<f32>,
-    /// The scan's own roughness, what artists set.
-    pub roughness: f32,
+    /// The roughness that the scan has instead of its materials' own, as artists set it; `None` for theirs.
+    pub roughness: Option<f32>,
     /// The number of texels around each UV island that take the value of the nearest one; `None` fills the whole map.
     pub dilation: Option<u32>,
 }
@@ -52,7 +56,7 @@ impl Default for BakeSettings {
             space: NormalSpace::Tangent,
             sky_rays: 64,
             sky_distance: None,
-            roughness: 0.6,
+            roughness: None,
             dilation: None,
         }
     }
@@ -126,6 +130,9 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
     let job = Job {
         sky: (wants(MapKind::Occlusion) || wants(MapKind::Bent)).then(|| sky(low, settings)),
         curvatures: if wants(MapKind::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
+        alpha: scan.surface().alpha_mode(),
+        reads_materials: settings.maps.has_any(&OF_MATERIALS),
+        without_hit: scan.surface().first_factors(),
         layout,
         cage,
         scan,
@@ -158,6 +165,16 @@ fn sky(low: &Mesh, settings: &BakeSettings) -> Sky {
     Sky::new(settings.sky_rays, settings.side * settings.side, distance, low.diagonal())
 }
 
+/// The maps that are read from the scan's materials.
+const OF_MATERIALS: [MapKind; 6] = [
+    MapKind::Albedo,
+    MapKind::Roughness,
+    MapKind::MetallicRoughness,
+    MapKind::Emission,
+    MapKind::Alpha,
+    MapKind::OcclusionMap,
+];
+
 /// All that a band needs.
 struct Job<'a> {
     layout: Layout<'a>,
@@ -167,6 +184,12 @@ struct Job<'a> {
     sky: Option<Sky>,
     /// Of the scan's vertices.
     curvatures: Vec<f32>,
+    /// The alpha mode that all of the scan is baked for.
+    alpha: AlphaMode,
+    /// `true` where a map of the scan's materials is baked.
+    reads_materials: bool,
+    /// The material of texels whose samples have no correspondence.
+    without_hit: MaterialSample,
 }
 
 /// Sums over a texel's samples.
@@ -182,12 +205,14 @@ struct Cell {
     t: Vec3,
     handedness: f32,
     heights: f32,
-    color: Vec3,
+    material: MaterialSums,
     /// Of directions over the hemisphere: all, and open ones.
     looked: f32,
     open: f32,
     bent: Vec3,
     curvature: f32,
+    /// Of the scan's normals within the lookup width.
+    variance: f32,
 }
 
 impl Job<'_> {
@@ -228,12 +253,13 @@ impl Job<'_> {
             .map(|sample| self.cage.projection_ray(self.layout.mesh, group.point(sample)))
             .collect();
         let found = search(self.scan, group, corners, &projections);
+        let width = group.spacing(corners);
         let mut ao_samples = Vec::new();
         for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
             let cell = &mut cells[sample.texel as usize];
             self.add_frame(group.point(sample), cell);
             let Some(found) = self.found(projection, found, cell) else { continue };
-            self.add(&found, cell);
+            self.add(&found, width, cell);
             if let Some(sky) = &self.sky {
                 let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
                 let class = y * self.layout.side + x;
@@ -283,11 +309,14 @@ impl Job<'_> {
         found
     }
 
-    fn add(&self, found: &Correspondence, cell: &mut Cell) {
-        cell.normal += found.normal;
+    /// Adds what the scan is at a correspondence, its textures read with this lookup width.
+    fn add(&self, found: &Correspondence, width: f32, cell: &mut Cell) {
+        let mapped = self.scan.mapped_normal(found, width);
+        cell.normal += mapped.normal;
+        cell.variance += mapped.variance;
         cell.heights += found.height;
-        if self.settings.maps.has(MapKind::Albedo) {
-            cell.color += Vec3::from_array(self.scan.color(found.point));
+        if self.reads_materials {
+            cell.material.add(self.material(LookupPoint { point: found.point, width }));
         }
         if !self.curvatures.is_empty() {
             let vertices = found.point.vertices(self.scan.mesh());
@@ -295,6 +324,13 @@ impl Job<'_> {
                 cell.curvature += self.curvatures[v] * weight;
             }
         }
+    }
+
+    /// Returns the scan's material at a point, its alpha as under the mode that is baked for.
+    fn material(&self, at: LookupPoint) -> MaterialSample {
+        let sample = self.scan.sample(at);
+        let own = self.scan.surface().material(at.point.triangle).alpha;
+        MaterialSample { alpha: under_common_mode(sample.alpha, own, self.alpha), ..sample }
     }
 
     /// Writes the means.
@@ -312,9 +348,6 @@ impl Job<'_> {
         if wanted.has(MapKind::Bent) {
             maps.bent[i] = self.turned(cell, cell.bent).to_array();
         }
-        if wanted.has(MapKind::Albedo) {
-            maps.albedo[i] = (cell.color * share).to_array();
-        }
         if wanted.has(MapKind::Height) {
             maps.heights[i] = cell.heights * share;
         }
@@ -324,11 +357,38 @@ impl Job<'_> {
         if wanted.has(MapKind::Curvature) {
             maps.curvature[i] = cell.curvature * share;
         }
+        if self.reads_materials {
+            self.store_material(i, &cell.material.mean().unwrap_or(self.without_hit), maps);
+        }
         if wanted.has(MapKind::Roughness) {
             let mean = cell.normal * share;
-            let normal_variance = (1.0 - mean.dot(mean)).clamp(0.0, 1.0);
-            maps.roughness[i] =
-                SubPixelVariance { curvature: 0.0f32, normal_variance }.widened(self.settings.roughness);
+            let normal_variance = (1.0 - mean.dot(mean) + cell.variance * share).clamp(0.0, 1.0);
+            let own = self.settings.roughness.unwrap_or(maps.roughness[i]);
+            maps.roughness[i] = SubPixelVariance { curvature: 0.0f32, normal_variance }.widened(own);
+        }
+    }
+
+    /// Writes the material of a texel.
+    fn store_material(&self, i: usize, mean: &MaterialSample, maps: &mut BandMaps<'_>) {
+        let wanted = self.settings.maps;
+        if wanted.has(MapKind::Albedo) {
+            maps.albedo[i] = mean.color.to_array();
+        }
+        if wanted.has_any(&[MapKind::Roughness, MapKind::MetallicRoughness]) {
+            maps.roughness[i] = mean.roughness;
+        }
+        if wanted.has(MapKind::MetallicRoughness) {
+            maps.metallic[i] = mean.metallic;
+        }
+        if wanted.has(MapKind::Emission) {
+            maps.emission[i] = mean.emission.to_array();
+        }
+        if wanted.has(MapKind::Alpha) {
+            maps.alpha[i] = mean.alpha;
+        }
+        // What rays find goes before what the texture says.
+        if wanted.has(MapKind::OcclusionMap) && !wanted.has(MapKind::Occlusion) {
+            maps.occlusion[i] = mean.occlusion;
         }
     }
 

@@ -1,9 +1,9 @@
 //! A surface looked up by its uvs, for pairs of meshes that share them.
 
-use super::scan::merged;
+use super::texture_lookup::LookupPoint;
+use super::textured_mesh::TexturedMesh;
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
-use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::trace::{Bvh, Ray};
 
@@ -11,7 +11,7 @@ use crate::trace::{Bvh, Ray};
 pub struct UvLookup {
     /// Each triangle at (u, v, 0).
     bvh: Bvh,
-    mesh: Mesh,
+    surface: TexturedMesh,
 }
 
 impl UvLookup {
@@ -20,20 +20,22 @@ impl UvLookup {
     /// # Errors
     /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
     pub fn new(scene: &Scene) -> Result<Self> {
-        let mut instances = scene.instances().to_vec();
-        instances.retain(|instance| !scene.meshes()[instance.mesh].uvs().is_empty());
-        let mesh = merged(&mut scene.meshes().to_vec(), &instances)?;
+        let mut scene = scene.clone().into_data();
+        scene.instances.retain(|instance| !scene.meshes[instance.mesh].uvs().is_empty());
+        let surface = TexturedMesh::new(Scene::new(scene)?)?;
+        let mesh = surface.mesh();
         let place = |v: u32| Vec3::new(mesh.uvs()[0][v as usize].x, mesh.uvs()[0][v as usize].y, 0.0);
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.triangles()[t].map(place));
-        Ok(Self { bvh, mesh })
+        Ok(Self { bvh, surface })
     }
 
-    /// Returns the position and the unit normal (world space) of the place with this uv; where triangles overlap, of
-    /// the first. `None` where there is none.
+    /// Returns the position and the unit normal (world space) of the place with this uv, maps of normals and heights
+    /// read at their finest level; where triangles overlap, of the first. `None` where there is none.
     pub fn at(&self, uv: Vec2) -> Option<(Vec3, Vec3)> {
         let ray = Ray::new(Vec3::new(uv.x, uv.y, -1.0), Vec3::new(0.0, 0.0, 1.0));
-        let hit = self.bvh.nearest(&ray, f32::INFINITY)?;
-        let point = hit.point();
-        Some((point.position(&self.mesh), point.normal(&self.mesh)))
+        let point = self.bvh.nearest(&ray, f32::INFINITY)?.point();
+        let mesh = self.surface.mesh();
+        let normal = self.surface.normal(LookupPoint::finest(point), point.normal(mesh)).normal;
+        Some((point.position(mesh), normal))
     }
 }

@@ -85,7 +85,7 @@ impl Matching {
                     let point = smooth.camera.point_at(at, depth.into(), size).to_f32();
                     let direction = Vec3::new(x, y, z);
                     let projection = ProjectionRay { point, direction, distance };
-                    scan.project(&projection).map(|found| found.normal)
+                    scan.project(&projection).map(|found| scan.mapped_normal(&found, 0.0).normal)
                 })
             }
         }

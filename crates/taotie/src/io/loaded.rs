@@ -5,7 +5,7 @@ use super::variants::Variants;
 use crate::error::{Error, Result, Warnings};
 use crate::scene::animation::Rig;
 use crate::scene::{Scene, SceneData};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The content of a model file: the scene, notes on what was put right, and facts for a report about the file.
 #[derive(Debug, Clone, Default)]
@@ -30,18 +30,24 @@ pub struct Loaded {
     pub mesh_names: Vec<String>,
     /// Files or names of `scene.textures`, in the same order.
     pub texture_names: Vec<String>,
+    /// Files that the model was read from beside its own.
+    pub files: Vec<PathBuf>,
     /// Files that the model names and that are not there.
     pub missing_files: Vec<String>,
     /// The rig that moves the scene, where the file has animations; the scene itself is at rest.
     pub rig: Option<Rig>,
+    /// The way in which the file's model moves: `a skin`, `morph targets` or `animations`; the scene itself is at rest.
+    pub moving: Option<&'static str>,
     /// The sets of materials that the file offers; the scene itself has none of them applied.
     pub variants: Variants,
+    /// How many levels of detail the file has; [`super::load_level`] reads each. 1 where the format knows of none.
+    pub levels: usize,
 }
 
 impl Loaded {
     /// Makes a loaded scene with nothing more to report.
     pub fn new(scene: Scene, warnings: Warnings, format: &'static str) -> Self {
-        Self { scene, warnings, format, ..Self::default() }
+        Self { scene, warnings, format, levels: 1, ..Self::default() }
     }
 }
 

@@ -32,4 +32,6 @@ pub use convert::{
 };
 pub use heights::Heights;
 pub use source::{MapContent, MapSource, guessed_content};
-pub use store::{Storage, Stored, green_turned, requantised, store_codes, store_normals, store_unit_vectors};
+pub use store::{
+    Storage, Stored, green_turned, requantised, store_codes, store_normals, store_rgba, store_unit_vectors,
+};

@@ -139,6 +139,29 @@ pub fn store_codes(
     stored(size, channels, storage, number)
 }
 
+/// Returns numbers in [0, 1] with their alpha, stored: those of texel i, row by row from the top, are `code(i)`. Alpha
+/// is not dithered, so what is opaque stays so.
+///
+/// ```
+/// use taotie::image::Texels;
+/// use taotie::normal_map::{Storage, store_rgba};
+///
+/// let map = store_rgba([1, 1], |_| [1.0, 0.5, 0.0, 0.2], Storage { bits: 8, dither: false })?;
+/// assert_eq!(map.texels(), &Texels::U8(vec![[255, 128, 0, 51]]));
+/// assert_eq!(map.channels(), 4);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Invalid`] where the bits are neither 8 nor 16.
+pub fn store_rgba(
+    size: [u32; 2],
+    code: impl Fn(usize) -> [f32; 4] + Sync,
+    storage: Storage,
+) -> Result<Bitmap> {
+    stored(size, 4, storage, code)
+}
+
 /// Returns the numbers of a bitmap in other bits; alpha is kept. More bits change nothing, and back again neither.
 ///
 /// ```

@@ -5,6 +5,7 @@ use taotie::io::{
     GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, Provenance, write_gltf, write_scene,
 };
 use taotie::mesh::Mesh;
+use taotie::scene::{AlphaMode, Clearcoat, Material};
 
 /// What the validator tells of sound files: extensions that it does not know, what only they use, and attributes that
 /// no texture needs.
@@ -39,16 +40,32 @@ fn every_kind_of_file_is_valid() {
         ..GltfMaterial::default()
     };
     let deep = GltfMaterial { normal_map: Some((&maps.3).into()), ..plain };
+    let coat = Clearcoat {
+        factor: 0.5,
+        factor_texture: None,
+        roughness: 0.25,
+        roughness_texture: None,
+        normal: None,
+    };
+    let layers = Material { ior: 1.25, clearcoat: Some(coat), ..Material::default() };
+    let glowing = GltfMaterial {
+        emissive: [4.0, 2.0, 1.0],
+        emissive_map: Some((&maps.0).into()),
+        alpha: AlphaMode::Mask(0.25),
+        layers: Some(&layers),
+        ..plain
+    };
     let (fine, coarse, large) = (bumpy::sphere(24, 12), bumpy::sphere(12, 6), bumpy::sheet(257, 257));
     let one = [level(&fine)];
     let several =
         [GltfLevel { mesh: &fine, coverage: Some(0.5) }, GltfLevel { mesh: &coarse, coverage: Some(0.1) }];
     let large = [level(&large)];
     let xmp = Provenance { source: "jug.ply", sha256: "00", tool: "a tool", parameters: "" }.extend(None);
-    let cases: [(&[GltfLevel], GltfMaterial); 5] = [
+    let cases: [(&[GltfLevel], GltfMaterial); 6] = [
         (&one, GltfMaterial::default()),
         (&one, plain),
         (&one, deep),
+        (&one, glowing),
         (&several, plain),
         (&large, GltfMaterial::default()),
     ];

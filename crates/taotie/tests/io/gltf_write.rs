@@ -33,6 +33,7 @@ impl Maps {
             normal_map: Some((&self.normal).into()),
             normal_scale: 1.5,
             double_sided: true,
+            ..GltfMaterial::default()
         }
     }
 }

@@ -18,6 +18,7 @@ mod validator;
 
 mod animation;
 mod geometry;
+mod gltf_levels;
 mod gltf_materials;
 mod gltf_packed;
 mod gltf_packed_write;
@@ -29,5 +30,6 @@ mod gltf_textures;
 #[cfg(feature = "webp")]
 mod gltf_validator;
 mod gltf_write;
+mod gltf_write_material;
 mod mutations;
 mod scans;

@@ -265,7 +265,7 @@ fn what_is_not_there_is_counted_and_never_made_up() {
 }
 
 /// Every map of two bakes: the name, and the greatest difference of a number.
-fn differences(a: &BakedMaps, b: &BakedMaps) -> [(&'static str, f32); 7] {
+fn differences(a: &BakedMaps, b: &BakedMaps) -> [(&'static str, f32); 10] {
     let most = |a: &[f32], b: &[f32]| {
         assert_eq!(a.len(), b.len());
         a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
@@ -278,6 +278,9 @@ fn differences(a: &BakedMaps, b: &BakedMaps) -> [(&'static str, f32); 7] {
         ("bent", most(a.bent.as_flattened(), b.bent.as_flattened())),
         ("curvature", most(&a.curvature, &b.curvature)),
         ("roughness", most(&a.roughness, &b.roughness)),
+        ("metallic", most(&a.metallic, &b.metallic)),
+        ("alpha", most(&a.alpha, &b.alpha)),
+        ("emission", most(a.emission.as_flattened(), b.emission.as_flattened())),
     ]
 }
 
@@ -349,8 +352,11 @@ fn relief_finer_than_a_texel_becomes_roughness() {
     let scan = scan(Mesh::new(data).unwrap());
     let low = with_frames(&square(0.0, 2.0), 0, None).unwrap().0.into_owned();
     let bake_at = |size: u32, side: u32| {
-        let settings =
-            BakeSettings { roughness: 0.3, side, ..settings(size, &[MapKind::Roughness, MapKind::Normal]) };
+        let settings = BakeSettings {
+            roughness: Some(0.3),
+            side,
+            ..settings(size, &[MapKind::Roughness, MapKind::Normal])
+        };
         baked(&low, &scan, &settings).0.maps
     };
     let coarse = bake_at(16, 8);

@@ -17,6 +17,8 @@ mod random;
 mod skies;
 
 mod bake;
+mod bake_color;
+mod bake_material;
 mod bake_scan;
 mod energy;
 mod environment;

@@ -15,6 +15,7 @@ mod extensions;
 mod filters;
 mod images;
 mod layers;
+mod levels;
 mod lights;
 mod materials;
 mod meshes;
@@ -44,14 +45,15 @@ use crate::scene::{Instance, Material, SceneData};
 use document::Document;
 use meshes::Meshes;
 use nodes::Nodes;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use textures::{Decoded, Textures};
 
-/// Reads a `.gltf` or `.glb` file with everything it names.
-pub(super) fn read(path: &Path) -> Result<Loaded> {
+/// Reads a `.gltf` or `.glb` file with everything it names, at a level of detail, 0 the finest.
+pub(super) fn read(path: &Path, level: usize) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let document = Document::open(path, &mut warnings)?;
-    let nodes = Nodes::resolve(&document, &mut warnings)?;
+    let nodes = Nodes::resolve(&document, level, &mut warnings)?;
+    let levels = nodes.levels;
     let mut shown = meshes::build(&document, &nodes, &mut warnings)?;
     let (meshes, mut instances) = (std::mem::take(&mut shown.meshes), std::mem::take(&mut shown.instances));
     let (mesh_names, variants) = (std::mem::take(&mut shown.names), std::mem::take(&mut shown.variants));
@@ -66,6 +68,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
     let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
     let rig = hung.rig(&document, nodes, &mut warnings)?;
+    let (files, moving) = (files(&document), moving(&document));
     let Document { root, xmp, .. } = document;
     Ok(Loaded {
         generator: root.asset.generator,
@@ -75,11 +78,34 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
         extensions_required: root.extensions_required,
         mesh_names,
         texture_names,
+        files,
         missing_files,
         rig,
+        moving,
         variants,
+        levels,
         ..Loaded::new(checked(path, scene)?, warnings, document.format)
     })
+}
+
+/// Returns the files beside the document that it names and that are there.
+fn files(document: &Document) -> Vec<PathBuf> {
+    let buffers = document.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+    let images = document.root.images.iter().filter_map(|image| image.uri.as_deref());
+    buffers.chain(images).filter_map(|uri| uri::file(uri, document.folder())).collect()
+}
+
+/// Says how the model moves: by a skin, by morph targets, or by animations alone.
+fn moving(document: &Document) -> Option<&'static str> {
+    let root = &document.root;
+    let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if root.nodes.iter().any(|node| node.skin.is_some()) {
+        return Some("a skin");
+    }
+    if primitives.any(|primitive| primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty())) {
+        return Some("morph targets");
+    }
+    (!document.animations.is_empty()).then_some("animations")
 }
 
 /// The meshes, cameras and lights of nodes.

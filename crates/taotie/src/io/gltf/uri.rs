@@ -47,6 +47,17 @@ pub(super) fn locate(uri: &str, folder: &Path) -> Reason<ByteSource> {
     Ok(ByteSource::File(found.clone()))
 }
 
+/// Returns the file that `uri` names, seen from `folder`, where it is there.
+pub(super) fn file(uri: &str, folder: &Path) -> Option<PathBuf> {
+    if strip_scheme(uri, "data:").is_some() {
+        return None;
+    }
+    match locate(uri, folder) {
+        Ok(ByteSource::File(path)) => path.is_file().then_some(path),
+        _ => None,
+    }
+}
+
 /// Returns a URI fit for one line of a message.
 pub(super) fn shortened(uri: &str) -> String {
     let start: String = uri.chars().filter(|c| !c.is_control()).take(80).collect();
@@ -112,6 +123,17 @@ mod tests {
         std::fs::write(folder.path().join("a b/e.bin"), "").unwrap();
         let Ok(ByteSource::File(found)) = locate("a b\\e.bin", folder.path()) else { panic!("a file") };
         assert!(found.exists());
+    }
+
+    #[test]
+    fn files_are_those_that_are_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let there = folder.path().join("a b.bin");
+        std::fs::write(&there, "").unwrap();
+        assert_eq!(file("a%20b.bin", folder.path()), Some(there));
+        for uri in ["absent.bin", "data:,a%20b.bin", "file:///etc/passwd"] {
+            assert_eq!(file(uri, folder.path()), None, "{uri}");
+        }
     }
 
     #[test]

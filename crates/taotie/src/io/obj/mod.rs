@@ -49,10 +49,10 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
 }
 
 fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Loaded) -> SceneData {
-    let Loaded { warnings, missing_files, .. } = loaded;
+    let library = library(folder, obj, loaded);
+    let warnings = &mut loaded.warnings;
     let mut scene = SceneData::default();
     let mut textures = Textures::new(folder);
-    let library = library(folder, obj, warnings, missing_files);
     let mut material_of_name: HashMap<Option<usize>, usize> = HashMap::new();
     let mut unknown = 0;
     for (name, mesh) in parts {
@@ -72,6 +72,7 @@ fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Load
     }
     scene.textures = textures.list;
     loaded.texture_names = textures.names;
+    loaded.files.append(&mut textures.files);
     loaded.missing_files.append(&mut textures.missing_files);
     scene
 }
@@ -92,12 +93,8 @@ fn note_unknown(name: &str, unknown: &mut usize, warnings: &mut Warnings) {
 }
 
 /// The materials of all libraries by name; of equal names, the last.
-fn library(
-    folder: &Path,
-    obj: &Obj,
-    warnings: &mut Warnings,
-    missing_files: &mut Vec<String>,
-) -> HashMap<String, Mtl> {
+fn library(folder: &Path, obj: &Obj, loaded: &mut Loaded) -> HashMap<String, Mtl> {
+    let Loaded { warnings, missing_files, files, .. } = loaded;
     let mut materials = HashMap::new();
     for names in obj.libraries.iter().take(NAMED) {
         for name in library_files(names, folder) {
@@ -113,6 +110,7 @@ fn library(
                 Ok((path, text)) => {
                     let found = mtl::parse(&path, &text, warnings);
                     materials.extend(found.into_iter().map(|m| (m.name.clone(), m)));
+                    files.push(path);
                 }
                 Err(error) => warnings.note(error.to_string(), 1),
             }

@@ -8,7 +8,7 @@ use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, Texels, Texture};
 use crate::surface::{NormalMapKind, is_normal_map};
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The number of missing files that are named one by one.
 const NAMED: usize = 64;
@@ -21,6 +21,8 @@ pub(super) struct Textures<'a> {
     pub list: Vec<Texture>,
     /// The files that each texture was made from.
     pub names: Vec<String>,
+    /// The files that were read.
+    pub files: Vec<PathBuf>,
     /// The files that are not there.
     pub missing_files: Vec<String>,
     known: HashMap<String, Option<usize>>,
@@ -33,6 +35,7 @@ impl<'a> Textures<'a> {
             folder,
             list: Vec::new(),
             names: Vec::new(),
+            files: Vec::new(),
             missing_files: Vec::new(),
             known: HashMap::new(),
             missing: HashSet::new(),
@@ -93,7 +96,10 @@ impl<'a> Textures<'a> {
                 "it is not there".to_owned()
             }
             Some(path) => match read_bitmap(&path) {
-                Ok(bitmap) => return Some(bitmap),
+                Ok(bitmap) => {
+                    self.files.push(path);
+                    return Some(bitmap);
+                }
                 Err(error) => error.to_string(),
             },
         };

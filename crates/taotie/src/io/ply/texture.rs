@@ -32,6 +32,7 @@ pub(super) fn load(path: &Path, name: &str, loaded: &mut Loaded) -> Option<Textu
     match read_bitmap(&file) {
         Ok(bitmap) => {
             loaded.texture_names.push(name.to_owned());
+            loaded.files.push(file);
             Some(Texture::new(bitmap, Encoding::Srgb))
         }
         Err(error) => {

@@ -1,13 +1,14 @@
 //! The textures of a material: each image encoded once, and its place in a document.
 
 use super::material::GltfMaterial;
-use super::{GltfDraft, ktx};
+use super::{GltfDraft, ktx, samplers};
 use crate::error::{Error, Result};
-use crate::image::{Bitmap, Encoding, Texels};
+use crate::image::{Bitmap, Encoding, Sampler, Texels};
 use crate::io::write::FileBytes;
 use crate::io::write::png::interleaved;
 use crate::io::{PngColor, PngImage, PngSamples, encode_png};
 use crate::parallel;
+use crate::scene::AlphaMode;
 #[cfg(feature = "webp")]
 use image::{ExtendedColorType, codecs::webp::WebPEncoder};
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
@@ -15,15 +16,10 @@ use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// glTF's numbers for filters and wrapping.
-const LINEAR: u32 = 9729;
-const LINEAR_MIPMAP_LINEAR: u32 = 9987;
-const CLAMP_TO_EDGE: u32 = 33071;
-
 /// A texture's image.
 #[derive(Debug, Clone, Copy)]
 pub enum GltfImage<'a> {
-    /// Texels of 8 or 16 bits; alpha is not written.
+    /// Texels of 8 or 16 bits; alpha is written where the material reads it.
     Bitmap(&'a Bitmap),
     /// A file that lies beside the model already, by its relative path with `/`.
     File(&'a str),
@@ -57,8 +53,8 @@ pub enum GltfImages {
     /// cannot read the file.
     WebP,
     /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu): a byte a texel in the file and, packed, on graphics
-    /// cards, and lossy; 16 bits are rounded to 8, and sides must be multiples of 4. Programs that do not know the
-    /// extension cannot read the file.
+    /// cards, and lossy; 16 bits are rounded to 8, and sides must be multiples of 4. Images with alpha that is read are
+    /// PNG. Programs that do not know the extension cannot read the file.
     Ktx2,
 }
 
@@ -96,12 +92,13 @@ pub(super) enum Slot {
     MetallicRoughness,
     Occlusion,
     Normal,
+    Emissive,
 }
 
 impl Slot {
     fn encoding(self) -> Encoding {
         match self {
-            Self::BaseColor => Encoding::Srgb,
+            Self::BaseColor | Self::Emissive => Encoding::Srgb,
             Self::Normal => Encoding::Normal,
             Self::MetallicRoughness | Self::Occlusion => Encoding::Linear,
         }
@@ -114,7 +111,24 @@ pub(super) struct Encoded<'a> {
     image: GltfImage<'a>,
     format: GltfImages,
     slots: Vec<Slot>,
+    /// `true` where the material reads its alpha.
+    alpha: bool,
     bytes: Vec<u8>,
+}
+
+impl<'a> Encoded<'a> {
+    /// Takes the image of a slot, not encoded yet.
+    fn new(slot: Slot, image: GltfImage<'a>, alpha: AlphaMode) -> Self {
+        let has_alpha = matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
+        let alpha = has_alpha && slot == Slot::BaseColor && alpha != AlphaMode::Opaque;
+        Self { image, format: GltfImages::Png, slots: vec![slot], alpha, bytes: Vec::new() }
+    }
+
+    /// Chooses the format; KTX2 holds no alpha.
+    fn packed(self, format: GltfImages) -> Self {
+        let format = if self.alpha && format == GltfImages::Ktx2 { GltfImages::Png } else { format };
+        Self { format, ..self }
+    }
 }
 
 impl Encoded<'_> {
@@ -149,6 +163,7 @@ impl Encoded<'_> {
             [Slot::BaseColor, ..] => "color",
             [Slot::MetallicRoughness, ..] => "metallic_roughness",
             [Slot::Occlusion, ..] => "occlusion",
+            [Slot::Emissive, ..] => "emissive",
             [Slot::Normal, ..] | [] => "normal",
         }
     }
@@ -177,13 +192,13 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Res
         };
         match images.iter_mut().find(shared) {
             Some(known) => known.slots.push(slot),
-            None => images.push(Encoded { image, format, slots: vec![slot], bytes: Vec::new() }),
+            None => images.push(Encoded::new(slot, image, material.alpha).packed(format)),
         }
     }
     let bytes = parallel::tasks(images.len(), &|i| match images[i].image {
         GltfImage::Bitmap(bitmap) => {
-            let stored = Stored { encoding: images[i].slots[0].encoding(), alpha: false };
-            encode_bitmap(bitmap, stored, format)
+            let stored = Stored { encoding: images[i].slots[0].encoding(), alpha: images[i].alpha };
+            encode_bitmap(bitmap, stored, images[i].format)
         }
         GltfImage::File(_) => Ok(Vec::new()),
     });
@@ -273,8 +288,8 @@ pub(super) enum ImageStorage<'a> {
     Beside(&'a str),
 }
 
-/// Adds images, and a texture for each.
-pub(super) fn add(draft: &mut GltfDraft, images: &[Encoded], storage: &ImageStorage) {
+/// Adds images, and a texture for each, all read by one sampler.
+pub(super) fn add(draft: &mut GltfDraft, images: &[Encoded], storage: &ImageStorage, sampler: &Sampler) {
     if images.is_empty() {
         return;
     }
@@ -283,10 +298,7 @@ pub(super) fn add(draft: &mut GltfDraft, images: &[Encoded], storage: &ImageStor
     let textures: Vec<Value> = images.iter().enumerate().map(|(i, image)| image.texture(i)).collect();
     draft.json["images"] = json!(json);
     draft.json["textures"] = json!(textures);
-    draft.json["samplers"] = json!([{
-        "magFilter": LINEAR, "minFilter": LINEAR_MIPMAP_LINEAR,
-        "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE,
-    }]);
+    draft.json["samplers"] = json!([samplers::json(sampler)]);
 }
 
 fn entry(draft: &mut GltfDraft, image: &Encoded, storage: &ImageStorage) -> Value {

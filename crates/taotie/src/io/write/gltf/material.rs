@@ -1,7 +1,10 @@
 //! The material of a model to be written.
 
 use super::images::{Encoded, GltfImage, Slot};
+use super::layers::{self, Emission};
+use super::number::short;
 use crate::error::{Error, Result};
+use crate::scene::{AlphaMode, Material};
 use serde_json::{Value, json};
 
 /// glTF's metallic-roughness material; textures are multiplied by the factors and show the first uv set.
@@ -9,13 +12,13 @@ use serde_json::{Value, json};
 pub struct GltfMaterial<'a> {
     /// Its name; may be empty.
     pub name: &'a str,
-    /// The base colour, linear RGBA, each in [0, 1]; alpha is not drawn.
+    /// The base colour, linear RGBA, each in [0, 1]; `alpha` says whether the last is read.
     pub base_color: [f32; 4],
     /// The metalness, [0, 1].
     pub metallic: f32,
     /// The roughness, [0, 1]; α is its square.
     pub roughness: f32,
-    /// The base colour texture, sRGB-encoded.
+    /// The base colour texture, sRGB-encoded; its alpha is written where `alpha` reads it.
     pub base_color_map: Option<GltfImage<'a>>,
     /// The roughness in green and the metalness in blue; linear.
     pub metallic_roughness_map: Option<GltfImage<'a>>,
@@ -28,6 +31,15 @@ pub struct GltfMaterial<'a> {
     pub normal_map: Option<GltfImage<'a>>,
     /// The factor of x and y of the normals; finite.
     pub normal_scale: f32,
+    /// The emitted radiance, linear RGB, 0 or more.
+    pub emissive: [f32; 3],
+    /// The texture that multiplies `emissive`, sRGB-encoded.
+    pub emissive_map: Option<GltfImage<'a>>,
+    /// The treatment of alpha.
+    pub alpha: AlphaMode,
+    /// A material whose layers this one has: index of refraction, specular strength, clearcoat, anisotropy, sheen, no
+    /// light. Their factors are written, their textures are not.
+    pub layers: Option<&'a Material>,
     /// `true` where triangles are seen from both sides.
     pub double_sided: bool,
 }
@@ -46,6 +58,10 @@ impl Default for GltfMaterial<'_> {
             occlusion_strength: 1.0,
             normal_map: None,
             normal_scale: 1.0,
+            emissive: [0.0; 3],
+            emissive_map: None,
+            alpha: AlphaMode::Opaque,
+            layers: None,
             double_sided: false,
         }
     }
@@ -59,6 +75,7 @@ impl<'a> GltfMaterial<'a> {
             (Slot::MetallicRoughness, self.metallic_roughness_map),
             (Slot::Occlusion, self.occlusion_map),
             (Slot::Normal, self.normal_map),
+            (Slot::Emissive, self.emissive_map),
         ]
         .into_iter()
         .filter_map(|(slot, image)| Some((slot, image?)))
@@ -80,6 +97,14 @@ impl<'a> GltfMaterial<'a> {
             if !(0.0..=1.0).contains(&value) {
                 return Err(Error::invalid(name, format!("{value} is not in [0, 1]")));
             }
+        }
+        if let Some(value) = self.emissive.into_iter().find(|v| !(0.0..=f32::MAX).contains(v)) {
+            return Err(Error::invalid("emission", format!("{value} is not 0 or more, and finite")));
+        }
+        if let AlphaMode::Mask(cutoff) = self.alpha
+            && !(0.0..=f32::MAX).contains(&cutoff)
+        {
+            return Err(Error::invalid("alpha cutoff", format!("{cutoff} is not 0 or more, and finite")));
         }
         if !self.normal_scale.is_finite() {
             return Err(Error::invalid("normal scale", format!("{} is not finite", self.normal_scale)));
@@ -112,11 +137,22 @@ pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
     if let Some(index) = texture(Slot::Normal) {
         json["normalTexture"] = json!({ "index": index, "scale": short(material.normal_scale) });
     }
+    if let Some(index) = texture(Slot::Emissive) {
+        json["emissiveTexture"] = json!({ "index": index });
+    }
+    if material.emissive != [0.0; 3] {
+        json["emissiveFactor"] = json!(Emission::of(material.emissive).color);
+    }
+    layers::say_alpha(&mut json, material.alpha);
+    for (name, extension) in extensions(material) {
+        json["extensions"][name] = extension;
+    }
     json["pbrMetallicRoughness"] = pbr;
     json
 }
 
-/// Returns the number that prints as the float does: 0.7 and not 0.699999988.
-pub(super) fn short(value: f32) -> f64 {
-    value.to_string().parse().unwrap_or(f64::from(value))
+/// Returns the material's extensions: emission beyond 1, and layers.
+pub(super) fn extensions(material: &GltfMaterial) -> Vec<(&'static str, Value)> {
+    let strength = Emission::of(material.emissive).extension().map(|json| (layers::STRENGTH, json));
+    strength.into_iter().chain(material.layers.into_iter().flat_map(layers::factors)).collect()
 }

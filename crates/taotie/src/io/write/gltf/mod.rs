@@ -4,9 +4,12 @@ mod container;
 mod draft;
 mod images;
 mod ktx;
+mod layers;
 mod material;
 mod mesh;
+mod number;
 mod packed;
+mod samplers;
 mod scene;
 
 pub use draft::GltfDraft;
@@ -16,8 +19,10 @@ pub use scene::{WrittenScene, write_scene};
 
 use super::{FileBytes, write_files};
 use crate::error::{Error, Result};
+use crate::image::{Sampler, Wrap};
 use crate::io::json::Json;
 use crate::io::xmp;
+use crate::math::Vec2;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use images::{Encoded, ImageStorage};
@@ -177,8 +182,17 @@ fn draft(
     if asset.levels.len() > 1 {
         draft.uses(LEVELS);
     }
-    images::add(&mut draft, images, storage);
+    material::extensions(&asset.material).into_iter().for_each(|(name, _)| draft.uses(name));
+    images::add(&mut draft, images, storage, &sampler(asset));
     Ok(draft)
+}
+
+/// Returns the sampler of all textures: trilinear, repeated where uvs leave [0, 1].
+fn sampler(asset: &GltfAsset) -> Sampler {
+    let is_inside = |uv: &Vec2| (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y);
+    let mut sets = asset.levels.iter().filter_map(|level| level.mesh.uvs().first());
+    let wrap = if sets.all(|uvs| uvs.iter().all(is_inside)) { Wrap::Clamp } else { Wrap::Repeat };
+    Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() }
 }
 
 fn named(asset: &GltfAsset, mut json: Value) -> Value {
@@ -203,7 +217,7 @@ fn nodes(asset: &GltfAsset, grid: Option<&Grid>) -> Vec<Value> {
         nodes[0]["extensions"] = json!({ LEVELS: { "ids": (1..nodes.len()).collect::<Vec<_>>() } });
         let coverages: Option<Vec<f32>> = asset.levels.iter().map(|level| level.coverage).collect();
         if let Some(coverages) = coverages {
-            let short: Vec<f64> = coverages.into_iter().map(material::short).collect();
+            let short: Vec<f64> = coverages.into_iter().map(number::short).collect();
             nodes[0]["extras"] = json!({ "MSFT_screencoverage": short });
         }
     }

@@ -1,97 +1,61 @@
-//! Material layers by extensions: index of refraction, specular strength, clearcoat, anisotropy, sheen, no light.
+//! Material layers by extensions: index of refraction, specular strength, clearcoat, anisotropy, sheen, no light. Their
+//! factors are [`layers::factors`]; here they get their textures.
 
-use super::super::material::short;
+use super::super::layers;
 use super::materials::Extensions;
 use super::writer::Writer;
-use crate::scene::{Anisotropy, Clearcoat, Material, Sheen, Specular, TextureRef};
-use serde_json::{Value, json};
+use crate::scene::{Material, TextureRef};
 
-/// The index of refraction of materials that name none.
-const IOR: f32 = 1.5;
+/// A texture of a layer.
+struct LayerMap {
+    /// The layer's extension.
+    layer: &'static str,
+    /// The extension's member.
+    member: &'static str,
+    texture: Option<TextureRef>,
+}
 
 impl Writer<'_> {
     /// Adds the layers of a material beyond glTF's own factors.
     pub(super) fn layers(&mut self, mut extensions: Extensions, material: &Material) -> Extensions {
-        let mut layers: Vec<(&'static str, Value)> = Vec::new();
-        if material.unlit {
-            layers.push(("KHR_materials_unlit", json!({})));
-        }
-        if material.ior != IOR {
-            layers.push(("KHR_materials_ior", json!({ "ior": short(material.ior) })));
-        }
-        if material.specular != Specular::default() {
-            layers.push(("KHR_materials_specular", self.specular(&material.specular)));
-        }
-        if let Some(coat) = &material.clearcoat {
-            layers.push(("KHR_materials_clearcoat", self.clearcoat(coat)));
-        }
-        if let Some(anisotropy) = &material.anisotropy {
-            layers.push(("KHR_materials_anisotropy", self.anisotropy(anisotropy)));
-        }
         if let Some(sheen) = &material.sheen {
-            layers.push(("KHR_materials_sheen", self.sheen(sheen)));
+            self.note_above_one("colours of sheen", &sheen.color);
         }
-        for (name, json) in layers {
+        let maps = maps(material);
+        for (name, mut json) in layers::factors(material) {
             self.draft.uses(name);
+            for map in maps.iter().filter(|map| map.layer == name) {
+                if let Some(texture) = &map.texture {
+                    json[map.member] = self.slot(texture);
+                }
+            }
+            let coat = material.clearcoat.filter(|_| name == layers::CLEARCOAT);
+            if let Some(map) = self.normal_map(coat.and_then(|coat| coat.normal).as_ref()) {
+                json["clearcoatNormalTexture"] = map;
+            }
             extensions.insert(name.into(), json);
         }
         extensions
     }
+}
 
-    fn specular(&mut self, specular: &Specular) -> Value {
-        let json = json!({
-            "specularFactor": short(specular.factor),
-            "specularColorFactor": specular.color.map(short),
-        });
-        let maps =
-            [("specularTexture", specular.factor_texture), ("specularColorTexture", specular.color_texture)];
-        self.with_maps(json, maps)
+/// Returns the places of textures in a material's layers; normal maps have their own way.
+fn maps(material: &Material) -> Vec<LayerMap> {
+    let of = |layer, member, texture| LayerMap { layer, member, texture };
+    let mut maps = vec![
+        of(layers::SPECULAR, "specularTexture", material.specular.factor_texture),
+        of(layers::SPECULAR, "specularColorTexture", material.specular.color_texture),
+    ];
+    if let Some(coat) = &material.clearcoat {
+        maps.push(of(layers::CLEARCOAT, "clearcoatTexture", coat.factor_texture));
+        maps.push(of(layers::CLEARCOAT, "clearcoatRoughnessTexture", coat.roughness_texture));
     }
-
-    fn clearcoat(&mut self, coat: &Clearcoat) -> Value {
-        let json = json!({
-            "clearcoatFactor": short(coat.factor),
-            "clearcoatRoughnessFactor": short(coat.roughness),
-        });
-        let maps = [
-            ("clearcoatTexture", coat.factor_texture),
-            ("clearcoatRoughnessTexture", coat.roughness_texture),
-        ];
-        let mut json = self.with_maps(json, maps);
-        if let Some(map) = self.normal_map(coat.normal.as_ref()) {
-            json["clearcoatNormalTexture"] = map;
-        }
-        json
+    if let Some(anisotropy) = &material.anisotropy {
+        maps.push(of(layers::ANISOTROPY, "anisotropyTexture", anisotropy.texture));
     }
-
-    fn anisotropy(&mut self, anisotropy: &Anisotropy) -> Value {
-        let json = json!({
-            "anisotropyStrength": short(anisotropy.strength),
-            "anisotropyRotation": anisotropy.rotation,
-        });
-        self.with_maps(json, [("anisotropyTexture", anisotropy.texture)])
+    if let Some(sheen) = &material.sheen {
+        maps.push(of(layers::SHEEN, "sheenColorTexture", sheen.color_texture));
+        maps.push(of(layers::SHEEN, "sheenRoughnessTexture", sheen.roughness_texture));
     }
-
-    fn sheen(&mut self, sheen: &Sheen) -> Value {
-        let json = json!({
-            "sheenColorFactor": self.fractions("colours of sheen", sheen.color),
-            "sheenRoughnessFactor": short(sheen.roughness),
-        });
-        let maps =
-            [("sheenColorTexture", sheen.color_texture), ("sheenRoughnessTexture", sheen.roughness_texture)];
-        self.with_maps(json, maps)
-    }
-
-    fn with_maps<const N: usize>(
-        &mut self,
-        mut json: Value,
-        maps: [(&'static str, Option<TextureRef>); N],
-    ) -> Value {
-        for (name, map) in maps {
-            if let Some(map) = map {
-                json[name] = self.slot(&map);
-            }
-        }
-        json
-    }
+    maps
 }

@@ -1,6 +1,6 @@
 //! Lights (KHR_lights_punctual) and cameras, each on a separate node.
 
-use super::super::material::short;
+use super::super::number::short;
 use super::writer::{Writer, placed};
 use crate::error::Result;
 use crate::math::{Mat4, Vec3};

@@ -1,8 +1,9 @@
 //! Materials: glTF's own factors and textures. [`super::layers`] writes the layers that extensions add.
 
-use super::super::material::short;
+use super::super::layers::{self, Emission};
+use super::super::number::short;
 use super::writer::Writer;
-use crate::scene::{AlphaMode, GreenChannel, Material, NormalMap, NormalSpace, TextureRef};
+use crate::scene::{GreenChannel, Material, NormalMap, NormalSpace, TextureRef};
 use serde_json::{Map, Value, json};
 
 /// The members of a material's extensions, by name.
@@ -27,7 +28,7 @@ impl Writer<'_> {
         if let Some(map) = &material.emissive_texture {
             json["emissiveTexture"] = self.slot(map);
         }
-        say_alpha(&mut json, material.alpha);
+        layers::say_alpha(&mut json, material.alpha);
         let extensions = self.emission(&mut json, material.emissive);
         let extensions = self.layers(extensions, material);
         if !extensions.is_empty() {
@@ -61,21 +62,25 @@ impl Writer<'_> {
 
     /// Returns colours as fractions; those above 1 are clamped and noted.
     pub(super) fn fractions<const N: usize>(&mut self, what: &str, values: [f32; N]) -> Vec<f64> {
+        self.note_above_one(what, &values);
+        values.into_iter().map(|v| short(v.min(1.0))).collect()
+    }
+
+    /// Notes colours above 1.
+    pub(super) fn note_above_one(&mut self, what: &str, values: &[f32]) {
         let above = values.iter().any(|v| *v > 1.0);
         self.note(&format!("{what} above 1, which glTF clamps"), usize::from(above));
-        values.into_iter().map(|v| short(v.min(1.0))).collect()
     }
 
     /// Writes the emission; above 1 it is a colour times a strength.
     fn emission(&mut self, json: &mut Value, emissive: [f32; 3]) -> Extensions {
-        const STRENGTH: &str = "KHR_materials_emissive_strength";
+        let emission = Emission::of(emissive);
+        json["emissiveFactor"] = json!(emission.color);
         let mut extensions = Extensions::new();
-        let most = emissive.into_iter().fold(1.0, f32::max);
-        if most > 1.0 {
-            self.draft.uses(STRENGTH);
-            extensions.insert(STRENGTH.into(), json!({ "emissiveStrength": short(most) }));
+        if let Some(strength) = emission.extension() {
+            self.draft.uses(layers::STRENGTH);
+            extensions.insert(layers::STRENGTH.into(), strength);
         }
-        json["emissiveFactor"] = json!(emissive.map(|v| short(v / most)));
         extensions
     }
 
@@ -95,16 +100,5 @@ impl Writer<'_> {
     /// Returns the JSON that names a texture.
     pub(super) fn slot(&mut self, used: &TextureRef) -> Value {
         self.textured(used, false)
-    }
-}
-
-fn say_alpha(json: &mut Value, alpha: AlphaMode) {
-    match alpha {
-        AlphaMode::Opaque => {}
-        AlphaMode::Blend => json["alphaMode"] = "BLEND".into(),
-        AlphaMode::Mask(cutoff) => {
-            json["alphaMode"] = "MASK".into();
-            json["alphaCutoff"] = short(cutoff).into();
-        }
     }
 }

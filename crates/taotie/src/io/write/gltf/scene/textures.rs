@@ -1,11 +1,12 @@
 //! Textures: each image encoded once, with the samplers and transforms of its uses.
 
 use super::super::images::{self, GltfImages, Stored};
-use super::super::material::short;
+use super::super::number::short;
+use super::super::samplers;
 use super::uses::ImageUse;
 use super::writer::Writer;
 use crate::error::Result;
-use crate::image::{Bitmap, Encoding, MipFilter, Sampler, TexelFilter, Texels, Texture, Wrap};
+use crate::image::{Bitmap, Encoding, Texels, Texture};
 use crate::io::write::FileBytes;
 use crate::math::{scalar, srgb};
 use crate::parallel;
@@ -92,7 +93,7 @@ impl Writer<'_> {
         };
         draft.json["textures"] = self.textures.textures.iter().map(texture).collect();
         draft.json["images"] = entries;
-        draft.json["samplers"] = self.textures.samplers.iter().map(sampler).collect();
+        draft.json["samplers"] = self.textures.samplers.iter().map(samplers::json).collect();
     }
 }
 
@@ -164,26 +165,4 @@ fn transform(of: &UvTransform) -> (Value, bool) {
     let sheared = (a * b + c * d).abs() > SQUARE * x * y;
     let scale = [x, if mirrored { -y } else { y }];
     (json!({ "offset": offset, "rotation": rotation, "scale": scale }), sheared)
-}
-
-/// glTF's numbers for filters and wrapping.
-fn sampler(sampler: &Sampler) -> Value {
-    let wrap = |wrap| match wrap {
-        Wrap::Repeat => 10497,
-        Wrap::Mirror => 33648,
-        Wrap::Clamp => 33071,
-    };
-    let texels = |filter| match filter {
-        TexelFilter::Nearest => 0,
-        TexelFilter::Linear => 1,
-    };
-    let min = match sampler.mip {
-        MipFilter::None => 9728,
-        MipFilter::Nearest => 9984,
-        MipFilter::Linear => 9986,
-    };
-    json!({
-        "magFilter": 9728 + texels(sampler.magnify), "minFilter": min + texels(sampler.minify),
-        "wrapS": wrap(sampler.wrap_u), "wrapT": wrap(sampler.wrap_v),
-    })
 }

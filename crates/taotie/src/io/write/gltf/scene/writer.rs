@@ -2,7 +2,7 @@
 
 use super::super::GltfFormat;
 use super::super::draft::GltfDraft;
-use super::super::material::short;
+use super::super::number::short;
 use super::uses::Textures;
 use crate::error::{Error, Result, Warnings};
 use crate::math::Mat4;

@@ -1,0 +1,48 @@
+//! `taotie bake` on models by others whose materials have maps: what the scan shows is what its asset shows.
+
+use crate::files::data_files;
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+
+/// Runs the command and gives back what it prints.
+fn json(args: &[&str], folder: &Path) -> Value {
+    let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
+        .args(args)
+        .arg("--json")
+        .current_dir(folder)
+        .output()
+        .expect("the command runs");
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{args:?}: {said}");
+    serde_json::from_slice(&run.stdout).expect("stdout is one JSON document")
+}
+
+fn number(report: &Value, path: &str) -> f64 {
+    report.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {report}"))
+}
+
+#[test]
+fn relief_that_is_a_normal_map_of_the_scan_is_kept() {
+    for model in [
+        "khronos-gltf-sample-assets/WaterBottle",
+        "polyhaven-models/tea_set_01",
+        "polyhaven-models/Camera_01",
+    ] {
+        for scan in data_files(model, &["gltf"]) {
+            let folder = tempfile::tempdir().unwrap();
+            let scan = scan.to_str().expect("a path of text");
+            let baked = json(&["bake", scan, "-o", "out.glb", "--size", "1024"], folder.path());
+            let line = ["compare", "out.glb", "--reference", scan, "--method", "smooth,tangent-normal"];
+            let line = [&line[..], &["--match", "pixel", "-o", "compared"]].concat();
+            let compared = json(&line, folder.path());
+            let [smooth, mapped] =
+                [0, 1].map(|i| number(&compared, &format!("/methods/{i}/error/inner/mean")));
+            let told = number(&baked, "/proof/angles/mean");
+            println!("{model}: told {told:.3}°, seen {mapped:.3}°, without the map {smooth:.3}°");
+            // What is told of the surface is what is seen of it, away from silhouettes.
+            assert!(mapped <= 1.0 && told <= 1.5, "{model}: told {told}°, seen {mapped}°");
+            assert!(mapped < smooth / 2.0, "{model}: the map gains, {smooth}° without it");
+        }
+    }
+}

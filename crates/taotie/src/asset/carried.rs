@@ -1,0 +1,287 @@
+//! The material of a scan, over all its parts: what is one value everywhere, and what varies.
+
+use super::property::Property;
+use crate::bake::{MapKind, Maps};
+use crate::math::Mat4;
+use crate::mesh::Mesh;
+use crate::scene::{AlphaMode, Instance, Material, Scene};
+
+/// The material of a scan as an asset can carry it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Carried {
+    /// The properties that are one value everywhere; the default for all others.
+    pub material: Material,
+    /// The properties that the scan has otherwise than a default material.
+    pub found: Vec<Found>,
+}
+
+/// A property of a scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Found {
+    pub property: Property,
+    /// `true` where it is one value everywhere, which a factor holds.
+    pub is_uniform: bool,
+    /// The part of the surface that has it, [0, 1].
+    pub part: f64,
+}
+
+impl Carried {
+    /// Looks at the materials of all instances.
+    pub fn of(scene: &Scene) -> Self {
+        let parts: Vec<Part> = scene.instances().iter().map(|instance| Part::of(scene, instance)).collect();
+        let has = |property: &Property| parts.iter().any(|part| part.has(*property));
+        let properties: Vec<Property> = Property::ALL.into_iter().filter(has).collect();
+        let areas = areas(scene, &parts, &properties);
+        let found = properties.into_iter().map(|property| Found {
+            property,
+            is_uniform: is_uniform(&parts, property),
+            part: share(&parts, &areas, property),
+        });
+        let found: Vec<Found> = found.collect();
+        Self { material: material(&parts, &found), found }
+    }
+
+    /// Returns the properties that no factor holds.
+    pub fn varying(&self) -> impl Iterator<Item = Property> {
+        self.found.iter().filter(|found| !found.is_uniform).map(|found| found.property)
+    }
+
+    /// Returns the maps that hold what varies. Alpha stands in the texture of the base colour.
+    pub fn maps(&self) -> Maps {
+        let maps: Maps = self.varying().filter_map(Property::map).collect();
+        if maps.has(MapKind::Alpha) { maps.with(MapKind::Albedo) } else { maps }
+    }
+
+    /// Says whether it has more than one value of a property.
+    pub fn varies(&self, property: Property) -> bool {
+        self.varying().any(|varying| varying == property)
+    }
+}
+
+/// An instance of a scan, by its looks.
+struct Part<'a> {
+    material: &'a Material,
+    /// `true` where its vertices have colours.
+    has_colors: bool,
+    /// `true` where alpha varies over its vertices or its texture.
+    has_alpha: bool,
+}
+
+impl<'a> Part<'a> {
+    fn of(scene: &'a Scene, instance: &Instance) -> Self {
+        let (mesh, material) = (&scene.meshes()[instance.mesh], &scene.materials()[instance.material]);
+        Self {
+            material,
+            has_colors: !mesh.colors().is_empty(),
+            has_alpha: material.alpha != AlphaMode::Opaque && has_alpha(scene, mesh, material),
+        }
+    }
+
+    fn varies(&self, property: Property) -> bool {
+        match property {
+            Property::BaseColor => self.has_colors || property.is_textured(self.material),
+            Property::Alpha => self.has_alpha,
+            _ => property.is_textured(self.material),
+        }
+    }
+
+    fn has(&self, property: Property) -> bool {
+        property.is_said(self.material) || self.varies(property)
+    }
+}
+
+fn has_alpha(scene: &Scene, mesh: &Mesh, material: &Material) -> bool {
+    let texture = material.base_color_texture.as_ref().map(|used| scene.textures()[used.texture].bitmap());
+    texture.is_some_and(|bitmap| matches!(bitmap.channels(), 2 | 4))
+        || mesh.colors().iter().any(|color| color[3] != 1.0)
+}
+
+fn is_uniform(parts: &[Part], property: Property) -> bool {
+    let first = parts.first().map(|part| property.alone(part.material));
+    property.has_factor()
+        && parts.iter().all(|part| !part.varies(property) && Some(property.alone(part.material)) == first)
+}
+
+fn share(parts: &[Part], areas: &[f64], property: Property) -> f64 {
+    let with = parts.iter().zip(areas).filter(|(part, _)| part.has(property));
+    let with: f64 = with.map(|(_, area)| area).sum();
+    let all: f64 = areas.iter().sum();
+    if all > 0.0 { with / all } else { 1.0 }
+}
+
+/// Returns the area of each instance, world space; where all have all properties nothing is measured, and each counts 1.
+fn areas(scene: &Scene, parts: &[Part], properties: &[Property]) -> Vec<f64> {
+    if properties.iter().all(|property| parts.iter().all(|part| part.has(*property))) {
+        return vec![1.0; parts.len()];
+    }
+    let area = |instance: &Instance| area(&scene.meshes()[instance.mesh], &instance.world_from_object);
+    scene.instances().iter().map(area).collect()
+}
+
+fn area(mesh: &Mesh, world: &Mat4) -> f64 {
+    let area = |triangle: usize| {
+        let [a, b, c] = mesh.corners(triangle).map(|corner| world.transform_point(corner.to_f64()));
+        (b - a).cross(c - a).length() * 0.5
+    };
+    (0..mesh.triangles().len()).map(area).sum()
+}
+
+/// Returns a material with all that is uniform. It has the name of the parts' material where they show one alone.
+fn material(parts: &[Part], found: &[Found]) -> Material {
+    let Some(first) = parts.first().map(|part| part.material) else { return Material::default() };
+    let mut material =
+        Material { double_sided: parts.iter().any(|part| part.material.double_sided), ..Material::default() };
+    if parts.iter().all(|part| std::ptr::eq(part.material, first)) {
+        material.name.clone_from(&first.name);
+    }
+    // One value everywhere means that the first part has it.
+    found.iter().filter(|found| found.is_uniform).for_each(|f| f.property.copy(first, &mut material));
+    material
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+    use crate::math::Vec3;
+    use crate::mesh::MeshData;
+    use crate::scene::{Anisotropy, Clearcoat, SceneData, TextureRef, UvTransform};
+
+    /// A rectangle of this area.
+    fn rectangle(area: f32) -> MeshData {
+        let at = |x: f32, y: f32| Vec3::new(x * area, y, 0.0);
+        MeshData {
+            positions: vec![at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..MeshData::default()
+        }
+    }
+
+    /// A scene of a rectangle for each material, of 1, 3, 5 … area, with two textures: of three and of four channels.
+    fn scene(materials: Vec<Material>) -> Scene {
+        let bitmap = |channels: u8| Bitmap::new(1, 1, channels, Texels::U8(vec![[255; 4]])).unwrap();
+        let textures = [3, 4].map(|channels| Texture::new(bitmap(channels), Encoding::Srgb)).into();
+        let count = materials.len();
+        let meshes = (0..count).map(|i| Mesh::new(rectangle(2.0 * i as f32 + 1.0)).unwrap()).collect();
+        let world_from_object = Mat4::IDENTITY;
+        let instances = (0..count).map(|i| Instance { mesh: i, material: i, world_from_object }).collect();
+        Scene::new(SceneData { meshes, materials, textures, instances, ..SceneData::default() }).unwrap()
+    }
+
+    fn texture(texture: usize) -> TextureRef {
+        TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() }
+    }
+
+    fn clay() -> Material {
+        Material::default()
+    }
+
+    fn coated(factor: f32) -> Material {
+        let coat =
+            Clearcoat { factor, factor_texture: None, roughness: 0.1, roughness_texture: None, normal: None };
+        Material { clearcoat: Some(coat), ..clay() }
+    }
+
+    fn of(materials: &[Material]) -> Carried {
+        Carried::of(&scene(materials.to_vec()))
+    }
+
+    fn found(property: Property, is_uniform: bool, part: f64) -> Found {
+        Found { property, is_uniform, part }
+    }
+
+    #[test]
+    fn plain_clay_has_nothing_to_carry() {
+        let carried = of(&[Material { name: "clay".into(), ..clay() }]);
+        assert_eq!((carried.found.as_slice(), carried.maps()), (&[][..], Maps::default()));
+        assert_eq!(carried.material, Material { name: "clay".into(), ..clay() });
+    }
+
+    #[test]
+    fn what_is_one_value_everywhere_is_a_factor() {
+        let gold =
+            Material { base_color: [1.0, 0.8, 0.3, 1.0], metallic: 1.0, roughness: 0.2, ..coated(0.5) };
+        let carried = of(&[gold.clone(), gold.clone()]);
+        assert_eq!(carried.found.iter().filter(|found| found.is_uniform && found.part == 1.0).count(), 3);
+        assert_eq!((carried.maps(), carried.material), (Maps::default(), gold));
+    }
+
+    #[test]
+    fn what_any_part_has_is_found_with_its_share() {
+        let lamp = Material { emissive: [4.0; 3], ..clay() };
+        let carried = of(&[clay(), lamp]);
+        assert_eq!(carried.found, [found(Property::Emission, false, 0.75)]);
+        assert_eq!(carried.maps(), Maps::default().with(MapKind::Emission));
+        assert_eq!(carried.material.emissive, [0.0; 3], "no factor makes all of it glow");
+        let carried = of(&[coated(1.0), clay()]);
+        assert_eq!(carried.found, [found(Property::Clearcoat, false, 0.25)]);
+        assert_eq!((carried.maps(), carried.material.clearcoat), (Maps::default(), None));
+    }
+
+    #[test]
+    fn a_share_is_of_the_surface_in_the_world() {
+        let mut data = scene(vec![coated(1.0), clay()]).into_data();
+        data.instances[0].world_from_object = Mat4::scale(Vec3::new(3.0, 3.0, 1.0));
+        let carried = Carried::of(&Scene::new(data).unwrap());
+        assert_eq!(carried.found, [found(Property::Clearcoat, false, 0.75)]);
+    }
+
+    #[test]
+    fn textures_and_colours_vary() {
+        let textured = Material {
+            base_color_texture: Some(texture(0)),
+            metallic_roughness_texture: Some(texture(0)),
+            occlusion_texture: Some(texture(0)),
+            ..clay()
+        };
+        let maps = [MapKind::Albedo, MapKind::MetallicRoughness, MapKind::OcclusionMap];
+        assert_eq!(of(&[textured]).maps(), maps.into_iter().collect());
+        let colors = vec![[1.0, 0.0, 0.0, 1.0]; 4];
+        let mesh = Mesh::new(MeshData { colors, ..rectangle(1.0) }).unwrap();
+        let carried = Carried::of(&Scene::of_mesh(mesh, clay()).unwrap());
+        assert_eq!(carried.found, [found(Property::BaseColor, false, 1.0)]);
+    }
+
+    #[test]
+    fn a_texture_that_multiplies_nothing_is_none() {
+        let dark = Material { emissive_texture: Some(texture(0)), ..coated(0.0) };
+        assert!(of(&[dark]).found.is_empty());
+    }
+
+    #[test]
+    fn alpha_varies_by_texture_and_by_material() {
+        let leaf = |cutoff: f32| Material {
+            alpha: AlphaMode::Mask(cutoff),
+            base_color_texture: Some(texture(1)),
+            ..clay()
+        };
+        let maps: Maps = [MapKind::Albedo, MapKind::Alpha].into_iter().collect();
+        let carried = of(&[leaf(0.3), clay()]);
+        assert_eq!((carried.maps(), carried.material.alpha), (maps, AlphaMode::Opaque));
+        assert!(of(&[leaf(0.25), leaf(0.25)]).varies(Property::Alpha));
+        let glass = Material { alpha: AlphaMode::Blend, base_color: [1.0, 1.0, 1.0, 0.2], ..clay() };
+        assert!(of(&[glass.clone(), clay()]).varies(Property::Alpha));
+        // Glass of one alpha needs no map, nor does a texture without alpha.
+        let opaque = Material { alpha: AlphaMode::Blend, base_color_texture: Some(texture(0)), ..clay() };
+        for (material, alpha) in [(glass, 0.2), (opaque, 1.0)] {
+            let carried = of(&[material]);
+            assert!(!carried.varies(Property::Alpha));
+            assert_eq!((carried.material.alpha, carried.material.base_color[3]), (AlphaMode::Blend, alpha));
+        }
+    }
+
+    #[test]
+    fn the_direction_of_anisotropy_is_of_its_uvs() {
+        let anisotropy = Some(Anisotropy { strength: 0.5, rotation: 0.0, texture: None });
+        let carried = of(&[Material { anisotropy, ..clay() }]);
+        assert_eq!(carried.found, [found(Property::Anisotropy, false, 1.0)]);
+        assert_eq!(carried.material, clay());
+    }
+
+    #[test]
+    fn materials_that_nothing_shows_do_not_count() {
+        let mut data = scene(vec![clay(), coated(1.0)]).into_data();
+        data.instances.truncate(1);
+        assert!(Carried::of(&Scene::new(data).unwrap()).found.is_empty());
+    }
+}

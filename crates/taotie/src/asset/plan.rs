@@ -1,0 +1,289 @@
+//! The way of each property of a scan's material: into a map, into a factor of the asset, or nowhere, which is told.
+
+use super::carried::{Carried, Found};
+use super::options::BakeOptions;
+use super::property::Property;
+use crate::bake::MapKind;
+use crate::error::Warnings;
+use crate::names::Named;
+use crate::scene::Material;
+
+/// A property of a scan's material that its asset does not have.
+///
+/// ```
+/// use taotie::asset::Report;
+///
+/// /// Returns the names of what was left out of more than half of the surface.
+/// fn most(report: &Report) -> Vec<&str> {
+///     report.left.iter().filter(|left| left.part > 0.5).map(|left| left.what.as_str()).collect()
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Left {
+    /// Its name.
+    pub what: String,
+    /// The part of the scan's surface that has it, [0, 1].
+    pub part: f64,
+}
+
+/// The looks of a low-poly mesh that is given.
+#[derive(Clone, Copy)]
+pub(super) struct LowLook<'a> {
+    pub material: &'a Material,
+    /// `true` where its vertices have colours.
+    pub has_colors: bool,
+}
+
+impl LowLook<'_> {
+    /// Says whether it leaves a property open: neither texture nor another factor than files have that name none.
+    fn is_free(&self, property: Property) -> bool {
+        // glTF's default is white and metallic, that of other formats grey.
+        let unsaid = Material { base_color: [1.0; 4], metallic: 1.0, roughness: 1.0, ..Material::default() };
+        let own = property.alone(self.material);
+        let is_unsaid = own == Material::default() || own == property.alone(&unsaid);
+        match property {
+            Property::BaseColor => is_unsaid && !self.has_colors,
+            Property::Alpha => is_unsaid && self.is_free(Property::BaseColor),
+            // Its own is left out, and told, where a normal map is baked.
+            Property::NormalMap | Property::HeightMap => true,
+            _ => is_unsaid,
+        }
+    }
+}
+
+/// The options of a bake with all maps, and the fate of each property of the scan's material.
+pub(super) struct BakePlan {
+    /// The options, with the maps of what the scan has where they ask for it.
+    pub options: BakeOptions,
+    /// The properties that the asset has.
+    pub carried: Vec<Property>,
+    /// The properties that it does not have.
+    pub left: Vec<Left>,
+    /// The properties that factors hold.
+    factors: Vec<Property>,
+    notes: Warnings,
+}
+
+impl BakePlan {
+    /// Decides for a scan and the low-poly mesh, where one is given.
+    pub fn of(options: &BakeOptions, scan: &Carried, low: Option<LowLook<'_>>) -> Self {
+        let options = BakeOptions { maps: maps(options, scan, low), ..options.clone() };
+        let mut plan =
+            Self { options, carried: vec![], left: vec![], factors: vec![], notes: Warnings::default() };
+        for found in &scan.found {
+            let pair = Pair { scan, low };
+            plan.add(found, pair.fate(found, &plan.options));
+        }
+        plan
+    }
+
+    fn add(&mut self, found: &Found, fate: Fate) {
+        let property = found.property;
+        match fate {
+            Fate::Map => self.carried.push(property),
+            Fate::Factor => {
+                self.carried.push(property);
+                self.factors.push(property);
+            }
+            Fate::Left(why) => {
+                let (what, percent) = (property.name(), found.part * 100.0);
+                let why = if why.is_empty() { why } else { format!("; {why}") };
+                self.notes
+                    .note(format!("left out: the scan's {what}, on {percent:.1} % of its surface{why}"), 1);
+                self.left.push(Left { what: what.to_owned(), part: found.part });
+            }
+        }
+    }
+
+    /// Notes what is left out.
+    pub fn note(&self, warnings: &mut Warnings) {
+        warnings.absorb(self.notes.clone());
+    }
+
+    /// Gives the material of a low-poly mesh the factors that it leaves open.
+    pub fn fill(&self, scan: &Carried, material: &mut Material) {
+        self.factors.iter().for_each(|property| property.copy(&scan.material, material));
+    }
+}
+
+/// Returns the maps that are asked for, and those of what varies where the options carry it.
+fn maps(options: &BakeOptions, scan: &Carried, low: Option<LowLook<'_>>) -> Vec<MapKind> {
+    let mut maps = options.maps.clone();
+    let is_open = |property: &Property| options.carry && low.is_none_or(|low| low.is_free(*property));
+    let wanted = scan.varying().filter(is_open).filter_map(Property::map);
+    // Occlusion by rays goes before that of a texture.
+    let wanted = wanted.filter(|map| *map != MapKind::OcclusionMap || !options.bakes(&[MapKind::Occlusion]));
+    maps.extend(wanted);
+    if maps.contains(&MapKind::Alpha) {
+        maps.push(MapKind::Albedo);
+    }
+    let mut unique = Vec::with_capacity(maps.len());
+    maps.into_iter().for_each(|map| {
+        if !unique.contains(&map) {
+            unique.push(map);
+        }
+    });
+    unique
+}
+
+/// A scan, and the low-poly mesh that is given.
+#[derive(Clone, Copy)]
+struct Pair<'a> {
+    scan: &'a Carried,
+    low: Option<LowLook<'a>>,
+}
+
+/// The fate of a property.
+enum Fate {
+    /// A map holds it.
+    Map,
+    /// A factor of the asset's material holds it.
+    Factor,
+    /// Nothing does; the text says what can be done, or is empty.
+    Left(String),
+}
+
+impl Pair<'_> {
+    fn fate(&self, found: &Found, options: &BakeOptions) -> Fate {
+        let (property, map) = (found.property, found.property.map());
+        if map.is_some_and(|map| options.bakes(&[map])) {
+            return Fate::Map;
+        }
+        let is_free = self.low.is_none_or(|low| low.is_free(property));
+        if found.is_uniform && (self.is_same(property) || (is_free && (self.low.is_none() || options.carry)))
+        {
+            return Fate::Factor;
+        }
+        Fate::Left(match map {
+            _ if !is_free => "that of the low-poly mesh stays".into(),
+            Some(MapKind::OcclusionMap) if options.bakes(&[MapKind::Occlusion]) => {
+                "ao is baked in its place".into()
+            }
+            Some(map) => format!("bake {} to keep it", map.name()),
+            None => String::new(),
+        })
+    }
+
+    /// Says whether the low-poly mesh has the same.
+    fn is_same(&self, property: Property) -> bool {
+        let is_same = |low: LowLook| property.alone(low.material) == property.alone(&self.scan.material);
+        self.low.is_some_and(|low| is_same(low) && !(property == Property::BaseColor && low.has_colors))
+    }
+}
+
+/// Notes maps that are asked for of properties that the scan has in one value alone.
+pub(super) fn lacking(options: &BakeOptions, scan: &Carried, warnings: &mut Warnings) {
+    let is_idle = |property: &Property| {
+        let map = property.map().filter(|map| *map != MapKind::Normal);
+        map.is_some_and(|map| options.bakes(&[map])) && !scan.varies(*property)
+    };
+    for property in Property::ALL.into_iter().filter(is_idle) {
+        let (what, map) = (property.name(), property.map().map_or("", MapKind::name));
+        warnings.note(format!("the {map} map shows one value: the scan has no other {what}"), 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scan with these properties, on a quarter of its surface where they vary.
+    fn scan(material: Material, varying: &[Property]) -> Carried {
+        let uniform = Property::ALL.into_iter().filter(|property| property.is_said(&material));
+        let uniform = uniform.map(|property| Found { property, is_uniform: true, part: 1.0 });
+        let varying = varying.iter().map(|p| Found { property: *p, is_uniform: false, part: 0.25 });
+        let found = uniform.chain(varying).collect();
+        Carried { material, found }
+    }
+
+    fn plan(options: &BakeOptions, scan: &Carried) -> BakePlan {
+        BakePlan::of(options, scan, None)
+    }
+
+    fn onto(low: &Material, scan: &Carried) -> BakePlan {
+        let low = LowLook { material: low, has_colors: false };
+        BakePlan::of(&BakeOptions::default(), scan, Some(low))
+    }
+
+    fn said(plan: &BakePlan) -> String {
+        let mut warnings = Warnings::default();
+        plan.note(&mut warnings);
+        warnings.iter().map(|(what, _)| format!("{what}\n")).collect()
+    }
+
+    fn lamp() -> Material {
+        Material { emissive: [1.0; 3], ..Material::default() }
+    }
+
+    #[test]
+    fn auto_bakes_what_varies() {
+        let varying = [Property::BaseColor, Property::NormalMap, Property::Emission];
+        let plan = plan(&BakeOptions::default(), &scan(Material::default(), &varying));
+        assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Albedo, MapKind::Emission]);
+        assert_eq!((plan.carried.as_slice(), plan.left.as_slice()), (&varying[..], &[][..]));
+        assert_eq!(said(&plan), "");
+    }
+
+    #[test]
+    fn what_is_not_asked_for_is_told_with_its_share() {
+        let options = BakeOptions { carry: false, ..BakeOptions::default() };
+        let plan = plan(&options, &scan(Material::default(), &[Property::Emission, Property::Sheen]));
+        assert_eq!(plan.options.maps, options.maps);
+        let left = [Property::Emission, Property::Sheen];
+        assert_eq!(plan.left, left.map(|p| Left { what: p.name().into(), part: 0.25 }));
+        let emission = "left out: the scan's emission, on 25.0 % of its surface; bake emission to keep it\n";
+        assert_eq!(said(&plan), format!("{emission}left out: the scan's sheen, on 25.0 % of its surface\n"));
+    }
+
+    #[test]
+    fn occlusion_by_rays_goes_before_that_of_a_texture() {
+        let maps = vec![MapKind::Normal, MapKind::Occlusion];
+        let options = BakeOptions { maps: maps.clone(), ..BakeOptions::default() };
+        let plan = plan(&options, &scan(Material::default(), &[Property::Occlusion]));
+        assert_eq!(plan.options.maps, maps);
+        assert!(said(&plan).ends_with("; ao is baked in its place\n"), "{}", said(&plan));
+    }
+
+    #[test]
+    fn alpha_brings_the_texture_that_it_stands_in() {
+        let options = BakeOptions { maps: vec![MapKind::Alpha], carry: false, ..BakeOptions::default() };
+        let plan = plan(&options, &scan(Material::default(), &[Property::Alpha]));
+        assert_eq!(plan.options.maps, [MapKind::Alpha, MapKind::Albedo]);
+    }
+
+    #[test]
+    fn a_low_poly_mesh_keeps_what_it_says_and_is_given_what_it_leaves_open() {
+        let red = Material { base_color: [1.0, 0.0, 0.0, 1.0], ..Material::default() };
+        let scan = scan(lamp(), &[Property::BaseColor]);
+        for open in [Material::default(), Material { base_color: [1.0; 4], ..Material::default() }] {
+            let plan = onto(&open, &scan);
+            assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Albedo]);
+            let mut filled = open.clone();
+            plan.fill(&scan, &mut filled);
+            assert_eq!(filled, Material { emissive: [1.0; 3], ..open });
+        }
+        let plan = onto(&red, &scan);
+        assert_eq!(plan.options.maps, [MapKind::Normal]);
+        assert!(
+            said(&plan).contains("base colour, on 25.0 % of its surface; that of the low-poly mesh stays")
+        );
+        let mut filled = Material { emissive: [2.0; 3], ..red.clone() };
+        onto(&filled.clone(), &scan).fill(&scan, &mut filled);
+        assert_eq!(filled.emissive, [2.0; 3]);
+        // The same on both sides is not left out.
+        assert!(onto(&lamp(), &self::scan(lamp(), &[])).left.is_empty());
+    }
+
+    #[test]
+    fn maps_of_what_does_not_vary_are_told() {
+        let maps = vec![MapKind::Normal, MapKind::Emission];
+        let options = BakeOptions { maps, ..BakeOptions::default() };
+        let mut warnings = Warnings::default();
+        lacking(&options, &scan(lamp(), &[]), &mut warnings);
+        assert_eq!(warnings.iter().count(), 1, "{warnings:?}");
+        lacking(&options, &scan(Material::default(), &[Property::Emission]), &mut warnings);
+        assert_eq!(warnings.iter().count(), 1, "{warnings:?}");
+    }
+}

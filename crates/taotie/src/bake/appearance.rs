@@ -1,0 +1,166 @@
+//! The materials of a surface whose meshes are one: what each of its triangles shows at a point.
+
+use super::mapped_normal::{MappedNormal, of_heights, of_object_map, of_tangent_map};
+use super::normal_source::NormalSource;
+use super::texture_lookup::{LookupPoint, TextureOnMesh};
+use crate::image::Texture;
+use crate::math::{Mat4, Vec3};
+use crate::mesh::{Mesh, Point, blend, each};
+use crate::scene::{AlphaMode, Instance, Material, SceneData, TextureRef};
+
+/// The values of a material at a point: factors, vertex colours and textures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialSample {
+    /// The base colour, linear RGB.
+    pub color: Vec3,
+    /// The alpha before any cutoff, [0, 1]; 1 where the material is opaque.
+    pub alpha: f32,
+    /// [0, 1].
+    pub metallic: f32,
+    /// The roughness as artists set it, [0, 1].
+    pub roughness: f32,
+    /// The open part of the hemisphere as its texture says, [0, 1]; 1 without one.
+    pub occlusion: f32,
+    /// Emitted radiance, linear RGB.
+    pub emission: Vec3,
+}
+
+/// The triangles of one instance among those of all.
+#[derive(Debug, Clone)]
+pub(super) struct Part {
+    /// The first triangle.
+    pub triangle: u32,
+    /// The first vertex.
+    pub vertex: u32,
+    /// The uv sets of its own mesh.
+    pub uv_sets: usize,
+    /// Index of its material.
+    pub material: usize,
+    pub normal_source: NormalSource,
+    /// The transform that its triangles were moved by.
+    pub world_from_object: Mat4,
+}
+
+impl Part {
+    /// Returns the parts that instances become when their triangles are joined in order.
+    pub fn of(scene: &SceneData, instances: &[Instance]) -> Vec<Self> {
+        let (mut triangle, mut vertex) = (0, 0);
+        let mut parts = Vec::with_capacity(instances.len());
+        for instance in instances {
+            let mesh = &scene.meshes[instance.mesh];
+            let uv_sets = mesh.uvs().len();
+            let normal_source = NormalSource::of(&scene.materials[instance.material], uv_sets);
+            let Instance { material, world_from_object, .. } = *instance;
+            parts.push(Self { triangle, vertex, uv_sets, material, normal_source, world_from_object });
+            triangle += mesh.triangles().len() as u32;
+            vertex += mesh.positions().len() as u32;
+        }
+        parts
+    }
+}
+
+/// The materials of all parts.
+#[derive(Debug, Clone)]
+pub(super) struct Appearance {
+    /// In the order of their triangles.
+    pub parts: Vec<Part>,
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    /// `true` where a part has a map of normals or heights.
+    bends: bool,
+}
+
+impl Appearance {
+    pub fn new(parts: Vec<Part>, materials: Vec<Material>, textures: Vec<Texture>) -> Self {
+        let bends = parts.iter().any(|part| part.normal_source != NormalSource::Smooth);
+        Self { parts, materials, textures, bends }
+    }
+
+    /// Returns the material of a triangle.
+    pub fn material(&self, triangle: u32) -> &Material {
+        &self.materials[self.part(triangle).material]
+    }
+
+    /// Returns the factors of the first part's material, which stand where nothing is found.
+    pub fn first_factors(&self) -> MaterialSample {
+        let neutral = Material::default();
+        let material = self.parts.first().map_or(&neutral, |part| &self.materials[part.material]);
+        MaterialSample {
+            color: rgb(material.base_color),
+            alpha: 1.0,
+            metallic: material.metallic,
+            roughness: material.roughness,
+            occlusion: 1.0,
+            emission: Vec3::default(),
+        }
+    }
+
+    /// Returns the normal at a point as a renderer shades it: `smooth`, the interpolated one, bent by the part's map.
+    /// It is `smooth` to the bit where the part has no map, or uvs span no area.
+    pub fn normal(&self, mesh: &Mesh, at: LookupPoint, smooth: Vec3) -> MappedNormal {
+        let flat = MappedNormal { normal: smooth, variance: 0.0 };
+        if !self.bends {
+            return flat;
+        }
+        let part = self.part(at.point.triangle);
+        let bent = match &part.normal_source {
+            NormalSource::Smooth => None,
+            NormalSource::ObjectMap(map) => {
+                Some(of_object_map(&self.texture(mesh, &map.texture), at, &part.world_from_object))
+            }
+            NormalSource::TangentMap(map) => of_tangent_map(&self.texture(mesh, &map.texture), at, map),
+            NormalSource::Height(map) => of_heights(&self.texture(mesh, &map.texture), at, map.scale, smooth),
+        };
+        bent.unwrap_or(flat)
+    }
+
+    /// Returns the values of the material at a point.
+    pub fn sample(&self, mesh: &Mesh, at: LookupPoint) -> MaterialSample {
+        let material = self.material(at.point.triangle);
+        let read = |used: &Option<TextureRef>| {
+            used.as_ref().map_or([1.0; 4], |used| self.texture(mesh, used).read(at))
+        };
+        let base = read(&material.base_color_texture);
+        let [_, green, blue, _] = read(&material.metallic_roughness_texture);
+        let [open, ..] = read(&material.occlusion_texture);
+        MaterialSample {
+            color: base_color(mesh, at.point, material).mul_elements(rgb(base)),
+            alpha: match material.alpha {
+                AlphaMode::Opaque => 1.0,
+                _ => (base_alpha(mesh, at.point, material) * base[3]).clamp(0.0, 1.0),
+            },
+            metallic: material.metallic * blue,
+            roughness: material.roughness * green,
+            occlusion: 1.0 + material.occlusion_strength * (open - 1.0),
+            emission: Vec3::from_array(material.emissive).mul_elements(rgb(read(&material.emissive_texture))),
+        }
+    }
+
+    fn part(&self, triangle: u32) -> &Part {
+        let part = self.parts.partition_point(|part| part.triangle <= triangle);
+        &self.parts[part - 1]
+    }
+
+    fn texture<'a>(&'a self, mesh: &'a Mesh, used: &'a TextureRef) -> TextureOnMesh<'a> {
+        TextureOnMesh { mesh, texture: &self.textures[used.texture], used }
+    }
+}
+
+fn rgb([r, g, b, _]: [f32; 4]) -> Vec3 {
+    Vec3::new(r, g, b)
+}
+
+/// Returns the base colour of material and vertices.
+fn base_color(mesh: &Mesh, point: Point, material: &Material) -> Vec3 {
+    let factor = rgb(material.base_color);
+    if mesh.colors().is_empty() { factor } else { factor.mul_elements(point.color(mesh)) }
+}
+
+/// Returns the alpha of material and vertices.
+fn base_alpha(mesh: &Mesh, point: Point, material: &Material) -> f32 {
+    let [.., factor] = material.base_color;
+    match mesh.colors() {
+        [] => factor,
+        colors => factor * blend(each(point.vertices(mesh), |v| colors[v][3]), point.weights),
+    }
+}

@@ -1,0 +1,89 @@
+//! Textures read at a point of a surface, as finely as neighbouring samples lie apart.
+
+use crate::image::{Encoding, MipFilter, Sampler, TexelFilter, Texture};
+use crate::math::{Vec2, poly};
+use crate::mesh::{Mesh, Point};
+use crate::scene::TextureRef;
+use crate::surface::{UvDerivatives, uv_derivatives};
+
+/// A point at which a material is read, and how far the next such point lies away.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LookupPoint {
+    /// The point of the mesh.
+    pub point: Point,
+    /// The lookup width, model units: what is finer is averaged. 0 reads the finest level of each texture.
+    pub width: f32,
+}
+
+impl LookupPoint {
+    /// Returns a point at which textures are read at their finest level.
+    pub fn finest(point: Point) -> Self {
+        Self { point, width: 0.0 }
+    }
+}
+
+/// A texture as a material uses it on a mesh.
+pub(super) struct TextureOnMesh<'a> {
+    pub mesh: &'a Mesh,
+    pub texture: &'a Texture,
+    pub used: &'a TextureRef,
+}
+
+impl TextureOnMesh<'_> {
+    /// Returns the linear RGBA value at a point. A mesh without the uv set shows the texel at the origin.
+    pub fn read(&self, at: LookupPoint) -> [f32; 4] {
+        self.value(self.uv(at.point), self.lod_at(at))
+    }
+
+    /// Returns the value at a place of the texture, as the file's sampler reads it up to the finest level, trilinear
+    /// beyond.
+    pub fn value(&self, uv: Vec2, lod: f32) -> [f32; 4] {
+        let filtered = Sampler { minify: TexelFilter::Linear, mip: MipFilter::Linear, ..self.used.sampler };
+        let sampler = if lod > 0.0 { filtered } else { self.used.sampler };
+        sampler.sample(self.texture, uv, lod.max(0.0))
+    }
+
+    /// Returns the variance of normals that a value of this texture holds, [0, 1].
+    pub fn variance(&self, [.., alpha]: [f32; 4], lod: f32) -> f32 {
+        // At the finest level there is none, and only levels of normals keep it.
+        if lod > 0.0 && self.texture.encoding() == Encoding::Normal { alpha.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// Returns the place of the texture at a point.
+    pub fn uv(&self, point: Point) -> Vec2 {
+        let has_set = self.used.uv_set < self.mesh.uvs().len();
+        let uv = if has_set { point.uv(self.mesh, self.used.uv_set) } else { Vec2::default() };
+        self.used.transform.apply(uv)
+    }
+
+    /// Returns the derivatives of position by the place of the texture; `None` where uvs span no area.
+    pub fn derivatives(&self, point: Point) -> Option<UvDerivatives> {
+        let uvs = self.mesh.uvs().get(self.used.uv_set)?;
+        let places = point.vertices(self.mesh).map(|v| self.used.transform.apply(uvs[v]));
+        uv_derivatives(self.mesh.corners(point.triangle as usize), places)
+    }
+
+    fn lod_at(&self, at: LookupPoint) -> f32 {
+        // Told apart first, since most lookups of the finest level need no derivatives.
+        if at.width > 0.0 { self.derivatives(at.point).map_or(0.0, |d| self.lod(&d, at.width)) } else { 0.0 }
+    }
+
+    /// Returns log2 of the texels of the finest level that lie on `width`, where they lie closest: those of needles at
+    /// most 16 times as close as on average.
+    ///
+    /// A texel is the parallelogram of a = ∂p/∂u / columns and b = ∂p/∂v / rows; the least eigenvalue of their Gram
+    /// matrix is its squared least width.
+    pub fn lod(&self, derivatives: &UvDerivatives, width: f32) -> f32 {
+        const MOST: f64 = 16.0;
+        let a = derivatives.dp_du.to_f64() / f64::from(self.texture.width());
+        let b = derivatives.dp_dv.to_f64() / f64::from(self.texture.height());
+        let (aa, ab, bb) = (a.dot(a), a.dot(b), b.dot(b));
+        let (mean, half) = ((aa + bb) * 0.5, (aa - bb) * 0.5);
+        let area = a.cross(b).length();
+        let most = mean + (half * half + ab * ab).sqrt();
+        let least = (area * area / most).max(area / (MOST * MOST));
+        let squared = f64::from(width) * f64::from(width) / least;
+        // Without a width, or a triangle's, there is nothing to average.
+        if squared > 0.0 { 0.5 * poly::log2(squared.clamp(1e-30, 1e30) as f32) } else { 0.0 }
+    }
+}

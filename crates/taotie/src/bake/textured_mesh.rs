@@ -1,0 +1,195 @@
+//! A surface with its materials: one mesh in world space that knows what each of its points shows.
+
+use super::alpha::common_mode;
+use super::appearance::{Appearance, MaterialSample, Part};
+use super::joined::{Keep, joined, moved_back};
+use super::mapped_normal::MappedNormal;
+use super::normal_source::NormalSource;
+use super::texture_lookup::LookupPoint;
+use crate::error::Result;
+use crate::math::{Mat4, Vec3};
+use crate::mesh::{Mesh, MeshData};
+use crate::scene::{AlphaMode, Instance, Material, Scene, SceneData};
+use crate::surface::with_frames;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// All triangles of a scene as one mesh in world space, each with its own material: normal, height and all other maps.
+#[derive(Debug, Clone)]
+pub struct TexturedMesh {
+    mesh: Mesh,
+    appearance: Appearance,
+}
+
+impl TexturedMesh {
+    /// Takes a scene over, with smooth normals where it had none, and with tangents where its normal maps need them:
+    /// the file's, else MikkTSpace's.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
+    pub fn new(scene: Scene) -> Result<Self> {
+        let mut scene = scene.into_data();
+        let mut instances = std::mem::take(&mut scene.instances);
+        give_frames(&mut scene, &mut instances)?;
+        let parts = Part::of(&scene, &instances);
+        let keep = Keep { uv_sets: uv_sets(&scene, &instances), tangents: reads_tangents(&parts) };
+        let mesh = joined(&mut scene.meshes, &instances, keep)?;
+        let mesh = if keep.tangents { mesh } else { without_tangents(mesh)? };
+        Ok(Self { mesh, appearance: Appearance::new(parts, scene.materials, scene.textures) })
+    }
+
+    /// Returns the triangles, world space, with normals.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Returns the material of a triangle.
+    ///
+    /// # Panics
+    /// Where there is no triangle.
+    pub fn material(&self, triangle: u32) -> &Material {
+        self.appearance.material(triangle)
+    }
+
+    /// Returns the factors of the first instance's material, which stand where nothing of the surface is found.
+    pub(super) fn first_factors(&self) -> MaterialSample {
+        self.appearance.first_factors()
+    }
+
+    /// Returns the alpha mode of one material that shows all triangles: blended where one of them is; else a mask, with
+    /// the cutoff 0.5 where they have several; else opaque.
+    pub fn alpha_mode(&self) -> AlphaMode {
+        let Appearance { parts, materials, .. } = &self.appearance;
+        common_mode(parts.iter().map(|part| materials[part.material].alpha))
+    }
+
+    /// Returns the normal at a point as a renderer shades it: `smooth`, the interpolated one, bent by the normal or
+    /// height map there. It is `smooth` itself where there is none.
+    ///
+    /// # Panics
+    /// Where the mesh has no such triangle.
+    pub fn normal(&self, at: LookupPoint, smooth: Vec3) -> MappedNormal {
+        self.appearance.normal(&self.mesh, at, smooth)
+    }
+
+    /// Returns what the material is at a point.
+    ///
+    /// # Panics
+    /// Where the mesh has no such triangle.
+    pub fn sample(&self, at: LookupPoint) -> MaterialSample {
+        self.appearance.sample(&self.mesh, at)
+    }
+
+    /// Returns a scene of the same triangles and materials, an instance for each of the scene that it was made of.
+    /// Nothing is copied where there was one instance, unless its normals are in object space.
+    ///
+    /// # Errors
+    /// None but those of [`Scene::new`], which checks again.
+    pub fn into_scene(self) -> Result<Scene> {
+        let Self { mesh, appearance: Appearance { parts, materials, textures, .. } } = self;
+        let meshes = match parts.len() {
+            1 => vec![mesh],
+            _ => cut(&mesh, &parts)?,
+        };
+        let mut scene = SceneData { materials, textures, ..SceneData::default() };
+        for (i, (part, mesh)) in parts.iter().zip(meshes).enumerate() {
+            let m = object_space(part);
+            scene.meshes.push(if m == Mat4::IDENTITY { mesh } else { moved_back(mesh, &m)? });
+            scene.instances.push(Instance { mesh: i, material: part.material, world_from_object: m });
+        }
+        Scene::new(scene)
+    }
+}
+
+/// Gives each instance whose normal map is in tangent space a mesh with tangents, and drops the meshes that no instance
+/// shows any more.
+fn give_frames(scene: &mut SceneData, instances: &mut [Instance]) -> Result<()> {
+    let mut framed: HashMap<(usize, usize), usize> = HashMap::new();
+    for instance in instances.iter_mut() {
+        let mesh = &scene.meshes[instance.mesh];
+        let source = NormalSource::of(&scene.materials[instance.material], mesh.uvs().len());
+        let Some(set) = source.tangent_set() else { continue };
+        let key = (instance.mesh, set);
+        instance.mesh = match framed.get(&key) {
+            Some(made) => *made,
+            None => {
+                let made = with_frames(mesh, set, None)?.0.into_owned();
+                scene.meshes.push(made);
+                scene.meshes.len() - 1
+            }
+        };
+        framed.insert(key, instance.mesh);
+    }
+    let mut is_shown = vec![false; scene.meshes.len()];
+    instances.iter().for_each(|instance| is_shown[instance.mesh] = true);
+    for (mesh, _) in scene.meshes.iter_mut().zip(is_shown).filter(|(_, is_shown)| !is_shown) {
+        *mesh = Mesh::default();
+    }
+    Ok(())
+}
+
+/// Returns the number of uv sets up to the last that a texture reads, and at least one.
+fn uv_sets(scene: &SceneData, instances: &[Instance]) -> usize {
+    let mut is_used = vec![false; scene.materials.len()];
+    instances.iter().for_each(|instance| is_used[instance.material] = true);
+    let used = scene.materials.iter().zip(is_used).filter(|(_, is_used)| *is_used);
+    let sets = used.flat_map(|(material, _)| material.textures()).map(|texture| texture.uv_set + 1);
+    sets.max().unwrap_or(1)
+}
+
+fn reads_tangents(parts: &[Part]) -> bool {
+    parts.iter().any(|part| part.normal_source.tangent_set().is_some())
+}
+
+fn without_tangents(mesh: Mesh) -> Result<Mesh> {
+    Mesh::new(MeshData { tangents: Vec::new(), ..mesh.into_data() })
+}
+
+/// Returns the transform from the space in which a part's normal map is written to world space, if that is another.
+fn object_space(part: &Part) -> Mat4 {
+    match part.normal_source {
+        NormalSource::ObjectMap(_) if part.world_from_object.inverse_affine().is_some() => {
+            part.world_from_object
+        }
+        _ => Mat4::IDENTITY,
+    }
+}
+
+/// Returns the mesh of each part.
+fn cut(mesh: &Mesh, parts: &[Part]) -> Result<Vec<Mesh>> {
+    let ends = |of: fn(&Part) -> u32, all: usize| {
+        let later = parts.iter().skip(1).map(move |part| of(part) as usize);
+        later.chain(std::iter::once(all))
+    };
+    let vertices = ends(|part| part.vertex, mesh.positions().len());
+    let triangles = ends(|part| part.triangle, mesh.triangles().len());
+    parts
+        .iter()
+        .zip(vertices.zip(triangles))
+        .map(|(part, (vertex_end, triangle_end))| {
+            let vertices = part.vertex as usize..vertex_end;
+            let mut data = with_vertices(mesh, &vertices, part.uv_sets);
+            let triangles = &mesh.triangles()[part.triangle as usize..triangle_end];
+            data.triangles = triangles.iter().map(|t| t.map(|v| v - part.vertex)).collect();
+            if part.normal_source.tangent_set().is_none() {
+                data.tangents.clear();
+            }
+            Mesh::new(data)
+        })
+        .collect()
+}
+
+/// Returns the arrays of some vertices, without triangles.
+fn with_vertices(mesh: &Mesh, vertices: &Range<usize>, uv_sets: usize) -> MeshData {
+    fn some<T: Copy>(values: &[T], which: &Range<usize>) -> Vec<T> {
+        values.get(which.clone()).unwrap_or_default().to_vec()
+    }
+    MeshData {
+        positions: some(mesh.positions(), vertices),
+        normals: some(mesh.normals(), vertices),
+        tangents: some(mesh.tangents(), vertices),
+        uvs: mesh.uvs().iter().take(uv_sets).map(|uvs| some(uvs, vertices)).collect(),
+        colors: some(mesh.colors(), vertices),
+        triangles: Vec::new(),
+    }
+}
