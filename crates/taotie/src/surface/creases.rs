@@ -304,7 +304,10 @@ mod tests {
 
     #[test]
     fn a_smooth_surface_keeps_every_bit() {
-        let ball = bare(Mesh::sphere(1.0, 40, 20).positions().to_vec(), Mesh::sphere(1.0, 40, 20).triangles().to_vec());
+        let ball = bare(
+            Mesh::sphere(1.0, 40, 20).positions().to_vec(),
+            Mesh::sphere(1.0, 40, 20).triangles().to_vec(),
+        );
         let found = creased(&ball).unwrap();
         assert_eq!(found.normals(), vertex_normals(&ball));
         assert_eq!((found.positions(), found.triangles()), (ball.positions(), ball.triangles()));
@@ -326,7 +329,8 @@ mod tests {
     #[test]
     fn both_sides_of_one_triangle_part() {
         let p = |x: f32, y: f32| Vec3::new(x, y, 0.0);
-        let found = creased(&bare(vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0)], vec![[0, 1, 2], [0, 2, 1]])).unwrap();
+        let found =
+            creased(&bare(vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0)], vec![[0, 1, 2], [0, 2, 1]])).unwrap();
         check(&found);
         assert_eq!(found.positions().len(), 6);
     }
@@ -350,7 +354,8 @@ mod tests {
     #[test]
     fn uvs_and_colours_go_with_the_copies() {
         let p = |x: f32, y: f32| Vec3::new(x, y, 0.0);
-        let mut data = bare(vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0)], vec![[0, 1, 2], [0, 2, 1]]).into_data();
+        let mut data =
+            bare(vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0)], vec![[0, 1, 2], [0, 2, 1]]).into_data();
         data.colors = vec![[0.1; 4], [0.2; 4], [0.3; 4]];
         data.uvs = vec![[0.0, 0.5, 1.0].map(|u| crate::math::Vec2::new(u, u)).to_vec()];
         let found = creased(&Mesh::new(data).unwrap()).unwrap();

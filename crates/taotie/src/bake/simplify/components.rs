@@ -89,8 +89,8 @@ fn labels(triangles: &[[u32; 3]], points: usize) -> (Vec<u32>, usize) {
     for [a, b, c] in triangles {
         join(&mut parents, *a, *b);
         join(&mut parents, *b, *c);
-        [a, b, c].map(|v| used[*v as usize] = true);
     }
+    triangles.as_flattened().iter().for_each(|v| used[*v as usize] = true);
     // A component's first point comes before all others.
     for v in 0..points {
         parents[v] = parents[parents[v] as usize];
