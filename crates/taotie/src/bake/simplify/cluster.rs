@@ -19,13 +19,18 @@ const LEAST_GAP: f32 = 0.01;
 /// gaps.
 pub(super) fn clustered(part: &Part, options: &SimplifyOptions) -> Reduced {
     let joined = joined(part, options);
+    let near = without_bars(part, &joined);
+    if near.is_empty() { joined } else { Reduced { triangles: near, ..joined } }
+}
+
+/// Returns the triangles that lie on the part.
+fn without_bars(part: &Part, joined: &Reduced) -> Vec<[u32; 3]> {
     let surface = Bvh::of(part.triangles.len(), |t| corners(part, &part.triangles[t]));
     let far = (FAR * joined.error).max(LEAST_GAP);
-    let is_near = |triangle: &[u32; 3]| {
+    let is_near = |triangle: &&[u32; 3]| {
         middles(corners(part, triangle)).into_iter().all(|p| surface.closest(p, far).is_some())
     };
-    let near: Vec<[u32; 3]> = joined.triangles.iter().filter(|triangle| is_near(triangle)).copied().collect();
-    if near.is_empty() { joined } else { Reduced { triangles: near, ..joined } }
+    joined.triangles.iter().filter(is_near).copied().collect()
 }
 
 fn corners(part: &Part, triangle: &[u32; 3]) -> [Vec3; 3] {
@@ -60,4 +65,30 @@ fn sloppy(part: &Part, target: usize) -> Reduced {
         Some(&mut error),
     );
     Reduced { triangles: triples(corners), error, method: SimplifyMethod::Clustered }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two triangles with a gap between them, one of the same corners, and two that reach over the gap.
+    #[test]
+    fn triangles_over_gaps_are_left_out() {
+        let points = vec![
+            [0.0, 0.0, 0.0],
+            [0.3, 0.0, 0.0],
+            [0.0, 0.3, 0.0],
+            [0.4, 0.0, 0.0],
+            [0.7, 0.0, 0.0],
+            [0.4, 0.3, 0.0],
+        ];
+        let triangles = vec![[0, 1, 2], [3, 4, 5]];
+        let part = Part { points, sources: Vec::new(), triangles, labels: Vec::new() };
+        let joined = |error: f32| {
+            let triangles = vec![[0, 2, 1], [1, 3, 2], [0, 4, 5]];
+            Reduced { triangles, error, method: SimplifyMethod::Clustered }
+        };
+        assert_eq!(without_bars(&part, &joined(1e-3)), [[0, 2, 1]]);
+        assert_eq!(without_bars(&part, &joined(0.1)).len(), 3, "the error says how far vertices went");
+    }
 }
