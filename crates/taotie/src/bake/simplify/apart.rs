@@ -91,14 +91,17 @@ impl Purse {
 /// Simplifies one component, with more triangles than its share where it is lost or torn.
 fn alone(part: &Part, triangles: &[[u32; 3]], share: Share, options: &SimplifyOptions) -> Reduced {
     let own = part.extract(triangles);
+    let is_whole = |triangles: &[[u32; 3]]| components::is_connected(triangles, own.points.len());
+    // Blocks may have torn it before, and then more triangles mend nothing.
+    let most = if is_whole(&own.triangles) { share.most } else { share.triangles };
     let mut count = share.triangles;
     loop {
         let found = to(&own, &SimplifyOptions { triangles: count, ..*options });
-        if count >= share.most || components::is_connected(&found.triangles, own.points.len()) {
+        if count >= most || is_whole(&found.triangles) {
             let in_part = |triangle: &[u32; 3]| triangle.map(|v| own.sources[v as usize]);
             return Reduced { triangles: found.triangles.iter().map(in_part).collect(), ..found };
         }
-        count = (2 * count).min(share.most);
+        count = (2 * count).min(most);
     }
 }
 
