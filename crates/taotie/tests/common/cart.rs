@@ -47,7 +47,7 @@ fn wire(radius: f64, [around, along]: [u32; 2], path: impl Fn(f64) -> V) -> Mesh
         let right = forward.cross(Vec3::new(0.3, 0.8, 0.5)).normalize();
         // The last column is the first, to the bit.
         let angle = TAU * (u % 1.0);
-        at + (right * scalar::cos(angle) + right.cross(forward) * scalar::sin(angle)) * radius
+        at + (right * scalar::cos(angle) + forward.cross(right) * scalar::sin(angle)) * radius
     };
     let side = sheet(around, along, point);
     let end = |v: f64| {
@@ -60,7 +60,7 @@ fn wire(radius: f64, [around, along]: [u32; 2], path: impl Fn(f64) -> V) -> Mesh
 /// A ring: a torus about the y axis.
 fn wheel(middle: V) -> Mesh {
     let place = |u: f64, v: f64| {
-        let (a, b) = (TAU * (u % 1.0), TAU * (v % 1.0));
+        let (a, b) = (-TAU * (u % 1.0), TAU * (v % 1.0));
         let out = 0.2 + 0.02 * scalar::cos(b);
         middle + Vec3::new(out * scalar::cos(a), 0.02 * scalar::sin(b), out * scalar::sin(a))
     };

@@ -44,8 +44,8 @@ pub struct Simplified {
 ///
 /// Positions that are equal to the last bit are made one vertex first, whatever normals, uvs and colours they have;
 /// triangles with two equal corners, and all but one of equal triangles, are left out and counted. The normals are
-/// those of [`creased`]: one a position, but where a facet would turn away from it. Large surfaces are first simplified block by block, in parallel; the result does
-/// not depend on the number of threads.
+/// those of [`creased`]: one a position, but where a facet would turn away from it. Large surfaces are first simplified
+/// block by block, in parallel; the result does not depend on the number of threads.
 ///
 /// Parts without connection to one another are never joined, but in a soup of loose triangles. A part of more than half a
 /// per cent of the area, or a fiftieth of the diagonal, is not lost; smaller ones may be, and are counted. Slivers are
@@ -87,7 +87,7 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
         note_fate(components.fate(&part, &reduced.triangles), &mut notes);
     }
     let mesh = finish(mesh, &part, reduced.triangles)?;
-    let reached = whole::is_near(found, options.triangles) || method == SimplifyMethod::Kept;
+    let reached = is_near(found, options.triangles) || method == SimplifyMethod::Kept;
     progress.at(1.0)?;
     Ok(Simplified { mesh, error, method, reached, notes })
 }

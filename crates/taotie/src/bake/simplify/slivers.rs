@@ -139,7 +139,7 @@ mod tests {
         slivers(points, triangles).len()
     }
 
-    /// A square of many triangles with `more` points inside, in the plane or above it.
+    /// The corners of a square, and points in it.
     fn around(inner: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         corners.into_iter().chain(inner.iter().copied()).collect()
