@@ -218,10 +218,10 @@ fn members(groups: &[u32]) -> Vec<Vec<u32>> {
 
 /// Returns `true` where a facet of a fan turns away from the fan's mean.
 fn winds_back(fan: &[u32], parts: &[Option<Part>]) -> bool {
-    let own = || fan.iter().filter_map(|i| parts[*i as usize]);
-    let sum = own().fold(Vec3::splat(0.0), |sum, part| sum + part.facet * part.angle);
+    let own: Vec<Part> = fan.iter().filter_map(|i| parts[*i as usize]).collect();
+    let sum = own.iter().fold(Vec3::splat(0.0), |sum, part| sum + part.facet * part.angle);
     // A little more than the least, since normals are rounded.
-    unit(sum).is_none_or(|mean| own().any(|part| part.facet.dot(mean) < LEAST + 1e-3))
+    unit(sum).is_none_or(|mean| own.iter().any(|part| part.facet.dot(mean) < LEAST + 1e-3))
 }
 
 /// Sorts the corners of a fan into cones, each around the facet with the widest angle that is left.
