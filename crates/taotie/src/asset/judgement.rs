@@ -78,10 +78,14 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
         );
     }
     if counts.shared > counts.samples / 1000 {
+        let advice = match pair.low.origin.islands {
+            Some(_) => "take a larger map",
+            None => "unwrap the low-poly mesh without overlaps",
+        };
         warnings.note(
             format!(
                 "{} of the map lies under more than one triangle: UV islands overlap, and each place has the relief of \
-                 one of them; unwrap the low-poly mesh without overlaps",
+                 one of them; {advice}",
                 percent(part(counts.shared, counts.samples))
             ),
             1,

@@ -119,7 +119,7 @@ impl Spot<'_> {
     fn normals(&self) -> Vec<(u32, Vec3)> {
         let parts: Vec<Option<Part>> = self.around.iter().map(|corner| self.part(corner)).collect();
         let groups = self.groups(&parts);
-        let mut sums = vec![Vec3::splat(0.0); self.around.len()];
+        let mut sums = vec![Vec3::<f64>::splat(0.0); self.around.len()];
         for (part, group) in parts.iter().zip(&groups) {
             sums[*group as usize] += part.map_or(Vec3::splat(0.0), |part| part.facet * part.angle);
         }
@@ -219,7 +219,7 @@ fn members(groups: &[u32]) -> Vec<Vec<u32>> {
 /// Returns `true` where a facet of a fan turns away from the fan's mean.
 fn winds_back(fan: &[u32], parts: &[Option<Part>]) -> bool {
     let own: Vec<Part> = fan.iter().filter_map(|i| parts[*i as usize]).collect();
-    let sum = own.iter().fold(Vec3::splat(0.0), |sum, part| sum + part.facet * part.angle);
+    let sum = own.iter().fold(Vec3::<f64>::splat(0.0), |sum, part| sum + part.facet * part.angle);
     // A little more than the least, since normals are rounded.
     unit(sum).is_none_or(|mean| own.iter().any(|part| part.facet.dot(mean) < LEAST + 1e-3))
 }

@@ -121,7 +121,7 @@ impl Mender<'_> {
             return 0.0;
         }
         let moved = self.fans.moved(from, to);
-        let whole = moved.iter().fold(Vec3::splat(0.0), |sum, [old, _]| sum + old.vector);
+        let whole = moved.iter().fold(Vec3::<f64>::splat(0.0), |sum, [old, _]| sum + old.vector);
         let after = |[old, new]: &[Shape; 2]| {
             let direction = if old.altitude() > ROUNDING { old.vector } else { whole };
             let is_possible = new.cosine(direction) > STEADY && new.height() >= old.height().min(THIN);
