@@ -2,10 +2,14 @@
 
 use crate::cart::{cart, count, joined, parts};
 use crate::distance::{Surface, deviation};
+use crate::files::data_files;
 use crate::hostile::{book, embossed_ball, moebius, sheet, unwelded};
 use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, Scan};
-use taotie::bake::{Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions, levels, simplify, unwrap};
+use taotie::bake::{
+    Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions, levels, low_poly_mesh, simplify, unwrap,
+};
+use taotie::io::load_model;
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::Mesh;
 use taotie::surface::{facet_normal, vertex_normals};
@@ -26,14 +30,20 @@ fn check_normals(mesh: &Mesh) {
     }
 }
 
-/// Panics where a triangle has corners of two parts of the scan, or a part is lost or in pieces.
-fn check_parts(scan: &Mesh, low: &Mesh) {
+/// Panics where a triangle has corners of two parts of the scan; returns the number of its parts.
+fn check_joints(scan: &Mesh, low: &Mesh) -> usize {
     let before = parts(scan);
     for t in 0..low.triangles().len() {
         let [a, b, c] = low.corners(t).map(|p| before[&p.to_array().map(|v| (v + 0.0).to_bits())]);
         assert!(a == b && b == c, "triangle {t} joins parts {a}, {b}, {c}");
     }
-    assert_eq!(count(&parts(low)), count(&before), "parts after and before");
+    count(&before)
+}
+
+/// Panics where a triangle has corners of two parts of the scan, or a part is lost or in pieces.
+fn check_parts(scan: &Mesh, low: &Mesh) {
+    let before = check_joints(scan, low);
+    assert_eq!(count(&parts(low)), before, "parts after and before");
 }
 
 /// The farthest that the middles of triangles and edges lie from a scan, in parts of its diagonal.
@@ -121,6 +131,31 @@ fn double_walls_and_edges_of_many_leaves_are_not_turned() {
             check_parts(&scan, &low.mesh);
             assert!(low.method < SimplifyMethod::Clustered, "{name}");
         }
+    }
+}
+
+/// Models of many thin parts, at a tenth: no facet is turned, nothing joins parts, and no large one is lost.
+#[test]
+fn models_by_others_stay_whole() {
+    let named = |path: &std::path::PathBuf| {
+        ["tea_set_01", "Camera_01"].iter().any(|name| path.to_string_lossy().contains(name))
+    };
+    for path in data_files("polyhaven-models", &["gltf"]).into_iter().filter(named) {
+        let scan = low_poly_mesh(load_model(&path).unwrap().scene).unwrap();
+        let low = to(&scan, scan.triangles().len() / 10);
+        println!(
+            "{}: {} to {} {:?}, {} slivers, {:?}",
+            path.display(),
+            scan.triangles().len(),
+            low.mesh.triangles().len(),
+            low.method,
+            thinnest(&low.mesh),
+            low.notes
+        );
+        check_normals(&low.mesh);
+        check_joints(&scan, &low.mesh);
+        assert!(low.method < SimplifyMethod::Clustered);
+        assert!(low.notes.iter().all(|(what, _)| !what.contains("lost since")), "{:?}", low.notes);
     }
 }
 
