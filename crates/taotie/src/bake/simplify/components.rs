@@ -96,10 +96,10 @@ fn labels(triangles: &[[u32; 3]], points: usize) -> (Vec<u32>, usize) {
         parents[v] = parents[parents[v] as usize];
     }
     let mut count = 0;
-    for v in 0..points {
+    for (v, used) in used.into_iter().enumerate() {
         if parents[v] != v as u32 {
             parents[v] = parents[parents[v] as usize];
-        } else if used[v] {
+        } else if used {
             parents[v] = count;
             count += 1;
         } else {
