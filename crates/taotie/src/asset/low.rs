@@ -113,9 +113,13 @@ pub(super) fn simplified(scan: &Scan, triangles: u32, progress: Progress<'_>) ->
 /// Notes what simplification left out, and whether it went as far as was wanted.
 pub(super) fn note_simplified(simplified: &Simplified, triangles: u32, warnings: &mut Warnings) {
     warnings.absorb(simplified.notes.clone());
-    if !simplified.reached {
-        let found = simplified.mesh.triangles().len();
-        warnings.note(format!("{triangles} triangles were wanted; could not go below {found}"), 1);
+    let found = simplified.mesh.triangles().len();
+    match simplified.reached {
+        true => {}
+        false if found < triangles as usize => {
+            warnings.note(format!("{triangles} triangles were wanted; {found} are left"), 1);
+        }
+        false => warnings.note(format!("{triangles} triangles were wanted; could not go below {found}"), 1),
     }
 }
 
