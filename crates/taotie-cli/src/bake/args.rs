@@ -87,7 +87,8 @@ pub struct BakeArgs {
     /// Compress geometry (EXT_meshopt_compression)
     #[arg(long, help_heading = "File")]
     pub meshopt: bool,
-    /// XMP metadata (JSON-LD, such as dc:title or dc:rights) to add to that of the scan
+    /// XMP metadata (JSON-LD, such as dc:title or dc:rights) to add to that of the scan. Where the scan has no
+    /// copyright notice, dc:rights becomes the asset's
     #[arg(long, value_name = "FILE.json", help_heading = "File")]
     pub provenance: Option<PathBuf>,
 
@@ -204,6 +205,7 @@ impl BakeArgs {
                 "--error needs a normal map in tangent space: add normal to --maps, leave out --space object"
             );
         }
+        self.packing().check()?;
         render::check_place(&self.output)
     }
 

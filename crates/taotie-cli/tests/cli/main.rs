@@ -20,6 +20,9 @@ mod motion;
 mod normals;
 mod packed;
 mod place;
+mod provenance;
 mod render;
 mod running;
+#[path = "../../../taotie/tests/common/validator.rs"]
+mod validator;
 mod variants;

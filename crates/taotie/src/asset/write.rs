@@ -94,6 +94,7 @@ impl Asset {
 fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
     let textures = &made.maps.textures;
     let xmp = provenance::packet(made, packing)?;
+    let rights = io::xmp_rights(&xmp);
     let meshes: Vec<_> = std::iter::once(&made.low.mesh).chain(&made.coarser).collect();
     let levels: Vec<GltfLevel> = meshes
         .iter()
@@ -106,7 +107,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         name: &name,
         levels: &levels,
         material: textures.material(&made.low.material, &made.low.kept),
-        copyright: made.about.copyright.as_deref(),
+        copyright: made.about.copyright.as_deref().or(rights.as_deref()),
         xmp: Some(&xmp),
         extras: extras.as_ref(),
     };
