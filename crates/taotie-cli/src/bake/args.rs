@@ -39,12 +39,12 @@ pub struct BakeArgs {
     #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size"])]
     pub error: Option<f64>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh")]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
     pub lods: Vec<u32>,
 
-    /// Width and height of the maps, texels
-    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(16..=16_384), help_heading = "Maps")]
-    pub size: u32,
+    /// Width and height of the maps, texels: one number, or two as in 2048x1024 for a --low with UVs
+    #[arg(long, value_name = "N|WxH", default_value = "2048", value_parser = options::map_size, help_heading = "Maps")]
+    pub size: [u32; 2],
     /// Maps to bake, separated by commas: normal, ao (ambient occlusion), albedo (base colour), height, bent (bent
     /// normals), curvature, roughness
     #[arg(long, value_name = "MAP,...", value_delimiter = ',', default_value = "normal", value_parser = options::named::<MapKind>, help_heading = "Maps")]
@@ -194,11 +194,13 @@ impl BakeArgs {
                 pair[0]
             );
         }
-        if self.ktx2 && !self.size.is_multiple_of(4) {
-            bail!(
-                "--size {}: KTX2 needs a multiple of 4; choose another size, or leave out --ktx2",
-                self.size
-            );
+        let [width, height] = self.size;
+        let size = if width == height { width.to_string() } else { format!("{width}x{height}") };
+        if width != height && self.low.is_none() {
+            bail!("--size {size}: atlases that are made are square; give one number, or --low with UVs");
+        }
+        if self.ktx2 && !self.size.iter().all(|side| side.is_multiple_of(4)) {
+            bail!("--size {size}: KTX2 needs a multiple of 4; choose another size, or leave out --ktx2");
         }
         if self.error.is_some() && (self.space == Space::Object || !self.maps.contains(&MapKind::Normal)) {
             bail!(
@@ -216,7 +218,8 @@ impl BakeArgs {
             triangles: self.triangles,
             mean_error_deg: self.error,
             lods: self.lods.clone(),
-            size: self.size,
+            size: self.size[0],
+            height: (self.size[1] != self.size[0]).then_some(self.size[1]),
             maps: self.maps.clone(),
             space: self.space.into(),
             side: self.samples.parse().unwrap_or(4u32).isqrt(),

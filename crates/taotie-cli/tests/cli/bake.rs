@@ -77,6 +77,7 @@ fn refusals() {
     place.write("nan.obj", SCAN.obj().replacen("v 0 1 0", "v nan 1 0", 1));
     place.write("point.obj", "v 1 1 1\nf 1 1 1\n");
     place.write("other.obj", Ball { rings: 13, ..LOW }.obj());
+    place.write("bare.obj", Ball { uv: None, ..LOW }.obj());
     place.write("scan.glb", "no model");
     place.write("list.json", "[]");
     let before = place.files();
@@ -127,6 +128,15 @@ fn refusals() {
         (
             "scan.obj -o out.glb --maps colour",
             "map `colour`: there is none of this name; choose one of: normal, ao,",
+        ),
+        ("scan.obj -o out.glb --size 8", "8 is not in 16..=16384"),
+        (
+            "scan.obj -o out.glb --size 64x32",
+            "--size 64x32: atlases that are made are square; give one number, or --low with UVs",
+        ),
+        (
+            "scan.obj --low bare.obj -o out.glb --size 64x32",
+            "maps of 64×32: atlases that are made are square; give one number, or a low-poly mesh with uvs",
         ),
         (
             "scan.obj -o out.glb --ktx2 --size 50",

@@ -23,6 +23,7 @@ mod place;
 mod provenance;
 mod render;
 mod running;
+mod sizes;
 #[path = "../../../taotie/tests/common/validator.rs"]
 mod validator;
 mod variants;

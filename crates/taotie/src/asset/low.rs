@@ -2,10 +2,10 @@
 
 use super::kept_textures::KeptTextures;
 use super::notes;
-use super::options::{BakeOptions, MeshSource};
+use super::options::{BakeOptions, MeshSource, SQUARE};
 use super::scan::{Scan, check_extent};
 use crate::bake::{self, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
-use crate::error::{Result, Warnings};
+use crate::error::{Error, Result, Warnings};
 use crate::io;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
@@ -89,6 +89,9 @@ impl LowPoly {
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
+            true if !options.is_square() => {
+                return Err(Error::invalid(options.maps_in_words(), SQUARE));
+            }
             true => unwrapped(&mesh, options.size, &mut origin, progress)?,
         };
         note_uvs(&mesh, warnings);

@@ -43,7 +43,10 @@ impl Parameters {
             "triangles": (options.low.is_none() && !searched).then_some(options.triangles),
             "error_deg": options.mean_error_deg,
             "lods": options.lods,
-            "size": (!searched).then_some(options.size),
+            "size": match options.is_square() {
+                true => json!((!searched).then_some(options.size)),
+                false => json!(options.map_size()),
+            },
             "maps": options.maps.iter().map(|map| map.name()).collect::<Vec<_>>(),
             "space": match options.space { NormalSpace::Tangent => "tangent", NormalSpace::Object => "object" },
             "samples": options.side * options.side,

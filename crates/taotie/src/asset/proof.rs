@@ -224,7 +224,7 @@ impl Written {
         progress.begin("measure normals")?;
         let mut figures = self.measure(&subject, options)?;
         progress.begin("map errors")?;
-        let error_map = subject.verifier(true).error_map([made.size.min(options.map); 2])?;
+        let error_map = subject.verifier(true).error_map(within(made.size, options.map))?;
         let views = progress.begin("compare views")?;
         let views = views::take(scan.into_mesh(), loaded.scene, options.view, views)?;
         figures.views.clone_from(&views.figures);
@@ -258,14 +258,21 @@ impl Written {
             rms: deviation.rms(),
             rms_of_diagonal: deviation.rms() / diagonal,
             diagonal,
-            density: mapped.density([size; 2])?.summary(),
-            uv_use: part(counts.texels, (size as usize).pow(2)),
+            density: mapped.density(size)?.summary(),
+            uv_use: part(counts.texels, size.map(|side| side as usize).iter().product()),
             views: Vec::new(),
             fit: mapped.fit(options.points / 10, diagonal).map(FitFigures::from),
             bytes_in: made.about.bytes,
             bytes_out: self.files.iter().map(|path| io::file_size(path)).sum::<Result<u64>>()?,
         })
     }
+}
+
+/// Returns a size of the same shape with at most so many texels along its longer side.
+fn within(size: [u32; 2], most: u32) -> [u32; 2] {
+    let longer = size[0].max(size[1]);
+    let scaled = |side: u32| (u64::from(side) * u64::from(most) / u64::from(longer)).max(1) as u32;
+    if longer <= most { size } else { size.map(scaled) }
 }
 
 fn check(options: &VerifyOptions) -> Result<()> {
