@@ -35,7 +35,7 @@ fn maps_may_be_wider_than_high() {
 fn one_number_is_both_sides() {
     let place = Place::with("a.obj", TRIANGLE);
     for size in ["16", "16x16", " 16 × 16"] {
-        let render = ["render", "a.obj", "-o", "a.exr", "--size", size, "--aov", "depth, normal"];
+        let render = ["render", "a.obj", "-o", "a.exr", "--size", size, "--aov", "depth, normals"];
         place.taotie_with(&render).assert().success();
         place.taotie_with(&["render", "a.obj", "-o", "a.png", "--size", size]).assert().success();
         let bitmap = read_bitmap(&place.path("a.png")).expect("it is a picture");

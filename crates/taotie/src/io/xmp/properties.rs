@@ -3,7 +3,7 @@
 use super::context::namespace;
 use crate::error::{Error, Result};
 use crate::io::file;
-use crate::io::json::Json;
+use crate::io::json::{Json, broken};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -22,9 +22,7 @@ impl XmpProperties {
     /// [`Error::Io`]; [`Error::Parse`] where the file is no JSON; [`Error::Invalid`] where it is no object, a prefix
     /// has no namespace, or a value is of no form that programs read.
     pub fn read(path: &Path) -> Result<Self> {
-        let no_json = |error: serde_json::Error| {
-            Error::parse(path, format!("line {}, column {}", error.line(), error.column()), error.to_string())
-        };
+        let no_json = |error: serde_json::Error| broken(path, &error);
         let Value::Object(given) = serde_json::from_slice(&file::read(path)?).map_err(no_json)? else {
             let why = "XMP properties are a JSON object, such as {\"dc:title\": \"…\"}";
             return Err(Error::invalid(path.display().to_string(), why));
