@@ -36,8 +36,8 @@ use std::path::Path;
 /// that are no directions.
 ///
 /// # Errors
-/// [`crate::Error::Io`] where the file cannot be read, [`crate::Error::Parse`] where its header or payload is wrong, and for point
-/// clouds, which cannot be drawn.
+/// [`crate::Error::Io`] where the file cannot be read, [`crate::Error::Parse`] where its header or payload is wrong, and
+/// for point clouds, which cannot be drawn.
 pub(super) fn read(path: &Path) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let mut bytes = file::read(path)?;
