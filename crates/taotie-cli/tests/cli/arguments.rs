@@ -284,7 +284,7 @@ fn unknown_subcommand() {
         str![[r#"
 error: unrecognized subcommand 'paint'
 
-Usage: taotie <COMMAND>
+Usage: taotie [OPTIONS] <COMMAND>
 
 For more information, try '--help'.
 

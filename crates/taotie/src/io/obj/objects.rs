@@ -57,7 +57,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Returns the names of these marks, each once: at most [`MOST`], and how many follow. Empty for none.
+/// Returns the names of these marks, each once: at most [`MOST`], then an ellipsis. Empty for none.
 pub(super) fn joined(marks: &[Mark], numbers: &[usize]) -> String {
     let mut names: Vec<&str> = Vec::new();
     let mut more = 0;
