@@ -45,7 +45,7 @@ fn head(model: &str, report: &Inspection) -> String {
     row("format", report.format.clone());
     let about =
         [("generator", &report.generator), ("copyright", &report.copyright), ("rights", &report.rights)];
-    let given = about.iter().filter_map(|(key, value)| Some((*key, value.as_ref()?)));
+    let given = about.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?)));
     for (key, value) in given.chain(report.sources.iter().map(|source| ("source", source))) {
         row(key, clean(value));
     }

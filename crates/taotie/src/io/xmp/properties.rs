@@ -7,6 +7,7 @@ use crate::io::json::{Json, broken};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::result::Result as Checked;
 
 /// Keys that start with `@` and may stand in a value.
 const KEYWORDS: [&str; 6] = ["@id", "@language", "@list", "@set", "@type", "@value"];
@@ -27,7 +28,8 @@ impl XmpProperties {
             let why = "XMP properties are a JSON object, such as {\"dc:title\": \"…\"}";
             return Err(Error::invalid(path.display().to_string(), why));
         };
-        checked(given).map_err(|(name, why)| Error::invalid(format!("{}: {name}", path.display()), why))
+        checked(given)
+            .map_err(|Fault { property, why }| Error::invalid(format!("{}: {property}", path.display()), why))
     }
 
     /// Returns a packet with these properties, which go before its own; contexts are joined.
@@ -52,13 +54,17 @@ fn joined(known: Value, more: Value) -> Value {
     }
 }
 
-/// A property, and why it cannot be used.
-type Fault = (String, String);
+/// A property that cannot be used.
+#[derive(Debug)]
+struct Fault {
+    property: String,
+    why: String,
+}
 
-fn checked(mut given: Map<String, Value>) -> Result<XmpProperties, Fault> {
+fn checked(mut given: Map<String, Value>) -> Checked<XmpProperties, Fault> {
     let mut prefixes = Prefixes::of(given.remove("@context"))?;
     for (name, value) in &given {
-        let faulty = |why| (name.clone(), why);
+        let faulty = |why| Fault { property: name.clone(), why };
         let is_about = ["@id", "@type"].contains(&name.as_str());
         if !is_about {
             prefixes.check(name).map_err(faulty)?;
@@ -73,8 +79,9 @@ fn checked(mut given: Map<String, Value>) -> Result<XmpProperties, Fault> {
 struct Prefixes(BTreeMap<String, Value>);
 
 impl Prefixes {
-    fn of(context: Option<Value>) -> Result<Self, Fault> {
-        let wrong = || ("@context".to_owned(), "it is an object of prefixes and their namespaces".to_owned());
+    fn of(context: Option<Value>) -> Checked<Self, Fault> {
+        let why = "it is an object of prefixes and their namespaces";
+        let wrong = || Fault { property: "@context".into(), why: why.into() };
         let names = match context {
             None => return Ok(Self(BTreeMap::new())),
             Some(Value::Object(names)) => names,
@@ -85,7 +92,7 @@ impl Prefixes {
     }
 
     /// Checks that a name has a known prefix, and takes the namespace of a common one in.
-    fn check(&mut self, name: &str) -> Result<(), String> {
+    fn check(&mut self, name: &str) -> Checked<(), String> {
         let Some((prefix, rest)) = name.split_once(':').filter(|(_, rest)| !rest.is_empty()) else {
             return Err(format!("`{name}` has no prefix; XMP properties are named as in dc:title"));
         };
@@ -101,7 +108,7 @@ impl Prefixes {
         Ok(())
     }
 
-    fn check_value(&mut self, value: &Value) -> Result<(), String> {
+    fn check_value(&mut self, value: &Value) -> Checked<(), String> {
         match value {
             Value::Null => Err("it has no value".into()),
             Value::Array(items) => self.check_items(items),
@@ -110,14 +117,14 @@ impl Prefixes {
         }
     }
 
-    fn check_items(&mut self, items: &[Value]) -> Result<(), String> {
+    fn check_items(&mut self, items: &[Value]) -> Checked<(), String> {
         if items.iter().any(Value::is_array) {
             return Err("it is an array within an array".into());
         }
         items.iter().try_for_each(|item| self.check_value(item))
     }
 
-    fn check_members(&mut self, members: &Map<String, Value>) -> Result<(), String> {
+    fn check_members(&mut self, members: &Map<String, Value>) -> Checked<(), String> {
         let is_array = |kind: &str| members.get(kind).is_none_or(Value::is_array);
         if let Some(kind) = ["@list", "@set"].into_iter().find(|kind| !is_array(kind)) {
             return Err(format!("its {kind} is no array"));
@@ -140,7 +147,7 @@ impl Prefixes {
 mod tests {
     use super::*;
 
-    fn given(value: Value) -> Result<XmpProperties, Fault> {
+    fn given(value: Value) -> Checked<XmpProperties, Fault> {
         checked(value.as_object().cloned().unwrap_or_default())
     }
 
@@ -180,8 +187,8 @@ mod tests {
             (json!({ "@context": { "a": 1 } }), "@context", "an object of prefixes"),
         ];
         for (value, at, why) in cases {
-            let (name, said) = given(value.clone()).unwrap_err();
-            assert!(name.contains(at) && said.contains(why), "{value}: {name}: {said}");
+            let fault = given(value.clone()).unwrap_err();
+            assert!(fault.property.contains(at) && fault.why.contains(why), "{value}: {fault:?}");
         }
     }
 
