@@ -1,6 +1,6 @@
 //! The options of `taotie bake`.
 
-use crate::studio::Space;
+use crate::studio::{Green, Space};
 use crate::{options, render};
 use anyhow::{Result, bail};
 use clap::Args;
@@ -52,6 +52,10 @@ pub struct BakeArgs {
     /// Space of the normal map. glTF has only tangent space, so an object-space map is written beside the asset
     #[arg(long, value_enum, default_value_t = Space::Tangent, help_heading = "Maps")]
     pub space: Space,
+    /// Direction of green in maps for other programs: down (DirectX) also writes OUT.normal.png, and OUT.bent.png so. The
+    /// asset's own normal map points up, as glTF demands
+    #[arg(long, value_enum, default_value_t = Green::Up, help_heading = "Maps")]
+    pub green: Green,
     /// Samples per texel
     #[arg(long, value_name = "K", default_value = "4", value_parser = ["1", "4", "9", "16", "25", "36", "49", "64"], help_heading = "Maps")]
     pub samples: String,
@@ -207,6 +211,10 @@ impl BakeArgs {
                 "--error needs a normal map in tangent space: add normal to --maps, leave out --space object"
             );
         }
+        let is_turned = [MapKind::Normal, MapKind::Bent].iter().any(|map| self.maps.contains(map));
+        if self.green == Green::Down && (self.space == Space::Object || !is_turned) {
+            bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
+        }
         self.packing().check()?;
         render::check_place(&self.output)
     }
@@ -248,7 +256,8 @@ impl BakeArgs {
             (_, true) => GltfImages::WebP,
             _ => GltfImages::Png,
         };
-        Packing { images, meshopt: self.meshopt, provenance: self.provenance.clone() }
+        let provenance = self.provenance.clone();
+        Packing { images, meshopt: self.meshopt, provenance, green: self.green.into() }
     }
 
     /// Returns the limits of the bake.

@@ -143,6 +143,11 @@ fn refusals() {
             "--size 50: KTX2 needs a multiple of 4; choose another size, or leave out",
         ),
         ("scan.obj -o out.glb --ktx2 --webp", "cannot be used with"),
+        (
+            "scan.obj -o out.glb --green down --maps ao",
+            "--green down: no normal or bent map in tangent space",
+        ),
+        ("scan.obj -o out.glb --green down --space object", "--green down: no normal or bent map"),
         ("scan.obj -o out.glb --threads 0", "--threads 0: at least one thread is needed"),
         ("scan.obj -o out.glb --ray-distance 0", "0 is not above 0"),
         ("scan.obj -o out.glb --cage low.obj", "--low <LOW>"),
@@ -387,4 +392,35 @@ fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
     assert!(!parameters.contains("secret"), "folders are nobody's business: {parameters}");
     let source = packet["dc:source"].to_string();
     assert!(source.contains("scan.glb (sha256:"), "{source}");
+}
+
+#[test]
+fn green_points_down_beside_the_asset_alone() {
+    let place = pair();
+    let bake = |more: &str| {
+        let line =
+            format!("bake scan.obj --low low.obj --size 32 --ao-rays 4 --maps normal,bent --json {more}");
+        place.json(&line)
+    };
+    let up = bake("-o up.gltf");
+    let report = bake("-o down.gltf --green down");
+    assert_eq!(place.read("up_normal.png"), place.read("down_normal.png"), "glTF points up");
+    let texels = |name: &str| match read_bitmap(&place.path(name)).expect("it is a picture").texels() {
+        Texels::U8(texels) => texels.clone(),
+        other => panic!("{other:?}"),
+    };
+    for (up, down) in [("up_normal.png", "down.normal.png"), ("up.bent.png", "down.bent.png")] {
+        let turned: Vec<[u8; 4]> = texels(up).iter().map(|[r, g, b, a]| [*r, 255 - g, *b, *a]).collect();
+        assert_eq!(texels(down), turned, "{down}");
+    }
+    let files: Vec<&str> =
+        report["maps"].as_array().unwrap().iter().filter_map(|map| map["file"].as_str()).collect();
+    assert_eq!(files, ["down.normal.png", "down.bent.png"]);
+    let extras =
+        &serde_json::from_slice::<Value>(&place.read("down.gltf")).unwrap()["asset"]["extras"]["maps"];
+    assert_eq!(extras["normal"]["file"], "down.normal.png");
+    assert_eq!(
+        report["proof"]["angles"], up["proof"]["angles"],
+        "the asset is measured, not the map beside it"
+    );
 }

@@ -23,6 +23,7 @@
 //! the step is at. What is asked for and cannot be done is an error or a counted warning.
 
 mod baker;
+mod green;
 mod hash;
 mod judgement;
 mod kept_textures;

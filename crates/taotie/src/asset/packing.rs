@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::io::{GltfImages, XmpProperties};
+use crate::scene::GreenChannel;
 use std::path::PathBuf;
 
 /// The packing of an asset into files. Built by `Default` and struct update.
@@ -27,6 +28,9 @@ pub struct Packing {
     /// A JSON file of XMP properties, such as `dc:title`, that the asset is to bear beside those of the scan. Where the
     /// scan has no copyright notice, `dc:rights` is the asset's.
     pub provenance: Option<PathBuf>,
+    /// The direction of green in maps for other programs. `Down` (DirectX) writes the tangent-space normal map once more
+    /// beside the asset, as `scan.normal.png`, and bent normals so; the asset's own points up, as glTF demands.
+    pub green: GreenChannel,
 }
 
 impl Packing {

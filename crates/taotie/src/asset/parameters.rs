@@ -4,7 +4,7 @@ use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::packing::Packing;
 use crate::io::GltfImages;
 use crate::names::Named;
-use crate::scene::NormalSpace;
+use crate::scene::{GreenChannel, NormalSpace};
 use serde_json::{Value, json};
 use std::fmt;
 
@@ -63,6 +63,7 @@ impl Parameters {
                 GltfImages::Ktx2 => "ktx2",
             },
             "meshopt": packing.meshopt,
+            "green": match packing.green { GreenChannel::Up => "up", GreenChannel::Down => "down" },
         }))
     }
 

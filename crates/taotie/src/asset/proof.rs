@@ -233,7 +233,9 @@ impl Written {
 
     /// Returns the file of a normal map in object space, which stands beside the asset.
     fn object_map(&self) -> Option<PathBuf> {
-        self.maps().into_iter().find(|note| note.map == MapKind::Normal).and_then(|note| note.file)
+        let is_object = self.asset.made.options.space == NormalSpace::Object;
+        let mut normals = self.maps().into_iter().filter(|note| is_object && note.map == MapKind::Normal);
+        normals.next().and_then(|note| note.file)
     }
 
     fn measure(&self, subject: &Subject<'_>, options: &VerifyOptions) -> Result<Figures> {

@@ -1,15 +1,17 @@
 //! An asset into files.
 
+use super::green;
 use super::made::{Asset, Made};
 use super::packing::Packing;
 use super::provenance;
-use super::textures::{Beside, Textures};
+use super::textures::Beside;
 use crate::bake::MapKind;
 use crate::error::Result;
 use crate::image::{Bitmap, Encoding};
 use crate::io::{self, FileBytes, GltfAsset, GltfFormat, GltfLevel, Json};
 use crate::names::Named;
 use crate::progress::Progress;
+use crate::scene::GreenChannel;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -102,7 +104,11 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         .map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) })
         .collect();
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let extras = extras(textures, path);
+    let turned = green::turned(made, packing)?;
+    let is_turned = |beside: &Beside| turned.iter().any(|turned| turned.map == beside.map);
+    let beside: Vec<&Beside> =
+        textures.beside.iter().filter(|beside| !is_turned(beside)).chain(&turned).collect();
+    let extras = extras(&beside, path);
     let model = GltfAsset {
         name: &name,
         levels: &levels,
@@ -113,7 +119,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
     };
     let format = GltfFormat { images: packing.images, meshopt: packing.meshopt };
     let mut files = io::encode_gltf(path, &model, &format)?;
-    for beside in &textures.beside {
+    for beside in beside {
         let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
         files.push(FileBytes { path: file_of(beside, path), bytes });
     }
@@ -133,14 +139,14 @@ fn coverages(count: usize) -> Vec<f32> {
 }
 
 /// Returns the asset's notes on the files beside it; `None` where there are none.
-fn extras(textures: &Textures, path: &Path) -> Option<Json> {
-    let entry = |beside: &Beside| {
+fn extras(beside: &[&Beside], path: &Path) -> Option<Json> {
+    let entry = |beside: &&Beside| {
         let note = MapNote::beside(beside, path);
         let name = note.file?.file_name()?.to_string_lossy().into_owned();
         let about = json!({ "file": name, "black": note.black, "white": note.white, "unit": note.unit });
         Some((note.map.name().to_owned(), about))
     };
-    let maps: serde_json::Map<String, Value> = textures.beside.iter().filter_map(entry).collect();
+    let maps: serde_json::Map<String, Value> = beside.iter().filter_map(entry).collect();
     (!maps.is_empty()).then(|| Json(json!({ "maps": maps })))
 }
 
@@ -181,6 +187,14 @@ impl Written {
     pub fn maps(&self) -> Vec<MapNote> {
         let textures = self.asset.textures();
         let beside = textures.beside.iter().map(|beside| MapNote::beside(beside, self.path()));
-        textures.inside().map(MapNote::inside).chain(beside).collect()
+        textures.inside().map(MapNote::inside).chain(self.turned_normal()).chain(beside).collect()
+    }
+
+    /// Returns the note on the normal map with green down.
+    fn turned_normal(&self) -> Option<MapNote> {
+        let normal = self.asset.textures().normal.as_ref();
+        let normal = normal.filter(|_| self.packing.green == GreenChannel::Down)?;
+        let file = Some(self.path().with_extension("normal.png"));
+        Some(MapNote { file, ..MapNote::inside((MapKind::Normal, normal)) })
     }
 }
