@@ -86,7 +86,7 @@ bless: ## Takes the pictures and outputs of today for right; look at the differe
 
 # What `make test` needs beside cargo, installed where missing: parts of the toolchain, a browser for report pages and
 # three.js, and npm's packages that lead it and that check glTF. `BROWSER=/path/to/chrome` names a browser elsewhere.
-PACKAGES = tests/validator/node_modules/gltf-validator tests/browser/node_modules/playwright-core
+PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/playwright-core
 INSTALL = npm ci --no-audit --no-fund --prefix
 BROWSERS = chromium chromium-browser google-chrome google-chrome-stable
 tools:

@@ -4,6 +4,7 @@ use anyhow::Result;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, Write};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::Warnings;
 
@@ -14,8 +15,27 @@ pub fn result(line: &str) -> Result<()> {
     Ok(stdout.flush()?)
 }
 
-/// Writes a message to stderr. A closed stderr is no error.
+/// Set where the user wants neither progress nor messages. All that talks has but one stderr, so it is global as that.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Leaves out progress, messages and warnings from now on, or no more.
+pub fn set_quiet(quiet: bool) {
+    QUIET.store(quiet, Ordering::Relaxed);
+}
+
+fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
+/// Writes a message to stderr, unless the user wants none. A closed stderr is no error.
 pub fn say(line: &str) {
+    if !is_quiet() {
+        complain(line);
+    }
+}
+
+/// Writes an error to stderr. A closed stderr is no error.
+pub fn complain(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
@@ -72,7 +92,7 @@ impl Bar {
 
     /// Shows the fraction done.
     pub fn set(&self, fraction: f64) {
-        if self.start.elapsed() < Duration::from_secs(1) {
+        if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
         self.bar.get_or_init(|| self.new_bar()).set_position((fraction * STEPS as f64) as u64);

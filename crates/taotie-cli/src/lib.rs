@@ -5,6 +5,7 @@
 
 mod bake;
 mod compare;
+mod completions;
 mod console;
 mod demo;
 mod diff;
@@ -25,6 +26,9 @@ use std::process::ExitCode;
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Print results and errors alone: no progress, messages or warnings
+    #[arg(short, long, global = true)]
+    quiet: bool,
 }
 
 #[derive(Subcommand)]
@@ -45,6 +49,8 @@ enum Command {
     Materials(materials::MaterialsArgs),
     /// Renders the built-in bronze by every method and shading model, and measures the error.
     Demo(demo::DemoArgs),
+    /// Prints a script by which a shell completes subcommands and options.
+    Completions(completions::CompletionsArgs),
 }
 
 /// The end of a run without an error.
@@ -70,6 +76,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
             return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
         }
     };
+    console::set_quiet(cli.quiet);
     let result = match cli.command {
         Command::Render(args) => render::run(&args).map(|()| Outcome::Fine),
         Command::Compare(args) => compare::run(&args).map(|()| Outcome::Fine),
@@ -79,17 +86,18 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Diff(args) => diff::run(&args),
         Command::Materials(args) => materials::run(&args).map(|()| Outcome::Fine),
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
+        Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),
     };
     match result {
         Ok(Outcome::Fine) => ExitCode::SUCCESS,
         Ok(Outcome::Different) => ExitCode::from(1),
         Err(error) if console::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) if console::is_cancelled(&error) => {
-            console::say("taotie: interrupted; no file is left");
+            console::complain("taotie: interrupted; no file is left");
             ExitCode::from(130)
         }
         Err(error) => {
-            console::say(&format!("taotie: error: {}", console::causes(&error)));
+            console::complain(&format!("taotie: error: {}", console::causes(&error)));
             ExitCode::from(2)
         }
     }

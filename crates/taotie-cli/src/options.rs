@@ -9,17 +9,37 @@ use taotie::studio::parse;
 
 /// A value by its name; the error lists the names.
 pub fn named<T: Named>(value: &str) -> Result<T, String> {
-    T::from_name(value).map_err(|error| error.to_string())
+    T::from_name(value.trim()).map_err(|error| error.to_string())
 }
 
-/// `WIDTHxHEIGHT`.
+/// A word of a list, without the spaces around it.
+pub fn word(value: &str) -> Result<String, String> {
+    Ok(value.trim().to_owned())
+}
+
+/// A number of triangles, at least four.
+pub fn triangles(value: &str) -> Result<u32, String> {
+    let count = value.trim().parse::<u32>().map_err(|_| format!("`{value}` is not a number of triangles"))?;
+    if count >= 4 { Ok(count) } else { Err(format!("{count} is below 4")) }
+}
+
+/// `WIDTHxHEIGHT`, or one number for both.
 pub fn size(value: &str) -> Result<[u32; 2], String> {
-    let wrong = || "write WIDTHxHEIGHT in pixels, such as 1920x1080".to_string();
-    let (width, height) = value.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let wrong = || "write WIDTHxHEIGHT, such as 1920x1080, or one number for both".to_string();
+    let (width, height) = value.split_once(['x', 'X', '×']).unwrap_or((value, value));
     let side = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
     let (width, height) = (side(width)?, side(height)?);
     taotie::image::Image::check_size(width, height).map_err(|error| error.to_string())?;
     Ok([width, height])
+}
+
+/// The size of maps: as [`size`], 16 to 16384 texels a side.
+pub fn map_size(value: &str) -> Result<[u32; 2], String> {
+    let size = size(value)?;
+    match size.iter().find(|side| !(16..=16_384).contains(*side)) {
+        Some(side) => Err(format!("{side} is not in 16..=16384")),
+        None => Ok(size),
+    }
 }
 
 /// `on` or `off`.
@@ -73,10 +93,20 @@ mod tests {
 
     #[test]
     fn sizes() {
-        assert_eq!(size("640x480"), Ok([640, 480]));
-        assert!(
-            size("640").is_err() && size("0x1").is_err() && size("1x99999").is_err() && size("-1x2").is_err()
-        );
+        let written = ["640x480", "640 X 480", "640×480", " 640 "].map(size);
+        assert_eq!(written, [Ok([640, 480]), Ok([640, 480]), Ok([640, 480]), Ok([640, 640])]);
+        for wrong in ["", "0", "0x1", "1x99999", "-1x2", "640x", "640x480x2"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!((map_size("64"), map_size("64x16")), (Ok([64, 64]), Ok([64, 16])));
+        assert!(map_size("8").unwrap_err().contains("16..=16384") && map_size("64x8").is_err());
+    }
+
+    #[test]
+    fn spaces_around_the_words_of_a_list_do_not_matter() {
+        assert_eq!(named(" ggx "), Ok(taotie::shade::Shading::Ggx));
+        assert_eq!((word(" depth").as_deref(), triangles(" 500 ")), (Ok("depth"), Ok(500)));
+        assert!(triangles("3").is_err() && triangles("many").is_err());
     }
 
     #[test]

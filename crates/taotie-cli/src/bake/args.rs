@@ -1,6 +1,6 @@
 //! The options of `taotie bake`.
 
-use crate::studio::Space;
+use crate::studio::{Green, Space};
 use crate::{options, render};
 use anyhow::{Result, bail};
 use clap::Args;
@@ -40,12 +40,12 @@ pub struct BakeArgs {
     #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size"])]
     pub error: Option<f64>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh")]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
     pub lods: Vec<u32>,
 
-    /// Width and height of the maps, texels
-    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(16..=16_384), help_heading = "Maps")]
-    pub size: u32,
+    /// Width and height of the maps, texels: one number, or two as in 2048x1024 for a --low with UVs
+    #[arg(long, value_name = "N|WxH", default_value = "2048", value_parser = options::map_size, help_heading = "Maps")]
+    pub size: [u32; 2],
     /// Maps to bake, separated by commas: auto (normal, and whatever varies in the scan's materials), normal, ao (ambient
     /// occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine relief),
     /// metallic-roughness, emission, alpha, occlusion (the scan's own texture)
@@ -54,6 +54,10 @@ pub struct BakeArgs {
     /// Space of the normal map. glTF has only tangent space, so an object-space map is written beside the asset
     #[arg(long, value_enum, default_value_t = Space::Tangent, help_heading = "Maps")]
     pub space: Space,
+    /// Direction of green in maps for other programs: down (DirectX) also writes OUT.normal.png, and OUT.bent.png so. The
+    /// asset's own normal map points up, as glTF demands
+    #[arg(long, value_enum, default_value_t = Green::Up, help_heading = "Maps")]
+    pub green: Green,
     /// Samples per texel
     #[arg(long, value_name = "K", default_value = "4", value_parser = ["1", "4", "9", "16", "25", "36", "49", "64"], help_heading = "Maps")]
     pub samples: String,
@@ -89,7 +93,8 @@ pub struct BakeArgs {
     /// Compress geometry (EXT_meshopt_compression)
     #[arg(long, help_heading = "File")]
     pub meshopt: bool,
-    /// XMP metadata (JSON-LD, such as dc:title or dc:rights) to add to that of the scan
+    /// XMP metadata (JSON-LD, such as dc:title or dc:rights) to add to that of the scan. Where the scan has no
+    /// copyright notice, dc:rights becomes the asset's
     #[arg(long, value_name = "FILE.json", help_heading = "File")]
     pub provenance: Option<PathBuf>,
 
@@ -205,11 +210,13 @@ impl BakeArgs {
                 pair[0]
             );
         }
-        if self.ktx2 && !self.size.is_multiple_of(4) {
-            bail!(
-                "--size {}: KTX2 needs a multiple of 4; choose another size, or leave out --ktx2",
-                self.size
-            );
+        let [width, height] = self.size;
+        let size = if width == height { width.to_string() } else { format!("{width}x{height}") };
+        if width != height && self.low.is_none() {
+            bail!("--size {size}: atlases that are made are square; give one number, or --low with UVs");
+        }
+        if self.ktx2 && !self.size.iter().all(|side| side.is_multiple_of(4)) {
+            bail!("--size {size}: KTX2 needs a multiple of 4; choose another size, or leave out --ktx2");
         }
         if self.error.is_some() && (self.space == Space::Object || !self.maps().contains(&MapKind::Normal)) {
             bail!(
@@ -217,6 +224,12 @@ impl BakeArgs {
             );
         }
         self.check_levels()?;
+        let maps = self.maps();
+        let is_turned = [MapKind::Normal, MapKind::Bent].iter().any(|map| maps.contains(map));
+        if self.green == Green::Down && (self.space == Space::Object || !is_turned) {
+            bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
+        }
+        self.packing().check()?;
         render::check_place(&self.output)
     }
 
@@ -243,7 +256,8 @@ impl BakeArgs {
             triangles: self.triangles,
             mean_error_deg: self.error,
             lods: self.lods.clone(),
-            size: self.size,
+            size: self.size[0],
+            height: (self.size[1] != self.size[0]).then_some(self.size[1]),
             maps: self.maps(),
             carry: self.carries(),
             space: self.space.into(),
@@ -285,7 +299,8 @@ impl BakeArgs {
             (_, true) => GltfImages::WebP,
             _ => GltfImages::Png,
         };
-        Packing { images, meshopt: self.meshopt, provenance: self.provenance.clone() }
+        let provenance = self.provenance.clone();
+        Packing { images, meshopt: self.meshopt, provenance, green: self.green.into() }
     }
 
     /// Returns the limits of the bake.

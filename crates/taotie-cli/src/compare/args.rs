@@ -65,7 +65,7 @@ pub struct CompareArgs {
     #[command(flatten)]
     pub camera: CameraArgs,
     /// Width and height of the pictures, pixels
-    #[arg(long, value_name = "WxH", value_parser = options::size, default_value = "640x640", help_heading = "Picture")]
+    #[arg(long, value_name = "N|WxH", value_parser = options::size, default_value = "640x640", help_heading = "Picture")]
     pub size: [u32; 2],
     #[command(flatten)]
     pub film: FilmArgs,

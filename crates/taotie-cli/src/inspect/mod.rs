@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use taotie::inspection::Inspection;
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 3;
+const SCHEMA: u32 = 4;
 
 const EXAMPLES: &str = "\
 Examples:

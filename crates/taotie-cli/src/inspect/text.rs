@@ -5,6 +5,7 @@ use taotie::inspection::{
     AnimationReport, Counts, Extent, Inspection, Listed, MaterialReport, MeshReport, NormalMapReport,
     Normals, TangentHealth, TextureReport,
 };
+use taotie::io::XmpEvent;
 use taotie::surface::GreenVerdict;
 use taotie_report::table::Table;
 
@@ -25,6 +26,7 @@ pub fn of(told: &Report) -> String {
         ("Cameras", named(&report.cameras)),
         ("Animations", animations(&report.animations)),
         ("Variants", report.variants.iter().map(|name| format!("  {}\n", short(name))).collect()),
+        ("History", history(&report.history)),
         ("Extensions", extensions(report)),
         ("Missing files", report.missing_files.iter().map(|file| format!("  {}\n", clean(file))).collect()),
         ("Warnings", warnings(report)),
@@ -41,10 +43,11 @@ fn head(model: &str, report: &Inspection) -> String {
     let mut row = |key: &str, value: String| table.row([key.into(), value]);
     row("model", clean(model));
     row("format", report.format.clone());
-    for (key, value) in [("generator", &report.generator), ("copyright", &report.copyright)] {
-        if let Some(value) = value {
-            row(key, clean(value));
-        }
+    let about =
+        [("generator", &report.generator), ("copyright", &report.copyright), ("rights", &report.rights)];
+    let given = about.into_iter().filter_map(|(key, value)| Some((key, value.as_ref()?)));
+    for (key, value) in given.chain(report.sources.iter().map(|source| ("source", source))) {
+        row(key, clean(value));
     }
     match &report.bounds {
         Some(Extent { min, max, size, .. }) => {
@@ -269,6 +272,21 @@ fn extensions(report: &Inspection) -> String {
         table.row([clean(name), if required { "required".into() } else { String::new() }]);
     }
     table.lines(2)
+}
+
+fn history(all: &[XmpEvent]) -> String {
+    let mut table = Table::new(&[">#", "action", "program", "when", "parameters"]);
+    for (index, event) in all.iter().enumerate() {
+        let said = |text: &Option<String>| clean(text.as_deref().unwrap_or_default());
+        table.row([
+            index.to_string(),
+            clean(&event.action),
+            said(&event.agent),
+            said(&event.when),
+            said(&event.parameters),
+        ]);
+    }
+    table.filled_lines(2)
 }
 
 fn warnings(report: &Inspection) -> String {

@@ -57,7 +57,7 @@ pub struct RenderArgs {
     pub motion: MotionArgs,
 
     /// Width and height of the picture, pixels
-    #[arg(long, value_name = "WxH", value_parser = options::size, default_value = "1024x1024", help_heading = "Picture")]
+    #[arg(long, value_name = "N|WxH", value_parser = options::size, default_value = "1024x1024", help_heading = "Picture")]
     pub size: [u32; 2],
     #[command(flatten)]
     pub film: FilmArgs,
@@ -66,7 +66,7 @@ pub struct RenderArgs {
     pub bits: String,
     /// Also write output variables (AOVs), unfiltered, as OUT.NAME.exr and OUT.NAME.png, separated by commas: normals,
     /// depth, albedo, uv, triangle
-    #[arg(long = "aov", value_name = "LIST", value_delimiter = ',', help_heading = "Picture")]
+    #[arg(long = "aov", value_name = "LIST", value_delimiter = ',', value_parser = options::word, help_heading = "Picture")]
     pub aovs: Vec<String>,
 
     #[command(flatten)]

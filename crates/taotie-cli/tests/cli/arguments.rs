@@ -153,7 +153,7 @@ fn a_size_that_is_none() {
     refused_beside_a_model(
         "render a.obj -o a.png --size huge",
         str![[r#"
-error: invalid value 'huge' for '--size <WxH>': write WIDTHxHEIGHT in pixels, such as 1920x1080
+error: invalid value 'huge' for '--size <N|WxH>': write WIDTHxHEIGHT, such as 1920x1080, or one number for both
 
 For more information, try '--help'.
 
@@ -166,7 +166,7 @@ fn an_empty_size() {
     refused_beside_a_model(
         "render a.obj -o a.png --size 0x10",
         str![[r#"
-error: invalid value '0x10' for '--size <WxH>': size 0x10: both sides must be at least 1, such as 1024x1024
+error: invalid value '0x10' for '--size <N|WxH>': size 0x10: both sides must be at least 1, such as 1024x1024
 
 For more information, try '--help'.
 
@@ -179,7 +179,7 @@ fn an_absurd_size() {
     refused_beside_a_model(
         "render a.obj -o a.png --size 100000x100000",
         str![[r#"
-error: invalid value '100000x100000' for '--size <WxH>': a picture of 100000x100000 is too large: at most 16384x16384
+error: invalid value '100000x100000' for '--size <N|WxH>': a picture of 100000x100000 is too large: at most 16384x16384
 
 For more information, try '--help'.
 
@@ -284,7 +284,7 @@ fn unknown_subcommand() {
         str![[r#"
 error: unrecognized subcommand 'paint'
 
-Usage: taotie <COMMAND>
+Usage: taotie [OPTIONS] <COMMAND>
 
 For more information, try '--help'.
 

@@ -78,6 +78,7 @@ fn refusals() {
     place.write("nan.obj", SCAN.obj().replacen("v 0 1 0", "v nan 1 0", 1));
     place.write("point.obj", "v 1 1 1\nf 1 1 1\n");
     place.write("other.obj", Ball { rings: 13, ..LOW }.obj());
+    place.write("bare.obj", Ball { uv: None, ..LOW }.obj());
     place.write("scan.glb", "no model");
     place.write("list.json", "[]");
     let before = place.files();
@@ -137,11 +138,25 @@ fn refusals() {
             "scan.obj -o out.glb --maps colour",
             "map `colour`: there is none of this name; choose one of: normal, ao,",
         ),
+        ("scan.obj -o out.glb --size 8", "8 is not in 16..=16384"),
+        (
+            "scan.obj -o out.glb --size 64x32",
+            "--size 64x32: atlases that are made are square; give one number, or --low with UVs",
+        ),
+        (
+            "scan.obj --low bare.obj -o out.glb --size 64x32",
+            "maps of 64×32: atlases that are made are square; give one number, or a low-poly mesh with uvs",
+        ),
         (
             "scan.obj -o out.glb --ktx2 --size 50",
             "--size 50: KTX2 needs a multiple of 4; choose another size, or leave out",
         ),
         ("scan.obj -o out.glb --ktx2 --webp", "cannot be used with"),
+        (
+            "scan.obj -o out.glb --green down --maps ao",
+            "--green down: no normal or bent map in tangent space",
+        ),
+        ("scan.obj -o out.glb --green down --space object", "--green down: no normal or bent map"),
         ("scan.obj -o out.glb --threads 0", "--threads 0: at least one thread is needed"),
         ("scan.obj -o out.glb --ray-distance 0", "0 is not above 0"),
         ("scan.obj -o out.glb --cage low.obj", "--low <LOW>"),
@@ -401,11 +416,45 @@ fn rights_of_the_scan_are_kept_and_its_history_goes_on() {
         (&json!("in the public domain"), &json!("the wind"))
     );
     assert_eq!(packet["dc:title"], "a round ball", "what is given goes before what the scan says");
-    let history = packet["xmpMM:History"]["@list"].as_array().unwrap();
-    assert_eq!((history.len(), &history[0]["stEvt:action"]), (2, &json!("scanned")));
-    let parameters = history[1]["stEvt:parameters"].as_str().unwrap();
+    let history = &packet["xmpMM:History"];
+    assert_eq!(
+        (&history["@type"], &history["rdf:_1"]["stEvt:action"]),
+        (&json!("rdf:Seq"), &json!("scanned"))
+    );
+    let parameters = history["rdf:_2"]["stEvt:parameters"].as_str().unwrap();
     assert!(parameters.contains("\"size\":64") && parameters.contains("cage.obj"), "{parameters}");
     assert!(!parameters.contains("secret"), "folders are nobody's business: {parameters}");
     let source = packet["dc:source"].to_string();
     assert!(source.contains("scan.glb (sha256:"), "{source}");
+}
+
+#[test]
+fn green_points_down_beside_the_asset_alone() {
+    let place = pair();
+    let bake = |more: &str| {
+        let line =
+            format!("bake scan.obj --low low.obj --size 32 --ao-rays 4 --maps normal,bent --json {more}");
+        place.json(&line)
+    };
+    let up = bake("-o up.gltf");
+    let report = bake("-o down.gltf --green down");
+    assert_eq!(place.read("up_normal.png"), place.read("down_normal.png"), "glTF points up");
+    let texels = |name: &str| match read_bitmap(&place.path(name)).expect("it is a picture").texels() {
+        Texels::U8(texels) => texels.clone(),
+        other => panic!("{other:?}"),
+    };
+    for (up, down) in [("up_normal.png", "down.normal.png"), ("up.bent.png", "down.bent.png")] {
+        let turned: Vec<[u8; 4]> = texels(up).iter().map(|[r, g, b, a]| [*r, 255 - g, *b, *a]).collect();
+        assert_eq!(texels(down), turned, "{down}");
+    }
+    let files: Vec<&str> =
+        report["maps"].as_array().unwrap().iter().filter_map(|map| map["file"].as_str()).collect();
+    assert_eq!(files, ["down.normal.png", "down.bent.png"]);
+    let extras =
+        &serde_json::from_slice::<Value>(&place.read("down.gltf")).unwrap()["asset"]["extras"]["maps"];
+    assert_eq!(extras["normal"]["file"], "down.normal.png");
+    assert_eq!(
+        report["proof"]["angles"], up["proof"]["angles"],
+        "the asset is measured, not the map beside it"
+    );
 }

@@ -8,19 +8,21 @@ fn the_program_names_its_subcommands() {
     Place::new().taotie("--help").assert().success().stderr_eq("").stdout_eq(str![[r#"
 Bakes high-poly scans to low-poly glTF with normal maps, renders them, and measures the error
 
-Usage: taotie <COMMAND>
+Usage: taotie [OPTIONS] <COMMAND>
 
 Commands:
-  render     Renders a model to a picture or an animation
-  compare    Renders a model by several surface methods and measures their error
-  bake       Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error
-  inspect    Lists the content of a model file and its defects
-  normals    Makes normal maps from height maps, and converts normal maps
-  diff       Measures the difference of two pictures or normal maps
-  materials  Lists the material presets for `--material`
-  demo       Renders the built-in bronze by every method and shading model, and measures the error
+  render       Renders a model to a picture or an animation
+  compare      Renders a model by several surface methods and measures their error
+  bake         Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error
+  inspect      Lists the content of a model file and its defects
+  normals      Makes normal maps from height maps, and converts normal maps
+  diff         Measures the difference of two pictures or normal maps
+  materials    Lists the material presets for `--material`
+  demo         Renders the built-in bronze by every method and shading model, and measures the error
+  completions  Prints a script by which a shell completes subcommands and options
 
 Options:
+  -q, --quiet    Print results and errors alone: no progress, messages or warnings
   -h, --help     Print help
   -V, --version  Print version
 
@@ -56,5 +58,16 @@ fn every_help_page_opens_with_an_example() {
     for command in commands {
         let page = help(&format!("{command} --help"));
         assert!(page.starts_with(&format!("Examples:\n  taotie {command}")), "{page}");
+    }
+}
+
+#[test]
+fn every_shell_gets_a_script() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let assert = Place::new().taotie(&format!("completions {shell}")).assert().success().stderr_eq("");
+        let script = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+        for word in ["taotie", "inspect", "provenance"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
     }
 }

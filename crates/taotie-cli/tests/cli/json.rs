@@ -103,6 +103,9 @@ struct InspectReport {
     format: String,
     generator: Option<String>,
     copyright: Option<String>,
+    rights: Option<String>,
+    sources: Vec<String>,
+    history: Vec<HistoryEvent>,
     counts: Counts,
     bounds: Option<Extent>,
     meshes: Vec<Mesh>,
@@ -116,6 +119,15 @@ struct InspectReport {
     extensions_required: Vec<String>,
     warnings: Vec<Counted>,
     hints: Vec<String>,
+}
+
+#[derive(Deserialize, Debug, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct HistoryEvent {
+    action: String,
+    agent: Option<String>,
+    when: Option<String>,
+    parameters: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -291,7 +303,7 @@ struct NormalMap {
 #[test]
 fn of_inspect() {
     let report: InspectReport = parse("inspect a.gltf --json");
-    assert_eq!((report.schema, report.format.as_str()), (3, "glTF"));
+    assert_eq!((report.schema, report.format.as_str()), (4, "glTF"));
     assert_eq!((report.generator.as_deref(), report.copyright.as_deref()), (Some("by hand"), Some("nobody")));
     let counts = &report.counts;
     assert_eq!((counts.triangles, counts.triangles_drawn, counts.vertices), (2, 2, 4));

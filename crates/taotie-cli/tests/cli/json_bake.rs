@@ -66,6 +66,7 @@ struct Parameters {
     cage: Option<String>,
     images: String,
     meshopt: bool,
+    green: String,
 }
 
 #[derive(Deserialize, Debug, PartialEq)]
@@ -229,6 +230,7 @@ fn of_a_pair() {
         cage: None,
         images: "png".into(),
         meshopt: false,
+        green: "up".into(),
     };
     assert_eq!(report.parameters, parameters);
     assert_eq!(report.files, ["out.glb", "out.height.png", "out.report.html", "out.report.json"]);

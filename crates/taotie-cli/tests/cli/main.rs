@@ -23,6 +23,10 @@ mod motion;
 mod normals;
 mod packed;
 mod place;
+mod provenance;
 mod render;
 mod running;
+mod sizes;
+#[path = "../../../taotie/tests/common/validator.rs"]
+mod validator;
 mod variants;

@@ -63,3 +63,17 @@ fn a_failed_run_keeps_the_old_picture() {
     assert_eq!(place.read("b.png"), b"old");
     assert_eq!(place.files(), ["a.obj", "b.png"]);
 }
+
+#[test]
+fn quiet_leaves_errors_alone() {
+    let place = Place::with("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+    let said = |line: &str| {
+        let assert = place.taotie(line).assert();
+        String::from_utf8_lossy(&assert.get_output().stderr).into_owned()
+    };
+    assert!(said("render a.obj -o a.png --size 8").contains("taotie: warning: triangles without area"));
+    for line in ["render a.obj -o a.png --size 8 --quiet", "-q render a.obj -o a.png --size 8"] {
+        place.taotie(line).assert().success().stderr_eq("");
+    }
+    assert!(said("render none.obj -o a.png -q").starts_with("taotie: error: none.obj: "));
+}

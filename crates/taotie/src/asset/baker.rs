@@ -31,7 +31,7 @@ use std::sync::Arc;
 /// let low = Some(MeshSource::Mesh(Arc::new(Mesh::sphere(1.0, 24, 12))));
 /// let baker = Baker::new(BakeOptions { low, size: 64, ..BakeOptions::default() });
 /// let asset = baker.bake(scan, Progress::SILENT)?;
-/// assert_eq!((asset.size(), asset.levels().count()), (64, 1));
+/// assert_eq!((asset.size(), asset.levels().count()), ([64, 64], 1));
 /// assert!(asset.textures().normal.is_some());
 /// # Ok::<(), taotie::Error>(())
 /// ```
@@ -92,7 +92,7 @@ impl Baker {
 struct Lightened {
     low: LowPoly,
     maps: StoredMaps,
-    size: u32,
+    size: [u32; 2],
     trials: Vec<Trial>,
 }
 
@@ -165,7 +165,8 @@ fn lightened(
     if let Some(most) = options.mean_error_deg {
         let found = smallest(options, scan, most, progress)?;
         warnings.absorb(found.warnings);
-        return Ok(Lightened { low: found.low, maps: found.maps, size: found.size, trials: found.trials });
+        let size = [found.size; 2];
+        return Ok(Lightened { low: found.low, maps: found.maps, size, trials: found.trials });
     }
     let low = match given {
         Some(given) => LowPoly::given(given, options, warnings, progress)?,
@@ -175,6 +176,7 @@ fn lightened(
             LowPoly::made(scan, &simplified, options.size, progress)?
         }
     };
-    let maps = bake_maps(options, options.size, Pair { scan, low: &low }, progress)?;
-    Ok(Lightened { low, maps, size: options.size, trials: Vec::new() })
+    let size = options.map_size();
+    let maps = bake_maps(options, size, Pair { scan, low: &low }, progress)?;
+    Ok(Lightened { low, maps, size, trials: Vec::new() })
 }

@@ -2,10 +2,10 @@
 
 use super::given::{GivenMesh, Taken};
 use super::kept_textures::KeptTextures;
-use super::options::BakeOptions;
+use super::options::{BakeOptions, SQUARE};
 use super::scan::Scan;
 use crate::bake::{self, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
-use crate::error::{Result, Warnings};
+use crate::error::{Error, Result, Warnings};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::Material;
@@ -78,6 +78,9 @@ impl LowPoly {
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
+            true if !options.is_square() => {
+                return Err(Error::invalid(options.maps_in_words(), SQUARE));
+            }
             true => unwrapped(&mesh, options.size, &mut origin, progress)?,
         };
         note_uvs(&mesh, warnings);

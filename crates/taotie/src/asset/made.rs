@@ -22,8 +22,8 @@ pub(super) struct Made {
     /// The levels of detail after the first.
     pub coarser: Vec<Mesh>,
     pub maps: StoredMaps,
-    /// Texels along a side.
-    pub size: u32,
+    /// Texels across and down.
+    pub size: [u32; 2],
     pub trials: Vec<Trial>,
     /// The properties of the scan's material that the asset has.
     pub carried: Vec<Property>,
@@ -39,8 +39,8 @@ pub(super) struct Made {
 /// /// Returns a line about an asset.
 /// fn line(asset: &Asset) -> String {
 ///     let triangles: Vec<usize> = asset.levels().map(|mesh| mesh.triangles().len()).collect();
-///     let (size, missed) = (asset.size(), asset.counts().missed);
-///     format!("{triangles:?} triangles, {size}×{size} texels, {missed} rays missed")
+///     let ([width, height], missed) = (asset.size(), asset.counts().missed);
+///     format!("{triangles:?} triangles, {width}×{height} texels, {missed} rays missed")
 /// }
 /// ```
 #[derive(Clone)]
@@ -73,8 +73,8 @@ impl Asset {
         &self.made.low.origin
     }
 
-    /// Returns how many texels the maps have along a side.
-    pub fn size(&self) -> u32 {
+    /// Returns how many texels the maps have across and down.
+    pub fn size(&self) -> [u32; 2] {
         self.made.size
     }
 

@@ -24,7 +24,7 @@ pub(super) struct StoredMaps {
 /// Bakes the maps that are asked for, of this size.
 pub(super) fn bake_maps(
     options: &BakeOptions,
-    size: u32,
+    size: [u32; 2],
     pair: Pair<'_>,
     progress: Progress<'_>,
 ) -> Result<StoredMaps> {
@@ -33,7 +33,7 @@ pub(super) fn bake_maps(
     let mut warnings = Warnings::default();
     let cage = cage(&options.ray_distance, &low.mesh, scan, &mut warnings)?;
     let settings = BakeSettings {
-        size: [size; 2],
+        size,
         side: options.side,
         maps: options.maps.iter().copied().collect::<Maps>(),
         space: options.space,

@@ -160,7 +160,7 @@ impl Need {
             scan,
             simplifies: options.low.is_none(),
             inspects: options.inspect,
-            texels: u64::from(options.size) * u64::from(options.size),
+            texels: options.map_size().map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
         }
     }

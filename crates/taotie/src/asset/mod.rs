@@ -26,6 +26,7 @@ mod baker;
 mod carried;
 mod figure;
 mod given;
+mod green;
 mod hash;
 mod judgement;
 mod kept_textures;

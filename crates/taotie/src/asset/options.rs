@@ -93,8 +93,10 @@ pub struct BakeOptions {
     pub mean_error_deg: Option<f64>,
     /// Triangles of further levels of detail, each fewer than the one before.
     pub lods: Vec<u32>,
-    /// Texels across and down of the maps, 16 to 16384.
+    /// Texels across the maps, 16 to 16384.
     pub size: u32,
+    /// Texels down the maps; as many as across where `None`. Only for `low` with uvs: atlases that are made are square.
+    pub height: Option<u32>,
     /// The maps to bake.
     pub maps: Vec<MapKind>,
     /// `true` where the maps of all else that varies in the scan's materials are baked too: base colour, alpha, normals,
@@ -130,6 +132,7 @@ impl Default for BakeOptions {
             mean_error_deg: None,
             lods: Vec::new(),
             size: 2048,
+            height: None,
             maps: vec![MapKind::Normal],
             carry: true,
             space: NormalSpace::Tangent,
@@ -148,6 +151,10 @@ impl Default for BakeOptions {
 /// The default number of rays over the hemisphere.
 pub(super) const AO_RAYS: u32 = 64;
 
+/// Why maps of a mesh without uvs have as many texels across as down.
+pub(super) const SQUARE: &str =
+    "atlases that are made are square; give one number, or a low-poly mesh with uvs";
+
 impl BakeOptions {
     /// Refuses what cannot be done, before any work begins.
     ///
@@ -164,9 +171,10 @@ impl BakeOptions {
         let is_above_0 = |v: &Option<f64>| v.is_none_or(|v| v > 0.0 && v.is_finite());
         match self {
             Self { triangles: n @ 0..4, .. } => wrong(format!("{n} triangles"), "ask for at least 4"),
-            Self { size: n, .. } if !(16..=16_384).contains(n) => {
-                wrong(format!("maps of {n}×{n}"), "give 16 to 16384 texels")
+            _ if !self.map_size().iter().all(|side| (16..=16_384).contains(side)) => {
+                wrong(self.maps_in_words(), "give 16 to 16384 texels")
             }
+            Self { low: None, .. } if !self.is_square() => wrong(self.maps_in_words(), SQUARE),
             Self { maps, .. } if maps.is_empty() => wrong("no map".into(), "name at least one to bake"),
             Self { side: n, .. } if !(1..=8).contains(n) => {
                 wrong(format!("{n}×{n} samples a texel"), "give 1 to 8 along each side")
@@ -219,6 +227,22 @@ impl BakeOptions {
         Ok(())
     }
 
+    /// Returns how many texels the maps have across and down.
+    pub(super) fn map_size(&self) -> [u32; 2] {
+        [self.size, self.height.unwrap_or(self.size)]
+    }
+
+    /// Returns `true` where the maps have as many texels across as down.
+    pub(super) fn is_square(&self) -> bool {
+        self.height.is_none_or(|height| height == self.size)
+    }
+
+    /// Returns the maps by their size, for errors.
+    pub(super) fn maps_in_words(&self) -> String {
+        let [width, height] = self.map_size();
+        format!("maps of {width}×{height}")
+    }
+
     /// Returns `true` where one of these maps is baked.
     pub(super) fn bakes(&self, any: &[MapKind]) -> bool {
         any.iter().any(|map| self.maps.contains(map))
@@ -236,6 +260,8 @@ mod tests {
         let cases = [
             (BakeOptions { triangles: 3, ..base() }, "at least 4"),
             (BakeOptions { size: 8, ..base() }, "16 to 16384"),
+            (BakeOptions { low: low.clone(), height: Some(20_000), ..base() }, "maps of 2048×20000: give 16"),
+            (BakeOptions { height: Some(1024), ..base() }, "atlases that are made are square"),
             (BakeOptions { maps: Vec::new(), ..base() }, "at least one"),
             (BakeOptions { side: 9, ..base() }, "1 to 8"),
             (BakeOptions { bits: 12, ..base() }, "8 or 16"),
@@ -254,6 +280,6 @@ mod tests {
             let error = options.check().unwrap_err().to_string();
             assert!(error.contains(why), "{error}");
         }
-        assert!(base().check().is_ok());
+        assert!(base().check().is_ok() && BakeOptions { height: Some(2048), ..base() }.check().is_ok());
     }
 }

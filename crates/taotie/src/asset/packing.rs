@@ -1,6 +1,8 @@
 //! The packing of an asset into files.
 
-use crate::io::GltfImages;
+use crate::error::Result;
+use crate::io::{GltfImages, XmpProperties};
+use crate::scene::GreenChannel;
 use std::path::PathBuf;
 
 /// The packing of an asset into files. Built by `Default` and struct update.
@@ -23,6 +25,23 @@ pub struct Packing {
     pub images: GltfImages,
     /// Compresses geometry (EXT_meshopt_compression).
     pub meshopt: bool,
-    /// A JSON file of XMP properties, such as `dc:title`, that the asset is to bear beside those of the scan.
+    /// A JSON file of XMP properties, such as `dc:title`, that the asset is to bear beside those of the scan. Where the
+    /// scan has no copyright notice, `dc:rights` is the asset's.
     pub provenance: Option<PathBuf>,
+    /// The direction of green in maps for other programs. `Down` (DirectX) writes the tangent-space normal map once more
+    /// beside the asset, as `scan.normal.png`, and bent normals so; the asset's own points up, as glTF demands.
+    pub green: GreenChannel,
+}
+
+impl Packing {
+    /// Checks what can be known before a bake begins: that the properties of [`Packing::provenance`] can be read and
+    /// used.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io), [`Error::Parse`](crate::Error::Parse) where the file is no JSON, and
+    /// [`Error::Invalid`](crate::Error::Invalid) where a property has no known prefix, or a value of no form that
+    /// programs read.
+    pub fn check(&self) -> Result<()> {
+        self.provenance.as_deref().map_or(Ok(()), |path| XmpProperties::read(path).map(drop))
+    }
 }

@@ -4,7 +4,7 @@ use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::packing::Packing;
 use crate::io::GltfImages;
 use crate::names::Named;
-use crate::scene::NormalSpace;
+use crate::scene::{GreenChannel, NormalSpace};
 use serde_json::{Value, json};
 use std::fmt;
 
@@ -43,7 +43,10 @@ impl Parameters {
             "triangles": (options.low.is_none() && !searched).then_some(options.triangles),
             "error_deg": options.mean_error_deg,
             "lods": options.lods,
-            "size": (!searched).then_some(options.size),
+            "size": match options.is_square() {
+                true => json!((!searched).then_some(options.size)),
+                false => json!(options.map_size()),
+            },
             "maps": options.maps.iter().map(|map| map.name()).collect::<Vec<_>>(),
             "space": match options.space { NormalSpace::Tangent => "tangent", NormalSpace::Object => "object" },
             "samples": options.side * options.side,
@@ -60,6 +63,7 @@ impl Parameters {
                 GltfImages::Ktx2 => "ktx2",
             },
             "meshopt": packing.meshopt,
+            "green": match packing.green { GreenChannel::Up => "up", GreenChannel::Down => "down" },
         }))
     }
 

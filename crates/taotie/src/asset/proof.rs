@@ -229,7 +229,7 @@ impl Written {
         progress.begin("measure normals")?;
         let mut figures = self.measure(&subject, options)?;
         progress.begin("map errors")?;
-        let size = [made.size.min(options.map); 2];
+        let size = within(made.size, options.map);
         let error_map = subject.verifier(true).error_map(size)?;
         let of_color = |material| subject.verifier(true).color_map(material, size);
         let color_map = subject.material().map(of_color).transpose()?;
@@ -269,7 +269,9 @@ impl Written {
 
     /// Returns the file of a normal map in object space, which stands beside the asset.
     fn object_map(&self) -> Option<PathBuf> {
-        self.maps().into_iter().find(|note| note.map == MapKind::Normal).and_then(|note| note.file)
+        let is_object = self.asset.made.options.space == NormalSpace::Object;
+        let mut normals = self.maps().into_iter().filter(|note| is_object && note.map == MapKind::Normal);
+        normals.next().and_then(|note| note.file)
     }
 
     fn measure(&self, subject: &Subject<'_>, options: &VerifyOptions) -> Result<Figures> {
@@ -292,8 +294,8 @@ impl Written {
             rms: finest.rms,
             rms_of_diagonal: finest.rms_of_diagonal,
             diagonal,
-            density: mapped.density([size; 2])?.summary(),
-            uv_use: part(counts.texels, (size as usize).pow(2)),
+            density: mapped.density(size)?.summary(),
+            uv_use: part(counts.texels, size.map(|side| side as usize).iter().product()),
             views: Vec::new(),
             fit: mapped.fit(options.points / 10, diagonal).map(FitFigures::from),
             bytes_in: made.about.bytes,
@@ -340,6 +342,13 @@ impl From<&VerifyOptions> for PointCounts {
     fn from(options: &VerifyOptions) -> Self {
         Self { normals: options.points, distances: options.distance_points }
     }
+}
+
+/// Returns a size of the same shape with at most so many texels along its longer side.
+fn within(size: [u32; 2], most: u32) -> [u32; 2] {
+    let longer = size[0].max(size[1]);
+    let scaled = |side: u32| (u64::from(side) * u64::from(most) / u64::from(longer)).max(1) as u32;
+    if longer <= most { size } else { size.map(scaled) }
 }
 
 fn check(options: &VerifyOptions) -> Result<()> {

@@ -139,7 +139,7 @@ impl Report {
             low: made.options.low.as_ref().and_then(MeshSource::path),
             origin: made.low.origin.clone(),
             triangles: asset.levels().map(|mesh| mesh.triangles().len()).collect(),
-            size: [made.size; 2],
+            size: made.size,
             parameters: Parameters::new(&made.options, &written.packing),
             files: written.files.clone(),
             maps: written.maps(),

@@ -79,7 +79,7 @@ pub(super) fn smallest(
         };
         let low = LowPoly::made(scan, simplified, size, progress)?;
         let pair = Pair { scan, low: &low };
-        let maps = bake_maps(options, size, pair, progress)?;
+        let maps = bake_maps(options, [size; 2], pair, progress)?;
         let mean_angle = mean_angle(pair, &maps)?;
         trials.push(Trial { triangles: triangles as usize, size, mean_angle });
         if mean_angle <= most {

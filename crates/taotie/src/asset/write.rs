@@ -1,16 +1,17 @@
 //! An asset into files.
 
+use super::green;
 use super::made::{Asset, Made};
 use super::packing::Packing;
 use super::provenance;
-use super::textures::{Beside, Textures};
+use super::textures::Beside;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::{Bitmap, Encoding};
 use crate::io::{self, FileBytes, GltfAsset, GltfFormat, GltfImage, GltfImages, GltfLevel, Json};
 use crate::names::Named;
 use crate::progress::Progress;
-use crate::scene::AlphaMode;
+use crate::scene::{AlphaMode, GreenChannel};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -97,6 +98,7 @@ impl Asset {
 fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
     let textures = &made.maps.textures;
     let xmp = provenance::packet(made, packing)?;
+    let rights = io::xmp_rights(&xmp);
     let meshes: Vec<_> = std::iter::once(&made.low.mesh).chain(&made.coarser).collect();
     let levels: Vec<GltfLevel> = meshes
         .iter()
@@ -104,18 +106,22 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         .map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) })
         .collect();
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let extras = extras(textures, path);
+    let turned = green::turned(made, packing)?;
+    let is_turned = |beside: &Beside| turned.iter().any(|turned| turned.map == beside.map);
+    let beside: Vec<&Beside> =
+        textures.beside.iter().filter(|beside| !is_turned(beside)).chain(&turned).collect();
+    let extras = extras(&beside, path);
     let model = GltfAsset {
         name: &name,
         levels: &levels,
         material: textures.material(&made.low.material, &made.low.kept),
-        copyright: made.about.copyright.as_deref(),
+        copyright: made.about.copyright.as_deref().or(rights.as_deref()),
         xmp: Some(&xmp),
         extras: extras.as_ref(),
     };
     let format = GltfFormat { images: packing.images, meshopt: packing.meshopt };
     let mut files = io::encode_gltf(path, &model, &format)?;
-    for beside in &textures.beside {
+    for beside in beside {
         let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
         files.push(FileBytes { path: file_of(beside, path), bytes });
     }
@@ -153,14 +159,14 @@ fn coverages(count: usize) -> Vec<f32> {
 }
 
 /// Returns the asset's notes on the files beside it; `None` where there are none.
-fn extras(textures: &Textures, path: &Path) -> Option<Json> {
-    let entry = |beside: &Beside| {
+fn extras(beside: &[&Beside], path: &Path) -> Option<Json> {
+    let entry = |beside: &&Beside| {
         let note = MapNote::beside(beside, path);
         let name = note.file?.file_name()?.to_string_lossy().into_owned();
         let about = json!({ "file": name, "black": note.black, "white": note.white, "unit": note.unit });
         Some((note.map.name().to_owned(), about))
     };
-    let maps: serde_json::Map<String, Value> = textures.beside.iter().filter_map(entry).collect();
+    let maps: serde_json::Map<String, Value> = beside.iter().filter_map(entry).collect();
     (!maps.is_empty()).then(|| Json(json!({ "maps": maps })))
 }
 
@@ -206,6 +212,14 @@ impl Written {
     pub fn maps(&self) -> Vec<MapNote> {
         let textures = self.asset.textures();
         let beside = textures.beside.iter().map(|beside| MapNote::beside(beside, self.path()));
-        textures.inside().map(MapNote::inside).chain(beside).collect()
+        textures.inside().map(MapNote::inside).chain(self.turned_normal()).chain(beside).collect()
+    }
+
+    /// Returns the note on the normal map with green down.
+    fn turned_normal(&self) -> Option<MapNote> {
+        let normal = self.asset.textures().normal.as_ref();
+        let normal = normal.filter(|_| self.packing.green == GreenChannel::Down)?;
+        let file = Some(self.path().with_extension("normal.png"));
+        Some(MapNote { file, ..MapNote::inside((MapKind::Normal, normal)) })
     }
 }

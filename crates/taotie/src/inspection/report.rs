@@ -4,7 +4,7 @@ use super::hints::{self, Hint};
 use super::material::{MaterialReport, Materials};
 use super::mesh::{self, MeshReport};
 use crate::error::Warnings;
-use crate::io::Loaded;
+use crate::io::{Loaded, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 use crate::render::{SurfaceSettings, foreseen_warnings};
 use crate::scene::animation::Animation;
 use crate::scene::{Camera, Light, LightKind, Projection, Scene};
@@ -29,6 +29,12 @@ pub struct Inspection {
     pub generator: Option<String>,
     /// The rights notice.
     pub copyright: Option<String>,
+    /// The rights that the XMP metadata of the whole asset state.
+    pub rights: Option<String>,
+    /// The sources that they name, such as the scan of a baked asset.
+    pub sources: Vec<String>,
+    /// The steps that made the model, the oldest first, as they tell them.
+    pub history: Vec<XmpEvent>,
     /// The number of each kind of thing.
     pub counts: Counts,
     /// World space; `None` where nothing is drawn.
@@ -191,11 +197,14 @@ pub struct Counted {
 impl Inspection {
     /// Inspects a model that was read.
     pub fn of(loaded: &Loaded) -> Self {
-        let scene = &loaded.scene;
+        let (scene, packet) = (&loaded.scene, loaded.xmp.first());
         Self {
             format: loaded.format.into(),
             generator: loaded.generator.clone(),
             copyright: loaded.copyright.clone(),
+            rights: packet.and_then(xmp_rights),
+            sources: packet.map(xmp_sources).unwrap_or_default(),
+            history: packet.map(xmp_history).unwrap_or_default(),
             counts: Counts::new(loaded),
             bounds: Extent::of(scene),
             meshes: mesh::reports(loaded),

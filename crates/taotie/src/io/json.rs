@@ -2,7 +2,9 @@
 
 use crate::error::{Error, Result};
 use serde_json::Value;
+use serde_json::error::Category;
 use std::fmt;
+use std::path::Path;
 
 /// A JSON value, kept as it was read; its `Display` writes it without spaces.
 ///
@@ -40,6 +42,22 @@ fn not_json(error: serde_json::Error) -> Error {
     Error::invalid("JSON", error.to_string())
 }
 
+/// Returns the error of a file whose JSON cannot be read: where, what is wrong there, and what to do.
+pub(super) fn broken(path: &Path, error: &serde_json::Error) -> Error {
+    let at = match error.line() {
+        0 => "JSON".to_owned(),
+        line => format!("line {line}, column {}", error.column()),
+    };
+    let text = error.to_string();
+    let said = text.split(" at line ").next().unwrap_or_default();
+    let what = match error.classify() {
+        Category::Eof => "the JSON ends here: the file is cut off; fetch or export it again".to_owned(),
+        Category::Syntax => format!("this is no JSON ({said}); mend the file or export it again"),
+        Category::Data | Category::Io => format!("{said}; mend the file or export it again"),
+    };
+    Error::parse(path, at, what)
+}
+
 impl fmt::Display for Json {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)
@@ -55,6 +73,23 @@ mod tests {
         assert_eq!(Json::parse("[1.0, 2]").unwrap().to_string(), "[1.0,2]");
         let error = Json::parse("{\n\"a\": }").unwrap_err().to_string();
         assert!(error.starts_with("JSON: ") && error.contains("line 2 column"), "{error}");
+    }
+
+    #[test]
+    fn broken_files_are_told_in_plain_words() {
+        let said = |text: &str| {
+            let error = serde_json::from_str::<Vec<u8>>(text).unwrap_err();
+            broken(Path::new("a.gltf"), &error).to_string()
+        };
+        let cases = [
+            ("[1,\n2", "line 2", "the JSON ends here: the file is cut off"),
+            ("[1,\n}", "line 2", "this is no JSON (expected value); mend the file"),
+            ("[\"a\"]", "line 1", "invalid type: string \"a\", expected u8; mend the file"),
+        ];
+        for (text, at, why) in cases {
+            let said = said(text);
+            assert!(said.starts_with(&format!("a.gltf: {at}, column ")) && said.contains(why), "{said}");
+        }
     }
 
     #[cfg(feature = "serde")]

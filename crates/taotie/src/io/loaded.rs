@@ -26,7 +26,8 @@ pub struct Loaded {
     pub extensions_used: Vec<String>,
     /// glTF extensions that the file requires.
     pub extensions_required: Vec<String>,
-    /// Names of `scene.meshes`, in the same order; shorter where the format has no names.
+    /// Names of `scene.meshes`, in the same order; shorter where the file has no names. A mesh of an OBJ file has those of
+    /// the objects, else groups, whose faces it holds.
     pub mesh_names: Vec<String>,
     /// Files or names of `scene.textures`, in the same order.
     pub texture_names: Vec<String>,

@@ -38,7 +38,8 @@ pub use write::{
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, write_exr};
-pub use xmp::Provenance;
+pub(crate) use xmp::XmpProperties;
+pub use xmp::{Provenance, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 
 use crate::error::{Error, Result};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The Khronos validator of glTF, through node.
+//! What other programs say of glTF files, through node: the Khronos validator and glTF-Transform.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -46,4 +46,17 @@ pub fn assert_valid(path: &Path) -> Option<Vec<String>> {
     let faults: Vec<String> = faults.into_iter().map(line).collect();
     assert!(faults.is_empty(), "{}:\n{}", path.display(), faults.join("\n"));
     Some(infos.into_iter().map(line).collect())
+}
+
+/// What `gltf-transform inspect` prints about a glTF file, as comma-separated values. `None` where the test has to be
+/// skipped.
+#[allow(dead_code, reason = "each test uses a part")]
+pub fn inspected(path: &Path) -> Option<String> {
+    let program = packages("@gltf-transform/cli")?.join("node_modules/@gltf-transform/cli/bin/cli.js");
+    let line = Command::new("node").arg(program).arg("inspect").arg(path).args(["--format", "csv"]).output();
+    let output = line.expect("node starts");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let faults = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !faults.contains("error"), "{said}{faults}");
+    Some(said)
 }

@@ -181,6 +181,16 @@ fn obj_is_split_by_material_and_by_what_faces_have() {
 }
 
 #[test]
+fn obj_meshes_have_the_names_of_their_objects() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n";
+    let named = obj(&format!("{vertices}o lid\nf 1 2 3\no foot of bronze\nf 1 2 3\nusemtl red\nf 2 3 1\n"));
+    assert_eq!(named.mesh_names, ["lid, foot of bronze", "foot of bronze"]);
+    let grouped = obj(&format!("{vertices}f 1 2 3\ng lid\nf 1//1 2//1 3//1\n"));
+    assert_eq!(grouped.mesh_names, ["mesh 0", "lid"]);
+    assert!(obj(&format!("{vertices}f 1 2 3\n")).mesh_names.is_empty());
+}
+
+#[test]
 fn vertex_colours_are_decoded_from_srgb() {
     let loaded = obj("v 0 0 0 .5 .5 .5\nv 1 0 0 0 0 0\nv 0 1 0 1 1 1\nf 1 2 3");
     let grey = loaded.scene.meshes()[0].colors()[0][0];

@@ -8,6 +8,7 @@ use super::extensions::check_extensions;
 use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
 use crate::error::{Error, Result, Warnings};
+use crate::io::json::broken;
 use crate::io::{file, xmp};
 use gltf::json::{self, Root, Value};
 use std::path::{Path, PathBuf};
@@ -82,7 +83,7 @@ struct Parsed {
 
 fn parse(path: &Path, text: &[u8]) -> Result<Parsed> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    let wrong = |e: &json::Error| Error::parse(path, "JSON", e.to_string());
+    let wrong = |e: &json::Error| broken(path, e);
     let mut value: Value = json::deserialize::from_slice(text).map_err(|e| wrong(&e))?;
     check_version(path, &value)?;
     let xmp = xmp::packets(&value);

@@ -1,6 +1,7 @@
 //! Faces into meshes, one for each material and each set of attributes that faces have.
 
 use super::super::polygon::{Cutter, Outline};
+use super::objects::{Mark, Walk, joined};
 use super::parse::{Corner, Face, NONE, Obj};
 use crate::error::{Result, Warnings};
 use crate::math::srgb::linear_from_srgb;
@@ -8,8 +9,15 @@ use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
 use std::collections::HashMap;
 
-/// A mesh with its material: an index into [`Obj::material_names`], or `None`.
-pub(super) type Part = (Option<usize>, Mesh);
+/// A mesh of the faces of one material.
+pub(super) struct Part {
+    /// Index into [`Obj::material_names`], or `None`.
+    pub material: Option<usize>,
+    /// The objects or groups of its faces; empty where the file names none.
+    pub name: String,
+    /// The triangles.
+    pub mesh: Mesh,
+}
 
 /// Cuts the faces of `obj` into triangles and welds corners with equal position, uv and normal index.
 ///
@@ -22,7 +30,8 @@ pub(super) fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
     let mut scratch = Scratch::default();
     let colors = linear_colors(obj, warnings);
     let mut firsts = vec![(NONE, NONE); obj.positions.len()];
-    for face in &obj.faces {
+    let mut walk = Walk::new(obj.marks.chosen());
+    for (i, face) in obj.faces.iter().enumerate() {
         let kind = scratch.take(obj, face, warnings);
         let part = match current {
             Some((same, part)) if same == kind => part,
@@ -34,11 +43,12 @@ pub(super) fn build(obj: &Obj, warnings: &mut Warnings) -> Result<Vec<Part>> {
         current = Some((kind, part));
         scratch.cut(warnings);
         parts[part].add(obj, &colors, &scratch, &mut firsts);
+        parts[part].mark(walk.at(i));
     }
     if parts.iter().any(|part| !part.kind.2) {
         warnings.note("smoothing groups are drawn as one, since faces lack normals", obj.smoothing_changes);
     }
-    parts.into_iter().map(|part| part.finish(warnings)).collect()
+    parts.into_iter().map(|part| part.finish(obj.marks.chosen(), warnings)).collect()
 }
 
 /// Material, whether there are uvs, whether there are normals.
@@ -105,6 +115,8 @@ struct PartBuilder {
     number: u32,
     kind: Kind,
     data: MeshData,
+    /// The numbers of the marks that its faces have, in their order.
+    marks: Vec<usize>,
     /// The corner that each vertex is made from.
     corners: Vec<Corner>,
     /// The vertices of corners, but for those in [`Firsts`]: most positions have one corner in one part.
@@ -115,7 +127,7 @@ impl PartBuilder {
     fn new(number: u32, kind: Kind) -> Self {
         let uvs = if kind.1 { vec![Vec::new()] } else { Vec::new() };
         let data = MeshData { uvs, ..MeshData::default() };
-        Self { number, kind, data, corners: Vec::new(), welded: HashMap::new() }
+        Self { number, kind, data, marks: Vec::new(), corners: Vec::new(), welded: HashMap::new() }
     }
 
     fn add(&mut self, obj: &Obj, colors: &[[f32; 4]], face: &Scratch, firsts: &mut Firsts) {
@@ -130,6 +142,13 @@ impl PartBuilder {
             };
             let triangle = [vertex(*a), vertex(*b), vertex(*c)];
             self.data.triangles.push(triangle);
+        }
+    }
+
+    /// Notes the mark of the face that was added.
+    fn mark(&mut self, number: usize) {
+        if self.marks.last() != Some(&number) {
+            self.marks.push(number);
         }
     }
 
@@ -161,10 +180,11 @@ impl PartBuilder {
         }
     }
 
-    fn finish(self, warnings: &mut Warnings) -> Result<Part> {
+    fn finish(self, marks: &[Mark], warnings: &mut Warnings) -> Result<Part> {
         let mesh = Mesh::new(self.data)?;
         warnings.note("triangles without area", mesh.degenerate_triangles());
-        Ok(((self.kind.0 != NONE).then_some(self.kind.0 as usize), mesh))
+        let material = (self.kind.0 != NONE).then_some(self.kind.0 as usize);
+        Ok(Part { material, name: joined(marks, &self.marks), mesh })
     }
 }
 

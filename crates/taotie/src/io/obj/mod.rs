@@ -8,6 +8,7 @@ mod blocks;
 mod build;
 mod material;
 mod mtl;
+mod objects;
 mod parse;
 mod textures;
 
@@ -32,7 +33,7 @@ const NAMED: usize = 64;
 /// Reads an OBJ file, its MTL files and their textures.
 ///
 /// The scene has one mesh for each material in use (two or more where only some of its faces have uvs or normals);
-/// objects and groups are not kept apart. Normals are absent where the file has none. The uv origin is turned from
+/// objects and groups are not kept apart, but name the meshes that hold their faces. Normals are absent where the file has none. The uv origin is turned from
 /// bottom left to top left; vertex colours are taken as sRGB-encoded, material colours as linear.
 ///
 /// # Errors
@@ -50,14 +51,14 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
 
 fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Loaded) -> SceneData {
     let library = library(folder, obj, loaded);
-    let warnings = &mut loaded.warnings;
+    let Loaded { warnings, mesh_names, .. } = loaded;
     let mut scene = SceneData::default();
     let mut textures = Textures::new(folder);
     let mut material_of_name: HashMap<Option<usize>, usize> = HashMap::new();
     let mut unknown = 0;
-    for (name, mesh) in parts {
-        let material = *material_of_name.entry(name).or_insert_with(|| {
-            let name = name.map_or("", |i| obj.material_names[i].as_str());
+    for build::Part { material, name, mesh } in parts {
+        let material = *material_of_name.entry(material).or_insert_with(|| {
+            let name = material.map_or("", |i| obj.material_names[i].as_str());
             scene.materials.push(match library.get(name) {
                 Some(mtl) => material::material(mtl, &mut textures, warnings),
                 None => {
@@ -68,6 +69,10 @@ fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Load
             });
             scene.materials.len() - 1
         });
+        if !obj.marks.chosen().is_empty() {
+            let number = scene.meshes.len();
+            mesh_names.push(if name.is_empty() { format!("mesh {number}") } else { name });
+        }
         place(&mut scene, mesh, material);
     }
     scene.textures = textures.list;

@@ -3,6 +3,7 @@
 use super::super::polygon::Cutter;
 use super::super::text::{self, quote};
 use super::blocks::{FileOffset, blocks, split_keyword};
+use super::objects::{Mark, Marks};
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::first;
@@ -48,6 +49,8 @@ pub(super) struct Obj {
     pub material_names: Vec<String>,
     /// The words behind each `mtllib`.
     pub libraries: Vec<String>,
+    /// The objects and groups.
+    pub marks: Marks,
     /// The number of times that `s` names another smoothing group than before, once one was named.
     pub smoothing_changes: usize,
 }
@@ -134,6 +137,8 @@ impl Parser {
             "usemtl" => self.use_material(rest),
             "mtllib" => self.obj.libraries.push(rest.to_owned()),
             "s" => self.smooth(rest),
+            "o" => self.obj.marks.objects.push(self.mark(rest)),
+            "g" => self.obj.marks.groups.push(self.mark(rest)),
             "p" => warnings.note("point statements are not drawn", 1),
             "l" => warnings.note("line statements are not drawn", 1),
             "curv" | "curv2" | "surf" => warnings.note("free-form curves and surfaces are not drawn", 1),
@@ -199,6 +204,11 @@ impl Parser {
         }
     }
 
+    /// Returns a mark of the faces that follow.
+    fn mark(&self, name: &str) -> Mark {
+        Mark { face: self.obj.faces.len() as u32, name: name.to_owned() }
+    }
+
     fn use_material(&mut self, name: &str) {
         let next = self.obj.material_names.len() as u32;
         self.material = *self.material_ids.entry(name.to_owned()).or_insert(next);
@@ -248,6 +258,7 @@ impl Whole {
         self.obj.uvs.append(&mut block.uvs);
         self.obj.normals.append(&mut block.normals);
         self.obj.corners.append(&mut block.corners);
+        self.obj.marks.append(block.marks, self.obj.faces.len() as u32);
         self.obj.faces.append(&mut block.faces);
         self.obj.libraries.append(&mut block.libraries);
     }
@@ -262,11 +273,9 @@ impl Whole {
     }
 }
 
-/// Says whether a statement changes nothing in the image: names, groups, and the attributes of free-form geometry.
+/// Says whether a statement changes nothing in the image: merging groups, and the attributes of free-form geometry.
 fn is_harmless(keyword: &str) -> bool {
-    const KEYWORDS: [&str; 36] = [
-        "o",
-        "g",
+    const KEYWORDS: [&str; 34] = [
         "mg",
         "vp",
         "lod",
@@ -427,7 +436,7 @@ mod tests {
         let filler = "# filler\n".repeat(300_000);
         let text = format!(
             "v 0 0 0\nv 1 0 0 1 0 0\nusemtl a\ns 1\n{filler}v 0 1 0\nf -3 -2 -1\ns 1\ns 2\n{filler}\
-             usemtl b\nf 1 2 3\nusemtl a\ns 1\n{filler}f 1 2 \\\n 3\nf 3 2 1\n"
+             usemtl b\nf 1 2 3\nusemtl a\ns 1\n{filler}f 1 2 \\\n 3\no last\nf 3 2 1\n"
         );
         let obj = parse_text(&text).0.unwrap();
         assert_eq!(
@@ -435,11 +444,12 @@ mod tests {
             [0, 1, 2, 0, 1, 2, 0, 1, 2, 2, 1, 0]
         );
         let faces: Vec<[u32; 3]> = obj.faces.iter().map(|f| [f.first, f.material, f.line]).collect();
-        assert_eq!(faces, [[0, 0, 300_006], [3, 1, 600_010], [6, 0, 900_013], [9, 0, 900_015]]);
+        assert_eq!(faces, [[0, 0, 300_006], [3, 1, 600_010], [6, 0, 900_013], [9, 0, 900_016]]);
+        assert_eq!(obj.marks.objects, [Mark { face: 3, name: "last".into() }]);
         assert_eq!((obj.material_names.concat(), obj.smoothing_changes), ("ab".to_owned(), 2));
         assert_eq!(obj.colors, [WHITE, [1.0, 0.0, 0.0], WHITE]);
-        assert!(error(&format!("{text}f 1 2 4")).contains("line 900016: vertex index 4"));
-        assert!(error(&format!("{text}f 1 2 -4")).contains("line 900016: vertex index -4"));
+        assert!(error(&format!("{text}f 1 2 4")).contains("line 900017: vertex index 4"));
+        assert!(error(&format!("{text}f 1 2 -4")).contains("line 900017: vertex index -4"));
     }
 
     #[test]

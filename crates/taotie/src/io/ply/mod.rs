@@ -6,6 +6,7 @@
 mod ascii;
 mod build;
 mod faces;
+mod header;
 mod names;
 mod payload;
 mod split;
@@ -15,21 +16,17 @@ mod vertices;
 use super::file;
 use super::loaded::{Loaded, checked};
 use super::obj::neutral;
-use crate::error::{Error, Result, Warnings};
+use crate::error::{Result, Warnings};
 use crate::math::Mat4;
 use crate::scene::{Instance, Scene, SceneData};
 use ascii::Tokens;
 use build::Elements;
 use faces::FaceElement;
+use header::read_header;
 use names::Attributes;
 use payload::Element;
-use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{DefaultElement, Encoding, Header};
-use std::io::Cursor;
+use ply_rs_bw::ply::{Encoding, Header};
 use std::path::Path;
-
-/// The longest header that is looked at.
-const MAX_HEADER: usize = 1 << 20;
 
 /// Reads a PLY file into one mesh.
 ///
@@ -39,8 +36,8 @@ const MAX_HEADER: usize = 1 << 20;
 /// that are no directions.
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be read, [`Error::Parse`] where its header or payload is wrong, and for point
-/// clouds, which cannot be drawn.
+/// [`crate::Error::Io`] where the file cannot be read, [`crate::Error::Parse`] where its header or payload is wrong, and
+/// for point clouds, which cannot be drawn.
 pub(super) fn read(path: &Path) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let mut bytes = file::read(path)?;
@@ -68,15 +65,6 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     Ok(loaded)
 }
 
-/// The header, and where the payload starts: its first byte and its line.
-fn read_header(path: &Path, bytes: &mut [u8]) -> Result<(Header, usize, usize)> {
-    mend_header(bytes);
-    let mut reader = Reader::new(Cursor::new(&*bytes));
-    let header = Parser::<DefaultElement>::new().read_header(&mut reader);
-    let header = header.map_err(|e| parse_error(path, &e))?;
-    Ok((header, reader.get_ref().position() as usize, reader.line()))
-}
-
 /// Finds the elements that can be drawn; the others are passed over.
 fn locate<'a>(path: &Path, header: &Header, payload: &'a [u8], line: usize) -> Result<Elements<'a>> {
     let mut elements = Elements { attributes: Attributes::of(header), ..Elements::default() };
@@ -99,31 +87,4 @@ fn locate<'a>(path: &Path, header: &Header, payload: &'a [u8], line: usize) -> R
         }
     }
     Ok(elements)
-}
-
-/// Makes the header what the parser takes: question marks for what is not ASCII, since it demands UTF-8 even of
-/// comments, and line feeds where the lines end in carriage returns alone.
-fn mend_header(bytes: &mut [u8]) {
-    const LAST: &[u8] = b"end_header";
-    let start = &bytes[..bytes.len().min(MAX_HEADER)];
-    let Some(end) = start.windows(LAST.len()).position(|w| w == LAST).map(|i| i + LAST.len()) else { return };
-    if bytes.starts_with(b"ply\r") && bytes.get(4) != Some(&b'\n') {
-        let end = bytes.len().min(end + 1);
-        bytes[..end].iter_mut().filter(|b| **b == b'\r').for_each(|b| *b = b'\n');
-    }
-    if std::str::from_utf8(&bytes[..end]).is_err() {
-        bytes[..end].iter_mut().filter(|b| !b.is_ascii()).for_each(|b| *b = b'?');
-    }
-}
-
-fn parse_error(path: &Path, error: &ParseError) -> Error {
-    let at = error.line().map_or("header".to_owned(), |line| format!("line {line}"));
-    Error::parse(path, at, one_line(error))
-}
-
-/// The parser's message, which may span lines and hold a whole line of the file, in one short line.
-fn one_line(error: &ParseError) -> String {
-    let text = error.to_string();
-    let words: Vec<&str> = text.split_whitespace().collect();
-    words.join(" ").chars().filter(|c| !c.is_control()).take(200).collect()
 }
