@@ -1,13 +1,13 @@
 //! The options of `taotie bake`.
 
+use crate::options;
 use crate::studio::Space;
-use crate::{options, render};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::asset::{BakeOptions, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
-use taotie::io::GltfImages;
+use taotie::io::{self, GltfImages};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -61,9 +61,9 @@ pub struct BakeArgs {
     /// Padding around UV islands, texels; auto fills the whole map
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
     pub dilation: Auto<u32>,
-    /// Rays per texel over the hemisphere, for ao and bent
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Maps")]
-    pub ao_rays: u32,
+    /// Rays per texel over the hemisphere, for ao and bent; 64 if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Maps")]
+    pub ao_rays: Option<u32>,
     /// Largest distance at which the scan occludes, for ao and bent, model units; any distance if not given
     #[arg(long, value_name = "X", value_parser = positive, help_heading = "Maps")]
     pub ao_distance: Option<f64>,
@@ -204,7 +204,30 @@ impl BakeArgs {
                 "--error needs a normal map in tangent space: add normal to --maps, leave out --space object"
             );
         }
-        render::check_place(&self.output)
+        self.check_unread()?;
+        self.check_places()
+    }
+
+    /// Refuses options that nothing reads.
+    fn check_unread(&self) -> Result<()> {
+        let bakes = |map: MapKind| self.maps.contains(&map);
+        let of_sky = [("--ao-rays", self.ao_rays.is_some()), ("--ao-distance", self.ao_distance.is_some())];
+        let sky = bakes(MapKind::Occlusion) || bakes(MapKind::Bent);
+        if let Some((option, _)) = of_sky.iter().find(|(_, given)| *given && !sky) {
+            bail!("{option}: neither ao nor bent is baked; add one of them to --maps");
+        }
+        let rounds = (self.webp || self.ktx2) && self.space == Space::Tangent && bakes(MapKind::Normal);
+        if self.bits == "16" && rounds {
+            bail!("--bits 16: WebP and KTX2 hold 8 bits; leave out --webp and --ktx2, or take 8");
+        }
+        Ok(())
+    }
+
+    /// Refuses files that cannot be written.
+    fn check_places(&self) -> Result<()> {
+        io::check_writable(&self.output)?;
+        let reports = ["report.html", "report.json"].iter().filter(|_| !self.no_verify);
+        Ok(reports.into_iter().try_for_each(|kind| io::check_writable(&self.output.with_extension(kind)))?)
     }
 
     /// Returns the options of the bake.
@@ -220,7 +243,7 @@ impl BakeArgs {
             side: self.samples.parse().unwrap_or(4u32).isqrt(),
             bits: if self.bits == "16" { 16 } else { 8 },
             dilation: self.dilation.given(),
-            ao_rays: self.ao_rays,
+            ao_rays: self.ao_rays.unwrap_or(BakeOptions::default().ao_rays),
             ao_distance: self.ao_distance,
             roughness: self.roughness,
             ray_distance: self.ray_distance(),

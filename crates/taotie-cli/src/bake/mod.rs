@@ -38,9 +38,7 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     let baker = Baker::new(args.options()).with_limits(limits);
     let scan = read(args, &baker, limits, progress)?;
     let asset = baker.bake(&scan, progress)?;
-    if !args.json {
-        console::say_warnings(asset.warnings());
-    }
+    console::say_warnings(asset.warnings());
     let written = asset.write(&args.output, &args.packing(), progress)?;
     let mut report = Report::of(&written)?;
     let proved = match args.no_verify {
@@ -63,21 +61,14 @@ fn read(args: &BakeArgs, baker: &Baker, limits: Limits, progress: Progress<'_>) 
     let file = ScanFile::read(&args.high, &limits, progress)?;
     let need = baker.need(file.size());
     need.check(limits)?;
-    if !args.json {
-        console::say(&format!(
-            "baking {} triangles needs about {} of memory",
-            need.scan.triangles,
-            need.bytes()
-        ));
-    }
+    let (triangles, bytes) = (need.scan.triangles, need.bytes());
+    console::say(&format!("baking {triangles} triangles needs about {bytes} of memory"));
     Ok(file.sort(progress)?)
 }
 
 /// Puts what was measured into the report, and writes it beside the asset.
 fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, textures: &Textures) -> Result<()> {
-    if !args.json {
-        console::say_warnings(&proof.warnings);
-    }
+    console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());
     report.required = proof.require(&args.require);

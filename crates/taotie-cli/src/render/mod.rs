@@ -7,7 +7,6 @@ mod plan;
 mod sequence;
 
 pub use args::RenderArgs;
-pub use output::check_place;
 
 use crate::console;
 use crate::studio::{self, Motion, in_pool};
@@ -39,10 +38,10 @@ struct Report {
 pub fn run(args: &RenderArgs) -> Result<()> {
     args.check()?;
     let report = in_pool(args.running.threads, || render(args))??;
+    console::say_warnings(&report.warnings);
     if args.running.json {
         return console::result(&serde_json::to_string_pretty(&report.json(args))?);
     }
-    console::say_warnings(&report.warnings);
     for file in &report.files {
         console::result(&file.display().to_string())?;
     }
@@ -100,7 +99,7 @@ impl Report {
             "reflection": args.reflection.json(),
             "ground": args.ground,
             "environment": args.light.environment_json(),
-            "tone": args.film.tone.name(),
+            "tone": args.film.tone().name(),
             "seconds": seconds,
             "warnings": console::json_warnings(&self.warnings),
         })
