@@ -8,9 +8,11 @@ use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, Refl
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
+use taotie::Warnings;
 use taotie::io::{self, ImageFormat};
 use taotie::names::Named;
 use taotie::render::{Aovs, RenderSettings, SurfaceSettings};
+use taotie::scene::Material;
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 
@@ -115,6 +117,15 @@ impl RenderArgs {
                 bail!("{option}: --surface {} does not read it; leave one of them out", surface.name())
             }
             None => Ok(()),
+        }
+    }
+
+    /// Notes heights that are asked for, and hidden by normal maps.
+    pub fn note_unread(&self, materials: &[Material], warnings: &mut Warnings) {
+        let asked = self.bump_scale.is_some() || self.material.height_map.is_some();
+        let mut lifted = materials.iter().filter(|material| material.height.is_some()).peekable();
+        if self.surface.is_none() && asked && lifted.peek().is_some() && lifted.all(|m| m.normal.is_some()) {
+            warnings.note("heights are not read: a normal map goes first; add --surface bump to see them", 1);
         }
     }
 

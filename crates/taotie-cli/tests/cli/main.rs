@@ -22,4 +22,5 @@ mod packed;
 mod place;
 mod render;
 mod running;
+mod unread;
 mod variants;
