@@ -139,6 +139,7 @@ struct Trial {
     triangles: usize,
     size: u32,
     mean_angle: f64,
+    bytes: Option<u64>,
 }
 
 #[derive(Deserialize)]

@@ -4,7 +4,7 @@ use super::low::{LowPoly, Origin};
 use super::maps::StoredMaps;
 use super::options::BakeOptions;
 use super::scan::About;
-use super::search::Trial;
+use super::search_course::Trial;
 use super::textures::Textures;
 use crate::bake::BakeCounts;
 use crate::error::Warnings;
