@@ -36,6 +36,24 @@ pub fn number(value: &str) -> Result<f64, String> {
     parse::number(value).map_err(reason)
 }
 
+/// A number in [0, 1].
+pub fn fraction(value: &str) -> Result<f64, String> {
+    let number = number(value)?;
+    if (0.0..=1.0).contains(&number) { Ok(number) } else { Err(format!("{value} is not in [0, 1]")) }
+}
+
+/// A number above 0.
+pub fn positive(value: &str) -> Result<f64, String> {
+    let number = number(value)?;
+    if number > 0.0 { Ok(number) } else { Err(format!("{value} is not above 0")) }
+}
+
+/// A number of 0 or more.
+pub fn at_least_0(value: &str) -> Result<f64, String> {
+    let number = number(value)?;
+    if number >= 0.0 { Ok(number) } else { Err(format!("{value} is below 0")) }
+}
+
 /// Finite numbers separated by commas.
 pub fn numbers(value: &str) -> Result<Vec<f64>, String> {
     parse::numbers(value).map_err(reason)

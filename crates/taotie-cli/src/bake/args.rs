@@ -1,6 +1,6 @@
 //! The options of `taotie bake`.
 
-use crate::options;
+use crate::options::{self, fraction, positive};
 use crate::studio::Space;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -139,19 +139,9 @@ fn distance(text: &str) -> Result<Auto<f64>, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    let number = options::number(text)?;
-    if number > 0.0 { Ok(number) } else { Err(format!("{text} is not above 0")) }
-}
-
 fn degrees(text: &str) -> Result<f64, String> {
     let number = positive(text)?;
     if number < 180.0 { Ok(number) } else { Err(format!("{text} is not below 180")) }
-}
-
-fn fraction(text: &str) -> Result<f64, String> {
-    let number = options::number(text)?;
-    if (0.0..=1.0).contains(&number) { Ok(number) } else { Err(format!("{text} is not in [0, 1]")) }
 }
 
 fn memory(text: &str) -> Result<Bytes, String> {

@@ -19,7 +19,7 @@ Examples:
   taotie compare --paper -o recomputed";
 
 /// All options that `--paper`, which renders nothing, does not read.
-const NOT_OF_PAPER: [&str; 38] = [
+const NOT_OF_PAPER: [&str; 43] = [
     "model",
     "reference",
     "methods",
@@ -34,6 +34,11 @@ const NOT_OF_PAPER: [&str; 38] = [
     "tangents",
     "variant",
     "material",
+    "base_color",
+    "metallic",
+    "roughness",
+    "slope",
+    "shininess",
     "base_color_map",
     "normal_map",
     "normal_space",
@@ -121,6 +126,7 @@ impl CompareArgs {
     /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         self.check_methods()?;
+        self.material.check(&self.shadings)?;
         self.reflection.check(&self.shadings)?;
         self.light.check()?;
         self.camera.check()?;

@@ -40,7 +40,7 @@ fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<Writ
     let mut warnings = std::mem::take(&mut loaded.warnings);
     let reference = args.reference.as_deref();
     let reference = reference
-        .map(|path| reference::load(path, args.material.material.as_deref(), &loaded.scene, &mut warnings))
+        .map(|path| reference::load(path, &args.material, &loaded.scene, &mut warnings))
         .transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
     let environment = args.light.environment(&mut warnings)?;

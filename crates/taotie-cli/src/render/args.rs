@@ -88,6 +88,7 @@ impl RenderArgs {
             bail!("--aov {unknown}: there is no such output; choose from: {}", Aovs::NAMES.join(", "));
         }
         self.check_surface()?;
+        self.material.check(&[self.shading])?;
         self.reflection.check(&[self.shading])?;
         self.light.check()?;
         self.camera.check()?;

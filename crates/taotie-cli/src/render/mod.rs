@@ -11,7 +11,7 @@ pub use args::RenderArgs;
 use crate::console;
 use crate::studio::{self, Motion, in_pool};
 use anyhow::Result;
-use sequence::Shooting;
+use sequence::{Setting, Shooting};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -19,7 +19,7 @@ use taotie::Warnings;
 use taotie::names::Named;
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 3;
+const SCHEMA: u32 = 4;
 
 /// The result of a run.
 struct Report {
@@ -29,6 +29,8 @@ struct Report {
     animation: Option<String>,
     /// Its time in each picture, seconds.
     times: Vec<f64>,
+    /// The camera and the light of the first picture.
+    setting: Option<Setting>,
     warnings: Warnings,
     /// Stage and seconds.
     seconds: Vec<(&'static str, f64)>,
@@ -77,7 +79,8 @@ fn render(args: &RenderArgs) -> Result<Report> {
     let files = sequence.take(&mut loaded.scene, motion.as_ref(), &mut warnings)?;
     let animation = motion.map(|motion| motion.name());
     let triangles = loaded.scene.triangle_count();
-    Ok(Report { files, triangles, animation, times: plan.times(), warnings, seconds: sequence.watch.laps })
+    let Shooting { setting, watch, .. } = sequence;
+    Ok(Report { files, triangles, animation, times: plan.times(), setting, warnings, seconds: watch.laps })
 }
 
 impl Report {
@@ -98,6 +101,11 @@ impl Report {
             "shading": args.shading.name(),
             "surface": args.surface.map(|s| s.name()),
             "reflection": args.reflection.json(),
+            "material": args.material.json(),
+            "camera": self.setting.as_ref().map(|setting| &setting.camera),
+            "lights": self.setting.as_ref().map(|setting| &setting.lights),
+            "ambient": self.setting.as_ref().map(|setting| setting.ambient),
+            "shadows": args.settings().shadows,
             "ground": args.ground,
             "environment": args.light.environment_json(),
             "tone": args.film.tone().name(),

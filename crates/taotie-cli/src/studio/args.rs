@@ -14,7 +14,7 @@ use taotie::scene::{GreenChannel, NormalSpace};
 use taotie::shade::{Energy, Shading};
 use taotie::studio::{
     CameraOptions, EnvironmentOptions, EnvironmentSource, LightOptions, LightSpec, MapOptions,
-    MaterialOptions,
+    MaterialFactors, MaterialOptions,
 };
 use taotie::surface::TangentMethod;
 
@@ -31,6 +31,21 @@ pub struct MaterialArgs {
     /// A preset, as `taotie materials` lists them, or a TOML file; the model keeps its maps
     #[arg(long, value_name = "NAME|FILE")]
     pub material: Option<String>,
+    /// Base colour of every material, a colour or a linear grey value; textures are multiplied by it
+    #[arg(long, value_name = "COLOR", value_parser = options::color)]
+    pub base_color: Option<Vec3>,
+    /// Metallic factor of every material, [0, 1]; textures are multiplied by it
+    #[arg(long, value_name = "X", value_parser = options::fraction)]
+    pub metallic: Option<f64>,
+    /// Roughness of every material, [0, 1]; textures are multiplied by it
+    #[arg(long, value_name = "X", value_parser = options::fraction)]
+    pub roughness: Option<f64>,
+    /// Root mean square slope of every material, above 0, for cook-torrance; if not given the square of the roughness
+    #[arg(long, value_name = "X", value_parser = options::positive)]
+    pub slope: Option<f64>,
+    /// Exponent of every material, 0 or more, for phong and blinn-phong; if not given it follows from the roughness
+    #[arg(long, value_name = "X", value_parser = options::at_least_0)]
+    pub shininess: Option<f64>,
     /// A base colour texture for every material
     #[arg(long, value_name = "FILE")]
     pub base_color_map: Option<PathBuf>,
@@ -254,7 +269,42 @@ impl MaterialArgs {
             ..MapOptions::default()
         };
         let (variant, material) = (self.variant.clone(), self.material.clone());
-        MaterialOptions { variant, material, maps, green: self.green().into() }
+        MaterialOptions { variant, material, factors: self.factors(), maps, green: self.green().into() }
+    }
+
+    /// The factors asked for.
+    pub fn factors(&self) -> MaterialFactors {
+        let number = |value: Option<f64>| value.map(|value| value as f32);
+        MaterialFactors {
+            base_color: self.base_color.map(Vec3::to_array),
+            metallic: number(self.metallic),
+            roughness: number(self.roughness),
+            slope: number(self.slope),
+            shininess: number(self.shininess),
+        }
+    }
+
+    /// Refuses factors that none of the reflectance models reads.
+    pub fn check(&self, shadings: &[Shading]) -> Result<()> {
+        use Shading::{
+            BlinnPhong, BlinnPhongClassic, BlinnPhongPrinted, CookTorrance, CookTorrancePrinted, Lambert,
+            Phong,
+        };
+        let any = |reads: fn(&Shading) -> bool| shadings.iter().any(reads);
+        let of_slope = any(|shading| matches!(shading, CookTorrance | CookTorrancePrinted));
+        let of_shininess =
+            any(|shading| matches!(shading, Phong | BlinnPhong | BlinnPhongClassic | BlinnPhongPrinted));
+        let unread = [
+            ("--slope", self.slope.is_some() && !of_slope, "cook-torrance"),
+            ("--shininess", self.shininess.is_some() && !of_shininess, "phong or blinn-phong"),
+            ("--roughness", self.roughness.is_some() && !any(|shading| *shading != Lambert), "ggx"),
+        ];
+        match unread.iter().find(|(_, is, _)| *is) {
+            Some((option, _, reader)) => {
+                bail!("{option}: the shading does not read it; leave it out, or take --shading {reader}")
+            }
+            None => Ok(()),
+        }
     }
 
     fn green(&self) -> Green {
@@ -266,6 +316,11 @@ impl MaterialArgs {
         json!({
             "variant": self.variant,
             "material": self.material,
+            "base_color": self.base_color.map(Vec3::to_array),
+            "metallic": self.metallic,
+            "roughness": self.roughness,
+            "slope": self.slope,
+            "shininess": self.shininess,
             "base_color_map": self.base_color_map,
             "normal_map": self.normal_map,
             "normal_space": self.normal_space.to_possible_value().map(|value| value.get_name().to_owned()),
