@@ -2,6 +2,7 @@
 
 mod args;
 mod clock;
+mod purpose;
 mod stop;
 mod text;
 
@@ -17,6 +18,9 @@ use taotie_report::bake_page;
 /// Runs the subcommand.
 pub fn run(args: &BakeArgs) -> Result<Outcome> {
     args.check()?;
+    if let Some(chosen) = args.chosen() {
+        console::say(&format!("taotie: {chosen}"));
+    }
     stop::listen();
     let report = studio::in_pool(args.threads, || bake(args))??;
     if args.json {

@@ -240,6 +240,36 @@ fn packed_forms() {
     }
 }
 
+/// Each use says what it chooses, and options that are given go before it.
+#[test]
+fn uses_choose_what_is_not_asked_for() {
+    let place = pair();
+    let cases = [
+        ("web", "normals in 8 bits; WebP; meshopt", "webp", true, 8),
+        ("archive", "normals in 16 bits; PNG", "png", false, 16),
+        ("engine", "normals in 8 bits; KTX2", "ktx2", false, 8),
+    ];
+    for (name, chosen, images, meshopt, bits) in cases {
+        let line =
+            format!("bake scan.obj --low low.obj -o out.glb --size 32 --no-verify --json --for {name}");
+        let assert = place.taotie(&line).assert().success();
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.starts_with(&format!("taotie: --for {name}: maps of 32×32; {chosen}\n")), "{said}");
+        let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+        let parameters = &report["parameters"];
+        assert_eq!(
+            (&parameters["images"], &parameters["meshopt"], &parameters["bits"]),
+            (&json!(images), &json!(meshopt), &json!(bits)),
+            "{name}"
+        );
+    }
+    let line = "bake scan.obj -o out.glb --size 256 --no-verify --for engine --triangles 6000 --webp";
+    let assert = place.taotie(line).assert().success();
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    let chosen = "--for engine: 6000, 5000 triangles; maps of 256×256; normals in 8 bits; WebP\n";
+    assert!(said.contains(chosen), "{said}");
+}
+
 #[test]
 fn levels_of_detail_share_the_map() {
     let place = Place::with("scan.obj", SCAN.obj());
