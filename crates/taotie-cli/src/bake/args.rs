@@ -89,6 +89,9 @@ pub struct BakeArgs {
     /// Write textures as lossless WebP instead of PNG
     #[arg(long, help_heading = "File")]
     pub webp: bool,
+    /// Write the base colour as JPEG of this quality, 1 to 100. All other textures stay as they are: they are numbers
+    #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "File")]
+    pub jpeg: Option<u8>,
     /// Compress geometry (EXT_meshopt_compression)
     #[arg(long, help_heading = "File")]
     pub meshopt: bool,
@@ -209,6 +212,9 @@ impl BakeArgs {
         if let Some((option, _)) = of_sky.iter().find(|(_, given)| *given && !sky) {
             bail!("{option}: neither ao nor bent is baked; add one of them to --maps");
         }
+        if self.jpeg.is_some() && self.low.is_none() && !bakes(MapKind::Albedo) {
+            bail!("--jpeg: the asset has no base colour texture; add albedo to --maps");
+        }
         let packs = self.images() != GltfImages::Png;
         if self.bits() == 16 && packs && self.space == Space::Tangent && bakes(MapKind::Normal) {
             bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
@@ -254,7 +260,12 @@ impl BakeArgs {
 
     /// Returns the packing of the asset.
     pub fn packing(&self) -> Packing {
-        Packing { images: self.images(), meshopt: self.is_compressed(), provenance: self.provenance.clone() }
+        Packing {
+            images: self.images(),
+            jpeg: self.jpeg(),
+            meshopt: self.is_compressed(),
+            provenance: self.provenance.clone(),
+        }
     }
 
     /// Returns what `--for` comes to with all other options, in words.
@@ -274,6 +285,7 @@ impl BakeArgs {
             self.error.is_none().then(|| format!("maps of {size}×{size}")),
             Some(format!("normals in {} bits", self.bits())),
             Some(images.into()),
+            self.jpeg().map(|quality| format!("colours as JPEG of quality {quality}")),
             self.is_compressed().then(|| "meshopt".into()),
         ];
         Some(format!("--for {name}: {}", parts.into_iter().flatten().collect::<Vec<String>>().join("; ")))
@@ -317,6 +329,10 @@ impl BakeArgs {
             (_, true) => GltfImages::WebP,
             _ => self.defaults().images,
         }
+    }
+
+    fn jpeg(&self) -> Option<u8> {
+        self.jpeg.or(self.defaults().jpeg)
     }
 
     fn is_compressed(&self) -> bool {

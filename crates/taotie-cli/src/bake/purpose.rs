@@ -6,7 +6,7 @@ use taotie::io::GltfImages;
 /// The use that an asset is made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Purpose {
-    /// Small files for browsers: 20,000 triangles, maps of 1024×1024, WebP, meshopt
+    /// Small files for browsers: 20,000 triangles, maps of 1024×1024, WebP, colours as JPEG, meshopt
     Web,
     /// Nothing lost that can be kept, for every viewer: 200,000 triangles, maps of 4096×4096, PNG, normals in 16 bits
     Archive,
@@ -28,6 +28,8 @@ pub struct Defaults {
     pub bits: u8,
     /// The packing of textures.
     pub images: GltfImages,
+    /// The quality of colours as JPEG.
+    pub jpeg: Option<u8>,
     /// Geometry is compressed.
     pub meshopt: bool,
 }
@@ -41,12 +43,14 @@ impl Defaults {
             size: 2048,
             bits: 8,
             images: GltfImages::Png,
+            jpeg: None,
             meshopt: false,
         };
         match purpose {
             None => plain,
             Some(Purpose::Web) => {
-                Self { triangles: 20_000, size: 1024, images: GltfImages::WebP, meshopt: true, ..plain }
+                let packed = Self { images: GltfImages::WebP, jpeg: Some(85), meshopt: true, ..plain };
+                Self { triangles: 20_000, size: 1024, ..packed }
             }
             Some(Purpose::Archive) => Self { triangles: 200_000, size: 4096, bits: 16, ..plain },
             Some(Purpose::Engine) => Self { lods: &[15_000, 5_000], images: GltfImages::Ktx2, ..plain },

@@ -245,7 +245,7 @@ fn packed_forms() {
 fn uses_choose_what_is_not_asked_for() {
     let place = pair();
     let cases = [
-        ("web", "normals in 8 bits; WebP; meshopt", "webp", true, 8),
+        ("web", "normals in 8 bits; WebP; colours as JPEG of quality 85; meshopt", "webp", true, 8),
         ("archive", "normals in 16 bits; PNG", "png", false, 16),
         ("engine", "normals in 8 bits; KTX2", "ktx2", false, 8),
     ];
@@ -268,6 +268,17 @@ fn uses_choose_what_is_not_asked_for() {
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     let chosen = "--for engine: 6000, 5000 triangles; maps of 256×256; normals in 8 bits; WebP\n";
     assert!(said.contains(chosen), "{said}");
+}
+
+#[test]
+fn colours_as_jpeg() {
+    let place = pair();
+    let line =
+        "bake scan.obj --low low.obj -o out.gltf --size 32 --maps normal,albedo --no-verify --jpeg 70 --json";
+    let report = place.json(line);
+    assert_eq!(report["parameters"]["jpeg"], 70);
+    assert_eq!(report["files"], json!(["out.gltf", "out.bin", "out_color.jpg", "out_normal.png"]));
+    assert_eq!(place.read("out_color.jpg")[..3], [0xff, 0xd8, 0xff]);
 }
 
 #[test]

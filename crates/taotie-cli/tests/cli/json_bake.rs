@@ -63,6 +63,7 @@ struct Parameters {
     ray_distance: AutoOr,
     cage: Option<String>,
     images: String,
+    jpeg: Option<u8>,
     meshopt: bool,
 }
 
@@ -187,6 +188,7 @@ fn of_a_pair() {
         ray_distance: auto(),
         cage: None,
         images: "png".into(),
+        jpeg: None,
         meshopt: false,
     };
     assert_eq!(report.parameters, parameters);

@@ -172,6 +172,11 @@ fn of_bake() {
         ),
         ("scan.obj -o out.glb --bits 16 --webp", "--bits 16: WebP and KTX2 hold 8 bits"),
         ("scan.obj -o out.glb --bits 16 --ktx2", "--bits 16: WebP and KTX2 hold 8 bits"),
+        (
+            "scan.obj -o out.glb --jpeg 80",
+            "--jpeg: the asset has no base colour texture; add albedo to --maps",
+        ),
+        ("scan.obj -o out.glb --maps albedo --jpeg 0", "0 is not in 1..=100"),
         ("scan.obj -o a.glb", "a.report.html: it is a folder"),
         ("scan.obj -o b.glb", "b.report.json: it is a folder"),
         ("scan.obj -o c.glb", "c.glb: it is a folder"),

@@ -110,7 +110,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         xmp: Some(&xmp),
         extras: extras.as_ref(),
     };
-    let format = GltfFormat { images: packing.images, meshopt: packing.meshopt };
+    let format = GltfFormat { images: packing.images, jpeg: packing.jpeg, meshopt: packing.meshopt };
     let mut files = io::encode_gltf(path, &model, &format)?;
     for beside in &textures.beside {
         let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;

@@ -1,7 +1,7 @@
 //! The textures of a material: each image encoded once, and its place in a document.
 
 use super::material::GltfMaterial;
-use super::{GltfDraft, ktx};
+use super::{GltfDraft, GltfFormat, ktx};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Texels};
 use crate::io::write::FileBytes;
@@ -9,7 +9,8 @@ use crate::io::write::png::interleaved;
 use crate::io::{PngColor, PngImage, PngSamples, encode_png};
 use crate::parallel;
 #[cfg(feature = "webp")]
-use image::{ExtendedColorType, codecs::webp::WebPEncoder};
+use image::codecs::webp::WebPEncoder;
+use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -113,6 +114,8 @@ impl Slot {
 pub(super) struct Encoded<'a> {
     image: GltfImage<'a>,
     format: GltfImages,
+    /// The quality of a JPEG, which stands in place of `format`.
+    jpeg: Option<u8>,
     slots: Vec<Slot>,
     bytes: Vec<u8>,
 }
@@ -139,8 +142,16 @@ impl Encoded<'_> {
     pub fn file_name(&self, stem: &str) -> String {
         match self.image {
             GltfImage::File(name) => name.to_owned(),
-            GltfImage::Bitmap(_) => format!("{stem}_{}.{}", self.role(), self.format.file_extension()),
+            GltfImage::Bitmap(_) => format!("{stem}_{}.{}", self.role(), self.file_extension()),
         }
+    }
+
+    fn file_extension(&self) -> &'static str {
+        if self.jpeg.is_some() { "jpg" } else { self.format.file_extension() }
+    }
+
+    fn mime_type(&self) -> &'static str {
+        if self.jpeg.is_some() { "image/jpeg" } else { self.format.mime_type() }
     }
 
     fn role(&self) -> &'static str {
@@ -163,13 +174,16 @@ impl Encoded<'_> {
 
     /// The extension of its texture; a file that is there already is shown as any program can.
     fn extension(&self) -> Option<&'static str> {
-        self.bytes().and(self.format.extension())
+        self.bytes().and(self.format.extension()).filter(|_| self.jpeg.is_none())
     }
 }
 
 /// Encodes every image of a material, in the order of its slots. Slots that show the same image in the same encoding
 /// share it.
-pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Result<Vec<Encoded<'a>>> {
+pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: &GltfFormat) -> Result<Vec<Encoded<'a>>> {
+    if let Some(quality) = format.jpeg.filter(|quality| !(1..=100).contains(quality)) {
+        return Err(Error::invalid(format!("a JPEG quality of {quality}"), "give 1 to 100"));
+    }
     let mut images: Vec<Encoded> = Vec::new();
     for (slot, image) in material.maps() {
         let shared = |known: &&mut Encoded| {
@@ -177,13 +191,25 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Res
         };
         match images.iter_mut().find(shared) {
             Some(known) => known.slots.push(slot),
-            None => images.push(Encoded { image, format, slots: vec![slot], bytes: Vec::new() }),
+            None => {
+                let jpeg = format.jpeg.filter(|_| slot == Slot::BaseColor);
+                images.push(Encoded {
+                    image,
+                    format: format.images,
+                    jpeg,
+                    slots: vec![slot],
+                    bytes: Vec::new(),
+                });
+            }
         }
     }
     let bytes = parallel::tasks(images.len(), &|i| match images[i].image {
         GltfImage::Bitmap(bitmap) => {
             let stored = Stored { encoding: images[i].slots[0].encoding(), alpha: false };
-            encode_bitmap(bitmap, stored, format)
+            match images[i].jpeg {
+                Some(quality) => jpeg(bitmap, stored, quality),
+                None => encode_bitmap(bitmap, stored, images[i].format),
+            }
         }
         GltfImage::File(_) => Ok(Vec::new()),
     });
@@ -229,6 +255,17 @@ fn png(bitmap: &Bitmap, stored: Stored) -> Result<Vec<u8>> {
         Texels::U16(texels) => encode(PngSamples::U16(&interleaved(texels, channels))),
         Texels::F32(_) => Err(no_floats(stored)),
     }
+}
+
+/// Returns the bytes of a JPEG, which holds 8 bits and no alpha.
+fn jpeg(bitmap: &Bitmap, stored: Stored, quality: u8) -> Result<Vec<u8>> {
+    let wrong = |e: image::ImageError| Error::invalid("a texture as JPEG", e.to_string());
+    let mut bytes = Vec::new();
+    let texels = eight_bits(bitmap, stored)?;
+    JpegEncoder::new_with_quality(&mut bytes, quality)
+        .encode(&interleaved(&texels, 3), bitmap.width(), bitmap.height(), ExtendedColorType::Rgb8)
+        .map_err(wrong)?;
+    Ok(bytes)
 }
 
 #[cfg(not(feature = "webp"))]
@@ -293,7 +330,7 @@ fn entry(draft: &mut GltfDraft, image: &Encoded, storage: &ImageStorage) -> Valu
     match (image.bytes(), storage) {
         (Some(bytes), ImageStorage::Inside) => {
             let view = draft.view(bytes);
-            json!({ "name": image.role(), "bufferView": view, "mimeType": image.format.mime_type() })
+            json!({ "name": image.role(), "bufferView": view, "mimeType": image.mime_type() })
         }
         (Some(_), ImageStorage::Beside(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
         (None, _) => json!({ "uri": uri(&image.file_name("")) }),
