@@ -225,8 +225,11 @@ impl BakeArgs {
     /// Refuses files that cannot be written.
     fn check_places(&self) -> Result<()> {
         io::check_writable(&self.output)?;
-        let reports = ["report.html", "report.json"].iter().filter(|_| !self.no_verify);
-        Ok(reports.into_iter().try_for_each(|kind| io::check_writable(&self.output.with_extension(kind)))?)
+        if self.no_verify {
+            return Ok(());
+        }
+        let reports = ["report.html", "report.json"].map(|kind| self.output.with_extension(kind));
+        Ok(reports.iter().try_for_each(|path| io::check_writable(path))?)
     }
 
     /// Returns the options of the bake.

@@ -113,7 +113,7 @@ pub struct CompareArgs {
     pub light: LightArgs,
     #[command(flatten)]
     pub camera: CameraArgs,
-    /// Width and height of the pictures, pixels
+    /// Width and height of the pictures, pixels; one number stands for both
     #[arg(long, value_name = "WxH", value_parser = options::size, default_value = "640x640", help_heading = "Picture")]
     pub size: [u32; 2],
     #[command(flatten)]

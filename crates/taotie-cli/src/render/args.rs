@@ -61,7 +61,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub motion: MotionArgs,
 
-    /// Width and height of the picture, pixels
+    /// Width and height of the picture, pixels; one number stands for both
     #[arg(long, value_name = "WxH", value_parser = options::size, default_value = "1024x1024", help_heading = "Picture")]
     pub size: [u32; 2],
     #[command(flatten)]

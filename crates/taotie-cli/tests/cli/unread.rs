@@ -145,8 +145,6 @@ fn of_compare() {
         ("b.gltf -o file/out", "file: it is a file; give a folder"),
     ];
     refused(&place, "compare", &cases);
-    let line = "b.gltf -o out --size 16x16 --method smooth,tangent-normal --bump-scale";
-    refused(&place, "compare", &[(&format!("{line} 2"), "--bump-scale: no method")]);
     let cases = [(
         "a.obj -o out --size 16x16 --method smooth,facet --green down",
         "--green is not read: no material",
