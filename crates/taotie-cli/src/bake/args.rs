@@ -215,11 +215,23 @@ impl BakeArgs {
         if self.jpeg.is_some() && self.low.is_none() && !bakes(MapKind::Albedo) {
             bail!("--jpeg: the asset has no base colour texture; add albedo to --maps");
         }
+        if (self.webp || self.ktx2) && self.low.is_none() && !self.maps.iter().any(|map| self.is_inside(*map))
+        {
+            bail!("--webp, --ktx2: the asset holds no texture; leave them out, or add such a map to --maps");
+        }
         let packs = self.images() != GltfImages::Png;
         if self.bits() == 16 && packs && self.space == Space::Tangent && bakes(MapKind::Normal) {
             bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
         }
         Ok(())
+    }
+
+    /// Says whether a map lies inside of the asset, and not beside it.
+    fn is_inside(&self, map: MapKind) -> bool {
+        match map {
+            MapKind::Normal => self.space == Space::Tangent,
+            other => !matches!(other, MapKind::Height | MapKind::Curvature | MapKind::Bent),
+        }
     }
 
     /// Refuses files that cannot be written.

@@ -130,7 +130,7 @@ impl CompareArgs {
         self.reflection.check(&self.shadings)?;
         self.light.check()?;
         self.camera.check()?;
-        self.film.check()?;
+        self.film.check(self.light.show_env)?;
         self.running.check()?;
         if self.film.background.as_deref() == Some("transparent") {
             bail!("--background transparent: pictures are compared before a background; give a colour");

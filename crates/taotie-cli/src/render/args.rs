@@ -12,7 +12,7 @@ use taotie::Warnings;
 use taotie::io::{self, ImageFormat};
 use taotie::names::Named;
 use taotie::render::{Aovs, RenderSettings, SurfaceSettings};
-use taotie::scene::Material;
+use taotie::scene::Scene;
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 
@@ -92,7 +92,7 @@ impl RenderArgs {
         self.reflection.check(&[self.shading])?;
         self.light.check()?;
         self.camera.check()?;
-        self.film.check()?;
+        self.film.check(self.light.show_env)?;
         self.integrator.check(self)?;
         self.running.check()?;
         self.motion.check()?;
@@ -121,10 +121,11 @@ impl RenderArgs {
         }
     }
 
-    /// Notes heights that are asked for, and hidden by normal maps.
-    pub fn note_unread(&self, materials: &[Material], warnings: &mut Warnings) {
+    /// Notes what is asked for and not seen in this model: shadows without lights, heights that normal maps hide.
+    pub fn note_unread(&self, scene: &Scene, warnings: &mut Warnings) {
+        self.light.note_unread(scene, warnings);
         let asked = self.bump_scale.is_some() || self.material.height_map.is_some();
-        let mut lifted = materials.iter().filter(|material| material.height.is_some()).peekable();
+        let mut lifted = scene.materials().iter().filter(|material| material.height.is_some()).peekable();
         if self.surface.is_none() && asked && lifted.peek().is_some() && lifted.all(|m| m.normal.is_some()) {
             warnings.note("heights are not read: a normal map goes first; add --surface bump to see them", 1);
         }

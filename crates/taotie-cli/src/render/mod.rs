@@ -60,7 +60,7 @@ fn render(args: &RenderArgs) -> Result<Report> {
     let (mut loaded, environment) = (loaded?, environment?);
     let mut warnings = std::mem::take(&mut loaded.warnings);
     warnings.absorb(sky_warnings);
-    args.note_unread(loaded.scene.materials(), &mut warnings);
+    args.note_unread(&loaded.scene, &mut warnings);
     watch.lap("load");
     let mut settings = args.settings();
     let motion = match args.motion.animates() {

@@ -10,7 +10,7 @@ use taotie::film::{Development, ToneCurve};
 use taotie::math::{SimdLevel, Vec3};
 use taotie::names::Named;
 use taotie::render::{EnvironmentLight, GrazingNormals, RenderSettings};
-use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::scene::{GreenChannel, NormalSpace, Scene};
 use taotie::shade::{Energy, Shading};
 use taotie::studio::{
     CameraOptions, EnvironmentOptions, EnvironmentSource, LightOptions, LightSpec, MapOptions,
@@ -349,6 +349,14 @@ impl LightArgs {
         }
     }
 
+    /// Notes shadows that nothing casts.
+    pub fn note_unread(&self, scene: &Scene, warnings: &mut Warnings) {
+        let only_environment = self.environment_name().is_some() && self.lights.is_empty();
+        if self.shadows && only_environment && scene.lights().is_empty() {
+            warnings.note("--shadows is not read: no light shines beside the environment", 1);
+        }
+    }
+
     fn rotation_deg(&self) -> f64 {
         self.env_rotate_deg.unwrap_or(0.0)
     }
@@ -439,10 +447,13 @@ impl CameraArgs {
 }
 
 impl FilmArgs {
-    /// Refuses values that cannot be used, before any work is done.
-    pub fn check(&self) -> Result<()> {
+    /// Refuses values that cannot be used, before any work is done; a background needs that no environment `is_shown`.
+    pub fn check(&self, is_shown: bool) -> Result<()> {
         taotie::raster::SamplePattern::new(self.samples())?;
         self.background()?;
+        if is_shown && self.background.is_some() {
+            bail!("--background: --show-env puts the environment there; leave one of them out");
+        }
         Ok(())
     }
 

@@ -23,7 +23,7 @@ pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>) -> Resu
     let loaded = taotie::studio::load(path, &args.options(height_scale));
     let mut loaded = loaded.map_err(|error| of_material(args.material.as_deref(), error))?;
     let Loaded { scene, warnings, .. } = &mut loaded;
-    unread::note(args, height_scale, scene.materials(), warnings);
+    unread::note(args, height_scale, scene, warnings);
     Ok(loaded)
 }
 

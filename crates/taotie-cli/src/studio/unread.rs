@@ -2,10 +2,12 @@
 
 use super::MaterialArgs;
 use taotie::Warnings;
-use taotie::scene::Material;
+use taotie::scene::{Material, Scene};
 
-/// Notes each option that no material reads. `height_scale` is the height of white, where it was asked for.
-pub fn note(args: &MaterialArgs, height_scale: Option<f64>, materials: &[Material], warnings: &mut Warnings) {
+/// Notes each option that nothing of the scene reads. `height_scale` is the height of white, where it was asked for.
+pub fn note(args: &MaterialArgs, height_scale: Option<f64>, scene: &Scene, warnings: &mut Warnings) {
+    let materials = scene.materials();
+    let is_plain = scene.meshes().iter().all(|mesh| mesh.uvs().is_empty());
     let (mapped, lifted) = (materials.iter().any(has_normal_map), materials.iter().any(has_heights));
     let framed = mapped || materials.iter().any(|material| material.anisotropy.is_some());
     let unread = [
@@ -14,6 +16,14 @@ pub fn note(args: &MaterialArgs, height_scale: Option<f64>, materials: &[Materia
         (
             "--tangents is not read: no material has a normal map or is anisotropic",
             args.tangents.is_some() && !framed,
+        ),
+        (
+            "--base-color-map shows one texel everywhere: no mesh has uvs",
+            args.base_color_map.is_some() && is_plain,
+        ),
+        (
+            "--occlusion-map shows one texel everywhere: no mesh has uvs",
+            args.occlusion_map.is_some() && is_plain,
         ),
     ];
     unread.iter().for_each(|(what, is)| warnings.note(*what, usize::from(*is)));
