@@ -54,6 +54,7 @@ fn of_render() {
         ("a.obj -o o.png --env-intensity 1", "--env-intensity: there is no environment; name one"),
         ("a.obj -o o.png --env none --env-intensity 2", "--env-intensity: there is no environment"),
         ("a.obj -o o.png --show-env", "--show-env: there is no environment; name one"),
+        ("a.obj -o o.png --env studio --show-env --background red", "--background: --show-env puts"),
         ("a.obj -o o.png --normal-space object", "--normal-map <FILE>"),
         ("b.gltf -o o.png --camera front --fov-deg 20", "cannot be used with"),
         ("b.gltf -o o.png --camera front --target 0,0,0", "cannot be used with"),
@@ -101,6 +102,11 @@ fn of_render() {
             "--bump-scale is not read: no material has a height map",
         ),
         ("a.obj -o o.png --size 8x8 --tangents face", "--tangents is not read: no material has a normal map"),
+        (
+            "a.obj -o o.png --size 8x8 --base-color-map ball.png",
+            "--base-color-map shows one texel everywhere",
+        ),
+        ("a.obj -o o.png --size 8x8 --occlusion-map ball.png", "--occlusion-map shows one texel everywhere"),
         ("b.gltf -o o.png --size 8x8 --height-map ball.png", "heights are not read: a normal map goes first"),
     ];
     warned(&place, "render", &cases);
@@ -170,6 +176,8 @@ fn of_bake() {
         ),
         ("scan.obj -o out.glb --bits 16 --webp", "--bits 16: WebP and KTX2 hold 8 bits"),
         ("scan.obj -o out.glb --bits 16 --ktx2", "--bits 16: WebP and KTX2 hold 8 bits"),
+        ("scan.obj -o out.glb --maps height,bent --webp", "--webp, --ktx2: the asset holds no texture"),
+        ("scan.obj -o out.glb --space object --ktx2", "--webp, --ktx2: the asset holds no texture"),
         (
             "scan.obj -o out.glb --jpeg 80",
             "--jpeg: the asset has no base colour texture; add albedo to --maps",
