@@ -7,15 +7,15 @@ use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::studio::parse;
 
-/// A value by its name; the error lists the names.
+/// A value by its name, which may have spaces around it in a list; the error lists the names.
 pub fn named<T: Named>(value: &str) -> Result<T, String> {
-    T::from_name(value).map_err(|error| error.to_string())
+    T::from_name(value.trim()).map_err(|error| error.to_string())
 }
 
-/// `WIDTHxHEIGHT`.
+/// `WIDTHxHEIGHT`, or one number for both.
 pub fn size(value: &str) -> Result<[u32; 2], String> {
-    let wrong = || "write WIDTHxHEIGHT in pixels, such as 1920x1080".to_string();
-    let (width, height) = value.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let wrong = || "write WIDTHxHEIGHT in pixels, such as 1920x1080, or one number for both".to_string();
+    let (width, height) = value.split_once(['x', 'X']).unwrap_or((value, value));
     let side = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
     let (width, height) = (side(width)?, side(height)?);
     taotie::image::Image::check_size(width, height).map_err(|error| error.to_string())?;
@@ -34,6 +34,24 @@ pub fn switch(text: &str) -> Result<bool, String> {
 /// A finite number.
 pub fn number(value: &str) -> Result<f64, String> {
     parse::number(value).map_err(reason)
+}
+
+/// A number in [0, 1].
+pub fn fraction(value: &str) -> Result<f64, String> {
+    let number = number(value)?;
+    if (0.0..=1.0).contains(&number) { Ok(number) } else { Err(format!("{value} is not in [0, 1]")) }
+}
+
+/// A number above 0.
+pub fn positive(value: &str) -> Result<f64, String> {
+    let number = number(value)?;
+    if number > 0.0 { Ok(number) } else { Err(format!("{value} is not above 0")) }
+}
+
+/// A number of 0 or more.
+pub fn at_least_0(value: &str) -> Result<f64, String> {
+    let number = number(value)?;
+    if number >= 0.0 { Ok(number) } else { Err(format!("{value} is below 0")) }
 }
 
 /// Finite numbers separated by commas.
@@ -73,10 +91,19 @@ mod tests {
 
     #[test]
     fn sizes() {
-        assert_eq!(size("640x480"), Ok([640, 480]));
+        assert_eq!((size("640x480"), size("64")), (Ok([640, 480]), Ok([64, 64])));
         assert!(
-            size("640").is_err() && size("0x1").is_err() && size("1x99999").is_err() && size("-1x2").is_err()
+            size("640x").is_err()
+                && size("0x1").is_err()
+                && size("1x99999").is_err()
+                && size("-1x2").is_err()
         );
+    }
+
+    #[test]
+    fn ranges() {
+        assert_eq!((fraction("1"), positive("0.5"), at_least_0("0")), (Ok(1.0), Ok(0.5), Ok(0.0)));
+        assert!(fraction("1.1").is_err() && positive("0").is_err() && at_least_0("-1").is_err());
     }
 
     #[test]
@@ -89,5 +116,6 @@ mod tests {
     #[test]
     fn unknown_names_are_answered_with_the_list() {
         assert!(named::<taotie::shade::Shading>("gxx").unwrap_err().contains("ggx"));
+        assert_eq!(named(" ggx"), Ok(taotie::shade::Shading::Ggx));
     }
 }

@@ -153,7 +153,7 @@ fn a_size_that_is_none() {
     refused_beside_a_model(
         "render a.obj -o a.png --size huge",
         str![[r#"
-error: invalid value 'huge' for '--size <WxH>': write WIDTHxHEIGHT in pixels, such as 1920x1080
+error: invalid value 'huge' for '--size <WxH>': write WIDTHxHEIGHT in pixels, such as 1920x1080, or one number for both
 
 For more information, try '--help'.
 

@@ -23,4 +23,5 @@ mod packed;
 mod place;
 mod render;
 mod running;
+mod unread;
 mod variants;

@@ -45,6 +45,7 @@ mod report;
 mod requirement;
 mod scan;
 mod search;
+mod search_course;
 mod textures;
 mod views;
 mod write;
@@ -62,7 +63,7 @@ pub use proof::{BIN_WIDTH, FLOOR_8_BIT, Figures, FitFigures, Proof, VerifyOption
 pub use report::{Report, StageTime, Warning};
 pub use requirement::{Figure, Met, Requirement};
 pub use scan::{Scan, ScanFile};
-pub use search::Trial;
+pub use search_course::Trial;
 pub use textures::{Beside, Has, Range, Textures};
 pub use views::{ViewFigures, Views};
 pub use write::{MapNote, Written};

@@ -59,6 +59,7 @@ impl Parameters {
                 GltfImages::WebP => "webp",
                 GltfImages::Ktx2 => "ktx2",
             },
+            "jpeg": packing.jpeg,
             "meshopt": packing.meshopt,
         }))
     }
