@@ -34,6 +34,17 @@ test("text is text, and nothing is asked of the network", async () => {
     assert(refused.length >= 3, complaints(page).join("\n"));
 });
 
+test("verdict and warnings stand before everything else", async () => {
+    const page = await open(browser, "full.html", [1200, 900]);
+    assert.deepEqual(await page.locator(".notices li").allTextContents(), ["It holds.", NASTY]);
+    const tones = await page.locator(".notices li").evaluateAll((items) => items.map((item) => item.className));
+    assert.deepEqual(tones, ["good", "changed"]);
+    const top = (selector) => page.locator(selector).first().evaluate((element) => element.getBoundingClientRect().top);
+    const [notices, facts, pictures] = await Promise.all([".notices", "dl", WIPE].map(top));
+    assert(notices < facts && facts < pictures, `${notices}, ${facts}, ${pictures}`);
+    assertQuiet(page);
+});
+
 const column = (page, nth) => page.locator(`td:nth-child(${nth})`).allTextContents();
 
 test("tables are sorted and copied", async () => {

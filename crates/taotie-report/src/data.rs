@@ -12,6 +12,8 @@ pub struct Page {
     pub title: String,
     /// Below the heading; may be empty, as every text here.
     pub subtitle: String,
+    /// Verdict and warnings, below the heading: what is to be known before anything else is looked at.
+    pub notices: Vec<Notice>,
     /// A compact list below that.
     pub facts: Vec<Fact>,
     /// Pictures, a tab for each view.
@@ -20,6 +22,22 @@ pub struct Page {
     pub sections: Vec<Section>,
     /// At the end: who made the page of what.
     pub footer: String,
+}
+
+/// A line that the page opens with.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Notice {
+    /// The line.
+    pub text: String,
+    /// Its tone.
+    pub tone: Tone,
+}
+
+impl Notice {
+    /// Makes a notice.
+    pub fn new(text: impl Into<String>, tone: Tone) -> Self {
+        Self { text: text.into(), tone }
+    }
 }
 
 /// A name and what goes with it.
@@ -199,7 +217,7 @@ impl Cell {
     }
 }
 
-/// The meaning of a [`Cell::Mark`].
+/// The meaning of a [`Cell::Mark`] or a [`Notice`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
@@ -207,7 +225,7 @@ pub enum Tone {
     Good,
     /// Not as it should be.
     Bad,
-    /// Put right.
+    /// Put right, or worth a look.
     Changed,
 }
 

@@ -32,5 +32,5 @@ pub mod summary;
 pub mod swatches;
 pub mod table;
 
-pub use data::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View};
+pub use data::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View};
 pub use document::html;

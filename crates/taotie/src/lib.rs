@@ -8,7 +8,7 @@
 //! L3   render          bake           io
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
-//! L0   math         error  names  progress
+//! L0   math         error  names  progress  parallel
 //! ```
 //!
 //! `raster` and `trace` find *hits*, never colours; `shade` turns numbers into numbers and never sees a scene;

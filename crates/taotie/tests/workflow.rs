@@ -6,13 +6,14 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::asset::{
-    Asset, BakeOptions, Baker, Bytes, Figure, Limits, MeshSource, Packing, Proof, RayDistance, Requirement,
-    Scan, ScanFile, VerifyOptions, Written,
+    Asset, BakeOptions, Baker, Bytes, FLOOR_8_BIT, Figure, Limits, MeshSource, Packing, Proof, RayDistance,
+    Requirement, Scan, ScanFile, VerifyOptions, Written,
 };
 use taotie::bake::MapKind;
 use taotie::io::{GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, write_gltf};
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
+use taotie::scene::NormalSpace;
 use taotie::{Error, Progress, Result};
 
 #[allow(dead_code, reason = "its `main` is for the command line")]
@@ -101,9 +102,63 @@ fn what_could_not_be_measured_is_not_met() {
     let written = asset.write(folder.path().join("a.glb"), &Packing::default(), Progress::SILENT).unwrap();
     let view = VerifyOptions { points: 10, distance_points: 10, map: 16, view: 16 };
     let mut proof = written.verify(scan, &view, Progress::SILENT).unwrap();
-    proof.figures.angles = None;
-    let met = proof.require(&[Requirement { figure: Figure::MaxAngle, most: 180.0 }]);
+    proof.figures.levels[0].angles = None;
+    let met = proof.require(&[Requirement::of(Figure::MaxAngle, 180.0)]);
     assert_eq!((met[0].value, met[0].met), (None, false));
+}
+
+/// The finest level has the figures of the asset; coarser ones are worse, since the map was baked for the finest. What
+/// is required holds for every level, and what fails says at which.
+#[test]
+fn every_level_is_measured_and_gated() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = small();
+    let asset = Baker::new(BakeOptions { triangles: 2000, lods: vec![900, 200], ..options() });
+    let asset = asset.bake(&scan, Progress::SILENT).unwrap();
+    let packing = Packing { meshopt: true, ..Packing::default() };
+    let written = asset.write(folder.path().join("levels.glb"), &packing, Progress::SILENT).unwrap();
+    let options = VerifyOptions { points: 20_000, distance_points: 5_000, map: 64, view: 64 };
+    let proof = written.verify(scan, &options, Progress::SILENT).unwrap();
+    let (figures, levels) = (&proof.figures, &proof.figures.levels);
+    let triangles: Vec<usize> = asset.levels().map(|mesh| mesh.triangles().len()).collect();
+    assert_eq!(levels.iter().map(|level| level.triangles).collect::<Vec<_>>(), triangles);
+    let [finest, middle, coarsest] = levels.as_slice() else { panic!("three levels were asked for") };
+    assert_eq!((finest.angles, finest.hausdorff), (figures.angles, figures.hausdorff));
+    assert_eq!((&finest.histogram, &finest.views), (&figures.histogram, &figures.views));
+    let means = [finest, middle, coarsest].map(|level| level.angles.unwrap().mean);
+    assert!(means[0] < means[1] && means[1] < means[2], "{means:?}");
+    assert!(coarsest.hausdorff > finest.hausdorff && coarsest.lost < 0.01, "{coarsest:?}");
+    assert!(levels.iter().all(|level| level.views.len() == 8), "{figures:?}");
+    assert_eq!(proof.coarser_views.iter().map(|views| views.asset.len()).collect::<Vec<_>>(), [8, 8]);
+
+    let between = Requirement::mean_angle_deg((means[1] + means[2]) / 2.0);
+    let met = proof.require(&[between, between.at_level(1), Requirement::missed(1.0)]);
+    let told: Vec<_> = met.iter().map(|met| (met.level, met.met)).collect();
+    let wanted = [(Some(0), true), (Some(1), true), (Some(2), false), (Some(1), true), (None, true)];
+    assert_eq!(told, wanted);
+}
+
+/// Eight bits cost what they cost where a file has them, and nothing is said of them where it has not.
+#[test]
+fn the_floor_is_told_where_it_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let scan = small();
+    let floor = |options: BakeOptions, images: GltfImages| {
+        let asset = Baker::new(BakeOptions { size: 32, ..options }).bake(&scan, Progress::SILENT).unwrap();
+        let packing = Packing { images, ..Packing::default() };
+        let written = asset.write(folder.path().join("a.glb"), &packing, Progress::SILENT).unwrap();
+        let few = VerifyOptions { points: 10, distance_points: 10, map: 16, view: 16 };
+        written.verify(&scan, &few, Progress::SILENT).unwrap().figures.floor_8_bit
+    };
+    let sixteen = || BakeOptions { bits: 16, ..options() };
+    let beside = || BakeOptions { space: NormalSpace::Object, ..options() };
+    assert_eq!(floor(options(), GltfImages::Png), Some(FLOOR_8_BIT));
+    assert_eq!(floor(sixteen(), GltfImages::Png), None);
+    if cfg!(feature = "basis") {
+        assert_eq!(floor(options(), GltfImages::Ktx2), None, "it costs more");
+    }
+    assert_eq!(floor(beside(), GltfImages::Ktx2), Some(FLOOR_8_BIT), "beside the asset it is a PNG");
+    assert_eq!(floor(BakeOptions { maps: vec![MapKind::Height], ..options() }, GltfImages::Png), None);
 }
 
 #[test]

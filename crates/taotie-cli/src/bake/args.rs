@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use taotie::asset::{BakeOptions, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
 use taotie::io::{self, GltfImages};
+use taotie::names::Named;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -100,11 +101,14 @@ pub struct BakeArgs {
     #[arg(long, value_name = "FILE.json", help_heading = "File")]
     pub provenance: Option<PathBuf>,
 
-    /// Exit with 1 unless every figure is at most so large: mean-angle, p95-angle, max-angle (normal error, degrees),
-    /// missed (texels with a missed ray, %), hausdorff (largest shape error, % of the diagonal), bytes (of the asset)
+    /// Exit with 1 unless every figure is at most so large: mean-angle, p95-angle, max-angle (normal error, °),
+    /// mean-color, p95-color (colour error, CIEDE2000), missed (texels with a missed ray, %), hausdorff (largest shape
+    /// error, % of the diagonal), bytes (of the asset with all its files). A bare number has that unit: missed=0.1 is
+    /// 0.1 %; bytes may have B, kB, MB, GB, KiB, MiB, GiB. Angles, colours and hausdorff count at every level of detail;
+    /// mean-angle@1=5 is for level 1 alone, level 0 is the finest
     #[arg(
         long,
-        value_name = "FIGURE=MAX,...",
+        value_name = "FIGURE[@LEVEL]=MAX[UNIT],...",
         value_delimiter = ',',
         help_heading = "Proof",
         conflicts_with = "no_verify"
@@ -208,6 +212,7 @@ impl BakeArgs {
                 "--error needs a normal map in tangent space: add normal to --maps, leave out --space object"
             );
         }
+        self.check_levels()?;
         self.check_unread()?;
         self.check_places()
     }
@@ -254,6 +259,22 @@ impl BakeArgs {
         }
         let reports = ["report.html", "report.json"].map(|kind| self.output.with_extension(kind));
         Ok(reports.iter().try_for_each(|path| io::check_writable(path))?)
+    }
+
+    /// Refuses requirements of levels of detail that are not asked for.
+    fn check_levels(&self) -> Result<()> {
+        let coarsest = self.lods().len();
+        let named =
+            self.require.iter().filter_map(|requirement| Some((requirement.figure, requirement.level?)));
+        for (figure, level) in named {
+            if level > coarsest {
+                bail!(
+                    "--require {}@{level}: the coarsest level of detail is {coarsest}; --lods asks for more",
+                    figure.name()
+                );
+            }
+        }
+        Ok(())
     }
 
     /// Returns the options of the bake.

@@ -1,7 +1,8 @@
 //! A bake in plain words.
 
 use std::fmt::Write;
-use taotie::asset::{Figures, Met, Report, ViewFigures};
+use taotie::asset::{Figures, LevelFigures, MaterialFigures, Met, Report, ViewFigures};
+use taotie::compare::Summary;
 use taotie::names::Named;
 use taotie_report::summary;
 use taotie_report::table::Table;
@@ -23,10 +24,19 @@ pub fn of(report: &Report) -> String {
     if let Some(figures) = &report.proof {
         normals(figures, &mut table);
         shape(figures, &mut table);
+        material(&figures.material, &mut table);
         table.row(["visual difference".into(), visual_difference(&figures.views)]);
+        if !figures.full_views.is_empty() {
+            table.row(["in full material".into(), visual_difference(&figures.full_views)]);
+        }
+        levels(figures, &mut table);
+        if !figures.unseen.is_empty() {
+            table.row(["not looked at".into(), figures.unseen.join("; ")]);
+        }
         table.row(["bytes".into(), format!("{} in, {} out", figures.bytes_in, figures.bytes_out)]);
     }
-    report.required.iter().for_each(|met| table.row(["required".into(), requirement(met)]));
+    let required = report.required.iter().map(|met| requirement(met, &report.triangles));
+    required.for_each(|line| table.row(["required".into(), line]));
     text += &table.lines(0);
     for file in &report.files {
         let _ = writeln!(text, "wrote {}", file.display());
@@ -40,8 +50,9 @@ fn percent(part: f64) -> String {
 
 fn normals(figures: &Figures, table: &mut Table) {
     if let Some(angles) = &figures.angles {
-        let [floor, _] = figures.floor_8_bit;
         table.row(["normal error".into(), summary::text(angles, 3, "°")]);
+    }
+    if let Some([floor, _]) = figures.floor_8_bit {
         table.row([String::new(), format!("storing normals in 8 bits alone costs {floor}° on average")]);
     }
     if let Some(plain) = &figures.without_map {
@@ -74,14 +85,51 @@ fn shape(figures: &Figures, table: &mut Table) {
     }
 }
 
+fn material(figures: &MaterialFigures, table: &mut Table) {
+    let Some(color) = &figures.color else { return };
+    table.row(["colour error (ΔE00)".into(), summary::text(color, 2, "")]);
+    let mean = |(name, of): (&str, Option<Summary>)| Some(format!("{name} {:.4}", of?.mean));
+    let means: Vec<String> = figures.numbers().into_iter().filter_map(mean).collect();
+    table.row(["material error".into(), format!("means: {}", means.join(", "))]);
+}
+
 fn visual_difference(views: &[ViewFigures]) -> String {
     let mean = |of: fn(&ViewFigures) -> f64| views.iter().map(of).sum::<f64>() / views.len().max(1) as f64;
     let (flip, ssim) = (mean(|view| view.flip), mean(|view| view.ssim));
     format!("FLIP {flip:.4}, SSIM {ssim:.4}, mean of {} views", views.len())
 }
 
-fn requirement(met: &Met) -> String {
+/// Adds a row for each coarser level of detail.
+fn levels(figures: &Figures, table: &mut Table) {
+    for (level, figures) in figures.levels.iter().enumerate().skip(1) {
+        table.row([format!("level {level}"), of_level(figures)]);
+    }
+}
+
+fn of_level(figures: &LevelFigures) -> String {
+    let angles = match &figures.angles {
+        Some(angles) => format!("{:.3}°, p95 {:.3}°", angles.mean, angles.p95),
+        None => "could not be measured".into(),
+    };
+    let no_hit = || format!("no hit at {} of the points; ", percent(figures.lost));
+    let lost = if figures.lost > 0.0 { no_hit() } else { String::new() };
+    format!(
+        "{} triangles: normal error mean {angles}; {lost}shape error at most {} of the diagonal; {}",
+        figures.triangles,
+        percent(figures.hausdorff_of_diagonal),
+        visual_difference(&figures.views)
+    )
+}
+
+/// Tells a requirement's outcome, and at which level where there are several.
+fn requirement(met: &Met, triangles: &[usize]) -> String {
     let verdict = if met.met { "met" } else { "NOT met" };
-    let value = met.value.map_or("could not be measured".into(), |value| format!("is {value:.4}"));
-    format!("{verdict}: {} {value}, at most {}", met.figure.name(), met.most)
+    let level = match (met.level, triangles.len()) {
+        (None, _) | (_, 0..=1) => String::new(),
+        (Some(level), _) => match triangles.get(level) {
+            Some(count) => format!(" of level {level} ({count} triangles)"),
+            None => format!(" of level {level}, which is not there,"),
+        },
+    };
+    format!("{verdict}: {}{level} {}", met.figure.name(), met.text())
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 use taotie::image::Encoding;
 use taotie::io::{PngColor, PngImage, PngSamples, encode_png};
-use taotie_report::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, Tone, View, html};
+use taotie_report::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View, html};
 
 const RED: [u8; 3] = [200, 30, 30];
 const GREEN: [u8; 3] = [30, 160, 60];
@@ -88,6 +88,7 @@ fn full() -> Page {
     Page {
         title: NASTY.into(),
         subtitle: "A page for tests".into(),
+        notices: vec![Notice::new("It holds.", Tone::Good), Notice::new(NASTY, Tone::Changed)],
         facts: vec![Fact::new("model", NASTY), Fact::new("size", "64 × 64")],
         views: views(),
         sections: vec![prose, table(), histogram()],

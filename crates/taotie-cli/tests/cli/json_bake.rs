@@ -100,7 +100,7 @@ struct Proof {
     angles: Option<Spread>,
     histogram: Vec<usize>,
     without_map: Option<Spread>,
-    floor_8_bit: [f64; 2],
+    floor_8_bit: Option<[f64; 2]>,
     missed_texels: f64,
     fallback: f64,
     lost: f64,
@@ -112,9 +112,41 @@ struct Proof {
     density: Option<Spread>,
     uv_use: f64,
     views: Vec<View>,
+    full_views: Vec<View>,
+    material: MaterialFigures,
+    unseen: Vec<String>,
     fit: Option<Fit>,
     bytes_in: u64,
     bytes_out: u64,
+    levels: Vec<Level>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Level {
+    triangles: usize,
+    angles: Option<Spread>,
+    histogram: Vec<usize>,
+    without_map: Option<Spread>,
+    missed: f64,
+    lost: f64,
+    hausdorff: f64,
+    hausdorff_of_diagonal: f64,
+    rms: f64,
+    rms_of_diagonal: f64,
+    material: MaterialFigures,
+    views: Vec<View>,
+    full_views: Vec<View>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialFigures {
+    color: Option<Spread>,
+    metallic: Option<Spread>,
+    roughness: Option<Spread>,
+    emission: Option<Spread>,
+    alpha: Option<Spread>,
 }
 
 #[derive(Deserialize)]
@@ -139,6 +171,7 @@ struct Fit {
 struct Met {
     figure: String,
     most: f64,
+    level: Option<usize>,
     value: Option<f64>,
     met: bool,
 }
@@ -176,7 +209,7 @@ fn of_a_pair() {
     let written: serde_json::Value = serde_json::from_slice(&place.read("out.report.json")).unwrap();
     assert_eq!(printed, written);
     let report: BakeReport = serde_json::from_value(printed).expect("the document has this form");
-    assert_eq!((report.schema, report.version.as_str()), (2, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.schema, report.version.as_str()), (3, env!("CARGO_PKG_VERSION")));
     assert_eq!((report.high.as_str(), report.low.as_deref()), ("scan.obj", Some("low.obj")));
     assert_eq!((report.high_triangles, report.triangles, report.size), (9024, vec![528], [64; 2]));
     assert_eq!(report.high_sha256.len(), 64);
@@ -214,13 +247,18 @@ fn of_a_pair() {
     assert!(angles.mean * 4.0 < proof.without_map.expect("points were found").mean);
     assert_eq!((proof.missed_texels, proof.lost, proof.views.len()), (0.0, 0.0, 8));
     assert!(proof.rms < proof.hausdorff && proof.uv_use > 0.8);
+    assert!(proof.material.color.is_none() && proof.full_views.is_empty(), "the scan has no material");
+    assert_eq!(proof.unseen, ["colour and material, of which the scan says nothing", "heights"]);
+    let [level] = proof.levels.as_slice() else { panic!("there is one level") };
+    assert_eq!((level.triangles, level.hausdorff, level.views.len()), (528, proof.hausdorff, 8));
+    assert_eq!(proof.floor_8_bit, Some([0.17, 0.38]));
     assert_eq!(
         proof.bytes_out as usize,
         ["out.glb", "out.height.png"].map(|f| place.read(f).len()).iter().sum::<usize>()
     );
     assert_eq!(
         report.required,
-        [Met { figure: "mean-angle".into(), most: 9.0, value: Some(angles.mean), met: true }]
+        [Met { figure: "mean-angle".into(), most: 9.0, level: Some(0), value: Some(angles.mean), met: true }]
     );
     assert!(report.trials.is_empty() && report.warnings.is_empty());
     assert!(report.stages.iter().all(|stage| stage.milliseconds >= 0.0));

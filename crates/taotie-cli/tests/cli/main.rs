@@ -5,6 +5,7 @@
 mod arguments;
 mod bake;
 mod bake_carried;
+mod bake_page;
 mod bake_pairs;
 mod bake_stopped;
 mod balls;
@@ -12,6 +13,7 @@ mod compare;
 mod compare_paper;
 mod diff;
 mod environment;
+mod examples;
 mod help;
 mod inspect;
 mod json;

@@ -17,7 +17,10 @@
 //! # Ok::<(), taotie::Error>(())
 //! ```
 
+mod levels;
+mod material;
 mod misses;
+mod notices;
 mod sections;
 mod views;
 
@@ -26,7 +29,7 @@ use std::path::Path;
 use taotie::Result;
 use taotie::asset::{Figures, Proof, Report, Textures};
 
-/// Makes the page of a bake: facts, views of scan and asset, maps, and every figure.
+/// Makes the page of a bake: verdict and warnings, facts, views of scan and asset, maps, and every figure.
 ///
 /// # Errors
 /// [`taotie::Error::Invalid`] where a picture has no pixels.
@@ -36,8 +39,9 @@ pub fn page(report: &Report, proof: &Proof, textures: &Textures) -> Result<Page>
     Ok(Page {
         title: title.into_owned(),
         subtitle: "The scan, and the low-poly asset baked from it".into(),
+        notices: notices::notices(report, figures),
         facts: facts(report, figures),
-        views: views::views(proof, textures)?,
+        views: views::views(proof, textures)?.into_iter().chain(levels::worst_views(proof)?).collect(),
         sections: sections::sections(report, figures),
         footer: format!(
             "Made by taotie {}. All figures are in the .json file beside this page.",
@@ -59,6 +63,7 @@ fn facts(report: &Report, proof: &Figures) -> Vec<Fact> {
     if let Some(angles) = &proof.angles {
         facts.push(Fact::new("Normal error, mean", format!("{:.2}°", angles.mean)));
     }
+    facts.extend(material::fact(&proof.material));
     facts.push(Fact::new("Texels with a missed ray", format!("{:.3} %", proof.missed_texels * 100.0)));
     facts.push(Fact::new(
         "Shape error, largest",

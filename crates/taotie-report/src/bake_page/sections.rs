@@ -1,8 +1,9 @@
 //! The tables, histogram and texts of a proof.
 
+use super::{levels, material};
 use crate::summary::figures;
 use crate::{Cell, Column, Section, Series, Tone};
-use taotie::asset::{BIN_WIDTH, Figures, Met, Report, StageTime, ViewFigures, Warning};
+use taotie::asset::{BIN_WIDTH, FigureUnit, Figures, Met, Report, StageTime, ViewFigures};
 use taotie::compare::Summary;
 use taotie::names::Named;
 
@@ -12,29 +13,24 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     if !report.required.is_empty() {
         sections.push(required(report));
     }
-    sections.extend([normals(proof), histogram(proof), shape(proof), views(proof), stages(report)]);
-    let warnings: Vec<String> = report.warnings.iter().map(warning).collect();
-    if !warnings.is_empty() {
-        sections.push(Section::Text { title: "Warnings".into(), paragraphs: warnings });
-    }
+    sections.extend([normals(proof), histogram(proof), shape(proof)]);
+    sections.extend(material::section(&proof.material));
+    sections.push(views(proof));
+    sections.extend(levels::table(&proof.levels));
+    sections.push(stages(report));
     sections
-}
-
-fn warning(warning: &Warning) -> String {
-    match warning.count {
-        1 => warning.what.clone(),
-        count => format!("{} ({count} times)", warning.what),
-    }
 }
 
 fn required(report: &Report) -> Section {
     Section::Table {
         title: "Required".into(),
-        note: "The figures demanded by --require.".into(),
+        note: "The figures demanded by --require. Level 0 is the finest level of detail.".into(),
         columns: vec![
             Column::words("figure"),
+            Column::words("level"),
             Column::numbers("value", ""),
             Column::numbers("at most", ""),
+            Column::words("unit"),
             Column::words("result"),
         ],
         rows: report.required.iter().map(row_of_requirement).collect(),
@@ -43,10 +39,13 @@ fn required(report: &Report) -> Section {
 
 fn row_of_requirement(met: &Met) -> Vec<Cell> {
     let (text, tone) = if met.met { ("met", Tone::Good) } else { ("not met", Tone::Bad) };
+    let FigureUnit { name, size } = met.figure.unit();
     vec![
         Cell::text(met.figure.name()),
-        met.value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value, 4)),
-        Cell::number(met.most, 4),
+        Cell::text(met.level.map_or("all".into(), |level| level.to_string())),
+        met.value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value / size, 4)),
+        Cell::number(met.most / size, 4),
+        Cell::text(name),
         Cell::Mark { text: text.into(), tone, why: String::new() },
     ]
 }
@@ -61,14 +60,21 @@ fn normals(proof: &Figures) -> Section {
     };
     Section::Table {
         title: "Normal error".into(),
-        note: format!(
-            "The angle between the normals of asset and scan, at points spread evenly over the asset as it was written \
-             and read back. Storing normals in 8 bits alone costs {}° on average and {}° at most; dithering raises the \
-             average a little and removes the steps in gentle curves.",
-            proof.floor_8_bit[0], proof.floor_8_bit[1]
-        ),
+        note: note_of_normals(proof),
         columns,
         rows: rows.into_iter().filter_map(row).collect(),
+    }
+}
+
+fn note_of_normals(proof: &Figures) -> String {
+    let note = "The angle between the normals of asset and scan, at points spread evenly over the asset as it was \
+                written and read back.";
+    match proof.floor_8_bit {
+        Some([mean, most]) => format!(
+            "{note} Storing normals in 8 bits alone costs {mean}° on average and {most}° at most; dithering raises the \
+             average a little and removes the steps in gentle curves."
+        ),
+        None => note.into(),
     }
 }
 
@@ -111,26 +117,31 @@ fn shape(proof: &Figures) -> Section {
 }
 
 fn views(proof: &Figures) -> Section {
-    let row = |view: &ViewFigures| {
+    let row = |(look, view): (&str, &ViewFigures)| {
         vec![
+            Cell::text(look),
             Cell::number(view.azimuth_deg, 0),
             Cell::number(view.elevation_deg, 0),
             Cell::number(view.flip, 4),
             Cell::number(view.ssim, 4),
         ]
     };
+    let grey = proof.views.iter().map(|view| ("grey", view));
+    let full = proof.full_views.iter().map(|view| ("full", view));
     Section::Table {
         title: "Visual difference".into(),
         note: "Pictures of scan and asset, compared pixel by pixel: FLIP is 0 and SSIM is 1 where they are equal. Both \
-               also count where the low-poly mesh lies beside the scan."
+               also count where the low-poly mesh lies beside the scan. Grey pictures show shape and normals alone; \
+               full ones the materials of both, where the scan says anything of its own."
             .into(),
         columns: vec![
+            Column::words("look"),
             Column::numbers("azimuth", "°"),
             Column::numbers("elevation", "°"),
             Column::numbers("FLIP", ""),
             Column::numbers("SSIM", ""),
         ],
-        rows: proof.views.iter().map(row).collect(),
+        rows: grey.chain(full).map(row).collect(),
     }
 }
 
@@ -141,5 +152,23 @@ fn stages(report: &Report) -> Section {
         note: String::new(),
         columns: vec![Column::words("stage"), Column::numbers("time", "ms")],
         rows: report.stages.iter().map(row).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::asset::Requirement;
+
+    #[test]
+    fn what_is_required_is_told_in_its_unit() {
+        let mut figures = Figures::default();
+        figures.missed_texels = 0.02;
+        let row = |requirement| row_of_requirement(&figures.require(&[requirement])[0]);
+        let missed = row(Requirement::missed(0.001));
+        let wanted = [Cell::text("missed"), Cell::text("all"), Cell::number(2.0, 4), Cell::number(0.1, 4)];
+        assert_eq!((&missed[..4], &missed[4]), (&wanted[..], &Cell::text("%")));
+        let angle = row(Requirement::mean_angle_deg(1.0).at_level(2));
+        assert_eq!((&angle[1], &angle[2]), (&Cell::text("2"), &Cell::text("not measured")));
     }
 }

@@ -1,12 +1,13 @@
 //! The pictures of a proof: scan and asset from all sides, the maps, and the missed rays.
 
+use super::material;
 use super::misses::misses;
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::{Legend, Picture, View};
 use taotie::Result;
-use taotie::asset::{Proof, Textures, ViewFigures};
-use taotie::compare::{ColorMap, DisplayImage, Field};
+use taotie::asset::{Proof, Textures, Views};
+use taotie::compare::ColorMap;
 use taotie::names::Named;
 
 /// Pixels along a side of the pictures of maps.
@@ -19,11 +20,14 @@ const TOP: f32 = 10.0;
 /// # Errors
 /// [`taotie::Error::Invalid`] where a picture has no pixels.
 pub fn views(proof: &Proof, textures: &Textures) -> Result<Vec<View>> {
-    let shots = &proof.views;
-    let pairs = shots.scan.iter().zip(&shots.asset).zip(&shots.flip).zip(&shots.figures);
-    let sides = pairs.map(|(((scan, asset), flip), figures)| side([scan, asset], flip, figures));
-    let mut views = sides.collect::<Result<Vec<_>>>()?;
+    let mut views = sides(&proof.views, &GREY)?;
+    if let Some(full) = &proof.full_views {
+        views.extend(sides(full, &FULL)?);
+    }
     views.extend(grouped(&maps(proof, textures)?));
+    if let Some(field) = &proof.color_map {
+        views.push(material::view(field)?);
+    }
     if let Some(texels) = &textures.misses {
         views.push(View {
             name: "missed rays".into(),
@@ -37,17 +41,47 @@ pub fn views(proof: &Proof, textures: &Textures) -> Result<Vec<View>> {
     Ok(views)
 }
 
-/// Scan and asset from one side.
-fn side([scan, asset]: [&DisplayImage; 2], flip: &Field, figures: &ViewFigures) -> Result<View> {
+/// How scan and asset look.
+pub struct Look {
+    name: &'static str,
+    note: &'static str,
+}
+
+/// One grey material.
+pub const GREY: Look = Look {
+    name: "grey",
+    note: "Scan and asset in one grey material under the same light, without colours: shape and normals alone. FLIP is \
+           the difference that an observer sees.",
+};
+
+const FULL: Look = Look {
+    name: "full",
+    note: "Scan and asset in their own materials under the same light; where one is of metal, that of the built-in \
+           studio. FLIP is the difference that an observer sees.",
+};
+
+/// Makes a view of scan and asset from each side.
+///
+/// # Errors
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
+fn sides(shots: &Views, look: &Look) -> Result<Vec<View>> {
+    (0..shots.figures.len()).map(|i| side(shots, i, look)).collect()
+}
+
+/// Makes the view of scan and asset from the side of this number.
+///
+/// # Errors
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
+pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
+    let figures = &shots.figures[i];
     let visual_difference = format!("FLIP {:.4}, SSIM {:.4}", figures.flip, figures.ssim);
     Ok(View {
-        name: format!("{:.0}°", figures.azimuth_deg),
-        note: "Scan and asset in one grey material under the same light. FLIP is the difference that an observer sees."
-            .into(),
+        name: format!("{} {:.0}°", look.name, figures.azimuth_deg),
+        note: look.note.into(),
         pictures: vec![
-            Picture::new("scan", "", &Sheet::developed(scan))?,
-            Picture::new("FLIP", "", &HeatMap::of_flip(flip).plain())?,
-            Picture::new("asset", visual_difference, &Sheet::developed(asset))?,
+            Picture::new("scan", "", &Sheet::developed(&shots.scan[i]))?,
+            Picture::new("FLIP", "", &HeatMap::of_flip(&shots.flip[i]).plain())?,
+            Picture::new("asset", visual_difference, &Sheet::developed(&shots.asset[i]))?,
         ],
         legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)),
     })

@@ -24,6 +24,7 @@ pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options
     Ok(Page {
         title: options.title.clone(),
         subtitle,
+        notices: Vec::new(),
         facts: facts(report),
         views: views(report, comparison, options.heat_top_deg as f32)?,
         sections: sections(report),

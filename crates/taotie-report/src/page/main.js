@@ -16,9 +16,10 @@
  * }} Histogram
  * @typedef {{ title: string, paragraphs: string[] }} Prose
  * @typedef {{ text: Prose } | { table: Table } | { histogram: Histogram }} Section
+ * @typedef {{ text: string, tone: "good" | "bad" | "changed" }} Notice
  * @typedef {{
- *   title: string, subtitle: string, facts: { name: string, value: string }[], views: View[], sections: Section[],
- *   footer: string
+ *   title: string, subtitle: string, notices: Notice[], facts: { name: string, value: string }[], views: View[],
+ *   sections: Section[], footer: string
  * }} Page
  */
 
@@ -26,9 +27,10 @@
  * @param {Page} page
  * @returns {HTMLElement[]}
  */
-function contentOf({ title, subtitle, facts, views, sections, footer }) {
+function contentOf({ title, subtitle, notices, facts, views, sections, footer }) {
   const list = facts.flatMap(({ name, value }) => el("div", {}, el("dt", {}, name), el("dd", {}, value)));
   const head = el("header", { class: "head" }, el("h1", {}, title), ...note("subtitle", subtitle));
+  if (notices.length) head.append(el("ul", { class: "notices" }, ...notices.map(noticeOf)));
   if (list.length) head.append(el("dl", {}, ...list));
   return [
     head,
@@ -36,6 +38,14 @@ function contentOf({ title, subtitle, facts, views, sections, footer }) {
     ...sections.map(sectionOf),
     ...(footer ? [el("footer", {}, footer)] : []),
   ];
+}
+
+/**
+ * @param {Notice} notice
+ * @returns {HTMLElement}
+ */
+function noticeOf({ text, tone }) {
+  return el("li", { class: tone }, text);
 }
 
 /**

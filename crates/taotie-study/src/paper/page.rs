@@ -15,6 +15,7 @@ impl Study {
         Page {
             title: words::title().into(),
             subtitle: words::SOURCE.into(),
+            notices: Vec::new(),
             facts: vec![
                 Fact::new(
                     "angles that follow from Table 2 as printed",

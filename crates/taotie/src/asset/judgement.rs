@@ -2,7 +2,7 @@
 
 use super::low::LowPoly;
 use super::scan::Scan;
-use crate::bake::{BakeCounts, Cage, Faults, Verifier};
+use crate::bake::{BakeCounts, Cage, Faults, Fit, Verifier};
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::Mesh;
 use crate::surface::facet_normal;
@@ -78,18 +78,34 @@ pub(super) fn judge(pair: Pair<'_>, cage: &Cage, counts: &BakeCounts, warnings: 
         );
     }
     if counts.shared > counts.samples / 1000 {
+        let advice = match pair.low.origin.islands {
+            Some(_) => "take a larger map",
+            None => "unwrap the low-poly mesh without overlaps",
+        };
         warnings.note(
             format!(
                 "{} of the map lies under more than one triangle: UV islands overlap, and each place has the relief of \
-                 one of them; unwrap the low-poly mesh without overlaps",
+                 one of them; {advice}",
                 percent(part(counts.shared, counts.samples))
             ),
             1,
         );
     }
     warnings.note("triangles of the low-poly mesh without uv area, which have no relief", counts.flat);
-    warnings
-        .note("triangles of the low-poly mesh that face away from their own normals", turned(&pair.low.mesh));
+    let turned = turned(&pair.low.mesh);
+    match is_made(pair) {
+        true => {
+            warnings.note("triangles made with normals on their other side, a fault of the program", turned)
+        }
+        false => {
+            warnings.note("triangles of the low-poly mesh that face away from their own normals", turned)
+        }
+    }
+}
+
+/// Returns `true` where the low-poly mesh was made from the scan: what is wrong with it is not the user's.
+fn is_made(pair: Pair<'_>) -> bool {
+    pair.low.origin.simplified.is_some()
 }
 
 /// Returns the ways in which the meshes of a pair do not lie on one another.
@@ -101,25 +117,46 @@ fn misfits(pair: Pair<'_>, cage: &Cage) -> Vec<String> {
     };
     let mut misfits = Vec::new();
     if fit.away > PART {
-        let apart = if fit.away > 0.9 { "the meshes do not overlap" } else { "the meshes lie apart" };
-        misfits.push(format!(
-            "{apart}: {} of the low-poly mesh lies farther than 2 % of the diagonal from the scan ({} on average); is one \
-             of them moved, scaled or posed differently?",
-            percent(fit.away),
-            percent(fit.distance)
-        ));
+        misfits.push(match is_made(pair) {
+            true => {
+                too_few(&format!("{} lies farther than 2 % of the diagonal from the scan", percent(fit.away)))
+            }
+            false => apart(&fit),
+        });
     }
     // Far from the scan it is chance which of its sides is the closest.
     if fit.turned > PART && fit.away < 0.5 {
-        let whole = fit.turned > 0.5;
-        let who =
-            if whole { "one of the meshes is inside out" } else { "reversed winding of some triangles" };
-        misfits.push(format!(
-            "{who}: {} of the low-poly mesh faces the other way than the scan beside it; reverse its triangles and normals",
-            percent(fit.turned)
-        ));
+        misfits.push(match is_made(pair) {
+            true => too_few(&format!("{} faces the other way than the scan beside it", percent(fit.turned))),
+            false => reversed(&fit),
+        });
     }
     misfits
+}
+
+fn too_few(fault: &str) -> String {
+    format!(
+        "the mesh that was made does not follow the scan's thin or curved parts: {fault}; ask for more triangles"
+    )
+}
+
+fn apart(fit: &Fit) -> String {
+    let apart = if fit.away > 0.9 { "the meshes do not overlap" } else { "the meshes lie apart" };
+    format!(
+        "{apart}: {} of the low-poly mesh lies farther than 2 % of the diagonal from the scan ({} on average); is one of \
+         them moved, scaled or posed differently?",
+        percent(fit.away),
+        percent(fit.distance)
+    )
+}
+
+fn reversed(fit: &Fit) -> String {
+    let whole = fit.turned > 0.5;
+    let who = if whole { "one of the meshes is inside out" } else { "reversed winding of some triangles" };
+    format!(
+        "{who}: {} of the low-poly mesh faces the other way than the scan beside it; reverse its triangles and normals",
+        percent(fit.turned)
+    )
 }
 
 /// Returns the number of triangles that face away from the mean of their corners' normals.

@@ -28,7 +28,7 @@ pub(super) struct LowPoly {
 ///
 /// /// Returns a few words about a low-poly mesh.
 /// fn words(origin: &Origin) -> &'static str {
-///     match (&origin.simplified, origin.charts) {
+///     match (&origin.simplified, origin.islands) {
 ///         (Some(_), _) => "made of the scan",
 ///         (None, Some(_)) => "given, unwrapped",
 ///         (None, None) => "given with its uvs",
@@ -53,7 +53,7 @@ pub struct Origin {
 /// /// Returns the method that an asset's simplification needed.
 /// fn method(asset: &Asset) -> Option<&str> {
 ///     let simplified: &Simplification = asset.origin().simplified.as_ref()?;
-///     Some(&simplified.means)
+///     Some(&simplified.method)
 /// }
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -113,9 +113,13 @@ pub(super) fn simplified(scan: &Scan, triangles: u32, progress: Progress<'_>) ->
 /// Notes what simplification left out, and whether it went as far as was wanted.
 pub(super) fn note_simplified(simplified: &Simplified, triangles: u32, warnings: &mut Warnings) {
     warnings.absorb(simplified.notes.clone());
-    if !simplified.reached {
-        let found = simplified.mesh.triangles().len();
-        warnings.note(format!("{triangles} triangles were wanted; could not go below {found}"), 1);
+    let found = simplified.mesh.triangles().len();
+    match simplified.reached {
+        true => {}
+        false if found < triangles as usize => {
+            warnings.note(format!("{triangles} triangles were wanted; {found} are left"), 1);
+        }
+        false => warnings.note(format!("{triangles} triangles were wanted; could not go below {found}"), 1),
     }
 }
 

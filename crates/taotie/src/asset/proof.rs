@@ -1,14 +1,17 @@
 //! The proof: an asset as it was written, read back and held against the scan.
 
+use super::level_figures::{LevelFigures, LevelSurface, PointCounts};
 use super::made::Asset;
+use super::material_figures::MaterialFigures;
 use super::scan::Scan;
-use super::views::{self, ViewFigures, Views};
+use super::unseen::unseen;
+use super::views::{self, Looks, ViewFigures, Views};
 use super::write::Written;
-use crate::bake::{self, Cage, Fit, MapKind, Verifier, low_poly_mesh};
+use crate::bake::{Cage, Fit, MapKind, TexturedMesh, Verifier, low_poly_mesh};
 use crate::compare::{Field, Summary};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
-use crate::io;
+use crate::io::{self, GltfImages, Loaded};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::{Instance, Material, NormalSpace, Scene, SceneData};
@@ -54,27 +57,13 @@ impl Default for VerifyOptions {
 ///
 /// /// Returns `true` where more bits would gain more than a finer map.
 /// fn is_near_floor(figures: &Figures) -> bool {
-///     figures.angles.is_some_and(|angles| angles.mean < 1.1 * FLOOR_8_BIT[0])
+///     figures.floor_8_bit.is_some() && figures.angles.is_some_and(|angles| angles.mean < 1.1 * FLOOR_8_BIT[0])
 /// }
 /// ```
 pub const FLOOR_8_BIT: [f64; 2] = [0.17, 0.38];
 
-/// Bins of the histogram.
-const BINS: usize = 50;
-/// The width of a bin of [`Figures::histogram`], degrees.
-///
-/// ```
-/// use taotie::asset::BIN_WIDTH;
-///
-/// /// Returns the angles at which a bin begins and ends, degrees.
-/// fn range(bin: usize) -> [f64; 2] {
-///     [bin, bin + 1].map(|edge| edge as f64 * BIN_WIDTH)
-/// }
-/// assert_eq!(range(0), [0.0, 0.2]);
-/// ```
-pub const BIN_WIDTH: f64 = 0.2;
-
-/// The differences of an asset from its scan, in numbers.
+/// The differences of an asset from its scan, in numbers. Where there are several levels of detail these are the finest
+/// one's; `levels` holds those of each.
 ///
 /// ```
 /// use taotie::asset::{BIN_WIDTH, Figures};
@@ -89,18 +78,18 @@ pub const BIN_WIDTH: f64 = 0.2;
 ///     figures.histogram.iter().take((degrees / BIN_WIDTH) as usize).sum()
 /// }
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Figures {
     /// Degrees between the normals shown and the scan's, over points spread evenly; `None` where no point was found.
     pub angles: Option<Summary>,
-    /// Their histogram, [`BIN_WIDTH`] a bin; the last is open.
+    /// Their histogram, [`BIN_WIDTH`](super::BIN_WIDTH) a bin; the last is open.
     pub histogram: Vec<u64>,
     /// The same angles without the map: what vertex normals alone would give.
     pub without_map: Option<Summary>,
-    /// Mean and largest angle that 8 bits cost at least, degrees.
-    pub floor_8_bit: [f64; 2],
+    /// Mean and largest angle that 8 bits cost at least, degrees; `None` where no normals are stored so.
+    pub floor_8_bit: Option<[f64; 2]>,
     /// The part of the texels with a sample that missed the scan.
     pub missed_texels: f64,
     /// The part of the samples that missed and took the closest point.
@@ -121,7 +110,7 @@ pub struct Figures {
     pub density: Option<Summary>,
     /// The part of the map that UV islands cover.
     pub uv_use: f64,
-    /// Of the images from all sides, each against that of the scan.
+    /// Of the images from all sides in one grey material, each against that of the scan.
     pub views: Vec<ViewFigures>,
     /// The fit of the meshes to one another; `None` where the low-poly mesh has no area.
     pub fit: Option<FitFigures>,
@@ -129,6 +118,14 @@ pub struct Figures {
     pub bytes_in: u64,
     /// Bytes of the asset, with its files.
     pub bytes_out: u64,
+    /// Of each level of detail, the finest first.
+    pub levels: Vec<LevelFigures>,
+    /// The differences of colour and material.
+    pub material: MaterialFigures,
+    /// As `views`, in full material; empty where the scan says nothing of its material.
+    pub full_views: Vec<ViewFigures>,
+    /// What no figure and no image looks at.
+    pub unseen: Vec<String>,
 }
 
 /// The fit of two meshes to one another; see [`Fit`].
@@ -177,8 +174,15 @@ pub struct Proof {
     pub figures: Figures,
     /// Angles between the normals of asset and scan at the texels of a map, degrees; NaN between UV islands.
     pub error_map: Field,
-    /// Scan and asset from all sides.
+    /// CIEDE2000 between the base colours of asset and scan at the same texels; `None` where the scan says nothing of its
+    /// material.
+    pub color_map: Option<Field>,
+    /// Scan and asset from all sides, in one grey material.
     pub views: Views,
+    /// The same in full material; `None` where the scan says nothing of its own.
+    pub full_views: Option<Views>,
+    /// As `views`, for each coarser level of detail.
+    pub coarser_views: Vec<Views>,
     /// The faults of the file as it was read back.
     pub warnings: Warnings,
 }
@@ -186,8 +190,9 @@ pub struct Proof {
 impl Written {
     /// Reads the asset back and measures how far it is from the scan.
     ///
-    /// A scan that is given up, not borrowed, has its tree freed before images of it are taken. The listener hears the
-    /// stages `read back`, `measure normals`, `map errors` and `compare views`.
+    /// Each level of detail is measured, the coarser ones at a quarter of the points. A scan that is given up, not
+    /// borrowed, has its tree freed before images of it are taken. The listener hears the stages `read back`,
+    /// `measure normals`, `map errors`, `measure levels` where there are several, and `compare views`.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; those of reading, where the files are not as they were written;
@@ -220,15 +225,46 @@ impl Written {
         let made = &self.asset.made;
         // Packing sorts vertices anew.
         let cage = made.maps.cage.carried_over(&made.low.mesh, &shown.mesh);
-        let subject = Subject { shown: &shown, cage: &cage, scan: &scan.high };
+        let subject = Subject { shown: &shown, cage: &cage, scan: &scan };
         progress.begin("measure normals")?;
         let mut figures = self.measure(&subject, options)?;
         progress.begin("map errors")?;
-        let error_map = subject.verifier(true).error_map([made.size.min(options.map); 2])?;
+        let size = [made.size.min(options.map); 2];
+        let error_map = subject.verifier(true).error_map(size)?;
+        let of_color = |material| subject.verifier(true).color_map(material, size);
+        let color_map = subject.material().map(of_color).transpose()?;
+        let mut scenes = self.coarser(&loaded, progress)?;
+        for scene in &scenes {
+            let shown = Shown::of(scene, object_map.as_ref(), self.path())?;
+            let cage = Cage::automatic(&shown.mesh, &scan.high);
+            let subject = Subject { shown: &shown, cage: &cage, scan: &scan };
+            figures.levels.push(subject.figures(PointCounts::from(options).quarter())?);
+        }
+        scenes.insert(0, loaded.scene);
         let views = progress.begin("compare views")?;
-        let views = views::take(scan.into_mesh(), loaded.scene, options.view, views)?;
-        figures.views.clone_from(&views.figures);
-        Ok(Proof { figures, error_map, views, warnings: loaded.warnings })
+        let scan = scan.into_scene()?;
+        let maps: Vec<MapKind> = self.maps().iter().map(|note| note.map).collect();
+        figures.unseen = unseen(&maps, [&scan, &scenes[0]]);
+        let looks = views::take(scan, scenes, options.view, views)?;
+        Ok(Proof { color_map, warnings: loaded.warnings, ..Proof::new(figures, error_map, looks) })
+    }
+
+    /// Reads the coarser levels back. Maps are in memory once.
+    fn coarser(&self, finest: &Loaded, progress: Progress<'_>) -> Result<Vec<Scene>> {
+        let wanted = self.asset.levels().count();
+        if finest.levels != wanted {
+            let why = format!("read back, it has {} levels of detail and not {wanted}", finest.levels);
+            return Err(Error::invalid(self.path().display().to_string(), why));
+        }
+        if wanted > 1 {
+            progress.begin("measure levels")?;
+        }
+        let read = |level| {
+            let mut scene = io::load_level(self.path(), level)?.scene;
+            scene.edit(|scene| scene.textures = finest.scene.textures().to_vec())?;
+            Ok(scene)
+        };
+        (1..wanted).map(read).collect()
     }
 
     /// Returns the file of a normal map in object space, which stands beside the asset.
@@ -237,26 +273,24 @@ impl Written {
     }
 
     fn measure(&self, subject: &Subject<'_>, options: &VerifyOptions) -> Result<Figures> {
+        let finest = subject.figures(options.into())?;
         let mapped = subject.verifier(true);
-        let normal_error = mapped.normal_error(options.points)?;
-        let plain = subject.verifier(false).normal_error(options.points / 10)?;
-        let deviation = mapped.deviation(options.distance_points)?;
         let diagonal = subject.scan.mesh().diagonal();
         let Asset { made } = &self.asset;
         let (counts, size) = (&made.maps.counts, made.size);
         let part = |of: usize, all: usize| of as f64 / all.max(1) as f64;
         Ok(Figures {
-            histogram: normal_error.angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
-            angles: normal_error.angles.summary(),
-            without_map: plain.angles.summary(),
-            floor_8_bit: FLOOR_8_BIT,
+            histogram: finest.histogram.clone(),
+            angles: finest.angles,
+            without_map: finest.without_map,
+            floor_8_bit: self.stores_8_bits().then_some(FLOOR_8_BIT),
             missed_texels: part(counts.missed_texels, counts.texels),
             fallback: part(counts.missed, counts.samples),
             lost: part(counts.lost, counts.samples),
-            hausdorff: deviation.hausdorff(),
-            hausdorff_of_diagonal: deviation.hausdorff() / diagonal,
-            rms: deviation.rms(),
-            rms_of_diagonal: deviation.rms() / diagonal,
+            hausdorff: finest.hausdorff,
+            hausdorff_of_diagonal: finest.hausdorff_of_diagonal,
+            rms: finest.rms,
+            rms_of_diagonal: finest.rms_of_diagonal,
             diagonal,
             density: mapped.density([size; 2])?.summary(),
             uv_use: part(counts.texels, (size as usize).pow(2)),
@@ -264,7 +298,47 @@ impl Written {
             fit: mapped.fit(options.points / 10, diagonal).map(FitFigures::from),
             bytes_in: made.about.bytes,
             bytes_out: self.files.iter().map(|path| io::file_size(path)).sum::<Result<u64>>()?,
+            material: finest.material,
+            full_views: Vec::new(),
+            unseen: Vec::new(),
+            levels: vec![finest],
         })
+    }
+
+    /// Returns `true` where the file holds normals in 8 bits. KTX2 packs them smaller still, and WebP has no more.
+    fn stores_8_bits(&self) -> bool {
+        let Some(note) = self.maps().into_iter().find(|note| note.map == MapKind::Normal) else {
+            return false;
+        };
+        match (note.file.is_some(), self.packing.images) {
+            (false, GltfImages::Ktx2) => false,
+            (false, GltfImages::WebP) => true,
+            _ => note.bits == 8,
+        }
+    }
+}
+
+impl Proof {
+    /// Puts the figures of the views, the finest level's first, to those of their levels.
+    fn new(mut figures: Figures, error_map: Field, looks: Looks) -> Self {
+        for (level, views) in figures.levels.iter_mut().zip(&looks.grey) {
+            level.views.clone_from(&views.figures);
+        }
+        for (level, views) in figures.levels.iter_mut().zip(&looks.full) {
+            level.full_views.clone_from(&views.figures);
+        }
+        let mut grey = looks.grey.into_iter();
+        let (views, full_views) = (grey.next().unwrap_or_default(), looks.full.into_iter().next());
+        figures.views.clone_from(&views.figures);
+        figures.full_views = full_views.as_ref().map_or_else(Vec::new, |views| views.figures.clone());
+        let (coarser_views, warnings) = (grey.collect(), Warnings::default());
+        Self { figures, error_map, color_map: None, views, full_views, coarser_views, warnings }
+    }
+}
+
+impl From<&VerifyOptions> for PointCounts {
+    fn from(options: &VerifyOptions) -> Self {
+        Self { normals: options.points, distances: options.distance_points }
     }
 }
 
@@ -281,10 +355,12 @@ fn check(options: &VerifyOptions) -> Result<()> {
     }
 }
 
-/// The finest level of an asset as a viewer shows it.
+/// A level of an asset as a viewer shows it.
 struct Shown<'a> {
     mesh: Mesh,
     normal: Option<(&'a Texture, NormalSpace)>,
+    /// The same triangles with all that the file says of their material.
+    material: TexturedMesh,
 }
 
 impl<'a> Shown<'a> {
@@ -292,7 +368,7 @@ impl<'a> Shown<'a> {
         let Some(first) = scene.instances().first() else {
             return Err(Error::invalid(path.display().to_string(), "read back, it has no triangles"));
         };
-        let finest = Scene::new(SceneData {
+        let alone = Scene::new(SceneData {
             meshes: vec![scene.meshes()[first.mesh].clone()],
             materials: vec![Material::default()],
             instances: vec![Instance { mesh: 0, material: 0, ..*first }],
@@ -301,8 +377,10 @@ impl<'a> Shown<'a> {
         let map = scene.materials()[first.material].normal.as_ref();
         let inside = map.map(|map| (&scene.textures()[map.texture.texture], NormalSpace::Tangent));
         let normal = object_map.map(|map| (map, NormalSpace::Object)).or(inside);
-        let mesh = with_frames(&low_poly_mesh(finest)?, 0, None)?.0.into_owned();
-        Ok(Self { mesh, normal })
+        let mesh = with_frames(&low_poly_mesh(alone)?, 0, None)?.0.into_owned();
+        let mut own = scene.clone();
+        own.edit(|scene| scene.instances.truncate(1))?;
+        Ok(Self { mesh, normal, material: TexturedMesh::new(own)? })
     }
 }
 
@@ -310,12 +388,23 @@ impl<'a> Shown<'a> {
 struct Subject<'a> {
     shown: &'a Shown<'a>,
     cage: &'a Cage,
-    scan: &'a bake::Scan,
+    scan: &'a Scan,
 }
 
 impl<'a> Subject<'a> {
     fn verifier(&self, mapped: bool) -> Verifier<'a> {
         let normal = self.shown.normal.filter(|_| mapped);
-        Verifier { mesh: &self.shown.mesh, normal, cage: self.cage, scan: self.scan }
+        Verifier { mesh: &self.shown.mesh, normal, cage: self.cage, scan: &self.scan.high }
+    }
+
+    /// Returns the material that is compared; `None` where the scan says nothing of its own.
+    fn material(&self) -> Option<&'a TexturedMesh> {
+        (!self.scan.about.is_plain).then_some(&self.shown.material)
+    }
+
+    fn figures(&self, points: PointCounts) -> Result<LevelFigures> {
+        let (mapped, plain) = (self.verifier(true), self.verifier(false));
+        let surface = LevelSurface { mapped, plain, material: self.material() };
+        surface.figures(points, self.scan.mesh().diagonal())
     }
 }

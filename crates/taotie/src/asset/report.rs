@@ -12,7 +12,7 @@ use crate::error::{Result, Warnings};
 use std::path::PathBuf;
 
 /// The version of the report's layout.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// All that is to be told of a bake. What the caller knows, figures and times, is filled in by it.
 ///

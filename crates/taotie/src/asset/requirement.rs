@@ -1,56 +1,21 @@
 //! The requirements that a proof must meet.
 
+use super::figure::Figure;
+use super::level_figures::LevelFigures;
 use super::proof::{Figures, Proof};
 use crate::compare::Summary;
 use crate::error::{Error, Result};
 use crate::names::Named;
 use std::str::FromStr;
 
-/// A figure of a proof that a limit can be set for.
-///
-/// ```
-/// use taotie::asset::{Figure, Requirement};
-/// use taotie::names::Named;
-///
-/// let figure = Figure::from_name("p95-angle")?;
-/// assert_eq!("p95-angle=3".parse::<Requirement>()?, Requirement { figure, most: 3.0 });
-/// # Ok::<(), taotie::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum Figure {
-    /// The mean angle between normals, degrees.
-    MeanAngle,
-    /// The angle that 95 % of the points stay below, degrees.
-    P95Angle,
-    /// The largest angle, degrees.
-    MaxAngle,
-    /// The part of the texels with a ray that missed.
-    Missed,
-    /// The largest distance between the surfaces, as a part of the diagonal.
-    Hausdorff,
-    /// Bytes of the asset.
-    Bytes,
-}
-
-impl Named for Figure {
-    const WHAT: &'static str = "figure";
-    const NAMES: &'static [(&'static str, Self)] = &[
-        ("mean-angle", Self::MeanAngle),
-        ("p95-angle", Self::P95Angle),
-        ("max-angle", Self::MaxAngle),
-        ("missed", Self::Missed),
-        ("hausdorff", Self::Hausdorff),
-        ("bytes", Self::Bytes),
-    ];
-}
-
-/// A figure and the most that it may be.
+/// A figure and the most that it may be, at every level of detail or at one.
 ///
 /// ```
 /// use taotie::asset::Requirement;
 ///
 /// assert_eq!("mean-angle=2".parse::<Requirement>()?, Requirement::mean_angle_deg(2.0));
+/// assert_eq!("mean-angle@1=5°".parse::<Requirement>()?, Requirement::mean_angle_deg(5.0).at_level(1));
+/// assert_eq!("missed=0.5".parse::<Requirement>()?, Requirement::missed(0.005), "per cent");
 /// assert!("mean-angle=2%".parse::<Requirement>().is_err(), "an angle is no part of anything");
 /// # Ok::<(), taotie::Error>(())
 /// ```
@@ -59,73 +24,147 @@ impl Named for Figure {
 pub struct Requirement {
     /// The figure that is limited.
     pub figure: Figure,
-    /// The most, in the figure's unit; parts as such, not in per cent.
+    /// The most: degrees, parts of 1, or bytes.
     pub most: f64,
+    /// The level of detail that it is for, 0 the finest; `None` for every level. Figures of the whole asset have none.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub level: Option<usize>,
 }
 
 impl Requirement {
+    /// Demands that a figure is at most so large: degrees, parts of 1, or bytes.
+    pub fn of(figure: Figure, most: f64) -> Self {
+        Self { figure, most, level: None }
+    }
+
     /// Demands a mean angle between normals of at most so many degrees.
     pub fn mean_angle_deg(most: f64) -> Self {
-        Self { figure: Figure::MeanAngle, most }
+        Self::of(Figure::MeanAngle, most)
+    }
+
+    /// Demands a mean difference of base colours of at most so much CIEDE2000; about 1 is just visible.
+    pub fn mean_color(most: f64) -> Self {
+        Self::of(Figure::MeanColor, most)
     }
 
     /// Demands that at most this part of the texels has a ray that missed, [0, 1].
     pub fn missed(most: f64) -> Self {
-        Self { figure: Figure::Missed, most }
+        Self::of(Figure::Missed, most)
     }
 
     /// Demands that the surfaces are nowhere farther apart than this part of the diagonal.
     pub fn hausdorff(most: f64) -> Self {
-        Self { figure: Figure::Hausdorff, most }
+        Self::of(Figure::Hausdorff, most)
     }
 
     /// Demands an asset of at most so many bytes.
     pub fn bytes(most: u64) -> Self {
-        Self { figure: Figure::Bytes, most: most as f64 }
+        Self::of(Figure::Bytes, most as f64)
     }
 
-    /// Holds the requirement against what was measured; what could not be measured is not met.
-    fn against(&self, figures: &Figures) -> Met {
-        let angle = |of: fn(&Summary) -> f64| figures.angles.as_ref().map(of);
-        let value = match self.figure {
+    /// Demands the same of one level of detail alone, 0 the finest.
+    pub fn at_level(self, level: usize) -> Self {
+        Self { level: Some(level), ..self }
+    }
+
+    /// Holds the requirement against what was measured, level by level.
+    fn against(&self, figures: &Figures) -> Vec<Met> {
+        if !self.figure.is_of_level() {
+            return vec![self.outcome(self.level, self.value_of_asset(figures))];
+        }
+        let levels = match self.level {
+            Some(level) => vec![level],
+            None => (0..figures.levels.len().max(1)).collect(),
+        };
+        let outcome =
+            |level| self.outcome(Some(level), figures.levels.get(level).and_then(|of| self.value(of)));
+        levels.into_iter().map(outcome).collect()
+    }
+
+    fn outcome(&self, level: Option<usize>, value: Option<f64>) -> Met {
+        let met = value.is_some_and(|value| value <= self.most);
+        Met { figure: self.figure, most: self.most, level, value, met }
+    }
+
+    /// Returns a figure that the whole asset has; `None` where one level was named.
+    fn value_of_asset(&self, figures: &Figures) -> Option<f64> {
+        match (self.figure, self.level) {
+            (Figure::Missed, None) => Some(figures.missed_texels),
+            (Figure::Bytes, None) => Some(figures.bytes_out as f64),
+            _ => None,
+        }
+    }
+
+    fn value(&self, level: &LevelFigures) -> Option<f64> {
+        let angle = |of: fn(&Summary) -> f64| level.angles.as_ref().map(of);
+        let color = |of: fn(&Summary) -> f64| level.material.color.as_ref().map(of);
+        match self.figure {
+            Figure::MeanColor => color(|summary| summary.mean),
+            Figure::P95Color => color(|summary| summary.p95),
             Figure::MeanAngle => angle(|summary| summary.mean),
             Figure::P95Angle => angle(|summary| summary.p95),
             Figure::MaxAngle => angle(|summary| summary.max),
-            Figure::Missed => Some(figures.missed_texels),
-            Figure::Hausdorff => Some(figures.hausdorff_of_diagonal),
-            Figure::Bytes => Some(figures.bytes_out as f64),
-        };
-        let met = value.is_some_and(|value| value <= self.most);
-        Met { figure: self.figure, most: self.most, value, met }
+            Figure::Hausdorff => Some(level.hausdorff_of_diagonal),
+            Figure::Missed | Figure::Bytes => None,
+        }
     }
 }
 
 impl FromStr for Requirement {
     type Err = Error;
 
-    /// Reads `mean-angle=2`, `missed=0.1%` and the like.
+    /// Reads `mean-angle=2`, `mean-angle@1=5°`, `missed=0.1%`, `bytes=3MB` and the like.
     fn from_str(text: &str) -> Result<Self> {
+        let text = text.trim();
         let wrong = |why: &str| Error::invalid(format!("`{text}`"), why);
         let (name, most) = text
             .split_once('=')
             .ok_or_else(|| wrong("write a figure and the most it may be, such as mean-angle=2"))?;
-        let figure = Figure::from_name(name)?;
-        let (number, scale) = match most.strip_suffix('%') {
-            Some(number) => (number, 0.01),
-            None => (most, 1.0),
+        let (name, level) = match name.split_once('@') {
+            Some((name, level)) => (name.trim(), Some(level.trim())),
+            None => (name.trim(), None),
         };
-        if scale != 1.0 && !matches!(figure, Figure::Missed | Figure::Hausdorff) {
-            return Err(wrong(&format!("{name} is not measured in %")));
-        }
-        match number.trim().parse::<f64>() {
-            Ok(number) if number >= 0.0 && number.is_finite() => Ok(Self { figure, most: number * scale }),
-            Ok(number) if number < 0.0 => Err(wrong(&format!("{most} is below 0"))),
-            _ => Err(wrong(&format!("`{number}` is not a number"))),
-        }
+        let figure = Figure::from_name(name)?;
+        let level = level.map(|level| level_of(figure, level)).transpose().map_err(|why| wrong(&why))?;
+        let most = most_of(figure, most.trim()).map_err(|why| wrong(&why))?;
+        Ok(Self { figure, most, level })
     }
 }
 
-/// The outcome of a requirement.
+fn level_of(figure: Figure, level: &str) -> std::result::Result<usize, String> {
+    if !figure.is_of_level() {
+        return Err(format!("{} is a figure of the whole asset; leave out @{level}", figure.name()));
+    }
+    let why = |_| format!("`{level}` is no level of detail; write 0 for the finest, 1 for the next");
+    level.parse().map_err(why)
+}
+
+/// Reads a number and its unit; gives it in the unit of the figure itself.
+fn most_of(figure: Figure, text: &str) -> std::result::Result<f64, String> {
+    let is_of_number = |c: char| c.is_ascii_digit() || ".+-eE".contains(c);
+    let (number, unit) = text.split_at(text.find(|c: char| !is_of_number(c)).unwrap_or(text.len()));
+    let number: f64 = number.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    let size = match unit.trim() {
+        "" => figure.unit().size,
+        unit => unit_size(figure, unit)?,
+    };
+    match number * size {
+        most if most < 0.0 => Err(format!("{text} is below 0")),
+        most if most.is_finite() => Ok(most),
+        _ => Err(format!("`{text}` is too large a number")),
+    }
+}
+
+fn unit_size(figure: Figure, name: &str) -> std::result::Result<f64, String> {
+    let units = figure.units();
+    let known = || units.iter().map(|unit| unit.name).collect::<Vec<_>>().join(", ");
+    let unit = units.iter().find(|unit| unit.name == name);
+    let why =
+        || format!("{} is not measured in {name}; write a bare number, or one in {}", figure.name(), known());
+    unit.map(|unit| unit.size).ok_or_else(why)
+}
+
+/// The outcome of a requirement at one level of detail, or for the whole asset.
 ///
 /// ```
 /// use taotie::asset::Met;
@@ -133,7 +172,7 @@ impl FromStr for Requirement {
 ///
 /// /// Returns a line for each requirement that is not met.
 /// fn shortfalls(met: &[Met]) -> Vec<String> {
-///     let line = |met: &Met| format!("{}: {:?}, at most {}", met.figure.name(), met.value, met.most);
+///     let line = |met: &Met| format!("{}: {}", met.figure.name(), met.text());
 ///     met.iter().filter(|met| !met.met).map(line).collect()
 /// }
 /// ```
@@ -143,33 +182,151 @@ impl FromStr for Requirement {
 pub struct Met {
     /// The figure that is limited.
     pub figure: Figure,
-    /// The most that it may be.
+    /// The most that it may be: degrees, parts of 1, or bytes.
     pub most: f64,
+    /// The level of detail, 0 the finest; `None` for a figure of the whole asset.
+    pub level: Option<usize>,
     /// The figure's value; `None` where it could not be measured.
     pub value: Option<f64>,
     /// `true` where it is no more.
     pub met: bool,
 }
 
-impl Proof {
-    /// Holds each requirement against what was measured; what could not be measured is not met.
+impl Met {
+    /// Tells value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`.
+    pub fn text(&self) -> String {
+        let most = self.figure.text(self.most);
+        match self.value {
+            Some(value) => format!("is {}, at most {most}", self.figure.text(value)),
+            None => format!("could not be measured, at most {most}"),
+        }
+    }
+}
+
+impl Figures {
+    /// Holds each requirement against what was measured: a figure of levels of detail at every level, unless one is
+    /// named. What could not be measured, or a level that is not there, is not met.
     pub fn require(&self, requirements: &[Requirement]) -> Vec<Met> {
-        requirements.iter().map(|requirement| requirement.against(&self.figures)).collect()
+        requirements.iter().flat_map(|requirement| requirement.against(self)).collect()
+    }
+}
+
+impl Proof {
+    /// Holds each requirement against the figures; see [`Figures::require`].
+    pub fn require(&self, requirements: &[Requirement]) -> Vec<Met> {
+        self.figures.require(requirements)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::asset::material_figures::MaterialFigures;
+    use crate::compare::Field;
+
+    fn read(text: &str) -> Result<Requirement> {
+        text.parse()
+    }
+
+    /// A level whose angles are all of so many degrees, whose colours are off by half as much, and whose surface lies this
+    /// part of the diagonal away.
+    fn level(degrees: f32, hausdorff_of_diagonal: f64) -> LevelFigures {
+        let all = |value: f32| Field::new(1, 1, vec![value]).unwrap().summary();
+        let material = MaterialFigures { color: all(degrees / 2.0), ..MaterialFigures::default() };
+        LevelFigures { angles: all(degrees), material, hausdorff_of_diagonal, ..LevelFigures::default() }
+    }
+
+    fn figures(levels: Vec<LevelFigures>) -> Figures {
+        Figures { missed_texels: 0.001, bytes_out: 3_000_000, levels, ..Figures::default() }
+    }
+
+    fn outcomes(text: &str, figures: &Figures) -> Vec<bool> {
+        figures.require(&[read(text).unwrap()]).iter().map(|met| met.met).collect()
+    }
 
     #[test]
     fn requirements_are_read_with_their_units() {
-        let read = |text: &str| text.parse::<Requirement>();
-        assert_eq!(read("mean-angle=2").unwrap(), Requirement::mean_angle_deg(2.0));
-        assert!((read("missed=0.1%").unwrap().most - 0.001).abs() < 1e-12);
-        assert_eq!(read("missed=0.5").unwrap().most, 0.5);
-        for wrong in ["mean-angle", "mean-angle=2%", "beauty=3", "missed=-1", "missed=x", "missed=inf"] {
-            assert!(read(wrong).is_err(), "{wrong}");
+        assert_eq!(read(" mean-angle = 2 ° ").unwrap(), Requirement::mean_angle_deg(2.0));
+        assert_eq!(read("max-angle@2=20deg").unwrap(), Requirement::of(Figure::MaxAngle, 20.0).at_level(2));
+        assert_eq!(read("missed=0.5").unwrap(), Requirement::missed(0.005), "as help says: per cent");
+        assert_eq!(read("missed=0.5%").unwrap(), read("missed=0.5").unwrap());
+        assert_eq!(read("bytes=1e3").unwrap(), Requirement::bytes(1000));
+    }
+
+    #[test]
+    fn wrong_requirements_name_what_would_be_right() {
+        let cases = [
+            ("mean-angle", "write a figure and the most"),
+            ("mean-angle=2%", "mean-angle is not measured in %; write a bare number, or one in °, deg"),
+            ("bytes=1%", "bytes is not measured in %; write a bare number, or one in B, kB, MB"),
+            ("missed=3°", "missed is not measured in °"),
+            ("beauty=3", "choose one of: mean-angle"),
+            ("missed=-1", "-1 is below 0"),
+            ("missed=x", "`x` is not a number"),
+            ("missed=inf", "`inf` is not a number"),
+            ("bytes=1e999", "too large"),
+            ("mean-angle@x=1", "`x` is no level of detail"),
+            ("mean-angle@-1=1", "`-1` is no level of detail"),
+            ("bytes@1=1", "bytes is a figure of the whole asset; leave out @1"),
+        ];
+        for (text, why) in cases {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.contains(why), "{text}: {error}");
         }
+    }
+
+    /// Of each figure and unit: a limit just above what was measured, and one just below.
+    #[test]
+    fn every_unit_holds_from_both_sides() {
+        let figures = figures(vec![level(2.0, 0.005)]);
+        let cases = [
+            ("mean-angle=2.001", "mean-angle=1.999"),
+            ("p95-angle=2.001°", "p95-angle=1.999°"),
+            ("max-angle=2.001deg", "max-angle=1.999deg"),
+            ("mean-color=1.001", "mean-color=0.999"),
+            ("mean-color=1.001ΔE", "mean-color=0.999 ΔE"),
+            ("p95-color=1.001ΔE00", "p95-color=0.999ΔE00"),
+            ("missed=0.101", "missed=0.099"),
+            ("missed=0.101%", "missed=0.099 %"),
+            ("hausdorff=0.501", "hausdorff=0.499"),
+            ("hausdorff=0.501%", "hausdorff=0.499%"),
+            ("bytes=3000000", "bytes=2999999"),
+            ("bytes=3000000B", "bytes=2999999B"),
+            ("bytes=3000kB", "bytes=2999.999kB"),
+            ("bytes=3MB", "bytes=2.999MB"),
+            ("bytes=0.003GB", "bytes=0.002999GB"),
+            ("bytes=2930KiB", "bytes=2929KiB"),
+            ("bytes=2.87MiB", "bytes=2.86MiB"),
+            ("bytes=0.0028GiB", "bytes=0.0027GiB"),
+        ];
+        for (above, below) in cases {
+            let both = (outcomes(above, &figures), outcomes(below, &figures));
+            assert_eq!(both, (vec![true], vec![false]), "{above}, {below}");
+        }
+        let names = ["°", "deg", "ΔE", "ΔE00", "%", "B", "kB", "MB", "GB", "KiB", "MiB", "GiB"];
+        let mut known = Figure::NAMES.iter().flat_map(|(_, figure)| figure.units());
+        assert!(known.all(|unit| names.contains(&unit.name)), "a unit is not looked at");
+    }
+
+    #[test]
+    fn every_level_counts_unless_one_is_named() {
+        let figures = figures(vec![level(0.2, 0.001), level(0.9, 0.002), level(5.0, 0.01)]);
+        assert_eq!(outcomes("mean-angle=1", &figures), [true, true, false]);
+        assert_eq!(outcomes("hausdorff=0.15", &figures), [true, false, false]);
+        assert_eq!(outcomes("mean-angle@1=1", &figures), [true]);
+        assert_eq!(outcomes("mean-angle@2=1", &figures), [false]);
+        assert_eq!(outcomes("mean-angle@3=90", &figures), [false], "there is no such level");
+        assert_eq!(outcomes("bytes=3MB", &figures), [true], "the asset has its bytes once");
+        let met = figures.require(&[read("mean-angle=1").unwrap()]);
+        assert_eq!((met[2].level, met[2].text().as_str()), (Some(2), "is 5°, at most 1°"));
+    }
+
+    #[test]
+    fn what_was_not_measured_is_not_met() {
+        assert_eq!(outcomes("mean-angle=180", &figures(Vec::new())), [false]);
+        let nowhere = LevelFigures::default();
+        assert_eq!(outcomes("mean-color=100", &figures(vec![nowhere.clone()])), [false]);
+        let met = figures(vec![nowhere]).require(&[read("max-angle=180").unwrap()]);
+        assert_eq!((met[0].met, met[0].text().as_str()), (false, "could not be measured, at most 180°"));
     }
 }

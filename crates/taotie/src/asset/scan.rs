@@ -2,6 +2,7 @@
 
 use super::carried::Carried;
 use super::hash::FileHash;
+use super::look;
 use super::memory::{Limits, ScanSize};
 use super::notes;
 use crate::bake;
@@ -29,6 +30,8 @@ pub(super) struct About {
     pub warnings: Warnings,
     pub size: ScanSize,
     pub carried: Carried,
+    /// `true` where it says nothing of its colour and material.
+    pub is_plain: bool,
 }
 
 impl About {
@@ -185,8 +188,9 @@ impl Scan {
     }
 
     /// Gives the tree up, and the triangles too where no clone of this scan holds them.
-    pub(super) fn into_mesh(self) -> Mesh {
-        Arc::try_unwrap(self.high).map_or_else(|shared| shared.mesh().clone(), bake::Scan::into_mesh)
+    pub(super) fn into_scene(self) -> Result<Scene> {
+        let shared = |high: Arc<bake::Scan>| high.surface().clone();
+        Arc::try_unwrap(self.high).map_or_else(shared, bake::Scan::into_surface).into_scene()
     }
 }
 
@@ -219,6 +223,7 @@ impl About {
             warnings: Warnings::default(),
             size,
             carried,
+            is_plain: look::is_plain(scene),
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Scan and asset seen from all sides in the same light.
 
+use super::look;
 use crate::compare::{self, DisplayImage, Field, PIXELS_PER_DEGREE};
 use crate::error::Result;
 use crate::film::Development;
 use crate::math::Vec3;
-use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::render::{Lighting, RenderSettings, Renderer, Shot};
-use crate::scene::{Camera, Material, Orbit, Scene, fitting_distance, three_point_rig};
+use crate::render::{EnvironmentLight, RenderSettings, Renderer, Shot};
+use crate::scene::{Camera, Orbit, Scene, fitting_distance};
 
 /// From how many sides.
 const COUNT: usize = 8;
@@ -61,19 +61,76 @@ pub struct ViewFigures {
     pub ssim: f64,
 }
 
-/// Takes the images, both of one neutral material, so that nothing but shape and normals differs.
+/// Views of each level of the asset, the finest first, in each look.
+pub(super) struct Looks {
+    /// In one grey material, so that nothing but shape and normals differs.
+    pub grey: Vec<Views>,
+    /// In their own materials; empty where the scan says nothing of its material.
+    pub full: Vec<Views>,
+}
+
+/// Takes the images of the scan and of each level of the asset, in each look.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`]; those of rendering, which a scene that was read does not cause.
-pub(super) fn take(scan: Mesh, asset: Scene, side: u32, progress: Progress<'_>) -> Result<Views> {
-    let high = Scene::of_mesh(scan, neutral())?;
-    let cameras = cameras(&high);
-    let low = neutralised(asset)?;
-    let scan = pictures(high, side, &cameras, progress.part(0.0, 0.5))?;
-    let asset = pictures(low, side, &cameras, progress.part(0.5, 0.9))?;
+pub(super) fn take(scan: Scene, levels: Vec<Scene>, side: u32, progress: Progress<'_>) -> Result<Looks> {
+    let mut setting = Setting { cameras: cameras(&scan), side, environment: None };
+    let (mut full, mut rest) = (Vec::new(), progress);
+    if !look::is_plain(&scan) {
+        setting.environment = look::environment(std::iter::once(&scan).chain(&levels))?;
+        let own = levels.iter().cloned().map(look::full).collect::<Result<Vec<_>>>()?;
+        full = setting.views(look::full(scan.clone())?, own, progress.part(0.0, 0.5))?;
+        (setting.environment, rest) = (None, progress.part(0.5, 1.0));
+    }
+    let levels = levels.into_iter().map(look::grey).collect::<Result<Vec<_>>>()?;
+    let grey = setting.views(look::grey(scan)?, levels, rest)?;
+    Ok(Looks { grey, full })
+}
+
+/// How images are taken.
+struct Setting {
+    cameras: Vec<Camera>,
+    /// Pixels along a side.
+    side: u32,
+    /// Light from all around, in place of lights.
+    environment: Option<EnvironmentLight>,
+}
+
+impl Setting {
+    /// Takes images of the scan and of each level, and compares them.
+    fn views(&self, scan: Scene, levels: Vec<Scene>, progress: Progress<'_>) -> Result<Vec<Views>> {
+        let scan = self.pictures(scan, progress.part(0.0, 0.5))?;
+        let share = 0.5 / levels.len().max(1) as f64;
+        let take = |(i, level): (usize, Scene)| {
+            let from = 0.5 + i as f64 * share;
+            let asset = self.pictures(level, progress.part(from, from + 0.8 * share))?;
+            compared(scan.clone(), asset, progress.part(from + 0.8 * share, from + share))
+        };
+        levels.into_iter().enumerate().map(take).collect()
+    }
+
+    fn pictures(&self, scene: Scene, progress: Progress<'_>) -> Result<Vec<DisplayImage>> {
+        let side = self.side;
+        let settings = RenderSettings { width: side, height: side, samples: 4, ..RenderSettings::default() };
+        let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
+        let mut renderer = Renderer::new(scene, &settings.surface)?;
+        let (mut pictures, mut codes) = (Vec::new(), Vec::new());
+        for (i, camera) in self.cameras.iter().enumerate() {
+            let [from, to] = [i, i + 1].map(|views| views as f64 / self.cameras.len() as f64);
+            let lighting = look::lighting(camera, self.environment.as_ref());
+            let shot = Shot { camera, lighting: &lighting, settings: &settings };
+            renderer.develop(&shot, &development, &mut codes, progress.part(from, to))?;
+            pictures.push(DisplayImage::from_developed(side, side, &codes)?);
+        }
+        Ok(pictures)
+    }
+}
+
+/// Compares the images view by view.
+fn compared(scan: Vec<DisplayImage>, asset: Vec<DisplayImage>, progress: Progress<'_>) -> Result<Views> {
     let mut views = Views { scan, asset, ..Views::default() };
     for (i, (a, b)) in views.scan.iter().zip(&views.asset).enumerate() {
-        progress.at(0.9 + 0.1 * i as f64 / COUNT as f64)?;
+        progress.at(i as f64 / COUNT as f64)?;
         let flip = compare::flip(a, b, PIXELS_PER_DEGREE)?;
         views.figures.push(ViewFigures {
             azimuth_deg: azimuth(i),
@@ -84,26 +141,6 @@ pub(super) fn take(scan: Mesh, asset: Scene, side: u32, progress: Progress<'_>) 
         views.flip.push(flip);
     }
     Ok(views)
-}
-
-fn neutral() -> Material {
-    Material {
-        base_color: [0.55, 0.55, 0.55, 1.0],
-        roughness: 0.5,
-        double_sided: true,
-        ..Material::default()
-    }
-}
-
-/// Returns the finest level of the asset with the neutral material, its normal map kept.
-fn neutralised(mut asset: Scene) -> Result<Scene> {
-    asset.edit(|asset| {
-        for material in &mut asset.materials {
-            *material = Material { normal: material.normal, ..neutral() };
-        }
-        asset.lights.clear();
-    })?;
-    Ok(asset)
 }
 
 fn azimuth(view: usize) -> f64 {
@@ -119,25 +156,4 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
         orbit.camera(bounds.diagonal() / 2.0)
     };
     (0..COUNT).map(camera).collect()
-}
-
-fn pictures(
-    scene: Scene,
-    side: u32,
-    cameras: &[Camera],
-    progress: Progress<'_>,
-) -> Result<Vec<DisplayImage>> {
-    let settings = RenderSettings { width: side, height: side, samples: 4, ..RenderSettings::default() };
-    let development = Development { background: Some(Vec3::splat(0.03)), ..Development::default() };
-    let mut renderer = Renderer::new(scene, &settings.surface)?;
-    let (mut pictures, mut codes) = (Vec::new(), Vec::new());
-    for (i, camera) in cameras.iter().enumerate() {
-        let [from, to] = [i, i + 1].map(|views| views as f64 / cameras.len() as f64);
-        let lighting =
-            Lighting { lights: three_point_rig(camera), ambient: Vec3::splat(0.15), environment: None };
-        let shot = Shot { camera, lighting: &lighting, settings: &settings };
-        renderer.develop(&shot, &development, &mut codes, progress.part(from, to))?;
-        pictures.push(DisplayImage::from_developed(side, side, &codes)?);
-    }
-    Ok(pictures)
 }

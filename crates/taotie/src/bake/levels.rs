@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{Mesh, MeshData};
 use crate::parallel;
 use crate::progress::Progress;
+use crate::surface;
 use meshopt::SimplifyOptions as Choices;
 
 /// The weight of a way on the map beside one on the surface: the map's side is as long as the mesh's longest, times
@@ -14,7 +15,8 @@ const UV_WEIGHT: f32 = 3.0;
 /// A level of detail.
 #[derive(Debug, Clone)]
 pub struct DetailLevel {
-    /// Vertices of the unwrapped mesh, with all that they had but tangents, and fewer triangles.
+    /// Vertices of the unwrapped mesh, with all that they had but tangents, and fewer triangles. Where a facet would turn
+    /// away from its normals, and none of the unwrapped mesh does, they are made anew as [`surface::creased`] does.
     pub mesh: Mesh,
     /// The distance from the unwrapped mesh, and the shift of what its maps show, model units: meshoptimizer's
     /// estimate, not a bound.
@@ -42,11 +44,15 @@ pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<V
     let cube = UnitCube::of(mesh.positions());
     let points: Vec<[f32; 3]> = mesh.positions().iter().map(|p| cube.scaled(*p)).collect();
     let places: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x, uv.y]).collect();
+    // Normals that face away on purpose, such as those of foliage, are the user's.
+    let keeps_normals = mesh.normals().is_empty() || surface::has_turned_facets(mesh);
     let levels = parallel::try_tasks(counts.len(), &|i| {
         progress.at(i as f64 / counts.len() as f64)?;
         let (triangles, error) = fewer(mesh, &points, &places, counts[i]);
         let reached = is_near(triangles.len(), counts[i]) || triangles.len() < counts[i];
-        Ok(DetailLevel { mesh: with_triangles(mesh, triangles)?, error: error * cube.extent, reached })
+        let level = with_triangles(mesh, triangles)?;
+        let level = if keeps_normals { level } else { surface::creased(&level)? };
+        Ok(DetailLevel { mesh: level, error: error * cube.extent, reached })
     })?;
     progress.at(1.0)?;
     Ok(levels)

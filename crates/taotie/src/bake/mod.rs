@@ -35,6 +35,7 @@ mod textured_mesh;
 mod unwrap;
 mod uv_lookup;
 mod verify;
+mod verify_material;
 
 pub use appearance::MaterialSample;
 pub use baked_maps::{BakedMaps, TexelStatus};
@@ -55,3 +56,4 @@ pub use textured_mesh::TexturedMesh;
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
 pub use verify::{Deviation, Fit, NormalError, Verifier};
+pub use verify_material::MaterialError;

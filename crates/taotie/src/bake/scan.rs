@@ -35,11 +35,6 @@ impl Scan {
         self.surface.mesh()
     }
 
-    /// Returns the triangles alone.
-    pub fn into_mesh(self) -> Mesh {
-        self.surface.into_mesh()
-    }
-
     /// Returns the triangles with their materials.
     pub fn surface(&self) -> &TexturedMesh {
         &self.surface

@@ -43,11 +43,6 @@ impl TexturedMesh {
         &self.mesh
     }
 
-    /// Returns the triangles alone.
-    pub fn into_mesh(self) -> Mesh {
-        self.mesh
-    }
-
     /// Returns the material of a triangle.
     ///
     /// # Panics

@@ -2,6 +2,7 @@
 
 use super::cage::{Cage, triangle_weights};
 use super::layout::{BAND, Layout};
+use super::projection::Correspondence;
 use super::scan::Scan;
 use crate::compare::{Field, angle_deg};
 use crate::error::{Error, Result};
@@ -156,19 +157,24 @@ impl Verifier<'_> {
 
     /// Returns the angle between what is shown and what should be, degrees; NaN where nothing was found.
     fn angle(&self, point: Point) -> (f32, Way) {
-        let projection = self.cage.projection_ray(self.mesh, point);
-        let (found, way) = match self.scan.project(&projection) {
-            Some(found) => (Some(found), Way::Met),
-            None => match self.cage.fallback(self.scan, &projection) {
-                Some(found) => (Some(found), Way::Closest),
-                None => (None, Way::Lost),
-            },
-        };
+        let (found, way) = self.found(point);
         let shown = self.shown(point).to_f64();
         let angle = found.map_or(f32::NAN, |found| {
             angle_deg(shown, self.scan.mapped_normal(&found, 0.0).normal.to_f64()) as f32
         });
         (angle, way)
+    }
+
+    /// Returns the point of the scan that a point corresponds to.
+    pub(super) fn found(&self, point: Point) -> (Option<Correspondence>, Way) {
+        let projection = self.cage.projection_ray(self.mesh, point);
+        match self.scan.project(&projection) {
+            Some(found) => (Some(found), Way::Met),
+            None => match self.cage.fallback(self.scan, &projection) {
+                Some(found) => (Some(found), Way::Closest),
+                None => (None, Way::Lost),
+            },
+        }
     }
 
     /// Returns the normal that a viewer shows.
@@ -187,7 +193,7 @@ impl Verifier<'_> {
 
 /// The way in which a point found the scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum Way {
+pub(super) enum Way {
     #[default]
     Met,
     Closest,
@@ -195,7 +201,7 @@ enum Way {
 }
 
 /// Returns each of `count` points spread evenly over a mesh's area by its number; they are the same for the same mesh.
-fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync> {
+pub(super) fn sample_area(mesh: &Mesh, count: usize) -> Result<impl Fn(usize) -> Point + Sync> {
     let mut sum = 0.0;
     let sums: Vec<f64> = (0..mesh.triangles().len())
         .map(|t| {

@@ -1,19 +1,23 @@
-//! Comparison: the angle between normals, the error and the likeness of images, and images of both.
+//! Comparison: the angle between normals, the difference of colours, the error and the likeness of images, and images of
+//! them.
 //!
 //! Nothing here depends on the number of threads: pixels are independent of one another, and sums run in the order
 //! of pixels.
 
 mod angle;
+mod ciede2000;
 mod display_image;
 mod error;
 mod field;
 mod flip;
 mod heat;
+mod lab;
 mod plane;
 mod ssim;
 mod stored;
 
 pub use angle::{angle_deg, angular_error};
+pub use ciede2000::{ciede2000, color_difference};
 pub use display_image::DisplayImage;
 pub use error::{difference, psnr, rmse};
 pub use field::{Field, Summary};

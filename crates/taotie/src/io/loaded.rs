@@ -40,12 +40,14 @@ pub struct Loaded {
     pub moving: Option<&'static str>,
     /// The sets of materials that the file offers; the scene itself has none of them applied.
     pub variants: Variants,
+    /// How many levels of detail the file has; [`super::load_level`] reads each. 1 where the format knows of none.
+    pub levels: usize,
 }
 
 impl Loaded {
     /// Makes a loaded scene with nothing more to report.
     pub fn new(scene: Scene, warnings: Warnings, format: &'static str) -> Self {
-        Self { scene, warnings, format, ..Self::default() }
+        Self { scene, warnings, format, levels: 1, ..Self::default() }
     }
 }
 

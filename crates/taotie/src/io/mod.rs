@@ -51,8 +51,22 @@ use std::path::Path;
 /// [`Error::Io`] where the file cannot be read, [`Error::Unsupported`] for another extension or a feature that is
 /// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn.
 pub fn load_model(path: &Path) -> Result<Loaded> {
-    match format_of(path)? {
-        Format::Gltf => gltf::read(path),
+    load_level(path, 0)
+}
+
+/// Reads one level of detail of a model, 0 the finest; otherwise as [`load_model`]. Levels are those of glTF's
+/// MSFT_lod: a node with fewer of them shows its coarsest. Other formats have level 0 alone.
+///
+/// # Errors
+/// As [`load_model`]; [`Error::Parse`] where the file has no such level.
+pub fn load_level(path: &Path, level: usize) -> Result<Loaded> {
+    let format = format_of(path)?;
+    if level > 0 && format != Format::Gltf {
+        let why = format!("there is 1, and no level {level}");
+        return Err(Error::parse(path, "levels of detail", why));
+    }
+    match format {
+        Format::Gltf => gltf::read(path, level),
         Format::Obj => obj::read(path),
         Format::Ply => ply::read(path),
         Format::Stl => stl::read(path),

@@ -6,6 +6,7 @@
 mod angles;
 mod bump;
 mod corners;
+mod creases;
 mod frame;
 mod inspect;
 mod maps;
@@ -16,6 +17,8 @@ mod tangents;
 mod weld;
 
 pub use bump::{Relief, ReliefBase, bump, bump_printed, relief_normal, surface_gradient};
+pub use creases::creased;
+pub(crate) use creases::has_turned_facets;
 pub use frame::{UvDerivatives, uv_derivatives};
 pub use inspect::{GreenGuess, GreenVerdict, NormalMapKind, green_direction, invalid_texels, is_normal_map};
 pub use maps::{

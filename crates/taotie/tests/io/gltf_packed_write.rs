@@ -2,7 +2,9 @@
 
 use crate::bumpy;
 use std::collections::BTreeMap;
-use taotie::io::{GltfAsset, GltfFormat, GltfLevel, GltfMaterial, Loaded, load_model, write_gltf};
+use taotie::io::{
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, Loaded, load_level, load_model, write_gltf,
+};
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
 
@@ -108,6 +110,13 @@ fn levels_share_one_place_and_material() {
         let loaded = load_model(&path).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         assert_eq!(loaded.scene.triangle_count(), meshes[0].triangles().len(), "the finest alone is drawn");
+        assert_eq!(loaded.levels, 3);
+        for (level, mesh) in meshes.iter().enumerate() {
+            let read = load_level(&path, level).unwrap().scene;
+            assert_eq!((read.meshes().len(), read.triangle_count()), (1, mesh.triangles().len()));
+            assert_eq!(read.instances()[0].world_from_object, loaded.scene.instances()[0].world_from_object);
+            assert_eq!(read.textures().len(), 1, "all show the same maps");
+        }
         let one = GltfAsset { levels: &levels[..1], ..asset };
         write_gltf(&path, &one, &GltfFormat { meshopt, ..GltfFormat::default() }).unwrap();
         assert!(!std::fs::read_to_string(&path).unwrap().contains("MSFT"));

@@ -3,6 +3,8 @@
 
 #[path = "../common/angle.rs"]
 mod angle;
+#[path = "../common/cart.rs"]
+mod cart;
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../common/distance.rs"]
@@ -17,6 +19,7 @@ mod random;
 mod skies;
 
 mod bake;
+mod bake_color;
 mod bake_material;
 mod bake_scan;
 mod energy;
@@ -24,6 +27,7 @@ mod environment;
 mod facets;
 mod film;
 mod lane;
+mod made_meshes;
 mod maps;
 mod names;
 mod sampling;

@@ -1,8 +1,9 @@
 //! FLIP, SSIM, PSNR and RMSE of fixed pictures against their reference implementations: NVIDIA's `flip-evaluator` and
-//! scikit-image (`tests/oracle/compare_oracle.py`).
+//! scikit-image (`tests/oracle/compare_oracle.py`); CIEDE2000 against its published pairs.
 
 use serde_json::Value;
-use taotie::compare::{DisplayImage, flip, psnr, rmse, ssim};
+use taotie::compare::{DisplayImage, ciede2000, flip, psnr, rmse, ssim};
+use taotie::math::Vec3;
 
 /// What every value has to be within; single precision on their side alone takes 2e-5.
 const BOUND: f64 = 1e-4;
@@ -104,5 +105,23 @@ fn flip_is_that_of_its_authors() {
             let name = &case["name"];
             println!("{name} at {pixels_per_degree}: mean off by {off_mean:.1e}, pixels by {worst:.1e}");
         }
+    }
+}
+
+/// The table tells four decimals. Hues that wrap around, greys and opposite hues are among its pairs.
+#[test]
+fn color_differences_are_those_of_the_paper() {
+    let oracle = oracle();
+    let pairs = oracle["color_pairs"].as_array().unwrap();
+    assert_eq!(pairs.len(), 34);
+    for pair in pairs {
+        let value = |i: usize| number(&pair[i]);
+        let [a, b] = [0, 3].map(|first| Vec3::new(value(first), value(first + 1), value(first + 2)));
+        let differences = [ciede2000(a, b), ciede2000(b, a)];
+        for difference in differences {
+            let off = (difference - value(6)).abs();
+            assert!(off < BOUND, "{pair}: {difference}");
+        }
+        assert_eq!(differences[0], differences[1], "{pair}: the colours may change places");
     }
 }

@@ -1,5 +1,6 @@
 //! Large surfaces simplified block by block, so that neither memory nor one thread is the limit.
 
+use super::components::Components;
 use super::part::{Part, adapter, triples};
 use crate::error::Result;
 use crate::parallel;
@@ -19,7 +20,14 @@ const OF_MANY: usize = 16;
 const MOST: usize = 3_000_000;
 
 /// Returns the part with fewer triangles, and the error in parts of the unit cube; unchanged where it is small enough.
-pub(super) fn lighten(part: Part, wanted: usize, progress: Progress<'_>) -> Result<(Part, f32)> {
+///
+/// A large component of which nothing would be left stays as it is.
+pub(super) fn lighten(
+    part: Part,
+    components: &Components,
+    wanted: usize,
+    progress: Progress<'_>,
+) -> Result<(Part, f32)> {
     let total = part.triangles.len();
     let left = wanted.saturating_mul(FOR_ONE).max(total / OF_MANY).clamp(LEAST, MOST);
     let left = left.max(wanted.saturating_add(wanted / 4));
@@ -36,8 +44,20 @@ pub(super) fn lighten(part: Part, wanted: usize, progress: Progress<'_>) -> Resu
         progress.at(done as f64 / blocks.len() as f64).map(|()| result)
     })?;
     let error = simplified.iter().fold(0.0, |most: f32, (_, error)| most.max(*error));
-    let triangles = simplified.into_iter().flat_map(|(triangles, _)| triangles).collect();
+    let mut triangles: Vec<[u32; 3]> = simplified.into_iter().flat_map(|(triangles, _)| triangles).collect();
+    let lost = lost(&part, components, &triangles);
+    triangles.extend(lost);
     Ok((Part { triangles, ..part }.compacted(), error))
+}
+
+/// Returns the triangles of large components that have none among `left`.
+fn lost(part: &Part, components: &Components, left: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    if components.len() < 2 {
+        return Vec::new();
+    }
+    let counts = components.counts(part, left);
+    let is_lost = |i: usize| counts[i] == 0 && components.large[i];
+    part.triangles.iter().filter(|triangle| is_lost(part.component(triangle))).copied().collect()
 }
 
 /// Returns for each vertex whether triangles of more than one block share it.

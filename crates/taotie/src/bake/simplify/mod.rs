@@ -1,20 +1,27 @@
 //! A high-poly surface simplified: few triangles that lie near many.
 
+mod apart;
 mod blocks;
+mod cluster;
+mod collapse;
+mod components;
+mod fan;
 mod options;
 mod part;
+mod slivers;
 mod weld;
 mod whole;
 
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
-use crate::surface::vertex_normals;
+use crate::surface::creased;
+pub(super) use collapse::is_near;
+use components::{Components, Fate};
 pub use options::{SimplifyMethod, SimplifyOptions};
 use part::Part;
 pub(super) use part::{UnitCube, adapter, compact, triples};
 pub(super) use weld::{morton, places};
-pub(super) use whole::is_near;
 
 /// A simplified surface.
 #[derive(Debug, Clone)]
@@ -27,7 +34,7 @@ pub struct Simplified {
     /// The roughest method that was needed.
     pub method: SimplifyMethod,
     /// `true` where the number of triangles is the wanted one, or less than 2 % off, or the surface had fewer. Where it
-    /// is `false` all methods were tried, [`SimplifyMethod::Clustered`] among them, and this is the best.
+    /// is `false` all methods were tried that join nothing and lose no large part, and this is the best.
     pub reached: bool,
     /// The things that were left out, counted.
     pub notes: Warnings,
@@ -37,8 +44,12 @@ pub struct Simplified {
 ///
 /// Positions that are equal to the last bit are made one vertex first, whatever normals, uvs and colours they have;
 /// triangles with two equal corners, and all but one of equal triangles, are left out and counted. The normals are
-/// those of [`vertex_normals`]. Large surfaces are first simplified block by block, in parallel; the result does
-/// not depend on the number of threads.
+/// those of [`creased`]: one a position, but where a facet would turn away from it. Large surfaces are first simplified
+/// block by block, in parallel; the result does not depend on the number of threads.
+///
+/// Parts without connection to one another are never joined, but in a soup of loose triangles. A part of more than half a
+/// per cent of the area, or a fiftieth of the diagonal, is not lost; smaller ones may be, and are counted. Slivers are
+/// flipped or collapsed away where that does not bend the surface.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh
@@ -48,17 +59,21 @@ pub struct Simplified {
 pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) -> Result<Simplified> {
     check(options)?;
     let mut notes = Warnings::default();
-    let (part, cube) = weld::weld(mesh, &mut notes);
+    let (mut part, cube) = weld::weld(mesh, &mut notes);
     if part.triangles.is_empty() {
         return Err(Error::invalid(
             "the surface to simplify",
             "it has no triangle with three different corners; check the file",
         ));
     }
+    let components = Components::of(&mut part);
     progress.at(0.1)?;
-    let (part, in_blocks) = blocks::lighten(part, options.triangles, progress.part(0.1, 0.7))?;
+    let (part, in_blocks) = blocks::lighten(part, &components, options.triangles, progress.part(0.1, 0.7))?;
     progress.at(0.7)?;
-    let reduced = whole::reduce(&part, options);
+    let mut reduced = whole::reduce(&part, &components, options);
+    if reduced.method != SimplifyMethod::Kept {
+        reduced.triangles = slivers::mended(&part.points, reduced.triangles);
+    }
     let found = reduced.triangles.len();
     if found == 0 {
         return Err(Error::invalid(
@@ -68,10 +83,26 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
     }
     let error = (f64::from(in_blocks) + f64::from(reduced.error)) * cube.extent;
     let method = if in_blocks > 0.0 { reduced.method.max(SimplifyMethod::Collapsed) } else { reduced.method };
+    if method != SimplifyMethod::Clustered {
+        note_fate(components.fate(&part, &reduced.triangles), &mut notes);
+    }
     let mesh = finish(mesh, &part, reduced.triangles)?;
-    let reached = whole::is_near(found, options.triangles) || method == SimplifyMethod::Kept;
+    let reached = is_near(found, options.triangles) || method == SimplifyMethod::Kept;
     progress.at(1.0)?;
     Ok(Simplified { mesh, error, method, reached, notes })
+}
+
+fn note_fate(fate: Fate, notes: &mut Warnings) {
+    let small = fate.lost - fate.lost_large;
+    notes.note(
+        "small parts without connection to the rest, left out since so few triangles were wanted",
+        small,
+    );
+    notes.note(
+        "parts without connection to the rest, lost since so few triangles were wanted",
+        fate.lost_large,
+    );
+    notes.note("parts that came apart since so few triangles were wanted", fate.torn);
 }
 
 fn check(options: &SimplifyOptions) -> Result<()> {
@@ -85,11 +116,9 @@ fn check(options: &SimplifyOptions) -> Result<()> {
     Ok(())
 }
 
-/// Returns the triangles with the positions of the mesh that they came from, and normals.
+/// Returns the triangles with the positions of the mesh that they came from, and normals that no facet turns away from.
 fn finish(mesh: &Mesh, part: &Part, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
     let (triangles, used) = part::compact(triangles, part.points.len());
     let positions = used.iter().map(|v| mesh.positions()[part.sources[*v as usize] as usize]).collect();
-    let bare = Mesh::new(MeshData { positions, triangles, ..MeshData::default() })?;
-    let normals = vertex_normals(&bare);
-    Mesh::new(MeshData { normals, ..bare.into_data() })
+    creased(&Mesh::new(MeshData { positions, triangles, ..MeshData::default() })?)
 }

@@ -23,10 +23,10 @@ pub enum SimplifyMethod {
     Kept,
     /// Edges were collapsed; what is connected stays so, and holes and handles stay.
     Collapsed,
-    /// Edges were collapsed across places where more than two triangles meet too, and parts without a connection to
-    /// the rest that are smaller than a twentieth of the whole were left out, the smallest first.
+    /// Edges were collapsed across places where more than two triangles meet too, or small parts without a connection
+    /// to the rest were left out.
     Pruned,
     /// Vertices that lie near one another were made one, whatever they belong to: holes may close, and parts may
-    /// touch. For triangle soup nothing else helps.
+    /// touch. For a soup of loose triangles nothing else helps, and nothing else is simplified so.
     Clustered,
 }

@@ -10,6 +10,8 @@ pub(in crate::bake) struct Part {
     /// The vertex of the mesh that each point is.
     pub sources: Vec<u32>,
     pub triangles: Vec<[u32; 3]>,
+    /// The component of each point; empty where all are one.
+    pub labels: Vec<u32>,
 }
 
 /// The cube that points are scaled from.
@@ -80,7 +82,27 @@ impl Part {
         Self {
             points: used.iter().map(|v| self.points[*v as usize]).collect(),
             sources: used.iter().map(|v| self.sources[*v as usize]).collect(),
+            labels: used.iter().filter_map(|v| self.labels.get(*v as usize).copied()).collect(),
             triangles,
         }
+    }
+
+    /// Returns some of its triangles as a part of their own, whose sources are points of this one.
+    pub fn extract(&self, triangles: &[[u32; 3]]) -> Self {
+        let mut sources = triangles.as_flattened().to_vec();
+        sources.sort_unstable();
+        sources.dedup();
+        let number = |v: u32| sources.partition_point(|source| *source < v) as u32;
+        Self {
+            points: sources.iter().map(|v| self.points[*v as usize]).collect(),
+            triangles: triangles.iter().map(|triangle| triangle.map(number)).collect(),
+            labels: Vec::new(),
+            sources,
+        }
+    }
+
+    /// Returns the component of a triangle on its points.
+    pub fn component(&self, triangle: &[u32; 3]) -> usize {
+        self.labels.get(triangle[0] as usize).map_or(0, |label| *label as usize)
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn weld(mesh: &Mesh, notes: &mut Warnings) -> (Part, UnitCube) {
     let (places, sources) = classes(positions, &sorted(positions, &cube));
     let points = parallel::collect(sources.len(), |i| cube.scaled(positions[sources[i] as usize]));
     let triangles = sound_triangles(mesh.triangles(), &places, notes);
-    (Part { points, sources, triangles }, cube)
+    (Part { points, sources, triangles, labels: Vec::new() }, cube)
 }
 
 /// Returns the place of each vertex: vertices with equal positions have one.

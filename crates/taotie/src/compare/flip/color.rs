@@ -1,14 +1,8 @@
 //! FLIP's colours: the opponent space that the eye's blur acts in, and the distance of two colours.
 
+use crate::compare::lab::{XYZ_FROM_RGB, lab_from_linear, opponent, product};
 use crate::math::srgb::linear_from_srgb;
 use crate::math::{Vec3, scalar};
-
-/// CIE XYZ from linear sRGB, white being (1, 1, 1): each row of the matrix divided by its sum.
-const XYZ_FROM_RGB: [[f64; 3]; 3] = [
-    [10_135_552.0 / 23_359_437.0, 8_788_810.0 / 23_359_437.0, 4_435_075.0 / 23_359_437.0],
-    [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
-    [1_425_312.0 / 80_288_307.0, 8_788_810.0 / 80_288_307.0, 70_074_185.0 / 80_288_307.0],
-];
 
 /// The exponent q_c and the bend (p_c, p_t) of the scale of differences, §4.1.3.
 const EXPONENT: f64 = 0.7;
@@ -49,23 +43,9 @@ pub fn redistributed(difference: f64, largest: f64) -> f64 {
     }
 }
 
-fn opponent(v: Vec3<f64>) -> Vec3<f64> {
-    Vec3::new(116.0 * v.y - 16.0, 500.0 * (v.x - v.y), 200.0 * (v.y - v.z))
-}
-
 fn hunt_lab_from_rgb(linear: Vec3<f64>) -> Vec3<f64> {
-    let lab = opponent(product(&XYZ_FROM_RGB, linear).map(lab_curve));
+    let lab = lab_from_linear(linear);
     Vec3::new(lab.x, 0.01 * lab.x * lab.y, 0.01 * lab.x * lab.z)
-}
-
-/// The cube root of CIELAB with its linear start: ISO 11664-4.
-fn lab_curve(v: f64) -> f64 {
-    const DELTA: f64 = 6.0 / 29.0;
-    if v > DELTA * DELTA * DELTA { scalar::cbrt(v) } else { v / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
-}
-
-fn product(matrix: &[[f64; 3]; 3], v: Vec3<f64>) -> Vec3<f64> {
-    Vec3::from_array(matrix.map(|[a, b, c]| a * v.x + b * v.y + c * v.z))
 }
 
 /// Linear sRGB from XYZ by Cramer's rule.

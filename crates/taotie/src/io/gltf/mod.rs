@@ -15,6 +15,7 @@ mod extensions;
 mod filters;
 mod images;
 mod layers;
+mod levels;
 mod lights;
 mod materials;
 mod meshes;
@@ -47,11 +48,12 @@ use nodes::Nodes;
 use std::path::{Path, PathBuf};
 use textures::{Decoded, Textures};
 
-/// Reads a `.gltf` or `.glb` file with everything it names.
-pub(super) fn read(path: &Path) -> Result<Loaded> {
+/// Reads a `.gltf` or `.glb` file with everything it names, at a level of detail, 0 the finest.
+pub(super) fn read(path: &Path, level: usize) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let document = Document::open(path, &mut warnings)?;
-    let nodes = Nodes::resolve(&document, &mut warnings)?;
+    let nodes = Nodes::resolve(&document, level, &mut warnings)?;
+    let levels = nodes.levels;
     let mut shown = meshes::build(&document, &nodes, &mut warnings)?;
     let (meshes, mut instances) = (std::mem::take(&mut shown.meshes), std::mem::take(&mut shown.instances));
     let (mesh_names, variants) = (std::mem::take(&mut shown.names), std::mem::take(&mut shown.variants));
@@ -81,6 +83,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
         rig,
         moving,
         variants,
+        levels,
         ..Loaded::new(checked(path, scene)?, warnings, document.format)
     })
 }

@@ -1,6 +1,7 @@
 //! The node hierarchy: world matrices, and the nodes that the scene shows.
 
 use super::document::Document;
+use super::levels::Levels;
 use super::reason::no_such;
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
@@ -15,15 +16,20 @@ pub(super) struct Nodes {
     pub world: Vec<Mat4>,
     /// The nodes of the shown scene, parents before children.
     pub shown: Vec<usize>,
+    /// How many levels of detail there are, at least 1.
+    pub levels: usize,
 }
 
 impl Nodes {
-    /// Follows the hierarchy of `document`.
+    /// Follows the hierarchy of `document`, whose nodes are shown at a level of detail, 0 the finest.
     ///
     /// # Errors
-    /// Fails where a node is its own ancestor, a node is named that does not exist, or a transform is not finite.
-    pub fn resolve(document: &Document, warnings: &mut Warnings) -> Result<Self> {
-        let parents = parents(document, warnings)?;
+    /// Fails where a node is its own ancestor, a node is named that does not exist, a transform is not finite, or the
+    /// level is not there.
+    pub fn resolve(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
+        let mut parents = parents(document, warnings)?;
+        let levels = Levels::read(document, level, warnings)?;
+        levels.hang(&mut parents);
         let nodes = (0..parents.len())
             .map(|n| {
                 let local = local_transform(document, n, warnings)?;
@@ -34,8 +40,8 @@ impl Nodes {
             Error::Invalid { what, why } => document.error(what, why),
             other => other,
         })?;
-        let shown = shown(document, &parents)?;
-        Ok(Self { nodes, world, shown })
+        let shown = shown(document, &parents, &levels)?;
+        Ok(Self { nodes, world, shown, levels: levels.count })
     }
 }
 
@@ -99,8 +105,8 @@ fn from_parts(node: &json::Node, warnings: &mut Warnings) -> Transform {
     Transform::parts(translation, rotation, scale)
 }
 
-/// The nodes of the default scene, else of the first, else every tree there is.
-fn shown(document: &Document, parents: &Parents) -> Result<Vec<usize>> {
+/// The nodes of the default scene, else of the first, else every tree there is; at a level of detail its stand-ins.
+fn shown(document: &Document, parents: &Parents, levels: &Levels) -> Result<Vec<usize>> {
     let root = &document.root;
     let scene = root.scene.map_or(0, |s| s.value());
     let mut waiting: Vec<usize> = match root.scenes.get(scene) {
@@ -115,6 +121,7 @@ fn shown(document: &Document, parents: &Parents) -> Result<Vec<usize>> {
     let mut seen = vec![false; parents.len()];
     let mut shown = Vec::new();
     while let Some(node) = waiting.pop() {
+        let node = levels.stand_in(node);
         if std::mem::replace(&mut seen[node], true) {
             continue;
         }

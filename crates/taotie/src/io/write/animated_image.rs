@@ -95,7 +95,7 @@ impl AnimatedImage {
         }
         match &mut self.encoder {
             Encoder::Png(writer) => {
-                let bytes = channels(pixels, if alpha { 4 } else { 3 });
+                let bytes = channels(pixels, alpha);
                 let delay = self.spec.delay(self.added, 1000).min(u64::from(u16::MAX)) as u16;
                 let written =
                     writer.set_frame_delay(delay, 1000).and_then(|()| writer.write_image_data(&bytes));
@@ -200,8 +200,15 @@ fn write_gif_frames(
     frames.iter().try_for_each(|frame| writer.write_lzw_pre_encoded_frame(frame))
 }
 
-fn channels(pixels: &[[u8; 4]], count: usize) -> Vec<u8> {
-    pixels.iter().flat_map(|pixel| &pixel[..count]).copied().collect()
+/// Returns the channels of pixels one after another, with alpha or without.
+fn channels(pixels: &[[u8; 4]], alpha: bool) -> Vec<u8> {
+    if alpha {
+        return pixels.as_flattened().to_vec();
+    }
+    let mut bytes = vec![0; pixels.len() * 3];
+    let (colors, _) = bytes.as_chunks_mut::<3>();
+    colors.iter_mut().zip(pixels).for_each(|(color, [r, g, b, _])| *color = [*r, *g, *b]);
+    bytes
 }
 
 fn png_error(path: &Path, error: png::EncodingError) -> Error {
@@ -256,7 +263,7 @@ mod tests {
             for grey in [20, 120, 220] {
                 let mut bytes = vec![0; 6 * channels];
                 reader.next_frame(&mut bytes).unwrap();
-                assert_eq!(bytes, super::channels(&frame(grey), channels));
+                assert_eq!(bytes, super::channels(&frame(grey), alpha));
                 let control = reader.info().frame_control().unwrap();
                 assert_eq!(control.delay_den, 1000);
                 milliseconds += control.delay_num;

@@ -1,0 +1,97 @@
+//! Levels of detail: a table of their figures, and the view from which each differs most from the scan.
+
+use super::views::{GREY, side};
+use crate::{Cell, Column, Section, View};
+use taotie::Result;
+use taotie::asset::{LevelFigures, Proof, ViewFigures, Views};
+
+/// Makes the table of all levels; `None` where there is one alone.
+pub fn table(levels: &[LevelFigures]) -> Option<Section> {
+    let columns = vec![
+        Column::numbers("level", ""),
+        Column::numbers("triangles", ""),
+        Column::numbers("normal error, mean", "°"),
+        Column::numbers("95 %", "°"),
+        Column::numbers("max", "°"),
+        Column::numbers("without map, mean", "°"),
+        Column::numbers("points with a missed ray", "%"),
+        Column::numbers("points with no hit", "%"),
+        Column::numbers("shape error, largest", "% of the diagonal"),
+        Column::numbers("colour error, mean", "ΔE00"),
+        Column::numbers("FLIP", ""),
+        Column::numbers("SSIM", ""),
+    ];
+    (levels.len() > 1).then(|| Section::Table {
+        title: "Levels of detail".into(),
+        note: "Each level as it was written and read back, against the scan. All show the maps that were baked for \
+               level 0, the finest. FLIP and SSIM are means of all grey views."
+            .into(),
+        columns,
+        rows: levels.iter().enumerate().map(row).collect(),
+    })
+}
+
+fn row((level, figures): (usize, &LevelFigures)) -> Vec<Cell> {
+    let degrees = |value: Option<f64>| Cell::Number { value, digits: 3 };
+    let angles = figures.angles.as_ref();
+    vec![
+        Cell::number(level as f64, 0),
+        Cell::number(figures.triangles as f64, 0),
+        degrees(angles.map(|angles| angles.mean)),
+        degrees(angles.map(|angles| angles.p95)),
+        degrees(angles.map(|angles| angles.max)),
+        degrees(figures.without_map.as_ref().map(|angles| angles.mean)),
+        Cell::number(figures.missed * 100.0, 3),
+        Cell::number(figures.lost * 100.0, 3),
+        Cell::number(figures.hausdorff_of_diagonal * 100.0, 4),
+        Cell::Number { value: figures.material.color.as_ref().map(|color| color.mean), digits: 3 },
+        mean(&figures.views, |view| view.flip),
+        mean(&figures.views, |view| view.ssim),
+    ]
+}
+
+fn mean(views: &[ViewFigures], of: fn(&ViewFigures) -> f64) -> Cell {
+    let sum: f64 = views.iter().map(of).sum();
+    Cell::Number { value: (!views.is_empty()).then(|| sum / views.len() as f64), digits: 4 }
+}
+
+/// Makes a view of each coarser level, from the side where FLIP is largest.
+///
+/// # Errors
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
+pub fn worst_views(proof: &Proof) -> Result<Vec<View>> {
+    let worst = proof.coarser_views.iter().enumerate().map(|(i, shots)| worst_view(i + 1, shots));
+    worst.filter_map(Result::transpose).collect()
+}
+
+fn worst_view(level: usize, shots: &Views) -> Result<Option<View>> {
+    let by_flip = |a: &usize, b: &usize| shots.figures[*a].flip.total_cmp(&shots.figures[*b].flip);
+    let Some(i) = (0..shots.figures.len()).max_by(by_flip) else { return Ok(None) };
+    let view = side(shots, i, &GREY)?;
+    let name = format!("level {level}, {}", view.name);
+    let note = format!("Level of detail {level} from the side where it differs most. {}", view.note);
+    Ok(Some(View { name, note, ..view }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_levels_have_a_row_each() {
+        let level = |triangles: usize| {
+            let mut level = LevelFigures::default();
+            level.triangles = triangles;
+            level.hausdorff_of_diagonal = 0.01;
+            level
+        };
+        assert_eq!(table(&[level(300)]), None, "the other tables tell all of one level");
+        let Some(Section::Table { columns, rows, .. }) = table(&[level(300), level(20)]) else {
+            panic!("two levels are a table")
+        };
+        assert!(rows.len() == 2 && rows.iter().all(|row| row.len() == columns.len()));
+        assert_eq!(rows[1][..2], [Cell::number(1.0, 0), Cell::number(20.0, 0)]);
+        assert_eq!(rows[1][2], Cell::Number { value: None, digits: 3 }, "no angle was measured");
+        assert_eq!(rows[1][8], Cell::number(1.0, 4), "per cent");
+    }
+}

@@ -1,0 +1,145 @@
+//! The figures that a limit can be set for, and their units.
+
+use crate::names::Named;
+
+/// A figure of a proof that a limit can be set for.
+///
+/// ```
+/// use taotie::asset::{Figure, Requirement};
+/// use taotie::names::Named;
+///
+/// let figure = Figure::from_name("p95-angle")?;
+/// assert_eq!("p95-angle=3".parse::<Requirement>()?, Requirement::of(figure, 3.0));
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum Figure {
+    /// The mean angle between normals, degrees; of each level of detail.
+    MeanAngle,
+    /// The angle that 95 % of the points stay below, degrees; of each level.
+    P95Angle,
+    /// The largest angle, degrees; of each level.
+    MaxAngle,
+    /// The mean difference of base colours, CIEDE2000; of each level.
+    MeanColor,
+    /// The difference of base colours that 95 % of the points stay below, CIEDE2000; of each level.
+    P95Color,
+    /// The part of the texels with a ray that missed; of the maps, which all levels share.
+    Missed,
+    /// The largest distance between the surfaces, as a part of the diagonal; of each level.
+    Hausdorff,
+    /// Bytes of the asset with all its files.
+    Bytes,
+}
+
+impl Named for Figure {
+    const WHAT: &'static str = "figure";
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("mean-angle", Self::MeanAngle),
+        ("p95-angle", Self::P95Angle),
+        ("max-angle", Self::MaxAngle),
+        ("mean-color", Self::MeanColor),
+        ("p95-color", Self::P95Color),
+        ("missed", Self::Missed),
+        ("hausdorff", Self::Hausdorff),
+        ("bytes", Self::Bytes),
+    ];
+}
+
+/// A unit that a limit is written in.
+///
+/// ```
+/// use taotie::asset::{Figure, FigureUnit};
+///
+/// let FigureUnit { name, size } = Figure::Missed.unit();
+/// assert_eq!((name, 0.5 * size), ("%", 0.005));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FigureUnit {
+    /// Its symbol.
+    pub name: &'static str,
+    /// Its size in the unit of the figure itself: 1 for degrees and bytes, 0.01 for per cent.
+    pub size: f64,
+}
+
+const fn unit(name: &'static str, size: f64) -> FigureUnit {
+    FigureUnit { name, size }
+}
+
+const DEGREES: &[FigureUnit] = &[unit("°", 1.0), unit("deg", 1.0)];
+const PER_CENT: &[FigureUnit] = &[unit("%", 0.01)];
+const COLOR: &[FigureUnit] = &[unit("ΔE", 1.0), unit("ΔE00", 1.0)];
+const BYTES: &[FigureUnit] = &[
+    unit("B", 1.0),
+    unit("kB", 1e3),
+    unit("MB", 1e6),
+    unit("GB", 1e9),
+    unit("KiB", 1024.0),
+    unit("MiB", 1_048_576.0),
+    unit("GiB", 1_073_741_824.0),
+];
+
+impl Figure {
+    /// Returns the units that its limit may be written in, the first of which a bare number has.
+    pub(super) fn units(self) -> &'static [FigureUnit] {
+        match self {
+            Self::MeanAngle | Self::P95Angle | Self::MaxAngle => DEGREES,
+            Self::MeanColor | Self::P95Color => COLOR,
+            Self::Missed | Self::Hausdorff => PER_CENT,
+            Self::Bytes => BYTES,
+        }
+    }
+
+    /// Returns the unit that it is told in, and that a bare number has: degrees, ΔE, per cent or bytes.
+    pub fn unit(self) -> FigureUnit {
+        self.units()[0]
+    }
+
+    /// Returns `true` where each level of detail has its own, `false` where the whole asset has one.
+    pub fn is_of_level(self) -> bool {
+        !matches!(self, Self::Missed | Self::Bytes)
+    }
+
+    /// Returns a value of the figure in its unit, with five digits.
+    ///
+    /// ```
+    /// use taotie::asset::Figure;
+    ///
+    /// assert_eq!(Figure::MeanAngle.text(1.234567), "1.2346°");
+    /// assert_eq!(Figure::Missed.text(0.001), "0.1 %");
+    /// assert_eq!(Figure::Bytes.text(3_000_000.0), "3000000 B");
+    /// ```
+    pub fn text(self, value: f64) -> String {
+        let FigureUnit { name, size } = self.unit();
+        match self {
+            Self::Bytes => format!("{value:.0} {name}"),
+            Self::Missed | Self::Hausdorff | Self::MeanColor | Self::P95Color => {
+                format!("{} {name}", five_digits(value / size))
+            }
+            Self::MeanAngle | Self::P95Angle | Self::MaxAngle => {
+                format!("{}{name}", five_digits(value / size))
+            }
+        }
+    }
+}
+
+/// Returns a number with five digits and no zeros behind them.
+fn five_digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    rounded.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_told_in_their_unit() {
+        assert_eq!(Figure::Hausdorff.text(0.000_012_345_6), "0.0012346 %");
+        assert_eq!(Figure::Missed.text(0.0), "0 %");
+        assert_eq!(Figure::MaxAngle.text(180.0), "180°");
+        assert_eq!(Figure::MeanColor.text(1.25), "1.25 ΔE");
+        assert_eq!(Figure::Bytes.text(1_234_567.0), "1234567 B");
+    }
+}

@@ -1,0 +1,182 @@
+//! Components simplified one by one, so that none is lost and none is joined to another.
+
+use super::collapse::{Reduced, collapsed, is_too_many};
+use super::components::{self, Components};
+use super::options::{SimplifyMethod, SimplifyOptions};
+use super::part::Part;
+use meshopt::SimplifyOptions as Choices;
+
+/// The least number of triangles that a large component gets: that of a box.
+const LEAST: usize = 12;
+/// A large component gets at least its part of the triangles divided by this.
+const UNEVEN: usize = 2;
+/// A component that is lost or torn gets up to so many times its share.
+const MOST: usize = 8;
+
+/// A component of a part.
+struct Member<'a> {
+    triangles: &'a [[u32; 3]],
+    /// Beside those of the others, its part of the triangles that are left to give.
+    weight: usize,
+}
+
+/// Returns a part of several components with about the wanted number of triangles.
+///
+/// `together` is the same part simplified at once. Where it left a component many triangles, the component needs many,
+/// so shares follow it; small components that are lost there are left out.
+pub(super) fn reduce(
+    part: &Part,
+    components: &Components,
+    together: &Reduced,
+    options: &SimplifyOptions,
+) -> Reduced {
+    let mut sorted = part.triangles.clone();
+    sorted.sort_by_key(|triangle| part.component(triangle));
+    let weights = weights(part, components, &together.triangles, options.triangles);
+    let mut members: Vec<Member<'_>> = sorted
+        .chunk_by(|a, b| part.component(a) == part.component(b))
+        .map(|triangles| Member { triangles, weight: weights[part.component(&triangles[0])] })
+        .filter(|member| member.weight > 0)
+        .collect();
+    // The largest come last and make up for what others took beyond their shares.
+    members.sort_by_key(|member| member.triangles.len());
+    let method = if members.len() < components.len() { SimplifyMethod::Pruned } else { together.method };
+    let mut all = Reduced { triangles: Vec::new(), error: 0.0, method };
+    let mut purse = Purse { triangles: options.triangles, weight: members.iter().map(|m| m.weight).sum() };
+    for member in &members {
+        let found = alone(part, member.triangles, purse.share(member), options);
+        purse.triangles = purse.triangles.saturating_sub(found.triangles.len());
+        purse.weight -= member.weight;
+        all.error = all.error.max(found.error);
+        all.method = all.method.max(found.method);
+        all.triangles.extend(found.triangles);
+    }
+    all
+}
+
+/// Returns the weight of each component, 0 where it is left out.
+fn weights(part: &Part, components: &Components, together: &[[u32; 3]], wanted: usize) -> Vec<usize> {
+    let before = components.counts(part, &part.triangles);
+    let even = |count: usize| count as u128 * wanted as u128 / (UNEVEN * part.triangles.len()).max(1) as u128;
+    let weight = |i: usize, left: usize| match components.large[i] && before[i] > 0 {
+        true => left.max(even(before[i]) as usize).max(1),
+        false => left,
+    };
+    components.counts(part, together).into_iter().enumerate().map(|(i, left)| weight(i, left)).collect()
+}
+
+/// Triangles that are left to give, and the weights of those that wait for them.
+struct Purse {
+    triangles: usize,
+    weight: usize,
+}
+
+/// The number of triangles that a component gets.
+struct Share {
+    triangles: usize,
+    /// No more are given where it is lost or torn.
+    most: usize,
+}
+
+impl Purse {
+    fn share(&self, member: &Member<'_>) -> Share {
+        let own = (self.triangles as u128 * member.weight as u128 / self.weight.max(1) as u128) as usize;
+        let count = member.triangles.len();
+        let triangles = own.max(LEAST).min(count);
+        let most = (MOST * triangles).min(self.triangles / 2).min(count).max(triangles);
+        Share { triangles, most }
+    }
+}
+
+/// Simplifies one component, with more triangles than its share where it is lost or torn.
+fn alone(part: &Part, triangles: &[[u32; 3]], share: Share, options: &SimplifyOptions) -> Reduced {
+    let own = part.extract(triangles);
+    let is_whole = |triangles: &[[u32; 3]]| components::is_connected(triangles, own.points.len());
+    // Blocks may have torn it before, and then more triangles mend nothing.
+    let most = if is_whole(&own.triangles) { share.most } else { share.triangles };
+    let mut count = share.triangles;
+    loop {
+        let found = to(&own, &SimplifyOptions { triangles: count, ..*options });
+        if count >= most || is_whole(&found.triangles) {
+            let in_part = |triangle: &[u32; 3]| triangle.map(|v| own.sources[v as usize]);
+            return Reduced { triangles: found.triangles.iter().map(in_part).collect(), ..found };
+        }
+        count = (2 * count).min(most);
+    }
+}
+
+fn to(own: &Part, options: &SimplifyOptions) -> Reduced {
+    if own.triangles.len() <= options.triangles {
+        return Reduced { triangles: own.triangles.clone(), error: 0.0, method: SimplifyMethod::Collapsed };
+    }
+    let first = collapsed(own, own.triangles.clone(), options, Choices::empty());
+    if !is_too_many(&first, options.triangles) {
+        return first;
+    }
+    let earlier = first.error;
+    let freer = collapsed(own, first.triangles, options, Choices::Permissive);
+    Reduced { error: earlier + freer.error, method: SimplifyMethod::Pruned, ..freer }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::simplify::weld::weld;
+    use crate::error::Warnings;
+    use crate::math::Vec3;
+    use crate::mesh::{Mesh, MeshData};
+
+    /// A large ball, a small one beside it, and a speck.
+    fn balls() -> Part {
+        let mut data = MeshData::default();
+        let mut add = |ball: &Mesh, radius: f32, x: f32| {
+            let first = data.positions.len() as u32;
+            let rounded = |v: f32| (v * 1e5).round() * 1e-5;
+            data.positions.extend(
+                ball.positions().iter().map(|p| p.map(|v| rounded(v) * radius) + Vec3::new(x, 0.0, 0.0)),
+            );
+            data.triangles.extend(ball.triangles().iter().map(|t| t.map(|v| v + first)));
+        };
+        add(&Mesh::sphere(1.0, 60, 30), 1.0, 0.0);
+        add(&Mesh::sphere(1.0, 24, 12), 0.05, 1.5);
+        add(&Mesh::sphere(1.0, 8, 4), 0.001, -1.5);
+        weld(&Mesh::new(data).unwrap(), &mut Warnings::default()).0
+    }
+
+    #[test]
+    fn large_components_come_back_and_specks_do_not() {
+        let mut part = balls();
+        let components = Components::of(&mut part);
+        let before = components.counts(&part, &part.triangles);
+        let mut order: Vec<usize> = (0..3).collect();
+        order.sort_by_key(|i| before[*i]);
+        let [speck, small, ball] = [order[0], order[1], order[2]];
+        assert_eq!([speck, small, ball].map(|i| components.large[i]), [false, true, true]);
+        let options = SimplifyOptions { triangles: 400, ..SimplifyOptions::default() };
+        let nothing = Reduced { triangles: Vec::new(), error: 0.0, method: SimplifyMethod::Collapsed };
+        let found = reduce(&part, &components, &nothing, &options);
+        let counts = components.counts(&part, &found.triangles);
+        assert_eq!((counts[speck], found.method), (0, SimplifyMethod::Pruned));
+        assert!(counts[small] >= LEAST && counts[ball] > 4 * counts[small], "{counts:?}");
+        assert!(counts.iter().sum::<usize>().abs_diff(400) <= 8, "{counts:?}");
+        let fate = components.fate(&part, &found.triangles);
+        assert_eq!((fate.lost, fate.lost_large, fate.torn), (1, 0, 0));
+    }
+
+    #[test]
+    fn no_triangle_joins_two_components() {
+        let mut part = balls();
+        let components = Components::of(&mut part);
+        for triangles in [20, 60, 1000] {
+            let options = SimplifyOptions { triangles, ..SimplifyOptions::default() };
+            let as_it_was =
+                Reduced { triangles: part.triangles.clone(), error: 0.0, method: SimplifyMethod::Collapsed };
+            let found = reduce(&part, &components, &as_it_was, &options);
+            for triangle in &found.triangles {
+                let [a, b, c] = triangle.map(|v| part.labels[v as usize]);
+                assert!(a == b && b == c, "{triangle:?}");
+            }
+            assert_eq!(components.fate(&part, &found.triangles).lost_large, 0, "{triangles}");
+        }
+    }
+}

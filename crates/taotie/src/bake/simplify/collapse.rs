@@ -1,0 +1,95 @@
+//! Edges collapsed, all triangles at once.
+
+use super::options::{SimplifyMethod, SimplifyOptions};
+use super::part::{Part, adapter, triples};
+use crate::math::Vec3;
+use meshopt::SimplifyOptions as Choices;
+
+/// The largest difference between the number of triangles and the wanted one, as a part of the wanted one.
+const NEAR: f64 = 0.02;
+/// The largest part that may be left out, as a part of the whole.
+const LARGEST_LEFT_OUT: f32 = 0.05;
+
+/// Fewer triangles of a part.
+pub(super) struct Reduced {
+    pub triangles: Vec<[u32; 3]>,
+    /// In parts of the unit cube.
+    pub error: f32,
+    pub method: SimplifyMethod,
+}
+
+/// Returns `true` where a number of triangles is the wanted one, or nearly.
+pub(in crate::bake) fn is_near(found: usize, wanted: usize) -> bool {
+    found.abs_diff(wanted) as f64 <= (NEAR * wanted as f64).max(1.0)
+}
+
+/// Returns `true` where more triangles are left than were wanted, and not nearly as many.
+pub(super) fn is_too_many(reduced: &Reduced, wanted: usize) -> bool {
+    reduced.triangles.len() > wanted && !is_near(reduced.triangles.len(), wanted)
+}
+
+/// Returns the collapsed part: where many triangles meet in an edge, a collapse takes more than was asked for; then it
+/// is asked for less.
+pub(super) fn collapsed_exactly(part: &Part, options: &SimplifyOptions) -> Reduced {
+    let collapsed_to = |triangles: usize| {
+        let options = SimplifyOptions { triangles, ..*options };
+        collapsed(part, part.triangles.clone(), &options, Choices::empty())
+    };
+    let wanted = options.triangles;
+    let first = collapsed_to(wanted);
+    let found = first.triangles.len();
+    if found > wanted || is_near(found, wanted) {
+        return first;
+    }
+    let second = collapsed_to(wanted + (wanted - found));
+    if is_near(second.triangles.len(), wanted) { second } else { first }
+}
+
+/// Collapses edges of some triangles on the points of the part.
+pub(super) fn collapsed(
+    part: &Part,
+    triangles: Vec<[u32; 3]>,
+    options: &SimplifyOptions,
+    more: Choices,
+) -> Reduced {
+    let pruning = more.contains(Choices::Prune);
+    let limit = if pruning { LARGEST_LEFT_OUT } else { f32::MAX };
+    let normals = if options.normal_weight > 0.0 { normals(part, &triangles) } else { Vec::new() };
+    let weights = vec![options.normal_weight; if normals.is_empty() { 0 } else { 3 }];
+    let (mut error, unlocked) = (0.0, vec![false; part.points.len()]);
+    let corners = meshopt::simplify_with_attributes_and_locks(
+        triangles.as_flattened(),
+        &adapter(&part.points),
+        normals.as_flattened(),
+        &weights,
+        size_of_val(weights.as_slice()),
+        &unlocked,
+        3 * options.triangles.min(triangles.len()),
+        limit,
+        more | Choices::ErrorAbsolute,
+        Some(&mut error),
+    );
+    Reduced { triangles: triples(corners), error, method: SimplifyMethod::Collapsed }
+}
+
+/// Goes on from where collapses ended, across places where many triangles meet, and without the smallest parts.
+pub(super) fn pruned(part: &Part, from: Reduced, options: &SimplifyOptions) -> Reduced {
+    let earlier = from.error;
+    let free = collapsed(part, from.triangles, options, Choices::Permissive);
+    let Reduced { triangles, error, .. } = match is_too_many(&free, options.triangles) {
+        true => collapsed(part, free.triangles, options, Choices::Permissive | Choices::Prune),
+        false => free,
+    };
+    Reduced { triangles, error: earlier + error, method: SimplifyMethod::Pruned }
+}
+
+/// Returns one normal a point, weighted by the triangles' areas.
+fn normals(part: &Part, triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
+    let mut sums = vec![Vec3::splat(0.0f32); part.points.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|v| Vec3::from_array(part.points[v as usize]));
+        let doubled_area = (b - a).cross(c - a);
+        triangle.iter().for_each(|v| sums[*v as usize] += doubled_area);
+    }
+    sums.into_iter().map(|sum| sum.normalize_or(Vec3::splat(0.0)).to_array()).collect()
+}

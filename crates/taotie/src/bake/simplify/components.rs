@@ -1,0 +1,209 @@
+//! Connected parts of a surface: triangles that share a vertex belong to one.
+
+use super::part::Part;
+use crate::math::Vec3;
+
+/// Stands for the component of a point without triangles.
+const NONE: u32 = u32::MAX;
+/// A component is large from this part of the whole area on, or from this part of the whole's diagonal on.
+const LARGE_AREA: f64 = 0.005;
+const LARGE_DIAGONAL: f64 = 0.02;
+/// A component of fewer triangles cannot lose any and stay what it is.
+const LEAST: usize = 8;
+
+/// The components of a surface, by their numbers.
+pub(super) struct Components {
+    /// Whether each is so large that it must not be lost; at least one.
+    pub large: Vec<bool>,
+}
+
+/// The fate of components: each is counted once.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Fate {
+    /// Components without any triangle left.
+    pub lost: usize,
+    /// Large ones among them.
+    pub lost_large: usize,
+    /// Large ones that came apart.
+    pub torn: usize,
+}
+
+impl Components {
+    /// Finds the components of a part, and marks its points.
+    pub fn of(part: &mut Part) -> Self {
+        let (labels, count) = labels(&part.triangles, part.points.len());
+        if count < 2 {
+            return Self { large: vec![true] };
+        }
+        part.labels = labels;
+        Self { large: large(part, count) }
+    }
+
+    /// Returns the number of components.
+    pub fn len(&self) -> usize {
+        self.large.len()
+    }
+
+    /// Returns how many of some triangles on the points of a part each component has.
+    pub fn counts(&self, part: &Part, triangles: &[[u32; 3]]) -> Vec<usize> {
+        let mut counts = vec![0; self.len()];
+        triangles.iter().for_each(|triangle| counts[part.component(triangle)] += 1);
+        counts
+    }
+
+    /// Returns the fate of the components in some triangles on the points of a part.
+    pub fn fate(&self, part: &Part, triangles: &[[u32; 3]]) -> Fate {
+        let (pieces, count) = labels(triangles, part.points.len());
+        let mut seen = vec![false; count];
+        let mut counts = vec![0; self.len()];
+        for triangle in triangles {
+            let piece = pieces[triangle[0] as usize] as usize;
+            counts[part.component(triangle)] += usize::from(!seen[piece]);
+            seen[piece] = true;
+        }
+        let mut fate = Fate::default();
+        for (count, large) in counts.into_iter().zip(&self.large) {
+            fate.lost += usize::from(count == 0);
+            fate.lost_large += usize::from(count == 0 && *large);
+            fate.torn += usize::from(count > 1 && *large);
+        }
+        fate
+    }
+
+    /// Returns `true` where most triangles belong to components that cannot lose any.
+    pub fn are_soup(&self, part: &Part) -> bool {
+        let counts = self.counts(part, &part.triangles);
+        counts.iter().filter(|count| **count < LEAST).sum::<usize>() * 2 > part.triangles.len()
+    }
+}
+
+/// Returns `true` where triangles hang together.
+pub(super) fn is_connected(triangles: &[[u32; 3]], points: usize) -> bool {
+    labels(triangles, points).1 == 1
+}
+
+/// Returns the component of each point in the order of first points, [`NONE`] without triangles, and their number.
+fn labels(triangles: &[[u32; 3]], points: usize) -> (Vec<u32>, usize) {
+    let mut parents: Vec<u32> = (0..points as u32).collect();
+    let mut used = vec![false; points];
+    for [a, b, c] in triangles {
+        join(&mut parents, *a, *b);
+        join(&mut parents, *b, *c);
+    }
+    triangles.as_flattened().iter().for_each(|v| used[*v as usize] = true);
+    // A component's first point comes before all others.
+    for v in 0..points {
+        parents[v] = parents[parents[v] as usize];
+    }
+    let mut count = 0;
+    for (v, used) in used.into_iter().enumerate() {
+        if parents[v] != v as u32 {
+            parents[v] = parents[parents[v] as usize];
+        } else if used {
+            parents[v] = count;
+            count += 1;
+        } else {
+            parents[v] = NONE;
+        }
+    }
+    (parents, count as usize)
+}
+
+/// Joins two components under the first point of both.
+fn join(parents: &mut [u32], one: u32, other: u32) {
+    let [a, b] = [one, other].map(|v| root(parents, v));
+    parents[a.max(b) as usize] = a.min(b);
+}
+
+/// Returns the first point of a component, and halves the way there.
+fn root(parents: &mut [u32], mut v: u32) -> u32 {
+    while parents[v as usize] != v {
+        parents[v as usize] = parents[parents[v as usize] as usize];
+        v = parents[v as usize];
+    }
+    v
+}
+
+/// The size of a component.
+#[derive(Clone, Copy)]
+struct Size {
+    area: f64,
+    least: [f32; 3],
+    most: [f32; 3],
+}
+
+impl Size {
+    const NOTHING: Self = Self { area: 0.0, least: [f32::INFINITY; 3], most: [f32::NEG_INFINITY; 3] };
+
+    fn add(&mut self, corners: [[f32; 3]; 3]) {
+        let [a, b, c] = corners.map(|p| Vec3::from_array(p).to_f64());
+        self.area += (b - a).cross(c - a).length() * 0.5;
+        for corner in corners {
+            for (k, v) in corner.into_iter().enumerate() {
+                self.least[k] = self.least[k].min(v);
+                self.most[k] = self.most[k].max(v);
+            }
+        }
+    }
+
+    fn diagonal(&self) -> f64 {
+        (Vec3::from_array(self.most).to_f64() - Vec3::from_array(self.least).to_f64()).length()
+    }
+}
+
+fn large(part: &Part, count: usize) -> Vec<bool> {
+    let mut sizes = vec![Size::NOTHING; count];
+    let mut whole = Size::NOTHING;
+    for triangle in &part.triangles {
+        let corners = triangle.map(|v| part.points[v as usize]);
+        sizes[part.component(triangle)].add(corners);
+        whole.add(corners);
+    }
+    let (area, diagonal) = (whole.area * LARGE_AREA, whole.diagonal() * LARGE_DIAGONAL);
+    sizes.into_iter().map(|size| size.area > area || size.diagonal() > diagonal).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two squares of two triangles, a speck, and a point that no triangle has.
+    fn part() -> Part {
+        let square = |x: f32| [[x, 0.0, 0.0], [x + 0.4, 0.0, 0.0], [x + 0.4, 0.4, 0.0], [x, 0.4, 0.0]];
+        let mut points = vec![[0.9, 0.9, 0.9]];
+        points.extend(square(0.0).into_iter().chain(square(0.6)));
+        points.extend([[0.5, 0.5, 0.0], [0.501, 0.5, 0.0], [0.5, 0.501, 0.0]]);
+        let triangles = vec![[5, 6, 7], [5, 7, 8], [1, 2, 3], [1, 3, 4], [9, 10, 11]];
+        Part { sources: (0..points.len() as u32).collect(), points, triangles, labels: Vec::new() }
+    }
+
+    #[test]
+    fn components_are_numbered_and_weighed() {
+        let mut part = part();
+        let components = Components::of(&mut part);
+        assert_eq!(part.labels, [NONE, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2]);
+        assert_eq!(components.large, [true, true, false]);
+        assert_eq!(components.counts(&part, &part.triangles), [2, 2, 1]);
+        assert!(components.are_soup(&part));
+    }
+
+    #[test]
+    fn what_is_lost_or_torn_is_counted() {
+        let mut part = part();
+        let components = Components::of(&mut part);
+        let fate = |triangles: &[[u32; 3]]| components.fate(&part, triangles);
+        assert_eq!(fate(&part.triangles), Fate::default());
+        assert_eq!(fate(&[[1, 2, 3], [5, 6, 7]]), Fate { lost: 1, ..Fate::default() });
+        assert_eq!(fate(&[[1, 2, 3]]), Fate { lost: 2, lost_large: 1, torn: 0 });
+        assert_eq!(fate(&[]), Fate { lost: 3, lost_large: 2, torn: 0 });
+    }
+
+    #[test]
+    fn one_component_is_not_marked() {
+        let mut part = Part { triangles: vec![[5, 6, 7], [5, 7, 8]], ..part() };
+        assert_eq!(Components::of(&mut part).large, [true]);
+        assert!(part.labels.is_empty());
+        assert!(is_connected(&part.triangles, part.points.len()));
+        assert!(!is_connected(&[[1, 2, 3], [5, 6, 7]], part.points.len()) && !is_connected(&[], 3));
+    }
+}

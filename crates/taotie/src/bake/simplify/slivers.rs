@@ -1,0 +1,210 @@
+//! Slivers of a simplified surface, mended: triangles so thin that their normals are rounding and their uvs a line.
+//!
+//! A cap has a corner near the middle of its longest edge: that edge is flipped, or the cap taken off where no other
+//! triangle has the edge. A needle has one short edge, which is collapsed. Nothing is done that bends the surface, makes
+//! another sliver as thin, or changes what hangs together; so a wire keeps its long triangles.
+
+use super::fan::{Fans, Shape};
+use crate::math::Vec3;
+
+/// A sliver is lower than this part of its longest edge.
+const THIN: f64 = 1e-3;
+/// Rounds, since one sliver may stand in the way of another.
+const ROUNDS: usize = 4;
+/// Where more than one triangle of so many is a sliver, the surface itself is as thin.
+const OF_MANY: usize = 2;
+/// A flip makes the thinner triangle higher by this factor, so that none is flipped to and fro.
+const BETTER: f64 = 1.1;
+/// Below this height, in parts of the unit cube, a normal is rounding.
+const ROUNDING: f64 = 1e-6;
+/// The least cosine between normals before and after: that of 20°.
+const STEADY: f64 = 0.94;
+
+/// Returns the triangles with fewer slivers; as they are where there is none.
+pub(super) fn mended(points: &[[f32; 3]], mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    for round in 0..ROUNDS {
+        let slivers = slivers(points, &triangles);
+        if slivers.is_empty() || round == 0 && slivers.len() * OF_MANY > triangles.len() {
+            break;
+        }
+        let mut mender = Mender { fans: Fans::new(points, triangles), changed: false };
+        slivers.iter().for_each(|t| mender.mend(*t));
+        let changed = mender.changed;
+        triangles = mender.fans.into_triangles();
+        if !changed {
+            break;
+        }
+    }
+    triangles
+}
+
+/// Returns the triangles that are slivers.
+fn slivers(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<usize> {
+    (0..triangles.len()).filter(|t| Shape::of(points, triangles[*t]).height() < THIN).collect()
+}
+
+/// The surface as slivers are mended one after the other.
+struct Mender<'a> {
+    fans: Fans<'a>,
+    changed: bool,
+}
+
+impl Mender<'_> {
+    fn mend(&mut self, t: usize) {
+        if !self.fans.is_touched(t) {
+            self.changed |= self.flip(t) || self.collapse(t);
+        }
+    }
+
+    /// Flips the longest edge of a triangle, or takes the triangle off where no other has that edge.
+    fn flip(&mut self, t: usize) -> bool {
+        let [a, b, c] = self.fans.longest_first(t);
+        if !self.fans.are_untouched(&[a, b, c]) {
+            return false;
+        }
+        match self.fans.at_edge(a, b)[..] {
+            [_] => self.take_off(t, [a, b, c]),
+            [one, other] => self.flip_between(t, one + other - t),
+            _ => false,
+        }
+    }
+
+    /// Takes a triangle off whose other edges belong to one more triangle each.
+    fn take_off(&mut self, t: usize, [a, b, c]: [u32; 3]) -> bool {
+        let is_inner = |a: u32, b: u32| self.fans.at_edge(a, b).len() == 2;
+        let is_possible = is_inner(b, c) && is_inner(c, a);
+        if is_possible {
+            self.fans.remove(t);
+        }
+        is_possible
+    }
+
+    fn flip_between(&mut self, t: usize, beside: usize) -> bool {
+        let [a, b, c] = self.fans.longest_first(t);
+        // The triangle beside runs along the edge the other way.
+        let Some(d) = self.fans.opposite(beside, b, a) else { return false };
+        if c == d || !self.fans.are_untouched(&[d]) || !self.fans.at_edge(c, d).is_empty() {
+            return false;
+        }
+        let [old, new] = [[[a, b, c], [b, a, d]], [[a, d, c], [d, b, c]]]
+            .map(|pair| pair.map(|triangle| Shape::of(self.fans.points(), triangle)));
+        let normal = old[0].vector + old[1].vector;
+        let thinnest = |pair: &[Shape; 2]| pair[0].height().min(pair[1].height());
+        let is_possible =
+            thinnest(&new) > BETTER * thinnest(&old) && new.iter().all(|shape| shape.cosine(normal) > STEADY);
+        if is_possible {
+            self.fans.replace(t, [a, d, c]);
+            self.fans.replace(beside, [d, b, c]);
+        }
+        is_possible
+    }
+
+    /// Collapses the shortest edge of a triangle, whichever way the triangles around become less thin.
+    fn collapse(&mut self, t: usize) -> bool {
+        let [a, b, _] = self.fans.shortest_first(t);
+        if !self.fans.are_untouched(&[a, b]) || !self.fans.can_collapse(a, b) {
+            return false;
+        }
+        let [to_a, to_b] = [self.thinnest_after(b, a), self.thinnest_after(a, b)];
+        let (from, to) = if to_b > to_a { (a, b) } else { (b, a) };
+        let is_possible = to_a.max(to_b) > 0.0;
+        if is_possible {
+            self.fans.collapse(from, to);
+        }
+        is_possible
+    }
+
+    /// Returns the height of the thinnest triangle after a vertex was moved to another one; 0 where it must not be.
+    fn thinnest_after(&self, from: u32, to: u32) -> f64 {
+        let on_border = self.fans.is_on_border(from);
+        if on_border && self.fans.at_edge(from, to).len() != 1 {
+            return 0.0;
+        }
+        let moved = self.fans.moved(from, to);
+        let whole = moved.iter().fold(Vec3::<f64>::splat(0.0), |sum, [old, _]| sum + old.vector);
+        let after = |[old, new]: &[Shape; 2]| {
+            let direction = if old.altitude() > ROUNDING { old.vector } else { whole };
+            let is_possible = new.cosine(direction) > STEADY && new.height() >= old.height().min(THIN);
+            if is_possible { new.height() } else { 0.0 }
+        };
+        moved.iter().map(after).reduce(f64::min).unwrap_or(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn thin(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> usize {
+        slivers(points, triangles).len()
+    }
+
+    /// The corners of a square, and points in it.
+    fn around(inner: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        corners.into_iter().chain(inner.iter().copied()).collect()
+    }
+
+    fn area(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> f64 {
+        triangles.iter().map(|t| Shape::of(points, *t).vector.length() * 0.5).sum()
+    }
+
+    /// Two triangles and between them a cap, whose corner lies beside the middle of the diagonal.
+    #[test]
+    fn a_cap_is_flipped() {
+        let points = around(&[[0.5, 0.50001, 0.0]]);
+        let triangles = vec![[0, 1, 2], [0, 2, 4], [2, 3, 4], [3, 0, 4]];
+        assert_eq!(thin(&points, &triangles), 1);
+        let found = mended(&points, triangles.clone());
+        assert_eq!((found.len(), thin(&points, &found)), (4, 0), "{found:?}");
+        assert!((area(&points, &found) - area(&points, &triangles)).abs() < 1e-9);
+        assert_eq!(mended(&points, found.clone()), found, "nothing is left to mend");
+    }
+
+    #[test]
+    fn a_cap_at_the_border_is_taken_off() {
+        let points = around(&[[0.5, 0.00001, 0.0]]);
+        let triangles = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+        let found = mended(&points, triangles);
+        assert_eq!(found, [[1, 2, 4], [2, 3, 4], [3, 0, 4]]);
+    }
+
+    /// Two points beside one another in the middle.
+    #[test]
+    fn a_needle_is_collapsed() {
+        let points = around(&[[0.5, 0.5, 0.0], [0.5002, 0.5001, 0.0]]);
+        let triangles = vec![[0, 1, 4], [1, 5, 4], [1, 2, 5], [2, 3, 5], [3, 4, 5], [3, 0, 4]];
+        assert_eq!(thin(&points, &triangles), 2);
+        let found = mended(&points, triangles);
+        assert_eq!((found.len(), thin(&points, &found)), (4, 0), "{found:?}");
+        assert!((area(&points, &found) - 1.0).abs() < 1e-9);
+    }
+
+    /// A wire of three sides: long triangles whose short edges are all that it is wide.
+    #[test]
+    fn a_wire_stays() {
+        let ring = |x: f32| [[x, 0.0, 0.0], [x, 4e-4, 0.0], [x, 0.0, 4e-4]];
+        let points: Vec<[f32; 3]> = ring(0.0).into_iter().chain(ring(1.0)).collect();
+        let mut triangles = Vec::new();
+        for i in 0..3 {
+            let j = (i + 1) % 3;
+            triangles.extend([[i, i + 3, j], [j, i + 3, j + 3]]);
+        }
+        let mut mender = Mender { fans: Fans::new(&points, triangles.clone()), changed: false };
+        assert_eq!(thin(&points, &triangles), 6);
+        (0..6).for_each(|t| mender.mend(t));
+        assert!(!mender.changed);
+        assert_eq!(mended(&points, triangles.clone()), triangles);
+    }
+
+    /// What has nothing but a sliver, or hangs together by it, stays.
+    #[test]
+    fn nothing_vanishes() {
+        let points = around(&[[0.5, 1e-5, 0.0], [1e-5, 0.0, 0.0]]);
+        for triangle in [[0, 1, 4], [0, 5, 2]] {
+            let mut mender = Mender { fans: Fans::new(&points, vec![triangle]), changed: false };
+            mender.mend(0);
+            assert_eq!(mender.fans.into_triangles(), [triangle]);
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Levels of detail (MSFT_lod): the nodes that stand in for others where these are shown coarser.
+
+use super::document::Document;
+use crate::error::{Result, Warnings};
+use gltf::json::Value;
+
+const NAME: &str = "MSFT_lod";
+
+/// The nodes that are shown at one level of detail.
+pub(super) struct Levels {
+    /// The number of levels of the file, at least 1.
+    pub count: usize,
+    /// The node that is shown in place of each.
+    stand_ins: Vec<usize>,
+}
+
+impl Levels {
+    /// Chooses a level, 0 the finest. A node with fewer levels shows its coarsest; what is no node is left out with a
+    /// warning.
+    ///
+    /// # Errors
+    /// Fails where no node has so many levels.
+    pub fn read(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
+        let lists: Vec<Vec<usize>> =
+            (0..document.root.nodes.len()).map(|node| coarser(document, node, warnings)).collect();
+        let count = 1 + lists.iter().map(Vec::len).max().unwrap_or(0);
+        if level >= count {
+            let why = format!("there are {count}, and no level {level}");
+            return Err(document.error("levels of detail", why));
+        }
+        let stand_in = |(node, coarser): (usize, &Vec<usize>)| match level.min(coarser.len()) {
+            0 => node,
+            level => coarser[level - 1],
+        };
+        Ok(Self { count, stand_ins: lists.iter().enumerate().map(stand_in).collect() })
+    }
+
+    /// Returns the node that is shown in place of `node`.
+    pub fn stand_in(&self, node: usize) -> usize {
+        self.stand_ins[node]
+    }
+
+    /// Gives each stand-in the parent of the node that it stands in for.
+    pub fn hang(&self, parents: &mut [Option<usize>]) {
+        for (node, stand_in) in self.stand_ins.iter().enumerate() {
+            if *stand_in != node {
+                parents[*stand_in] = parents[node];
+            }
+        }
+    }
+}
+
+/// Returns the stand-ins of a node that exist, the finest first.
+fn coarser(document: &Document, node: usize, warnings: &mut Warnings) -> Vec<usize> {
+    let nodes = &document.root.nodes;
+    let extension = nodes[node].extensions.as_ref().and_then(|extensions| extensions.others.get(NAME));
+    let ids = extension.and_then(|extension| extension.get("ids")).and_then(Value::as_array);
+    let ids = ids.map_or(&[][..], Vec::as_slice);
+    let named = |id: &Value| Some(id.as_u64()? as usize).filter(|id| *id < nodes.len());
+    let found: Vec<usize> = ids.iter().filter_map(named).collect();
+    warnings.note("levels of detail that are no nodes; left out", ids.len() - found.len());
+    found
+}

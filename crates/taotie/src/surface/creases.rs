@@ -1,0 +1,368 @@
+//! Normals that part at a position where one for all facets would turn some facet away from it.
+
+use super::angles::{corner_angles, unit};
+use super::normals::{facet_normal, with_normals};
+use super::weld;
+use crate::error::Result;
+use crate::math::Vec3;
+use crate::mesh::{Mesh, MeshData};
+use crate::parallel;
+use std::collections::BTreeMap;
+
+/// The least cosine between a facet and the normals at its corners.
+const LEAST: f64 = 0.1;
+/// The least cosine between neighbours of one fan: that of about 73°.
+const SMOOTH: f64 = 0.3;
+/// The least cosine between a cone's axis and its facets: that of 40°. Two of them part by 80° at most, so the mean
+/// of all has a cosine of 0.17 or more to each, above [`LEAST`].
+const CONE: f64 = 0.767;
+/// Each facet at an edge is compared with so many after it, so that an edge of many facets does not take long.
+const COMPARED: usize = 8;
+
+/// Returns the mesh with normals from which no facet turns away: every facet with an area has a cosine of at least 0.1
+/// to the normals at its corners.
+///
+/// Where one does not, the facets around that position are sorted into fans over edges of less than 73°, and each fan
+/// takes the mean of its facets, weighted by their angles. A fan that winds back on itself is sorted into cones of
+/// 40° instead. Vertices are split where fans part; the copies stand behind all others, and triangles keep their
+/// order. Elsewhere not a bit changes. Normals that are lacking are [`vertex_normals`](super::vertex_normals).
+/// Tangents are left out where a normal changed.
+///
+/// # Errors
+/// None can happen to a mesh that was checked.
+pub fn creased(mesh: &Mesh) -> Result<Mesh> {
+    let mesh = with_normals(mesh)?.into_owned();
+    let turned = turned_facets(&mesh);
+    if turned.is_empty() {
+        return Ok(mesh);
+    }
+    let places = weld::by_position(mesh.positions()).of;
+    let corners = corners_at_creases(&mesh, &places, &turned);
+    let mut splitter = Splitter { data: mesh.clone().into_data(), numbers: BTreeMap::new() };
+    splitter.data.tangents = Vec::new();
+    for around in corners.chunk_by(|a, b| a.place == b.place) {
+        let spot = Spot { mesh: &mesh, places: &places, around };
+        for (corner, (group, normal)) in around.iter().zip(spot.normals()) {
+            splitter.set(corner, group, normal);
+        }
+    }
+    Mesh::new(splitter.data)
+}
+
+/// Returns `true` where some facet turns away from a normal at its corners, as none of a [`creased`] mesh does.
+pub(crate) fn has_turned_facets(mesh: &Mesh) -> bool {
+    !mesh.normals().is_empty() && parallel::first(mesh.triangles().len(), |t| is_turned(mesh, t)).is_some()
+}
+
+fn turned_facets(mesh: &Mesh) -> Vec<usize> {
+    parallel::filter(mesh.triangles().len(), |t| is_turned(mesh, t))
+}
+
+fn is_turned(mesh: &Mesh, t: usize) -> bool {
+    (0..3).any(|k| is_turned_at(mesh, t, k))
+}
+
+fn is_turned_at(mesh: &Mesh, t: usize, k: usize) -> bool {
+    let normal = mesh.normals()[mesh.triangles()[t][k] as usize];
+    facet_normal(mesh.corners(t)).is_some_and(|facet| facet.to_f64().dot(normal.to_f64()) < LEAST)
+}
+
+/// A corner of a triangle.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Corner {
+    /// Vertices at one position have one.
+    place: u32,
+    triangle: u32,
+    /// 0 to 2.
+    number: u8,
+}
+
+/// Returns all corners at the places where a facet turns away, sorted.
+fn corners_at_creases(mesh: &Mesh, places: &[u32], turned: &[usize]) -> Vec<Corner> {
+    let mut is_crease = vec![false; mesh.positions().len()];
+    for t in turned {
+        for k in (0..3).filter(|k| is_turned_at(mesh, *t, *k)) {
+            is_crease[places[mesh.triangles()[*t][k] as usize] as usize] = true;
+        }
+    }
+    let mut corners = Vec::new();
+    for (triangle, vertices) in (0u32..).zip(mesh.triangles()) {
+        for (number, vertex) in (0u8..).zip(vertices) {
+            let place = places[*vertex as usize];
+            if is_crease[place as usize] {
+                corners.push(Corner { place, triangle, number });
+            }
+        }
+    }
+    corners.sort_unstable();
+    corners
+}
+
+/// A position with all corners around it.
+struct Spot<'a> {
+    mesh: &'a Mesh,
+    places: &'a [u32],
+    around: &'a [Corner],
+}
+
+/// What a corner adds to the normal of its group.
+#[derive(Clone, Copy)]
+struct Part {
+    /// Unit.
+    facet: Vec3<f64>,
+    /// Radians.
+    angle: f64,
+}
+
+impl Spot<'_> {
+    /// Returns the group of each corner and the group's normal. Facets without area keep the normal that they had.
+    fn normals(&self) -> Vec<(u32, Vec3)> {
+        let parts: Vec<Option<Part>> = self.around.iter().map(|corner| self.part(corner)).collect();
+        let groups = self.groups(&parts);
+        let mut sums = vec![Vec3::<f64>::splat(0.0); self.around.len()];
+        for (part, group) in parts.iter().zip(&groups) {
+            sums[*group as usize] += part.map_or(Vec3::splat(0.0), |part| part.facet * part.angle);
+        }
+        let old = |i: usize| self.mesh.normals()[self.vertex(&self.around[i]) as usize];
+        let normal = |i: usize| match (unit(sums[groups[i] as usize]), parts[groups[i] as usize]) {
+            (Some(mean), _) => mean.to_f32(),
+            (None, Some(first)) => first.facet.to_f32(),
+            (None, None) => old(i),
+        };
+        (0..groups.len()).map(|i| (groups[i], normal(i))).collect()
+    }
+
+    fn vertex(&self, corner: &Corner) -> u32 {
+        self.mesh.triangles()[corner.triangle as usize][usize::from(corner.number)]
+    }
+
+    fn part(&self, corner: &Corner) -> Option<Part> {
+        let corners = self.mesh.corners(corner.triangle as usize).map(Vec3::to_f64);
+        let [a, b, c] = corners;
+        let facet = unit((b - a).cross(c - a))?;
+        Some(Part { facet, angle: corner_angles(corners)[usize::from(corner.number)] })
+    }
+
+    /// Returns the group of each corner, named by one of its corners.
+    fn groups(&self, parts: &[Option<Part>]) -> Vec<u32> {
+        let mut groups = self.fans(parts);
+        for fan in members(&groups) {
+            if winds_back(&fan, parts) {
+                sort_into_cones(fan, parts, &mut groups);
+            }
+        }
+        groups
+    }
+
+    /// Returns for each corner the first one of its fan.
+    fn fans(&self, parts: &[Option<Part>]) -> Vec<u32> {
+        let mut fans: Vec<u32> = (0..self.around.len() as u32).collect();
+        let edges = self.edges();
+        for edge in edges.chunk_by(|a, b| a.0 == b.0) {
+            for (i, (_, one)) in edge.iter().enumerate() {
+                for (_, other) in edge[i + 1..].iter().take(COMPARED) {
+                    if is_smooth(parts[*one as usize], parts[*other as usize]) {
+                        join(&mut fans, *one, *other);
+                    }
+                }
+            }
+        }
+        // A fan's first corner comes before all others, which lead to it by now.
+        for i in 0..fans.len() {
+            fans[i] = fans[fans[i] as usize];
+        }
+        fans
+    }
+
+    /// Returns the edges that end here: the place at their other end and a corner beside them, sorted.
+    fn edges(&self) -> Vec<(u32, u32)> {
+        let mut edges = Vec::with_capacity(2 * self.around.len());
+        for (i, corner) in (0u32..).zip(self.around) {
+            let vertices = self.mesh.triangles()[corner.triangle as usize];
+            for step in [1, 2] {
+                edges.push((self.places[vertices[(usize::from(corner.number) + step) % 3] as usize], i));
+            }
+        }
+        edges.sort_unstable();
+        edges
+    }
+}
+
+fn is_smooth(one: Option<Part>, other: Option<Part>) -> bool {
+    one.zip(other).is_some_and(|(one, other)| one.facet.dot(other.facet) > SMOOTH)
+}
+
+/// Joins the fans of two corners under the first corner of both.
+fn join(fans: &mut [u32], one: u32, other: u32) {
+    let [a, b] = [one, other].map(|i| root(fans, i));
+    fans[a.max(b) as usize] = a.min(b);
+}
+
+/// Returns the first corner of a fan, and halves the way there.
+fn root(fans: &mut [u32], mut i: u32) -> u32 {
+    while fans[i as usize] != i {
+        fans[i as usize] = fans[fans[i as usize] as usize];
+        i = fans[i as usize];
+    }
+    i
+}
+
+/// Returns the corners of each group that has more than one.
+fn members(groups: &[u32]) -> Vec<Vec<u32>> {
+    let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (i, group) in (0u32..).zip(groups) {
+        members.entry(*group).or_default().push(i);
+    }
+    members.into_values().filter(|group| group.len() > 1).collect()
+}
+
+/// Returns `true` where a facet of a fan turns away from the fan's mean.
+fn winds_back(fan: &[u32], parts: &[Option<Part>]) -> bool {
+    let own: Vec<Part> = fan.iter().filter_map(|i| parts[*i as usize]).collect();
+    let sum = own.iter().fold(Vec3::<f64>::splat(0.0), |sum, part| sum + part.facet * part.angle);
+    // A little more than the least, since normals are rounded.
+    unit(sum).is_none_or(|mean| own.iter().any(|part| part.facet.dot(mean) < LEAST + 1e-3))
+}
+
+/// Sorts the corners of a fan into cones, each around the facet with the widest angle that is left.
+fn sort_into_cones(mut fan: Vec<u32>, parts: &[Option<Part>], groups: &mut [u32]) {
+    let angle = |i: u32| parts[i as usize].map_or(0.0, |part| part.angle);
+    fan.sort_by(|a, b| angle(*b).total_cmp(&angle(*a)).then(a.cmp(b)));
+    while let Some(seed) = fan.first().copied() {
+        let is_near = |i: u32| {
+            i == seed
+                || parts[seed as usize]
+                    .zip(parts[i as usize])
+                    .is_some_and(|(axis, part)| axis.facet.dot(part.facet) >= CONE)
+        };
+        fan.iter().filter(|i| is_near(**i)).for_each(|i| groups[*i as usize] = seed);
+        fan.retain(|i| !is_near(*i));
+    }
+}
+
+/// Splits vertices between groups.
+struct Splitter {
+    data: MeshData,
+    /// The new vertex of an old one in a group.
+    numbers: BTreeMap<(u32, u32), u32>,
+}
+
+impl Splitter {
+    fn set(&mut self, corner: &Corner, group: u32, normal: Vec3) {
+        let Corner { triangle, number, .. } = *corner;
+        let old = self.data.triangles[triangle as usize][usize::from(number)];
+        let new = match self.numbers.get(&(old, group)) {
+            Some(new) => *new,
+            None => self.split(old, group),
+        };
+        self.data.normals[new as usize] = normal;
+        self.data.triangles[triangle as usize][usize::from(number)] = new;
+    }
+
+    /// Returns the vertex of another group: the old one itself for the first.
+    fn split(&mut self, old: u32, group: u32) -> u32 {
+        let is_first = self.numbers.range((old, 0)..=(old, u32::MAX)).next().is_none();
+        let new = if is_first { old } else { self.copied(old as usize) };
+        self.numbers.insert((old, group), new);
+        new
+    }
+
+    fn copied(&mut self, old: usize) -> u32 {
+        fn copy<T: Copy>(values: &mut Vec<T>, old: usize) {
+            if let Some(value) = values.get(old).copied() {
+                values.push(value);
+            }
+        }
+        copy(&mut self.data.positions, old);
+        copy(&mut self.data.normals, old);
+        copy(&mut self.data.colors, old);
+        self.data.uvs.iter_mut().for_each(|uvs| copy(uvs, old));
+        self.data.positions.len() as u32 - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::scalar;
+    use crate::surface::vertex_normals;
+
+    fn bare(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
+        Mesh::new(MeshData { positions, triangles, ..MeshData::default() }).unwrap()
+    }
+
+    fn check(mesh: &Mesh) {
+        for t in 0..mesh.triangles().len() {
+            let facet = facet_normal(mesh.corners(t)).unwrap().to_f64();
+            for v in mesh.triangles()[t] {
+                let normal = mesh.normals()[v as usize].to_f64();
+                assert!(facet.dot(normal) >= LEAST && (normal.length() - 1.0).abs() < 1e-6, "{t}");
+            }
+        }
+        assert!(!has_turned_facets(mesh));
+    }
+
+    #[test]
+    fn a_smooth_surface_keeps_every_bit() {
+        let ball = bare(
+            Mesh::sphere(1.0, 40, 20).positions().to_vec(),
+            Mesh::sphere(1.0, 40, 20).triangles().to_vec(),
+        );
+        let found = creased(&ball).unwrap();
+        assert_eq!(found.normals(), vertex_normals(&ball));
+        assert_eq!((found.positions(), found.triangles()), (ball.positions(), ball.triangles()));
+    }
+
+    /// Two long facets that meet in an edge of a few degrees: their mean looks along both.
+    #[test]
+    fn the_sides_of_a_blade_part() {
+        let p = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+        let positions = vec![p(0.0, 0.0, 0.0), p(0.0, 1.0, 0.0), p(1.0, 0.5, 0.02), p(1.0, 0.5, -0.02)];
+        let blade = bare(positions, vec![[1, 0, 2], [0, 1, 3]]);
+        assert!(has_turned_facets(&with_normals(&blade).unwrap()), "else nothing is tested");
+        let found = creased(&blade).unwrap();
+        check(&found);
+        assert_eq!(found.positions().len(), 6, "the two corners of the edge are split");
+        assert_eq!(found.positions()[4..], [found.positions()[0], found.positions()[1]]);
+    }
+
+    #[test]
+    fn both_sides_of_one_triangle_part() {
+        let p = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let found =
+            creased(&bare(vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0)], vec![[0, 1, 2], [0, 2, 1]])).unwrap();
+        check(&found);
+        assert_eq!(found.positions().len(), 6);
+    }
+
+    /// The tip of a needle, whose facets part by 30°: one fan goes all around it.
+    #[test]
+    fn a_fan_that_winds_back_is_cut() {
+        let at = |i: u32| {
+            let angle = std::f64::consts::TAU * f64::from(i) / 12.0;
+            Vec3::new(1.0, 0.02 * scalar::cos(angle), 0.02 * scalar::sin(angle)).to_f32()
+        };
+        let positions = std::iter::once(Vec3::default()).chain((0..12).map(at)).collect();
+        let needle = bare(positions, (0..12).map(|i| [0, 1 + i, 1 + (i + 1) % 12]).collect());
+        let found = creased(&needle).unwrap();
+        check(&found);
+        assert_eq!(found.triangles().len(), 12);
+        let copies = found.positions().len() - needle.positions().len();
+        assert!((3..12).contains(&copies), "cones, and not each facet by itself: {copies}");
+    }
+
+    #[test]
+    fn uvs_and_colours_go_with_the_copies() {
+        let p = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let mut data =
+            bare(vec![p(0.0, 0.0), p(1.0, 0.0), p(0.0, 1.0)], vec![[0, 1, 2], [0, 2, 1]]).into_data();
+        data.colors = vec![[0.1; 4], [0.2; 4], [0.3; 4]];
+        data.uvs = vec![[0.0, 0.5, 1.0].map(|u| crate::math::Vec2::new(u, u)).to_vec()];
+        let found = creased(&Mesh::new(data).unwrap()).unwrap();
+        for (v, p) in found.positions().iter().enumerate() {
+            let first = found.positions().iter().position(|q| q == p).unwrap();
+            assert_eq!(found.colors()[v], found.colors()[first]);
+            assert_eq!(found.uvs()[0][v], found.uvs()[0][first]);
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! What a proof says of colour and material: a known difference is told as it is, what is kept is none, and grey is
+//! grey whatever the colours.
+
+use std::sync::Arc;
+use taotie::Progress;
+use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions};
+use taotie::bake::{self, Cage, MapKind, MaterialError, TexturedMesh, Verifier};
+use taotie::compare::{Field, color_difference};
+use taotie::math::{Mat4, Vec2, Vec3};
+use taotie::mesh::{Mesh, MeshData};
+use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData};
+
+/// The numbers of points that a proof of these tests measures.
+const POINTS: VerifyOptions = VerifyOptions { points: 5_000, distance_points: 500, map: 32, view: 96 };
+
+fn ball(material: Material) -> Scene {
+    Scene::of_mesh(Mesh::sphere(1.0, 32, 16), material).unwrap()
+}
+
+/// The error of a ball that shows `asset` where its scan shows `scan`, and the map of its colours.
+fn errors(scan: Material, asset: Material) -> (MaterialError, Field) {
+    let scan = bake::Scan::new(ball(scan)).unwrap();
+    let shown = TexturedMesh::new(ball(asset)).unwrap();
+    let cage = Cage::automatic(shown.mesh(), &scan);
+    let verifier = Verifier { mesh: shown.mesh(), normal: None, cage: &cage, scan: &scan };
+    let error = verifier.material_error(&shown, 500).unwrap();
+    (error, verifier.color_map(&shown, [16, 8]).unwrap())
+}
+
+fn is_everywhere(field: &Field, value: f64) {
+    let summary = field.summary().unwrap();
+    assert_eq!(summary.count, field.values().len(), "every point of a ball on itself finds its scan");
+    let off = (summary.mean - value).abs().max((summary.max - value).abs());
+    assert!(off < 1e-5, "{summary:?} against {value}");
+}
+
+#[test]
+fn a_difference_of_materials_is_told_as_it_is() {
+    let gold = Material { base_color: [1.0, 0.7, 0.3, 1.0], metallic: 1.0, ..Material::default() };
+    let clay = Material {
+        base_color: [0.6, 0.3, 0.2, 1.0],
+        roughness: 0.9,
+        emissive: [0.0, 2.0, 0.5],
+        ..Material::default()
+    };
+    let (error, map) = errors(gold.clone(), clay.clone());
+    is_everywhere(&error.color, color_difference([1.0, 0.7, 0.3], [0.6, 0.3, 0.2]));
+    is_everywhere(&error.metallic, 1.0);
+    is_everywhere(&error.roughness, f64::from(0.9f32 - 0.6));
+    is_everywhere(&error.emission, 2.0);
+    is_everywhere(&error.alpha, 0.0);
+    let covered = map.summary().expect("the ball's uvs cover the map");
+    assert!((covered.mean - error.color.summary().unwrap().mean).abs() < 1e-4, "{covered:?}");
+    let (same, _) = errors(gold.clone(), gold);
+    for field in [same.color, same.metallic, same.roughness, same.emission, same.alpha] {
+        is_everywhere(&field, 0.0);
+    }
+}
+
+#[test]
+fn alpha_counts_as_it_is_seen() {
+    let glass = |alpha: AlphaMode, value: f32| Material {
+        base_color: [0.5, 0.5, 0.5, value],
+        alpha,
+        ..Material::default()
+    };
+    let opaque = || glass(AlphaMode::Opaque, 0.25);
+    let alpha = |scan: Material, asset: Material| errors(scan, asset).0.alpha;
+    is_everywhere(&alpha(glass(AlphaMode::Blend, 0.25), opaque()), 0.75);
+    is_everywhere(&alpha(glass(AlphaMode::Mask(0.5), 0.4), opaque()), 1.0);
+    is_everywhere(&alpha(glass(AlphaMode::Mask(0.3), 0.4), opaque()), 0.0);
+}
+
+#[test]
+fn another_mesh_is_refused() {
+    let scan = bake::Scan::new(ball(Material::default())).unwrap();
+    let shown = TexturedMesh::new(ball(Material::default())).unwrap();
+    let low = Mesh::sphere(1.0, 12, 6);
+    let cage = Cage::automatic(&low, &scan);
+    let verifier = Verifier { mesh: &low, normal: None, cage: &cage, scan: &scan };
+    let why = verifier.material_error(&shown, 10).unwrap_err().to_string();
+    assert!(why.contains("triangles"), "{why}");
+}
+
+/// A ball whose vertices have colours that change slowly, or none.
+fn scan(is_colored: bool) -> Scan {
+    let data = Mesh::sphere(1.0, 96, 48).into_data();
+    let color = |i: usize| {
+        let p = data.positions[i];
+        [0.5 + 0.4 * p.x, 0.5 + 0.4 * p.y, 0.5 + 0.4 * p.z, 1.0]
+    };
+    let count = if is_colored { data.positions.len() } else { 0 };
+    let colors = (0..count).map(color).collect();
+    Scan::from_mesh(Mesh::new(MeshData { colors, ..data }).unwrap(), Progress::SILENT).unwrap()
+}
+
+fn proof(scan: &Scan, maps: Vec<MapKind>) -> Proof {
+    let low = Some(MeshSource::Mesh(Arc::new(Mesh::sphere(1.0, 64, 32))));
+    proof_of(scan, BakeOptions { low, maps, carry: false, size: 128, ..BakeOptions::default() })
+}
+
+fn proof_of(scan: &Scan, options: BakeOptions) -> Proof {
+    let asset = Baker::new(options).bake(scan, Progress::SILENT).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ball.glb");
+    let written = asset.write(path, &Packing::default(), Progress::SILENT).unwrap();
+    written.verify(scan, &POINTS, Progress::SILENT).unwrap()
+}
+
+#[test]
+fn colors_are_kept_or_the_proof_says_so() {
+    let colored = scan(true);
+    let wanted = [Requirement::mean_color(1.5)];
+    let kept = proof(&colored, vec![MapKind::Normal, MapKind::Albedo]);
+    let color = kept.figures.material.color.unwrap();
+    assert!(color.mean < 1.5 && color.p95 < 3.0, "{color:?}");
+    assert!(kept.require(&wanted)[0].met);
+    assert!(kept.color_map.as_ref().is_some_and(|map| map.width() == 32));
+    assert_eq!((kept.figures.full_views.len(), kept.figures.levels[0].full_views.len()), (8, 8));
+
+    let lost = proof(&colored, vec![MapKind::Normal]);
+    let color = lost.figures.material.color.unwrap();
+    assert!(color.mean > 10.0, "{color:?}");
+    assert!(!lost.require(&wanted)[0].met);
+    let flip = |proof: &Proof| proof.figures.full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
+    assert!(flip(&lost) > 2.0 * flip(&kept), "{} without colours, {} with them", flip(&lost), flip(&kept));
+}
+
+/// FLIP counts what the low-poly mesh lacks, but no colour.
+#[test]
+fn grey_views_are_grey_whatever_the_colors() {
+    let [plain, colored] = [false, true].map(|is_colored| proof(&scan(is_colored), vec![MapKind::Normal]));
+    assert_eq!(plain.figures.views, colored.figures.views);
+    for (a, b) in plain.views.scan.iter().zip(&colored.views.scan) {
+        assert!(a.pixels() == b.pixels(), "colours show");
+    }
+    assert!(colored.figures.views.iter().all(|view| view.flip < 0.06), "{:?}", colored.figures.views);
+}
+
+#[test]
+fn a_scan_without_material_is_not_compared_and_the_proof_says_so() {
+    let plain = proof(&scan(false), vec![MapKind::Normal, MapKind::Height]);
+    assert_eq!(plain.figures.material.color, None);
+    assert!(plain.full_views.is_none() && plain.color_map.is_none());
+    assert!(!plain.require(&[Requirement::mean_color(100.0)])[0].met, "nothing was measured");
+    assert!(plain.figures.unseen.iter().any(|what| what.contains("colour and material")));
+    assert!(plain.figures.unseen.contains(&"heights".to_owned()));
+}
+
+/// Three units along x for each ball of a row.
+fn center(i: usize) -> Vec3<f64> {
+    Vec3::new(3.0 * i as f64, 0.0, 0.0)
+}
+
+/// Three balls in a row as one mesh, a third of the map each with room between them.
+fn row() -> Mesh {
+    let ball = Mesh::sphere(1.0, 48, 24);
+    let mut all = MeshData { uvs: vec![Vec::new()], ..MeshData::default() };
+    for i in 0..3 {
+        let first = all.positions.len() as u32;
+        all.positions.extend(ball.positions().iter().map(|p| *p + center(i).to_f32()));
+        all.normals.extend(ball.normals());
+        let third = |uv: &Vec2| Vec2::new((i as f32 + 0.03 + 0.94 * uv.x) / 3.0, uv.y);
+        all.uvs[0].extend(ball.uvs()[0].iter().map(third));
+        all.triangles.extend(ball.triangles().iter().map(|t| t.map(|v| v + first)));
+    }
+    Mesh::new(all).unwrap()
+}
+
+#[test]
+fn gold_clay_and_a_lamp_look_alike_on_one_map() {
+    let material = |base_color: [f32; 3], metallic: f32, roughness: f32| {
+        let [r, g, b] = base_color;
+        Material { base_color: [r, g, b, 1.0], metallic, roughness, ..Material::default() }
+    };
+    let lamp = Material { emissive: [4.0, 3.0, 1.0], ..material([0.1, 0.1, 0.1], 0.0, 0.4) };
+    let materials = vec![material([1.0, 0.77, 0.34], 1.0, 0.2), material([0.5, 0.25, 0.15], 0.0, 0.9), lamp];
+    let world_from_object = |i: usize| Mat4::translation(center(i));
+    let instance = |i: usize| Instance { mesh: 0, material: i, world_from_object: world_from_object(i) };
+    let scene = SceneData {
+        meshes: vec![Mesh::sphere(1.0, 64, 32)],
+        materials,
+        instances: (0..3).map(instance).collect(),
+        ..SceneData::default()
+    };
+    let scan = Scan::from_scene(Scene::new(scene).unwrap(), Progress::SILENT).unwrap();
+    let low = Some(MeshSource::Mesh(Arc::new(row())));
+    let proof = proof_of(&scan, BakeOptions { low, carry: true, size: 256, ..BakeOptions::default() });
+    let material = &proof.figures.material;
+    let mean = |summary: Option<taotie::compare::Summary>| summary.unwrap().mean;
+    println!("gold, clay and a lamp: {material:?}");
+    assert!(mean(material.color) < 1.5, "{material:?}");
+    assert!(mean(material.metallic) < 0.02 && mean(material.roughness) < 0.02, "{material:?}");
+    // Eight bits of at most 4.
+    assert!(mean(material.emission) < 0.05, "{material:?}");
+    assert_eq!(material.alpha.unwrap().max, 0.0);
+    let flip = proof.figures.full_views.iter().map(|view| view.flip).sum::<f64>() / 8.0;
+    // The balls cover an eighth of the images.
+    assert!(flip < 0.03, "{flip}");
+}
