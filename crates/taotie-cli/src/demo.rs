@@ -56,6 +56,7 @@ struct Demo {
 
 /// Runs the subcommand.
 pub fn run(args: &DemoArgs) -> Result<()> {
+    taotie::io::check_writable_folder(&args.out)?;
     std::fs::create_dir_all(&args.out).map_err(|error| taotie::Error::io(&args.out, error))?;
     let threads = args.threads.map(|threads| threads as usize);
     let demo = in_pool(threads, || demo(args))??;

@@ -34,7 +34,7 @@ pub struct MaterialsArgs {
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
     /// Width and height of each sphere's picture, pixels
-    #[arg(long, value_name = "N", default_value = "256", value_parser = clap::value_parser!(u32).range(16..=2048))]
+    #[arg(long, value_name = "N", default_value = "256", requires = "output", value_parser = clap::value_parser!(u32).range(16..=2048))]
     pub size: u32,
     /// Print the list as JSON
     #[arg(long)]
@@ -59,6 +59,7 @@ struct Entry {
 /// Runs the subcommand.
 pub fn run(args: &MaterialsArgs) -> Result<()> {
     if let Some(path) = &args.output {
+        io::check_writable(path)?;
         io::write_png(path, &swatches::sheet(args.size)?.png())?;
     }
     let entries: Vec<Entry> = PRESETS.iter().filter_map(Entry::new).collect();

@@ -7,7 +7,7 @@ use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::studio::parse;
 
-/// A value by its name; the error lists the names.
+/// A value by its name, which may have spaces around it in a list; the error lists the names.
 pub fn named<T: Named>(value: &str) -> Result<T, String> {
     T::from_name(value.trim()).map_err(|error| error.to_string())
 }
@@ -54,6 +54,24 @@ pub fn switch(text: &str) -> Result<bool, String> {
 /// A finite number.
 pub fn number(value: &str) -> Result<f64, String> {
     parse::number(value).map_err(reason)
+}
+
+/// A number in [0, 1].
+pub fn fraction(value: &str) -> Result<f64, String> {
+    let number = number(value)?;
+    if (0.0..=1.0).contains(&number) { Ok(number) } else { Err(format!("{value} is not in [0, 1]")) }
+}
+
+/// A number above 0.
+pub fn positive(value: &str) -> Result<f64, String> {
+    let number = number(value)?;
+    if number > 0.0 { Ok(number) } else { Err(format!("{value} is not above 0")) }
+}
+
+/// A number of 0 or more.
+pub fn at_least_0(value: &str) -> Result<f64, String> {
+    let number = number(value)?;
+    if number >= 0.0 { Ok(number) } else { Err(format!("{value} is below 0")) }
 }
 
 /// Finite numbers separated by commas.
@@ -110,6 +128,12 @@ mod tests {
     }
 
     #[test]
+    fn ranges() {
+        assert_eq!((fraction("1"), positive("0.5"), at_least_0("0")), (Ok(1.0), Ok(0.5), Ok(0.0)));
+        assert!(fraction("1.1").is_err() && positive("0").is_err() && at_least_0("-1").is_err());
+    }
+
+    #[test]
     fn why_a_value_is_refused_is_told_without_its_name() {
         assert_eq!(number("a"), Err("`a` is not a number".into()));
         let error = Error::invalid("vector", "three numbers are needed");
@@ -119,5 +143,6 @@ mod tests {
     #[test]
     fn unknown_names_are_answered_with_the_list() {
         assert!(named::<taotie::shade::Shading>("gxx").unwrap_err().contains("ggx"));
+        assert_eq!(named(" ggx"), Ok(taotie::shade::Shading::Ggx));
     }
 }

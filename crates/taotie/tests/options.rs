@@ -23,7 +23,9 @@ use taotie::render::{
 use taotie::scene::{Camera, Falloff, Light, LightKind, NormalSpace, Projection};
 use taotie::shade::environment::Environment;
 use taotie::shade::{Energy, Shading};
-use taotie::studio::{CameraOptions, EnvironmentOptions, LightOptions, MapOptions, MaterialOptions};
+use taotie::studio::{
+    CameraOptions, EnvironmentOptions, LightOptions, MapOptions, MaterialFactors, MaterialOptions,
+};
 use taotie::surface::{SurfaceMethod, TangentMethod};
 
 /// Asserts that a value is read as it was written. Numbers are printed whole, so that equal text is an equal value.
@@ -58,6 +60,7 @@ fn all_options_survive_json() {
     assert_options::<DiffOptions>();
     assert_options::<ConversionOptions>();
     assert_options::<CameraOptions>();
+    assert_options::<MaterialFactors>();
     assert_options::<EnvironmentOptions>();
     assert_options::<LightOptions>();
     assert_options::<MapOptions>();

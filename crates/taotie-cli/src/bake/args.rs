@@ -1,13 +1,14 @@
 //! The options of `taotie bake`.
 
+use super::purpose::{Defaults, Purpose};
+use crate::options::{self, fraction, positive};
 use crate::studio::{Green, Space};
-use crate::{options, render};
 use anyhow::{Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use taotie::asset::{BakeOptions, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
-use taotie::io::GltfImages;
+use taotie::io::{self, GltfImages};
 use taotie::names::Named;
 
 const EXAMPLES: &str = "\
@@ -15,6 +16,7 @@ Examples:
   taotie bake scan.ply -o scan.glb
   taotie bake scan.ply --low low.glb -o baked.glb --size 4096 --maps normal,ao
   taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,10000 --meshopt
+  taotie bake scan.ply -o scan.glb --for web
   taotie bake scan.ply -o scan.glb --error 2 --require mean-angle=2,missed=0.1%
 
 Without --low the scan is simplified and unwrapped. The asset is read back and measured against the scan: \
@@ -32,20 +34,23 @@ pub struct BakeArgs {
     /// The low-poly mesh; its UVs and triangles stay as they are. Made from the scan if not given
     #[arg(long, value_name = "LOW")]
     pub low: Option<PathBuf>,
+    /// Choose size and packing for a use; options that are given go before it
+    #[arg(long = "for", value_name = "USE", value_enum)]
+    pub purpose: Option<Purpose>,
 
-    /// Triangles of the low-poly mesh
-    #[arg(long, value_name = "N", default_value_t = 50_000, value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
-    pub triangles: u32,
-    /// Find the smallest mesh and map whose mean normal error is at most so many degrees
+    /// Triangles of the low-poly mesh; 50000 if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..), help_heading = "Low-poly mesh", conflicts_with = "low")]
+    pub triangles: Option<u32>,
+    /// Find the mesh and map of the fewest bytes whose mean normal error is at most so many degrees
     #[arg(long, value_name = "DEG", value_parser = degrees, help_heading = "Low-poly mesh", conflicts_with_all = ["low", "triangles", "size"])]
     pub error: Option<f64>,
     /// Further levels of detail in the same file (MSFT_lod): the triangles of each, separated by commas
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = options::triangles, help_heading = "Low-poly mesh")]
     pub lods: Vec<u32>,
 
-    /// Width and height of the maps, texels: one number, or two as in 2048x1024 for a --low with UVs
-    #[arg(long, value_name = "N|WxH", default_value = "2048", value_parser = options::map_size, help_heading = "Maps")]
-    pub size: [u32; 2],
+    /// Width and height of the maps, texels: one number, or two as in 2048x1024 for a --low with UVs; 2048 if not given
+    #[arg(long, value_name = "N|WxH", value_parser = options::map_size, help_heading = "Maps")]
+    pub size: Option<[u32; 2]>,
     /// Maps to bake, separated by commas: auto (normal, and whatever varies in the scan's materials), normal, ao (ambient
     /// occlusion), albedo (base colour), height, bent (bent normals), curvature, roughness (widened by fine relief),
     /// metallic-roughness, emission, alpha, occlusion (the scan's own texture)
@@ -61,15 +66,15 @@ pub struct BakeArgs {
     /// Samples per texel
     #[arg(long, value_name = "K", default_value = "4", value_parser = ["1", "4", "9", "16", "25", "36", "49", "64"], help_heading = "Maps")]
     pub samples: String,
-    /// Bits per channel of normal maps; 8-bit maps are dithered
-    #[arg(long, default_value = "8", value_parser = ["8", "16"], help_heading = "Maps")]
-    pub bits: String,
+    /// Bits per channel of normal maps; 8 if not given, and 8-bit maps are dithered
+    #[arg(long, value_parser = ["8", "16"], help_heading = "Maps")]
+    pub bits: Option<String>,
     /// Padding around UV islands, texels; auto fills the whole map
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
     pub dilation: Auto<u32>,
-    /// Rays per texel over the hemisphere, for ao and bent
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Maps")]
-    pub ao_rays: u32,
+    /// Rays per texel over the hemisphere, for ao and bent; 64 if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Maps")]
+    pub ao_rays: Option<u32>,
     /// Largest distance at which the scan occludes, for ao and bent, model units; any distance if not given
     #[arg(long, value_name = "X", value_parser = positive, help_heading = "Maps")]
     pub ao_distance: Option<f64>,
@@ -90,6 +95,9 @@ pub struct BakeArgs {
     /// Write textures as lossless WebP instead of PNG
     #[arg(long, help_heading = "File")]
     pub webp: bool,
+    /// Write the base colour as JPEG of this quality, 1 to 100. All other textures stay as they are: they are numbers
+    #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "File")]
+    pub jpeg: Option<u8>,
     /// Compress geometry (EXT_meshopt_compression)
     #[arg(long, help_heading = "File")]
     pub meshopt: bool,
@@ -156,19 +164,9 @@ fn distance(text: &str) -> Result<Auto<f64>, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    let number = options::number(text)?;
-    if number > 0.0 { Ok(number) } else { Err(format!("{text} is not above 0")) }
-}
-
 fn degrees(text: &str) -> Result<f64, String> {
     let number = positive(text)?;
     if number < 180.0 { Ok(number) } else { Err(format!("{text} is not below 180")) }
-}
-
-fn fraction(text: &str) -> Result<f64, String> {
-    let number = options::number(text)?;
-    if (0.0..=1.0).contains(&number) { Ok(number) } else { Err(format!("{text} is not in [0, 1]")) }
 }
 
 fn memory(text: &str) -> Result<Bytes, String> {
@@ -201,8 +199,8 @@ impl BakeArgs {
         if [Some(&self.high), self.low.as_ref(), self.cage.as_ref()].into_iter().flatten().any(same) {
             bail!("{}: it would overwrite an input of the bake; choose another name", self.output.display());
         }
-        let made = (self.low.is_none() && self.error.is_none()).then_some(self.triangles);
-        let levels: Vec<u32> = made.into_iter().chain(self.lods.iter().copied()).collect();
+        let made = (self.low.is_none() && self.error.is_none()).then_some(self.triangles());
+        let levels: Vec<u32> = made.into_iter().chain(self.lods()).collect();
         if let Some(pair) = levels.windows(2).find(|pair| pair[0] <= pair[1]) {
             bail!(
                 "--lods: a level of {} triangles follows one of {}; each must have fewer triangles than the one before",
@@ -210,12 +208,12 @@ impl BakeArgs {
                 pair[0]
             );
         }
-        let [width, height] = self.size;
+        let [width, height] = self.size();
         let size = if width == height { width.to_string() } else { format!("{width}x{height}") };
         if width != height && self.low.is_none() {
             bail!("--size {size}: atlases that are made are square; give one number, or --low with UVs");
         }
-        if self.ktx2 && !self.size.iter().all(|side| side.is_multiple_of(4)) {
+        if self.images() == GltfImages::Ktx2 && !self.size().iter().all(|side| side.is_multiple_of(4)) {
             bail!("--size {size}: KTX2 needs a multiple of 4; choose another size, or leave out --ktx2");
         }
         if self.error.is_some() && (self.space == Space::Object || !self.maps().contains(&MapKind::Normal)) {
@@ -229,13 +227,58 @@ impl BakeArgs {
         if self.green == Green::Down && (self.space == Space::Object || !is_turned) {
             bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
         }
+        self.check_unread()?;
         self.packing().check()?;
-        render::check_place(&self.output)
+        self.check_places()
+    }
+
+    /// Refuses options that nothing reads.
+    fn check_unread(&self) -> Result<()> {
+        let (maps, carries) = (self.maps(), self.carries());
+        let bakes = |map: MapKind| maps.contains(&map);
+        let of_sky = [("--ao-rays", self.ao_rays.is_some()), ("--ao-distance", self.ao_distance.is_some())];
+        let sky = bakes(MapKind::Occlusion) || bakes(MapKind::Bent);
+        if let Some((option, _)) = of_sky.iter().find(|(_, given)| *given && !sky) {
+            bail!("{option}: neither ao nor bent is baked; add one of them to --maps");
+        }
+        if self.jpeg.is_some() && self.low.is_none() && !bakes(MapKind::Albedo) && !carries {
+            bail!("--jpeg: the asset has no base colour texture; add albedo to --maps");
+        }
+        if (self.webp || self.ktx2)
+            && self.low.is_none()
+            && !maps.iter().any(|map| self.is_inside(*map))
+            && !carries
+        {
+            bail!("--webp, --ktx2: the asset holds no texture; leave them out, or add such a map to --maps");
+        }
+        let packs = self.images() != GltfImages::Png;
+        if self.bits() == 16 && packs && self.space == Space::Tangent && bakes(MapKind::Normal) {
+            bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
+        }
+        Ok(())
+    }
+
+    /// Says whether a map lies inside of the asset, and not beside it.
+    fn is_inside(&self, map: MapKind) -> bool {
+        match map {
+            MapKind::Normal => self.space == Space::Tangent,
+            other => !matches!(other, MapKind::Height | MapKind::Curvature | MapKind::Bent),
+        }
+    }
+
+    /// Refuses files that cannot be written.
+    fn check_places(&self) -> Result<()> {
+        io::check_writable(&self.output)?;
+        if self.no_verify {
+            return Ok(());
+        }
+        let reports = ["report.html", "report.json"].map(|kind| self.output.with_extension(kind));
+        Ok(reports.iter().try_for_each(|path| io::check_writable(path))?)
     }
 
     /// Refuses requirements of levels of detail that are not asked for.
     fn check_levels(&self) -> Result<()> {
-        let coarsest = self.lods.len();
+        let coarsest = self.lods().len();
         let named =
             self.require.iter().filter_map(|requirement| Some((requirement.figure, requirement.level?)));
         for (figure, level) in named {
@@ -253,18 +296,18 @@ impl BakeArgs {
     pub fn options(&self) -> BakeOptions {
         BakeOptions {
             low: self.low.clone().map(MeshSource::File),
-            triangles: self.triangles,
+            triangles: self.triangles(),
             mean_error_deg: self.error,
-            lods: self.lods.clone(),
-            size: self.size[0],
-            height: (self.size[1] != self.size[0]).then_some(self.size[1]),
+            lods: self.lods(),
+            size: self.size()[0],
+            height: (self.size()[1] != self.size()[0]).then_some(self.size()[1]),
             maps: self.maps(),
             carry: self.carries(),
             space: self.space.into(),
             side: self.samples.parse().unwrap_or(4u32).isqrt(),
-            bits: if self.bits == "16" { 16 } else { 8 },
+            bits: self.bits(),
             dilation: self.dilation.given(),
-            ao_rays: self.ao_rays,
+            ao_rays: self.ao_rays.unwrap_or(BakeOptions::default().ao_rays),
             ao_distance: self.ao_distance,
             roughness: self.roughness,
             ray_distance: self.ray_distance(),
@@ -294,13 +337,84 @@ impl BakeArgs {
 
     /// Returns the packing of the asset.
     pub fn packing(&self) -> Packing {
-        let images = match (self.ktx2, self.webp) {
+        Packing {
+            images: self.images(),
+            jpeg: self.jpeg(),
+            meshopt: self.is_compressed(),
+            provenance: self.provenance.clone(),
+            green: self.green.into(),
+        }
+    }
+
+    /// Returns what `--for` comes to with all other options, in words.
+    pub fn chosen(&self) -> Option<String> {
+        let name = self.purpose?.to_possible_value()?.get_name().to_owned();
+        let made = self.low.is_none() && self.error.is_none();
+        let levels: Vec<String> =
+            made.then_some(self.triangles()).into_iter().chain(self.lods()).map(|n| n.to_string()).collect();
+        let images = match self.images() {
+            GltfImages::Png => "PNG",
+            GltfImages::WebP => "WebP",
+            GltfImages::Ktx2 => "KTX2",
+        };
+        let [width, height] = self.size();
+        let parts = [
+            (!levels.is_empty()).then(|| format!("{} triangles", levels.join(", "))),
+            self.error.is_none().then(|| format!("maps of {width}×{height}")),
+            Some(format!("normals in {} bits", self.bits())),
+            Some(images.into()),
+            self.jpeg().map(|quality| format!("colours as JPEG of quality {quality}")),
+            self.is_compressed().then(|| "meshopt".into()),
+        ];
+        Some(format!("--for {name}: {}", parts.into_iter().flatten().collect::<Vec<String>>().join("; ")))
+    }
+
+    fn defaults(&self) -> Defaults {
+        Defaults::of(self.purpose)
+    }
+
+    fn triangles(&self) -> u32 {
+        self.triangles.unwrap_or(self.defaults().triangles)
+    }
+
+    /// Returns the levels asked for, else those for the use that are coarser than the mesh that is made.
+    fn lods(&self) -> Vec<u32> {
+        let made = self.low.is_none() && self.error.is_none();
+        match (self.lods.is_empty(), made) {
+            (false, _) => self.lods.clone(),
+            (true, false) => Vec::new(),
+            (true, true) => {
+                self.defaults().lods.iter().copied().filter(|level| *level < self.triangles()).collect()
+            }
+        }
+    }
+
+    fn size(&self) -> [u32; 2] {
+        self.size.unwrap_or([self.defaults().size; 2])
+    }
+
+    fn bits(&self) -> u8 {
+        match self.bits.as_deref() {
+            Some("16") => 16,
+            None if self.images() == GltfImages::Png => self.defaults().bits,
+            _ => 8,
+        }
+    }
+
+    fn images(&self) -> GltfImages {
+        match (self.ktx2, self.webp) {
             (true, _) => GltfImages::Ktx2,
             (_, true) => GltfImages::WebP,
-            _ => GltfImages::Png,
-        };
-        let provenance = self.provenance.clone();
-        Packing { images, meshopt: self.meshopt, provenance, green: self.green.into() }
+            _ => self.defaults().images,
+        }
+    }
+
+    fn jpeg(&self) -> Option<u8> {
+        self.jpeg.or(self.defaults().jpeg)
+    }
+
+    fn is_compressed(&self) -> bool {
+        self.meshopt || self.defaults().meshopt
     }
 
     /// Returns the limits of the bake.

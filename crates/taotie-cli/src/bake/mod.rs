@@ -2,6 +2,7 @@
 
 mod args;
 mod clock;
+mod purpose;
 mod stop;
 mod text;
 
@@ -17,6 +18,9 @@ use taotie_report::bake_page;
 /// Runs the subcommand.
 pub fn run(args: &BakeArgs) -> Result<Outcome> {
     args.check()?;
+    if let Some(chosen) = args.chosen() {
+        console::say(&format!("taotie: {chosen}"));
+    }
     stop::listen();
     let report = studio::in_pool(args.threads, || bake(args))??;
     if args.json {
@@ -38,9 +42,7 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     let baker = Baker::new(args.options()).with_limits(limits);
     let scan = read(args, &baker, limits, progress)?;
     let asset = baker.bake(&scan, progress)?;
-    if !args.json {
-        console::say_warnings(asset.warnings());
-    }
+    console::say_warnings(asset.warnings());
     let written = asset.write(&args.output, &args.packing(), progress)?;
     if !args.json {
         console::say_warnings(written.warnings());
@@ -66,21 +68,14 @@ fn read(args: &BakeArgs, baker: &Baker, limits: Limits, progress: Progress<'_>) 
     let file = ScanFile::read(&args.high, &limits, progress)?;
     let need = baker.need(file.size());
     need.check(limits)?;
-    if !args.json {
-        console::say(&format!(
-            "baking {} triangles needs about {} of memory",
-            need.scan.triangles,
-            need.bytes()
-        ));
-    }
+    let (triangles, bytes) = (need.scan.triangles, need.bytes());
+    console::say(&format!("baking {triangles} triangles needs about {bytes} of memory"));
     Ok(file.sort(progress)?)
 }
 
 /// Puts what was measured into the report, and writes it beside the asset.
 fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, textures: &Textures) -> Result<()> {
-    if !args.json {
-        console::say_warnings(&proof.warnings);
-    }
+    console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());
     report.required = proof.require(&args.require);

@@ -7,7 +7,9 @@ use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::comparison::{Matching, Method, SamplePoints};
+use taotie::io;
 use taotie::shade::Shading;
+use taotie::surface::SurfaceMethod;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -15,6 +17,53 @@ Examples:
   taotie compare low.glb --reference scan.ply --method smooth,tangent-normal -o comparison
   taotie compare model.glb --method bump:5,bump-printed:5 --shading ggx,cook-torrance --points 10 -o comparison
   taotie compare --paper -o recomputed";
+
+/// All options that `--paper`, which renders nothing, does not read.
+const NOT_OF_PAPER: [&str; 43] = [
+    "model",
+    "reference",
+    "methods",
+    "points",
+    "matching",
+    "heat_top_deg",
+    "shadings",
+    "bump_scale",
+    "energy",
+    "specular_aa",
+    "grazing_normals",
+    "tangents",
+    "variant",
+    "material",
+    "base_color",
+    "metallic",
+    "roughness",
+    "slope",
+    "shininess",
+    "base_color_map",
+    "normal_map",
+    "normal_space",
+    "green",
+    "height_map",
+    "occlusion_map",
+    "lights",
+    "ambient",
+    "shadows",
+    "env",
+    "env_rotate_deg",
+    "env_intensity",
+    "show_env",
+    "camera",
+    "orbit",
+    "target",
+    "fov_deg",
+    "size",
+    "samples",
+    "tone",
+    "exposure",
+    "background",
+    "threads",
+    "simd",
+];
 
 /// Renders a model by several surface methods and measures their error.
 #[derive(Args)]
@@ -30,7 +79,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "HIGH")]
     pub reference: Option<PathBuf>,
     /// Recompute Tables 2 and 3 of Guo and Wang 2025 instead, and list their misprints
-    #[arg(long, conflicts_with_all = ["model", "reference"])]
+    #[arg(long, conflicts_with_all = NOT_OF_PAPER)]
     pub paper: bool,
     /// Methods separated by commas: facet, smooth, bump, bump-printed, object-normal, tangent-normal. `bump` takes the
     /// height of white from the material or --bump-scale, in model units; `bump:5` sets it to 5 texels of the map;
@@ -43,7 +92,7 @@ pub struct CompareArgs {
     pub points: SamplePoints,
     /// The point of the reference that corresponds to a point of the model: the one along its vertex normal, as in baking
     /// (normal), the one of the same UV, for meshes that share their UVs (uv), or the one at the same pixel (pixel)
-    #[arg(long = "match", value_name = "HOW", value_parser = options::named::<Matching>, default_value = "normal")]
+    #[arg(long = "match", value_name = "HOW", value_parser = options::named::<Matching>, default_value = "normal", requires = "reference")]
     pub matching: Matching,
     /// The angle at the top of the heat maps' scale, degrees
     #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30")]
@@ -64,7 +113,7 @@ pub struct CompareArgs {
     pub light: LightArgs,
     #[command(flatten)]
     pub camera: CameraArgs,
-    /// Width and height of the pictures, pixels
+    /// Width and height of the pictures, pixels; one number stands for both
     #[arg(long, value_name = "N|WxH", value_parser = options::size, default_value = "640x640", help_heading = "Picture")]
     pub size: [u32; 2],
     #[command(flatten)]
@@ -76,11 +125,14 @@ pub struct CompareArgs {
 impl CompareArgs {
     /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
+        self.check_methods()?;
+        self.material.check(&self.shadings)?;
+        self.reflection.check(&self.shadings)?;
         self.light.check()?;
         self.camera.check()?;
-        self.film.check()?;
+        self.film.check(self.light.show_env)?;
         self.running.check()?;
-        if self.film.background == "transparent" {
+        if self.film.background.as_deref() == Some("transparent") {
             bail!("--background transparent: pictures are compared before a background; give a colour");
         }
         if !(self.heat_top_deg > 0.0 && self.heat_top_deg <= 180.0) {
@@ -90,7 +142,34 @@ impl CompareArgs {
             let [width, height] = self.size;
             bail!("--points: pixel {x},{y} lies outside the picture of {width}×{height}");
         }
-        Ok(())
+        match &self.output {
+            Some(output) => Ok(io::check_writable_folder(output)?),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a comparison with nothing, and maps that no method reads.
+    fn check_methods(&self) -> Result<()> {
+        let methods = self.methods();
+        if let (None, [method], false) = (&self.reference, methods.as_slice(), self.paper) {
+            let id = method.id();
+            bail!("--method {id}: it is compared with nothing; name further methods, or a --reference");
+        }
+        let maps = |method: &Method| {
+            matches!(method.surface, SurfaceMethod::ObjectNormal | SurfaceMethod::TangentNormal)
+        };
+        let bumps = |method: &Method| Method::takes_factor(method.surface);
+        let unread = [
+            ("--normal-map", self.material.normal_map.is_some() && !methods.iter().any(maps)),
+            ("--height-map", self.material.height_map.is_some() && !methods.iter().any(bumps)),
+            ("--bump-scale", {
+                self.bump_scale.is_some() && !methods.iter().any(|m| bumps(m) && m.factor.is_none())
+            }),
+        ];
+        match unread.iter().find(|(_, is)| *is) {
+            Some((option, _)) => bail!("{option}: no method of --method reads it"),
+            None => Ok(()),
+        }
     }
 
     /// The methods to compare, each once.

@@ -38,9 +38,10 @@ pub fn run(args: &CompareArgs) -> Result<()> {
 fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<Written> {
     let mut loaded = studio::load(model, &args.material, args.bump_scale)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
+    args.light.note_unread(&loaded.scene, &mut warnings);
     let reference = args.reference.as_deref();
     let reference = reference
-        .map(|path| reference::load(path, args.material.material.as_deref(), &loaded.scene, &mut warnings))
+        .map(|path| reference::load(path, &args.material, &loaded.scene, &mut warnings))
         .transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
     let environment = args.light.environment(&mut warnings)?;

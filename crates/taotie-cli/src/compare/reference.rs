@@ -1,31 +1,36 @@
 //! The high-poly reference that methods are measured against.
 
-use crate::studio;
+use crate::studio::{self, MaterialArgs};
 use anyhow::Result;
 use std::path::Path;
 use taotie::comparison::dress_reference;
 use taotie::scene::Scene;
 use taotie::{Warnings, io};
 
-/// Reads the reference, made of what `choice` says, else of what it says itself, else of what the model is made of.
+/// Reads the reference, made of the material asked for, else of what it says itself, else of what the model is made of;
+/// with the factors asked for.
 ///
 /// # Errors
 /// The reader's, and those of the material.
-pub fn load(path: &Path, choice: Option<&str>, model: &Scene, warnings: &mut Warnings) -> Result<Scene> {
+pub fn load(path: &Path, args: &MaterialArgs, model: &Scene, warnings: &mut Warnings) -> Result<Scene> {
     let mut loaded = io::load_model(path)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mut scene = loaded.scene;
-    let Some(choice) = choice else {
-        dress_reference(&mut scene, model)?;
-        return Ok(scene);
-    };
+    match &args.material {
+        Some(choice) => dress_as_chosen(&mut scene, choice)?,
+        None => dress_reference(&mut scene, model)?,
+    }
+    args.factors().apply(&mut scene)?;
+    Ok(scene)
+}
+
+fn dress_as_chosen(scene: &mut Scene, choice: &str) -> Result<()> {
     let own = scene.materials().to_vec();
-    studio::apply_choice(choice, &mut scene)?;
+    studio::apply_choice(choice, scene)?;
     // Relief that the material brings along is the model's; this one's is geometry.
-    scene.edit(|scene| {
+    Ok(scene.edit(|scene| {
         for (material, own) in scene.materials.iter_mut().zip(own) {
             (material.normal, material.height) = (own.normal, own.height);
         }
-    })?;
-    Ok(scene)
+    })?)
 }

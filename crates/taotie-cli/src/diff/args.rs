@@ -1,11 +1,13 @@
 //! The options of `taotie diff`.
 
-use crate::{options, render};
+use crate::options;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
+use taotie::Warnings;
 use taotie::compare::{NormalEncoding, PIXELS_PER_DEGREE};
-use taotie::comparison::diff::{self, DiffOptions, Metric};
+use taotie::comparison::diff::{self, DiffOptions, ImageContent, Metric};
+use taotie::io;
 use taotie::math::Vec3;
 use taotie::names::Named;
 
@@ -44,12 +46,13 @@ pub struct DiffArgs {
     /// Meaning of the numbers in the files
     #[arg(long, value_enum, default_value_t = Encoding::Auto)]
     pub encoding: Encoding,
-    /// Colour behind transparent pictures
-    #[arg(long, value_name = "COLOR", value_parser = options::color, default_value = "black")]
-    pub background: Vec3,
-    /// Pixels per degree of the viewer's sight, for FLIP; 67 is a screen 0.7 m and 3840 pixels wide, seen from 0.7 m
-    #[arg(long, value_name = "N", value_parser = options::number, default_value_t = default_pixels_per_degree())]
-    pub pixels_per_degree: f64,
+    /// Colour behind transparent pictures; black if not given
+    #[arg(long, value_name = "COLOR", value_parser = options::color)]
+    pub background: Option<Vec3>,
+    /// Pixels per degree of the viewer's sight, for FLIP; 67 if not given: a screen 0.7 m and 3840 pixels wide, seen from
+    /// 0.7 m
+    #[arg(long, value_name = "N", value_parser = options::number)]
+    pub pixels_per_degree: Option<f64>,
 
     /// Write a heat map of the difference (PNG), of --metric, else of FLIP or the angle
     #[arg(long, value_name = "OUT", help_heading = "Heat map")]
@@ -90,19 +93,33 @@ impl From<Encoding> for diff::Encoding {
     }
 }
 
-/// 67, without the fraction that nobody writes.
-fn default_pixels_per_degree() -> f64 {
-    f64::from(PIXELS_PER_DEGREE.round())
-}
-
 impl DiffArgs {
     /// The same for the library.
     pub fn options(&self) -> DiffOptions {
         DiffOptions {
             metric: self.metric,
             encoding: self.encoding.into(),
-            background: self.background,
-            pixels_per_degree: self.pixels_per_degree,
+            background: self.background.unwrap_or(Vec3::splat(0.0)),
+            pixels_per_degree: self.pixels_per_degree(),
+        }
+    }
+
+    /// Returns what FLIP assumes; 67 if not given, without the fraction that nobody writes.
+    pub fn pixels_per_degree(&self) -> f64 {
+        self.pixels_per_degree.unwrap_or(f64::from(PIXELS_PER_DEGREE.round()))
+    }
+
+    /// Notes options that a comparison of normals does not read.
+    pub fn note_unread(&self, content: &ImageContent, warnings: &mut Warnings) {
+        if matches!(content, ImageContent::Pictures(_)) {
+            return;
+        }
+        let unread = [
+            ("--background", self.background.is_some()),
+            ("--pixels-per-degree", self.pixels_per_degree.is_some()),
+        ];
+        for (option, _) in unread.iter().filter(|(_, given)| *given) {
+            warnings.note(format!("{option} is not read: normals are compared by their angle"), 1);
         }
     }
 
@@ -114,12 +131,15 @@ impl DiffArgs {
         if self.heat_top.is_some_and(|top| top <= 0.0) {
             bail!("--heat-top: the top of the scale must be above 0");
         }
+        if self.pixels_per_degree.is_some() && self.metric.is_some_and(|metric| metric != Metric::Flip) {
+            bail!("--pixels-per-degree: only FLIP reads it; leave it out, or take --metric flip");
+        }
         self.check_meaning()?;
         let Some(heat) = &self.heat else { return Ok(()) };
         if heat.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
             bail!("{}: heat maps are written as .png", heat.display());
         }
-        render::check_place(heat)
+        Ok(io::check_writable(heat)?)
     }
 
     fn check_meaning(&self) -> Result<()> {

@@ -33,10 +33,10 @@ pub fn run(args: &DiffArgs) -> Result<Outcome> {
 }
 
 fn print(args: &DiffArgs, report: &Report) -> Result<()> {
+    console::say_warnings(&report.warnings);
     if args.json {
         return console::result(&serde_json::to_string_pretty(report)?);
     }
-    console::say_warnings(&report.warnings);
     console::result(report.text().trim_end())
 }
 
@@ -54,7 +54,8 @@ fn compare(args: &DiffArgs) -> Result<Report> {
     let options = args.options();
     let images = [0, 1].map(|i| NamedBitmap { name: &files.names[i], bitmap: &files.bitmaps[i] });
     check_normals(images, &options)?;
-    let pair = ImagePair::new(images, &options)?;
+    let mut pair = ImagePair::new(images, &options)?;
+    args.note_unread(&pair.content, &mut pair.warnings);
     if pair.shared_normals() == Some(0) {
         bail!("no texel holds a normal in both files; there is nothing to compare");
     }

@@ -85,7 +85,7 @@ impl Report {
             compared_as: if normals { "normals" } else { "pictures" },
             equal: a.texels() == b.texels(),
             left_out: metrics.angle.map_or(0, |angle| count - angle.count),
-            pixels_per_degree: args.pixels_per_degree,
+            pixels_per_degree: args.pixels_per_degree(),
             threshold: threshold.map(|((metric, limit), value)| Threshold {
                 metric: metric.name(),
                 limit,

@@ -1,11 +1,12 @@
 //! The options of `taotie normals`.
 
+use crate::options;
 use crate::studio::{Green, Space};
-use crate::{options, render};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use taotie::image::Wrap;
+use taotie::io;
 use taotie::surface::TangentMethod;
 
 const EXAMPLES: &str = "\
@@ -38,9 +39,9 @@ pub struct NormalsArgs {
     /// Direction of green in the input: up (OpenGL, glTF) or down (DirectX); guessed if not given
     #[arg(long, value_enum)]
     pub green_in: Option<Green>,
-    /// Direction of green in the output: up (OpenGL, glTF) or down (DirectX)
-    #[arg(long, value_enum, default_value_t = Green::Up)]
-    pub green: Green,
+    /// Direction of green in the output: up (OpenGL, glTF; if not given) or down (DirectX)
+    #[arg(long, value_enum)]
+    pub green: Option<Green>,
     /// Bits per channel of the output; if not given those of the input where its space stays, else 16
     #[arg(long, value_parser = ["8", "16"])]
     pub bits: Option<String>,
@@ -51,9 +52,9 @@ pub struct NormalsArgs {
     /// Height of white, in texels of the map; with --mesh in model units
     #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Heights")]
     pub height_scale: Option<f64>,
-    /// Heights beyond the border of the map
-    #[arg(long, value_enum, default_value_t = Border::Repeat, help_heading = "Heights")]
-    pub border: Border,
+    /// Heights beyond the border of the map; repeat if not given
+    #[arg(long, value_enum, help_heading = "Heights")]
+    pub border: Option<Border>,
 
     /// The model that the map is for: needed between tangent and object space (.gltf, .glb, .obj, .ply, .stl)
     #[arg(long, value_name = "MODEL", help_heading = "Mesh")]
@@ -62,13 +63,13 @@ pub struct NormalsArgs {
     #[arg(long, value_name = "NAME|N", requires = "mesh", help_heading = "Mesh")]
     pub part: Option<String>,
     /// UV set of the mesh, from 0
-    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Mesh")]
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "mesh", help_heading = "Mesh")]
     pub uv_set: usize,
     /// Tangents: face, averaged, mikktspace; if not given those of the file, else mikktspace
-    #[arg(long, value_parser = options::named::<TangentMethod>, help_heading = "Mesh")]
+    #[arg(long, value_parser = options::named::<TangentMethod>, requires = "mesh", help_heading = "Mesh")]
     pub tangents: Option<TangentMethod>,
     /// Padding around UV islands, texels
-    #[arg(long, alias = "margin", value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Mesh")]
+    #[arg(long, alias = "margin", value_name = "N", default_value_t = 16, requires = "mesh", value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Mesh")]
     pub dilation: u32,
 
     /// Number of threads; all of the machine's if not given. Results do not depend on it
@@ -123,6 +124,6 @@ impl NormalsArgs {
         if self.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
             bail!("{}: normal maps are written as .png", self.output.display());
         }
-        render::check_place(&self.output)
+        Ok(io::check_writable(&self.output)?)
     }
 }

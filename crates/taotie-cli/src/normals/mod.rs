@@ -4,11 +4,14 @@ mod args;
 mod input;
 mod mesh;
 mod report;
+mod unread;
 
 pub use args::NormalsArgs;
 
+use crate::studio::Green;
 use crate::{console, studio};
 use anyhow::{Result, bail};
+use args::Border;
 use report::Report;
 use taotie::bake::TexelSurface;
 use taotie::image::Encoding;
@@ -20,16 +23,17 @@ use taotie::{Warnings, io};
 pub fn run(args: &NormalsArgs) -> Result<()> {
     args.check()?;
     let (report, warnings) = studio::in_pool(args.threads, || convert(args))??;
+    console::say_warnings(&warnings);
     if args.json {
         return console::result(&serde_json::to_string_pretty(&report)?);
     }
-    console::say_warnings(&warnings);
     console::result(&report.text())
 }
 
 fn convert(args: &NormalsArgs) -> Result<(Report, Warnings)> {
     let source = input::read(args)?;
     let mut warnings = Warnings::default();
+    unread::note(args, &source, &mut warnings);
     let size = [source.bitmap.width(), source.bitmap.height()];
     let surface = mesh::laid_out(args, size, &mut warnings)?;
     let options = options(args);
@@ -43,11 +47,11 @@ fn convert(args: &NormalsArgs) -> Result<(Report, Warnings)> {
 fn options(args: &NormalsArgs) -> ConversionOptions {
     ConversionOptions {
         space: args.to.map(Into::into),
-        green: args.green.into(),
+        green: args.green.unwrap_or(Green::Up).into(),
         bits: args.bits.as_deref().map(|bits| if bits == "8" { 8 } else { 16 }),
         dither: args.dither,
         height_scale: args.height_scale,
-        border: args.border.wrap(),
+        border: args.border.unwrap_or(Border::Repeat).wrap(),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::args::NormalsArgs;
 use super::input::{content_name, space_name};
 use crate::console;
+use crate::studio::Green;
 use serde::Serialize;
 use std::fmt::Write;
 use taotie::Warnings;
@@ -50,7 +51,7 @@ impl Report {
             from: content_name(input.content),
             to: space_name(made.space),
             green_in: green_name(input.green),
-            green: green_name(args.green.into()),
+            green: green_name(args.green.unwrap_or(Green::Up).into()),
             bits: made.bitmap.bits(),
             dither: args.dither,
             stored: made.stored.summary(),

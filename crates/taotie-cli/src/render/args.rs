@@ -1,13 +1,18 @@
 //! The options of `taotie render`.
 
 use super::integrator::IntegratorArgs;
+use super::output::Formats;
 use super::plan::MotionArgs;
 use crate::options;
 use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
+use taotie::Warnings;
+use taotie::io::{self, ImageFormat};
+use taotie::names::Named;
 use taotie::render::{Aovs, RenderSettings, SurfaceSettings};
+use taotie::scene::Scene;
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 
@@ -56,14 +61,14 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub motion: MotionArgs,
 
-    /// Width and height of the picture, pixels
+    /// Width and height of the picture, pixels; one number stands for both
     #[arg(long, value_name = "N|WxH", value_parser = options::size, default_value = "1024x1024", help_heading = "Picture")]
     pub size: [u32; 2],
     #[command(flatten)]
     pub film: FilmArgs,
-    /// Bits per channel of a PNG
-    #[arg(long, value_parser = ["8", "16"], default_value = "8", help_heading = "Picture")]
-    pub bits: String,
+    /// Bits per channel of a PNG; 8 if not given
+    #[arg(long, value_parser = ["8", "16"], help_heading = "Picture")]
+    pub bits: Option<String>,
     /// Also write output variables (AOVs), unfiltered, as OUT.NAME.exr and OUT.NAME.png, separated by commas: normals,
     /// depth, albedo, uv, triangle
     #[arg(long = "aov", value_name = "LIST", value_delimiter = ',', value_parser = options::word, help_heading = "Picture")]
@@ -82,14 +87,59 @@ impl RenderArgs {
         if let Some(unknown) = self.aovs.iter().find(|name| !Aovs::NAMES.contains(&name.as_str())) {
             bail!("--aov {unknown}: there is no such output; choose from: {}", Aovs::NAMES.join(", "));
         }
+        self.check_surface()?;
+        self.material.check(&[self.shading])?;
+        self.reflection.check(&[self.shading])?;
         self.light.check()?;
         self.camera.check()?;
-        self.film.check()?;
-        self.integrator.check(self.film.samples)?;
+        self.film.check(self.light.show_env)?;
+        self.integrator.check(self)?;
         self.running.check()?;
         self.motion.check()?;
-        super::output::Formats::of(self)?;
-        super::output::check_place(&self.output)
+        self.check_picture(Formats::of(self)?.still)?;
+        Ok(io::check_writable(&self.output)?)
+    }
+
+    /// Refuses maps that the source of shading normals does not read.
+    fn check_surface(&self) -> Result<()> {
+        use SurfaceMethod::{Bump, BumpPrinted, ObjectNormal, TangentNormal};
+        let Some(surface) = self.surface else { return Ok(()) };
+        let bumps = matches!(surface, Bump | BumpPrinted);
+        let unread = [
+            ("--bump-scale", self.bump_scale.is_some() && !bumps),
+            ("--height-map", self.material.height_map.is_some() && !bumps),
+            (
+                "--normal-map",
+                self.material.normal_map.is_some() && !matches!(surface, ObjectNormal | TangentNormal),
+            ),
+        ];
+        match unread.iter().find(|(_, is)| *is) {
+            Some((option, _)) => {
+                bail!("{option}: --surface {} does not read it; leave one of them out", surface.name())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Notes what is asked for and not seen in this model: shadows without lights, heights that normal maps hide.
+    pub fn note_unread(&self, scene: &Scene, warnings: &mut Warnings) {
+        self.light.note_unread(scene, warnings);
+        let asked = self.bump_scale.is_some() || self.material.height_map.is_some();
+        let mut lifted = scene.materials().iter().filter(|material| material.height.is_some()).peekable();
+        if self.surface.is_none() && asked && lifted.peek().is_some() && lifted.all(|m| m.normal.is_some()) {
+            warnings.note("heights are not read: a normal map goes first; add --surface bump to see them", 1);
+        }
+    }
+
+    /// Refuses what a picture of this format does not have.
+    fn check_picture(&self, format: ImageFormat) -> Result<()> {
+        if format != ImageFormat::Exr {
+            return Ok(());
+        }
+        if self.bits.is_some() {
+            bail!("--bits: an .exr holds 32-bit floats; leave it out, or write a .png");
+        }
+        self.film.check_linear()
     }
 
     /// Returns the settings of the renderer.

@@ -1,5 +1,6 @@
 //! The choice of renderer: rasteriser or path tracer.
 
+use super::RenderArgs;
 use crate::options;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -40,7 +41,7 @@ pub enum Integrator {
 
 impl IntegratorArgs {
     /// Refuses what the chosen integrator does not read.
-    pub fn check(&self, samples: Option<u32>) -> Result<()> {
+    pub fn check(&self, args: &RenderArgs) -> Result<()> {
         match self.integrator {
             Integrator::Raster => {
                 let given = [
@@ -55,8 +56,11 @@ impl IntegratorArgs {
                     );
                 }
             }
-            Integrator::Reference if samples.is_some() => {
+            Integrator::Reference if args.film.samples.is_some() => {
                 bail!("--samples: --integrator reference takes the number of paths per pixel from --spp N");
+            }
+            Integrator::Reference if args.reflection.specular_aa.is_some() => {
+                bail!("--specular-aa: --integrator reference averages many paths instead; leave it out");
             }
             Integrator::Reference => {}
         }

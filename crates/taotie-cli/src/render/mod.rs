@@ -7,12 +7,11 @@ mod plan;
 mod sequence;
 
 pub use args::RenderArgs;
-pub use output::check_place;
 
 use crate::console;
 use crate::studio::{self, Motion, in_pool};
 use anyhow::Result;
-use sequence::Shooting;
+use sequence::{Setting, Shooting};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -20,7 +19,7 @@ use taotie::Warnings;
 use taotie::names::Named;
 
 /// Version of the JSON that `--json` prints.
-const SCHEMA: u32 = 3;
+const SCHEMA: u32 = 4;
 
 /// The result of a run.
 struct Report {
@@ -30,6 +29,8 @@ struct Report {
     animation: Option<String>,
     /// Its time in each picture, seconds.
     times: Vec<f64>,
+    /// The camera and the light of the first picture.
+    setting: Option<Setting>,
     warnings: Warnings,
     /// Stage and seconds.
     seconds: Vec<(&'static str, f64)>,
@@ -39,10 +40,10 @@ struct Report {
 pub fn run(args: &RenderArgs) -> Result<()> {
     args.check()?;
     let report = in_pool(args.running.threads, || render(args))??;
+    console::say_warnings(&report.warnings);
     if args.running.json {
         return console::result(&serde_json::to_string_pretty(&report.json(args))?);
     }
-    console::say_warnings(&report.warnings);
     for file in &report.files {
         console::result(&file.display().to_string())?;
     }
@@ -59,6 +60,7 @@ fn render(args: &RenderArgs) -> Result<Report> {
     let (mut loaded, environment) = (loaded?, environment?);
     let mut warnings = std::mem::take(&mut loaded.warnings);
     warnings.absorb(sky_warnings);
+    args.note_unread(&loaded.scene, &mut warnings);
     watch.lap("load");
     let mut settings = args.settings();
     let motion = match args.motion.animates() {
@@ -77,7 +79,8 @@ fn render(args: &RenderArgs) -> Result<Report> {
     let files = sequence.take(&mut loaded.scene, motion.as_ref(), &mut warnings)?;
     let animation = motion.map(|motion| motion.name());
     let triangles = loaded.scene.triangle_count();
-    Ok(Report { files, triangles, animation, times: plan.times(), warnings, seconds: sequence.watch.laps })
+    let Shooting { setting, watch, .. } = sequence;
+    Ok(Report { files, triangles, animation, times: plan.times(), setting, warnings, seconds: watch.laps })
 }
 
 impl Report {
@@ -98,9 +101,14 @@ impl Report {
             "shading": args.shading.name(),
             "surface": args.surface.map(|s| s.name()),
             "reflection": args.reflection.json(),
+            "material": args.material.json(),
+            "camera": self.setting.as_ref().map(|setting| &setting.camera),
+            "lights": self.setting.as_ref().map(|setting| &setting.lights),
+            "ambient": self.setting.as_ref().map(|setting| setting.ambient),
+            "shadows": args.settings().shadows,
             "ground": args.ground,
             "environment": args.light.environment_json(),
-            "tone": args.film.tone.name(),
+            "tone": args.film.tone().name(),
             "seconds": seconds,
             "warnings": console::json_warnings(&self.warnings),
         })

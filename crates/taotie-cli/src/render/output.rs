@@ -21,7 +21,7 @@ impl Formats {
     /// Chooses the formats by the output's extension.
     pub fn of(args: &RenderArgs) -> Result<Self> {
         let extension = args.output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-        let png = if args.bits == "16" { ImageFormat::Png16 } else { ImageFormat::Png8 };
+        let png = if args.bits.as_deref() == Some("16") { ImageFormat::Png16 } else { ImageFormat::Png8 };
         let (still, moving) = match extension.as_str() {
             "png" => (png, Some(AnimationFormat::Png)),
             "gif" => (png, Some(AnimationFormat::Gif)),
@@ -51,18 +51,6 @@ fn extension(format: ImageFormat) -> &'static str {
 pub fn numbered(path: &Path, format: ImageFormat, index: usize, count: usize) -> PathBuf {
     let digits = (count.saturating_sub(1)).to_string().len().max(3);
     path.with_extension(format!("{index:0digits$}.{}", extension(format)))
-}
-
-/// Refuses, before any work is done, a path that is a folder or lies in none.
-pub fn check_place(path: &Path) -> Result<()> {
-    if path.is_dir() {
-        bail!("{}: it is a folder; give a file name", path.display());
-    }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-        bail!("{}: there is no such folder; make it first", folder.display());
-    }
-    Ok(())
 }
 
 /// Writes a frame and the output variables asked for; returns the files.

@@ -9,10 +9,30 @@ use std::path::PathBuf;
 use taotie::film::{self, Development};
 use taotie::image::{Image, Texels};
 use taotie::io::{AnimatedImage, AnimationSpec, ImageFormat, write_developed};
-use taotie::render::{EnvironmentLight, Frame, RenderSettings, Renderer, Shot, reference};
-use taotie::scene::Scene;
-use taotie::studio::{Sequence, SequenceFrame};
+use taotie::render::{EnvironmentLight, Frame, Lighting, RenderSettings, Renderer, Shot, reference};
+use taotie::scene::{Camera, Scene};
+use taotie::studio::{CameraParameters, LightParameters, Sequence, SequenceFrame};
 use taotie::{Progress, Warnings};
+
+/// The camera and the light of a picture, for the report.
+pub struct Setting {
+    /// The camera.
+    pub camera: CameraParameters,
+    /// The lights, world space.
+    pub lights: Vec<LightParameters>,
+    /// Radiance from all around, linear RGB.
+    pub ambient: [f32; 3],
+}
+
+impl Setting {
+    fn new(camera: &Camera, lighting: &Lighting) -> Self {
+        Self {
+            camera: camera.into(),
+            lights: lighting.lights.iter().map(LightParameters::from).collect(),
+            ambient: lighting.ambient.to_array(),
+        }
+    }
+}
 
 /// The settings that all pictures of a run share, and its progress.
 pub struct Shooting<'a> {
@@ -22,6 +42,8 @@ pub struct Shooting<'a> {
     development: Development,
     plan: &'a Sequence,
     environment: Option<EnvironmentLight>,
+    /// The camera and the light of the first picture.
+    pub setting: Option<Setting>,
     /// The time of each stage.
     pub watch: Watch,
     /// The number of pictures written.
@@ -46,6 +68,7 @@ impl<'a> Shooting<'a> {
             development,
             plan,
             environment: None,
+            setting: None,
             watch,
             done: 0,
             files: Vec::new(),
@@ -117,6 +140,7 @@ impl<'a> Shooting<'a> {
         let lighting =
             studio::lighting(&self.args.light, environment, scene, stage.viewpoint.at(planned.turn))?;
         let (camera, settings) = (stage.viewpoint.camera(planned.turn), &self.settings);
+        self.setting.get_or_insert_with(|| Setting::new(&camera, &lighting));
         let (before, count) = (self.done as f64, self.plan.shots.len() as f64);
         let bar = stage.bar;
         let told = |_: &str, part: f64| {

@@ -10,11 +10,11 @@ use taotie::film::{Development, ToneCurve};
 use taotie::math::{SimdLevel, Vec3};
 use taotie::names::Named;
 use taotie::render::{EnvironmentLight, GrazingNormals, RenderSettings};
-use taotie::scene::{GreenChannel, NormalSpace};
-use taotie::shade::Energy;
+use taotie::scene::{GreenChannel, NormalSpace, Scene};
+use taotie::shade::{Energy, Shading};
 use taotie::studio::{
     CameraOptions, EnvironmentOptions, EnvironmentSource, LightOptions, LightSpec, MapOptions,
-    MaterialOptions,
+    MaterialFactors, MaterialOptions,
 };
 use taotie::surface::TangentMethod;
 
@@ -31,18 +31,33 @@ pub struct MaterialArgs {
     /// A preset, as `taotie materials` lists them, or a TOML file; the model keeps its maps
     #[arg(long, value_name = "NAME|FILE")]
     pub material: Option<String>,
+    /// Base colour of every material, a colour or a linear grey value; textures are multiplied by it
+    #[arg(long, value_name = "COLOR", value_parser = options::color)]
+    pub base_color: Option<Vec3>,
+    /// Metallic factor of every material, [0, 1]; textures are multiplied by it
+    #[arg(long, value_name = "X", value_parser = options::fraction)]
+    pub metallic: Option<f64>,
+    /// Roughness of every material, [0, 1]; textures are multiplied by it
+    #[arg(long, value_name = "X", value_parser = options::fraction)]
+    pub roughness: Option<f64>,
+    /// Root mean square slope of every material, above 0, for cook-torrance; if not given the square of the roughness
+    #[arg(long, value_name = "X", value_parser = options::positive)]
+    pub slope: Option<f64>,
+    /// Exponent of every material, 0 or more, for phong and blinn-phong; if not given it follows from the roughness
+    #[arg(long, value_name = "X", value_parser = options::at_least_0)]
+    pub shininess: Option<f64>,
     /// A base colour texture for every material
     #[arg(long, value_name = "FILE")]
     pub base_color_map: Option<PathBuf>,
     /// A normal map for every material
     #[arg(long, value_name = "FILE")]
     pub normal_map: Option<PathBuf>,
-    /// Space of the normal map
-    #[arg(long, value_enum, default_value_t = Space::Tangent)]
+    /// Space of --normal-map
+    #[arg(long, value_enum, default_value_t = Space::Tangent, requires = "normal_map")]
     pub normal_space: Space,
-    /// Direction of green in normal maps: up (OpenGL, glTF) or down (DirectX)
-    #[arg(long, value_enum, default_value_t = Green::Up)]
-    pub green: Green,
+    /// Direction of green in normal maps: up (OpenGL, glTF; if not given) or down (DirectX)
+    #[arg(long, value_enum)]
+    pub green: Option<Green>,
     /// A height map for every material; white is high
     #[arg(long, value_name = "FILE")]
     pub height_map: Option<PathBuf>,
@@ -55,34 +70,67 @@ pub struct MaterialArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub struct ReflectionArgs {
-    /// Light between microfacets in ggx and cook-torrance: compensated (multiple scattering) or single (lost)
-    #[arg(long, value_parser = options::named::<Energy>, default_value = "compensated")]
-    pub energy: Energy,
-    /// Specular antialiasing: relief finer than a pixel widens the highlight instead of sparkling
-    #[arg(long, value_name = "on|off", value_parser = options::switch, default_value = "on", action = ArgAction::Set)]
-    pub specular_aa: bool,
-    /// Mapped normals that face away from the viewer, and the edge between lit and dark: soften, or keep as in the map
-    #[arg(long, value_name = "HOW", value_parser = options::named::<GrazingNormals>, default_value = "soften")]
-    pub grazing_normals: GrazingNormals,
+    /// Light between microfacets in ggx and cook-torrance: compensated (multiple scattering; if not given) or single
+    /// (lost)
+    #[arg(long, value_parser = options::named::<Energy>)]
+    pub energy: Option<Energy>,
+    /// Specular antialiasing: relief finer than a pixel widens the highlight instead of sparkling; on if not given
+    #[arg(long, value_name = "on|off", value_parser = options::switch, action = ArgAction::Set)]
+    pub specular_aa: Option<bool>,
+    /// Mapped normals that face away from the viewer, and the edge between lit and dark: soften (if not given), or keep
+    /// as in the map
+    #[arg(long, value_name = "HOW", value_parser = options::named::<GrazingNormals>)]
+    pub grazing_normals: Option<GrazingNormals>,
 }
 
 impl ReflectionArgs {
+    /// Refuses what none of the reflectance models reads.
+    pub fn check(&self, shadings: &[Shading]) -> Result<()> {
+        let compensates = |shading: &Shading| matches!(shading, Shading::Ggx | Shading::CookTorrance);
+        if self.energy.is_some() && !shadings.iter().any(compensates) {
+            bail!("--energy: only ggx and cook-torrance read it; choose one of them with --shading");
+        }
+        let corrections = [
+            ("--specular-aa", self.specular_aa.is_some()),
+            ("--grazing-normals", self.grazing_normals.is_some()),
+        ];
+        let given = corrections.iter().find(|(_, given)| *given);
+        match given {
+            Some((option, _)) if shadings.iter().all(|shading| shading.is_printed()) => {
+                bail!("{option}: the models as printed take no corrections; choose another with --shading")
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Returns `settings` with these details.
     pub fn apply(&self, settings: RenderSettings) -> RenderSettings {
         RenderSettings {
-            energy: self.energy,
-            specular_aa: self.specular_aa,
-            grazing_normals: self.grazing_normals,
+            energy: self.energy(),
+            specular_aa: self.specular_aa(),
+            grazing_normals: self.grazing_normals(),
             ..settings
         }
+    }
+
+    fn energy(&self) -> Energy {
+        self.energy.unwrap_or_default()
+    }
+
+    fn specular_aa(&self) -> bool {
+        self.specular_aa.unwrap_or(true)
+    }
+
+    fn grazing_normals(&self) -> GrazingNormals {
+        self.grazing_normals.unwrap_or_default()
     }
 
     /// Returns the options as JSON for reports.
     pub fn json(&self) -> serde_json::Value {
         json!({
-            "energy": self.energy.name(),
-            "specular_aa": self.specular_aa,
-            "grazing_normals": self.grazing_normals.name(),
+            "energy": self.energy().name(),
+            "specular_aa": self.specular_aa(),
+            "grazing_normals": self.grazing_normals().name(),
         })
     }
 }
@@ -107,11 +155,11 @@ pub struct LightArgs {
     #[arg(long, value_name = "FILE|studio|none")]
     pub env: Option<String>,
     /// Turn the environment counterclockwise as seen from above, degrees
-    #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "0", allow_negative_numbers = true)]
-    pub env_rotate_deg: f64,
-    /// Factor of the environment's light
-    #[arg(long, value_name = "X", value_parser = options::number, default_value = "1")]
-    pub env_intensity: f64,
+    #[arg(long, value_name = "DEG", value_parser = options::number, allow_negative_numbers = true)]
+    pub env_rotate_deg: Option<f64>,
+    /// Factor of the environment's light; 1 if not given
+    #[arg(long, value_name = "X", value_parser = options::number)]
+    pub env_intensity: Option<f64>,
     /// Show the environment behind the model
     #[arg(long)]
     pub show_env: bool,
@@ -128,12 +176,15 @@ pub struct CameraArgs {
     #[arg(long, value_name = "AZ,EL[,DIST]", value_parser = options::numbers, allow_hyphen_values = true)]
     pub orbit: Option<std::vec::Vec<f64>>,
     /// Point to look at; the object's middle if not given
-    #[arg(long, value_name = "X,Y,Z", value_parser = options::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = options::vector, allow_hyphen_values = true, conflicts_with = "camera")]
     pub target: Option<Vec3<f64>>,
     /// Vertical field of view, degrees
-    #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30")]
+    #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30", conflicts_with = "camera")]
     pub fov_deg: f64,
 }
+
+/// The background where none is asked for.
+const BACKGROUND: &str = "#2a2b2e";
 
 /// The development of a picture from light.
 #[derive(Args)]
@@ -142,15 +193,15 @@ pub struct FilmArgs {
     /// Samples per pixel: 1, 4 or 16; 4 if not given
     #[arg(long, value_name = "N")]
     pub samples: Option<u32>,
-    /// Tone curve: neutral, linear, reinhard, aces, agx
-    #[arg(long, value_parser = options::named::<ToneCurve>, default_value = "neutral")]
-    pub tone: ToneCurve,
-    /// Exposure in stops
-    #[arg(long, value_name = "STOPS", value_parser = options::number, default_value = "0", allow_negative_numbers = true)]
-    pub exposure: f64,
-    /// Background: a colour, or `transparent`
-    #[arg(long, value_name = "COLOR|transparent", default_value = "#2a2b2e")]
-    pub background: String,
+    /// Tone curve: neutral (if not given), linear, reinhard, aces, agx
+    #[arg(long, value_parser = options::named::<ToneCurve>)]
+    pub tone: Option<ToneCurve>,
+    /// Exposure in stops; 0 if not given
+    #[arg(long, value_name = "STOPS", value_parser = options::number, allow_negative_numbers = true)]
+    pub exposure: Option<f64>,
+    /// Background: a colour, #2a2b2e if not given, or `transparent`
+    #[arg(long, value_name = "COLOR|transparent")]
+    pub background: Option<String>,
 }
 
 /// Threads, SIMD level and output.
@@ -211,14 +262,53 @@ impl MaterialArgs {
             base_color: self.base_color_map.clone(),
             normal: self.normal_map.clone(),
             normal_space: self.normal_space.into(),
-            green: self.green.into(),
+            green: self.green().into(),
             height: self.height_map.clone(),
             height_scale: height_scale.map(|scale| scale as f32),
             occlusion: self.occlusion_map.clone(),
             ..MapOptions::default()
         };
         let (variant, material) = (self.variant.clone(), self.material.clone());
-        MaterialOptions { variant, material, maps, green: self.green.into() }
+        MaterialOptions { variant, material, factors: self.factors(), maps, green: self.green().into() }
+    }
+
+    /// The factors asked for.
+    pub fn factors(&self) -> MaterialFactors {
+        let number = |value: Option<f64>| value.map(|value| value as f32);
+        MaterialFactors {
+            base_color: self.base_color.map(Vec3::to_array),
+            metallic: number(self.metallic),
+            roughness: number(self.roughness),
+            slope: number(self.slope),
+            shininess: number(self.shininess),
+        }
+    }
+
+    /// Refuses factors that none of the reflectance models reads.
+    pub fn check(&self, shadings: &[Shading]) -> Result<()> {
+        use Shading::{
+            BlinnPhong, BlinnPhongClassic, BlinnPhongPrinted, CookTorrance, CookTorrancePrinted, Lambert,
+            Phong,
+        };
+        let any = |reads: fn(&Shading) -> bool| shadings.iter().any(reads);
+        let of_slope = any(|shading| matches!(shading, CookTorrance | CookTorrancePrinted));
+        let of_shininess =
+            any(|shading| matches!(shading, Phong | BlinnPhong | BlinnPhongClassic | BlinnPhongPrinted));
+        let unread = [
+            ("--slope", self.slope.is_some() && !of_slope, "cook-torrance"),
+            ("--shininess", self.shininess.is_some() && !of_shininess, "phong or blinn-phong"),
+            ("--roughness", self.roughness.is_some() && !any(|shading| *shading != Lambert), "ggx"),
+        ];
+        match unread.iter().find(|(_, is, _)| *is) {
+            Some((option, _, reader)) => {
+                bail!("{option}: the shading does not read it; leave it out, or take --shading {reader}")
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn green(&self) -> Green {
+        self.green.unwrap_or(Green::Up)
     }
 
     /// Returns the options as JSON for reports; null where nothing was asked for.
@@ -226,10 +316,15 @@ impl MaterialArgs {
         json!({
             "variant": self.variant,
             "material": self.material,
+            "base_color": self.base_color.map(Vec3::to_array),
+            "metallic": self.metallic,
+            "roughness": self.roughness,
+            "slope": self.slope,
+            "shininess": self.shininess,
             "base_color_map": self.base_color_map,
             "normal_map": self.normal_map,
             "normal_space": self.normal_space.to_possible_value().map(|value| value.get_name().to_owned()),
-            "green": self.green.to_possible_value().map(|value| value.get_name().to_owned()),
+            "green": self.green().to_possible_value().map(|value| value.get_name().to_owned()),
             "height_map": self.height_map,
             "occlusion_map": self.occlusion_map,
         })
@@ -239,16 +334,35 @@ impl MaterialArgs {
 impl LightArgs {
     /// Refuses values that cannot be used, before any work is done.
     pub fn check(&self) -> Result<()> {
-        if self.show_env && self.environment_name().is_none() {
-            bail!("--show-env: there is no environment to show; name one by --env studio or --env FILE.hdr");
+        let of_environment = [
+            ("--show-env", self.show_env),
+            ("--env-rotate-deg", self.env_rotate_deg.is_some()),
+            ("--env-intensity", self.env_intensity.is_some()),
+        ];
+        let given = of_environment.iter().find(|(_, given)| *given);
+        if let (Some((option, _)), None) = (given, self.environment_name()) {
+            bail!("{option}: there is no environment; name one by --env studio or --env FILE.hdr");
         }
-        if !(self.env_intensity >= 0.0 && self.env_intensity.is_finite()) {
-            bail!("--env-intensity {}: it must be 0 or more", self.env_intensity);
+        match self.env_intensity {
+            Some(factor) if factor < 0.0 => bail!("--env-intensity {factor}: it must be 0 or more"),
+            _ => Ok(()),
         }
-        if !self.env_rotate_deg.is_finite() {
-            bail!("--env-rotate-deg {}: write an angle in degrees", self.env_rotate_deg);
+    }
+
+    /// Notes shadows that nothing casts.
+    pub fn note_unread(&self, scene: &Scene, warnings: &mut Warnings) {
+        let only_environment = self.environment_name().is_some() && self.lights.is_empty();
+        if self.shadows && only_environment && scene.lights().is_empty() {
+            warnings.note("--shadows is not read: no light shines beside the environment", 1);
         }
-        Ok(())
+    }
+
+    fn rotation_deg(&self) -> f64 {
+        self.env_rotate_deg.unwrap_or(0.0)
+    }
+
+    fn intensity(&self) -> f64 {
+        self.env_intensity.unwrap_or(1.0)
     }
 
     /// The studio or a file; `None` where there is to be none.
@@ -263,8 +377,8 @@ impl LightArgs {
     pub fn environment(&self, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
         let options = EnvironmentOptions {
             source: self.env.as_deref().and_then(EnvironmentSource::named),
-            rotation: self.env_rotate_deg.to_radians(),
-            intensity: self.env_intensity,
+            rotation: self.rotation_deg().to_radians(),
+            intensity: self.intensity(),
             visible: self.show_env,
         };
         options.load(warnings).context("--env")
@@ -276,8 +390,8 @@ impl LightArgs {
             None => serde_json::Value::Null,
             Some(name) => json!({
                 "name": name,
-                "rotate_deg": self.env_rotate_deg,
-                "intensity": self.env_intensity,
+                "rotate_deg": self.rotation_deg(),
+                "intensity": self.intensity(),
                 "seen": self.show_env,
             }),
         }
@@ -333,10 +447,13 @@ impl CameraArgs {
 }
 
 impl FilmArgs {
-    /// Refuses values that cannot be used, before any work is done.
-    pub fn check(&self) -> Result<()> {
+    /// Refuses values that cannot be used, before any work is done; a background needs that no environment `is_shown`.
+    pub fn check(&self, is_shown: bool) -> Result<()> {
         taotie::raster::SamplePattern::new(self.samples())?;
         self.background()?;
+        if is_shown && self.background.is_some() {
+            bail!("--background: --show-env puts the environment there; leave one of them out");
+        }
         Ok(())
     }
 
@@ -347,15 +464,35 @@ impl FilmArgs {
 
     /// Returns the settings of the development.
     pub fn development(&self, simd: SimdLevel) -> Result<Development> {
-        let background = self.background()?;
-        Ok(Development { exposure_stops: self.exposure as f32, tone: self.tone, background, simd })
+        let exposure_stops = self.exposure.unwrap_or(0.0) as f32;
+        Ok(Development { exposure_stops, tone: self.tone(), background: self.background()?, simd })
+    }
+
+    /// The tone curve.
+    pub fn tone(&self) -> ToneCurve {
+        self.tone.unwrap_or_default()
+    }
+
+    /// Refuses what only a developed picture has.
+    pub fn check_linear(&self) -> Result<()> {
+        let given = [
+            ("--tone", self.tone.is_some()),
+            ("--exposure", self.exposure.is_some()),
+            ("--background", self.background.is_some()),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            Some((option, _)) => {
+                bail!("{option}: an .exr holds light as it is, undeveloped; leave it out, or write a .png")
+            }
+            None => Ok(()),
+        }
     }
 
     fn background(&self) -> Result<Option<Vec3>> {
-        if self.background == "transparent" {
-            return Ok(None);
+        match self.background.as_deref().unwrap_or(BACKGROUND) {
+            "transparent" => Ok(None),
+            color => options::color(color).map(Some).map_err(|why| anyhow!("--background: {why}")),
         }
-        options::color(&self.background).map(Some).map_err(|why| anyhow!("--background: {why}"))
     }
 }
 

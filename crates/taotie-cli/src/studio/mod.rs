@@ -3,6 +3,7 @@
 //! [`taotie::studio`].
 
 mod args;
+mod unread;
 mod viewpoint;
 
 pub use args::{CameraArgs, FilmArgs, Green, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs, Space};
@@ -20,7 +21,10 @@ use taotie::studio::{MaterialFile, View};
 /// the height of white in model units, where it was asked for.
 pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>) -> Result<Loaded> {
     let loaded = taotie::studio::load(path, &args.options(height_scale));
-    loaded.map_err(|error| of_material(args.material.as_deref(), error))
+    let mut loaded = loaded.map_err(|error| of_material(args.material.as_deref(), error))?;
+    let Loaded { scene, warnings, .. } = &mut loaded;
+    unread::note(args, height_scale, scene, warnings);
+    Ok(loaded)
 }
 
 /// Puts a preset or what a TOML file asks for into every material of the scene.

@@ -73,7 +73,7 @@ fn the_vessel_looks_the_same() {
     let [clay, bronze] = materials(&scene);
     let plain = GltfFormat::default();
     let webp = GltfFormat { images: GltfImages::WebP, ..plain };
-    let packed = GltfFormat { images: GltfImages::Ktx2, meshopt: true };
+    let packed = GltfFormat { images: GltfImages::Ktx2, meshopt: true, ..plain };
     let cases = [
         Case { name: "clay", material: clay, format: plain, measured: 0.0258 },
         Case { name: "bronze", material: bronze, format: plain, measured: 0.0444 },

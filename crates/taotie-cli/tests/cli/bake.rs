@@ -264,6 +264,47 @@ fn packed_forms() {
     }
 }
 
+/// Each use says what it chooses, and options that are given go before it.
+#[test]
+fn uses_choose_what_is_not_asked_for() {
+    let place = pair();
+    let cases = [
+        ("web", "normals in 8 bits; WebP; colours as JPEG of quality 85; meshopt", "webp", true, 8),
+        ("archive", "normals in 16 bits; PNG", "png", false, 16),
+        ("engine", "normals in 8 bits; KTX2", "ktx2", false, 8),
+    ];
+    for (name, chosen, images, meshopt, bits) in cases {
+        let line =
+            format!("bake scan.obj --low low.obj -o out.glb --size 32 --no-verify --json --for {name}");
+        let assert = place.taotie(&line).assert().success();
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.starts_with(&format!("taotie: --for {name}: maps of 32×32; {chosen}\n")), "{said}");
+        let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+        let parameters = &report["parameters"];
+        assert_eq!(
+            (&parameters["images"], &parameters["meshopt"], &parameters["bits"]),
+            (&json!(images), &json!(meshopt), &json!(bits)),
+            "{name}"
+        );
+    }
+    let line = "bake scan.obj -o out.glb --size 256 --no-verify --for engine --triangles 6000 --webp";
+    let assert = place.taotie(line).assert().success();
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    let chosen = "--for engine: 6000, 5000 triangles; maps of 256×256; normals in 8 bits; WebP\n";
+    assert!(said.contains(chosen), "{said}");
+}
+
+#[test]
+fn colours_as_jpeg() {
+    let place = pair();
+    let line =
+        "bake scan.obj --low low.obj -o out.gltf --size 32 --maps normal,albedo --no-verify --jpeg 70 --json";
+    let report = place.json(line);
+    assert_eq!(report["parameters"]["jpeg"], 70);
+    assert_eq!(report["files"], json!(["out.gltf", "out.bin", "out_color.jpg", "out_normal.png"]));
+    assert_eq!(place.read("out_color.jpg")[..3], [0xff, 0xd8, 0xff]);
+}
+
 #[test]
 fn levels_of_detail_share_the_map() {
     let place = Place::with("scan.obj", SCAN.obj());
@@ -362,13 +403,18 @@ fn the_smallest_that_is_near_enough() {
     let place = Place::with("scan.obj", SCAN.obj());
     let report = place.json("bake scan.obj -o out.glb --error 1 --json");
     let trials = report["trials"].as_array().unwrap();
-    let last = trials.last().expect("something was tried");
-    assert!(number(last, "/mean_angle") <= 1.0, "{last}");
-    assert!(trials[..trials.len() - 1].iter().all(|trial| number(trial, "/mean_angle") > 1.0));
+    let is_near = |trial: &&Value| number(trial, "/mean_angle") <= 1.0;
+    assert!(trials.iter().all(|trial| trial["bytes"].is_u64() == is_near(&trial)), "{trials:?}");
+    let near = trials.iter().filter(is_near);
+    let best = near.min_by_key(|trial| trial["bytes"].as_u64()).expect("one is near enough");
     assert_eq!(
-        (last["size"].clone(), last["triangles"].clone()),
-        (report["size"][0].clone(), report["triangles"][0].clone())
+        (&best["size"], &best["triangles"]),
+        (&report["size"][0], &report["triangles"][0]),
+        "the fewest bytes of all that are near enough"
     );
+    // The file also holds XMP metadata and names.
+    let more = number(&report, "/proof/bytes_out") - number(best, "/bytes");
+    assert!((0.0..4096.0).contains(&more), "{more} bytes more than measured");
 }
 
 #[test]

@@ -211,13 +211,16 @@ fn refuses_in_one_line() {
         ("compare square.obj -o out --heat-top-deg 0", "above 0 and at most 180"),
         ("compare square.obj -o out --method smooth:5", "only bump and bump-printed"),
         ("compare square.obj -o out --method bmup", "tangent-normal"),
-        ("compare square.obj -o out --match touch", "normal, uv, pixel"),
-        ("compare square.obj -o out --method bump", "none of the methods can be drawn: bump: no material"),
+        ("compare square.obj -o out --reference flat.obj --match touch", "normal, uv, pixel"),
+        (
+            "compare square.obj -o out --method bump,bump:5",
+            "none of the methods can be drawn: bump: no material",
+        ),
         ("compare square.obj -o out --reference gone.ply", "gone.ply"),
         ("compare square.obj", "--output"),
         ("compare -o out", "<MODEL>"),
         ("compare --paper square.obj", "cannot be used with"),
-        ("compare square.obj -o square.obj --method smooth", "square.obj"),
+        ("compare square.obj -o square.obj", "square.obj: it is a file; give a folder"),
     ];
     for (line, words) in wrong {
         let talk = refused(line);

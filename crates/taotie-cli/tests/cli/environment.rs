@@ -1,6 +1,6 @@
 //! `--env`: what is read, what is refused, and what the cache keeps; and the list of materials.
 
-use super::models::square_json;
+use super::models::{TRIANGLE, square_json};
 use super::place::Place;
 use snapbox::cmd::Command;
 use std::path::PathBuf;
@@ -83,6 +83,19 @@ fn what_cannot_be_is_refused_in_one_line() {
         assert_eq!(output.status.code(), Some(2), "{options}: {said}");
         assert!(said.contains(why) && said.trim().lines().count() <= 4, "{options}: {said}");
     }
+}
+
+#[test]
+fn shadows_that_nothing_casts_are_told() {
+    let room = Room::new();
+    room.0.write("a.obj", TRIANGLE);
+    let told = |model: &str| {
+        let assert =
+            room.taotie(&format!("render {model} -o b.png --size 8x8 --env sky.exr --shadows")).assert();
+        let said = String::from_utf8_lossy(&assert.success().get_output().stderr).into_owned();
+        said.contains("warning: --shadows is not read: no light shines beside the environment")
+    };
+    assert!(told("a.obj") && !told("a.gltf"), "the second has a lamp");
 }
 
 #[test]

@@ -38,11 +38,23 @@ struct RenderReport {
     shading: String,
     surface: Option<String>,
     reflection: Reflection,
+    material: BTreeMap<String, serde_json::Value>,
+    camera: Camera,
+    lights: Vec<serde_json::Value>,
+    ambient: [f32; 3],
+    shadows: bool,
     environment: Option<EnvironmentReport>,
     ground: bool,
     tone: String,
     seconds: BTreeMap<String, f64>,
     warnings: Vec<Counted>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Camera {
+    world_from_view_columns: [[f64; 4]; 4],
+    projection: BTreeMap<String, serde_json::Value>,
 }
 
 #[derive(Deserialize, Debug, PartialEq)]
@@ -72,7 +84,7 @@ enum Integrator {
 #[test]
 fn of_render() {
     let report: RenderReport = parse("render a.gltf -o b.png --size 8x6 --samples 1 --json");
-    assert_eq!((report.schema, report.version.as_str()), (3, env!("CARGO_PKG_VERSION")));
+    assert_eq!((report.schema, report.version.as_str()), (4, env!("CARGO_PKG_VERSION")));
     assert_eq!((report.model.as_str(), report.files.as_slice()), ("a.gltf", ["b.png".to_owned()].as_slice()));
     assert_eq!((report.triangles, report.size, report.samples), (2, [8, 6], Some(1)));
     assert_eq!(report.integrator, Integrator::Raster);
@@ -83,6 +95,28 @@ fn of_render() {
     assert_eq!((report.shading.as_str(), report.surface, report.tone.as_str()), ("ggx", None, "neutral"));
     assert!(["load", "prepare", "render", "write"].iter().all(|stage| report.seconds[*stage] >= 0.0));
     assert!(report.warnings.iter().any(|w| w.what.contains("missing.png") && w.count == 1));
+}
+
+#[test]
+fn of_render_with_camera_light_and_material() {
+    let line = "render a.gltf -o b.png --size 8x6 --json --orbit 0,0,5 --fov-deg 40 --target 1,2,3 --ambient 0.25 \
+                --metallic 1 --roughness 0.25 --base-color 0.5 --shadows";
+    let report: RenderReport = parse(line);
+    let [.., place] = report.camera.world_from_view_columns;
+    assert!(place.iter().zip([1.0, 2.0, 8.0, 1.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{place:?}");
+    assert_eq!(report.camera.projection["kind"], "perspective");
+    assert!((report.camera.projection["fov_y_deg"].as_f64().unwrap() - 40.0).abs() < 1e-9);
+    assert_eq!(
+        (report.lights.len(), &report.lights[0]["kind"]),
+        (1, &serde_json::json!("point")),
+        "the file's lamp"
+    );
+    assert_eq!((report.ambient, report.shadows), ([0.25; 3], true));
+    assert_eq!(
+        (&report.material["metallic"], &report.material["roughness"]),
+        (&serde_json::json!(1.0), &serde_json::json!(0.25))
+    );
+    assert_eq!(report.material["base_color"], serde_json::json!([0.5, 0.5, 0.5]));
 }
 
 #[test]

@@ -65,6 +65,7 @@ struct Parameters {
     ray_distance: AutoOr,
     cage: Option<String>,
     images: String,
+    jpeg: Option<u8>,
     meshopt: bool,
     green: String,
 }
@@ -182,6 +183,7 @@ struct Trial {
     triangles: usize,
     size: u32,
     mean_angle: f64,
+    bytes: Option<u64>,
 }
 
 #[derive(Deserialize)]
@@ -229,6 +231,7 @@ fn of_a_pair() {
         ray_distance: auto(),
         cage: None,
         images: "png".into(),
+        jpeg: None,
         meshopt: false,
         green: "up".into(),
     };

@@ -27,6 +27,7 @@ mod provenance;
 mod render;
 mod running;
 mod sizes;
+mod unread;
 #[path = "../../../taotie/tests/common/validator.rs"]
 mod validator;
 mod variants;

@@ -6,7 +6,7 @@ use super::options::BakeOptions;
 use super::plan::Left;
 use super::property::Property;
 use super::scan::About;
-use super::search::Trial;
+use super::search_course::Trial;
 use super::textures::Textures;
 use crate::bake::BakeCounts;
 use crate::error::Warnings;

@@ -88,8 +88,8 @@ pub struct BakeOptions {
     pub low: Option<MeshSource>,
     /// Triangles of the low-poly mesh, at least 4; not read with `low` or `mean_error_deg`.
     pub triangles: u32,
-    /// Finds the smallest mesh and map whose normals are off by at most so many degrees on average, in (0, 180); then
-    /// `triangles` and `size` are not read.
+    /// Finds the mesh and map of the fewest bytes whose normals are off by at most so many degrees on average, in
+    /// (0, 180); then `triangles` and `size` are not read.
     pub mean_error_deg: Option<f64>,
     /// Triangles of further levels of detail, each fewer than the one before.
     pub lods: Vec<u32>,

@@ -23,6 +23,8 @@ use std::path::PathBuf;
 pub struct Packing {
     /// The packing of textures; KTX2 needs maps whose sides are multiples of 4.
     pub images: GltfImages,
+    /// The quality of the base colour as JPEG, 1 to 100; `None` packs it as `images` says.
+    pub jpeg: Option<u8>,
     /// Compresses geometry (EXT_meshopt_compression).
     pub meshopt: bool,
     /// A JSON file of XMP properties, such as `dc:title`, that the asset is to bear beside those of the scan. Where the

@@ -62,6 +62,7 @@ impl Parameters {
                 GltfImages::WebP => "webp",
                 GltfImages::Ktx2 => "ktx2",
             },
+            "jpeg": packing.jpeg,
             "meshopt": packing.meshopt,
             "green": match packing.green { GreenChannel::Up => "up", GreenChannel::Down => "down" },
         }))

@@ -6,7 +6,7 @@ use super::parameters::Parameters;
 use super::plan::Left;
 use super::proof::Figures;
 use super::requirement::Met;
-use super::search::Trial;
+use super::search_course::Trial;
 use super::write::{MapNote, Written};
 use crate::error::{Result, Warnings};
 use std::path::PathBuf;

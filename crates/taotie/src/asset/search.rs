@@ -1,13 +1,15 @@
-//! The smallest mesh and map whose normals are near enough.
+//! The mesh and map of the fewest bytes whose normals are near enough.
 
 use super::judgement::Pair;
 use super::low::{self, LowPoly};
 use super::maps::{StoredMaps, bake_maps};
 use super::options::BakeOptions;
 use super::scan::Scan;
+use super::search_course::{Candidate, Course, Trial, Weight};
 use crate::bake::{Simplified, Verifier};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
+use crate::io::{self, GltfAsset, GltfFormat, GltfLevel};
 use crate::progress::Progress;
 use crate::scene::NormalSpace;
 use std::collections::BTreeMap;
@@ -16,33 +18,8 @@ use std::collections::btree_map::Entry;
 /// The sizes that are tried: triangles, and texels along a side.
 const TRIANGLES: [u32; 9] = [1_000, 2_500, 5_000, 10_000, 20_000, 40_000, 80_000, 150_000, 300_000];
 const SIZES: [u32; 5] = [256, 512, 1024, 2048, 4096];
-/// Bytes of a triangle with half a vertex, and of a texel of a PNG normal map.
-const TRIANGLE: u64 = 36;
-const TEXEL: u64 = 2;
 /// The number of points at which a trial is measured.
 const POINTS: usize = 40_000;
-
-/// A mesh and a map that were tried for a wanted error.
-///
-/// ```
-/// use taotie::asset::{Asset, Trial};
-///
-/// /// Returns the trial that came nearest to the scan.
-/// fn nearest(asset: &Asset) -> Option<&Trial> {
-///     asset.trials().iter().min_by(|a, b| a.mean_angle.total_cmp(&b.mean_angle))
-/// }
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct Trial {
-    /// Triangles.
-    pub triangles: usize,
-    /// Texels along a side.
-    pub size: u32,
-    /// The mean angle between its normals and the scan's, degrees.
-    pub mean_angle: f64,
-}
 
 /// The mesh and map that were found.
 pub(super) struct Found {
@@ -55,7 +32,8 @@ pub(super) struct Found {
     pub warnings: Warnings,
 }
 
-/// Tries meshes and maps from the smallest file up, passing over those that are coarser both ways than one that failed.
+/// Tries meshes and maps from the smallest file up. From the first that is near enough its real bytes correct the
+/// estimates, and all are tried that may be smaller.
 ///
 /// # Errors
 /// [`Error::Invalid`] where none comes within `most` degrees, with the nearest that was found.
@@ -65,47 +43,87 @@ pub(super) fn smallest(
     most: f64,
     progress: Progress<'_>,
 ) -> Result<Found> {
-    let mut trials: Vec<Trial> = Vec::new();
-    // Maps of several sizes are tried on the same triangles.
-    let mut known: BTreeMap<u32, Simplified> = BTreeMap::new();
-    for [triangles, size] in candidates(scan.mesh().triangles().len()) {
-        let fails = |trial: &Trial| triangles as usize <= trial.triangles && size <= trial.size;
-        if trials.iter().any(fails) {
-            continue;
-        }
-        let simplified = match known.entry(triangles) {
-            Entry::Occupied(entry) => entry.into_mut(),
-            Entry::Vacant(place) => place.insert(low::simplified(scan, triangles, progress)?),
-        };
-        let low = LowPoly::made(scan, simplified, size, progress)?;
-        let pair = Pair { scan, low: &low };
-        let maps = bake_maps(options, [size; 2], pair, progress)?;
-        let mean_angle = mean_angle(pair, &maps)?;
-        trials.push(Trial { triangles: triangles as usize, size, mean_angle });
-        if mean_angle <= most {
-            let mut warnings = Warnings::default();
-            low::note_simplified(simplified, triangles, &mut warnings);
-            return Ok(Found { low, maps, size, trials, warnings });
+    let total = scan.mesh().triangles().len();
+    let (candidates, mut course) = (candidates(total), Course::default());
+    let mut search = Search { options, scan, known: BTreeMap::new(), best: None };
+    while let Some(candidate) = course.next(&candidates) {
+        let (tried, mean_angle) = search.tried(candidate, progress)?;
+        let weight = (mean_angle <= most).then(|| tried.weight()).transpose()?;
+        if course.add(candidate, mean_angle, weight) {
+            search.best = Some(tried);
         }
     }
-    Err(none_near_enough(most, &trials, scan.mesh().triangles().len()))
+    match search.best {
+        Some(best) => Ok(best.found(&search.known, course.trials)),
+        None => Err(none_near_enough(most, &course.trials, total)),
+    }
 }
 
-/// Triangles and texels along a side of candidates coarser than the scan, by the size of the file.
-fn candidates(scan: usize) -> Vec<[u32; 2]> {
-    let mut candidates: Vec<[u32; 2]> = TRIANGLES
-        .into_iter()
-        .filter(|triangles| (*triangles as usize) < scan)
-        .flat_map(|triangles| SIZES.map(|size| [triangles, size]))
-        .collect();
-    candidates.sort_by_key(|[t, s]| u64::from(*t) * TRIANGLE + u64::from(*s) * u64::from(*s) * TEXEL);
-    candidates
+/// The candidates as they are made.
+struct Search<'a> {
+    options: &'a BakeOptions,
+    scan: &'a Scan,
+    /// Maps of several sizes are tried on the same triangles.
+    known: BTreeMap<u32, Simplified>,
+    /// The smallest so far.
+    best: Option<Tried>,
+}
+
+/// A candidate that was made.
+struct Tried {
+    low: LowPoly,
+    maps: StoredMaps,
+    candidate: Candidate,
+}
+
+impl Search<'_> {
+    /// Makes a candidate, and measures the mean angle of its normals.
+    fn tried(&mut self, candidate: Candidate, progress: Progress<'_>) -> Result<(Tried, f64)> {
+        let Candidate { triangles, size } = candidate;
+        let simplified = match self.known.entry(triangles) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(place) => place.insert(low::simplified(self.scan, triangles, progress)?),
+        };
+        let low = LowPoly::made(self.scan, simplified, size, progress)?;
+        let pair = Pair { scan: self.scan, low: &low };
+        let maps = bake_maps(self.options, [size; 2], pair, progress)?;
+        let mean_angle = mean_angle(pair, &maps)?;
+        Ok((Tried { low, maps, candidate }, mean_angle))
+    }
+}
+
+impl Tried {
+    /// Returns what it weighs as a GLB with PNG textures, without further levels of detail.
+    fn weight(&self) -> Result<Weight> {
+        let levels = [GltfLevel { mesh: &self.low.mesh, coverage: None }];
+        let mesh = GltfAsset { levels: &levels, ..GltfAsset::default() };
+        let material = self.maps.textures.material(&self.low.material, &self.low.kept);
+        let bytes = |asset: &GltfAsset<'_>| -> Result<u64> {
+            Ok(io::encode_glb(asset, &GltfFormat::default())?.len() as u64)
+        };
+        Ok(Weight { mesh: bytes(&mesh)?, all: bytes(&GltfAsset { material, ..mesh })? })
+    }
+
+    fn found(self, known: &BTreeMap<u32, Simplified>, trials: Vec<Trial>) -> Found {
+        let Candidate { triangles, size } = self.candidate;
+        let mut warnings = Warnings::default();
+        if let Some(simplified) = known.get(&triangles) {
+            low::note_simplified(simplified, triangles, &mut warnings);
+        }
+        Found { low: self.low, maps: self.maps, size, trials, warnings }
+    }
+}
+
+/// Returns all candidates that are coarser than a scan of so many triangles.
+fn candidates(scan: usize) -> Vec<Candidate> {
+    let coarser = TRIANGLES.into_iter().filter(|triangles| (*triangles as usize) < scan);
+    coarser.flat_map(|triangles| SIZES.map(|size| Candidate { triangles, size })).collect()
 }
 
 fn none_near_enough(most: f64, trials: &[Trial], scan: usize) -> Error {
     let best = trials.iter().min_by(|a, b| a.mean_angle.total_cmp(&b.mean_angle));
     let why = match best {
-        Some(Trial { triangles, size, mean_angle }) => format!(
+        Some(Trial { triangles, size, mean_angle, .. }) => format!(
             "no mesh and map come so near; the nearest are {triangles} triangles and {size}×{size} texels with \
              {mean_angle:.3}°"
         ),

@@ -119,7 +119,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         xmp: Some(&xmp),
         extras: extras.as_ref(),
     };
-    let format = GltfFormat { images: packing.images, meshopt: packing.meshopt };
+    let format = GltfFormat { images: packing.images, jpeg: packing.jpeg, meshopt: packing.meshopt };
     let mut files = io::encode_gltf(path, &model, &format)?;
     for beside in beside {
         let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
@@ -137,6 +137,10 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     warnings.note(
         "the base colour's texture has alpha, which KTX2 is not written with: it is PNG",
         usize::from(has_alpha && packing.images == GltfImages::Ktx2),
+    );
+    warnings.note(
+        "the base colour's texture has alpha, which JPEG does not hold: it is not JPEG",
+        usize::from(has_alpha && packing.jpeg.is_some()),
     );
     let (of_scan, all) = (made.about.bytes, files.iter().map(|file| file.bytes.len() as u64).sum::<u64>());
     warnings.note(

@@ -41,10 +41,7 @@ pub use compared::Comparison;
 pub use matching::Matching;
 pub use method::Method;
 pub use options::ComparisonOptions;
-pub use parameters::{
-    CameraParameters, FalloffParameters, LightKindParameters, LightParameters, Parameters,
-    ProjectionParameters,
-};
+pub use parameters::Parameters;
 pub use report::{
     CountedWarning, ErrorReport, HISTOGRAM_BINS, MethodReport, PictureFigures, PictureReport, PointNormal,
     PointReport, Report,

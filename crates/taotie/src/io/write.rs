@@ -7,6 +7,7 @@ mod files;
 mod gltf;
 mod png;
 mod still_image;
+mod writable;
 
 pub use animated_image::{AnimatedImage, AnimationFormat, AnimationSpec};
 #[cfg(feature = "exr")]
@@ -18,6 +19,7 @@ pub use gltf::{
 };
 pub use png::{PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_png, write_png_bitmap};
 pub use still_image::{ImageFormat, write_developed, write_image};
+pub use writable::{check_writable, check_writable_folder};
 
 use crate::error::{Error, Result};
 use std::io::{self, BufWriter, Seek, Write};
@@ -70,10 +72,15 @@ fn draft(path: &Path) -> Result<NamedTempFile> {
         let why = io::Error::new(io::ErrorKind::InvalidInput, "it is a folder; give a file name");
         return Err(Error::io(path, why));
     }
+    draft_in(folder).map_err(|e| Error::io(path, e))
+}
+
+/// Makes a temporary file in a folder that is there.
+fn draft_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".taotie-").suffix(".part");
     public_permissions(&mut builder);
-    builder.tempfile_in(folder).map_err(|e| Error::io(path, e))
+    builder.tempfile_in(folder)
 }
 
 /// Makes a temporary file as readable as any other new file; by default it is private.

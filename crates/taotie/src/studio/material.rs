@@ -1,5 +1,6 @@
 //! The materials asked for: a variant, a preset or a TOML file, and maps.
 
+use super::factors::MaterialFactors;
 use super::maps::MapOptions;
 use super::material_file::MaterialFile;
 use crate::error::Result;
@@ -25,6 +26,8 @@ pub struct MaterialOptions {
     pub variant: Option<String>,
     /// A preset's name, or a TOML file's path; see [`MaterialFile`].
     pub material: Option<String>,
+    /// Factors for every material, in place of those of the file or of `material`.
+    pub factors: MaterialFactors,
     /// Maps for every material.
     pub maps: MapOptions,
     /// `Down` makes green point down in every normal map, the file's own among them; `Up` leaves each as it is.
@@ -32,14 +35,15 @@ pub struct MaterialOptions {
 }
 
 impl MaterialOptions {
-    /// Puts the material and the maps on every material of `scene`.
+    /// Puts the material, the factors and the maps on every material of `scene`.
     ///
     /// # Errors
-    /// As [`MaterialFile::choose`] and [`MaterialFile::apply`], and those of the maps.
+    /// As [`MaterialFile::choose`], [`MaterialFile::apply`] and [`MaterialFactors::apply`], and those of the maps.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
         if let Some(choice) = &self.material {
             MaterialFile::choose(choice)?.apply(scene)?;
         }
+        self.factors.apply(scene)?;
         self.maps.apply(scene)?;
         if self.green == GreenChannel::Down {
             scene.edit(point_down)?;

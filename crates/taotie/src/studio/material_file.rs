@@ -1,6 +1,7 @@
 //! Materials as TOML files write them.
 
 use super::change::Change;
+use super::factors::MaterialFactors;
 use super::maps::MapOptions;
 use crate::error::{Error, Result};
 use crate::io;
@@ -137,25 +138,13 @@ impl MaterialFile {
 
     /// Checks ranges, so that shading cannot be given nonsense.
     fn check(&self) -> Result<()> {
-        let unit = [
-            ("metallic", self.metallic),
-            ("roughness", self.roughness),
-            ("alpha", self.alpha),
-            ("alpha_cutoff", self.alpha_cutoff),
-        ];
-        for (name, value) in unit {
+        self.factors().check()?;
+        for (name, value) in [("alpha", self.alpha), ("alpha_cutoff", self.alpha_cutoff)] {
             if value.is_some_and(|v| !(0.0..=1.0).contains(&v)) {
                 return Err(Error::invalid(name, "it must lie between 0 and 1"));
             }
         }
-        if self.shininess.is_some_and(|s| !(s >= 0.0 && s.is_finite())) {
-            return Err(Error::invalid("shininess", "it must be 0 or more"));
-        }
-        if self.slope.is_some_and(|s| !(s > 0.0 && s.is_finite())) {
-            return Err(Error::invalid("slope", "it must be above 0"));
-        }
         let colors = [
-            ("base_color", self.base_color),
             ("f0", self.f0),
             ("f82", self.f82),
             ("ambient", self.ambient),
@@ -198,12 +187,19 @@ impl MaterialFile {
             || self.unlit.is_some()
     }
 
+    fn factors(&self) -> MaterialFactors {
+        MaterialFactors {
+            base_color: self.base_color,
+            metallic: self.metallic,
+            roughness: self.roughness,
+            slope: self.slope,
+            shininess: self.shininess,
+        }
+    }
+
     fn write_into(&self, material: &mut Material) {
-        let [r, g, b, a] = material.base_color;
-        let [r, g, b] = self.base_color.unwrap_or([r, g, b]);
-        material.base_color = [r, g, b, self.alpha.unwrap_or(a)];
-        material.metallic = self.metallic.unwrap_or(material.metallic);
-        material.roughness = self.roughness.unwrap_or(material.roughness);
+        self.factors().write_into(material);
+        material.base_color[3] = self.alpha.unwrap_or(material.base_color[3]);
         material.f0 = self.f0.or(material.f0);
         material.f82 = self.f82.or(material.f82);
         material.emissive = self.emissive.unwrap_or(material.emissive);
@@ -213,8 +209,6 @@ impl MaterialFile {
         classic.ambient = self.ambient.or(classic.ambient);
         classic.diffuse = self.diffuse.or(classic.diffuse);
         classic.specular = self.specular.or(classic.specular);
-        classic.shininess = self.shininess.or(classic.shininess);
-        classic.slope = self.slope.or(classic.slope);
         material.alpha = match self.alpha_mode {
             Some(AlphaName::Opaque) => AlphaMode::Opaque,
             Some(AlphaName::Mask) => AlphaMode::Mask(self.alpha_cutoff.unwrap_or(0.5)),

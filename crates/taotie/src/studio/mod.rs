@@ -21,6 +21,7 @@
 
 mod change;
 mod environment;
+mod factors;
 mod light_spec;
 mod lights;
 mod maps;
@@ -28,11 +29,13 @@ mod material;
 mod material_file;
 mod model;
 mod motion;
+mod parameters;
 pub mod parse;
 mod sequence;
 mod viewpoint;
 
 pub use environment::{EnvironmentOptions, EnvironmentSource};
+pub use factors::MaterialFactors;
 pub use light_spec::{LightForm, LightSpec};
 pub use lights::LightOptions;
 pub use maps::MapOptions;
@@ -40,5 +43,8 @@ pub use material::MaterialOptions;
 pub use material_file::MaterialFile;
 pub use model::load;
 pub use motion::Motion;
+pub use parameters::{
+    CameraParameters, FalloffParameters, LightKindParameters, LightParameters, ProjectionParameters,
+};
 pub use sequence::{Sequence, SequenceFrame};
 pub use viewpoint::{CameraOptions, Framing, View, Viewpoint};

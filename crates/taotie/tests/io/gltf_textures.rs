@@ -4,7 +4,9 @@ use crate::bumpy;
 use basisu::{DecodeFlags, TargetFormat, Transcoder};
 use taotie::compare::angle_deg;
 use taotie::image::{Bitmap, Texels};
-use taotie::io::{GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, encode_glb, load_model};
+use taotie::io::{
+    GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, encode_glb, load_model, write_gltf,
+};
 use taotie::math::Vec3;
 
 /// The textures of a GLB with these maps, in the order colour, normals.
@@ -151,6 +153,39 @@ fn sides_that_the_extension_forbids_are_named() {
 }
 
 #[test]
+fn jpeg_is_for_colours_alone() {
+    let (color, normal) = (bumpy::colors(64), bumpy::normals(64, 4));
+    let (mesh, folder) = (bumpy::sphere(8, 4), tempfile::tempdir().unwrap());
+    let material = GltfMaterial {
+        base_color_map: Some((&color).into()),
+        normal_map: Some((&normal).into()),
+        ..GltfMaterial::default()
+    };
+    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
+    let path = folder.path().join("m.gltf");
+    let written = |quality: u8| {
+        let format = GltfFormat { images: GltfImages::WebP, jpeg: Some(quality), meshopt: false };
+        write_gltf(&path, &asset, &format).unwrap();
+        let bytes = std::fs::metadata(folder.path().join("m_color.jpg")).unwrap().len();
+        let scene = load_model(&path).unwrap().scene;
+        let [read, numbers] = [0, 1].map(|i| scene.textures()[i].bitmap());
+        assert_eq!(*numbers, normal, "numbers are no picture");
+        (bytes, rmse(read, &color))
+    };
+    let (coarse, fine) = (written(30), written(95));
+    assert!(coarse.0 < fine.0 && coarse.1 > fine.1, "{coarse:?} {fine:?}");
+    assert!(fine.1 > 0.0 && fine.1 < 3.0, "of 255: {}", fine.1);
+    let json = std::fs::read_to_string(&path).unwrap();
+    assert!(json.contains("m_color.jpg") && json.contains("m_normal.webp"), "{json}");
+    for quality in [0, 101] {
+        let format = GltfFormat { jpeg: Some(quality), ..GltfFormat::default() };
+        let error = encode_glb(&asset, &format).unwrap_err().to_string();
+        assert_eq!(error, format!("a JPEG quality of {quality}: give 1 to 100"));
+    }
+}
+
+#[test]
 fn threads_change_no_byte() {
     let (mesh, color, normal) = (bumpy::sphere(24, 12), bumpy::colors(64), bumpy::deep_normals(64, 4));
     let material = GltfMaterial {
@@ -163,7 +198,9 @@ fn threads_change_no_byte() {
     for images in [GltfImages::Png, GltfImages::WebP, GltfImages::Ktx2] {
         let [one, four] = [1, 4].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| encode_glb(&asset, &GltfFormat { images, meshopt: true }).unwrap())
+            pool.install(|| {
+                encode_glb(&asset, &GltfFormat { images, meshopt: true, jpeg: Some(80) }).unwrap()
+            })
         });
         assert!(one == four, "{images:?}");
     }

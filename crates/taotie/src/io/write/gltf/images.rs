@@ -1,7 +1,7 @@
 //! The textures of a material: each image encoded once, and its place in a document.
 
 use super::material::GltfMaterial;
-use super::{GltfDraft, ktx, samplers};
+use super::{GltfDraft, GltfFormat, ktx, samplers};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Sampler, Texels};
 use crate::io::write::FileBytes;
@@ -10,7 +10,8 @@ use crate::io::{PngColor, PngImage, PngSamples, encode_png};
 use crate::parallel;
 use crate::scene::AlphaMode;
 #[cfg(feature = "webp")]
-use image::{ExtendedColorType, codecs::webp::WebPEncoder};
+use image::codecs::webp::WebPEncoder;
+use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -110,6 +111,8 @@ impl Slot {
 pub(super) struct Encoded<'a> {
     image: GltfImage<'a>,
     format: GltfImages,
+    /// The quality of a JPEG, which stands in place of `format`.
+    jpeg: Option<u8>,
     slots: Vec<Slot>,
     /// `true` where the material reads its alpha.
     alpha: bool,
@@ -121,13 +124,15 @@ impl<'a> Encoded<'a> {
     fn new(slot: Slot, image: GltfImage<'a>, alpha: AlphaMode) -> Self {
         let has_alpha = matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
         let alpha = has_alpha && slot == Slot::BaseColor && alpha != AlphaMode::Opaque;
-        Self { image, format: GltfImages::Png, slots: vec![slot], alpha, bytes: Vec::new() }
+        Self { image, format: GltfImages::Png, jpeg: None, slots: vec![slot], alpha, bytes: Vec::new() }
     }
 
-    /// Chooses the format; KTX2 holds no alpha.
-    fn packed(self, format: GltfImages) -> Self {
-        let format = if self.alpha && format == GltfImages::Ktx2 { GltfImages::Png } else { format };
-        Self { format, ..self }
+    /// Chooses the format; KTX2 and JPEG hold no alpha, and JPEG is for base colours alone.
+    fn packed(self, format: &GltfFormat) -> Self {
+        let jpeg = format.jpeg.filter(|_| self.serves(Slot::BaseColor) && !self.alpha);
+        let is_refused = self.alpha && format.images == GltfImages::Ktx2;
+        let format = if is_refused { GltfImages::Png } else { format.images };
+        Self { format, jpeg, ..self }
     }
 }
 
@@ -153,8 +158,16 @@ impl Encoded<'_> {
     pub fn file_name(&self, stem: &str) -> String {
         match self.image {
             GltfImage::File(name) => name.to_owned(),
-            GltfImage::Bitmap(_) => format!("{stem}_{}.{}", self.role(), self.format.file_extension()),
+            GltfImage::Bitmap(_) => format!("{stem}_{}.{}", self.role(), self.file_extension()),
         }
+    }
+
+    fn file_extension(&self) -> &'static str {
+        if self.jpeg.is_some() { "jpg" } else { self.format.file_extension() }
+    }
+
+    fn mime_type(&self) -> &'static str {
+        if self.jpeg.is_some() { "image/jpeg" } else { self.format.mime_type() }
     }
 
     fn role(&self) -> &'static str {
@@ -178,13 +191,16 @@ impl Encoded<'_> {
 
     /// The extension of its texture; a file that is there already is shown as any program can.
     fn extension(&self) -> Option<&'static str> {
-        self.bytes().and(self.format.extension())
+        self.bytes().and(self.format.extension()).filter(|_| self.jpeg.is_none())
     }
 }
 
 /// Encodes every image of a material, in the order of its slots. Slots that show the same image in the same encoding
 /// share it.
-pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Result<Vec<Encoded<'a>>> {
+pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: &GltfFormat) -> Result<Vec<Encoded<'a>>> {
+    if let Some(quality) = format.jpeg.filter(|quality| !(1..=100).contains(quality)) {
+        return Err(Error::invalid(format!("a JPEG quality of {quality}"), "give 1 to 100"));
+    }
     let mut images: Vec<Encoded> = Vec::new();
     for (slot, image) in material.maps() {
         let shared = |known: &&mut Encoded| {
@@ -198,7 +214,10 @@ pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: GltfImages) -> Res
     let bytes = parallel::tasks(images.len(), &|i| match images[i].image {
         GltfImage::Bitmap(bitmap) => {
             let stored = Stored { encoding: images[i].slots[0].encoding(), alpha: images[i].alpha };
-            encode_bitmap(bitmap, stored, images[i].format)
+            match images[i].jpeg {
+                Some(quality) => jpeg(bitmap, stored, quality),
+                None => encode_bitmap(bitmap, stored, images[i].format),
+            }
         }
         GltfImage::File(_) => Ok(Vec::new()),
     });
@@ -244,6 +263,17 @@ fn png(bitmap: &Bitmap, stored: Stored) -> Result<Vec<u8>> {
         Texels::U16(texels) => encode(PngSamples::U16(&interleaved(texels, channels))),
         Texels::F32(_) => Err(no_floats(stored)),
     }
+}
+
+/// Returns the bytes of a JPEG, which holds 8 bits and no alpha.
+fn jpeg(bitmap: &Bitmap, stored: Stored, quality: u8) -> Result<Vec<u8>> {
+    let wrong = |e: image::ImageError| Error::invalid("a texture as JPEG", e.to_string());
+    let mut bytes = Vec::new();
+    let texels = eight_bits(bitmap, stored)?;
+    JpegEncoder::new_with_quality(&mut bytes, quality)
+        .encode(&interleaved(&texels, 3), bitmap.width(), bitmap.height(), ExtendedColorType::Rgb8)
+        .map_err(wrong)?;
+    Ok(bytes)
 }
 
 #[cfg(not(feature = "webp"))]
@@ -305,7 +335,7 @@ fn entry(draft: &mut GltfDraft, image: &Encoded, storage: &ImageStorage) -> Valu
     match (image.bytes(), storage) {
         (Some(bytes), ImageStorage::Inside) => {
             let view = draft.view(bytes);
-            json!({ "name": image.role(), "bufferView": view, "mimeType": image.format.mime_type() })
+            json!({ "name": image.role(), "bufferView": view, "mimeType": image.mime_type() })
         }
         (Some(_), ImageStorage::Beside(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
         (None, _) => json!({ "uri": uri(&image.file_name("")) }),

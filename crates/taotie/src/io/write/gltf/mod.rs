@@ -65,6 +65,9 @@ pub struct GltfLevel<'a> {
 pub struct GltfFormat {
     /// The packing of textures.
     pub images: GltfImages,
+    /// The quality, 1 to 100, of the base colour as JPEG, which is lossy and which every program reads; `None` packs it
+    /// as `images` says. All other textures are numbers, and never JPEG.
+    pub jpeg: Option<u8>,
     /// Packs meshes by EXT_meshopt_compression: positions in 16 bits, 65535 steps along the longest side of the box
     /// around all levels; normals and tangents in 2 × 12 bits, within 0.05°; uvs and colours in 16 bits where they lie
     /// in [0, 1]. Vertices and triangles are sorted anew. Programs that do not know the extension cannot read the file.
@@ -87,14 +90,14 @@ pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result
 ///
 /// # Errors
 /// [`Error::Unsupported`] for another extension and for float textures, [`Error::Invalid`] for a model that glTF cannot
-/// express: no level, a level without triangles, textures on a mesh without uvs, factors out of range; [`Error::Limit`]
+/// express: no level, a level without triangles, textures on a mesh without uvs, factors or a quality out of range; [`Error::Limit`]
 /// for a GLB of 4 GiB or more.
 pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<FileBytes>> {
     match Container::of(path)? {
         Container::Glb => Ok(vec![FileBytes { path: path.to_path_buf(), bytes: encode_glb(asset, format)? }]),
         Container::Gltf => {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            let encoded = images::encode(&asset.material, format.images)?;
+            let encoded = images::encode(&asset.material, format)?;
             let draft = draft(asset, format, (&encoded, &ImageStorage::Beside(&stem)))?;
             draft.into_files(path, encoded.into_iter().filter_map(|image| image.into_file(path)).collect())
         }
@@ -140,7 +143,7 @@ impl GltfDraft {
     /// # Errors
     /// As [`encode_glb`].
     pub fn new(asset: &GltfAsset, format: &GltfFormat) -> Result<Self> {
-        draft(asset, format, (&images::encode(&asset.material, format.images)?, &ImageStorage::Inside))
+        draft(asset, format, (&images::encode(&asset.material, format)?, &ImageStorage::Inside))
     }
 }
 

@@ -69,6 +69,10 @@ impl Writer<'_> {
         let encode = |i: usize| encoded(&scene.textures()[used[i].texture], used[i].turned, format);
         let images = parallel::tasks(used.len(), &encode);
         let images = images.into_iter().collect::<Result<Vec<Image>>>()?;
+        self.note(
+            "the JPEG quality is not read: scenes keep their colours",
+            usize::from(self.format.jpeg.is_some()),
+        );
         self.note("float textures rounded to 16 bits in [0, 1]", images.iter().filter(|i| i.rounded).count());
         let what = "textures with alpha, or whose sides are no multiples of 4, are PNG and not KTX2";
         self.note(what, images.iter().filter(|i| i.refused).count());
