@@ -1,139 +1,15 @@
-//! The options of surface, light, camera and film, shared by the subcommands that take pictures of one.
+//! The options of light, camera and film, shared by the subcommands that take pictures of a model.
 
 use crate::options;
 use anyhow::{Context, Result, anyhow, bail};
-use clap::{ArgAction, Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
-use std::path::PathBuf;
 use taotie::Warnings;
 use taotie::film::{Development, ToneCurve};
 use taotie::math::{SimdLevel, Vec3};
-use taotie::names::Named;
-use taotie::render::{EnvironmentLight, GrazingNormals, RenderSettings};
-use taotie::scene::{GreenChannel, NormalSpace, Scene};
-use taotie::shade::{Energy, Shading};
-use taotie::studio::{
-    CameraOptions, EnvironmentOptions, EnvironmentSource, LightOptions, LightSpec, MapOptions,
-    MaterialFactors, MaterialOptions,
-};
-use taotie::surface::TangentMethod;
-
-/// The material of the surface.
-#[derive(Args)]
-#[command(next_help_heading = "Surface")]
-pub struct MaterialArgs {
-    /// Tangents: face, averaged, mikktspace; if not given those of the file, else mikktspace
-    #[arg(long, value_parser = options::named::<TangentMethod>)]
-    pub tangents: Option<TangentMethod>,
-    /// Material variant of the file (KHR_materials_variants)
-    #[arg(long, value_name = "NAME")]
-    pub variant: Option<String>,
-    /// A preset, as `taotie materials` lists them, or a TOML file; the model keeps its maps
-    #[arg(long, value_name = "NAME|FILE")]
-    pub material: Option<String>,
-    /// Base colour of every material, a colour or a linear grey value; textures are multiplied by it
-    #[arg(long, value_name = "COLOR", value_parser = options::color)]
-    pub base_color: Option<Vec3>,
-    /// Metallic factor of every material, [0, 1]; textures are multiplied by it
-    #[arg(long, value_name = "X", value_parser = options::fraction)]
-    pub metallic: Option<f64>,
-    /// Roughness of every material, [0, 1]; textures are multiplied by it
-    #[arg(long, value_name = "X", value_parser = options::fraction)]
-    pub roughness: Option<f64>,
-    /// Root mean square slope of every material, above 0, for cook-torrance; if not given the square of the roughness
-    #[arg(long, value_name = "X", value_parser = options::positive)]
-    pub slope: Option<f64>,
-    /// Exponent of every material, 0 or more, for phong and blinn-phong; if not given it follows from the roughness
-    #[arg(long, value_name = "X", value_parser = options::at_least_0)]
-    pub shininess: Option<f64>,
-    /// A base colour texture for every material
-    #[arg(long, value_name = "FILE")]
-    pub base_color_map: Option<PathBuf>,
-    /// A normal map for every material
-    #[arg(long, value_name = "FILE")]
-    pub normal_map: Option<PathBuf>,
-    /// Space of --normal-map
-    #[arg(long, value_enum, default_value_t = Space::Tangent, requires = "normal_map")]
-    pub normal_space: Space,
-    /// Direction of green in normal maps: up (OpenGL, glTF; if not given) or down (DirectX)
-    #[arg(long, value_enum)]
-    pub green: Option<Green>,
-    /// A height map for every material; white is high
-    #[arg(long, value_name = "FILE")]
-    pub height_map: Option<PathBuf>,
-    /// An ambient-occlusion map for every material
-    #[arg(long, value_name = "FILE")]
-    pub occlusion_map: Option<PathBuf>,
-}
-
-/// The details of reflection.
-#[derive(Args)]
-#[command(next_help_heading = "Surface")]
-pub struct ReflectionArgs {
-    /// Light between microfacets in ggx and cook-torrance: compensated (multiple scattering; if not given) or single
-    /// (lost)
-    #[arg(long, value_parser = options::named::<Energy>)]
-    pub energy: Option<Energy>,
-    /// Specular antialiasing: relief finer than a pixel widens the highlight instead of sparkling; on if not given
-    #[arg(long, value_name = "on|off", value_parser = options::switch, action = ArgAction::Set)]
-    pub specular_aa: Option<bool>,
-    /// Mapped normals that face away from the viewer, and the edge between lit and dark: soften (if not given), or keep
-    /// as in the map
-    #[arg(long, value_name = "HOW", value_parser = options::named::<GrazingNormals>)]
-    pub grazing_normals: Option<GrazingNormals>,
-}
-
-impl ReflectionArgs {
-    /// Refuses what none of the reflectance models reads.
-    pub fn check(&self, shadings: &[Shading]) -> Result<()> {
-        let compensates = |shading: &Shading| matches!(shading, Shading::Ggx | Shading::CookTorrance);
-        if self.energy.is_some() && !shadings.iter().any(compensates) {
-            bail!("--energy: only ggx and cook-torrance read it; choose one of them with --shading");
-        }
-        let corrections = [
-            ("--specular-aa", self.specular_aa.is_some()),
-            ("--grazing-normals", self.grazing_normals.is_some()),
-        ];
-        let given = corrections.iter().find(|(_, given)| *given);
-        match given {
-            Some((option, _)) if shadings.iter().all(|shading| shading.is_printed()) => {
-                bail!("{option}: the models as printed take no corrections; choose another with --shading")
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Returns `settings` with these details.
-    pub fn apply(&self, settings: RenderSettings) -> RenderSettings {
-        RenderSettings {
-            energy: self.energy(),
-            specular_aa: self.specular_aa(),
-            grazing_normals: self.grazing_normals(),
-            ..settings
-        }
-    }
-
-    fn energy(&self) -> Energy {
-        self.energy.unwrap_or_default()
-    }
-
-    fn specular_aa(&self) -> bool {
-        self.specular_aa.unwrap_or(true)
-    }
-
-    fn grazing_normals(&self) -> GrazingNormals {
-        self.grazing_normals.unwrap_or_default()
-    }
-
-    /// Returns the options as JSON for reports.
-    pub fn json(&self) -> serde_json::Value {
-        json!({
-            "energy": self.energy().name(),
-            "specular_aa": self.specular_aa(),
-            "grazing_normals": self.grazing_normals().name(),
-        })
-    }
-}
+use taotie::render::EnvironmentLight;
+use taotie::scene::Scene;
+use taotie::studio::{CameraOptions, EnvironmentOptions, EnvironmentSource, LightOptions, LightSpec};
 
 /// The light.
 #[derive(Args)]
@@ -163,172 +39,6 @@ pub struct LightArgs {
     /// Show the environment behind the model
     #[arg(long)]
     pub show_env: bool,
-}
-
-/// The camera.
-#[derive(Args)]
-#[command(next_help_heading = "Camera")]
-pub struct CameraArgs {
-    /// A camera of the file by name
-    #[arg(long, value_name = "NAME", conflicts_with = "orbit")]
-    pub camera: Option<String>,
-    /// Look from AZIMUTH,ELEVATION in degrees at a distance in model units; without it the object fills the picture
-    #[arg(long, value_name = "AZ,EL[,DIST]", value_parser = options::numbers, allow_hyphen_values = true)]
-    pub orbit: Option<std::vec::Vec<f64>>,
-    /// Point to look at; the object's middle if not given
-    #[arg(long, value_name = "X,Y,Z", value_parser = options::vector, allow_hyphen_values = true, conflicts_with = "camera")]
-    pub target: Option<Vec3<f64>>,
-    /// Vertical field of view, degrees
-    #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30", conflicts_with = "camera")]
-    pub fov_deg: f64,
-}
-
-/// The background where none is asked for.
-const BACKGROUND: &str = "#2a2b2e";
-
-/// The development of a picture from light.
-#[derive(Args)]
-#[command(next_help_heading = "Picture")]
-pub struct FilmArgs {
-    /// Samples per pixel: 1, 4 or 16; 4 if not given
-    #[arg(long, value_name = "N")]
-    pub samples: Option<u32>,
-    /// Tone curve: neutral (if not given), linear, reinhard, aces, agx
-    #[arg(long, value_parser = options::named::<ToneCurve>)]
-    pub tone: Option<ToneCurve>,
-    /// Exposure in stops; 0 if not given
-    #[arg(long, value_name = "STOPS", value_parser = options::number, allow_negative_numbers = true)]
-    pub exposure: Option<f64>,
-    /// Background: a colour, #2a2b2e if not given, or `transparent`
-    #[arg(long, value_name = "COLOR|transparent")]
-    pub background: Option<String>,
-}
-
-/// Threads, SIMD level and output.
-#[derive(Args)]
-#[command(next_help_heading = "Running")]
-pub struct RunningArgs {
-    /// Number of threads; all of the machine's if not given. Pixels do not depend on it
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
-    /// SIMD level: auto, scalar, sse2, avx2, avx512, neon. Pixels do not depend on it
-    #[arg(long, value_parser = options::named::<SimdLevel>, default_value = "auto")]
-    pub simd: SimdLevel,
-    /// Print a report as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Space of a normal map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Space {
-    /// Relative to tangent, bitangent and normal
-    Tangent,
-    /// Object space
-    Object,
-}
-
-/// Direction of a normal map's green channel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Green {
-    /// OpenGL, glTF
-    Up,
-    /// DirectX
-    Down,
-}
-
-impl From<Space> for NormalSpace {
-    fn from(space: Space) -> Self {
-        match space {
-            Space::Tangent => Self::Tangent,
-            Space::Object => Self::Object,
-        }
-    }
-}
-
-impl From<Green> for GreenChannel {
-    fn from(green: Green) -> Self {
-        match green {
-            Green::Up => Self::Up,
-            Green::Down => Self::Down,
-        }
-    }
-}
-
-impl MaterialArgs {
-    /// The materials asked for. `height_scale` is the height of white in model units, where it was asked for.
-    pub fn options(&self, height_scale: Option<f64>) -> MaterialOptions {
-        let maps = MapOptions {
-            base_color: self.base_color_map.clone(),
-            normal: self.normal_map.clone(),
-            normal_space: self.normal_space.into(),
-            green: self.green().into(),
-            height: self.height_map.clone(),
-            height_scale: height_scale.map(|scale| scale as f32),
-            occlusion: self.occlusion_map.clone(),
-            ..MapOptions::default()
-        };
-        let (variant, material) = (self.variant.clone(), self.material.clone());
-        MaterialOptions { variant, material, factors: self.factors(), maps, green: self.green().into() }
-    }
-
-    /// The factors asked for.
-    pub fn factors(&self) -> MaterialFactors {
-        let number = |value: Option<f64>| value.map(|value| value as f32);
-        MaterialFactors {
-            base_color: self.base_color.map(Vec3::to_array),
-            metallic: number(self.metallic),
-            roughness: number(self.roughness),
-            slope: number(self.slope),
-            shininess: number(self.shininess),
-        }
-    }
-
-    /// Refuses factors that none of the reflectance models reads.
-    pub fn check(&self, shadings: &[Shading]) -> Result<()> {
-        use Shading::{
-            BlinnPhong, BlinnPhongClassic, BlinnPhongPrinted, CookTorrance, CookTorrancePrinted, Lambert,
-            Phong,
-        };
-        let any = |reads: fn(&Shading) -> bool| shadings.iter().any(reads);
-        let of_slope = any(|shading| matches!(shading, CookTorrance | CookTorrancePrinted));
-        let of_shininess =
-            any(|shading| matches!(shading, Phong | BlinnPhong | BlinnPhongClassic | BlinnPhongPrinted));
-        let unread = [
-            ("--slope", self.slope.is_some() && !of_slope, "cook-torrance"),
-            ("--shininess", self.shininess.is_some() && !of_shininess, "phong or blinn-phong"),
-            ("--roughness", self.roughness.is_some() && !any(|shading| *shading != Lambert), "ggx"),
-        ];
-        match unread.iter().find(|(_, is, _)| *is) {
-            Some((option, _, reader)) => {
-                bail!("{option}: the shading does not read it; leave it out, or take --shading {reader}")
-            }
-            None => Ok(()),
-        }
-    }
-
-    fn green(&self) -> Green {
-        self.green.unwrap_or(Green::Up)
-    }
-
-    /// Returns the options as JSON for reports; null where nothing was asked for.
-    pub fn json(&self) -> serde_json::Value {
-        json!({
-            "variant": self.variant,
-            "material": self.material,
-            "base_color": self.base_color.map(Vec3::to_array),
-            "metallic": self.metallic,
-            "roughness": self.roughness,
-            "slope": self.slope,
-            "shininess": self.shininess,
-            "base_color_map": self.base_color_map,
-            "normal_map": self.normal_map,
-            "normal_space": self.normal_space.to_possible_value().map(|value| value.get_name().to_owned()),
-            "green": self.green().to_possible_value().map(|value| value.get_name().to_owned()),
-            "height_map": self.height_map,
-            "occlusion_map": self.occlusion_map,
-        })
-    }
 }
 
 impl LightArgs {
@@ -411,6 +121,24 @@ impl LightArgs {
     }
 }
 
+/// The camera.
+#[derive(Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraArgs {
+    /// A camera of the file by name
+    #[arg(long, value_name = "NAME", conflicts_with = "orbit")]
+    pub camera: Option<String>,
+    /// Look from AZIMUTH,ELEVATION in degrees at a distance in model units; without it the object fills the picture
+    #[arg(long, value_name = "AZ,EL[,DIST]", value_parser = options::numbers, allow_hyphen_values = true)]
+    pub orbit: Option<std::vec::Vec<f64>>,
+    /// Point to look at; the object's middle if not given
+    #[arg(long, value_name = "X,Y,Z", value_parser = options::vector, allow_hyphen_values = true, conflicts_with = "camera")]
+    pub target: Option<Vec3<f64>>,
+    /// Vertical field of view, degrees
+    #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30", conflicts_with = "camera")]
+    pub fov_deg: f64,
+}
+
 impl CameraArgs {
     /// The camera asked for.
     ///
@@ -444,6 +172,27 @@ impl CameraArgs {
         }
         Ok(())
     }
+}
+
+/// The background where none is asked for.
+const BACKGROUND: &str = "#2a2b2e";
+
+/// The development of a picture from light.
+#[derive(Args)]
+#[command(next_help_heading = "Picture")]
+pub struct FilmArgs {
+    /// Samples per pixel: 1, 4 or 16; 4 if not given
+    #[arg(long, value_name = "N")]
+    pub samples: Option<u32>,
+    /// Tone curve: neutral (if not given), linear, reinhard, aces, agx
+    #[arg(long, value_parser = options::named::<ToneCurve>)]
+    pub tone: Option<ToneCurve>,
+    /// Exposure in stops; 0 if not given
+    #[arg(long, value_name = "STOPS", value_parser = options::number, allow_negative_numbers = true)]
+    pub exposure: Option<f64>,
+    /// Background: a colour, #2a2b2e if not given, or `transparent`
+    #[arg(long, value_name = "COLOR|transparent")]
+    pub background: Option<String>,
 }
 
 impl FilmArgs {
@@ -494,6 +243,21 @@ impl FilmArgs {
             color => options::color(color).map(Some).map_err(|why| anyhow!("--background: {why}")),
         }
     }
+}
+
+/// Threads, SIMD level and output.
+#[derive(Args)]
+#[command(next_help_heading = "Running")]
+pub struct RunningArgs {
+    /// Number of threads; all of the machine's if not given. Pixels do not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// SIMD level: auto, scalar, sse2, avx2, avx512, neon. Pixels do not depend on it
+    #[arg(long, value_parser = options::named::<SimdLevel>, default_value = "auto")]
+    pub simd: SimdLevel,
+    /// Print a report as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 impl RunningArgs {

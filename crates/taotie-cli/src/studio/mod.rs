@@ -3,10 +3,12 @@
 //! [`taotie::studio`].
 
 mod args;
+mod surface_args;
 mod unread;
 mod viewpoint;
 
-pub use args::{CameraArgs, FilmArgs, Green, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs, Space};
+pub use args::{CameraArgs, FilmArgs, LightArgs, RunningArgs};
+pub use surface_args::{Green, MaterialArgs, ReflectionArgs, Space};
 pub use taotie::studio::{Framing, Motion};
 pub use viewpoint::Viewpoint;
 

@@ -177,9 +177,12 @@ fn of_bake() {
         ("scan.obj -o out.glb --bits 16 --webp", "--bits 16: WebP and KTX2 hold 8 bits"),
         ("scan.obj -o out.glb --bits 16 --ktx2", "--bits 16: WebP and KTX2 hold 8 bits"),
         ("scan.obj -o out.glb --maps height,bent --webp", "--webp, --ktx2: the asset holds no texture"),
-        ("scan.obj -o out.glb --space object --ktx2", "--webp, --ktx2: the asset holds no texture"),
         (
-            "scan.obj -o out.glb --jpeg 80",
+            "scan.obj -o out.glb --maps normal --space object --ktx2",
+            "--webp, --ktx2: the asset holds no texture",
+        ),
+        (
+            "scan.obj -o out.glb --maps normal --jpeg 80",
             "--jpeg: the asset has no base colour texture; add albedo to --maps",
         ),
         ("scan.obj -o out.glb --maps albedo --jpeg 0", "0 is not in 1..=100"),
@@ -190,7 +193,7 @@ fn of_bake() {
     refused(&place, "bake", &cases);
     let line = "scan.obj --low low.obj -o out.glb --size 32";
     let cases = [
-        (format!("{line} --roughness 0.5"), "the roughness is not read"),
+        (format!("{line} --maps normal --roughness 0.5"), "the roughness is not read"),
         (format!("{line} --maps height --bits 16"), "16 bits are not used"),
         (format!("{line} --maps height --space object"), "object space is not used"),
     ];
