@@ -44,9 +44,7 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     let asset = baker.bake(&scan, progress)?;
     console::say_warnings(asset.warnings());
     let written = asset.write(&args.output, &args.packing(), progress)?;
-    if !args.json {
-        console::say_warnings(written.warnings());
-    }
+    console::say_warnings(written.warnings());
     let mut report = Report::of(&written)?;
     let proved = match args.no_verify {
         true => None,

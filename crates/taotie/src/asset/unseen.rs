@@ -4,6 +4,17 @@ use super::look;
 use crate::bake::MapKind;
 use crate::scene::{Material, Scene, Specular};
 
+/// A layer of a material: the test for it, and its name.
+type Layer = (fn(&Material) -> bool, &'static str);
+
+/// Layers that no figure compares.
+const LAYERS: [Layer; 4] = [
+    (|m| m.clearcoat.is_some(), "clearcoat"),
+    (|m| m.sheen.is_some(), "sheen"),
+    (|m| m.anisotropy.is_some(), "anisotropy"),
+    (|m| m.specular != Specular::default() || m.ior != 1.5, "specular strength and index of refraction"),
+];
+
 /// Returns what an asset holds, or its scan, that no figure and no image compares.
 pub(super) fn unseen(maps: &[MapKind], [scan, asset]: [&Scene; 2]) -> Vec<String> {
     let blind = [
@@ -13,15 +24,9 @@ pub(super) fn unseen(maps: &[MapKind], [scan, asset]: [&Scene; 2]) -> Vec<String
         (MapKind::Height, "heights"),
         (MapKind::Curvature, "curvature"),
     ];
-    let layers: [(fn(&Material) -> bool, &str); 4] = [
-        (|m| m.clearcoat.is_some(), "clearcoat"),
-        (|m| m.sheen.is_some(), "sheen"),
-        (|m| m.anisotropy.is_some(), "anisotropy"),
-        (|m| m.specular != Specular::default() || m.ior != 1.5, "specular strength and index of refraction"),
-    ];
     let materials = || look::used(scan).chain(look::used(asset));
     let maps = blind.into_iter().filter(|(map, _)| maps.contains(map)).map(|(_, what)| what);
-    let layers = layers.into_iter().filter(|(has, _)| materials().any(has)).map(|(_, what)| what);
+    let layers = LAYERS.into_iter().filter(|(has, _)| materials().any(has)).map(|(_, what)| what);
     let plain = look::is_plain(scan).then_some("colour and material, of which the scan says nothing");
     plain.into_iter().chain(maps).chain(layers).map(str::to_owned).collect()
 }

@@ -353,7 +353,7 @@ fn contours_of_masks_stay_under_one_cutoff() {
 #[test]
 fn colours_of_what_is_not_there_do_not_bleed() {
     // Every second column of texels is red and not there at all.
-    let paint = |x: u32, _| if x % 2 == 0 { [255, 0, 0, 0] } else { [0, 255, 0, 255] };
+    let paint = |x: u32, _| if x.is_multiple_of(2) { [255, 0, 0, 0] } else { [0, 255, 0, 255] };
     let material =
         Material { base_color_texture: Some(texture_0()), alpha: AlphaMode::Blend, ..Material::default() };
     let scene = scene(square(), material, bytes(64, paint), Mat4::IDENTITY);
@@ -401,7 +401,7 @@ fn textures_follow_their_own_uv_set() {
 fn grooves_of_a_normal_map_finer_than_a_texel_become_roughness() {
     let slope = 0.5f32.sqrt();
     let groove = |uv: Vec2| {
-        let side = if (uv.x * 512.0) as u32 % 2 == 0 { slope } else { -slope };
+        let side = if ((uv.x * 512.0) as u32).is_multiple_of(2) { slope } else { -slope };
         stored(Vec3::new(side, 0.0, slope))
     };
     let normal = Some(normal_map(NormalSpace::Tangent));
