@@ -263,7 +263,8 @@ fn textures_of_all_values_are_baked() {
 
 /// The square with a texture of base colour.
 fn painted(texture: Texture) -> Scene {
-    let material = Material { base_color_texture: Some(texture_0()), ..Material::default() };
+    let material =
+        Material { base_color: [1.0; 4], base_color_texture: Some(texture_0()), ..Material::default() };
     scene(square(), material, texture, Mat4::IDENTITY)
 }
 
@@ -313,7 +314,8 @@ fn mip_levels_bleed_no_farther_than_a_texel() {
     // Islands of 120 texels, green, with 4 black ones around each.
     let is_margin = |v: u32| !(4..124).contains(&(v % 128));
     let paint = |x: u32, y: u32| if is_margin(x) || is_margin(y) { [0, 0, 0, 255] } else { [0, 255, 0, 255] };
-    let material = Material { base_color_texture: Some(texture_0()), ..Material::default() };
+    let material =
+        Material { base_color: [1.0; 4], base_color_texture: Some(texture_0()), ..Material::default() };
     let scene = scene(tiles(4.0 / 128.0), material, bytes(512, paint), Mat4::IDENTITY);
     let maps = baked_onto(&square(), &scene, 64, &[MapKind::Albedo]);
     let is_inner = |v: f32| (1.0..15.0).contains(&((v * 64.0) % 16.0));
@@ -331,7 +333,12 @@ fn contours_of_masks_stay_under_one_cutoff() {
     let texture = texture(192, Encoding::Linear, |uv| [1.0, 1.0, 1.0, within(uv.x)]);
     let parts = (0..3).map(|k| {
         let alpha = AlphaMode::Mask(cutoffs[k]);
-        let material = Material { base_color_texture: Some(texture_0()), alpha, ..Material::default() };
+        let material = Material {
+            base_color: [1.0; 4],
+            base_color_texture: Some(texture_0()),
+            alpha,
+            ..Material::default()
+        };
         (strip(k as f32 / 3.0..(k + 1) as f32 / 3.0), material)
     });
     let scene = scene_of(parts.collect(), vec![texture]);
@@ -354,8 +361,12 @@ fn contours_of_masks_stay_under_one_cutoff() {
 fn colours_of_what_is_not_there_do_not_bleed() {
     // Every second column of texels is red and not there at all.
     let paint = |x: u32, _| if x.is_multiple_of(2) { [255, 0, 0, 0] } else { [0, 255, 0, 255] };
-    let material =
-        Material { base_color_texture: Some(texture_0()), alpha: AlphaMode::Blend, ..Material::default() };
+    let material = Material {
+        base_color: [1.0; 4],
+        base_color_texture: Some(texture_0()),
+        alpha: AlphaMode::Blend,
+        ..Material::default()
+    };
     let scene = scene(square(), material, bytes(64, paint), Mat4::IDENTITY);
     let maps = baked_onto_itself(&scene, 32, &[MapKind::Albedo, MapKind::Alpha]);
     for (color, alpha) in maps.albedo.iter().zip(&maps.alpha) {
@@ -385,7 +396,7 @@ fn textures_follow_their_own_uv_set() {
     data.uvs.push(turned);
     let mesh = Mesh::new(data).unwrap();
     let used = TextureRef { uv_set: 1, ..texture_0() };
-    let material = Material { base_color_texture: Some(used), ..Material::default() };
+    let material = Material { base_color: [1.0; 4], base_color_texture: Some(used), ..Material::default() };
     let halves = || bytes(64, |x, _| if x < 32 { [255, 0, 0, 255] } else { [0, 0, 255, 255] });
     // Moved meshes are copied, others are taken as they are.
     for m in [Mat4::IDENTITY, Mat4::translation(Vec3::new(1.0, 0.0, 0.0))] {

@@ -111,7 +111,9 @@ fn a_cart_is_the_same_however_it_is_made() {
 fn a_smooth_closed_scan_is_made_as_before() {
     let low = to(&embossed_ball(60_000), 4_000);
     assert_eq!(low.method, SimplifyMethod::Collapsed);
-    assert_eq!(low.mesh.normals(), vertex_normals(&low.mesh), "one normal a position");
+    let apart = low.mesh.normals().iter().zip(vertex_normals(&low.mesh)).filter(|(a, b)| *a != b).count();
+    println!("{apart} of {}", low.mesh.normals().len());
+    assert_eq!(apart, 0, "one normal a position");
     assert!(low.notes.iter().all(|(what, _)| what.contains("equal corners")), "{:?}", low.notes);
 }
 

@@ -1,7 +1,8 @@
 //! The textures of a material: each image encoded once, and its place in a document.
 
+use super::format::{GltfFormat, GltfImages};
 use super::material::GltfMaterial;
-use super::{GltfDraft, GltfFormat, ktx, samplers};
+use super::{GltfDraft, ktx, samplers};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Sampler, Texels};
 use crate::io::write::FileBytes;
@@ -39,49 +40,6 @@ impl GltfImage<'_> {
             (Self::Bitmap(a), Self::Bitmap(b)) => std::ptr::eq(*a, *b),
             (Self::File(a), Self::File(b)) => a == b,
             _ => false,
-        }
-    }
-}
-
-/// The packing of textures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum GltfImages {
-    /// PNG, as precise as the bitmap; every program reads it.
-    #[default]
-    Png,
-    /// Lossless WebP (EXT_texture_webp), smaller; 16 bits are rounded to 8. Programs that do not know the extension
-    /// cannot read the file.
-    WebP,
-    /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu): a byte a texel in the file and, packed, on graphics
-    /// cards, and lossy; 16 bits are rounded to 8, and sides must be multiples of 4. Images with alpha that is read are
-    /// PNG. Programs that do not know the extension cannot read the file.
-    Ktx2,
-}
-
-impl GltfImages {
-    pub(super) fn file_extension(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::WebP => "webp",
-            Self::Ktx2 => "ktx2",
-        }
-    }
-
-    pub(super) fn mime_type(self) -> &'static str {
-        match self {
-            Self::Png => "image/png",
-            Self::WebP => "image/webp",
-            Self::Ktx2 => "image/ktx2",
-        }
-    }
-
-    /// The extension that a texture needs to show such an image.
-    pub(super) fn extension(self) -> Option<&'static str> {
-        match self {
-            Self::Png => None,
-            Self::WebP => Some("EXT_texture_webp"),
-            Self::Ktx2 => Some("KHR_texture_basisu"),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod container;
 mod draft;
+mod format;
 mod images;
 mod ktx;
 mod layers;
@@ -13,7 +14,8 @@ mod samplers;
 mod scene;
 
 pub use draft::GltfDraft;
-pub use images::{GltfImage, GltfImages};
+pub use format::{GltfFormat, GltfImages};
+pub use images::GltfImage;
 pub use material::GltfMaterial;
 pub use scene::{WrittenScene, write_scene};
 
@@ -58,20 +60,6 @@ pub struct GltfLevel<'a> {
     /// The least part of the screen that the object covers while this level is shown, [0, 1]. Written where every
     /// level has one and there are several.
     pub coverage: Option<f32>,
-}
-
-/// The options for writing a model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct GltfFormat {
-    /// The packing of textures.
-    pub images: GltfImages,
-    /// The quality, 1 to 100, of the base colour as JPEG, which is lossy and which every program reads; `None` packs it
-    /// as `images` says. All other textures are numbers, and never JPEG.
-    pub jpeg: Option<u8>,
-    /// Packs meshes by EXT_meshopt_compression: positions in 16 bits, 65535 steps along the longest side of the box
-    /// around all levels; normals and tangents in 2 × 12 bits, within 0.05°; uvs and colours in 16 bits where they lie
-    /// in [0, 1]. Vertices and triangles are sorted anew. Programs that do not know the extension cannot read the file.
-    pub meshopt: bool,
 }
 
 /// Writes a model: a GLB where `path` ends in `.glb`; for `.gltf` the JSON, with the numbers in `NAME.bin` and the

@@ -1,6 +1,7 @@
 //! Textures: each image encoded once, with the samplers and transforms of its uses.
 
-use super::super::images::{self, GltfImages, Stored};
+use super::super::format::GltfImages;
+use super::super::images::{self, Stored};
 use super::super::number::short;
 use super::super::samplers;
 use super::uses::ImageUse;
