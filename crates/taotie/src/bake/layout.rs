@@ -49,8 +49,10 @@ impl TriangleSamples {
     /// Returns the distance between neighbouring samples on a triangle with these corners: the longer of the two ways,
     /// model units.
     pub fn spacing(&self, corners: [Vec3; 3]) -> f32 {
-        let [origin, across, down] = self.weights.map(|weights| blend(corners, weights));
-        (across - origin).length().max((down - origin).length())
+        let ([a, b, c], [origin, across, down]) = (corners, self.weights);
+        // Differences of weights, since the weights themselves are large where the triangle is small in its tile.
+        let way = |to: [f32; 3]| ((b - a) * (to[1] - origin[1]) + (c - a) * (to[2] - origin[2])).length();
+        way(across).max(way(down))
     }
 }
 

@@ -348,21 +348,23 @@ impl Job<'_> {
         if wanted.has(MapKind::Bent) {
             maps.bent[i] = self.turned(cell, cell.bent).to_array();
         }
+        // Only samples with a correspondence have heights and curvatures.
+        let of_found = 1.0 / (cell.samples - cell.lost).max(1) as f32;
         if wanted.has(MapKind::Height) {
-            maps.heights[i] = cell.heights * share;
+            maps.heights[i] = cell.heights * of_found;
         }
         if wanted.has(MapKind::Occlusion) {
             maps.occlusion[i] = if cell.looked > 0.0 { cell.open / cell.looked } else { 1.0 };
         }
         if wanted.has(MapKind::Curvature) {
-            maps.curvature[i] = cell.curvature * share;
+            maps.curvature[i] = cell.curvature * of_found;
         }
         if self.reads_materials {
             self.store_material(i, &cell.material.mean().unwrap_or(self.without_hit), maps);
         }
         if wanted.has(MapKind::Roughness) {
             let mean = cell.normal * share;
-            let normal_variance = (1.0 - mean.dot(mean) + cell.variance * share).clamp(0.0, 1.0);
+            let normal_variance = (1.0 - mean.dot(mean) * (1.0 - cell.variance * share)).clamp(0.0, 1.0);
             let own = self.settings.roughness.unwrap_or(maps.roughness[i]);
             maps.roughness[i] = SubPixelVariance { curvature: 0.0f32, normal_variance }.widened(own);
         }

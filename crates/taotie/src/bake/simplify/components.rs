@@ -15,6 +15,8 @@ const LEAST: usize = 8;
 pub(super) struct Components {
     /// Whether each is so large that it must not be lost; at least one.
     pub large: Vec<bool>,
+    /// `true` where most triangles belong to components that cannot lose any.
+    pub is_soup: bool,
 }
 
 /// The fate of components: each is counted once.
@@ -33,10 +35,14 @@ impl Components {
     pub fn of(part: &mut Part) -> Self {
         let (labels, count) = labels(&part.triangles, part.points.len());
         if count < 2 {
-            return Self { large: vec![true] };
+            return Self { large: vec![true], is_soup: part.triangles.len() < LEAST };
         }
         part.labels = labels;
-        Self { large: large(part, count) }
+        let mut found = Self { large: large(part, count), is_soup: false };
+        let counts = found.counts(part, &part.triangles);
+        let small: usize = counts.iter().filter(|count| **count < LEAST).sum();
+        found.is_soup = small * 2 > part.triangles.len();
+        found
     }
 
     /// Returns the number of components.
@@ -68,12 +74,6 @@ impl Components {
             fate.torn += usize::from(count > 1 && *large);
         }
         fate
-    }
-
-    /// Returns `true` where most triangles belong to components that cannot lose any.
-    pub fn are_soup(&self, part: &Part) -> bool {
-        let counts = self.counts(part, &part.triangles);
-        counts.iter().filter(|count| **count < LEAST).sum::<usize>() * 2 > part.triangles.len()
     }
 }
 
@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(part.labels, [NONE, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2]);
         assert_eq!(components.large, [true, true, false]);
         assert_eq!(components.counts(&part, &part.triangles), [2, 2, 1]);
-        assert!(components.are_soup(&part));
+        assert!(components.is_soup);
     }
 
     #[test]

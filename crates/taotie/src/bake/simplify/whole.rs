@@ -17,7 +17,7 @@ pub(super) fn reduce(part: &Part, components: &Components, options: &SimplifyOpt
     if part.triangles.len() <= wanted {
         return Reduced { triangles: part.triangles.clone(), error: 0.0, method: SimplifyMethod::Kept };
     }
-    let is_soup = components.are_soup(part);
+    let is_soup = components.is_soup;
     let is_whole = |reduced: &Reduced| {
         let fate = |reduced: &Reduced| components.fate(part, &reduced.triangles);
         is_soup || matches!(fate(reduced), Fate { lost_large: 0, torn: 0, .. })
