@@ -4,7 +4,7 @@ use super::owner::NONE;
 use super::raster::Rasterizer;
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
-use crate::mesh::{Mesh, Point, blend};
+use crate::mesh::{Mesh, Point};
 use std::ops::Range;
 
 /// Texel rows of a band, and the side of the tiles that it is cut into.

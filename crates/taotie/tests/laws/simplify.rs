@@ -46,11 +46,8 @@ fn an_embossed_ball_keeps_its_shape() {
             assert!((n.length() - 1.0).abs() < 1e-6);
             inward += usize::from(n.dot(p.normalize()) <= 0.5);
         }
-        println!(
-            "{inward} inward of {}, split {}",
-            low.mesh.positions().len(),
-            low.mesh.positions().len() - welded(&low.mesh)
-        );
+        // Normals part where one for all facets would turn a facet away from it: 17 of 5,021 vertices at worst.
+        assert!(inward * 200 <= low.mesh.positions().len(), "{inward} of {}", low.mesh.positions().len());
     }
 }
 
@@ -82,10 +79,6 @@ fn large_surfaces_go_in_blocks_and_threads_do_not_matter() {
 /// The bits of a position.
 fn bits(mesh: &Mesh, v: u32) -> [u32; 3] {
     mesh.positions()[v as usize].to_array().map(f32::to_bits)
-}
-
-fn welded(mesh: &Mesh) -> usize {
-    (0..mesh.positions().len() as u32).map(|v| bits(mesh, v)).collect::<std::collections::HashSet<_>>().len()
 }
 
 /// Edges of one triangle alone, whatever its vertices: normals may part at an edge.
