@@ -19,10 +19,13 @@ const CONE: f64 = 0.767;
 /// Each facet at an edge is compared with so many after it, so that an edge of many facets does not take long.
 const COMPARED: usize = 8;
 
-/// Returns the mesh with normals from which no facet turns away: every facet with an area has a cosine of at least 0.1
-/// to the normals at its corners.
+/// The least part of the area around a position that facets have that turn away there, for a crease.
+const PART: f64 = 0.2;
+
+/// Returns the mesh with normals from which no side of something thin turns away: its facets have a cosine of at least
+/// 0.1 to the normals at their corners.
 ///
-/// Where one does not, the facets around that position are sorted into fans over edges of less than 73°, and each fan
+/// Where facets with a fifth of the area around a position do not, the facets around it are sorted into fans over edges of less than 73°, and each fan
 /// takes the mean of its facets, weighted by their angles. A fan that winds back on itself is sorted into cones of
 /// 40° instead. Vertices are split where fans part; the copies stand behind all others, and triangles keep their
 /// order. Elsewhere not a bit changes. Normals that are lacking are [`vertex_normals`](super::vertex_normals).
@@ -37,7 +40,10 @@ pub fn creased(mesh: &Mesh) -> Result<Mesh> {
         return Ok(mesh);
     }
     let places = weld::by_position(mesh.positions()).of;
-    let corners = corners_at_creases(&mesh, &places, &turned);
+    let corners = corners_at(&mesh, &places, &creases(&mesh, &places, &turned));
+    if corners.is_empty() {
+        return Ok(mesh);
+    }
     let mut splitter = Splitter { data: mesh.clone().into_data(), numbers: BTreeMap::new() };
     splitter.data.tangents = Vec::new();
     for around in corners.chunk_by(|a, b| a.place == b.place) {
@@ -77,14 +83,35 @@ struct Corner {
     number: u8,
 }
 
-/// Returns all corners at the places where a facet turns away, sorted.
-fn corners_at_creases(mesh: &Mesh, places: &[u32], turned: &[usize]) -> Vec<Corner> {
-    let mut is_crease = vec![false; mesh.positions().len()];
+/// Returns the places where facets that turn away have a good part of the area around: sides of something thin, and no
+/// narrow facet that is folded over on a smooth surface, whose neighbours say better which way is out.
+fn creases(mesh: &Mesh, places: &[u32], turned: &[usize]) -> Vec<bool> {
+    let area = |t: usize| {
+        let [a, b, c] = mesh.corners(t).map(Vec3::to_f64);
+        (b - a).cross(c - a).length()
+    };
+    let mut areas: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
     for t in turned {
         for k in (0..3).filter(|k| is_turned_at(mesh, *t, *k)) {
-            is_crease[places[mesh.triangles()[*t][k] as usize] as usize] = true;
+            areas.entry(places[mesh.triangles()[*t][k] as usize]).or_default()[0] += area(*t);
         }
     }
+    for (t, vertices) in mesh.triangles().iter().enumerate() {
+        for vertex in vertices {
+            if let Some([_, all]) = areas.get_mut(&places[*vertex as usize]) {
+                *all += area(t);
+            }
+        }
+    }
+    let mut is_crease = vec![false; mesh.positions().len()];
+    for (place, [turned, all]) in areas {
+        is_crease[place as usize] = turned >= PART * all;
+    }
+    is_crease
+}
+
+/// Returns all corners at creases, sorted.
+fn corners_at(mesh: &Mesh, places: &[u32], is_crease: &[bool]) -> Vec<Corner> {
     let mut corners = Vec::new();
     for (triangle, vertices) in (0u32..).zip(mesh.triangles()) {
         for (number, vertex) in (0u8..).zip(vertices) {
