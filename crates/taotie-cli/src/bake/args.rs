@@ -214,7 +214,8 @@ impl BakeArgs {
             bail!("--size {size}: atlases that are made are square; give one number, or --low with UVs");
         }
         if self.images() == GltfImages::Ktx2 && !self.size().iter().all(|side| side.is_multiple_of(4)) {
-            bail!("--size {size}: KTX2 needs a multiple of 4; choose another size, or leave out --ktx2");
+            let other = if self.ktx2 { "leave out --ktx2" } else { "take another --for" };
+            bail!("--size {size}: KTX2 needs a multiple of 4; choose another size, or {other}");
         }
         if self.error.is_some() && (self.space == Space::Object || !self.maps().contains(&MapKind::Normal)) {
             bail!(
@@ -409,8 +410,9 @@ impl BakeArgs {
         }
     }
 
+    /// Returns the quality of JPEG; KTX2 that is asked for packs colours too.
     fn jpeg(&self) -> Option<u8> {
-        self.jpeg.or(self.defaults().jpeg)
+        self.jpeg.or(self.defaults().jpeg.filter(|_| !self.ktx2))
     }
 
     fn is_compressed(&self) -> bool {

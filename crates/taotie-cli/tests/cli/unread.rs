@@ -177,6 +177,8 @@ fn of_bake() {
         ),
         ("scan.obj -o out.glb --bits 16 --webp", "--bits 16: WebP and KTX2 hold 8 bits"),
         ("scan.obj -o out.glb --bits 16 --ktx2", "--bits 16: WebP and KTX2 hold 8 bits"),
+        ("scan.obj -o out.glb --for web --ktx2 --size 1022", "choose another size, or leave out --ktx2"),
+        ("scan.obj -o out.glb --for engine --size 1022", "choose another size, or take another --for"),
         ("scan.obj -o out.glb --maps height,bent --webp", "--webp, --ktx2: the asset holds no texture"),
         (
             "scan.obj -o out.glb --maps normal --space object --ktx2",
