@@ -242,7 +242,8 @@ impl BakeArgs {
         if let Some((option, _)) = of_sky.iter().find(|(_, given)| *given && !sky) {
             bail!("{option}: neither ao nor bent is baked; add one of them to --maps");
         }
-        if self.jpeg.is_some() && self.low.is_none() && !bakes(MapKind::Albedo) && !carries {
+        let colors = bakes(MapKind::Albedo) || bakes(MapKind::Alpha) || carries;
+        if self.jpeg.is_some() && self.low.is_none() && !colors {
             bail!("--jpeg: the asset has no base colour texture; add albedo to --maps");
         }
         if (self.webp || self.ktx2)
@@ -253,7 +254,8 @@ impl BakeArgs {
             bail!("--webp, --ktx2: the asset holds no texture; leave them out, or add such a map to --maps");
         }
         let packs = self.images() != GltfImages::Png;
-        if self.bits() == 16 && packs && self.space == Space::Tangent && bakes(MapKind::Normal) {
+        let beside = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
+        if self.bits() == 16 && packs && bakes(MapKind::Normal) && !beside {
             bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
         }
         Ok(())

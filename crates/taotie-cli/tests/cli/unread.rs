@@ -207,6 +207,14 @@ fn of_bake() {
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(!said.contains("warning"), "the map beside the asset has 16 bits: {said}");
     place.taotie("bake scan.obj --low low.obj -o a.glb --size 32 --no-verify").assert().success();
+    let line = "bake scan.obj -o out.glb --triangles 800 --size 64 --no-verify";
+    for options in [
+        "--bits 16 --webp --maps normal,bent",
+        "--bits 16 --webp --green down",
+        "--maps normal,alpha --jpeg 85",
+    ] {
+        place.taotie(&format!("{line} {options}")).assert().success();
+    }
 }
 
 #[test]
