@@ -223,9 +223,7 @@ impl BakeArgs {
             );
         }
         self.check_levels()?;
-        let maps = self.maps();
-        let is_turned = [MapKind::Normal, MapKind::Bent].iter().any(|map| maps.contains(map));
-        if self.green == Green::Down && (self.space == Space::Object || !is_turned) {
+        if self.green == Green::Down && (self.space == Space::Object || !self.bakes_normals()) {
             bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
         }
         self.check_unread()?;
@@ -330,6 +328,11 @@ impl BakeArgs {
         normal.into_iter().chain(named).collect()
     }
 
+    /// Says whether maps of normals are baked, which alone have a choice of bits.
+    fn bakes_normals(&self) -> bool {
+        self.maps().iter().any(|map| matches!(map, MapKind::Normal | MapKind::Bent))
+    }
+
     fn ray_distance(&self) -> RayDistance {
         match (&self.cage, self.ray_distance) {
             (Some(path), _) => RayDistance::Cage(MeshSource::File(path.clone())),
@@ -364,7 +367,7 @@ impl BakeArgs {
         let parts = [
             (!levels.is_empty()).then(|| format!("{} triangles", levels.join(", "))),
             self.error.is_none().then(|| format!("maps of {width}×{height}")),
-            Some(format!("normals in {} bits", self.bits())),
+            self.bakes_normals().then(|| format!("normals in {} bits", self.bits())),
             Some(images.into()),
             self.jpeg().map(|quality| format!("colours as JPEG of quality {quality}")),
             self.is_compressed().then(|| "meshopt".into()),
@@ -399,7 +402,7 @@ impl BakeArgs {
     fn bits(&self) -> u8 {
         match self.bits.as_deref() {
             Some("16") => 16,
-            None if self.images() == GltfImages::Png => self.defaults().bits,
+            None if self.images() == GltfImages::Png && self.bakes_normals() => self.defaults().bits,
             _ => 8,
         }
     }

@@ -294,6 +294,29 @@ fn uses_choose_what_is_not_asked_for() {
     assert!(said.contains(chosen), "{said}");
 }
 
+/// KTX2 that is asked for packs colours too, and bits are chosen for normals alone.
+#[test]
+fn uses_choose_nothing_that_does_not_fit() {
+    let place = pair();
+    let cases =
+        [("web --ktx2", "normals in 8 bits; KTX2; meshopt", "ktx2"), ("archive --maps albedo", "PNG", "png")];
+    for (options, chosen, images) in cases {
+        let line =
+            format!("bake scan.obj --low low.obj -o out.glb --size 32 --no-verify --json --for {options}");
+        let assert = place.taotie(&line).assert().success();
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.contains(&format!(": maps of 32×32; {chosen}\n")), "{said}");
+        assert!(!said.contains("16 bits"), "{said}");
+        let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+        let parameters = &report["parameters"];
+        assert_eq!(
+            (&parameters["images"], &parameters["jpeg"], &parameters["bits"]),
+            (&json!(images), &Value::Null, &json!(8)),
+            "{options}"
+        );
+    }
+}
+
 #[test]
 fn colours_as_jpeg() {
     let place = pair();
