@@ -234,6 +234,8 @@ fn object_space_is_written_beside_and_proved() {
         place.json("bake scan.obj --low low.obj -o out.glb --size 128 --space object --bits 16 --json");
     assert!(place.files().contains(&"out.normal.png".to_owned()));
     assert!(number(&report, "/proof/angles/mean") < 1.0, "{}", report["proof"]["angles"]);
+    let unseen = report["proof"]["unseen"].as_array().unwrap();
+    assert!(unseen.contains(&json!("the object-space normal map in the images")), "{unseen:?}");
     let asset = document(&place, "out.glb");
     assert!(asset["materials"][0]["normalTexture"].is_null(), "glTF would take it for tangent space");
     assert_eq!(asset["asset"]["extras"]["maps"]["normal"]["file"], "out.normal.png");
