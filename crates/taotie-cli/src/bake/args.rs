@@ -214,7 +214,8 @@ impl BakeArgs {
             bail!("--size {size}: atlases that are made are square; give one number, or --low with UVs");
         }
         if self.images() == GltfImages::Ktx2 && !self.size().iter().all(|side| side.is_multiple_of(4)) {
-            bail!("--size {size}: KTX2 needs a multiple of 4; choose another size, or leave out --ktx2");
+            let other = if self.ktx2 { "leave out --ktx2" } else { "take another --for" };
+            bail!("--size {size}: KTX2 needs a multiple of 4; choose another size, or {other}");
         }
         if self.error.is_some() && (self.space == Space::Object || !self.maps().contains(&MapKind::Normal)) {
             bail!(
@@ -222,9 +223,7 @@ impl BakeArgs {
             );
         }
         self.check_levels()?;
-        let maps = self.maps();
-        let is_turned = [MapKind::Normal, MapKind::Bent].iter().any(|map| maps.contains(map));
-        if self.green == Green::Down && (self.space == Space::Object || !is_turned) {
+        if self.green == Green::Down && (self.space == Space::Object || !self.bakes_normals()) {
             bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
         }
         self.check_unread()?;
@@ -241,7 +240,8 @@ impl BakeArgs {
         if let Some((option, _)) = of_sky.iter().find(|(_, given)| *given && !sky) {
             bail!("{option}: neither ao nor bent is baked; add one of them to --maps");
         }
-        if self.jpeg.is_some() && self.low.is_none() && !bakes(MapKind::Albedo) && !carries {
+        let colors = bakes(MapKind::Albedo) || bakes(MapKind::Alpha) || carries;
+        if self.jpeg.is_some() && self.low.is_none() && !colors {
             bail!("--jpeg: the asset has no base colour texture; add albedo to --maps");
         }
         if (self.webp || self.ktx2)
@@ -252,7 +252,8 @@ impl BakeArgs {
             bail!("--webp, --ktx2: the asset holds no texture; leave them out, or add such a map to --maps");
         }
         let packs = self.images() != GltfImages::Png;
-        if self.bits() == 16 && packs && self.space == Space::Tangent && bakes(MapKind::Normal) {
+        let beside = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
+        if self.bits() == 16 && packs && bakes(MapKind::Normal) && !beside {
             bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
         }
         Ok(())
@@ -327,6 +328,11 @@ impl BakeArgs {
         normal.into_iter().chain(named).collect()
     }
 
+    /// Says whether maps of normals are baked, which alone have a choice of bits.
+    fn bakes_normals(&self) -> bool {
+        self.maps().iter().any(|map| matches!(map, MapKind::Normal | MapKind::Bent))
+    }
+
     fn ray_distance(&self) -> RayDistance {
         match (&self.cage, self.ray_distance) {
             (Some(path), _) => RayDistance::Cage(MeshSource::File(path.clone())),
@@ -361,7 +367,7 @@ impl BakeArgs {
         let parts = [
             (!levels.is_empty()).then(|| format!("{} triangles", levels.join(", "))),
             self.error.is_none().then(|| format!("maps of {width}×{height}")),
-            Some(format!("normals in {} bits", self.bits())),
+            self.bakes_normals().then(|| format!("normals in {} bits", self.bits())),
             Some(images.into()),
             self.jpeg().map(|quality| format!("colours as JPEG of quality {quality}")),
             self.is_compressed().then(|| "meshopt".into()),
@@ -396,7 +402,7 @@ impl BakeArgs {
     fn bits(&self) -> u8 {
         match self.bits.as_deref() {
             Some("16") => 16,
-            None if self.images() == GltfImages::Png => self.defaults().bits,
+            None if self.images() == GltfImages::Png && self.bakes_normals() => self.defaults().bits,
             _ => 8,
         }
     }
@@ -409,8 +415,9 @@ impl BakeArgs {
         }
     }
 
+    /// Returns the quality of JPEG; KTX2 that is asked for packs colours too.
     fn jpeg(&self) -> Option<u8> {
-        self.jpeg.or(self.defaults().jpeg)
+        self.jpeg.or(self.defaults().jpeg.filter(|_| !self.ktx2))
     }
 
     fn is_compressed(&self) -> bool {

@@ -222,11 +222,11 @@ impl FilmArgs {
         self.tone.unwrap_or_default()
     }
 
-    /// Refuses what only a developed picture has.
+    /// Refuses what only a developed picture has; what leaves light as it is may be asked for.
     pub fn check_linear(&self) -> Result<()> {
         let given = [
-            ("--tone", self.tone.is_some()),
-            ("--exposure", self.exposure.is_some()),
+            ("--tone", self.tone.is_some_and(|tone| tone != ToneCurve::Linear)),
+            ("--exposure", self.exposure.is_some_and(|stops| stops != 0.0)),
             ("--background", self.background.is_some()),
         ];
         match given.iter().find(|(_, given)| *given) {

@@ -234,6 +234,8 @@ fn object_space_is_written_beside_and_proved() {
         place.json("bake scan.obj --low low.obj -o out.glb --size 128 --space object --bits 16 --json");
     assert!(place.files().contains(&"out.normal.png".to_owned()));
     assert!(number(&report, "/proof/angles/mean") < 1.0, "{}", report["proof"]["angles"]);
+    let unseen = report["proof"]["unseen"].as_array().unwrap();
+    assert!(unseen.contains(&json!("the object-space normal map in the images")), "{unseen:?}");
     let asset = document(&place, "out.glb");
     assert!(asset["materials"][0]["normalTexture"].is_null(), "glTF would take it for tangent space");
     assert_eq!(asset["asset"]["extras"]["maps"]["normal"]["file"], "out.normal.png");
@@ -292,6 +294,29 @@ fn uses_choose_what_is_not_asked_for() {
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     let chosen = "--for engine: 6000, 5000 triangles; maps of 256×256; normals in 8 bits; WebP\n";
     assert!(said.contains(chosen), "{said}");
+}
+
+/// KTX2 that is asked for packs colours too, and bits are chosen for normals alone.
+#[test]
+fn uses_choose_nothing_that_does_not_fit() {
+    let place = pair();
+    let cases =
+        [("web --ktx2", "normals in 8 bits; KTX2; meshopt", "ktx2"), ("archive --maps albedo", "PNG", "png")];
+    for (options, chosen, images) in cases {
+        let line =
+            format!("bake scan.obj --low low.obj -o out.glb --size 32 --no-verify --json --for {options}");
+        let assert = place.taotie(&line).assert().success();
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        assert!(said.contains(&format!(": maps of 32×32; {chosen}\n")), "{said}");
+        assert!(!said.contains("16 bits"), "{said}");
+        let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+        let parameters = &report["parameters"];
+        assert_eq!(
+            (&parameters["images"], &parameters["jpeg"], &parameters["bits"]),
+            (&json!(images), &Value::Null, &json!(8)),
+            "{options}"
+        );
+    }
 }
 
 #[test]

@@ -88,7 +88,7 @@ fn of_render() {
         ("a.obj -o o.png --shading lambert --roughness 0", "--roughness: the shading does not read it"),
         ("a.obj -o o.png --roughness 2", "2 is not in [0, 1]"),
         ("a.obj -o o.exr --tone aces", "--tone: an .exr holds light as it is"),
-        ("a.obj -o o.exr --exposure 0", "--exposure: an .exr holds light as it is"),
+        ("a.obj -o o.exr --exposure 1", "--exposure: an .exr holds light as it is"),
         ("a.obj -o o.exr --background white", "--background: an .exr holds light as it is"),
         ("a.obj -o o.exr --bits 16", "--bits: an .exr holds 32-bit floats"),
         ("a.obj -o c.png", "c.png: it is a folder; give a file name"),
@@ -114,6 +114,7 @@ fn of_render() {
         &place,
         "render a.obj -o o.png --size 8x8 --shading phong --grazing-normals keep --tone aces --bits 16",
     );
+    silent(&place, "render a.obj -o o.exr --size 8x8 --tone linear --exposure 0");
 }
 
 #[test]
@@ -176,6 +177,8 @@ fn of_bake() {
         ),
         ("scan.obj -o out.glb --bits 16 --webp", "--bits 16: WebP and KTX2 hold 8 bits"),
         ("scan.obj -o out.glb --bits 16 --ktx2", "--bits 16: WebP and KTX2 hold 8 bits"),
+        ("scan.obj -o out.glb --for web --ktx2 --size 1022", "choose another size, or leave out --ktx2"),
+        ("scan.obj -o out.glb --for engine --size 1022", "choose another size, or take another --for"),
         ("scan.obj -o out.glb --maps height,bent --webp", "--webp, --ktx2: the asset holds no texture"),
         (
             "scan.obj -o out.glb --maps normal --space object --ktx2",
@@ -204,6 +207,14 @@ fn of_bake() {
     let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
     assert!(!said.contains("warning"), "the map beside the asset has 16 bits: {said}");
     place.taotie("bake scan.obj --low low.obj -o a.glb --size 32 --no-verify").assert().success();
+    let line = "bake scan.obj -o out.glb --triangles 800 --size 64 --no-verify";
+    for options in [
+        "--bits 16 --webp --maps normal,bent",
+        "--bits 16 --webp --green down",
+        "--maps normal,alpha --jpeg 85",
+    ] {
+        place.taotie(&format!("{line} {options}")).assert().success();
+    }
 }
 
 #[test]

@@ -111,15 +111,20 @@ impl Figure {
     /// assert_eq!(Figure::Bytes.text(3_000_000.0), "3000000 B");
     /// ```
     pub fn text(self, value: f64) -> String {
-        let FigureUnit { name, size } = self.unit();
+        let value = value / self.unit().size;
+        self.with_unit(&if self == Self::Bytes { format!("{value:.0}") } else { five_digits(value) })
+    }
+
+    /// Returns a value of the figure in its unit, with all its digits.
+    pub(super) fn exact_text(self, value: f64) -> String {
+        self.with_unit(&(value / self.unit().size).to_string())
+    }
+
+    fn with_unit(self, number: &str) -> String {
+        let name = self.unit().name;
         match self {
-            Self::Bytes => format!("{value:.0} {name}"),
-            Self::Missed | Self::Hausdorff | Self::MeanColor | Self::P95Color => {
-                format!("{} {name}", five_digits(value / size))
-            }
-            Self::MeanAngle | Self::P95Angle | Self::MaxAngle => {
-                format!("{}{name}", five_digits(value / size))
-            }
+            Self::MeanAngle | Self::P95Angle | Self::MaxAngle => format!("{number}{name}"),
+            _ => format!("{number} {name}"),
         }
     }
 }
@@ -141,5 +146,6 @@ mod tests {
         assert_eq!(Figure::MaxAngle.text(180.0), "180°");
         assert_eq!(Figure::MeanColor.text(1.25), "1.25 ΔE");
         assert_eq!(Figure::Bytes.text(1_234_567.0), "1234567 B");
+        assert_eq!(Figure::MaxAngle.exact_text(1.234_567_8), "1.2345678°");
     }
 }

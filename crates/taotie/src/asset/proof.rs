@@ -244,7 +244,7 @@ impl Written {
         let views = progress.begin("compare views")?;
         let scan = scan.into_scene()?;
         let maps: Vec<MapKind> = self.maps().iter().map(|note| note.map).collect();
-        figures.unseen = unseen(&maps, [&scan, &scenes[0]]);
+        figures.unseen = unseen(&maps, self.asset.made.options.space, [&scan, &scenes[0]]);
         let looks = views::take(scan, scenes, options.view, views)?;
         Ok(Proof { color_map, warnings: loaded.warnings, ..Proof::new(figures, error_map, looks) })
     }

@@ -193,13 +193,18 @@ pub struct Met {
 }
 
 impl Met {
-    /// Tells value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`.
+    /// Tells value and limit in the figure's unit, such as `is 0.02 %, at most 0.1 %`. Both have all their digits where
+    /// fewer would hide that the value is larger.
     pub fn text(&self) -> String {
-        let most = self.figure.text(self.most);
-        match self.value {
-            Some(value) => format!("is {}, at most {most}", self.figure.text(value)),
-            None => format!("could not be measured, at most {most}"),
+        let Self { figure, most, .. } = *self;
+        let Some(value) = self.value else {
+            return format!("could not be measured, at most {}", figure.text(most));
+        };
+        let [mut told, mut limit] = [value, most].map(|number| figure.text(number));
+        if !self.met && told == limit {
+            [told, limit] = [value, most].map(|number| figure.exact_text(number));
         }
+        format!("is {told}, at most {limit}")
     }
 }
 
@@ -319,6 +324,16 @@ mod tests {
         assert_eq!(outcomes("bytes=3MB", &figures), [true], "the asset has its bytes once");
         let met = figures.require(&[read("mean-angle=1").unwrap()]);
         assert_eq!((met[2].level, met[2].text().as_str()), (Some(2), "is 5°, at most 1°"));
+    }
+
+    #[test]
+    fn a_value_just_above_its_limit_is_told_exactly() {
+        let of = |figure, value| Requirement::of(figure, 1.0).outcome(Some(0), Some(value)).text();
+        assert_eq!(of(Figure::MeanAngle, 1.000_03), "is 1.00003°, at most 1°");
+        assert_eq!(of(Figure::MeanAngle, 0.999_999), "is 1°, at most 1°");
+        assert_eq!(of(Figure::MeanColor, 1.000_03), "is 1.00003 ΔE, at most 1 ΔE");
+        let bytes = Requirement::of(Figure::Bytes, 999.5).outcome(None, Some(1000.0));
+        assert_eq!(bytes.text(), "is 1000 B, at most 999.5 B");
     }
 
     #[test]
