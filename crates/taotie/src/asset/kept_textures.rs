@@ -1,6 +1,5 @@
 //! Textures of a low-poly mesh's material that stay in the asset.
 
-use super::notes::is_plain;
 use crate::image::Bitmap;
 use crate::scene::{Material, Scene, TextureRef};
 
@@ -14,11 +13,10 @@ pub(super) struct KeptTextures {
 }
 
 impl KeptTextures {
-    /// Takes those of uv set 0 that are not moved by a transform.
+    /// Takes those of a material whose textures can stay.
     pub fn of(material: &Material, scene: &Scene) -> Self {
         let bitmap = |texture: &Option<TextureRef>| {
-            let texture = texture.as_ref().filter(|texture| is_plain(texture))?;
-            Some(scene.textures()[texture.texture].bitmap().clone())
+            texture.as_ref().map(|texture| scene.textures()[texture.texture].bitmap().clone())
         };
         Self {
             color: bitmap(&material.base_color_texture),

@@ -51,6 +51,8 @@ mod requirement;
 mod scan;
 mod search;
 mod search_course;
+mod slots;
+mod stripped;
 mod textures;
 mod unseen;
 mod views;
