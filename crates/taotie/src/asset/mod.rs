@@ -37,6 +37,7 @@ mod made;
 mod maps;
 mod material_figures;
 mod memory;
+mod metalness;
 mod misses;
 mod notes;
 mod options;

@@ -156,7 +156,11 @@ impl Pair<'_> {
         {
             return Fate::Factor;
         }
+        let is_rough = property == Property::MetallicRoughness && options.bakes(&[MapKind::Roughness]);
         Fate::Left(match map {
+            _ if !is_free && is_rough => {
+                "roughness is baked, and the metalness of the low-poly mesh stays".into()
+            }
             _ if !is_free => "that of the low-poly mesh stays".into(),
             Some(MapKind::OcclusionMap) if options.bakes(&[MapKind::Occlusion]) => {
                 "ao is baked in its place".into()
@@ -274,6 +278,24 @@ mod tests {
         assert_eq!(filled.emissive, [2.0; 3]);
         // The same on both sides is not left out.
         assert!(onto(&lamp(), &self::scan(lamp(), &[])).left.is_empty());
+    }
+
+    #[test]
+    fn roughness_is_baked_beside_the_metalness_of_a_low_poly_mesh() {
+        let brass = Material { metallic: 1.0, roughness: 0.3, ..Material::default() };
+        let low = LowLook { material: &brass, has_colors: false };
+        let scan = scan(Material::default(), &[Property::MetallicRoughness]);
+        let stays = |maps: &[MapKind]| {
+            let options = BakeOptions { maps: maps.to_vec(), ..BakeOptions::default() };
+            said(&BakePlan::of(&options, &scan, Some(low)))
+        };
+        let told = stays(&[MapKind::Roughness]);
+        assert!(
+            told.contains("; roughness is baked, and the metalness of the low-poly mesh stays\n"),
+            "{told}"
+        );
+        let told = stays(&[MapKind::Normal]);
+        assert!(told.contains("; that of the low-poly mesh stays\n"), "{told}");
     }
 
     #[test]
