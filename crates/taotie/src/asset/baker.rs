@@ -118,6 +118,9 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
     let Lightened { mut low, mut maps, size, trials } =
         lightened(&options, subject, &mut warnings, progress)?;
     low.material.alpha = alpha(&options, scan, &low);
+    if low.material.alpha == AlphaMode::Blend && options.bakes(&[MapKind::Alpha]) {
+        notes::blended(about.carried.blended, &mut warnings);
+    }
     warnings.absorb(std::mem::take(&mut maps.warnings));
     let coarser = low::coarser(&low, &options.lods, &mut warnings, progress)?;
     judgement::judge(Pair { scan, low: &low }, &maps.cage, &maps.counts, &mut warnings);
