@@ -68,10 +68,10 @@ pub(super) struct BakePlan {
 
 impl BakePlan {
     /// Decides for a scan and the low-poly mesh, where one is given.
-    pub fn of(options: &BakeOptions, scan: &Carried, low: Option<LowLook<'_>>) -> Self {
-        let options = BakeOptions { maps: maps(options, scan, low), ..options.clone() };
-        let mut plan =
-            Self { options, carried: vec![], left: vec![], factors: vec![], notes: Warnings::default() };
+    pub fn of(asked: &BakeOptions, scan: &Carried, low: Option<LowLook<'_>>) -> Self {
+        let options = BakeOptions { maps: maps(asked, scan, low), ..asked.clone() };
+        let notes = lacking(asked, scan);
+        let mut plan = Self { options, carried: vec![], left: vec![], factors: vec![], notes };
         for found in &scan.found {
             let pair = Pair { scan, low };
             plan.add(found, pair.fate(found, &plan.options));
@@ -97,7 +97,7 @@ impl BakePlan {
         }
     }
 
-    /// Notes what is left out.
+    /// Notes what is left out, and maps that were asked for and show one value.
     pub fn note(&self, warnings: &mut Warnings) {
         warnings.absorb(self.notes.clone());
     }
@@ -177,16 +177,18 @@ impl Pair<'_> {
     }
 }
 
-/// Notes maps that are asked for of properties that the scan has in one value alone.
-pub(super) fn lacking(options: &BakeOptions, scan: &Carried, warnings: &mut Warnings) {
+/// Returns notes of the maps that were asked for of properties that the scan has in one value alone.
+fn lacking(asked: &BakeOptions, scan: &Carried) -> Warnings {
+    let mut warnings = Warnings::default();
     let is_idle = |property: &Property| {
         let map = property.map().filter(|map| *map != MapKind::Normal);
-        map.is_some_and(|map| options.bakes(&[map])) && !scan.varies(*property)
+        map.is_some_and(|map| asked.bakes(&[map])) && !scan.varies(*property)
     };
     for property in Property::ALL.into_iter().filter(is_idle) {
         let (what, map) = (property.name(), property.map().map_or("", MapKind::name));
         warnings.note(format!("the {map} map shows one value: the scan has no other {what}"), 1);
     }
+    warnings
 }
 
 #[cfg(test)]
@@ -302,10 +304,17 @@ mod tests {
     fn maps_of_what_does_not_vary_are_told() {
         let maps = vec![MapKind::Normal, MapKind::Emission];
         let options = BakeOptions { maps, ..BakeOptions::default() };
-        let mut warnings = Warnings::default();
-        lacking(&options, &scan(lamp(), &[]), &mut warnings);
-        assert_eq!(warnings.iter().count(), 1, "{warnings:?}");
-        lacking(&options, &scan(Material::default(), &[Property::Emission]), &mut warnings);
-        assert_eq!(warnings.iter().count(), 1, "{warnings:?}");
+        assert_eq!(lacking(&options, &scan(lamp(), &[])).iter().count(), 1);
+        assert!(lacking(&options, &scan(Material::default(), &[Property::Emission])).is_empty());
+    }
+
+    #[test]
+    fn maps_that_auto_adds_are_not_judged() {
+        let scan = scan(Material::default(), &[Property::Alpha]);
+        let plan = plan(&BakeOptions::default(), &scan);
+        assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Alpha, MapKind::Albedo]);
+        assert_eq!(said(&plan), "", "nobody asked for albedo");
+        let options = BakeOptions { maps: vec![MapKind::Albedo], ..BakeOptions::default() };
+        assert!(said(&BakePlan::of(&options, &scan, None)).contains("the albedo map shows one value"));
     }
 }
