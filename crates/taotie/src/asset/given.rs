@@ -1,6 +1,6 @@
 //! The low-poly mesh that is given: read, with what stays of its material.
 
-use super::kept_textures::KeptTextures;
+use super::kept_textures::{KeptTextures, note_samplers};
 use super::options::{BakeOptions, MeshSource};
 use super::plan::LowLook;
 use super::scan::check_extent;
@@ -61,6 +61,7 @@ impl GivenMesh {
         let Self { scene, mut material, stripped } = self;
         let kept = KeptTextures::of(&material, &scene);
         stripped.note(options, warnings);
+        note_samplers(&material, &scene, options, warnings);
         leave_relief(&material, options, warnings);
         leave_alpha(&mut material, options, warnings);
         let mesh = uncolored(bake::low_poly_mesh(scene)?, options, warnings)?;
