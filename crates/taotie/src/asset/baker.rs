@@ -1,6 +1,5 @@
 //! From a scan to an asset.
 
-use super::carried::Carried;
 use super::given::GivenMesh;
 use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
@@ -9,7 +8,7 @@ use super::maps::{StoredMaps, bake_maps};
 use super::memory::{Bytes, Limits, Need, ScanSize};
 use super::notes;
 use super::options::BakeOptions;
-use super::plan::{self, BakePlan};
+use super::plan::BakePlan;
 use super::scan::Scan;
 use super::search::smallest;
 use super::search_course::Trial;
@@ -109,7 +108,8 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
     let mut warnings = about.warnings.clone();
     let mut given = given(asked, &mut warnings, progress)?;
     let plan = BakePlan::of(asked, &about.carried, given.as_ref().map(GivenMesh::look));
-    note_left_out(&plan, &about.carried, &mut warnings);
+    notes::unread_options(&plan.options, &mut warnings);
+    plan.note(&mut warnings);
     if let Some(given) = &mut given {
         plan.fill(&about.carried, &mut given.material);
     }
@@ -118,6 +118,9 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
     let Lightened { mut low, mut maps, size, trials } =
         lightened(&options, subject, &mut warnings, progress)?;
     low.material.alpha = alpha(&options, scan, &low);
+    if low.material.alpha == AlphaMode::Blend && options.bakes(&[MapKind::Alpha]) {
+        notes::blended(about.carried.blended, &mut warnings);
+    }
     warnings.absorb(std::mem::take(&mut maps.warnings));
     let coarser = low::coarser(&low, &options.lods, &mut warnings, progress)?;
     judgement::judge(Pair { scan, low: &low }, &maps.cage, &maps.counts, &mut warnings);
@@ -140,12 +143,6 @@ fn given(
     let given = GivenMesh::read(source, warnings)?;
     reading.at(1.0)?;
     Ok(Some(given))
-}
-
-fn note_left_out(plan: &BakePlan, scan: &Carried, warnings: &mut Warnings) {
-    notes::unread_options(&plan.options, warnings);
-    plan::lacking(&plan.options, scan, warnings);
-    plan.note(warnings);
 }
 
 /// Returns the treatment of alpha: that of the scan where its alpha is baked, else the low-poly mesh's own.

@@ -1,22 +1,23 @@
 //! The low-poly mesh that is given: read, with what stays of its material.
 
-use super::kept_textures::KeptTextures;
-use super::notes::is_plain;
+use super::kept_textures::{KeptTextures, note_samplers};
 use super::options::{BakeOptions, MeshSource};
 use super::plan::LowLook;
-use super::property::Property;
 use super::scan::check_extent;
+use super::stripped::Stripped;
 use crate::bake::{self, MapKind};
 use crate::error::{Error, Result, Warnings};
 use crate::io;
 use crate::mesh::{Mesh, MeshData};
-use crate::scene::{AlphaMode, Material, Scene, TextureRef};
+use crate::scene::{AlphaMode, Material, Scene};
 use std::path::Path;
 
 /// A low-poly mesh as its file says.
 pub(super) struct GivenMesh {
     scene: Scene,
+    /// The first material, without what cannot stay.
     pub material: Material,
+    stripped: Stripped,
 }
 
 /// The parts of a mesh that is given which go into the asset.
@@ -40,8 +41,9 @@ impl GivenMesh {
         if used.iter().any(|material| *material != used[0]) {
             warnings.note("materials of the low-poly mesh made one, the first", 1);
         }
-        let material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
-        Ok(Self { scene, material })
+        let mut material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
+        let stripped = Stripped::off(&mut material, &scene);
+        Ok(Self { scene, material, stripped })
     }
 
     /// Returns its looks.
@@ -50,16 +52,17 @@ impl GivenMesh {
         LowLook { material: &self.material, has_colors }
     }
 
-    /// Takes what stays: one mesh in world space, and the material without what is baked in its place or cannot stay,
-    /// which is noted.
+    /// Takes what stays: one mesh in world space, and the material without what is baked in its place. That and what
+    /// cannot stay is noted.
     ///
     /// # Errors
     /// Those of [`bake::low_poly_mesh`].
     pub fn taken(self, options: &BakeOptions, warnings: &mut Warnings) -> Result<Taken> {
-        let Self { scene, mut material } = self;
+        let Self { scene, mut material, stripped } = self;
         let kept = KeptTextures::of(&material, &scene);
-        leave_textures(&mut material, options, warnings);
-        leave_layers(&mut material, warnings);
+        stripped.note(options, warnings);
+        note_samplers(&material, &scene, options, warnings);
+        leave_relief(&material, options, warnings);
         leave_alpha(&mut material, options, warnings);
         let mesh = uncolored(bake::low_poly_mesh(scene)?, options, warnings)?;
         Ok(Taken { mesh, material, kept })
@@ -96,31 +99,9 @@ fn moves(path: &Path, moving: &str) -> Error {
     )
 }
 
-/// Leaves out textures that cannot stay: those of other uv sets or moved by a transform, and the normal map.
-fn leave_textures(material: &mut Material, options: &BakeOptions, warnings: &mut Warnings) {
-    let bakes = |map: MapKind| options.bakes(&[map]);
-    let is_moved = |texture: &Option<TextureRef>| texture.as_ref().is_some_and(|texture| !is_plain(texture));
-    let textures = [
-        ("base colour", &material.base_color_texture, bakes(MapKind::Albedo)),
-        ("metallic-roughness", &material.metallic_roughness_texture, {
-            bakes(MapKind::Roughness) || bakes(MapKind::MetallicRoughness)
-        }),
-        ("occlusion", &material.occlusion_texture, {
-            bakes(MapKind::Occlusion) || bakes(MapKind::OcclusionMap)
-        }),
-        ("emission", &material.emissive_texture, bakes(MapKind::Emission)),
-    ];
-    for (what, _, _) in textures.iter().filter(|(_, texture, is_baked)| is_moved(texture) && !is_baked) {
-        warnings.note(
-            format!("the low-poly mesh's {what} texture is left out: it has uvs of its own, or a transform"),
-            1,
-        );
-    }
-    if is_moved(&material.emissive_texture) {
-        // Without its texture all of the surface would glow.
-        material.emissive = [0.0; 3];
-    }
-    let has_relief = material.normal.is_some() && !bakes(MapKind::Normal);
+/// Leaves out the normal map, which is of other tangents.
+fn leave_relief(material: &Material, options: &BakeOptions, warnings: &mut Warnings) {
+    let has_relief = material.normal.is_some() && !options.bakes(&[MapKind::Normal]);
     warnings.note(
         "the low-poly mesh's normal map is left out; bake normal in its place",
         usize::from(has_relief),
@@ -133,18 +114,6 @@ fn leave_alpha(material: &mut Material, options: &BakeOptions, warnings: &mut Wa
     if is_textured && options.bakes(&[MapKind::Albedo]) && !options.bakes(&[MapKind::Alpha]) {
         warnings.note("the low-poly mesh's alpha is left out: albedo is baked without", 1);
         material.alpha = AlphaMode::Opaque;
-    }
-}
-
-/// Leaves out layers that textures hold, and reflectances that glTF cannot say.
-fn leave_layers(material: &mut Material, warnings: &mut Warnings) {
-    let layers = [Property::Specular, Property::Clearcoat, Property::Sheen, Property::Anisotropy];
-    let textured = layers.into_iter().filter(|layer| layer.is_textured(material));
-    let unsaid = [Property::Reflectance, Property::Classic].into_iter().filter(|p| p.is_said(material));
-    let left: Vec<Property> = textured.chain(unsaid).collect();
-    for property in left {
-        warnings.note(format!("left out: the low-poly mesh's {}", property.name()), 1);
-        property.copy(&Material::default(), material);
     }
 }
 

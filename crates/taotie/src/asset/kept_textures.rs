@@ -1,7 +1,9 @@
 //! Textures of a low-poly mesh's material that stay in the asset.
 
-use super::notes::is_plain;
-use crate::image::Bitmap;
+use super::options::BakeOptions;
+use super::slots::SLOTS;
+use crate::error::Warnings;
+use crate::image::{Bitmap, Sampler, TexelFilter, Wrap};
 use crate::scene::{Material, Scene, TextureRef};
 
 /// Textures of a low-poly mesh's material that stay where nothing is baked in their place.
@@ -14,11 +16,10 @@ pub(super) struct KeptTextures {
 }
 
 impl KeptTextures {
-    /// Takes those of uv set 0 that are not moved by a transform.
+    /// Takes those of a material whose textures can stay.
     pub fn of(material: &Material, scene: &Scene) -> Self {
         let bitmap = |texture: &Option<TextureRef>| {
-            let texture = texture.as_ref().filter(|texture| is_plain(texture))?;
-            Some(scene.textures()[texture.texture].bitmap().clone())
+            texture.as_ref().map(|texture| scene.textures()[texture.texture].bitmap().clone())
         };
         Self {
             color: bitmap(&material.base_color_texture),
@@ -27,5 +28,65 @@ impl KeptTextures {
             // A texture that multiplies nothing shows nothing.
             emission: bitmap(&material.emissive_texture).filter(|_| material.emissive != [0.0; 3]),
         }
+    }
+}
+
+/// Notes textures that stay and look otherwise in the asset, which repeats all of them beyond [0, 1] and smooths them.
+pub(super) fn note_samplers(
+    material: &Material,
+    scene: &Scene,
+    options: &BakeOptions,
+    warnings: &mut Warnings,
+) {
+    let leaves_map = leaves_map(scene);
+    for slot in SLOTS.iter().filter(|slot| slot.property.is_textured(material) && !slot.is_baked(options)) {
+        let other = slot.texture(material).is_some_and(|texture| differs(&texture.sampler, leaves_map));
+        let texture = format!("the low-poly mesh's {} texture", slot.name);
+        let why = "its file mirrors it, clamps it, or does not smooth it";
+        warnings.note(format!("{texture} is repeated and smoothed in the asset: {why}"), usize::from(other));
+    }
+}
+
+/// Says whether a texture looks otherwise where it is repeated and smoothed; `leaves_map` where uvs are outside of it.
+fn differs(sampler: &Sampler, leaves_map: bool) -> bool {
+    let is_rough = [sampler.magnify, sampler.minify].contains(&TexelFilter::Nearest);
+    is_rough || (leaves_map && [sampler.wrap_u, sampler.wrap_v] != [Wrap::Repeat; 2])
+}
+
+/// Says whether any vertex has a uv outside of the map.
+fn leaves_map(scene: &Scene) -> bool {
+    let is_inside = |v: f32| (0.0..=1.0).contains(&v);
+    let mut uvs = scene.meshes().iter().filter_map(|mesh| mesh.uvs().first()).flatten();
+    uvs.any(|uv| !(is_inside(uv.x) && is_inside(uv.y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::MapKind;
+    use crate::math::Vec2;
+    use crate::mesh::Mesh;
+    use crate::scene::UvTransform;
+
+    /// Returns how much is said of a base colour texture on a sphere whose uvs are multiplied by `scale`.
+    fn said(sampler: Sampler, scale: f32, maps: Vec<MapKind>) -> usize {
+        let mut data = Mesh::sphere(1.0, 8, 4).into_data();
+        data.uvs[0].iter_mut().for_each(|uv| *uv = Vec2::new(uv.x * scale, uv.y * scale));
+        let scene = Scene::of_mesh(Mesh::new(data).unwrap(), Material::default()).unwrap();
+        let used = TextureRef { texture: 0, uv_set: 0, sampler, transform: UvTransform::default() };
+        let material = Material { base_color_texture: Some(used), ..Material::default() };
+        let mut warnings = Warnings::default();
+        note_samplers(&material, &scene, &BakeOptions { maps, ..BakeOptions::default() }, &mut warnings);
+        warnings.iter().count()
+    }
+
+    #[test]
+    fn samplers_that_the_asset_has_not_are_told() {
+        let mirror = Sampler { wrap_u: Wrap::Mirror, ..Sampler::default() };
+        let rough = Sampler { magnify: TexelFilter::Nearest, ..Sampler::default() };
+        assert_eq!([0.5, 2.0].map(|scale| said(mirror, scale, vec![])), [0, 1]);
+        assert_eq!([0.5, 2.0].map(|scale| said(rough, scale, vec![])), [1, 1]);
+        assert_eq!(said(Sampler::default(), 2.0, vec![]), 0);
+        assert_eq!(said(rough, 2.0, vec![MapKind::Albedo]), 0, "another is baked in its place");
     }
 }

@@ -68,10 +68,10 @@ pub(super) struct BakePlan {
 
 impl BakePlan {
     /// Decides for a scan and the low-poly mesh, where one is given.
-    pub fn of(options: &BakeOptions, scan: &Carried, low: Option<LowLook<'_>>) -> Self {
-        let options = BakeOptions { maps: maps(options, scan, low), ..options.clone() };
-        let mut plan =
-            Self { options, carried: vec![], left: vec![], factors: vec![], notes: Warnings::default() };
+    pub fn of(asked: &BakeOptions, scan: &Carried, low: Option<LowLook<'_>>) -> Self {
+        let options = BakeOptions { maps: maps(asked, scan, low), ..asked.clone() };
+        let notes = lacking(asked, scan);
+        let mut plan = Self { options, carried: vec![], left: vec![], factors: vec![], notes };
         for found in &scan.found {
             let pair = Pair { scan, low };
             plan.add(found, pair.fate(found, &plan.options));
@@ -97,7 +97,7 @@ impl BakePlan {
         }
     }
 
-    /// Notes what is left out.
+    /// Notes what is left out, and maps that were asked for and show one value.
     pub fn note(&self, warnings: &mut Warnings) {
         warnings.absorb(self.notes.clone());
     }
@@ -156,7 +156,11 @@ impl Pair<'_> {
         {
             return Fate::Factor;
         }
+        let is_rough = property == Property::MetallicRoughness && options.bakes(&[MapKind::Roughness]);
         Fate::Left(match map {
+            _ if !is_free && is_rough => {
+                "roughness is baked, and the metalness of the low-poly mesh stays".into()
+            }
             _ if !is_free => "that of the low-poly mesh stays".into(),
             Some(MapKind::OcclusionMap) if options.bakes(&[MapKind::Occlusion]) => {
                 "ao is baked in its place".into()
@@ -173,16 +177,18 @@ impl Pair<'_> {
     }
 }
 
-/// Notes maps that are asked for of properties that the scan has in one value alone.
-pub(super) fn lacking(options: &BakeOptions, scan: &Carried, warnings: &mut Warnings) {
+/// Returns notes of the maps that were asked for of properties that the scan has in one value alone.
+fn lacking(asked: &BakeOptions, scan: &Carried) -> Warnings {
+    let mut warnings = Warnings::default();
     let is_idle = |property: &Property| {
         let map = property.map().filter(|map| *map != MapKind::Normal);
-        map.is_some_and(|map| options.bakes(&[map])) && !scan.varies(*property)
+        map.is_some_and(|map| asked.bakes(&[map])) && !scan.varies(*property)
     };
     for property in Property::ALL.into_iter().filter(is_idle) {
         let (what, map) = (property.name(), property.map().map_or("", MapKind::name));
         warnings.note(format!("the {map} map shows one value: the scan has no other {what}"), 1);
     }
+    warnings
 }
 
 #[cfg(test)]
@@ -195,7 +201,7 @@ mod tests {
         let uniform = uniform.map(|property| Found { property, is_uniform: true, part: 1.0 });
         let varying = varying.iter().map(|p| Found { property: *p, is_uniform: false, part: 0.25 });
         let found = uniform.chain(varying).collect();
-        Carried { material, found }
+        Carried { material, found, ..Carried::default() }
     }
 
     fn plan(options: &BakeOptions, scan: &Carried) -> BakePlan {
@@ -277,13 +283,38 @@ mod tests {
     }
 
     #[test]
+    fn roughness_is_baked_beside_the_metalness_of_a_low_poly_mesh() {
+        let brass = Material { metallic: 1.0, roughness: 0.3, ..Material::default() };
+        let low = LowLook { material: &brass, has_colors: false };
+        let scan = scan(Material::default(), &[Property::MetallicRoughness]);
+        let stays = |maps: &[MapKind]| {
+            let options = BakeOptions { maps: maps.to_vec(), ..BakeOptions::default() };
+            said(&BakePlan::of(&options, &scan, Some(low)))
+        };
+        let told = stays(&[MapKind::Roughness]);
+        assert!(
+            told.contains("; roughness is baked, and the metalness of the low-poly mesh stays\n"),
+            "{told}"
+        );
+        let told = stays(&[MapKind::Normal]);
+        assert!(told.contains("; that of the low-poly mesh stays\n"), "{told}");
+    }
+
+    #[test]
     fn maps_of_what_does_not_vary_are_told() {
         let maps = vec![MapKind::Normal, MapKind::Emission];
         let options = BakeOptions { maps, ..BakeOptions::default() };
-        let mut warnings = Warnings::default();
-        lacking(&options, &scan(lamp(), &[]), &mut warnings);
-        assert_eq!(warnings.iter().count(), 1, "{warnings:?}");
-        lacking(&options, &scan(Material::default(), &[Property::Emission]), &mut warnings);
-        assert_eq!(warnings.iter().count(), 1, "{warnings:?}");
+        assert_eq!(lacking(&options, &scan(lamp(), &[])).iter().count(), 1);
+        assert!(lacking(&options, &scan(Material::default(), &[Property::Emission])).is_empty());
+    }
+
+    #[test]
+    fn maps_that_auto_adds_are_not_judged() {
+        let scan = scan(Material::default(), &[Property::Alpha]);
+        let plan = plan(&BakeOptions::default(), &scan);
+        assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Alpha, MapKind::Albedo]);
+        assert_eq!(said(&plan), "", "nobody asked for albedo");
+        let options = BakeOptions { maps: vec![MapKind::Albedo], ..BakeOptions::default() };
+        assert!(said(&BakePlan::of(&options, &scan, None)).contains("the albedo map shows one value"));
     }
 }

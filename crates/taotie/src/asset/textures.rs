@@ -1,6 +1,8 @@
 //! Baked maps as textures of an asset, and as files beside it.
 
 use super::kept_textures::KeptTextures;
+use super::low::LowPoly;
+use super::metalness::Metalness;
 use super::misses::Misses;
 use super::options::BakeOptions;
 use crate::bake::{BakedMaps, MapKind, Maps, TexelStatus};
@@ -115,8 +117,8 @@ pub struct Range {
 }
 
 impl Textures {
-    /// Stores the maps that were baked; `metallic` is that of the material.
-    pub(super) fn new(maps: &BakedMaps, options: &BakeOptions, metallic: f32) -> Result<Self> {
+    /// Stores the maps that were baked; beside a roughness stands the metalness of `low` where no other was baked.
+    pub(super) fn new(maps: &BakedMaps, options: &BakeOptions, low: &LowPoly) -> Result<Self> {
         let mut textures = Self { misses: Misses::of(maps), stored: stored(options), ..Self::default() };
         let storage = Storage { bits: options.bits, dither: options.bits == 8 };
         if !maps.normal.is_empty() {
@@ -137,7 +139,7 @@ impl Textures {
         }
         textures.has = Has { occlusion: !maps.occlusion.is_empty(), roughness: !maps.roughness.is_empty() };
         if textures.has != Has::default() {
-            textures.orm = Some(orm(maps, textures.has, metallic)?);
+            textures.orm = Some(orm(maps, low)?);
         }
         if !maps.bent.is_empty() {
             let bitmap = store_unit_vectors(maps.size(), &maps.bent, storage)?;
@@ -249,14 +251,17 @@ fn emission(maps: &BakedMaps, strength: f32) -> Result<Bitmap> {
     store_codes(maps.size(), codes, 3, DITHERED)
 }
 
-fn orm(maps: &BakedMaps, has: Has, metallic: f32) -> Result<Bitmap> {
-    let at = |plane: &[f32], i: usize, none: f32| plane.get(i).copied().unwrap_or(none);
-    let codes = |i: usize| {
-        [at(&maps.occlusion, i, 1.0), at(&maps.roughness, i, 1.0), at(&maps.metallic, i, metallic)]
-    };
-    let channels = if has.roughness { 3 } else { 1 };
-    let codes = |i: usize| if has.roughness { codes(i) } else { [codes(i)[0]; 3] };
-    store_codes(maps.size(), codes, channels, DITHERED)
+fn orm(maps: &BakedMaps, low: &LowPoly) -> Result<Bitmap> {
+    let occlusion = |i: usize| maps.occlusion.get(i).copied().unwrap_or(1.0);
+    if maps.roughness.is_empty() {
+        return store_codes(maps.size(), |i| [occlusion(i); 3], 1, DITHERED);
+    }
+    if !maps.metallic.is_empty() {
+        let codes = |i: usize| [occlusion(i), maps.roughness[i], maps.metallic[i]];
+        return store_codes(maps.size(), codes, 3, DITHERED);
+    }
+    let metalness = Metalness::of(&low.material, &low.kept, maps.size());
+    store_codes(maps.size(), |i| [occlusion(i), maps.roughness[i], metalness.at(i)], 3, DITHERED)
 }
 
 /// Makes a map of numbers, in 16 bits.

@@ -8,7 +8,9 @@ use super::textures::Beside;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::{Bitmap, Encoding};
-use crate::io::{self, FileBytes, GltfAsset, GltfFormat, GltfImage, GltfImages, GltfLevel, Json};
+use crate::io::{
+    self, FileBytes, GltfAsset, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, Json,
+};
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
@@ -142,10 +144,29 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
         "the base colour's texture has alpha, which JPEG does not hold: it is not JPEG",
         usize::from(has_alpha && packing.jpeg.is_some()),
     );
+    warnings.absorb(unpacked(&material, packing));
     let (of_scan, all) = (made.about.bytes, files.iter().map(|file| file.bytes.len() as u64).sum::<u64>());
     warnings.note(
         format!("the asset is larger than its scan: {all} bytes, {of_scan} of the scan; take smaller maps, or pack it"),
         usize::from(of_scan > 0 && all > of_scan),
+    );
+    warnings
+}
+
+/// Returns notes of a packing of textures that the asset does not have.
+fn unpacked(material: &GltfMaterial<'_>, packing: &Packing) -> Warnings {
+    let mut warnings = Warnings::default();
+    let has_color = material.base_color_map.is_some();
+    let others =
+        [material.metallic_roughness_map, material.occlusion_map, material.normal_map, material.emissive_map];
+    let has_any = has_color || others.iter().any(Option::is_some);
+    warnings.note(
+        "the asset has no base colour texture, which alone would be JPEG",
+        usize::from(packing.jpeg.is_some() && !has_color),
+    );
+    warnings.note(
+        "the asset has no textures; its packing as WebP or KTX2 is not read",
+        usize::from(packing.images != GltfImages::Png && !has_any),
     );
     warnings
 }
@@ -225,5 +246,24 @@ impl Written {
         let normal = normal.filter(|_| self.packing.green == GreenChannel::Down)?;
         let file = Some(self.path().with_extension("normal.png"));
         Some(MapNote { file, ..MapNote::inside((MapKind::Normal, normal)) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_packing_without_textures_is_told() {
+        let bitmap = Bitmap::new(1, 1, 3, crate::image::Texels::U8(vec![[255; 4]])).unwrap();
+        let map = || Some(GltfImage::from(&bitmap));
+        let bare = GltfMaterial::default();
+        let normal = GltfMaterial { normal_map: map(), ..GltfMaterial::default() };
+        let color = GltfMaterial { base_color_map: map(), ..GltfMaterial::default() };
+        let small = Packing { images: GltfImages::WebP, jpeg: Some(85), ..Packing::default() };
+        let count =
+            |material: &GltfMaterial<'_>, packing: &Packing| unpacked(material, packing).iter().count();
+        assert_eq!([&bare, &normal, &color].map(|material| count(material, &small)), [2, 1, 0]);
+        assert_eq!(count(&bare, &Packing::default()), 0);
     }
 }
