@@ -148,7 +148,8 @@ enum Fate {
 impl Pair<'_> {
     fn fate(&self, found: &Found, options: &BakeOptions) -> Fate {
         let (property, map) = (found.property, found.property.map());
-        if map.is_some_and(|map| options.bakes(&[map])) {
+        let by_rays = map == Some(MapKind::OcclusionMap) && options.bakes(&[MapKind::Occlusion]);
+        if !by_rays && map.is_some_and(|map| options.bakes(&[map])) {
             return Fate::Map;
         }
         let is_free = self.low.is_none_or(|low| low.is_free(property));
