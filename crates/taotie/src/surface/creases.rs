@@ -16,16 +16,16 @@ const SMOOTH: f64 = 0.3;
 /// The least cosine between a cone's axis and its facets: that of 40°. Two of them part by 80° at most, so the mean
 /// of all has a cosine of 0.17 or more to each, above [`LEAST`].
 const CONE: f64 = 0.767;
+/// A facet with a smaller part of the area around a position is narrow there.
+const NARROW: f64 = 0.2;
 /// Each facet at an edge is compared with so many after it, so that an edge of many facets does not take long.
 const COMPARED: usize = 8;
 
-/// The least part of the area around a position that facets have that turn away there, for a crease.
-const PART: f64 = 0.2;
-
-/// Returns the mesh with normals from which no side of something thin turns away: its facets have a cosine of at least
-/// 0.1 to the normals at their corners.
+/// Returns the mesh with normals from which no facet turns away: each has a cosine of at least 0.1 to the normals at its
+/// corners. Narrow facets that are folded over on a surface that goes on are left, since their neighbours say better
+/// which way is out.
 ///
-/// Where facets with a fifth of the area around a position do not, the facets around it are sorted into fans over edges of less than 73°, and each fan
+/// Where one does not, the facets around that position are sorted into fans over edges of less than 73°, and each fan
 /// takes the mean of its facets, weighted by their angles. A fan that winds back on itself is sorted into cones of
 /// 40° instead. Vertices are split where fans part; the copies stand behind all others, and triangles keep their
 /// order. Elsewhere not a bit changes. Normals that are lacking are [`vertex_normals`](super::vertex_normals).
@@ -40,14 +40,14 @@ pub fn creased(mesh: &Mesh) -> Result<Mesh> {
         return Ok(mesh);
     }
     let places = weld::by_position(mesh.positions()).of;
-    let corners = corners_at(&mesh, &places, &creases(&mesh, &places, &turned));
-    if corners.is_empty() {
-        return Ok(mesh);
-    }
+    let corners = corners_at_creases(&mesh, &places, &turned);
     let mut splitter = Splitter { data: mesh.clone().into_data(), numbers: BTreeMap::new() };
     splitter.data.tangents = Vec::new();
     for around in corners.chunk_by(|a, b| a.place == b.place) {
         let spot = Spot { mesh: &mesh, places: &places, around };
+        if spot.is_folded() {
+            continue;
+        }
         for (corner, (group, normal)) in around.iter().zip(spot.normals()) {
             splitter.set(corner, group, normal);
         }
@@ -83,35 +83,14 @@ struct Corner {
     number: u8,
 }
 
-/// Returns the places where facets that turn away have a good part of the area around: sides of something thin, and no
-/// narrow facet that is folded over on a smooth surface, whose neighbours say better which way is out.
-fn creases(mesh: &Mesh, places: &[u32], turned: &[usize]) -> Vec<bool> {
-    let area = |t: usize| {
-        let [a, b, c] = mesh.corners(t).map(Vec3::to_f64);
-        (b - a).cross(c - a).length()
-    };
-    let mut areas: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+/// Returns all corners at the places where a facet turns away, sorted.
+fn corners_at_creases(mesh: &Mesh, places: &[u32], turned: &[usize]) -> Vec<Corner> {
+    let mut is_crease = vec![false; mesh.positions().len()];
     for t in turned {
         for k in (0..3).filter(|k| is_turned_at(mesh, *t, *k)) {
-            areas.entry(places[mesh.triangles()[*t][k] as usize]).or_default()[0] += area(*t);
+            is_crease[places[mesh.triangles()[*t][k] as usize] as usize] = true;
         }
     }
-    for (t, vertices) in mesh.triangles().iter().enumerate() {
-        for vertex in vertices {
-            if let Some([_, all]) = areas.get_mut(&places[*vertex as usize]) {
-                *all += area(t);
-            }
-        }
-    }
-    let mut is_crease = vec![false; mesh.positions().len()];
-    for (place, [turned, all]) in areas {
-        is_crease[place as usize] = turned >= PART * all;
-    }
-    is_crease
-}
-
-/// Returns all corners at creases, sorted.
-fn corners_at(mesh: &Mesh, places: &[u32], is_crease: &[bool]) -> Vec<Corner> {
     let mut corners = Vec::new();
     for (triangle, vertices) in (0u32..).zip(mesh.triangles()) {
         for (number, vertex) in (0u8..).zip(vertices) {
@@ -141,7 +120,34 @@ struct Part {
     angle: f64,
 }
 
+/// Facets at a position that lie together.
+#[derive(Clone, Copy, Default)]
+struct Fan {
+    facets: usize,
+    /// Twice the area.
+    area: f64,
+    /// `true` where one of them turns away from its normal.
+    turned: bool,
+}
+
 impl Spot<'_> {
+    /// Returns `true` where all that turns away is narrow facets, each alone, beside a surface that goes on: simplification
+    /// folded them over, and the surface knows better than they which way is out.
+    fn is_folded(&self) -> bool {
+        let parts: Vec<Option<Part>> = self.around.iter().map(|corner| self.part(corner)).collect();
+        let mut fans = vec![Fan::default(); parts.len()];
+        for (corner, fan) in self.around.iter().zip(self.fans(&parts)) {
+            let [a, b, c] = self.mesh.corners(corner.triangle as usize).map(Vec3::to_f64);
+            let fan = &mut fans[fan as usize];
+            fan.facets += 1;
+            fan.area += (b - a).cross(c - a).length();
+            fan.turned |= is_turned_at(self.mesh, corner.triangle as usize, usize::from(corner.number));
+        }
+        let area: f64 = fans.iter().map(|fan| fan.area).sum();
+        let is_narrow = |fan: &Fan| fan.facets == 1 && fan.area < NARROW * area;
+        fans.iter().any(|fan| fan.facets >= 3) && fans.iter().filter(|fan| fan.turned).all(is_narrow)
+    }
+
     /// Returns the group of each corner and the group's normal. Facets without area keep the normal that they had.
     fn normals(&self) -> Vec<(u32, Vec3)> {
         let parts: Vec<Option<Part>> = self.around.iter().map(|corner| self.part(corner)).collect();
