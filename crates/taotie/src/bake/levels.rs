@@ -16,7 +16,7 @@ const UV_WEIGHT: f32 = 3.0;
 #[derive(Debug, Clone)]
 pub struct DetailLevel {
     /// Vertices of the unwrapped mesh, with all that they had but tangents, and fewer triangles. Where a facet would turn
-    /// away from its normals, and none of the unwrapped mesh does, they are made anew as [`surface::creased`] does.
+    /// away from its normals, and hardly one of the unwrapped mesh does, they are made anew as [`surface::creased`] does.
     pub mesh: Mesh,
     /// The distance from the unwrapped mesh, and the shift of what its maps show, model units: meshoptimizer's
     /// estimate, not a bound.
@@ -51,7 +51,8 @@ pub fn levels(mesh: &Mesh, counts: &[usize], progress: Progress<'_>) -> Result<V
         let (triangles, error) = fewer(mesh, &points, &places, counts[i]);
         let reached = is_near(triangles.len(), counts[i]) || triangles.len() < counts[i];
         let level = with_triangles(mesh, triangles)?;
-        let level = if keeps_normals { level } else { surface::creased(&level)? };
+        let is_sound = keeps_normals || !surface::has_turned_facets(&level);
+        let level = if is_sound { level } else { surface::creased(&level)? };
         Ok(DetailLevel { mesh: level, error: error * cube.extent, reached })
     })?;
     progress.at(1.0)?;

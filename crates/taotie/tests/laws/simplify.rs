@@ -40,14 +40,10 @@ fn an_embossed_ball_keeps_its_shape() {
         assert!(low.mesh.triangles().len().abs_diff(wanted) * 50 <= wanted);
         assert!(found_mean < mean && found_most < most, "{wanted}: {found_mean} {found_most}");
         assert!(low.error > 0.0 && low.error < 0.2, "{}", low.error);
-        let mut inward = 0;
         for (p, n) in low.mesh.positions().iter().zip(low.mesh.normals()) {
             assert!(ball.positions().contains(p), "positions are those of the ball");
-            assert!((n.length() - 1.0).abs() < 1e-6);
-            inward += usize::from(n.dot(p.normalize()) <= 0.5);
+            assert!((n.length() - 1.0).abs() < 1e-6 && n.dot(p.normalize()) > 0.5);
         }
-        // Normals of their own that folded facets have: 4 of 5,006 at worst.
-        assert!(inward * 1000 <= low.mesh.positions().len(), "{inward} of {}", low.mesh.positions().len());
     }
 }
 
@@ -76,11 +72,10 @@ fn large_surfaces_go_in_blocks_and_threads_do_not_matter() {
     assert_eq!(open_edges(&one.mesh), 0);
 }
 
-/// Edges of one triangle alone, whatever its vertices: normals may part at an edge.
+/// Edges of one triangle alone.
 fn open_edges(mesh: &Mesh) -> usize {
-    let place = |v: &u32| mesh.positions()[*v as usize].to_array().map(f32::to_bits);
     let edges = mesh.triangles().iter().flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
-    let edges: std::collections::HashSet<_> = edges.map(|(a, b)| (place(a), place(b))).collect();
+    let edges: std::collections::HashSet<(u32, u32)> = edges.map(|(a, b)| (*a, *b)).collect();
     edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).count()
 }
 

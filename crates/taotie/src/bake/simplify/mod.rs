@@ -15,7 +15,7 @@ mod whole;
 use crate::error::{Error, Result, Warnings};
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
-use crate::surface::creased;
+use crate::surface::{creased, has_turned_facets, with_normals};
 pub(super) use collapse::is_near;
 use components::{Components, Fate};
 pub use options::{SimplifyMethod, SimplifyOptions};
@@ -116,9 +116,13 @@ fn check(options: &SimplifyOptions) -> Result<()> {
     Ok(())
 }
 
-/// Returns the triangles with the positions of the mesh that they came from, and normals that no facet turns away from.
+/// Returns the triangles with the positions of the mesh that they came from, and normals that hardly a facet turns away
+/// from.
 fn finish(mesh: &Mesh, part: &Part, triangles: Vec<[u32; 3]>) -> Result<Mesh> {
     let (triangles, used) = part::compact(triangles, part.points.len());
     let positions = used.iter().map(|v| mesh.positions()[part.sources[*v as usize] as usize]).collect();
-    creased(&Mesh::new(MeshData { positions, triangles, ..MeshData::default() })?)
+    let mesh =
+        with_normals(&Mesh::new(MeshData { positions, triangles, ..MeshData::default() })?)?.into_owned();
+    // Few are folded facets of a surface that goes on, whose neighbours say better which way is out.
+    if has_turned_facets(&mesh) { creased(&mesh) } else { Ok(mesh) }
 }
