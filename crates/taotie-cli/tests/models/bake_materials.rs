@@ -1,26 +1,7 @@
 //! `taotie bake` on models by others whose materials have maps: what the scan shows is what its asset shows.
 
+use crate::command::{json, number};
 use crate::files::data_files;
-use serde_json::Value;
-use std::path::Path;
-use std::process::Command;
-
-/// Runs the command and gives back what it prints.
-fn json(args: &[&str], folder: &Path) -> Value {
-    let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
-        .args(args)
-        .arg("--json")
-        .current_dir(folder)
-        .output()
-        .expect("the command runs");
-    let said = String::from_utf8_lossy(&run.stderr);
-    assert!(run.status.success(), "{args:?}: {said}");
-    serde_json::from_slice(&run.stdout).expect("stdout is one JSON document")
-}
-
-fn number(report: &Value, path: &str) -> f64 {
-    report.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {report}"))
-}
 
 /// Scans by others, and the largest mean angles to be told and to be seen, degrees: near what was measured, but for the
 /// camera, whose map has more than three times as many texels as the asset's.

@@ -1,6 +1,7 @@
 //! `taotie bake` on real scans: pairs of high-poly and low-poly meshes, and scans alone. What is written is proved by
 //! the command itself and once more here, against meshes read anew.
 
+use crate::command::{json, number};
 use crate::common::absent;
 use crate::files::data_files;
 use crate::validator;
@@ -8,24 +9,10 @@ use serde_json::Value;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// Bakes and gives back the report.
 fn bake(args: &[&str], folder: &Path) -> Value {
-    let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
-        .arg("bake")
-        .args(args)
-        .arg("--json")
-        .current_dir(folder)
-        .output()
-        .expect("the command runs");
-    let said = String::from_utf8_lossy(&run.stderr);
-    assert!(run.status.success(), "{args:?}: {said}");
-    serde_json::from_slice(&run.stdout).expect("stdout is one JSON document")
-}
-
-fn number(report: &Value, path: &str) -> f64 {
-    report.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {report}"))
+    json(&[&["bake"], args].concat(), folder)
 }
 
 /// Folders of the data that hold `count` OBJ files, and these: the high-poly ones first.

@@ -10,5 +10,6 @@ mod validator;
 
 mod bake_materials;
 mod bake_scans;
+mod command;
 mod demo;
 mod models_by_others;

@@ -1,10 +1,12 @@
 //! Triangle meshes whose arrays are checked once, so that nothing after them can fail.
 
 pub mod deform;
+mod disjoint_sets;
 mod point;
 mod repair;
 mod sphere;
 
+pub(crate) use disjoint_sets::DisjointSets;
 pub use point::{Point, TangentFrame};
 pub(crate) use point::{blend, each};
 pub(crate) use repair::repair;

@@ -5,7 +5,7 @@ use super::normals::{facet_normal, with_normals};
 use super::weld;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::mesh::{Mesh, MeshData};
+use crate::mesh::{DisjointSets, Mesh, MeshData};
 use crate::parallel;
 use std::collections::BTreeMap;
 
@@ -44,11 +44,12 @@ pub fn creased(mesh: &Mesh) -> Result<Mesh> {
     let mut splitter = Splitter { data: mesh.clone().into_data(), numbers: BTreeMap::new() };
     splitter.data.tangents = Vec::new();
     for around in corners.chunk_by(|a, b| a.place == b.place) {
-        let spot = Spot { mesh: &mesh, places: &places, around };
-        if spot.is_folded() {
+        let spot = Spot::new(&mesh, &places, around);
+        let fans = spot.fans();
+        if spot.is_folded(&fans) {
             continue;
         }
-        for (corner, (group, normal)) in around.iter().zip(spot.normals()) {
+        for (corner, (group, normal)) in around.iter().zip(spot.normals(fans)) {
             splitter.set(corner, group, normal);
         }
     }
@@ -111,6 +112,8 @@ struct Spot<'a> {
     mesh: &'a Mesh,
     places: &'a [u32],
     around: &'a [Corner],
+    /// Of each corner; `None` where its facet has no area.
+    parts: Vec<Option<Part>>,
 }
 
 /// What a corner adds to the normal of its group.
@@ -120,6 +123,15 @@ struct Part {
     facet: Vec3<f64>,
     /// Radians.
     angle: f64,
+}
+
+impl Part {
+    fn of(mesh: &Mesh, corner: &Corner) -> Option<Self> {
+        let corners = mesh.corners(corner.triangle as usize).map(Vec3::to_f64);
+        let [a, b, c] = corners;
+        let facet = unit((b - a).cross(c - a))?;
+        Some(Self { facet, angle: corner_angles(corners)[usize::from(corner.number)] })
+    }
 }
 
 /// Facets at a position that lie together.
@@ -132,15 +144,18 @@ struct Fan {
     turned: bool,
 }
 
-impl Spot<'_> {
+impl<'a> Spot<'a> {
+    fn new(mesh: &'a Mesh, places: &'a [u32], around: &'a [Corner]) -> Self {
+        Self { mesh, places, around, parts: around.iter().map(|corner| Part::of(mesh, corner)).collect() }
+    }
+
     /// Returns `true` where all that turns away is narrow facets, each alone, beside a surface that goes on: simplification
     /// folded them over, and the surface knows better than they which way is out.
-    fn is_folded(&self) -> bool {
-        let parts: Vec<Option<Part>> = self.around.iter().map(|corner| self.part(corner)).collect();
-        let mut fans = vec![Fan::default(); parts.len()];
-        for (corner, fan) in self.around.iter().zip(self.fans(&parts)) {
+    fn is_folded(&self, fan_of: &[u32]) -> bool {
+        let mut fans = vec![Fan::default(); self.around.len()];
+        for (corner, fan) in self.around.iter().zip(fan_of) {
             let [a, b, c] = self.mesh.corners(corner.triangle as usize).map(Vec3::to_f64);
-            let fan = &mut fans[fan as usize];
+            let fan = &mut fans[*fan as usize];
             fan.facets += 1;
             fan.area += (b - a).cross(c - a).length();
             fan.turned |= is_turned_at(self.mesh, corner.triangle as usize, usize::from(corner.number));
@@ -150,10 +165,10 @@ impl Spot<'_> {
         fans.iter().any(|fan| fan.facets >= 3) && fans.iter().filter(|fan| fan.turned).all(is_narrow)
     }
 
-    /// Returns the group of each corner and the group's normal. Facets without area keep the normal that they had.
-    fn normals(&self) -> Vec<(u32, Vec3)> {
-        let parts: Vec<Option<Part>> = self.around.iter().map(|corner| self.part(corner)).collect();
-        let groups = self.groups(&parts);
+    /// Returns the group of each corner, made of these fans, and the group's normal. Facets without area keep the normal
+    /// that they had.
+    fn normals(&self, fans: Vec<u32>) -> Vec<(u32, Vec3)> {
+        let (groups, parts) = (self.groups(fans), &self.parts);
         let mut sums = vec![Vec3::<f64>::splat(0.0); self.around.len()];
         for (part, group) in parts.iter().zip(&groups) {
             sums[*group as usize] += part.map_or(Vec3::splat(0.0), |part| part.facet * part.angle);
@@ -171,42 +186,30 @@ impl Spot<'_> {
         self.mesh.triangles()[corner.triangle as usize][usize::from(corner.number)]
     }
 
-    fn part(&self, corner: &Corner) -> Option<Part> {
-        let corners = self.mesh.corners(corner.triangle as usize).map(Vec3::to_f64);
-        let [a, b, c] = corners;
-        let facet = unit((b - a).cross(c - a))?;
-        Some(Part { facet, angle: corner_angles(corners)[usize::from(corner.number)] })
-    }
-
-    /// Returns the group of each corner, named by one of its corners.
-    fn groups(&self, parts: &[Option<Part>]) -> Vec<u32> {
-        let mut groups = self.fans(parts);
-        for fan in members(&groups) {
-            if winds_back(&fan, parts) {
-                sort_into_cones(fan, parts, &mut groups);
+    /// Returns the group of each corner, named by one of its corners: its fan, sorted into cones where it winds back.
+    fn groups(&self, mut fans: Vec<u32>) -> Vec<u32> {
+        for fan in members(&fans) {
+            if winds_back(&fan, &self.parts) {
+                sort_into_cones(fan, &self.parts, &mut fans);
             }
         }
-        groups
+        fans
     }
 
     /// Returns for each corner the first one of its fan.
-    fn fans(&self, parts: &[Option<Part>]) -> Vec<u32> {
-        let mut fans: Vec<u32> = (0..self.around.len() as u32).collect();
+    fn fans(&self) -> Vec<u32> {
+        let mut fans = DisjointSets::new(self.around.len());
         let edges = self.edges();
         for edge in edges.chunk_by(|a, b| a.0 == b.0) {
             for (i, (_, one)) in edge.iter().enumerate() {
                 for (_, other) in edge[i + 1..].iter().take(COMPARED) {
-                    if is_smooth(parts[*one as usize], parts[*other as usize]) {
-                        join(&mut fans, *one, *other);
+                    if is_smooth(self.parts[*one as usize], self.parts[*other as usize]) {
+                        fans.join(*one, *other);
                     }
                 }
             }
         }
-        // A fan's first corner comes before all others, which lead to it by now.
-        for i in 0..fans.len() {
-            fans[i] = fans[fans[i] as usize];
-        }
-        fans
+        fans.into_lowest()
     }
 
     /// Returns the edges that end here: the place at their other end and a corner beside them, sorted.
@@ -225,21 +228,6 @@ impl Spot<'_> {
 
 fn is_smooth(one: Option<Part>, other: Option<Part>) -> bool {
     one.zip(other).is_some_and(|(one, other)| one.facet.dot(other.facet) > SMOOTH)
-}
-
-/// Joins the fans of two corners under the first corner of both.
-fn join(fans: &mut [u32], one: u32, other: u32) {
-    let [a, b] = [one, other].map(|i| root(fans, i));
-    fans[a.max(b) as usize] = a.min(b);
-}
-
-/// Returns the first corner of a fan, and halves the way there.
-fn root(fans: &mut [u32], mut i: u32) -> u32 {
-    while fans[i as usize] != i {
-        fans[i as usize] = fans[fans[i as usize] as usize];
-        i = fans[i as usize];
-    }
-    i
 }
 
 /// Returns the corners of each group that has more than one.

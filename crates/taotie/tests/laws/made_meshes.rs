@@ -19,12 +19,9 @@ fn to(mesh: &Mesh, triangles: usize) -> Simplified {
     simplify(mesh, &options, Progress::SILENT).unwrap()
 }
 
-/// The largest part of the facets that may face away from a normal at their corners: narrow ones that simplification
-/// folded over. Measured at worst: 1.9 %, of a camera of many small parts; 0.5 % of a cart and of a tea set.
-const FOLDED: f64 = 0.025;
-
-/// Panics where more than a few facets face away from a normal at their corners.
-fn check_normals(mesh: &Mesh) {
+/// Panics where more than this part of the facets face away from a normal at their corners: narrow ones that
+/// simplification folded over.
+fn check_normals(mesh: &Mesh, most: f64) {
     let is_turned = |t: &usize| {
         let facet = facet_normal(mesh.corners(*t));
         let normal = |v: u32| mesh.normals()[v as usize];
@@ -32,7 +29,7 @@ fn check_normals(mesh: &Mesh) {
     };
     let (turned, all) = ((0..mesh.triangles().len()).filter(is_turned).count(), mesh.triangles().len());
     println!("{turned} of {all} facets are turned");
-    assert!(turned as f64 <= FOLDED * all as f64, "{turned} of {all} facets are turned");
+    assert!(turned as f64 <= most * all as f64, "{turned} of {all} facets are turned");
 }
 
 /// Panics where a triangle has corners of two parts of the scan; returns the number of its parts.
@@ -89,7 +86,7 @@ fn a_cart_of_thin_parts_stays_whole() {
             low.notes
         );
         check_parts(&cart, &low.mesh);
-        check_normals(&low.mesh);
+        check_normals(&low.mesh, 0.008);
         assert!(low.method < SimplifyMethod::Clustered && low.reached, "{:?}", low.method);
         assert!(low.notes.iter().all(|(what, _)| what.contains("equal corners")), "{:?}", low.notes);
         assert!(most < far && middle < far, "a panel is torn or a bar stands: {most} {middle}");
@@ -132,14 +129,14 @@ fn double_walls_and_edges_of_many_leaves_are_not_turned() {
             let low = to(&scan, scan.triangles().len() / divided);
             let found = low.mesh.triangles().len();
             println!("{name} to a part of {divided}: {found} {:?} {:?}", low.method, low.notes);
-            check_normals(&low.mesh);
+            check_normals(&low.mesh, 0.0);
             check_parts(&scan, &low.mesh);
             assert!(low.method < SimplifyMethod::Clustered, "{name}");
         }
     }
 }
 
-/// Models of many thin parts, at a tenth: no facet is turned, nothing joins parts, and no large one is lost.
+/// Models of many thin parts, at a tenth: hardly a facet is turned, nothing joins parts, and no large one is lost.
 #[test]
 fn models_by_others_stay_whole() {
     let named = |path: &std::path::PathBuf| {
@@ -157,7 +154,7 @@ fn models_by_others_stay_whole() {
             thinnest(&low.mesh),
             low.notes
         );
-        check_normals(&low.mesh);
+        check_normals(&low.mesh, 0.02);
         check_joints(&scan, &low.mesh);
         assert!(low.method < SimplifyMethod::Clustered);
         assert!(low.notes.iter().all(|(what, _)| !what.contains("lost since")), "{:?}", low.notes);
@@ -165,13 +162,13 @@ fn models_by_others_stay_whole() {
 }
 
 #[test]
-fn levels_of_a_cart_are_not_turned_either() {
+fn levels_of_a_cart_are_hardly_turned_either() {
     let low = to(&cart(), 3_000).mesh;
     let base = unwrap(&low, &UnwrapOptions { size: 1024, padding: 2 }, Progress::SILENT).unwrap().mesh;
-    check_normals(&base);
+    check_normals(&base, 0.001);
     for level in levels(&base, &[1_500, 700], Progress::SILENT).unwrap() {
         println!("{} triangles", level.mesh.triangles().len());
-        check_normals(&level.mesh);
+        check_normals(&level.mesh, 0.016);
         assert_eq!(level.mesh.uvs()[0].len(), level.mesh.positions().len());
     }
 }

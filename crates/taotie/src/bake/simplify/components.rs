@@ -2,6 +2,7 @@
 
 use super::part::Part;
 use crate::math::Vec3;
+use crate::mesh::DisjointSets;
 
 /// Stands for the component of a point without triangles.
 const NONE: u32 = u32::MAX;
@@ -84,44 +85,27 @@ pub(super) fn is_connected(triangles: &[[u32; 3]], points: usize) -> bool {
 
 /// Returns the component of each point in the order of first points, [`NONE`] without triangles, and their number.
 fn labels(triangles: &[[u32; 3]], points: usize) -> (Vec<u32>, usize) {
-    let mut parents: Vec<u32> = (0..points as u32).collect();
+    let mut sets = DisjointSets::new(points);
     let mut used = vec![false; points];
     for [a, b, c] in triangles {
-        join(&mut parents, *a, *b);
-        join(&mut parents, *b, *c);
+        sets.join(*a, *b);
+        sets.join(*b, *c);
     }
     triangles.as_flattened().iter().for_each(|v| used[*v as usize] = true);
-    // A component's first point comes before all others.
-    for v in 0..points {
-        parents[v] = parents[parents[v] as usize];
-    }
+    let mut labels = sets.into_lowest();
     let mut count = 0;
     for (v, used) in used.into_iter().enumerate() {
-        if parents[v] != v as u32 {
-            parents[v] = parents[parents[v] as usize];
+        if labels[v] != v as u32 {
+            // A component's first point comes before all others, and has its label by now.
+            labels[v] = labels[labels[v] as usize];
         } else if used {
-            parents[v] = count;
+            labels[v] = count;
             count += 1;
         } else {
-            parents[v] = NONE;
+            labels[v] = NONE;
         }
     }
-    (parents, count as usize)
-}
-
-/// Joins two components under the first point of both.
-fn join(parents: &mut [u32], one: u32, other: u32) {
-    let [a, b] = [one, other].map(|v| root(parents, v));
-    parents[a.max(b) as usize] = a.min(b);
-}
-
-/// Returns the first point of a component, and halves the way there.
-fn root(parents: &mut [u32], mut v: u32) -> u32 {
-    while parents[v as usize] != v {
-        parents[v as usize] = parents[parents[v as usize] as usize];
-        v = parents[v as usize];
-    }
-    v
+    (labels, count as usize)
 }
 
 /// The size of a component.

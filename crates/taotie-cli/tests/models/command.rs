@@ -1,0 +1,22 @@
+//! The command, and numbers in what it prints as JSON.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+
+/// Runs the command in a folder and gives back what it prints.
+pub fn json(args: &[&str], folder: &Path) -> Value {
+    let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
+        .args(args)
+        .arg("--json")
+        .current_dir(folder)
+        .output()
+        .expect("the command runs");
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{args:?}: {said}");
+    serde_json::from_slice(&run.stdout).expect("stdout is one JSON document")
+}
+
+pub fn number(report: &Value, path: &str) -> f64 {
+    report.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {report}"))
+}
