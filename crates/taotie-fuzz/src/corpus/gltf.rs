@@ -130,7 +130,7 @@ impl Maker {
         let picture = self.view(super::pictures::WAVES);
         let document = json!({
             "asset": { "version": "2.0", "generator": "taotie-fuzz", "copyright": "CC0" },
-            "scene": 0, "scenes": [{ "nodes": [0, 1, 3, 4] }],
+            "scene": 0, "scenes": [{ "nodes": [0, 1, 4] }],
             "nodes": [{ "mesh": 0, "skin": 0, "weights": [0.5] }, { "children": [2], "scale": [1, 2, 1] },
                 { "mesh": 0, "rotation": [0, 0, 0, 1], "translation": [3, 0, 0],
                     "extensions": { "MSFT_lod": { "ids": [3] } }, "extras": { "MSFT_screencoverage": [0.5, 0.1] } },

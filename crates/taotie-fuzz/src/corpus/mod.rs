@@ -66,6 +66,32 @@ mod tests {
     use super::*;
     use crate::target::Target;
     use clap::ValueEnum;
+    use taotie::asset::Packing;
+    use taotie::io::{decode_bitmap, load_model};
+    use taotie::shade::environment::Environment;
+    use taotie::studio::{LightSpec, MaterialFile};
+
+    /// A file that is refused from the start would hide all that lies behind its reader's first check.
+    #[test]
+    fn every_seed_is_sound() {
+        let folder = tempfile::tempdir().unwrap();
+        for seed in seeds(None).unwrap() {
+            let path = folder.path().join(&seed.name);
+            std::fs::write(&path, &seed.bytes).unwrap();
+            let result = match seed.extension().as_str() {
+                "gltf" | "glb" | "obj" | "ply" | "stl" => load_model(&path).map(drop),
+                "toml" => MaterialFile::choose(&path.to_string_lossy()).map(drop),
+                "provenance" => Packing { provenance: Some(path), ..Packing::default() }.check(),
+                "environment" => Environment::from_bytes(&seed.bytes).map(drop),
+                "light" => String::from_utf8_lossy(&seed.bytes)
+                    .lines()
+                    .try_for_each(|l| l.parse::<LightSpec>().map(drop)),
+                "mtl" | "options" => Ok(()),
+                _ => decode_bitmap(&seed.bytes, &seed.name, &path).map(drop),
+            };
+            result.unwrap_or_else(|error| panic!("{}: {error}", seed.name));
+        }
+    }
 
     #[test]
     fn every_target_has_seeds_and_every_seed_a_target_and_a_name_of_its_own() {

@@ -1,12 +1,14 @@
 //! Pictures of every format that is read, environments among them.
 
 use super::Seed;
+use crate::mutation::{self, Mutation};
 use anyhow::Result;
 use image::{DynamicImage, ImageFormat};
 use std::io::Cursor;
-use taotie::image::{Bitmap, Encoding, Image, Texels};
+use taotie::image::{Bitmap, Encoding, Texels};
 use taotie::io::{ExrLayer, encode_png_bitmap, write_exr};
-use taotie::shade::environment::Environment;
+use taotie::math::scalar::pow;
+use taotie::shade::environment::ENVIRONMENT_VERSION;
 
 /// A PNG of 8 bits.
 pub const WAVES: &[u8] = include_bytes!("../../../taotie/tests/data/pictures/waves.png");
@@ -32,7 +34,7 @@ pub fn seeds() -> Result<Vec<Seed>> {
             "lossless.webp",
             &include_bytes!("../../../taotie/tests/data/pictures/lossless.webp")[..],
         ),
-        Seed::alone("light.environment", cached()?),
+        Seed::alone("light.environment", cached()),
     ];
     let grey = image::GrayImage::from_fn(16, 8, |x, y| image::Luma([(x * y) as u8]));
     let grey = DynamicImage::ImageLuma8(grey);
@@ -66,9 +68,31 @@ fn exr(width: u32, height: u32, channels: &[&str]) -> Result<Vec<u8>> {
     Ok(std::fs::read(path)?)
 }
 
-/// An environment as the cache keeps it.
-fn cached() -> Result<Vec<u8>> {
-    let mut image = Image::new(8, 4, [0.5, 0.25, 2.0, 1.0])?;
-    image.pixels_mut()[7] = [900.0, 3.0, 0.0, 1.0];
-    Ok(Environment::new(image)?.to_bytes())
+/// An environment as the cache keeps it, of a few texels: the levels that [`Environment::new`] makes are megabytes.
+fn cached() -> Vec<u8> {
+    let mut bytes = b"taotie\0E".to_vec();
+    bytes.extend(ENVIRONMENT_VERSION.to_le_bytes());
+    bytes.extend([0; 4]);
+    [0u64, 4, 2].iter().for_each(|count| bytes.extend(count.to_le_bytes()));
+    put_texels(&mut bytes, 8);
+    let alphas: Vec<f64> = alphas().collect();
+    bytes.extend((alphas.len() as u64).to_le_bytes());
+    for alpha in alphas {
+        bytes.extend((alpha as f32).to_le_bytes());
+        bytes.extend(1u64.to_le_bytes());
+        put_texels(&mut bytes, 9);
+    }
+    mutation::changed(&bytes, &[Mutation::Mend])
+}
+
+/// Texels of one, as half floats after the exponent of their scale.
+fn put_texels(bytes: &mut Vec<u8>, count: usize) {
+    bytes.extend(0i32.to_le_bytes());
+    (0..3 * count).for_each(|_| bytes.extend(0x3c00u16.to_le_bytes()));
+}
+
+/// The roughnesses, squared, of which a cached environment holds the light.
+fn alphas() -> impl Iterator<Item = f64> {
+    let sparse = (1..=6).rev().map(|n| 0.04 * pow(1.5, -f64::from(n)));
+    sparse.chain((0..=24).map(|n| pow(0.04, 1.0 - f64::from(n) / 24.0)))
 }

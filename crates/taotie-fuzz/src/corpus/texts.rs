@@ -13,7 +13,7 @@ const PROVENANCE: &str = r#"{"@context":{"dc":"http://purl.org/dc/elements/1.1/"
     "rdf:_1":{"@language":"en","@value":"Jue"}},"dc:creator":{"@list":["A","B"]},"dc:rights":"CC0",
     "xmp:CreateDate":"2026-01-01"}"#;
 const LIGHT: &str =
-    "point at=1,2,3 strength=2\ndirectional from=90,0\nspot at=0,3,0 to=0,0,0 inner=10 outer=20";
+    "point at=1,2,3 strength=2\ndirectional from=90,0\nspot at=0,3,0 toward=0,0,0 angle=20 color=red";
 
 /// Returns all texts.
 ///
