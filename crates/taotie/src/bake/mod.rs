@@ -55,5 +55,5 @@ pub use texture_lookup::LookupPoint;
 pub use textured_mesh::TexturedMesh;
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
-pub use verify::{Deviation, Fit, NormalError, Verifier};
+pub use verify::{Deviation, Fit, NormalError, ShownNormals, Verifier};
 pub use verify_material::MaterialError;
