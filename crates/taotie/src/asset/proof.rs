@@ -210,7 +210,8 @@ impl Written {
 
     fn prove(&self, scan: Scan, options: &VerifyOptions, progress: Progress<'_>) -> Result<Proof> {
         progress.begin("read back")?;
-        let loaded = io::load_model(self.path())?;
+        let mut levels = self.levels_read_back()?;
+        let loaded = levels.remove(0);
         let object_map = match self.object_map() {
             Some(path) => Some(Texture::new(io::read_bitmap(&path)?, Encoding::Normal)),
             None => None,
@@ -234,7 +235,10 @@ impl Written {
         let error_map = subject.verifier(true).error_map(size)?;
         let of_color = |material| subject.verifier(true).color_map(material, size);
         let color_map = subject.material().map(of_color).transpose()?;
-        let mut scenes = self.coarser(&loaded, progress)?;
+        if !levels.is_empty() {
+            progress.begin("measure levels")?;
+        }
+        let mut scenes: Vec<Scene> = levels.into_iter().map(|level| level.scene).collect();
         for scene in &scenes {
             let shown = Shown::of(scene, object_map, self.path())?;
             let cage = Cage::automatic(&shown.mesh, &scan.high);
@@ -250,22 +254,14 @@ impl Written {
         Ok(Proof { color_map, warnings: loaded.warnings, ..Proof::new(figures, error_map, looks) })
     }
 
-    /// Reads the coarser levels back. Maps are in memory once.
-    fn coarser(&self, finest: &Loaded, progress: Progress<'_>) -> Result<Vec<Scene>> {
-        let wanted = self.asset.levels().count();
-        if finest.levels != wanted {
-            let why = format!("read back, it has {} levels of detail and not {wanted}", finest.levels);
-            return Err(Error::invalid(self.path().display().to_string(), why));
+    /// Reads all levels back, the finest first. Maps are decoded and in memory once.
+    fn levels_read_back(&self) -> Result<Vec<Loaded>> {
+        let (levels, wanted) = (io::load_levels(self.path())?, self.asset.levels().count());
+        if levels.len() == wanted {
+            return Ok(levels);
         }
-        if wanted > 1 {
-            progress.begin("measure levels")?;
-        }
-        let read = |level| {
-            let mut scene = io::load_level(self.path(), level)?.scene;
-            scene.edit(|scene| scene.textures = finest.scene.textures().to_vec())?;
-            Ok(scene)
-        };
-        (1..wanted).map(read).collect()
+        let why = format!("read back, it has {} levels of detail and not {wanted}", levels.len());
+        Err(Error::invalid(self.path().display().to_string(), why))
     }
 
     /// Returns a map in object space as it is looked up: as the textures that the file holds.
