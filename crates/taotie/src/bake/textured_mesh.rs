@@ -101,6 +101,22 @@ impl TexturedMesh {
     }
 }
 
+/// Returns the meshes of a scene that a normal map in tangent space is on and that have no tangents: a [`TexturedMesh`]
+/// makes them, which takes memory.
+pub fn meshes_without_frames(scene: &Scene) -> Vec<&Mesh> {
+    let mut is_framed = vec![false; scene.meshes().len()];
+    for instance in scene.instances() {
+        let material = &scene.materials()[instance.material];
+        let sets = scene.meshes()[instance.mesh].uvs().len();
+        is_framed[instance.mesh] |= NormalSource::of(material, sets).tangent_set().is_some();
+    }
+    let meshes = scene.meshes().iter().zip(is_framed);
+    meshes
+        .filter(|(mesh, is_framed)| *is_framed && mesh.tangents().is_empty())
+        .map(|(mesh, _)| mesh)
+        .collect()
+}
+
 /// Gives each instance whose normal map is in tangent space a mesh with tangents, and drops the meshes that no instance
 /// shows any more.
 fn give_frames(scene: &mut SceneData, instances: &mut [Instance]) -> Result<()> {
