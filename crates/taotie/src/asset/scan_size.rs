@@ -1,6 +1,6 @@
 //! The size of a scan, and the memory that its triangles and textures take.
 
-use crate::bake::{Maps, meshes_without_frames};
+use crate::bake::{Maps, lacks_tangents};
 use crate::image::Texture;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
@@ -20,7 +20,7 @@ use crate::scene::Scene;
 pub struct ScanSize {
     /// Triangles, over all instances.
     pub triangles: u64,
-    /// Vertices.
+    /// Vertices, over all instances.
     pub vertices: u64,
     /// Bytes of what vertices have beside positions and normals: uvs, tangents and colours.
     pub attribute_bytes: u64,
@@ -37,16 +37,18 @@ pub struct ScanSize {
 impl ScanSize {
     /// Counts what a scene has.
     pub(super) fn of(scene: &Scene, carries: Maps) -> Self {
-        let framed = meshes_without_frames(scene);
-        let largest = framed.iter().max_by_key(|mesh| mesh.triangles().len());
-        let tangents: u64 = framed.iter().map(|mesh| vertices(mesh) * TANGENT).sum();
+        let (meshes, lacks) = (scene.meshes(), lacks_tangents(scene));
+        let framed = meshes.iter().zip(&lacks).filter(|(_, lacks)| **lacks).map(|(mesh, _)| mesh);
+        let largest = framed.max_by_key(|mesh| mesh.triangles().len());
+        let shown = || scene.instances().iter().map(|instance| instance.mesh);
+        let made = |mesh: usize| if lacks[mesh] { vertices(&meshes[mesh]) * TANGENT } else { 0 };
         Self {
             triangles: scene.triangle_count() as u64,
-            vertices: scene.meshes().iter().map(vertices).sum(),
-            attribute_bytes: tangents + scene.meshes().iter().map(attribute_bytes).sum::<u64>(),
+            vertices: shown().map(|mesh| vertices(&meshes[mesh])).sum(),
+            attribute_bytes: shown().map(|mesh| attribute_bytes(&meshes[mesh]) + made(mesh)).sum(),
             texture_bytes: scene.textures().iter().map(Texture::bytes).sum(),
             framed_triangles: largest.map_or(0, |mesh| mesh.triangles().len() as u64),
-            framed_vertices: largest.map_or(0, |mesh| vertices(mesh)),
+            framed_vertices: largest.map_or(0, vertices),
             carries,
         }
     }
@@ -138,7 +140,7 @@ mod tests {
         let of = |space, tangents| ScanSize::of(&scene(space, tangents), Maps::default());
         let made = of(NormalSpace::Tangent, false);
         assert_eq!((made.triangles, made.framed_triangles), (2 * made.framed_triangles, 48));
-        assert_eq!(made.framed_vertices, made.vertices);
+        assert_eq!(made.vertices, 2 * made.framed_vertices, "each instance becomes vertices of its own");
         assert_eq!(made.attribute_bytes, made.vertices * (8 + 16), "uvs and tangents");
         let framing = made.framing_bytes();
         assert!(framing > 300 * made.framed_triangles + made.mesh_bytes(), "{framing}");

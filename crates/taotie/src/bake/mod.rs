@@ -52,7 +52,7 @@ pub use simplify::{Simplified, SimplifyMethod, SimplifyOptions, simplify};
 pub use texel_surface::{SurfacePoint, TexelSurface};
 pub use texels::{BakeCounts, BakeInput, BakeSettings, Baked, bake};
 pub use texture_lookup::LookupPoint;
-pub use textured_mesh::{TexturedMesh, meshes_without_frames};
+pub use textured_mesh::{TexturedMesh, lacks_tangents};
 pub use unwrap::{UnwrapOptions, Unwrapped, unwrap};
 pub use uv_lookup::UvLookup;
 pub use verify::{Deviation, Fit, NormalError, ShownNormals, Verifier};

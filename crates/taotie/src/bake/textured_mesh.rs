@@ -101,20 +101,16 @@ impl TexturedMesh {
     }
 }
 
-/// Returns the meshes of a scene that a normal map in tangent space is on and that have no tangents: a [`TexturedMesh`]
-/// makes them, which takes memory.
-pub fn meshes_without_frames(scene: &Scene) -> Vec<&Mesh> {
-    let mut is_framed = vec![false; scene.meshes().len()];
+/// Returns for each mesh of a scene whether a [`TexturedMesh`] makes tangents of it, which takes memory: a normal map in
+/// tangent space is on it, and it has none.
+pub fn lacks_tangents(scene: &Scene) -> Vec<bool> {
+    let mut lacks = vec![false; scene.meshes().len()];
     for instance in scene.instances() {
-        let material = &scene.materials()[instance.material];
-        let sets = scene.meshes()[instance.mesh].uvs().len();
-        is_framed[instance.mesh] |= NormalSource::of(material, sets).tangent_set().is_some();
+        let mesh = &scene.meshes()[instance.mesh];
+        let source = NormalSource::of(&scene.materials()[instance.material], mesh.uvs().len());
+        lacks[instance.mesh] |= source.tangent_set().is_some() && mesh.tangents().is_empty();
     }
-    let meshes = scene.meshes().iter().zip(is_framed);
-    meshes
-        .filter(|(mesh, is_framed)| *is_framed && mesh.tangents().is_empty())
-        .map(|(mesh, _)| mesh)
-        .collect()
+    lacks
 }
 
 /// Gives each instance whose normal map is in tangent space a mesh with tangents, and drops the meshes that no instance
