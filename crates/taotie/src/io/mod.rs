@@ -65,7 +65,7 @@ pub fn load_model(path: &Path) -> Result<Loaded> {
 /// decoded once, and all levels share them; notes on the file as a whole stand with the finest.
 ///
 /// # Errors
-/// As [`load_model`], of any level.
+/// As [`load_model`], of any level; [`Error::Parse`] where a file has more than 64 levels.
 pub fn load_levels(path: &Path) -> Result<Vec<Loaded>> {
     match format_of(path)? {
         Format::Gltf => gltf::read_levels(path),

@@ -63,6 +63,10 @@ fn wrong_levels_are_told_and_do_no_harm() {
     assert!(load(&file.path).is_ok(), "the finest level is sound");
     let error = load_levels(&file.path).unwrap_err().to_string();
     assert!(!error.contains('\n') && error.contains("levels.gltf"), "{error}");
+    let many = with(&format!("[{}]", ["3"; 64].join(",")));
+    assert_eq!(load(&many.path).unwrap().levels, 65);
+    let error = load_levels(&many.path).unwrap_err().to_string();
+    assert!(error.contains("there are 65; at most 64"), "{error}");
     for odd in ["[2]", "{}", "7"] {
         let file = with(odd);
         let levels = load(&file.path).unwrap().levels;

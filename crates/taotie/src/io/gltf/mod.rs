@@ -57,14 +57,21 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     shapes.loaded(&document, looks, warnings)
 }
 
+/// The most levels of detail that are read together: each has meshes of its own, and a short list may name many.
+const MOST_LEVELS: usize = 64;
+
 /// Reads a file at all of its levels of detail, the finest first. What is noted of the file as a whole stands with the
 /// finest.
 pub(super) fn read_levels(path: &Path) -> Result<Vec<Loaded>> {
     let mut warnings = Warnings::default();
     let document = Document::open(path, &mut warnings)?;
     let shapes = Shapes::read(&document, 0, &mut warnings)?;
-    let looks = Looks::read(&document, &mut warnings);
     let count = shapes.nodes.levels;
+    if count > MOST_LEVELS {
+        let why = format!("there are {count}; at most {MOST_LEVELS} are read together");
+        return Err(document.error("levels of detail", why));
+    }
+    let looks = Looks::read(&document, &mut warnings);
     let finest = shapes.loaded(&document, looks.clone(), warnings);
     let coarser = |level| {
         let mut warnings = Warnings::default();
