@@ -5,11 +5,12 @@ use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made};
 use super::maps::{StoredMaps, bake_maps};
-use super::memory::{Bytes, Limits, Need, ScanSize};
+use super::memory::{Bytes, Limits, Need};
 use super::notes;
 use super::options::BakeOptions;
 use super::plan::BakePlan;
 use super::scan::Scan;
+use super::scan_size::ScanSize;
 use super::search::smallest;
 use super::search_course::Trial;
 use crate::bake::MapKind;
@@ -76,7 +77,7 @@ impl Baker {
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
         let (options, scan) = (Arc::clone(&self.options), scan.into());
         options.check()?;
-        self.need(scan.about.size).check(self.limits_beside(&scan))?;
+        self.need(scan.about.size.sorted()).check(self.limits_beside(&scan))?;
         progress.apart(move |progress| bake(&options, &scan, progress))
     }
 

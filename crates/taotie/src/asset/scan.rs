@@ -3,8 +3,9 @@
 use super::carried::Carried;
 use super::hash::FileHash;
 use super::look;
-use super::memory::{Limits, ScanSize};
+use super::memory::Limits;
 use super::notes;
+use super::scan_size::ScanSize;
 use crate::bake;
 use crate::error::{Error, Result, Warnings};
 use crate::io;
@@ -120,7 +121,7 @@ impl ScanFile {
         Ok(Self { scene: loaded.scene, about })
     }
 
-    /// Returns how many triangles and vertices the scan has.
+    /// Returns how many triangles and vertices the scan has, and what else takes memory.
     pub fn size(&self) -> ScanSize {
         self.about.size
     }
@@ -209,11 +210,7 @@ impl std::fmt::Debug for Scan {
 impl About {
     fn of(scene: &Scene, path: PathBuf) -> Self {
         let carried = Carried::of(scene);
-        let size = ScanSize {
-            triangles: scene.triangle_count() as u64,
-            vertices: scene.meshes().iter().map(|mesh| mesh.positions().len() as u64).sum(),
-            carries: carried.maps(),
-        };
+        let size = ScanSize::of(scene, carried.maps());
         Self {
             path,
             hash: None,

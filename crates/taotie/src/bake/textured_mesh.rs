@@ -101,6 +101,18 @@ impl TexturedMesh {
     }
 }
 
+/// Returns for each mesh of a scene whether a [`TexturedMesh`] makes tangents of it, which takes memory: a normal map in
+/// tangent space is on it, and it has none.
+pub fn lacks_tangents(scene: &Scene) -> Vec<bool> {
+    let mut lacks = vec![false; scene.meshes().len()];
+    for instance in scene.instances() {
+        let mesh = &scene.meshes()[instance.mesh];
+        let source = NormalSource::of(&scene.materials()[instance.material], mesh.uvs().len());
+        lacks[instance.mesh] |= source.tangent_set().is_some() && mesh.tangents().is_empty();
+    }
+    lacks
+}
+
 /// Gives each instance whose normal map is in tangent space a mesh with tangents, and drops the meshes that no instance
 /// shows any more.
 fn give_frames(scene: &mut SceneData, instances: &mut [Instance]) -> Result<()> {

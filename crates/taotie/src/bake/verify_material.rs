@@ -12,7 +12,7 @@ use crate::parallel;
 use crate::scene::{AlphaMode, Material};
 
 /// The differences of a material from that of the scan, one number for each of many points spread evenly over the
-/// low-poly mesh; NaN where a point found no scan.
+/// low-poly mesh; NaN where a point found no scan, or a value of either side is not finite.
 #[derive(Debug, Clone)]
 pub struct MaterialError {
     /// CIEDE2000 between the base colours.
@@ -25,6 +25,8 @@ pub struct MaterialError {
     pub emission: Field,
     /// Between the alphas, [0, 1]: 1 where opaque, 0 or 1 where a mask decides.
     pub alpha: Field,
+    /// The part of the points that found the scan, and at which a value of either side is not finite, [0, 1].
+    pub not_finite: f64,
 }
 
 impl Verifier<'_> {
@@ -44,11 +46,12 @@ impl Verifier<'_> {
             roughness: field(|d| d.roughness)?,
             emission: field(|d| d.emission)?,
             alpha: field(|d| d.alpha)?,
+            not_finite: found.iter().filter(|d| d.is_found && !d.is_finite()).count() as f64 / count as f64,
         })
     }
 
     /// Returns the difference of the base colours, CIEDE2000, at the middle of each texel of a map of this size; NaN away
-    /// from all UV islands.
+    /// from all UV islands, and where one of them is not finite.
     ///
     /// # Errors
     /// As [`Verifier::material_error`]; [`Error::Invalid`] where the mesh has no uvs.
@@ -109,13 +112,24 @@ impl Shown {
     fn difference(&self, other: &Self) -> Difference {
         let emission = (self.emission - other.emission).to_array().map(f32::abs);
         Difference {
+            is_found: true,
             color: color_difference(self.color, other.color) as f32,
-            metallic: (self.metallic - other.metallic).abs(),
-            roughness: (self.roughness - other.roughness).abs(),
-            emission: emission.into_iter().fold(0.0, f32::max),
-            alpha: (self.alpha - other.alpha).abs(),
+            metallic: finite((self.metallic - other.metallic).abs()),
+            roughness: finite((self.roughness - other.roughness).abs()),
+            emission: emission.into_iter().map(finite).fold(0.0, larger),
+            alpha: finite((self.alpha - other.alpha).abs()),
         }
     }
+}
+
+/// Returns a number itself; NaN where it is not finite.
+fn finite(v: f32) -> f32 {
+    if v.is_finite() { v } else { f32::NAN }
+}
+
+/// Returns the larger number; NaN where one of them is.
+fn larger(a: f32, b: f32) -> f32 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// Returns how much of a surface with this alpha is seen, [0, 1].
@@ -130,6 +144,8 @@ fn visible(material: &Material, alpha: f32) -> f32 {
 /// The differences at a point.
 #[derive(Clone, Copy)]
 struct Difference {
+    /// `true` where there is a scan to differ from.
+    is_found: bool,
     color: f32,
     metallic: f32,
     roughness: f32,
@@ -137,10 +153,17 @@ struct Difference {
     alpha: f32,
 }
 
+impl Difference {
+    fn is_finite(&self) -> bool {
+        [self.color, self.metallic, self.roughness, self.emission, self.alpha].iter().all(|v| v.is_finite())
+    }
+}
+
 impl Default for Difference {
     /// Where no scan was found.
     fn default() -> Self {
-        Self { color: f32::NAN, metallic: f32::NAN, roughness: f32::NAN, emission: f32::NAN, alpha: f32::NAN }
+        let none = f32::NAN;
+        Self { is_found: false, color: none, metallic: none, roughness: none, emission: none, alpha: none }
     }
 }
 
@@ -169,5 +192,22 @@ mod tests {
         assert_eq!((d.color, d.metallic, d.roughness, d.emission, d.alpha), (0.0, 0.0, 0.25, 2.0, 0.0));
         let red = Shown { color: [1.0, 0.0, 0.0], ..shown(Vec3::default(), 0.5) };
         assert!(red.difference(&shown(Vec3::default(), 0.5)).color > 20.0);
+    }
+    #[test]
+    fn what_is_not_finite_is_told_and_not_zero() {
+        let fine =
+            Shown { color: [0.5; 3], metallic: 1.0, roughness: 0.5, emission: Vec3::splat(1.0), alpha: 1.0 };
+        for wrong in [f32::NAN, f32::INFINITY] {
+            let emission = Vec3::new(wrong, 1.0, 2.0);
+            let broken =
+                Shown { color: [0.5, wrong, 0.5], metallic: wrong, roughness: wrong, emission, alpha: wrong };
+            for d in [fine.difference(&broken), broken.difference(&fine), broken.difference(&broken)] {
+                assert!(d.is_found && !d.is_finite());
+                let numbers = [d.color, d.metallic, d.roughness, d.emission, d.alpha];
+                assert!(numbers.iter().all(|v| v.is_nan()), "{numbers:?}");
+            }
+        }
+        assert!(fine.difference(&fine).is_finite());
+        assert!(!Difference::default().is_found);
     }
 }

@@ -4,11 +4,12 @@
 use std::ops::Range;
 use taotie::Progress;
 use taotie::bake::{
-    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Scan, TexturedMesh, UvLookup, Verifier,
-    bake, low_poly_mesh,
+    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Scan, ShownNormals, TexturedMesh,
+    UvLookup, Verifier, bake, low_poly_mesh,
 };
 use taotie::compare::angle_deg;
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
+use taotie::io::gltf_sampler;
 use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData, Point};
 use taotie::names::Named;
@@ -139,10 +140,32 @@ fn a_normal_map_of_the_scan_is_baked_and_measured() {
     };
     let fine = Storage { bits: 16, dither: false };
     let kept = Texture::new(store_unit_vectors([128; 2], &maps.normal, fine).unwrap(), Encoding::Normal);
-    let kept = mean(Some((&kept, NormalSpace::Object)));
+    let sampler = texture_0().sampler;
+    let kept = mean(Some(ShownNormals { texture: &kept, space: NormalSpace::Object, sampler }));
     assert!(kept < 0.1, "an asset that holds the field: {kept}°");
     let flat = mean(None);
     assert!(flat > 5.0, "an asset that lost it: {flat}°");
+}
+
+/// A map that is another at opposite borders: only who goes on beyond them as the viewer does sees what it shows.
+#[test]
+fn the_map_is_read_beyond_its_borders_as_the_viewer_does() {
+    let bent = |uv: Vec2| Vec3::new(uv.x - 0.5, 0.0, 1.0).normalize();
+    let material = Material { normal: Some(normal_map(NormalSpace::Object)), ..Material::default() };
+    let map = texture(8, Encoding::Normal, |uv| stored(bent(uv)));
+    let scene = scene(square(), material, map.clone(), Mat4::IDENTITY);
+    let low = with_frames(&square(), 0, None).unwrap().0.into_owned();
+    let (scan, cage) = (Scan::new(scene).unwrap(), Cage::uniform(&low, 0.01).unwrap());
+    let largest = |sampler| {
+        let normals = ShownNormals { texture: &map, space: NormalSpace::Object, sampler };
+        let verifier = Verifier { mesh: &low, normal: Some(normals), cage: &cage, scan: &scan };
+        verifier.normal_error(5000).unwrap().angles.summary().unwrap().max
+    };
+    let clamped = gltf_sampler([&low]);
+    assert_eq!((clamped.wrap_u, clamped.wrap_v), (Wrap::Clamp, Wrap::Clamp));
+    let [as_shown, repeated] = [clamped, Sampler::default()].map(largest);
+    assert!(as_shown < 0.01, "{as_shown}°");
+    assert!(repeated > 5.0, "{repeated}°");
 }
 
 #[test]

@@ -7,24 +7,26 @@ mod images;
 mod ktx;
 mod layers;
 mod material;
+mod material_json;
 mod mesh;
 mod number;
 mod packed;
 mod samplers;
 mod scene;
+mod slots;
+mod uri;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
-pub use images::GltfImage;
 pub use material::GltfMaterial;
+pub use samplers::gltf_sampler;
 pub use scene::{WrittenScene, write_scene};
+pub use slots::GltfImage;
 
 use super::{FileBytes, write_files};
 use crate::error::{Error, Result};
-use crate::image::{Sampler, Wrap};
 use crate::io::json::Json;
 use crate::io::xmp;
-use crate::math::Vec2;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use images::{Encoded, ImageStorage};
@@ -157,7 +159,7 @@ fn draft(
         "scenes": [{ "nodes": [0] }],
         "nodes": nodes(asset, grid.as_ref()),
         "meshes": meshes,
-        "materials": [material::json(&asset.material, images)],
+        "materials": [material_json::json(&asset.material, images)],
     });
     if let Some(packet) = asset.xmp {
         draft.uses(xmp::EXTENSION);
@@ -173,17 +175,10 @@ fn draft(
     if asset.levels.len() > 1 {
         draft.uses(LEVELS);
     }
-    material::extensions(&asset.material).into_iter().for_each(|(name, _)| draft.uses(name));
-    images::add(&mut draft, images, storage, &sampler(asset));
+    material_json::extensions(&asset.material).into_iter().for_each(|(name, _)| draft.uses(name));
+    let sampler = gltf_sampler(asset.levels.iter().map(|level| level.mesh));
+    images::add(&mut draft, images, storage, &sampler);
     Ok(draft)
-}
-
-/// Returns the sampler of all textures: trilinear, repeated where uvs leave [0, 1].
-fn sampler(asset: &GltfAsset) -> Sampler {
-    let is_inside = |uv: &Vec2| (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y);
-    let mut sets = asset.levels.iter().filter_map(|level| level.mesh.uvs().first());
-    let wrap = if sets.all(|uvs| uvs.iter().all(is_inside)) { Wrap::Clamp } else { Wrap::Repeat };
-    Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() }
 }
 
 fn named(asset: &GltfAsset, mut json: Value) -> Value {
