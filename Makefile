@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow bench bench-bake bench-render bench-scaling bench-fma bench-floor docs errors tables bless tools
+.PHONY: help test features test-slow bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -76,6 +76,12 @@ docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, an
 
 errors: ## Measures every approximation anew for docs/errors.md; ENVIRONMENTS=FOLDER also under its .hdr and .exr files
 	cargo run --release -p xtask -- errors $(if $(ENVIRONMENTS),--environments $(ENVIRONMENTS))
+
+# MODELS names other folders of glTF models, TAOTIE another program.
+MODELS = $(wildcard $(addprefix ../shared/data/,khronos-gltf-sample-assets polyhaven-models materialx gltf-asset-generator))
+asset-table: ## Bakes every shared glTF model for docs/assets-table.md; MODELS="FOLDER ..." others
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	cargo run --release -p xtask -- asset-table --models $(MODELS) $(if $(TAOTIE),--program $(TAOTIE))
 
 tables: ## Computes the tables of directional albedos anew
 	cargo run --release -p xtask -- tables
