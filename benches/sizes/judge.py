@@ -62,7 +62,10 @@ class Judge:
         """What is apart between the model and an asset."""
         pairs = [self.apart(*pair) for pair in zip(self.model, self.views(asset), strict=True)]
         angles, albedo, image = (np.concatenate(parts) for parts in zip(*pairs, strict=True))
-        return Verdict(angles.mean(), np.percentile(angles, 95), albedo.mean(), image.mean())
+        if not len(angles):
+            raise measure.Failed(f"{asset}: no pixel shows it where its model is")
+        figures = (angles.mean(), np.percentile(angles, 95), albedo.mean(), image.mean())
+        return Verdict(*map(float, figures))
 
     def apart(self, model, asset):
         """Angles and differences of colour at the pixels that count."""
