@@ -49,7 +49,7 @@ pub struct AssetTableArgs {
 /// Bakes every model. A bake that fails is a row with its sentence.
 ///
 /// # Errors
-/// Where a folder cannot be listed, the program does not start, or its report is none.
+/// Where a folder cannot be listed, or the program does not start.
 pub fn rows(args: &AssetTableArgs) -> Result<Vec<Row>> {
     let models = models::below(&args.models, &args.only)?;
     if models.is_empty() {
@@ -91,7 +91,7 @@ fn row(args: &AssetTableArgs, model: &Model) -> Result<Row> {
     let folder = tempfile::tempdir()?;
     let limited = Limited { program: &args.program, folder: folder.path(), limit: limit(args) };
     let outcome = match bake(&limited, &model.path)? {
-        Ok(report) => Ok(Baked::of(&report).context("its report lacks figures")?),
+        Ok(report) => Baked::of(&report).ok_or_else(|| "its report lacks figures".to_owned()),
         Err(sentence) => Err(sentence.replace(&model.path.display().to_string(), &model.file_name())),
     };
     Ok(Row { model: model.name.clone(), outcome })
@@ -120,7 +120,7 @@ fn bake(limited: &Limited<'_>, model: &Path) -> Result<Result<Value, String>> {
 fn told(limited: &Limited<'_>, arguments: &[&std::ffi::OsStr]) -> Result<Result<Value, String>> {
     let said = limited.run(arguments)?;
     Ok(match said.ending {
-        Ending::Fine => Ok(serde_json::from_str(&said.stdout).context("it printed no JSON")?),
+        Ending::Fine => serde_json::from_str(&said.stdout).map_err(|error| format!("no report: {error}")),
         Ending::Failed => Err(said.sentence()),
         Ending::TooLong => Err(format!("not done after {} s", limited.limit.as_secs())),
     })
