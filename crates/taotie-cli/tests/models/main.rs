@@ -9,7 +9,9 @@ mod files;
 mod validator;
 
 mod bake_materials;
+mod bake_properties;
 mod bake_scans;
 mod command;
 mod demo;
+mod material_looks;
 mod models_by_others;

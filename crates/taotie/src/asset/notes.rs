@@ -8,12 +8,14 @@ use crate::scene::{NormalSpace, TextureRef, UvTransform};
 
 /// Notes what a scan's file holds that no bake reads.
 pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
-    let Loaded { warnings, xmp, rig, .. } = loaded;
+    let Loaded { warnings, xmp, rig, variants, .. } = loaded;
     warnings.note(
         "XMP metadata of the scan beside that of the whole asset, left out",
         xmp.len().saturating_sub(1),
     );
     warnings.note("animations of the scan, which is baked at rest", usize::from(rig.is_some()));
+    let sets = variants.names().len();
+    warnings.note("sets of materials (variants) of the scan, left out: it is baked without any", sets);
 }
 
 /// Notes options that no map that is baked reads.
