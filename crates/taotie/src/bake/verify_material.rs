@@ -12,7 +12,7 @@ use crate::parallel;
 use crate::scene::{AlphaMode, Material};
 
 /// The differences of a material from that of the scan, one number for each of many points spread evenly over the
-/// low-poly mesh; NaN where a point found no scan.
+/// low-poly mesh; NaN where a point found no scan, and between colours where either side is not there to be seen.
 #[derive(Debug, Clone)]
 pub struct MaterialError {
     /// CIEDE2000 between the base colours.
@@ -48,7 +48,7 @@ impl Verifier<'_> {
     }
 
     /// Returns the difference of the base colours, CIEDE2000, at the middle of each texel of a map of this size; NaN away
-    /// from all UV islands.
+    /// from all UV islands, and where either side is not there to be seen.
     ///
     /// # Errors
     /// As [`Verifier::material_error`]; [`Error::Invalid`] where the mesh has no uvs.
@@ -109,7 +109,10 @@ impl Shown {
     fn difference(&self, other: &Self) -> Difference {
         let emission = (self.emission - other.emission).to_array().map(f32::abs);
         Difference {
-            color: color_difference(self.color, other.color) as f32,
+            color: match self.alpha > 0.0 && other.alpha > 0.0 {
+                true => color_difference(self.color, other.color) as f32,
+                false => f32::NAN,
+            },
             metallic: (self.metallic - other.metallic).abs(),
             roughness: (self.roughness - other.roughness).abs(),
             emission: emission.into_iter().fold(0.0, f32::max),
@@ -169,5 +172,8 @@ mod tests {
         assert_eq!((d.color, d.metallic, d.roughness, d.emission, d.alpha), (0.0, 0.0, 0.25, 2.0, 0.0));
         let red = Shown { color: [1.0, 0.0, 0.0], ..shown(Vec3::default(), 0.5) };
         assert!(red.difference(&shown(Vec3::default(), 0.5)).color > 20.0);
+        let hidden = Shown { alpha: 0.0, ..red };
+        let d = hidden.difference(&shown(Vec3::default(), 0.5));
+        assert!(d.color.is_nan() && d.alpha == 1.0, "nobody sees its colour");
     }
 }
