@@ -24,9 +24,9 @@ impl LookupPoint {
     }
 }
 
-/// The least alpha by which a premultiplied colour is divided: 64 of its 65535 steps, so that rounding is below a
-/// hundredth of it.
-const LEAST_ALPHA: f32 = 64.0 / 65535.0;
+/// The least alpha by which a premultiplied colour is divided: 8 of its 65535 steps. Rounding is then below a tenth of a
+/// colour that hardly counts.
+const LEAST_ALPHA: f32 = 8.0 / 65535.0;
 
 /// Returns the texture with its colours multiplied by alpha, linear: its mip levels are means of what is visible.
 pub(super) fn premultiplied(texture: &Texture) -> Result<Texture> {
