@@ -42,16 +42,15 @@ fn fill_hidden(maps: &mut BakedMaps, filled: &[bool], size: [usize; 2]) {
     if seen == filled || !seen.contains(&true) {
         return;
     }
-    let (mut colors, mut known) = (albedo.clone(), seen.clone());
+    let mut known = seen;
     for _ in 0..PADDING {
         let grown = neighbours(&known, size);
-        copy(&mut colors, &grown);
+        copy(albedo, &grown);
         grown.iter().for_each(|(to, _)| known[*to] = true);
     }
-    pull_push(&mut colors, &known, size);
-    for i in (0..filled.len()).filter(|i| filled[*i] && !seen[*i]) {
-        albedo[i] = colors[i];
-    }
+    pull_push(albedo, &known, size);
+    // What is not filled has no colour.
+    albedo.iter_mut().zip(filled).filter(|(_, is)| !**is).for_each(|(color, _)| *color = [0.0; 3]);
 }
 
 /// Does the same to every plane that is there.

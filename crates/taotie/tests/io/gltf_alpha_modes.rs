@@ -15,7 +15,7 @@ fn modes(mesh: &Mesh) -> Vec<AlphaMode> {
 }
 
 /// The centres of triangles in the world, sorted.
-fn centers<'a>(triangles: impl Iterator<Item = [Vec3<f64>; 3]> + 'a) -> Vec<[f64; 3]> {
+fn centers(triangles: impl Iterator<Item = [Vec3<f64>; 3]>) -> Vec<[f64; 3]> {
     let center = |[a, b, c]: [Vec3<f64>; 3]| ((a + b + c) * (1.0 / 3.0)).to_array();
     let mut centers: Vec<[f64; 3]> = triangles.map(center).collect();
     centers.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
