@@ -8,6 +8,7 @@ mod files;
 #[path = "../../../taotie/tests/common/validator.rs"]
 mod validator;
 
+mod bake_alpha;
 mod bake_materials;
 mod bake_properties;
 mod bake_scans;

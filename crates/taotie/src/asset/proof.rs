@@ -14,7 +14,7 @@ use crate::image::{Encoding, Texture};
 use crate::io::{self, GltfImages, Loaded};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::scene::{Instance, Material, NormalSpace, Scene, SceneData};
+use crate::scene::{NormalSpace, Scene};
 use crate::surface::with_frames;
 use std::path::{Path, PathBuf};
 
@@ -380,12 +380,6 @@ impl<'a> Shown<'a> {
         let Some(first) = scene.instances().first() else {
             return Err(Error::invalid(path.display().to_string(), "read back, it has no triangles"));
         };
-        let alone = Scene::new(SceneData {
-            meshes: vec![scene.meshes()[first.mesh].clone()],
-            materials: vec![Material::default()],
-            instances: vec![Instance { mesh: 0, material: 0, ..*first }],
-            ..SceneData::default()
-        })?;
         let map = scene.materials()[first.material].normal.as_ref();
         let inside = map.map(|map| ShownNormals {
             texture: &scene.textures()[map.texture.texture],
@@ -393,10 +387,14 @@ impl<'a> Shown<'a> {
             sampler: map.texture.sampler,
         });
         let normal = object_map.or(inside);
-        let mesh = with_frames(&low_poly_mesh(alone)?, 0, None)?.0.into_owned();
-        let mut own = scene.clone();
-        own.edit(|scene| scene.instances.truncate(1))?;
-        Ok(Self { mesh, normal, material: TexturedMesh::new(own)? })
+        let material = TexturedMesh::new(scene.clone())?;
+        // Triangles of several alpha modes are several meshes, whose order is that of the material's.
+        let joined = match scene.instances() {
+            [_] => low_poly_mesh(scene.clone())?,
+            _ => material.mesh().clone(),
+        };
+        let mesh = with_frames(&joined, 0, None)?.0.into_owned();
+        Ok(Self { mesh, normal, material })
     }
 }
 

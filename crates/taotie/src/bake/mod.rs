@@ -32,6 +32,7 @@ mod texel_surface;
 mod texels;
 mod texture_lookup;
 mod textured_mesh;
+mod triangle_modes;
 mod unwrap;
 mod uv_lookup;
 mod verify;

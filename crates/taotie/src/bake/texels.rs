@@ -1,6 +1,6 @@
 //! Baking: each sample of each texel finds its place on the scan, and the texel takes the mean of what is there.
 
-use super::alpha::under_common_mode;
+use super::alpha::under_mode;
 use super::appearance::MaterialSample;
 use super::baked_maps::{BakedMaps, BandMaps, TexelStatus};
 use super::cage::Cage;
@@ -127,11 +127,12 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
     check(low, settings)?;
     let layout = Layout::new(low, settings.size, settings.side)?;
     let wants = |kind| settings.maps.has(kind);
+    let reads_materials = settings.maps.has_any(&OF_MATERIALS);
     let job = Job {
         sky: (wants(MapKind::Occlusion) || wants(MapKind::Bent)).then(|| sky(low, settings)),
         curvatures: if wants(MapKind::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
-        alpha: scan.surface().alpha_mode(),
-        reads_materials: settings.maps.has_any(&OF_MATERIALS),
+        alpha_modes: if reads_materials { scan.alpha_modes(low, cage) } else { Vec::new() },
+        reads_materials,
         without_hit: scan.surface().first_factors(),
         layout,
         cage,
@@ -184,8 +185,8 @@ struct Job<'a> {
     sky: Option<Sky>,
     /// Of the scan's vertices.
     curvatures: Vec<f32>,
-    /// The alpha mode that all of the scan is baked for.
-    alpha: AlphaMode,
+    /// The alpha mode that each triangle of the low-poly mesh is shown with; empty where no materials are read.
+    alpha_modes: Vec<AlphaMode>,
     /// `true` where a map of the scan's materials is baked.
     reads_materials: bool,
     /// The material of texels whose samples have no correspondence.
@@ -274,7 +275,8 @@ impl Job<'_> {
             let Some(found) = self.found(projection, found, cell) else { continue };
             self.add(&found, width, cell);
             if let Some(sums) = cells.materials.get_mut(sample.texel as usize) {
-                sums.add(self.material(LookupPoint { point: found.point, width }));
+                let mode = self.alpha_modes[group.triangle as usize];
+                sums.add(self.material(LookupPoint { point: found.point, width }, mode));
             }
             if let Some(sky) = &self.sky {
                 let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
@@ -325,7 +327,7 @@ impl Job<'_> {
         found
     }
 
-    /// Adds the scan's shape at a correspondence, its normal map read with this lookup width.
+    /// Adds the shape of the scan at a correspondence, its maps of relief read with this lookup width.
     fn add(&self, found: &Correspondence, width: f32, cell: &mut Cell) {
         let mapped = self.scan.mapped_normal(found, width);
         cell.normal += mapped.normal;
@@ -339,11 +341,11 @@ impl Job<'_> {
         }
     }
 
-    /// Returns the scan's material at a point, its alpha as under the mode that is baked for.
-    fn material(&self, at: LookupPoint) -> MaterialSample {
+    /// Returns the scan's material at a point, its alpha as under the mode that it is shown with.
+    fn material(&self, at: LookupPoint, shown: AlphaMode) -> MaterialSample {
         let sample = self.scan.sample(at);
         let own = self.scan.surface().material(at.point.triangle).alpha;
-        MaterialSample { alpha: under_common_mode(sample.alpha, own, self.alpha), ..sample }
+        MaterialSample { alpha: under_mode(sample.alpha, own, shown), ..sample }
     }
 
     /// Writes the means.

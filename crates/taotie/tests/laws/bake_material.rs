@@ -21,7 +21,7 @@ use taotie::scene::{
 use taotie::surface::with_frames;
 
 /// Part of the square of side 2 in the plane z = 0 that faces up, whose uvs lie over it: the columns of these u.
-fn strip(columns: Range<f32>) -> Mesh {
+pub fn strip(columns: Range<f32>) -> Mesh {
     let places = [(columns.start, 1.0), (columns.end, 1.0), (columns.end, 0.0), (columns.start, 0.0)];
     Mesh::new(MeshData {
         positions: places.iter().map(|(u, v)| Vec3::new(2.0 * u - 1.0, 1.0 - 2.0 * v, 0.0)).collect(),
@@ -33,12 +33,12 @@ fn strip(columns: Range<f32>) -> Mesh {
     .unwrap()
 }
 
-fn square() -> Mesh {
+pub fn square() -> Mesh {
     strip(0.0..1.0)
 }
 
 /// The first texture, on the first uv set, its border going on beyond it.
-fn texture_0() -> TextureRef {
+pub fn texture_0() -> TextureRef {
     let sampler = Sampler { wrap_u: Wrap::Clamp, wrap_v: Wrap::Clamp, ..Sampler::default() };
     TextureRef { texture: 0, uv_set: 0, sampler, transform: UvTransform::default() }
 }
@@ -57,7 +57,7 @@ fn normal_map(space: NormalSpace) -> NormalMap {
 }
 
 /// One mesh of one material, moved.
-fn scene(mesh: Mesh, material: Material, texture: Texture, m: Mat4) -> Scene {
+pub fn scene(mesh: Mesh, material: Material, texture: Texture, m: Mat4) -> Scene {
     Scene::new(SceneData {
         meshes: vec![mesh],
         materials: vec![material],
@@ -69,7 +69,7 @@ fn scene(mesh: Mesh, material: Material, texture: Texture, m: Mat4) -> Scene {
 }
 
 /// Meshes that stay where they are, each with its own material.
-fn scene_of(parts: Vec<(Mesh, Material)>, textures: Vec<Texture>) -> Scene {
+pub fn scene_of(parts: Vec<(Mesh, Material)>, textures: Vec<Texture>) -> Scene {
     let instance = |i| Instance { mesh: i, material: i, world_from_object: Mat4::IDENTITY };
     let instances = (0..parts.len()).map(instance).collect();
     let (meshes, materials) = parts.into_iter().unzip();
@@ -77,7 +77,7 @@ fn scene_of(parts: Vec<(Mesh, Material)>, textures: Vec<Texture>) -> Scene {
 }
 
 /// Bakes a scan onto its own triangles, normals in object space.
-fn baked_onto_itself(scene: &Scene, size: u32, maps: &[MapKind]) -> BakedMaps {
+pub fn baked_onto_itself(scene: &Scene, size: u32, maps: &[MapKind]) -> BakedMaps {
     let low = low_poly_mesh(scene.clone()).unwrap();
     baked_onto(&low, scene, size, maps)
 }
@@ -95,7 +95,7 @@ fn baked_onto(low: &Mesh, scene: &Scene, size: u32, maps: &[MapKind]) -> BakedMa
 }
 
 /// The places of a map's texels.
-fn places(size: u32) -> impl Iterator<Item = Vec2> {
+pub fn places(size: u32) -> impl Iterator<Item = Vec2> {
     let place = move |i: u32| (i as f32 + 0.5) / size as f32;
     (0..size * size).map(move |i| Vec2::new(place(i % size), place(i / size)))
 }
@@ -291,7 +291,7 @@ fn painted(texture: Texture) -> Scene {
     scene(square(), material, texture, Mat4::IDENTITY)
 }
 
-fn bytes(size: u32, value: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
+pub fn bytes(size: u32, value: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
     let texels = (0..size * size).map(|i| value(i % size, i / size)).collect();
     Texture::new(Bitmap::new(size, size, 4, Texels::U8(texels)).unwrap(), Encoding::Srgb)
 }

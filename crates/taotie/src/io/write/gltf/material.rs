@@ -98,14 +98,20 @@ impl<'a> GltfMaterial<'a> {
         if let Some(value) = self.emissive.into_iter().find(|v| !(0.0..=f32::MAX).contains(v)) {
             return Err(Error::invalid("emission", format!("{value} is not 0 or more, and finite")));
         }
-        if let AlphaMode::Mask(cutoff) = self.alpha
-            && !(0.0..=f32::MAX).contains(&cutoff)
-        {
-            return Err(Error::invalid("alpha cutoff", format!("{cutoff} is not 0 or more, and finite")));
-        }
+        check_alpha(self.alpha)?;
         if !self.normal_scale.is_finite() {
             return Err(Error::invalid("normal scale", format!("{} is not finite", self.normal_scale)));
         }
         Ok(())
+    }
+}
+
+/// Checks that glTF allows the cutoff of a mask.
+pub(super) fn check_alpha(mode: AlphaMode) -> Result<()> {
+    match mode {
+        AlphaMode::Mask(cutoff) if !(0.0..=f32::MAX).contains(&cutoff) => {
+            Err(Error::invalid("alpha cutoff", format!("{cutoff} is not 0 or more, and finite")))
+        }
+        _ => Ok(()),
     }
 }
