@@ -251,7 +251,7 @@ impl BakeArgs {
         {
             bail!("--webp, --ktx2: the asset holds no texture; leave them out, or add such a map to --maps");
         }
-        let packs = self.images() != GltfImages::Png;
+        let packs = self.is_packed();
         let beside = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
         if self.bits() == 16 && packs && bakes(MapKind::Normal) && !beside {
             bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
@@ -413,6 +413,11 @@ impl BakeArgs {
             (_, true) => GltfImages::WebP,
             _ => self.defaults().images,
         }
+    }
+
+    /// Says whether textures are packed as WebP or KTX2, which takes longer than PNG.
+    pub fn is_packed(&self) -> bool {
+        self.images() != GltfImages::Png
     }
 
     /// Returns the quality of JPEG; KTX2 that is asked for packs colours too.

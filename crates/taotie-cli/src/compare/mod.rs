@@ -70,6 +70,7 @@ fn options(args: &CompareArgs) -> Result<ComparisonOptions> {
     Ok(ComparisonOptions {
         methods: args.methods(),
         shadings: args.shadings(),
+        baseline: args.baseline,
         points: args.points.clone(),
         matching: args.matching,
         settings: settings(args),
@@ -85,6 +86,7 @@ fn page_options(args: &CompareArgs, model: &Path) -> comparison::Options {
         heat_top_deg: args.heat_top_deg,
         material: args.material.json(),
         environment: args.light.environment_json(),
+        exr: args.exr,
     }
 }
 

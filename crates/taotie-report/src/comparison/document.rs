@@ -9,7 +9,7 @@ use taotie::comparison::{
 use taotie::{Error, Result};
 
 /// Version of `report.json`.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// The content of `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]

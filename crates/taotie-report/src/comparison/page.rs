@@ -1,13 +1,13 @@
 //! `report.html`: the comparison as a page that opens from disk.
 
-use super::{Document, Options};
+use super::{Document, Options, picture_tables};
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::summary;
 use crate::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
 use taotie::Result;
 use taotie::compare::{ColorMap, Summary};
-use taotie::comparison::{Comparison, MethodReport, RenderedSurface};
+use taotie::comparison::{Comparison, MethodReport, ModelReport, RenderedSurface};
 
 /// Makes the page of a comparison, whose figures are in `report`.
 ///
@@ -65,6 +65,9 @@ fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<Vie
         let view = view(format!("{shading}: FLIP"), note, comparison, &flip)?;
         views.push(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view });
     }
+    let models = report.methods[0].models.iter().enumerate();
+    let models = models.map(|(i, model)| model_view(model, i, comparison));
+    views.extend(models.collect::<Result<Vec<View>>>()?);
     let normals = |surface: &RenderedSurface| Some(Sheet::of_normals(&surface.normals));
     let note = "Shading normals in world space as colours, (n + 1) / 2.";
     views.push(view("normals".into(), note.into(), comparison, &normals)?);
@@ -76,6 +79,20 @@ fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<Vie
     let legend = Legend::new("Angular error", "°", f64::from(top), ColorMap::Viridis);
     views.push(View { legend: Some(legend), ..view });
     Ok(views)
+}
+
+/// Returns the view of the difference that the `i`th shading model makes to each surface.
+fn model_view(model: &ModelReport, i: usize, comparison: &Comparison) -> Result<View> {
+    let ModelReport { shading, baseline, .. } = model;
+    let flip = |surface: &RenderedSurface| {
+        Some(HeatMap::of_flip(&surface.model_differences.get(i)?.picture.flip).plain())
+    };
+    let note = format!(
+        "FLIP is the difference that an observer sees between each surface's picture under {shading} \
+                        and its own under {baseline}."
+    );
+    let view = view(format!("{shading}: FLIP to {baseline}"), note, comparison, &flip)?;
+    Ok(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view })
 }
 
 fn view(
@@ -95,8 +112,9 @@ fn view(
 fn sections(report: &Document) -> Vec<Section> {
     let mut sections = vec![error_table(report), histogram(report)];
     for i in 0..report.methods[0].pictures.len() {
-        sections.push(picture_table(report, i));
+        sections.push(picture_tables::of_surfaces(report, i));
     }
+    sections.extend(picture_tables::of_models(report));
     if !report.points.is_empty() {
         sections.push(normals_table(report));
         sections.push(angles_table(report));
@@ -150,39 +168,6 @@ fn histogram(report: &Document) -> Section {
         bin_width: 1.0,
         last_is_open: true,
         series: series.collect(),
-    }
-}
-
-fn picture_table(report: &Document, i: usize) -> Section {
-    let columns = vec![
-        Column::words("method"),
-        Column::numbers("RMSE", ""),
-        Column::numbers("PSNR", "dB"),
-        Column::numbers("SSIM", ""),
-        Column::numbers("FLIP mean", ""),
-        Column::numbers("FLIP median", ""),
-        Column::numbers("FLIP 95 %", ""),
-        Column::numbers("FLIP max", ""),
-    ];
-    let row = |method: &MethodReport| {
-        let difference = method.pictures[i].difference.as_ref()?;
-        let mut cells = vec![
-            Cell::text(method.method.clone()),
-            Cell::number(difference.rmse, 4),
-            Cell::Number { value: difference.psnr, digits: 2 },
-            Cell::number(difference.ssim, 4),
-        ];
-        cells.extend(match difference.flip.as_ref().map(summary::figures) {
-            Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
-            None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
-        });
-        Some(cells)
-    };
-    Section::Table {
-        title: format!("Shaded pictures, {}", report.methods[0].pictures[i].shading),
-        note: format!("Against {}, over the whole picture.", report.against),
-        columns,
-        rows: report.methods.iter().filter_map(row).collect(),
     }
 }
 
