@@ -171,12 +171,9 @@ impl CompareArgs {
                 "--method {id}: it is compared with nothing; name further methods, a --reference, or a --baseline"
             );
         }
-        let maps = |method: &Method| {
-            matches!(method.surface, SurfaceMethod::ObjectNormal | SurfaceMethod::TangentNormal)
-        };
         let bumps = |method: &Method| Method::takes_factor(method.surface);
         let unread = [
-            ("--normal-map", self.material.normal_map.is_some() && !methods.iter().any(maps)),
+            ("--normal-map", self.material.normal_map.is_some() && !self.reads_normal_maps()),
             ("--height-map", self.material.height_map.is_some() && !methods.iter().any(bumps)),
             ("--bump-scale", {
                 self.bump_scale.is_some() && !methods.iter().any(|m| bumps(m) && m.factor.is_none())
@@ -186,6 +183,12 @@ impl CompareArgs {
             Some((option, _)) => bail!("{option}: no method of --method reads it"),
             None => Ok(()),
         }
+    }
+
+    /// Says whether any method reads normal maps.
+    pub fn reads_normal_maps(&self) -> bool {
+        let maps = [SurfaceMethod::ObjectNormal, SurfaceMethod::TangentNormal];
+        self.methods().iter().any(|method| maps.contains(&method.surface))
     }
 
     /// Refuses a baseline that nothing is measured against.

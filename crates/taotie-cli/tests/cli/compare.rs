@@ -152,6 +152,10 @@ fn every_file_is_there_and_named_in_the_report() {
     assert_eq!(written, report);
     let page = String::from_utf8(place.read("out/report.html")).unwrap();
     assert!(page.contains("square.obj") && page.contains("data:image/png;base64,"));
+    assert!(
+        page.contains("Nearest to reference: smooth, 0.00° off on average"),
+        "the page opens with a verdict"
+    );
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::{Document, Options, picture_tables};
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::summary;
-use crate::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
+use crate::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View};
 use taotie::Result;
 use taotie::compare::{ColorMap, Summary};
 use taotie::comparison::{Comparison, MethodReport, ModelReport, RenderedSurface};
@@ -24,12 +24,34 @@ pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options
     Ok(Page {
         title: options.title.clone(),
         subtitle,
-        notices: Vec::new(),
+        notices: notices(report),
         facts: facts(report),
         views: views(report, comparison, options.heat_top_deg as f32)?,
         sections: sections(report),
         footer: format!("Made by taotie {}. All figures are in report.json.", report.version),
     })
+}
+
+/// Returns the line that says which method comes nearest, what could not be drawn, and the warnings.
+fn notices(report: &Document) -> Vec<Notice> {
+    let skipped = report.skipped.iter();
+    let skipped =
+        skipped.map(|skipped| format!("{} could not be drawn: {}.", skipped.method, skipped.reason));
+    let warnings = report.warnings.iter().map(|warning| match warning.count {
+        1 => warning.what.clone(),
+        count => format!("{} ({count} times)", warning.what),
+    });
+    let wrong = skipped.chain(warnings).map(|text| Notice::new(text, Tone::Changed));
+    nearest(report).into_iter().chain(wrong).collect()
+}
+
+/// Returns the method with the least mean error away from silhouettes.
+fn nearest(report: &Document) -> Option<Notice> {
+    let errors = report.methods.iter().filter_map(|method| Some((method.inner_mean()?, &method.method)));
+    let (mean, name) = errors.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+    let text =
+        format!("Nearest to {}: {name}, {mean:.2}° off on average away from silhouettes.", report.against);
+    Some(Notice::new(text, Tone::Good))
 }
 
 fn facts(report: &Document) -> Vec<Fact> {
