@@ -8,15 +8,10 @@ use taotie_report::table::Table;
 
 /// The angular errors, each shading's picture errors, and what was not drawn.
 pub fn of(report: &Document) -> String {
-    let mut text = format!("Angular error against {}, degrees\n", report.against);
-    text += &angles(report).lines(0);
-    text += "* only pixels away from silhouettes\n";
-    for (i, picture) in report.methods[0].pictures.iter().enumerate() {
-        text += &format!("\nPictures under {} against {}\n", picture.shading, report.against);
-        text += &pictures(report, i).lines(0);
-    }
+    let mut text = if report.is_compared() { surfaces(report) } else { String::new() };
     if let Some(model) = report.methods[0].models.first() {
-        text += &format!("\nPictures of each surface against its own under {}\n", model.baseline);
+        let gap = if text.is_empty() { "" } else { "\n" };
+        text += &format!("{gap}Pictures of each surface against its own under {}\n", model.baseline);
         text += &models(report).lines(0);
     }
     if !report.skipped.is_empty() || !report.notes.is_empty() {
@@ -27,6 +22,18 @@ pub fn of(report: &Document) -> String {
     }
     for note in &report.notes {
         text += &format!("{note}\n");
+    }
+    text
+}
+
+/// What was measured against another surface.
+fn surfaces(report: &Document) -> String {
+    let mut text = format!("Angular error against {}, degrees\n", report.against);
+    text += &angles(report).lines(0);
+    text += "* only pixels away from silhouettes\n";
+    for (i, picture) in report.methods[0].pictures.iter().enumerate() {
+        text += &format!("\nPictures under {} against {}\n", picture.shading, report.against);
+        text += &pictures(report, i).lines(0);
     }
     text
 }

@@ -203,22 +203,22 @@ fn models_far_apart_are_warned_about() {
 #[test]
 fn shading_models_are_measured_against_a_baseline_on_the_same_surface() {
     let place = tilted(20.0);
-    let line = "square.obj --method tangent-normal --shading lambert,phong --baseline phong";
+    let line = "square.obj --method tangent-normal --shading lambert,ggx --baseline ggx";
     let report = compared(&place, line);
     let [model] = method(&report, "tangent-normal")["models"].as_array().unwrap().as_slice() else {
         panic!("one model beside the baseline: {report}")
     };
-    assert_eq!((&model["shading"], &model["baseline"]), (&"lambert".into(), &"phong".into()));
+    assert_eq!((&model["shading"], &model["baseline"]), (&"lambert".into(), &"ggx".into()));
     let figures = &model["difference"];
     // What `taotie diff` measures between the same two pictures.
-    let pictures = ["phong", "lambert"].map(|shading| format!("out/tangent-normal.{shading}.png"));
+    let pictures = ["ggx", "lambert"].map(|shading| format!("out/tangent-normal.{shading}.png"));
     let apart = place.json(&format!("diff {} {} --encoding color --json", pictures[0], pictures[1]));
     let [told, measured] = [figures, &apart["metrics"]].map(|of| of["rmse"].as_f64().expect("a number"));
-    assert!(told > 0.01 && (told - measured).abs() < 1e-9, "{told} against {measured}");
-    place.read("out/tangent-normal.lambert-phong.flip.png");
+    assert!(told > 1e-3 && (told - measured).abs() < 1e-6, "{told} against {measured}");
+    place.read("out/tangent-normal.lambert-ggx.flip.png");
     let text = place.taotie(&format!("compare {line} {FRONT} -o out")).assert().success();
     let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
-    assert!(text.contains("Pictures of each surface against its own under phong"), "{text}");
+    assert!(text.contains("Pictures of each surface against its own under ggx"), "{text}");
 }
 
 #[test]
@@ -243,7 +243,7 @@ fn normals_and_angles_are_written_as_numbers() {
     let inside = |texel: &&[f32; 4]| texel[3] == 1.0;
     let [x, z] = [scalar::sin(20f64.to_radians()), scalar::cos(20f64.to_radians())];
     let normals = exact(&place, "out/tangent-normal.normals.exr");
-    assert!(normals.iter().filter(inside).count() > 1000);
+    assert!(normals.iter().filter(inside).count() > 500);
     for [nx, ny, nz, _] in normals.iter().filter(inside) {
         let off = [f64::from(*nx) - x, f64::from(*ny), f64::from(*nz) - z];
         assert!(off.iter().all(|part| part.abs() < 1e-3), "{off:?}");
@@ -325,4 +325,18 @@ fn refuses_in_one_line() {
         let talk = refused(line);
         assert!(talk.contains(words), "{line}: {talk}");
     }
+}
+
+#[test]
+fn one_surface_is_enough_for_shading_models() {
+    let place = tilted(20.0);
+    let line = format!("compare square.obj --method smooth --baseline lambert {FRONT} -o out");
+    let assert = place.taotie(&line).assert().success().stderr_eq("");
+    let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+    assert!(text.starts_with("Pictures of each surface against its own under lambert\n"), "{text}");
+    let page = String::from_utf8(place.read("out/report.html")).unwrap();
+    assert!(page.contains("Shading models on smooth") && page.contains("shading models: FLIP"));
+    assert!(!page.contains("angular error\""), "nothing is measured against another surface");
+    let angles = String::from_utf8(place.read("out/angles.csv")).unwrap();
+    assert_eq!(angles.lines().count(), 1, "{angles}");
 }

@@ -79,6 +79,11 @@ impl Document {
         serde_json::to_string_pretty(self).map_err(not_json)
     }
 
+    /// Returns `true` where a surface is measured against another; one alone is compared with its own pictures at most.
+    pub fn is_compared(&self) -> bool {
+        self.methods.iter().any(|method| method.error.is_some())
+    }
+
     /// Returns the figures of a method by its name.
     pub fn method(&self, name: &str) -> Option<&MethodReport> {
         self.methods.iter().find(|method| method.method == name)

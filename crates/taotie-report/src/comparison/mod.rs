@@ -18,6 +18,7 @@
 
 mod document;
 mod files;
+mod one_surface;
 mod page;
 mod picture_tables;
 mod tables;

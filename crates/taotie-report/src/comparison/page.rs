@@ -1,6 +1,6 @@
 //! `report.html`: the comparison as a page that opens from disk.
 
-use super::{Document, Options, picture_tables};
+use super::{Document, Options, one_surface, picture_tables};
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::summary;
@@ -16,6 +16,7 @@ use taotie::comparison::{Comparison, MethodReport, ModelReport, RenderedSurface}
 pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options) -> Result<Page> {
     let subtitle = match &report.subject.reference {
         Some(reference) => format!("Surface methods measured against {reference}"),
+        None if !report.is_compared() => format!("Shading models on {}", report.against),
         None => format!(
             "Surface methods measured against the first one, {}, as there is no reference",
             report.against
@@ -71,6 +72,27 @@ fn facts(report: &Document) -> Vec<Fact> {
 }
 
 fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
+    let mut views = match report.is_compared() {
+        true => picture_views(report, comparison)?,
+        false => one_surface::views(&comparison.surfaces[0])?,
+    };
+    let normals = |surface: &RenderedSurface| Some(Sheet::of_normals(&surface.normals));
+    let note = "Shading normals in world space as colours, (n + 1) / 2.";
+    views.push(view("normals".into(), note.into(), comparison, &normals)?);
+    let errors = |surface: &RenderedSurface| {
+        surface.difference.as_ref().map(|difference| HeatMap::of_angles(&difference.angles, top).plain())
+    };
+    let note = format!("Angle between the shading normal and that of {}.", report.against);
+    let view = view("angular error".into(), note, comparison, &errors)?;
+    let legend = Legend::new("Angular error", "°", f64::from(top), ColorMap::Viridis);
+    views.push(View { legend: Some(legend), ..view });
+    // A surface that is compared with no other has no differences.
+    views.retain(|view| !view.pictures.is_empty());
+    Ok(views)
+}
+
+/// Returns the views of pictures and of their differences, for each shading model.
+fn picture_views(report: &Document, comparison: &Comparison) -> Result<Vec<View>> {
     let mut views = Vec::new();
     for (i, picture) in report.methods[0].pictures.iter().enumerate() {
         let shading = &picture.shading;
@@ -90,16 +112,6 @@ fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<Vie
     let models = report.methods[0].models.iter().enumerate();
     let models = models.map(|(i, model)| model_view(model, i, comparison));
     views.extend(models.collect::<Result<Vec<View>>>()?);
-    let normals = |surface: &RenderedSurface| Some(Sheet::of_normals(&surface.normals));
-    let note = "Shading normals in world space as colours, (n + 1) / 2.";
-    views.push(view("normals".into(), note.into(), comparison, &normals)?);
-    let errors = |surface: &RenderedSurface| {
-        surface.difference.as_ref().map(|difference| HeatMap::of_angles(&difference.angles, top).plain())
-    };
-    let note = format!("Angle between the shading normal and that of {}.", report.against);
-    let view = view("angular error".into(), note, comparison, &errors)?;
-    let legend = Legend::new("Angular error", "°", f64::from(top), ColorMap::Viridis);
-    views.push(View { legend: Some(legend), ..view });
     Ok(views)
 }
 
@@ -132,9 +144,11 @@ fn view(
 }
 
 fn sections(report: &Document) -> Vec<Section> {
-    let mut sections = vec![error_table(report), histogram(report)];
-    for i in 0..report.methods[0].pictures.len() {
-        sections.push(picture_tables::of_surfaces(report, i));
+    let mut sections = Vec::new();
+    if report.is_compared() {
+        sections.extend([error_table(report), histogram(report)]);
+        let shadings = 0..report.methods[0].pictures.len();
+        sections.extend(shadings.map(|i| picture_tables::of_surfaces(report, i)));
     }
     sections.extend(picture_tables::of_models(report));
     if !report.points.is_empty() {
