@@ -26,7 +26,7 @@ pub fn of(report: &Document) -> String {
     text
 }
 
-/// What was measured against another surface.
+/// The figures of surfaces against one another.
 fn surfaces(report: &Document) -> String {
     let mut text = format!("Angular error against {}, degrees\n", report.against);
     text += &angles(report).lines(0);

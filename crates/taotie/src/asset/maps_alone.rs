@@ -142,6 +142,8 @@ pub(super) fn warnings(made: &Made) -> Warnings {
     let factors: Vec<&str> = factors.map(|property| property.name()).collect();
     let what = format!("maps alone hold no factors of the scan's material: {}", factors.join(", "));
     warnings.note(what, usize::from(!factors.is_empty()));
+    let is_told = made.about.copyright.is_some() || made.about.xmp.is_some();
+    warnings.note("maps alone hold neither rights nor history of the scan", usize::from(is_told));
     warnings
 }
 
