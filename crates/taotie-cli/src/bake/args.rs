@@ -29,7 +29,7 @@ OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degree
 pub struct BakeArgs {
     /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl)
     pub high: PathBuf,
-    /// The asset to write (.glb, or .gltf with its files beside it). A .png gets the maps alone, for a --low with UVs: the
+    /// The asset to write (.glb, or .gltf with its files beside it). A .png or .webp gets the maps alone, for a --low with UVs: the
     /// first, normals if not asked otherwise, in OUT, each other beside it, such as OUT.ao.png
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
@@ -192,8 +192,11 @@ impl BakeArgs {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
         }
         let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png")) {
-            bail!("{}: assets are written as .glb or .gltf, maps alone as .png", self.output.display());
+        if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp")) {
+            bail!(
+                "{}: assets are written as .glb or .gltf, maps alone as .png or .webp",
+                self.output.display()
+            );
         }
         self.check_alone()?;
         let same = |path: &PathBuf| {
@@ -236,7 +239,11 @@ impl BakeArgs {
 
     /// Says whether maps are written without a model.
     fn is_alone(&self) -> bool {
-        self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+        self.has_extension("png") || self.has_extension("webp")
+    }
+
+    fn has_extension(&self, wanted: &str) -> bool {
+        self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
     }
 
     /// Refuses what only a model has, where maps are written alone.
@@ -262,7 +269,19 @@ impl BakeArgs {
                     "{output}: maps alone need the mesh that they are for: give --low with UVs, or write a .glb"
                 )
             }
-            _ => Ok(()),
+            _ => self.check_depth(),
+        }
+    }
+
+    /// Refuses maps of 16 bits in a file that holds 8.
+    fn check_depth(&self) -> Result<()> {
+        let deep = [MapKind::Height, MapKind::Curvature];
+        let maps = self.maps();
+        match maps.iter().find(|map| deep.contains(map)) {
+            _ if !self.has_extension("webp") => Ok(()),
+            Some(map) => bail!("--maps {}: it needs 16 bits and WebP holds 8; write a .png", map.name()),
+            None if self.bits() == 16 => bail!("--bits 16: WebP holds 8 bits; write a .png, or take 8"),
+            None => Ok(()),
         }
     }
 

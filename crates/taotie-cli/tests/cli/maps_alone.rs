@@ -59,6 +59,17 @@ fn further_maps_lie_beside_the_first() {
 }
 
 #[test]
+fn webp_holds_the_same_texels() {
+    let place = scan_and_low();
+    baked(&place, "-o a.png --maps normal,ao --ao-rays 4");
+    let report = baked(&place, "-o b.webp --maps normal,ao --ao-rays 4");
+    assert_eq!((&report["files"][0], &report["files"][1]), (&json!("b.webp"), &json!("b.ao.webp")));
+    assert!(texels(&place, "a.png") == texels(&place, "b.webp"));
+    assert!(texels(&place, "a.ao.png") == texels(&place, "b.ao.webp"));
+    assert!(report["proof"]["angles"]["mean"].is_number());
+}
+
+#[test]
 fn green_down_is_in_the_map_itself_and_the_proof_knows() {
     let place = scan_and_low();
     let up = baked(&place, "-o up.png");
@@ -135,5 +146,7 @@ fn what_only_a_model_has_is_refused_before_the_work() {
     );
     refused("bake scan.obj -o normal.png --triangles 500", "--triangles: normal.png gets maps alone");
     refused("bake scan.obj --low bare.obj -o normal.png --size 64", "maps alone: no file holds the uvs");
-    refused(&format!("{LINE} -o normal.exr"), "maps alone as .png");
+    refused(&format!("{LINE} -o normal.exr"), "maps alone as .png or .webp");
+    refused(&format!("{LINE} -o normal.webp --bits 16"), "--bits 16: WebP holds 8 bits; write a .png");
+    refused(&format!("{LINE} -o normal.webp --maps normal,height"), "--maps height: it needs 16 bits");
 }

@@ -18,7 +18,11 @@ use std::path::{Path, PathBuf};
 
 /// Says whether a path asks for maps alone.
 pub(super) fn is_alone(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+    has_extension(path, "png") || has_extension(path, "webp")
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
 /// A texture as a file of its own, and the maps that it holds.
@@ -42,8 +46,10 @@ fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
     let beside =
         |beside: &'a Beside| MapFile { range: beside.range, ..MapFile::new(beside.map, &beside.bitmap) };
     files.extend(textures.beside.iter().map(beside));
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
     for (i, file) in files.iter_mut().enumerate() {
-        file.path = if i == 0 { path.into() } else { path.with_extension(format!("{}.png", file.name())) };
+        file.path =
+            if i == 0 { path.into() } else { path.with_extension(format!("{}.{extension}", file.name())) };
         if file.holds(&[MapKind::Emission]) {
             let white = f64::from(textures.strength);
             file.range = Some(Range { black: 0.0, white, unit: "radiance" });
@@ -93,14 +99,19 @@ pub(super) fn notes(made: &Made, path: &Path) -> Vec<MapNote> {
 /// Returns all files.
 ///
 /// # Errors
-/// [`Error::Invalid`] for what maps alone cannot have: uvs that were made, levels of detail, and the packing of a model.
+/// [`Error::Invalid`] for what maps alone cannot have: uvs that were made, levels of detail, and the packing of a model;
+/// [`Error::Unsupported`] for maps of 16 bits as WebP.
 pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
     check(made, packing)?;
     let turned = green::turned(made, packing)?;
     let encode = |file: MapFile<'_>| {
         let turned = turned.iter().find(|turned| file.holds(&[turned.map]));
         let bitmap = turned.map_or(file.bitmap, |turned| &turned.bitmap);
-        Ok(FileBytes { bytes: io::encode_png_bitmap(bitmap, file.encoding())?, path: file.path })
+        let bytes = match has_extension(path, "webp") {
+            true => io::encode_webp_bitmap(bitmap)?,
+            false => io::encode_png_bitmap(bitmap, file.encoding())?,
+        };
+        Ok(FileBytes { bytes, path: file.path })
     };
     files(made, path).into_iter().map(encode).collect()
 }
@@ -115,7 +126,7 @@ fn check(made: &Made, packing: &Packing) -> Result<()> {
         (!made.coarser.is_empty(), "levels of detail are lost with the model; leave them out"),
         (
             packing.images != GltfImages::Png || packing.jpeg.is_some(),
-            "they are PNG; leave other packings out",
+            "the name of their file says how they are packed; leave other packings out",
         ),
         (packing.meshopt, "there is no geometry to compress"),
         (packing.provenance.is_some(), "they hold no XMP metadata"),
@@ -225,7 +236,7 @@ mod tests {
     #[test]
     fn only_pictures_stand_alone() {
         let alone =
-            ["normal.png", "a/b.PNG", "scan.glb", "scan.gltf", "png"].map(|path| is_alone(path.as_ref()));
+            ["normal.png", "a/b.WebP", "scan.glb", "scan.gltf", "png"].map(|path| is_alone(path.as_ref()));
         assert_eq!(alone, [true, true, false, false, false]);
     }
 

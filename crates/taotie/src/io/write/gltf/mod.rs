@@ -15,7 +15,7 @@ mod scene;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
-pub use images::GltfImage;
+pub use images::{GltfImage, encode_webp_bitmap};
 pub use material::GltfMaterial;
 pub use scene::{WrittenScene, write_scene};
 
