@@ -29,7 +29,7 @@ OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degree
 pub struct BakeArgs {
     /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl)
     pub high: PathBuf,
-    /// The asset to write (.glb, or .gltf with its files beside it). A .png or .webp gets the maps alone, for a --low with UVs: the
+    /// The asset to write (.glb, or .gltf with its files beside it). A .png, .webp or .exr gets the maps alone, for a --low with UVs: the
     /// first, normals if not asked otherwise, in OUT, each other beside it, such as OUT.ao.png
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
@@ -192,9 +192,9 @@ impl BakeArgs {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
         }
         let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp")) {
+        if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp" | "exr")) {
             bail!(
-                "{}: assets are written as .glb or .gltf, maps alone as .png or .webp",
+                "{}: assets are written as .glb or .gltf, maps alone as .png, .webp or .exr",
                 self.output.display()
             );
         }
@@ -239,7 +239,7 @@ impl BakeArgs {
 
     /// Says whether maps are written without a model.
     fn is_alone(&self) -> bool {
-        self.has_extension("png") || self.has_extension("webp")
+        ["png", "webp", "exr"].into_iter().any(|extension| self.has_extension(extension))
     }
 
     fn has_extension(&self, wanted: &str) -> bool {
@@ -278,6 +278,9 @@ impl BakeArgs {
         let deep = [MapKind::Height, MapKind::Curvature];
         let maps = self.maps();
         match maps.iter().find(|map| deep.contains(map)) {
+            _ if self.has_extension("exr") && self.bits.is_some() => {
+                bail!("--bits: an .exr holds floats; leave it out, or write a .png")
+            }
             _ if !self.has_extension("webp") => Ok(()),
             Some(map) => bail!("--maps {}: it needs 16 bits and WebP holds 8; write a .png", map.name()),
             None if self.bits() == 16 => bail!("--bits 16: WebP holds 8 bits; write a .png, or take 8"),
@@ -457,6 +460,7 @@ impl BakeArgs {
     fn bits(&self) -> u8 {
         match self.bits.as_deref() {
             Some("16") => 16,
+            None if self.has_extension("exr") && self.bakes_normals() => 16,
             None if self.images() == GltfImages::Png && self.bakes_normals() => self.defaults().bits,
             _ => 8,
         }

@@ -69,6 +69,34 @@ fn webp_holds_the_same_texels() {
     assert!(report["proof"]["angles"]["mean"].is_number());
 }
 
+/// The numbers of an OpenEXR file.
+fn numbers(place: &Place, name: &str) -> Vec<[f32; 4]> {
+    let bitmap = read_bitmap(&place.path(name)).expect("it is a picture");
+    let Texels::F32(texels) = bitmap.texels() else { panic!("{name}: floats") };
+    texels.clone()
+}
+
+#[test]
+fn openexr_holds_the_numbers_themselves() {
+    let place = scan_and_low();
+    let fine = baked(&place, "-o a.png --maps normal,height --bits 16");
+    let mean = |report: &Value| report["proof"]["angles"]["mean"].as_f64().expect("it is measured");
+    for green in ["up", "down"] {
+        let report = baked(&place, &format!("-o b.exr --maps normal,height --green {green}"));
+        assert!((mean(&fine) - mean(&report)).abs() < 1e-3, "{} {}", mean(&fine), mean(&report));
+        let length = |[x, y, z, _]: &[f32; 4]| (x * x + y * y + z * z).sqrt();
+        let normals = numbers(&place, "b.exr");
+        let unit = normals.iter().filter(|normal| (length(normal) - 1.0).abs() < 1e-3).count();
+        assert!(10 * unit > 9 * normals.len(), "{unit} of {}", normals.len());
+    }
+    let object = baked(&place, "-o c.exr --space object");
+    assert!(mean(&object) < 2.0 * mean(&fine), "{} {}", mean(&object), mean(&fine));
+    let note = |name: &str| fine["maps"][1][name].as_f64().expect("a number of the height map");
+    let heights = numbers(&place, "b.height.exr");
+    let most = heights.iter().fold(f32::NEG_INFINITY, |most, [height, ..]| most.max(*height));
+    assert!((f64::from(most) - note("white")).abs() < 1e-4 * (note("white") - note("black")), "{most}");
+}
+
 #[test]
 fn green_down_is_in_the_map_itself_and_the_proof_knows() {
     let place = scan_and_low();
@@ -146,7 +174,8 @@ fn what_only_a_model_has_is_refused_before_the_work() {
     );
     refused("bake scan.obj -o normal.png --triangles 500", "--triangles: normal.png gets maps alone");
     refused("bake scan.obj --low bare.obj -o normal.png --size 64", "maps alone: no file holds the uvs");
-    refused(&format!("{LINE} -o normal.exr"), "maps alone as .png or .webp");
+    refused(&format!("{LINE} -o normal.tga"), "maps alone as .png, .webp or .exr");
+    refused(&format!("{LINE} -o normal.exr --bits 16"), "--bits: an .exr holds floats");
     refused(&format!("{LINE} -o normal.webp --bits 16"), "--bits 16: WebP holds 8 bits; write a .png");
     refused(&format!("{LINE} -o normal.webp --maps normal,height"), "--maps height: it needs 16 bits");
 }

@@ -4,6 +4,7 @@ use super::green;
 use super::kept_textures::KeptTextures;
 use super::made::Made;
 use super::map_note::MapNote;
+use super::map_numbers::{self, Meaning};
 use super::packing::Packing;
 use super::property::Property;
 use super::textures::{Beside, Range};
@@ -18,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Says whether a path asks for maps alone.
 pub(super) fn is_alone(path: &Path) -> bool {
-    has_extension(path, "png") || has_extension(path, "webp")
+    ["png", "webp", "exr"].into_iter().any(|extension| has_extension(path, extension))
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {
@@ -79,14 +80,41 @@ impl<'a> MapFile<'a> {
         if is_color { Encoding::Srgb } else { Encoding::Linear }
     }
 
+    /// Returns its bytes, as its extension says, with the texels of `bitmap`.
+    fn encoded(&self, bitmap: &Bitmap) -> Result<Vec<u8>> {
+        if has_extension(&self.path, "exr") {
+            return map_numbers::encoded(bitmap, self.meaning());
+        }
+        match has_extension(&self.path, "webp") {
+            true => io::encode_webp_bitmap(bitmap),
+            false => io::encode_png_bitmap(bitmap, self.encoding()),
+        }
+    }
+
+    fn meaning(&self) -> Meaning {
+        match (self.encoding(), self.range) {
+            _ if self.holds(&[MapKind::Normal, MapKind::Bent]) => Meaning::Direction,
+            (Encoding::Srgb, _) => Meaning::Color,
+            (_, Some(range)) => Meaning::Number(range),
+            (_, None) => Meaning::Plain,
+        }
+    }
+
+    /// Returns the numbers of black and white in the file: OpenEXR holds numbers themselves, but emission.
+    fn file_range(&self) -> Option<Range> {
+        let is_number = matches!(self.meaning(), Meaning::Number(_)) && has_extension(&self.path, "exr");
+        self.range.map(|range| if is_number { Range { black: 0.0, white: 1.0, ..range } } else { range })
+    }
+
     fn notes(&self) -> impl Iterator<Item = MapNote> {
-        self.maps.iter().map(|map| MapNote {
+        let range = self.file_range();
+        self.maps.iter().map(move |map| MapNote {
             map: *map,
             file: Some(self.path.clone()),
             bits: self.bitmap.bits(),
-            black: self.range.map(|range| range.black),
-            white: self.range.map(|range| range.white),
-            unit: self.range.map_or("", |range| range.unit),
+            black: range.map(|range| range.black),
+            white: range.map(|range| range.white),
+            unit: range.map_or("", |range| range.unit),
         })
     }
 }
@@ -107,11 +135,7 @@ pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec
     let encode = |file: MapFile<'_>| {
         let turned = turned.iter().find(|turned| file.holds(&[turned.map]));
         let bitmap = turned.map_or(file.bitmap, |turned| &turned.bitmap);
-        let bytes = match has_extension(path, "webp") {
-            true => io::encode_webp_bitmap(bitmap)?,
-            false => io::encode_png_bitmap(bitmap, file.encoding())?,
-        };
-        Ok(FileBytes { bytes, path: file.path })
+        Ok(FileBytes { bytes: file.encoded(bitmap)?, path: file.path })
     };
     files(made, path).into_iter().map(encode).collect()
 }
@@ -195,19 +219,21 @@ pub(super) fn read_back(made: &Made, green: GreenChannel, path: &Path) -> Result
     for file in files(made, path) {
         let bitmap = io::read_bitmap(&file.path)?;
         show(&file, textures.len(), (&mut material, made.options.space));
-        textures.push(texture(&file, bitmap, green));
+        textures.push(texture(&file, bitmap, green)?);
     }
     let mut scene = Scene::of_mesh(made.low.mesh.clone(), Material::default())?;
     scene.edit(|scene| (scene.textures, scene.materials) = (textures, vec![material]))?;
     Ok(Loaded::new(scene, Warnings::default(), "PNG"))
 }
 
-fn texture(file: &MapFile<'_>, bitmap: Bitmap, green: GreenChannel) -> Texture {
-    match (file.maps[0], green) {
-        (MapKind::Normal, GreenChannel::Down) => Texture::new(green_turned(&bitmap), Encoding::Normal),
-        (MapKind::Normal, GreenChannel::Up) => Texture::new(bitmap, Encoding::Normal),
-        _ => Texture::new(bitmap, file.encoding()),
+/// Returns a file's texture, whose normals are codes with green up. Colours in floats are linear there too.
+fn texture(file: &MapFile<'_>, bitmap: Bitmap, green: GreenChannel) -> Result<Texture> {
+    if !file.holds(&[MapKind::Normal]) {
+        return Ok(Texture::new(bitmap, file.encoding()));
     }
+    let codes = map_numbers::codes_of_normals(bitmap)?;
+    let up = if green == GreenChannel::Down { green_turned(&codes) } else { codes };
+    Ok(Texture::new(up, Encoding::Normal))
 }
 
 /// Puts a texture into the slots of a material that its maps belong to.
@@ -235,9 +261,8 @@ mod tests {
 
     #[test]
     fn only_pictures_stand_alone() {
-        let alone =
-            ["normal.png", "a/b.WebP", "scan.glb", "scan.gltf", "png"].map(|path| is_alone(path.as_ref()));
-        assert_eq!(alone, [true, true, false, false, false]);
+        let alone = ["normal.png", "a/b.WebP", "c.exr", "scan.glb", "scan.gltf", "png"];
+        assert_eq!(alone.map(|path| is_alone(path.as_ref())), [true, true, true, false, false, false]);
     }
 
     #[test]

@@ -35,6 +35,7 @@ mod look;
 mod low;
 mod made;
 mod map_note;
+mod map_numbers;
 mod maps;
 mod maps_alone;
 mod material_figures;

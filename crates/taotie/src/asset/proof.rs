@@ -2,6 +2,7 @@
 
 use super::level_figures::{LevelFigures, LevelSurface, PointCounts};
 use super::made::Asset;
+use super::map_numbers;
 use super::maps_alone;
 use super::material_figures::MaterialFigures;
 use super::scan::Scan;
@@ -213,7 +214,10 @@ impl Written {
         progress.begin("read back")?;
         let loaded = self.read_back()?;
         let object_map = match self.object_map() {
-            Some(path) => Some(Texture::new(io::read_bitmap(&path)?, Encoding::Normal)),
+            Some(path) => {
+                let codes = map_numbers::codes_of_normals(io::read_bitmap(&path)?)?;
+                Some(Texture::new(codes, Encoding::Normal))
+            }
             None => None,
         };
         let shown = Shown::of(&loaded.scene, object_map.as_ref(), self.path())?;

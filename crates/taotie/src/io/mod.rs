@@ -38,7 +38,7 @@ pub use write::{
     write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
-pub use write::{ExrLayer, write_exr};
+pub use write::{ExrLayer, encode_exr, write_exr};
 pub(crate) use xmp::XmpProperties;
 pub use xmp::{Provenance, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 

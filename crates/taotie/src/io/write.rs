@@ -11,7 +11,7 @@ mod writable;
 
 pub use animated_image::{AnimatedImage, AnimationFormat, AnimationSpec};
 #[cfg(feature = "exr")]
-pub use exr::{ExrLayer, write_exr};
+pub use exr::{ExrLayer, encode_exr, write_exr};
 pub use files::{FileBytes, write_files};
 pub use gltf::{
     GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, WrittenScene,
