@@ -18,6 +18,7 @@ mod help;
 mod inspect;
 mod json;
 mod json_bake;
+mod maps_alone;
 mod models;
 mod motion;
 mod normals;
