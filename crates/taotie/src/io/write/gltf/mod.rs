@@ -3,6 +3,7 @@
 mod container;
 mod draft;
 mod format;
+mod image_packing;
 mod images;
 mod ktx;
 mod layers;
@@ -12,6 +13,7 @@ mod number;
 mod packed;
 mod samplers;
 mod scene;
+mod webp;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
