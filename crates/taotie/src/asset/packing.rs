@@ -1,7 +1,7 @@
 //! The packing of an asset into files.
 
 use crate::error::Result;
-use crate::io::{GltfImages, XmpProperties};
+use crate::io::{GltfFormat, GltfImages, XmpProperties};
 use crate::scene::GreenChannel;
 use std::path::PathBuf;
 
@@ -45,5 +45,10 @@ impl Packing {
     /// programs read.
     pub fn check(&self) -> Result<()> {
         self.provenance.as_deref().map_or(Ok(()), |path| XmpProperties::read(path).map(drop))
+    }
+
+    /// Returns the same for glTF.
+    pub(super) fn format(&self) -> GltfFormat {
+        GltfFormat { images: self.images, jpeg: self.jpeg, meshopt: self.meshopt }
     }
 }

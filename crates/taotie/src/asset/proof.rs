@@ -210,9 +210,9 @@ impl Written {
 
     fn prove(&self, scan: Scan, options: &VerifyOptions, progress: Progress<'_>) -> Result<Proof> {
         progress.begin("read back")?;
-        let loaded = io::load_model(self.path())?;
+        let loaded = io::load_model(&self.current())?;
         let object_map = match self.object_map() {
-            Some(path) => Some(Texture::new(io::read_bitmap(&path)?, Encoding::Normal)),
+            Some(path) => Some(Texture::new(io::read_bitmap(&self.set.current(&path))?, Encoding::Normal)),
             None => None,
         };
         let shown = Shown::of(&loaded.scene, object_map.as_ref(), self.path())?;
@@ -260,7 +260,7 @@ impl Written {
             progress.begin("measure levels")?;
         }
         let read = |level| {
-            let mut scene = io::load_level(self.path(), level)?.scene;
+            let mut scene = io::load_level(&self.current(), level)?.scene;
             scene.edit(|scene| scene.textures = finest.scene.textures().to_vec())?;
             Ok(scene)
         };
@@ -299,7 +299,11 @@ impl Written {
             views: Vec::new(),
             fit: mapped.fit(options.points / 10, diagonal).map(FitFigures::from),
             bytes_in: made.about.bytes,
-            bytes_out: self.files.iter().map(|path| io::file_size(path)).sum::<Result<u64>>()?,
+            bytes_out: self
+                .files
+                .iter()
+                .map(|path| io::file_size(&self.set.current(path)))
+                .sum::<Result<u64>>()?,
             material: finest.material,
             full_views: Vec::new(),
             unseen: Vec::new(),

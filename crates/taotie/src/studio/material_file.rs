@@ -127,6 +127,11 @@ impl MaterialFile {
         Ok(file)
     }
 
+    /// Returns the files of its maps.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.maps.options().files()
+    }
+
     /// Puts the material on every material of `scene`; their relief and occlusion stay where it names none.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! OpenEXR images: linear float channels in named layers.
 
-use super::write_with;
+use super::file_set::FileSet;
 use crate::error::{Error, Result};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
@@ -25,7 +25,22 @@ pub struct ExrLayer<'a> {
 /// [`Error::Invalid`] where there is no layer, a channel name comes twice or the sample count does not fit the
 /// size; [`Error::Io`] where the file cannot be written.
 pub fn write_exr(path: &Path, (width, height): (u32, u32), layers: &[ExrLayer]) -> Result<()> {
-    let size = (width as usize, height as usize);
+    FileSet::one(|files| files.write_exr(path, (width, height), layers))
+}
+
+impl FileSet {
+    /// Writes layers as [`write_exr`] does.
+    ///
+    /// # Errors
+    /// As [`write_exr`].
+    pub fn write_exr(&self, path: &Path, (width, height): (u32, u32), layers: &[ExrLayer]) -> Result<()> {
+        let image = Image::from_layer(layer((width as usize, height as usize), layers)?);
+        self.write_with(path, |out| image.write().to_buffered(out).map_err(|e| encoding_error(path, e)))
+    }
+}
+
+/// Returns all channels of layers as those of one part.
+fn layer(size: (usize, usize), layers: &[ExrLayer]) -> Result<Layer<AnyChannels<FlatSamples>>> {
     let mut channels = Vec::new();
     for layer in layers {
         split_channels(layer, size.0 * size.1, &mut channels)?;
@@ -42,9 +57,7 @@ pub fn write_exr(path: &Path, (width, height): (u32, u32), layers: &[ExrLayer]) 
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(channels.into()));
-    let image = Image::from_layer(layer);
-    write_with(path, |out| image.write().to_buffered(out).map_err(|e| encoding_error(path, e)))
+    Ok(Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(channels.into())))
 }
 
 fn split_channels(layer: &ExrLayer, pixels: usize, into: &mut Vec<AnyChannel<FlatSamples>>) -> Result<()> {
