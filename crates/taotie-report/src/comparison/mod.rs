@@ -20,6 +20,7 @@ mod files;
 mod page;
 
 pub use document::{Document, SCHEMA};
+pub use files::possible_files;
 
 use crate::Page;
 use files::Files;
@@ -27,6 +28,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use taotie::Result;
 use taotie::comparison::Comparison;
+use taotie::io::FileSet;
 
 /// The options of the files of a comparison.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,12 +72,21 @@ pub fn page(comparison: &Comparison, options: &Options) -> Result<Page> {
     page::page(comparison, &Document::new(comparison, options)?, options)
 }
 
-/// Writes pictures, contact sheet, `report.json` and `report.html` into `folder`, which is made if it is not there.
+/// Writes pictures, contact sheet, `report.json` and `report.html` into `folder`, which is made if it is not there. All
+/// appear together, or none.
 ///
 /// # Errors
 /// [`taotie::Error::Io`] where a file cannot be written.
 pub fn write(comparison: &Comparison, options: &Options, folder: &Path) -> Result<Written> {
-    let mut files = Files::new(folder, options.heat_top_deg as f32)?;
+    FileSet::one(|set| write_in(set, comparison, options, folder))
+}
+
+/// Writes the files of [`write()`] as files of a set, which the caller commits.
+///
+/// # Errors
+/// As [`write()`], and [`taotie::Error::Invalid`] where a file that was read would be written over.
+pub fn write_in(set: &FileSet, comparison: &Comparison, options: &Options, folder: &Path) -> Result<Written> {
+    let mut files = Files::new(set, folder, options.heat_top_deg as f32)?;
     files.write(comparison)?;
     let document = Document::new(comparison, options)?;
     files.write_text("report.json", &document.json()?)?;

@@ -117,13 +117,23 @@ impl FileSet {
     /// [`Error::Io`] naming the folder where that is missing, or the path where it is no regular file or the system
     /// refuses; [`Error::Invalid`] naming both where it was read.
     pub fn claim(&self, path: &Path) -> Result<()> {
-        let mut state = self.state()?;
-        let at = state.place(path)?;
+        self.reserve(path)?;
+        let at = self.state()?.place(path)?;
         if !at.exists() {
             // A name may be too long.
             let tried = File::create_new(&at).and_then(|_| fs::remove_file(&at));
             tried.map_err(|e| Error::io(path, e))?;
         }
+        Ok(())
+    }
+
+    /// Says that a file may be written, and is not one that was read.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming both where it was read.
+    pub fn reserve(&self, path: &Path) -> Result<()> {
+        let mut state = self.state()?;
+        state.sources.iter().try_for_each(|source| refuse_same(path, source))?;
         state.claimed.push(path.to_path_buf());
         Ok(())
     }
