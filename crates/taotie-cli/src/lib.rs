@@ -90,11 +90,13 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
         Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),
     };
+    if stop::is_ending() {
+        return stop::wait();
+    }
     match result {
         Ok(Outcome::Fine) => ExitCode::SUCCESS,
         Ok(Outcome::Different) => ExitCode::from(1),
         Err(error) if console::is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) if console::is_cancelled(&error) => stop::wait(),
         Err(error) => {
             console::complain(&format!("taotie: error: {}", console::causes(&error)));
             ExitCode::from(2)

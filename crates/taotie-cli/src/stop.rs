@@ -2,12 +2,16 @@
 
 use crate::console;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 use taotie::io::{FileSet, Stopper};
 
 /// The sets of files that are being written. A signal can reach nothing but what is global.
 static SETS: Mutex<Vec<Stopper>> = Mutex::new(Vec::new());
+
+/// Set when a signal ends the command.
+static ENDING: AtomicBool = AtomicBool::new(false);
 
 /// Makes a set of files that signals stop.
 pub fn files() -> FileSet {
@@ -24,7 +28,12 @@ pub fn listen() {
     LISTENING.get_or_init(|| drop(signals::listen()));
 }
 
-/// Waits for the end by a signal that has stopped the work.
+/// Says whether a signal is ending the command: errors of the work mean nothing then.
+pub fn is_ending() -> bool {
+    ENDING.load(Ordering::SeqCst)
+}
+
+/// Waits for the end by a signal.
 pub fn wait() -> ExitCode {
     std::thread::sleep(Duration::from_secs(1));
     ExitCode::from(130)
@@ -32,8 +41,9 @@ pub fn wait() -> ExitCode {
 
 /// Ends the process with this code.
 fn end(code: i32) -> ! {
+    ENDING.store(true, Ordering::SeqCst);
     SETS.lock().unwrap_or_else(PoisonError::into_inner).iter().for_each(Stopper::stop);
-    console::complain("taotie: interrupted; all files are as they were");
+    console::complain("taotie: interrupted; no file is half written");
     std::process::exit(code)
 }
 
