@@ -42,7 +42,9 @@ pub fn wait() -> ExitCode {
 /// Ends the process with this code.
 fn end(code: i32) -> ! {
     ENDING.store(true, Ordering::SeqCst);
-    SETS.lock().unwrap_or_else(PoisonError::into_inner).iter().for_each(Stopper::stop);
+    // Kept until the end, so that no further set comes to be.
+    let sets = SETS.lock().unwrap_or_else(PoisonError::into_inner);
+    sets.iter().for_each(Stopper::stop);
     console::complain("taotie: interrupted; no file is half written");
     std::process::exit(code)
 }

@@ -12,7 +12,6 @@ use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 
 const PREFIX: &str = ".taotie-";
 const SUFFIX: &str = ".part";
@@ -25,9 +24,9 @@ const WHOLE: &str = "whole";
 #[derive(Debug)]
 pub(super) struct Staging {
     folder: PathBuf,
-    place: TempDir,
+    place: PathBuf,
     /// Open, and so locked, as long as the folder is in use.
-    _lock: File,
+    lock: File,
     /// The files that are complete.
     names: Vec<OsString>,
 }
@@ -52,15 +51,15 @@ impl Staging {
 
     fn attempt(folder: &Path) -> io::Result<Self> {
         let place = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempdir_in(folder)?;
-        let lock = place.path().join(LOCK);
-        let file = File::create_new(&lock)?;
+        let path = place.path().join(LOCK);
+        let lock = File::create_new(&path)?;
         // Where the file system has no locks, nobody can take this one, and nothing is ever swept.
-        let _ = file.lock();
-        if !lock.exists() {
+        let _ = lock.lock();
+        if !path.exists() {
             return Err(io::ErrorKind::NotFound.into());
         }
         [NEW, OLD].iter().try_for_each(|part| fs::create_dir(place.path().join(part)))?;
-        Ok(Self { folder: folder.to_path_buf(), place, _lock: file, names: Vec::new() })
+        Ok(Self { folder: folder.to_path_buf(), place: place.keep(), lock, names: Vec::new() })
     }
 
     /// Returns the folder that the files are for.
@@ -70,7 +69,7 @@ impl Staging {
 
     /// Returns the place of a file that is not in its own yet.
     pub fn new_path(&self, name: &OsStr) -> PathBuf {
-        self.place.path().join(NEW).join(name)
+        self.place.join(NEW).join(name)
     }
 
     /// Says whether a file of this name is complete.
@@ -105,7 +104,7 @@ impl Staging {
 
     /// Marks the files as complete and what they replace as kept: what is begun now is finished, by whomever.
     pub fn mark(&self) -> Result<()> {
-        File::create_new(self.place.path().join(WHOLE)).map(drop).map_err(|e| Error::io(&self.folder, e))
+        File::create_new(self.place.join(WHOLE)).map(drop).map_err(|e| Error::io(&self.folder, e))
     }
 
     /// Puts all files in their places, the first last: a document comes after the files that it names.
@@ -124,7 +123,7 @@ impl Staging {
 
     /// Puts back what stood there before.
     pub fn put_back(&self) {
-        let _ = fs::remove_file(self.place.path().join(WHOLE));
+        let _ = fs::remove_file(self.place.join(WHOLE));
         for name in &self.names {
             let (target, old) = (self.folder.join(name), self.old_path(name));
             let was_put = !self.new_path(name).exists();
@@ -138,8 +137,22 @@ impl Staging {
     }
 
     fn old_path(&self, name: &OsStr) -> PathBuf {
-        self.place.path().join(OLD).join(name)
+        self.place.join(OLD).join(name)
     }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        remove(&self.place);
+        let _ = self.lock.unlock();
+    }
+}
+
+/// Removes a hidden folder, its lock last: where that is cut off, the next process tells what is left over.
+fn remove(place: &Path) {
+    [OLD, NEW].iter().for_each(|part| drop(fs::remove_dir_all(place.join(part))));
+    [WHOLE, LOCK].iter().for_each(|name| drop(fs::remove_file(place.join(name))));
+    let _ = fs::remove_dir(place);
 }
 
 /// Puts the files of several folders in their places, or none of them. Processes that do so in one folder take turns.
@@ -197,12 +210,13 @@ fn clear(folder: &Path, place: &Path) {
             let _ = fs::rename(entry.path(), &target);
         }
     }
-    let _ = fs::remove_dir_all(place);
+    remove(place);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tempfile::TempDir;
 
     /// A folder with `a` and `b`, and a staging of new ones.
     fn begun() -> (TempDir, Staging) {
@@ -226,8 +240,8 @@ mod tests {
 
     /// The same as if the process had died.
     fn die(staging: Staging) {
-        let Staging { place, _lock, .. } = staging;
-        let _ = place.keep();
+        staging.lock.unlock().unwrap();
+        std::mem::forget(staging);
     }
 
     fn all(text: &str) -> [Option<String>; 3] {
