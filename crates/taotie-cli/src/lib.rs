@@ -1,7 +1,7 @@
 //! The `taotie` command as a library: [`run`] is all that a `main`, in Rust or elsewhere, has to call.
 //!
-//! Exit codes: 0 fine, 1 difference above the threshold asked for, 2 error, 130 interrupted, 143 asked to end. Results go to stdout, talk to stderr; a
-//! closed pipe is no error.
+//! Exit codes: 0 fine, 1 difference above the threshold asked for, 2 error, 130 interrupted, 143 asked to end. Results go
+//! to stdout, talk to stderr; a closed pipe is no error.
 
 mod bake;
 mod compare;

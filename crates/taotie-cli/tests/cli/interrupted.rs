@@ -55,7 +55,7 @@ fn names_of_kept(place: &Place) -> Vec<String> {
     place.files()
 }
 
-fn is_hidden(name: &String) -> bool {
+fn is_hidden(name: &str) -> bool {
     name.starts_with(".taotie")
 }
 
@@ -64,7 +64,7 @@ fn begin(place: &Place, job: &Job) -> Child {
     let line: Vec<&str> = job.line.split_whitespace().collect();
     let mut process = place.process(&line);
     let mut child = process.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the command starts");
-    while !place.files().iter().any(is_hidden) {
+    while !place.files().iter().any(|name| is_hidden(name)) {
         assert_eq!(child.try_wait().expect("it can be asked"), None, "{} ended early", job.line);
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -107,7 +107,7 @@ fn a_signal_during_the_proof_keeps_the_asset_of_before() {
     let place = place();
     let before = names_of_kept(&place);
     let mut child = begin(&place, &JOBS[0]);
-    let hidden = place.files().into_iter().find(is_hidden).expect("it has begun");
+    let hidden = place.files().into_iter().find(|name| is_hidden(name)).expect("it has begun");
     let asset = place.path(&hidden).join("new/out.glb");
     while !asset.exists() {
         assert_eq!(child.try_wait().expect("it can be asked"), None, "it ended early");
@@ -130,7 +130,7 @@ fn the_next_run_sweeps_what_a_killed_one_left_and_no_more() {
         assert_eq!(left.iter().filter(|name| is_hidden(name)).count(), 1, "that of a live process stays");
         send("-KILL", &child);
         assert_eq!(child.wait().expect("the command ends").code(), None);
-        assert!(names_of_kept(&place).iter().any(is_hidden), "{}: nobody tidied up", job.line);
+        assert!(names_of_kept(&place).iter().any(|name| is_hidden(name)), "{}: nobody tidied up", job.line);
         place.taotie(next).assert().success();
         std::fs::remove_file(place.path("next.png")).unwrap();
         assert_eq!(names_of_kept(&place), before, "{}", job.line);
