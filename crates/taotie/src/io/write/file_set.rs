@@ -1,6 +1,6 @@
 //! Files that appear together or not at all, and never over one that was read.
 
-use super::staging::{Staging, exchange};
+use super::staging::{Staging, exchange, sync};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
 use same_file::is_same_file;
@@ -97,11 +97,9 @@ impl FileSet {
     /// [`Error::Invalid`] naming both where one of them will be written.
     pub fn protect(&self, sources: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<()> {
         let mut state = self.state()?;
-        for source in sources {
-            let source = source.as_ref();
-            state.claimed.iter().try_for_each(|target| refuse_same(target, source))?;
-            state.sources.push(source.to_path_buf());
-        }
+        let sources: Vec<PathBuf> = sources.into_iter().map(|source| source.as_ref().to_path_buf()).collect();
+        state.claimed.iter().try_for_each(|target| refuse_read(target, &sources))?;
+        state.sources.extend(sources);
         Ok(())
     }
 
@@ -133,7 +131,7 @@ impl FileSet {
     /// [`Error::Invalid`] naming both where it was read.
     pub fn reserve(&self, path: &Path) -> Result<()> {
         let mut state = self.state()?;
-        state.sources.iter().try_for_each(|source| refuse_same(path, source))?;
+        refuse_read(path, &state.sources)?;
         state.claimed.push(path.to_path_buf());
         Ok(())
     }
@@ -242,13 +240,14 @@ impl FileSet {
         if state.open > 0 {
             return Err(Error::invalid("the files to write", format!("{} are not complete", state.open)));
         }
-        let folders = std::mem::take(&mut state.folders);
-        let done = exchange(&folders);
+        let folders: Vec<PathBuf> = state.folders.iter().map(|staging| staging.folder().to_owned()).collect();
+        let done = exchange(&mut state.folders);
+        state.folders.clear();
         if done.is_ok() {
             state.made.clear();
         }
         drop(state);
-        folders.iter().for_each(Staging::sync);
+        folders.iter().for_each(|folder| sync(folder));
         done
     }
 
@@ -280,7 +279,7 @@ impl State {
     /// Returns where a file is written before it is in its place.
     fn place(&mut self, path: &Path) -> Result<PathBuf> {
         refuse_special(path)?;
-        self.sources.iter().try_for_each(|source| refuse_same(path, source))?;
+        refuse_read(path, &self.sources)?;
         let Some(name) = path.file_name() else {
             return Err(Error::invalid(path.display().to_string(), "give a file name"));
         };
@@ -382,10 +381,12 @@ fn refuse_special(path: &Path) -> Result<()> {
 }
 
 /// Refuses to write a file that was read.
-fn refuse_same(target: &Path, source: &Path) -> Result<()> {
-    if !target.is_file() || !is_same_file(target, source).unwrap_or(false) {
+fn refuse_read(target: &Path, sources: &[PathBuf]) -> Result<()> {
+    if !target.is_file() {
         return Ok(());
     }
+    let is_target = |source: &&PathBuf| source.is_file() && is_same_file(target, source).unwrap_or(false);
+    let Some(source) = sources.iter().find(is_target) else { return Ok(()) };
     let (target, source) = (target.display(), source.display());
     let why = format!("it would be written over {source}, which is read; give another name or folder");
     Err(Error::invalid(target.to_string(), why))

@@ -29,6 +29,8 @@ pub(super) struct Staging {
     lock: File,
     /// The files that are complete.
     names: Vec<OsString>,
+    /// The number of them, from the last on, that are in their places.
+    put: usize,
 }
 
 impl Staging {
@@ -59,7 +61,7 @@ impl Staging {
             return Err(io::ErrorKind::NotFound.into());
         }
         [NEW, OLD].iter().try_for_each(|part| fs::create_dir(place.path().join(part)))?;
-        Ok(Self { folder: folder.to_path_buf(), place: place.keep(), lock, names: Vec::new() })
+        Ok(Self { folder: folder.to_path_buf(), place: place.keep(), lock, names: Vec::new(), put: 0 })
     }
 
     /// Returns the folder that the files are for.
@@ -108,25 +110,21 @@ impl Staging {
     }
 
     /// Puts all files in their places, the first last: a document comes after the files that it names.
-    pub fn put_new(&self) -> Result<()> {
-        let put = |name: &OsString| {
+    pub fn put_new(&mut self) -> Result<()> {
+        while let Some(name) = self.names.iter().rev().nth(self.put) {
             let target = self.folder.join(name);
-            fs::rename(self.new_path(name), &target).map_err(|e| Error::io(&target, e))
-        };
-        self.names.iter().rev().try_for_each(put)
-    }
-
-    /// Lets the new names reach the disk, where the system can do that for folders.
-    pub fn sync(&self) {
-        let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
+            fs::rename(self.new_path(name), &target).map_err(|e| Error::io(&target, e))?;
+            self.put += 1;
+        }
+        Ok(())
     }
 
     /// Puts back what stood there before.
     pub fn put_back(&self) {
         let _ = fs::remove_file(self.place.join(WHOLE));
-        for name in &self.names {
+        for (index, name) in self.names.iter().rev().enumerate() {
             let (target, old) = (self.folder.join(name), self.old_path(name));
-            let was_put = !self.new_path(name).exists();
+            let was_put = index < self.put;
             // What cannot be put back is beyond help; the first error is told.
             let _ = match fs::symlink_metadata(&old).is_ok() {
                 true if was_put || fs::symlink_metadata(&target).is_err() => fs::rename(&old, &target),
@@ -156,17 +154,22 @@ fn remove(place: &Path) {
 }
 
 /// Puts the files of several folders in their places, or none of them. Processes that do so in one folder take turns.
-pub(super) fn exchange(folders: &[Staging]) -> Result<()> {
-    let mut names: Vec<&Path> = folders.iter().map(Staging::folder).collect();
-    names.sort();
-    let _turns: Vec<Option<File>> = names.into_iter().map(turn).collect();
+pub(super) fn exchange(folders: &mut [Staging]) -> Result<()> {
+    let mut places: Vec<&Path> = folders.iter().map(Staging::folder).collect();
+    places.sort();
+    let _turns: Vec<Option<File>> = places.into_iter().map(turn).collect();
     let kept = folders.iter().try_for_each(Staging::keep_old);
     let marked = kept.and_then(|()| folders.iter().try_for_each(Staging::mark));
-    let put = marked.and_then(|()| folders.iter().rev().try_for_each(Staging::put_new));
+    let put = marked.and_then(|()| folders.iter_mut().rev().try_for_each(Staging::put_new));
     if put.is_err() {
         folders.iter().for_each(Staging::put_back);
     }
     put
+}
+
+/// Lets the names in a folder reach the disk, where the system can do that for folders.
+pub(super) fn sync(folder: &Path) {
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
 /// Waits until no other process renames files in a folder. `None` where the system cannot lock folders.
@@ -255,8 +258,8 @@ mod tests {
     #[test]
     fn all_are_put_in_their_places() {
         let (folder, staging) = begun();
-        let folders = [staging];
-        exchange(&folders).unwrap();
+        let mut folders = [staging];
+        exchange(&mut folders).unwrap();
         drop(folders);
         assert_eq!(content(&folder), all("after"));
     }
@@ -266,8 +269,8 @@ mod tests {
         for missing in ["a", "b", "c"] {
             let (folder, staging) = begun();
             fs::remove_file(staging.new_path(missing.as_ref())).unwrap();
-            let folders = [staging];
-            let error = exchange(&folders).unwrap_err().to_string();
+            let mut folders = [staging];
+            let error = exchange(&mut folders).unwrap_err().to_string();
             assert!(error.contains(missing), "{error}");
             drop(folders);
             assert_eq!(content(&folder), before(), "{missing}");
