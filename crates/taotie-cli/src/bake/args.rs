@@ -274,8 +274,8 @@ impl BakeArgs {
         asset.iter().try_for_each(|path| files.reserve(path))?;
         files.claim(&self.output)?;
         let reports = self.reports();
-        let reports = reports.iter().filter(|_| !self.no_verify);
-        Ok(reports.into_iter().try_for_each(|path| files.claim(path))?)
+        let mut reports = reports.iter().filter(|_| !self.no_verify);
+        Ok(reports.try_for_each(|path| files.claim(path))?)
     }
 
     /// Returns the files of the report: a page and JSON.

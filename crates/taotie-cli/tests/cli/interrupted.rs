@@ -27,7 +27,7 @@ const JOBS: [Job; 4] = [
         files: &["out.glb", "out.report.html", "out.report.json"],
     },
     Job {
-        line: "render scan.obj -o picture.png --size 4096 --samples 16 --shadows --aov depth",
+        line: "render scan.obj -o picture.png --size 2048 --samples 16 --shadows --aov depth",
         files: &["picture.png", "picture.depth.exr"],
     },
     Job {
@@ -35,7 +35,7 @@ const JOBS: [Job; 4] = [
         files: &["turn.png", "turn.000.png", "turn.299.png"],
     },
     Job {
-        line: "compare scan.obj --method facet,smooth --size 2048 --samples 16 -o .",
+        line: "compare scan.obj --method facet,smooth --size 1536 --samples 16 -o .",
         files: &["sheet.png", "report.json", "report.html"],
     },
 ];

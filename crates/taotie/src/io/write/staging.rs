@@ -43,25 +43,24 @@ impl Staging {
         const MOST: usize = 16;
         sweep(folder);
         for _ in 0..MOST {
-            match Self::attempt(folder) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound && folder.is_dir() => {}
-                made => return made,
+            if let Some(made) = Self::attempt(folder)? {
+                return Ok(made);
             }
         }
         Err(io::Error::other("temporary folders vanish while they are made"))
     }
 
-    fn attempt(folder: &Path) -> io::Result<Self> {
+    /// Returns `None` where another process took the folder for left over.
+    fn attempt(folder: &Path) -> io::Result<Option<Self>> {
         let place = tempfile::Builder::new().prefix(PREFIX).suffix(SUFFIX).tempdir_in(folder)?;
-        let path = place.path().join(LOCK);
-        let lock = File::create_new(&path)?;
-        // Where the file system has no locks, nobody can take this one, and nothing is ever swept.
-        let _ = lock.lock();
-        if !path.exists() {
-            return Err(io::ErrorKind::NotFound.into());
+        match furnished(place.path()) {
+            Ok(lock) => {
+                let (folder, place) = (folder.to_path_buf(), place.keep());
+                Ok(Some(Self { folder, place, lock, names: Vec::new(), put: 0 }))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error),
         }
-        [NEW, OLD].iter().try_for_each(|part| fs::create_dir(place.path().join(part)))?;
-        Ok(Self { folder: folder.to_path_buf(), place: place.keep(), lock, names: Vec::new(), put: 0 })
     }
 
     /// Returns the folder that the files are for.
@@ -137,6 +136,17 @@ impl Staging {
     fn old_path(&self, name: &OsStr) -> PathBuf {
         self.place.join(OLD).join(name)
     }
+}
+
+/// Makes what a hidden folder holds; returns its lock, taken.
+fn furnished(place: &Path) -> io::Result<File> {
+    let path = place.join(LOCK);
+    let lock = File::create_new(&path)?;
+    // Where the file system has no locks, nobody can take this one, and nothing is ever swept.
+    let _ = lock.lock();
+    fs::metadata(&path)?;
+    [NEW, OLD].iter().try_for_each(|part| fs::create_dir(place.join(part)))?;
+    Ok(lock)
 }
 
 impl Drop for Staging {
