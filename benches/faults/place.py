@@ -31,7 +31,7 @@ JOBS = [
 NEXT = ["normals", "flat.png", "--from", "tangent", "-o", "out/next.png"]
 
 
-def write_inputs(folder, rings=200):
+def write_inputs(folder, rings=140):
     """A ball with waves as `scan.obj`, and a flat normal map as `flat.png`."""
     lines, columns = [], 2 * rings
     for i in range(rings + 1):
