@@ -5,6 +5,7 @@ mod animated_image;
 mod exr;
 mod file_set;
 mod gltf;
+mod place;
 mod png;
 mod staging;
 mod still_image;

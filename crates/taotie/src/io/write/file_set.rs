@@ -1,9 +1,9 @@
 //! Files that appear together or not at all, and never over one that was read.
 
+use super::place::{folder_of, refuse_read, refuse_special};
 use super::staging::{Staging, exchange, sync};
 use crate::error::{Error, Result};
 use crate::progress::Progress;
-use same_file::is_same_file;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -360,36 +360,6 @@ impl Drop for Draft {
 
 fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
     state.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Returns the folder that a file is in.
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
-}
-
-/// Refuses what cannot be replaced by a file: folders, devices, pipes.
-fn refuse_special(path: &Path) -> Result<()> {
-    let why = match fs::metadata(path) {
-        Ok(about) if about.is_dir() => "it is a folder; give a file name",
-        Ok(about) if !about.is_file() => "it is not a regular file; give another name",
-        _ => return Ok(()),
-    };
-    Err(Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, why)))
-}
-
-/// Refuses to write a file that was read.
-fn refuse_read(target: &Path, sources: &[PathBuf]) -> Result<()> {
-    if !target.is_file() {
-        return Ok(());
-    }
-    let is_target = |source: &&PathBuf| source.is_file() && is_same_file(target, source).unwrap_or(false);
-    let Some(source) = sources.iter().find(is_target) else { return Ok(()) };
-    let (target, source) = (target.display(), source.display());
-    let why = format!("it would be written over {source}, which is read; give another name or folder");
-    Err(Error::invalid(target.to_string(), why))
 }
 
 /// Writes `bytes` to `path`, whole or not at all.
