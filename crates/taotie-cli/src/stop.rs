@@ -69,14 +69,20 @@ mod signals {
         for signal in &wanted {
             flag::register_conditional_shutdown(*signal, 128 + signal, Arc::clone(&is_ending))?;
         }
-        let mut signals = Signals::new(&wanted)?;
-        std::thread::Builder::new().spawn(move || {
+        // Where nobody listens, the first signal ends the process at once.
+        listener(&wanted, Arc::clone(&is_ending)).inspect_err(|_| is_ending.store(true, Ordering::SeqCst))
+    }
+
+    /// Begins a thread that waits for the first signal.
+    fn listener(wanted: &[i32], is_ending: Arc<AtomicBool>) -> io::Result<()> {
+        let mut signals = Signals::new(wanted)?;
+        let wait = move || {
             if let Some(signal) = signals.forever().next() {
                 is_ending.store(true, Ordering::SeqCst);
                 super::end(128 + signal);
             }
-        })?;
-        Ok(())
+        };
+        std::thread::Builder::new().spawn(wait).map(drop)
     }
 
     /// Says whether the process is to outlive its terminal, as `nohup` asks for. Only Linux tells without unsafe code.
