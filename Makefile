@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables bless tools
+.PHONY: help test features test-slow faults bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -21,6 +21,11 @@ features: ## The library without its cargo features
 
 test-slow: ## The tests that take minutes each
 	cargo test --release --workspace --lib --bins --tests -- --ignored
+
+# TAOTIE=/path/to/taotie takes that program instead of building one; FAULTS holds options, such as `--rounds 10`.
+faults: ## Ends commands amid their work, hundreds of times: files are all old or all new
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	python3 benches/faults/faults.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(FAULTS)
 
 bench: ## Milliseconds per stage of the renderer
 	cargo bench -p taotie --bench stages

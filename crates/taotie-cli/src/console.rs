@@ -62,11 +62,6 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().filter_map(io_error).any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }
 
-/// Returns whether the user asked to stop.
-pub fn is_cancelled(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| matches!(cause.downcast_ref(), Some(taotie::Error::Cancelled)))
-}
-
 fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::Error> {
     match error.downcast_ref() {
         Some(taotie::Error::Io { cause, .. }) => Some(cause),

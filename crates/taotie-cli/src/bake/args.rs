@@ -6,9 +6,9 @@ use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use taotie::asset::{BakeOptions, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
+use taotie::asset::{BakeOptions, Baker, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
-use taotie::io::{self, GltfImages};
+use taotie::io::{FileSet, GltfImages};
 use taotie::names::Named;
 
 const EXAMPLES: &str = "\
@@ -241,8 +241,7 @@ impl BakeArgs {
             bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
         }
         self.check_unread()?;
-        self.packing().check()?;
-        self.check_places()
+        Ok(self.packing().check()?)
     }
 
     /// Says whether maps are written without a model.
@@ -358,14 +357,21 @@ impl BakeArgs {
         }
     }
 
-    /// Refuses files that cannot be written.
-    fn check_places(&self) -> Result<()> {
-        io::check_writable(&self.output)?;
-        if self.no_verify {
-            return Ok(());
-        }
-        let reports = ["report.html", "report.json"].map(|kind| self.output.with_extension(kind));
-        Ok(reports.iter().try_for_each(|path| io::check_writable(path))?)
+    /// Refuses files that cannot be written, or that are read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        let read = [Some(&self.high), self.low.as_ref(), self.cage.as_ref(), self.provenance.as_ref()];
+        files.protect(read.into_iter().flatten())?;
+        let asset = Baker::new(self.options()).may_write(&self.output, &self.packing());
+        asset.iter().try_for_each(|path| files.reserve(path))?;
+        files.claim(&self.output)?;
+        let reports = self.reports();
+        let mut reports = reports.iter().filter(|_| !self.no_verify);
+        Ok(reports.try_for_each(|path| files.claim(path))?)
+    }
+
+    /// Returns the files of the report: a page and JSON.
+    pub fn reports(&self) -> [PathBuf; 2] {
+        ["report.html", "report.json"].map(|kind| self.output.with_extension(kind))
     }
 
     /// Refuses requirements of levels of detail that are not asked for.

@@ -2,12 +2,14 @@
 
 use super::{method, points};
 use crate::options;
-use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs};
+use crate::studio::{
+    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs,
+};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::comparison::{Matching, Method, SamplePoints};
-use taotie::io;
+use taotie::io::FileSet;
 use taotie::names::Named;
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
@@ -155,10 +157,18 @@ impl CompareArgs {
             let [width, height] = self.size;
             bail!("--points: pixel {x},{y} lies outside the picture of {width}×{height}");
         }
-        match &self.output {
-            Some(output) => Ok(io::check_writable_folder(output)?),
-            None => Ok(()),
+        Ok(())
+    }
+
+    /// Refuses a folder that cannot be written to, and files that are read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        files.protect(self.model.iter().chain(&self.reference))?;
+        files.protect(studio::material_files(&self.material)?)?;
+        files.protect(self.light.environment_file())?;
+        if let Some(output) = &self.output {
+            files.claim_folder(output)?;
         }
+        Ok(())
     }
 
     /// Refuses a comparison with nothing, and maps that no method reads.

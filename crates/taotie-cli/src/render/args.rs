@@ -4,12 +4,14 @@ use super::integrator::IntegratorArgs;
 use super::output::Formats;
 use super::plan::MotionArgs;
 use crate::options;
-use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs};
+use crate::studio::{
+    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs,
+};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::Warnings;
-use taotie::io::{self, ImageFormat};
+use taotie::io::{FileSet, ImageFormat};
 use taotie::names::Named;
 use taotie::render::{Aovs, RenderSettings, SurfaceSettings};
 use taotie::scene::Scene;
@@ -96,8 +98,15 @@ impl RenderArgs {
         self.integrator.check(self)?;
         self.running.check()?;
         self.motion.check()?;
-        self.check_picture(Formats::of(self)?.still)?;
-        Ok(io::check_writable(&self.output)?)
+        self.check_picture(Formats::of(self)?.still)
+    }
+
+    /// Refuses a picture that cannot be written, or that is read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        files.protect([&self.model])?;
+        files.protect(studio::material_files(&self.material)?)?;
+        files.protect(self.light.environment_file())?;
+        Ok(files.claim(&self.output)?)
     }
 
     /// Refuses maps that the source of shading normals does not read.

@@ -24,6 +24,7 @@ mod picture_tables;
 mod tables;
 
 pub use document::{Document, SCHEMA};
+pub use files::possible_files;
 
 use crate::Page;
 use files::Files;
@@ -31,6 +32,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use taotie::Result;
 use taotie::comparison::Comparison;
+use taotie::io::FileSet;
 
 /// The options of the files of a comparison.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,12 +80,20 @@ pub fn page(comparison: &Comparison, options: &Options) -> Result<Page> {
 }
 
 /// Writes pictures, contact sheet, `report.json`, tables as CSV and `report.html` into `folder`, which is made if it is not
-/// there.
+/// there. All appear together, or none.
 ///
 /// # Errors
 /// [`taotie::Error::Io`] where a file cannot be written.
 pub fn write(comparison: &Comparison, options: &Options, folder: &Path) -> Result<Written> {
-    let mut files = Files::new(folder, options.heat_top_deg as f32)?;
+    FileSet::one(|set| write_in(set, comparison, options, folder))
+}
+
+/// Writes the files of [`write()`] as files of a set, which the caller commits.
+///
+/// # Errors
+/// As [`write()`], and [`taotie::Error::Invalid`] where a file that was read would be written over.
+pub fn write_in(set: &FileSet, comparison: &Comparison, options: &Options, folder: &Path) -> Result<Written> {
+    let mut files = Files::new(set, folder, options.heat_top_deg as f32)?;
     files.write(comparison)?;
     if options.exr {
         files.write_exact(comparison)?;

@@ -8,17 +8,20 @@ use super::maps::{StoredMaps, bake_maps};
 use super::memory::{Bytes, Limits, Need};
 use super::notes;
 use super::options::BakeOptions;
+use super::packing::Packing;
 use super::plan::BakePlan;
 use super::scan::Scan;
 use super::scan_size::ScanSize;
 use super::search::smallest;
 use super::search_course::Trial;
+use super::write::possible_files;
 use crate::bake::{Cage, MapKind};
 use crate::error::{Result, Warnings};
 use crate::io;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::AlphaMode;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Bakes scans, all in the same way.
@@ -57,6 +60,20 @@ impl Baker {
     /// Returns what is baked, and how.
     pub fn options(&self) -> &BakeOptions {
         &self.options
+    }
+
+    /// Returns every file that an asset at `path` may be written to, the model first, so that one can ask before the bake
+    /// whether they can be written, and whether any of them is one that was read.
+    ///
+    /// ```
+    /// use std::path::{Path, PathBuf};
+    /// use taotie::asset::{Baker, Packing};
+    ///
+    /// let files = Baker::default().may_write(Path::new("vase.gltf"), &Packing::default());
+    /// assert!(["vase.gltf", "vase.bin", "vase_color.png"].iter().all(|name| files.contains(&PathBuf::from(name))));
+    /// ```
+    pub fn may_write(&self, path: &Path, packing: &Packing) -> Vec<PathBuf> {
+        possible_files(path, &self.options, packing)
     }
 
     /// Returns what a bake of a scan of this size takes.

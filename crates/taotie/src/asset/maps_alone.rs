@@ -44,19 +44,31 @@ fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
             None => files.push(MapFile::new(map, bitmap)),
         }
     }
-    let beside =
-        |beside: &'a Beside| MapFile { range: beside.range, ..MapFile::new(beside.map, &beside.bitmap) };
-    files.extend(textures.beside.iter().map(beside));
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let other = |other: &'a Beside| MapFile { range: other.range, ..MapFile::new(other.map, &other.bitmap) };
+    files.extend(textures.beside.iter().map(other));
     for (i, file) in files.iter_mut().enumerate() {
-        file.path =
-            if i == 0 { path.into() } else { path.with_extension(format!("{}.{extension}", file.name())) };
+        file.path = if i == 0 { path.into() } else { beside(path, file.name()) };
         if file.holds(&[MapKind::Emission]) {
             let white = f64::from(textures.strength);
             file.range = Some(Range { black: 0.0, white, unit: "radiance" });
         }
     }
     files
+}
+
+/// The name of a texture of both occlusion and roughness.
+const ORM: &str = "orm";
+
+/// Returns the path of a map beside the first.
+fn beside(path: &Path, name: &str) -> PathBuf {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_extension(format!("{name}.{extension}"))
+}
+
+/// Returns every file that maps alone may be written to, `path` itself first.
+pub(super) fn possible_files(path: &Path) -> Vec<PathBuf> {
+    let names = MapKind::NAMES.iter().map(|(name, _)| *name).chain([ORM]);
+    std::iter::once(path.to_path_buf()).chain(names.map(|name| beside(path, name))).collect()
 }
 
 impl<'a> MapFile<'a> {
@@ -72,7 +84,7 @@ impl<'a> MapFile<'a> {
     fn name(&self) -> &'static str {
         let occlusion = self.holds(&[MapKind::Occlusion, MapKind::OcclusionMap]);
         let roughness = self.holds(&[MapKind::Roughness, MapKind::MetallicRoughness]);
-        if occlusion && roughness { "orm" } else { self.maps[0].name() }
+        if occlusion && roughness { ORM } else { self.maps[0].name() }
     }
 
     fn encoding(&self) -> Encoding {

@@ -216,7 +216,7 @@ impl Written {
         let loaded = levels.remove(0);
         let object_map = match self.object_map() {
             Some(path) => {
-                let codes = map_numbers::codes_of_normals(io::read_bitmap(&path)?)?;
+                let codes = map_numbers::codes_of_normals(io::read_bitmap(&self.set.current(&path))?)?;
                 Some(Texture::new(codes, Encoding::Normal))
             }
             None => None,
@@ -267,9 +267,9 @@ impl Written {
     /// Reads all levels back, the finest first; maps alone onto the low-poly mesh. Maps are decoded and in memory once.
     fn levels_read_back(&self) -> Result<Vec<Loaded>> {
         if self.is_alone() {
-            return Ok(vec![maps_alone::read_back(&self.asset.made, self.packing.green, self.path())?]);
+            return Ok(vec![maps_alone::read_back(&self.asset.made, self.packing.green, &self.current())?]);
         }
-        let (levels, wanted) = (io::load_levels(self.path())?, self.asset.levels().count());
+        let (levels, wanted) = (io::load_levels(&self.current())?, self.asset.levels().count());
         if levels.len() == wanted {
             return Ok(levels);
         }
@@ -315,7 +315,11 @@ impl Written {
             views: Vec::new(),
             fit: mapped.fit(options.points / 10, diagonal).map(FitFigures::from),
             bytes_in: made.about.bytes,
-            bytes_out: self.files.iter().map(|path| io::file_size(path)).sum::<Result<u64>>()?,
+            bytes_out: self
+                .files
+                .iter()
+                .map(|path| io::file_size(&self.set.current(path)))
+                .sum::<Result<u64>>()?,
             material: finest.material,
             full_views: Vec::new(),
             unseen: Vec::new(),

@@ -4,13 +4,14 @@ use super::green;
 use super::made::{Asset, Made};
 use super::map_note::MapNote;
 use super::maps_alone;
+use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
 use super::textures::Beside;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::Encoding;
-use crate::io::{self, FileBytes, GltfAsset, GltfImage, GltfImages, GltfLevel, GltfMaterial, Json};
+use crate::io::{self, FileBytes, FileSet, GltfAsset, GltfImage, GltfImages, GltfLevel, GltfMaterial, Json};
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
@@ -35,6 +36,7 @@ pub struct Written {
     pub(super) asset: Asset,
     pub(super) packing: Packing,
     pub(super) files: Vec<PathBuf>,
+    pub(super) set: FileSet,
     pub(super) warnings: Warnings,
 }
 
@@ -56,22 +58,48 @@ impl Asset {
         packing: &Packing,
         progress: Progress<'_>,
     ) -> Result<Written> {
+        FileSet::one(|set| self.write_in(set, path.as_ref(), packing, progress))
+    }
+
+    /// Writes the asset as [`Asset::write`] does, as files of a set. They appear with all else in it, such as a report of
+    /// what [`Written::verify`] finds, when the caller commits it.
+    ///
+    /// # Errors
+    /// As [`Asset::write`], and [`Error::Invalid`](crate::Error::Invalid) where a file that was read would be written
+    /// over.
+    pub fn write_in(
+        &self,
+        set: &FileSet,
+        path: &Path,
+        packing: &Packing,
+        progress: Progress<'_>,
+    ) -> Result<Written> {
         let progress = progress.begin("write")?;
-        let (asset, packed, path) = (self.clone(), packing.clone(), path.as_ref().to_path_buf());
+        set.protect(&self.made.about.files)?;
+        let (asset, packed, path) = (self.clone(), packing.clone(), path.to_path_buf());
         let is_alone = maps_alone::is_alone(&path);
         let encode = move |_: Progress<'_>| match is_alone {
             true => maps_alone::encoded(&asset.made, &path, &packed),
             false => encoded(&asset.made, &path, &packed),
         };
         let files = progress.part(0.0, 0.8).apart(encode)?;
-        io::write_files(&files, progress.part(0.8, 1.0))?;
+        set.write_files(&files, progress.part(0.8, 1.0))?;
         let warnings = match is_alone {
             true => maps_alone::warnings(&self.made),
             false => notes(&self.made, packing, &files),
         };
         let files = files.into_iter().map(|file| file.path).collect();
-        Ok(Written { asset: self.clone(), packing: packing.clone(), files, warnings })
+        Ok(Written { asset: self.clone(), packing: packing.clone(), files, set: set.clone(), warnings })
     }
+}
+
+/// Returns every file that an asset at `path` may be written to, the model first.
+pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packing) -> Vec<PathBuf> {
+    if maps_alone::is_alone(path) {
+        return maps_alone::possible_files(path);
+    }
+    let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
+    io::gltf_files(path, &packing.format()).into_iter().chain(beside).collect()
 }
 
 /// Returns all files, the model first.
@@ -211,6 +239,11 @@ impl Written {
     /// Returns the model's file; of maps alone the first one's.
     pub fn path(&self) -> &Path {
         self.files.first().map_or(Path::new(""), PathBuf::as_path)
+    }
+
+    /// Returns where the model can be read now: its files may wait for others of their set.
+    pub(super) fn current(&self) -> PathBuf {
+        self.set.current(self.path())
     }
 
     /// Returns what each map is and where.

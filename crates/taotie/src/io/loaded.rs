@@ -31,7 +31,7 @@ pub struct Loaded {
     pub mesh_names: Vec<String>,
     /// Files or names of `scene.textures`, in the same order.
     pub texture_names: Vec<String>,
-    /// Files that the model was read from beside its own.
+    /// Files that the model was read from beside its own, also those that could not be understood.
     pub files: Vec<PathBuf>,
     /// Files that the model names and that are not there.
     pub missing_files: Vec<String>,

@@ -134,6 +134,11 @@ impl MaterialFile {
         Ok(Self { content })
     }
 
+    /// Returns the files of its maps.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.content.maps.options().files()
+    }
+
     /// Puts the material on every material of `scene`; their relief and occlusion stay where it names none.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! OpenEXR images: linear float channels in named layers.
 
-use super::write_with;
+use super::file_set::FileSet;
 use crate::error::{Error, Result};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
@@ -26,8 +26,7 @@ pub struct ExrLayer<'a> {
 /// [`Error::Invalid`] where there is no layer, a channel name comes twice or the sample count does not fit the
 /// size; [`Error::Io`] where the file cannot be written.
 pub fn write_exr(path: &Path, size: (u32, u32), layers: &[ExrLayer]) -> Result<()> {
-    let image = image_of(size, layers)?;
-    write_with(path, |out| image.write().to_buffered(out).map_err(|e| encoding_error(path, e)))
+    FileSet::one(|files| files.write_exr(path, size, layers))
 }
 
 /// Returns the bytes that [`write_exr`] would write.
@@ -41,6 +40,18 @@ pub fn encode_exr(size: (u32, u32), layers: &[ExrLayer]) -> Result<Vec<u8>> {
     Ok(bytes.into_inner())
 }
 
+impl FileSet {
+    /// Writes layers as [`write_exr`] does.
+    ///
+    /// # Errors
+    /// As [`write_exr`].
+    pub fn write_exr(&self, path: &Path, size: (u32, u32), layers: &[ExrLayer]) -> Result<()> {
+        let image = image_of(size, layers)?;
+        self.write_with(path, |out| image.write().to_buffered(out).map_err(|e| encoding_error(path, e)))
+    }
+}
+
+/// Returns all channels of layers as those of one part.
 fn image_of(
     (width, height): (u32, u32),
     layers: &[ExrLayer],

@@ -4,7 +4,7 @@ use super::container::{self, Head};
 use super::uri::uri;
 use crate::error::{Error, Result};
 use crate::io::json::Json;
-use crate::io::write::{FileBytes, write_with};
+use crate::io::write::{FileBytes, FileSet};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -245,8 +245,16 @@ impl GltfDraft {
     /// # Errors
     /// [`Error::Limit`] where it would have 4 GiB or more, [`Error::Io`] where the file cannot be written.
     pub fn write_glb(&self, path: &Path) -> Result<()> {
+        FileSet::one(|files| self.write_glb_in(files, path))
+    }
+
+    /// Writes the document as GLB, a file of a set.
+    ///
+    /// # Errors
+    /// As [`GltfDraft::write_glb`].
+    pub fn write_glb_in(&self, files: &FileSet, path: &Path) -> Result<()> {
         let head = Head::new(self.text(None)?, self.bytes.len())?;
-        write_with(path, |mut out| {
+        files.write_with(path, |mut out| {
             container::write(&mut out, &head, &self.bytes).map_err(|e| Error::io(path, e))
         })
     }

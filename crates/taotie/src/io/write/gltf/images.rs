@@ -102,6 +102,21 @@ impl Encoded<'_> {
     }
 }
 
+/// The roles by which images are named beside a model.
+const ROLES: [&str; 6] = ["orm", "color", "metallic_roughness", "occlusion", "emissive", "normal"];
+
+/// Returns the name of every file that an image may have beside a model in this format.
+pub(super) fn possible_names(stem: &str, format: &GltfFormat) -> Vec<String> {
+    let mut extensions =
+        vec![ImagePacking::Png.file_extension(), ImagePacking::from(format.images).file_extension()];
+    extensions.dedup();
+    extensions.extend(format.jpeg.map(|_| "jpg"));
+    let named = |role: &str| -> Vec<String> {
+        extensions.iter().map(|extension| format!("{stem}_{role}.{extension}")).collect()
+    };
+    ROLES.iter().flat_map(|role| named(role)).collect()
+}
+
 /// Encodes every image of a material, in the order of its slots. Slots that show the same image in the same encoding
 /// share it.
 pub(super) fn encode<'a>(material: &GltfMaterial<'a>, format: &GltfFormat) -> Result<Vec<Encoded<'a>>> {

@@ -28,7 +28,7 @@ pub use samplers::gltf_sampler;
 pub use scene::{WrittenScene, write_scene};
 pub use slots::GltfImage;
 
-use super::{FileBytes, write_files};
+use super::{FileBytes, FileSet};
 use crate::error::{Error, Result};
 use crate::io::json::Json;
 use crate::io::xmp;
@@ -83,7 +83,7 @@ pub struct GltfLevel<'a> {
 /// As [`encode_gltf`]; [`Error::Io`] where a file cannot be written.
 pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<PathBuf>> {
     let files = encode_gltf(path, asset, format)?;
-    write_files(&files, Progress::SILENT)?;
+    FileSet::one(|set| set.write_files(&files, Progress::SILENT))?;
     Ok(files.into_iter().map(|file| file.path).collect())
 }
 
@@ -103,6 +103,26 @@ pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Resul
             draft.into_files(path, encoded.into_iter().filter_map(|image| image.into_file(path)).collect())
         }
     }
+}
+
+/// Returns every file that [`write_gltf`] may write a model to, whatever textures it has; `path` first.
+///
+/// ```
+/// use taotie::io::{GltfFormat, gltf_files};
+///
+/// assert_eq!(gltf_files("vase.glb".as_ref(), &GltfFormat::default()).len(), 1);
+/// let files = gltf_files("vase.gltf".as_ref(), &GltfFormat::default());
+/// assert_eq!(files[1], std::path::Path::new("vase.bin"));
+/// ```
+pub fn gltf_files(path: &Path, format: &GltfFormat) -> Vec<PathBuf> {
+    let mut files = vec![path.to_path_buf()];
+    if let Ok(Container::Gltf) = Container::of(path) {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        files.push(path.with_file_name(format!("{stem}.bin")));
+        let names = images::possible_names(&stem, format).into_iter();
+        files.extend(names.map(|name| path.with_file_name(name)));
+    }
+    files
 }
 
 /// The kinds of glTF files.
