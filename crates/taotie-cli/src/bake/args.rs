@@ -69,7 +69,7 @@ pub struct BakeArgs {
     /// Bits per channel of normal maps; 8 if not given, and 8-bit maps are dithered
     #[arg(long, value_parser = ["8", "16"], help_heading = "Maps")]
     pub bits: Option<String>,
-    /// Padding around UV islands, texels; auto fills the whole map
+    /// Padding around UV islands, 0 to 16384 texels; auto fills the whole map
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
     pub dilation: Auto<u32>,
     /// Rays per texel over the hemisphere, for ao and bent; 64 if not given
@@ -126,7 +126,7 @@ pub struct BakeArgs {
     /// Largest amount of memory to use, such as 4G; the machine's free memory if not given
     #[arg(long, value_name = "BYTES", value_parser = memory, help_heading = "Running")]
     pub memory_limit: Option<Bytes>,
-    /// Number of threads; all of the machine's if not given. Results do not depend on it
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print the report as JSON
@@ -153,7 +153,10 @@ fn map(text: &str) -> Result<Auto<MapKind>, String> {
 fn dilation(text: &str) -> Result<Auto<u32>, String> {
     match text {
         "auto" => Ok(Auto::Auto),
-        _ => text.parse().map(Auto::Given).map_err(|_| "write auto, or a number of texels".into()),
+        _ => match text.parse() {
+            Ok(texels) if texels <= 16_384 => Ok(Auto::Given(texels)),
+            _ => Err("write auto, or a number of texels from 0 to 16384".into()),
+        },
     }
 }
 

@@ -61,7 +61,7 @@ pub struct DiffArgs {
     #[arg(long, value_name = "X", value_parser = options::number, requires = "heat", help_heading = "Heat map")]
     pub heat_top: Option<f64>,
 
-    /// Number of threads; all of the machine's if not given. Results do not depend on it
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print a report as JSON

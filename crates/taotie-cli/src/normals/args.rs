@@ -72,7 +72,7 @@ pub struct NormalsArgs {
     #[arg(long, alias = "margin", value_name = "N", default_value_t = 16, requires = "mesh", value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Mesh")]
     pub dilation: u32,
 
-    /// Number of threads; all of the machine's if not given. Results do not depend on it
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print a report as JSON

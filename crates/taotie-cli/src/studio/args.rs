@@ -117,7 +117,9 @@ impl LightArgs {
                 .map_err(|error| options::under(format_args!("--light \"{line}\""), error))
         };
         let lights = self.lights.iter().map(light).collect::<Result<_>>()?;
-        Ok(LightOptions { lights, ambient: self.ambient })
+        let options = LightOptions { lights, ambient: self.ambient };
+        options.check()?;
+        Ok(options)
     }
 }
 
@@ -249,7 +251,7 @@ impl FilmArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Running")]
 pub struct RunningArgs {
-    /// Number of threads; all of the machine's if not given. Pixels do not depend on it
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Pixels do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
     /// SIMD level: auto, scalar, sse2, avx2, avx512, neon. Pixels do not depend on it

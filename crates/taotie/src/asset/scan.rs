@@ -236,14 +236,24 @@ fn bytes_of(path: &Path, others: &mut Vec<PathBuf>) -> Result<u64> {
     Ok(io::file_size(path)? + others.sum::<Result<u64>>()?)
 }
 
-/// Refuses a model that is nothing but a point.
+/// The least and the largest diagonal of a model that is baked, model units. Beyond, fourth powers of the lengths of its
+/// edges leave single precision, and distances are no distances any more.
+const LEAST_SIZE: f64 = 1e-6;
+const MOST_SIZE: f64 = 1e9;
+
+/// Refuses a model that is nothing but a point, or whose distances cannot be measured.
 pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
     let mut positions = scene.meshes().iter().flat_map(|mesh| mesh.positions());
     let first = positions.next();
-    if positions.any(|position| Some(position) != first) {
-        return Ok(());
+    if !positions.any(|position| Some(position) != first) {
+        return Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"));
     }
-    Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"))
+    let size = scene.bounds().map_or(0.0, |bounds| bounds.diagonal());
+    if !(LEAST_SIZE..=MOST_SIZE).contains(&size) {
+        let why = format!("it measures {size:.1e} model units; scale it to between 1e-6 and 1e9");
+        return Err(Error::invalid(name, why));
+    }
+    Ok(())
 }
 
 /// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; returns the

@@ -112,7 +112,7 @@ impl Verifier<'_> {
             let point = sample_area(from, count)?;
             let distance = |i: usize| {
                 let closest = to.closest(point(i).position(from), f32::INFINITY);
-                closest.map_or(f32::NAN, |closest| closest.distance)
+                closest.map_or(f32::INFINITY, |closest| closest.distance)
             };
             Field::new(count as u32, 1, parallel::collect(count, distance))
         };

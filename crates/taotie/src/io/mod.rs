@@ -9,6 +9,7 @@ mod json;
 mod loaded;
 mod locate;
 mod obj;
+mod panics;
 mod ply;
 mod polygon;
 mod stl;

@@ -1,9 +1,11 @@
 //! Light from all around: the built-in studio or a file, turned, scaled, and cached when it is filtered.
 
+use super::parse::MOST;
 use crate::error::{Error, Result, Warnings};
 use crate::image::Image;
 use crate::io::{cache, decode_environment, read_bytes};
 use crate::render::EnvironmentLight;
+use crate::scene::Light;
 use crate::shade::environment::{ENVIRONMENT_VERSION, Environment, STUDIO_VERSION, studio};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -117,10 +119,11 @@ impl EnvironmentOptions {
     }
 
     fn check(&self) -> Result<()> {
-        if !(self.intensity >= 0.0 && self.intensity.is_finite()) {
-            return Err(Error::invalid(format!("intensity {}", self.intensity), "it must be 0 or more"));
+        if !(0.0..=f64::from(Light::MOST)).contains(&self.intensity) {
+            let what = format!("intensity {}", self.intensity);
+            return Err(Error::invalid(what, "it must be 0 or more, and at most 1e12"));
         }
-        if !self.rotation.is_finite() {
+        if self.rotation.is_nan() || self.rotation.abs() > MOST {
             return Err(Error::invalid(
                 format!("rotation {}", self.rotation),
                 "it must be finite, in radians",
@@ -155,6 +158,7 @@ mod tests {
     fn what_is_out_of_range_is_refused() {
         let refused = |options: EnvironmentOptions| options.load(&mut Warnings::default()).is_err();
         assert!(refused(EnvironmentOptions { intensity: -1.0, ..EnvironmentOptions::default() }));
+        assert!(refused(EnvironmentOptions { intensity: 1e39, ..EnvironmentOptions::default() }));
         assert!(refused(EnvironmentOptions { intensity: f64::NAN, ..EnvironmentOptions::default() }));
         assert!(refused(EnvironmentOptions { rotation: f64::INFINITY, ..EnvironmentOptions::default() }));
         let source = Some(EnvironmentSource::File("nowhere.hdr".into()));

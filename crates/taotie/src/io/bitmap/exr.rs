@@ -1,9 +1,13 @@
 //! OpenEXR through the `exr` crate, which reads any channels: `image` wants red, green and blue.
 
+use super::super::panics::caught;
 use super::limits::{Failure, check_size, credible};
 use crate::image::{Bitmap, Texels};
 use exr::block::reader::Reader;
-use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, Layer, ReadChannels, ReadLayers, read};
+use exr::meta::header::Header;
+use exr::prelude::{
+    AnyChannel, AnyChannels, Compression, FlatSamples, Image, Layer, ReadChannels, ReadLayers, read,
+};
 use std::io::Cursor;
 
 /// The most channels of one layer that are read.
@@ -12,11 +16,11 @@ const MAX_CHANNELS: usize = 64;
 /// The colour of the first layer without depth samples, as float. Luminance alone is repeated.
 ///
 /// The decoder (`exr` 1.74) has assertions that rare damage triggers, such as a block of a mip level that was not
-/// asked for; the panic is caught here and becomes an error. Its message still goes through the panic hook.
+/// asked for; the panic is caught here and becomes an error. So it runs on this thread alone: a panic on another could
+/// not be caught.
 pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap, Failure> {
-    let attempt = std::panic::catch_unwind(|| decode_or_panic(bytes));
-    attempt
-        .unwrap_or_else(|_| Err(Failure::Damaged("its blocks contradict its header; save it again".into())))
+    let damaged = || Failure::Damaged("its blocks contradict its header; save it again".into());
+    caught(|| decode_or_panic(bytes)).unwrap_or_else(|| Err(damaged()))
 }
 
 fn decode_or_panic(bytes: &[u8]) -> Result<Bitmap, Failure> {
@@ -27,22 +31,34 @@ fn decode_or_panic(bytes: &[u8]) -> Result<Bitmap, Failure> {
         .all_channels()
         .first_valid_layer()
         .all_attributes()
+        .non_parallel()
         .from_buffered(Cursor::new(bytes))
         .map_err(failure)?;
     bitmap_from(&image)
 }
 
-/// Every layer's size, before anything is allocated for it.
+/// Every layer's size and compression, before anything is allocated for it.
 fn check_headers(bytes: &[u8]) -> Result<(), Failure> {
     let reader = Reader::read_from_buffered(Cursor::new(bytes), false).map_err(failure)?;
     for header in reader.headers() {
         let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
         check_size(width, height, credible(bytes))?;
+        check_compression(header)?;
         if header.channels.list.len() > MAX_CHANNELS {
             return Err(Failure::TooLarge(format!("at most {MAX_CHANNELS} channels")));
         }
     }
     Ok(())
+}
+
+/// Refuses DWA: its decoder allocates as much as the file says, and the process ends where that is too much.
+fn check_compression(header: &Header) -> Result<(), Failure> {
+    match header.compression {
+        Compression::DWAA(_) | Compression::DWAB(_) => Err(Failure::Unsupported(
+            "OpenEXR's lossy compression DWAA or DWAB (ZIP and PIZ are read)".into(),
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn bitmap_from(image: &Image<Layer<AnyChannels<FlatSamples>>>) -> Result<Bitmap, Failure> {
@@ -133,6 +149,21 @@ mod tests {
                 let (r, g, b, a) = color(Vec2(13, 5));
                 assert_eq!(texels[5 * 19 + 13], [r, g, b, a], "{compression:?} {blocks:?}");
             }
+        }
+    }
+
+    #[test]
+    fn dwa_is_refused_before_it_is_decoded() {
+        for compression in [Compression::DWAA(None), Compression::DWAB(None)] {
+            let mut bytes = encoded(compression, Blocks::ScanLines);
+            match decode(&bytes) {
+                Err(Failure::Unsupported(what)) => assert!(what.contains("DWAA"), "{what}"),
+                _ => panic!("{compression:?} is refused"),
+            }
+            // Whatever its counts say: they fill the first block behind the table of offsets.
+            let end = bytes.len();
+            bytes[end / 2..].fill(0x7f);
+            assert!(matches!(decode(&bytes), Err(Failure::Unsupported(_))));
         }
     }
 

@@ -3,6 +3,7 @@
 //! Every packed primitive is unpacked when the file is opened. Its accessors take the unpacked elements in place of
 //! those in their buffer views, so that nothing else needs to know.
 
+use super::super::panics::caught;
 use super::buffers::Buffers;
 use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
@@ -123,18 +124,18 @@ fn decode(bytes: &[u8], budget: u64) -> Reason<Mesh> {
     let limits = DecodeLimits::default();
     let limits =
         limits.with_max_points(budget / 4).with_max_faces(budget / 12).with_max_decoded_bytes(budget);
-    let attempt = std::panic::catch_unwind(|| {
+    let attempt = caught(|| {
         let mut mesh = Mesh::new();
         MeshDecoder::new().decode(&mut DecoderBuffer::new(bytes).with_limits(limits), &mut mesh)?;
         Ok::<Mesh, draco_core::DracoError>(mesh)
     });
     match attempt {
-        Ok(Ok(mesh)) => Ok(mesh),
-        Ok(Err(error)) => {
+        Some(Ok(mesh)) => Ok(mesh),
+        Some(Err(error)) => {
             let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
             Err(format!("its stream cannot be read ({what}); save the model again"))
         }
-        Err(_) => Err("its stream contradicts itself; save the model again".into()),
+        None => Err("its stream contradicts itself; save the model again".into()),
     }
 }
 
