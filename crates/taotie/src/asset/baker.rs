@@ -5,7 +5,7 @@ use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made};
 use super::maps::{StoredMaps, bake_maps};
-use super::memory::{Bytes, Limits, Need, ScanSize};
+use super::memory::{Need, ScanSize};
 use super::notes;
 use super::options::BakeOptions;
 use super::plan::BakePlan;
@@ -14,7 +14,7 @@ use super::search::smallest;
 use super::search_course::Trial;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
-use crate::io;
+use crate::io::{self, Bytes, Limits};
 use crate::progress::Progress;
 use crate::scene::AlphaMode;
 use std::sync::Arc;
@@ -84,7 +84,7 @@ impl Baker {
     fn limits_beside(&self, scan: &Scan) -> Limits {
         let held = scan.about.size.bytes();
         let free = || io::free_memory().map(|free| Bytes(free + held));
-        Limits { memory: self.limits.memory.or_else(free) }
+        Limits { memory: self.limits.memory.or_else(free), ..self.limits }
     }
 }
 

@@ -59,13 +59,14 @@ mod unseen;
 mod views;
 mod write;
 
+pub use crate::io::{Bytes, Limits};
 pub use baker::Baker;
 pub use figure::{Figure, FigureUnit};
 pub use level_figures::{BIN_WIDTH, LevelFigures};
 pub use low::{Origin, Simplification};
 pub use made::Asset;
 pub use material_figures::MaterialFigures;
-pub use memory::{Bytes, Limits, Need, ScanSize};
+pub use memory::{Need, ScanSize};
 pub use misses::Misses;
 pub use options::{BakeOptions, MeshSource, RayDistance};
 pub use packing::Packing;

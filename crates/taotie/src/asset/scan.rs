@@ -3,11 +3,11 @@
 use super::carried::Carried;
 use super::hash::FileHash;
 use super::look;
-use super::memory::{Limits, ScanSize};
+use super::memory::ScanSize;
 use super::notes;
 use crate::bake;
 use crate::error::{Error, Result, Warnings};
-use crate::io;
+use crate::io::{self, Limits};
 use crate::math::Vec3;
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
@@ -90,9 +90,10 @@ impl ScanFile {
     pub fn read(path: impl AsRef<Path>, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
         let path = path.as_ref().to_path_buf();
         let hash = FileHash::begin(&path);
-        limits.or_free().check_file(&path)?;
+        let limits = limits.or_free();
+        limits.check_file(&path)?;
         progress.begin("read the scan")?.apart(move |_| {
-            let mut loaded = io::load_model(&path)?;
+            let mut loaded = io::load_model_within(&path, &limits)?;
             let bytes = bytes_of(&path, &mut loaded.files)?;
             check_extent(&loaded.scene, &path.display().to_string())?;
             notes::left_of_scan_file(&mut loaded);

@@ -94,7 +94,9 @@ fn report(loaded: &Loaded, index: usize, materials: Vec<usize>) -> MeshReport {
 /// Returns the materials of each mesh's instances, each once.
 fn materials(scene: &Scene) -> Vec<Vec<usize>> {
     let mut materials = vec![BTreeSet::new(); scene.meshes().len()];
-    scene.instances().iter().for_each(|instance| drop(materials[instance.mesh].insert(instance.material)));
+    for instance in scene.instances() {
+        materials[instance.mesh].insert(instance.material);
+    }
     materials.into_iter().map(|materials| materials.into_iter().collect()).collect()
 }
 

@@ -6,12 +6,14 @@ mod environment;
 mod file;
 mod gltf;
 mod json;
+mod limits;
 mod loaded;
 mod locate;
 mod obj;
 mod panics;
 mod ply;
 mod polygon;
+mod reading;
 mod stl;
 mod stopwatch;
 mod system;
@@ -22,11 +24,12 @@ mod xmp;
 
 pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
 
-pub use bitmap::{decode_bitmap, read_bitmap};
+pub use bitmap::{decode_bitmap, read_bitmap, read_bitmap_within};
 pub use cache::cache_folder;
 pub use environment::decode_environment;
 pub use file::{file_size, read as read_bytes, sha256};
 pub use json::Json;
+pub use limits::{Bytes, Limits};
 pub use loaded::Loaded;
 pub use stopwatch::Stopwatch;
 pub use system::free_memory;
@@ -44,16 +47,30 @@ pub(crate) use xmp::XmpProperties;
 pub use xmp::{Provenance, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 
 use crate::error::{Error, Result};
+use reading::Reading;
 use std::path::Path;
+use std::sync::Arc;
+
+/// Bytes that a byte of OBJ, PLY or STL takes in all while it is read, text or numbers and what is made of them.
+const UNPACKED: u64 = 4;
 
 /// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case. Where the first bytes of the
 /// file contradict the extension, the bytes are believed.
 ///
 /// # Errors
 /// [`Error::Io`] where the file cannot be read, [`Error::Unsupported`] for another extension or a feature that is
-/// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn.
+/// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn, [`Error::Limit`] as [`load_model_within`] of [`Limits::default`].
 pub fn load_model(path: &Path) -> Result<Loaded> {
     load_level(path, 0)
+}
+
+/// Reads a model as [`load_model`], within limits: of memory, as far as headers tell before anything is decoded, of
+/// pixels, triangles and nodes, and of the files that it may name.
+///
+/// # Errors
+/// As [`load_model`]; [`Error::Limit`] where a limit is exceeded.
+pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
+    level_within(path, 0, limits)
 }
 
 /// Reads one level of detail of a model, 0 the finest; otherwise as [`load_model`]. Levels are those of glTF's
@@ -62,16 +79,35 @@ pub fn load_model(path: &Path) -> Result<Loaded> {
 /// # Errors
 /// As [`load_model`]; [`Error::Parse`] where the file has no such level.
 pub fn load_level(path: &Path, level: usize) -> Result<Loaded> {
+    level_within(path, level, &Limits::default())
+}
+
+fn level_within(path: &Path, level: usize, limits: &Limits) -> Result<Loaded> {
     let format = format_of(path)?;
     if level > 0 && format != Format::Gltf {
         let why = format!("there is 1, and no level {level}");
         return Err(Error::parse(path, "levels of detail", why));
     }
-    match format {
-        Format::Gltf => gltf::read(path, level),
-        Format::Obj => obj::read(path),
-        Format::Ply => ply::read(path),
-        Format::Stl => stl::read(path),
+    let reading = Arc::new(Reading::new(path, limits));
+    if format != Format::Gltf && !reading.take(UNPACKED * file_size(path)?) {
+        reading.check()?;
+    }
+    let loaded = match format {
+        Format::Gltf => gltf::read(&reading, level),
+        Format::Obj => obj::read(&reading),
+        Format::Ply => ply::read(&reading),
+        Format::Stl => stl::read(&reading),
+    };
+    // What readers make a warning of, such as an image that is left out, still counts as wanted.
+    reading.check()?;
+    let loaded = loaded?;
+    let triangles = loaded.scene.triangle_count() as u64;
+    match triangles > limits.triangles {
+        true => Err(Error::limit(
+            format!("{}: {triangles} triangles", path.display()),
+            format!("at most {} are read; simplify the model", limits.triangles),
+        )),
+        false => Ok(loaded),
     }
 }
 

@@ -1,7 +1,8 @@
 //! KTX2 images of Basis Universal, ETC1S or UASTC, through the `basisu` crate: all that KHR_texture_basisu allows.
 
 use super::super::panics::caught;
-use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, check_size, credible};
+use super::super::reading::Reading;
+use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible};
 use crate::image::{Bitmap, Texels};
 use basisu::{DecodeFlags, Error, TargetFormat, Transcoder};
 
@@ -15,8 +16,10 @@ const ZSTANDARD: u32 = 2;
 ///
 /// The decoder (`basisu` 0.1) is a port of many thousand lines that index arrays; should damage make it panic, that is
 /// caught here and becomes an error.
-pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap, Failure> {
+pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
     let (width, height) = check_header(bytes)?;
+    // Unpacked blocks, at most a byte a texel, and the decoder's own texels.
+    check_room(reading, [width, height], TexelRoom { depth: 1, beside: 5 })?;
     let attempt = caught(|| {
         let transcoder = Transcoder::new(bytes)?;
         let texels = transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE)?;

@@ -35,6 +35,7 @@ pub use extensions::SUPPORTED;
 
 use super::json::Json;
 use super::loaded::{Loaded, checked};
+use super::reading::Reading;
 use super::variants::Mapping;
 use super::variants::Variants;
 use crate::error::{Result, Warnings};
@@ -45,13 +46,14 @@ use crate::scene::{Instance, Material, SceneData};
 use document::Document;
 use meshes::Meshes;
 use nodes::Nodes;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 use textures::{Decoded, Textures};
 
 /// Reads a `.gltf` or `.glb` file with everything it names, at a level of detail, 0 the finest.
-pub(super) fn read(path: &Path, level: usize) -> Result<Loaded> {
+pub(super) fn read(reading: &Arc<Reading>, level: usize) -> Result<Loaded> {
     let mut warnings = Warnings::default();
-    let document = Document::open(path, &mut warnings)?;
+    let document = Document::open(reading, &mut warnings)?;
     let nodes = Nodes::resolve(&document, level, &mut warnings)?;
     let levels = nodes.levels;
     let mut shown = meshes::build(&document, &nodes, &mut warnings)?;
@@ -84,7 +86,7 @@ pub(super) fn read(path: &Path, level: usize) -> Result<Loaded> {
         moving,
         variants,
         levels,
-        ..Loaded::new(checked(path, scene)?, warnings, document.format)
+        ..Loaded::new(checked(reading.path(), scene)?, warnings, document.format)
     })
 }
 
@@ -92,7 +94,7 @@ pub(super) fn read(path: &Path, level: usize) -> Result<Loaded> {
 fn files(document: &Document) -> Vec<PathBuf> {
     let buffers = document.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
     let images = document.root.images.iter().filter_map(|image| image.uri.as_deref());
-    buffers.chain(images).filter_map(|uri| uri::file(uri, document.folder())).collect()
+    buffers.chain(images).filter_map(|uri| uri::file(uri, &document.reading)).collect()
 }
 
 /// Says how the model moves: by a skin, by morph targets, or by animations alone.

@@ -127,6 +127,11 @@ impl<'a> Textures<'a> {
         let places: Vec<_> = self.requests.iter().map(|r| kept(r).then(|| next.next()).flatten()).collect();
         materials.iter_mut().for_each(|m| renumber(m, &places));
         let requests: Vec<_> = self.requests.iter().filter(|r| kept(r)).copied().collect();
+        // An image under a second encoding is copied: counted as float, since 16-bit sRGB becomes that.
+        let mut seen = BTreeSet::new();
+        for (image, _) in requests.iter().filter(|(image, _)| !seen.insert(*image)) {
+            self.document.reading.take(22 * bitmaps[image].texels().len() as u64);
+        }
         decoded.names = requests.iter().map(|(image, _)| image_name(self.document, *image)).collect();
         decoded.textures = build_textures(&requests, bitmaps);
         decoded
