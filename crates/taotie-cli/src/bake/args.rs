@@ -1,12 +1,13 @@
 //! The options of `taotie bake`.
 
 use super::purpose::{Defaults, Purpose};
+use crate::limits::LimitArgs;
 use crate::options::{self, fraction, positive};
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use taotie::asset::{BakeOptions, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
+use taotie::asset::{BakeOptions, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
 use taotie::io::{self, GltfImages};
 use taotie::names::Named;
@@ -123,9 +124,8 @@ pub struct BakeArgs {
     #[arg(long, help_heading = "Proof")]
     pub no_verify: bool,
 
-    /// Largest amount of memory to use, such as 4G; the machine's free memory if not given
-    #[arg(long, value_name = "BYTES", value_parser = memory, help_heading = "Running")]
-    pub memory_limit: Option<Bytes>,
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
@@ -170,10 +170,6 @@ fn distance(text: &str) -> Result<Auto<f64>, String> {
 fn degrees(text: &str) -> Result<f64, String> {
     let number = positive(text)?;
     if number < 180.0 { Ok(number) } else { Err(format!("{text} is not below 180")) }
-}
-
-fn memory(text: &str) -> Result<Bytes, String> {
-    text.parse().map_err(|_| format!("`{text}` is not an amount of memory; write it as 4G or 800M"))
 }
 
 impl<T> Auto<T> {
@@ -429,6 +425,6 @@ impl BakeArgs {
 
     /// Returns the limits of the bake.
     pub fn limits(&self) -> Limits {
-        Limits { memory: self.memory_limit }.or_free()
+        self.limits.limits()
     }
 }

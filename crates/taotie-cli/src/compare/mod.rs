@@ -14,6 +14,7 @@ use crate::studio::{self, Viewpoint, in_pool};
 use anyhow::{Context, Result};
 use std::path::Path;
 use taotie::Progress;
+use taotie::asset::Bytes;
 use taotie::comparison::{Comparison, ComparisonOptions, Subject};
 use taotie::render::{RenderSettings, SurfaceSettings};
 use taotie_report::comparison::{self, Written};
@@ -36,13 +37,16 @@ pub fn run(args: &CompareArgs) -> Result<()> {
 }
 
 fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<Written> {
-    let mut loaded = studio::load(model, &args.material, args.bump_scale)?;
+    let limits = args.running.limits.limits();
+    let [width, height] = args.size;
+    let need = Bytes(options(args)?.image_bytes());
+    limits.check(format!("a comparison in pictures of {width}x{height}"), need)?;
+    let mut loaded = studio::load(model, &args.material, args.bump_scale, &limits)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     args.light.note_unread(&loaded.scene, &mut warnings);
     let reference = args.reference.as_deref();
-    let reference = reference
-        .map(|path| reference::load(path, &args.material, &loaded.scene, &mut warnings))
-        .transpose()?;
+    let reference =
+        reference.map(|path| reference::load(path, args, &loaded.scene, &mut warnings)).transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
     let environment = args.light.environment(&mut warnings)?;
     let lighting = studio::lighting(&args.light, environment.as_ref(), &loaded.scene, viewpoint.at(0.0))?;

@@ -16,7 +16,7 @@ pub fn laid_out(
     warnings: &mut Warnings,
 ) -> Result<Option<TexelSurface>> {
     let Some(path) = &args.mesh else { return Ok(None) };
-    let mut loaded = io::load_model(path)?;
+    let mut loaded = io::load_model_within(path, &args.limits.limits())?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mesh = &loaded.scene.meshes()[part(args, path, &loaded)?];
     let grid = TexelGrid { width, height, uv_set: args.uv_set, padding: args.dilation };

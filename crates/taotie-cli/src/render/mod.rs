@@ -16,7 +16,9 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use taotie::Warnings;
+use taotie::asset::Bytes;
 use taotie::names::Named;
+use taotie::render::{image_bytes, pixel_bytes};
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 4;
@@ -52,9 +54,13 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 
 fn render(args: &RenderArgs) -> Result<Report> {
     let mut watch = Watch::new();
+    let limits = args.running.limits.limits();
+    let [width, height] = args.size;
+    let picture = format!("a picture of {width}x{height}");
+    limits.check(picture.as_str(), Bytes(pixel_bytes(&args.settings())))?;
     let mut sky_warnings = Warnings::default();
     let (loaded, environment) = rayon::join(
-        || studio::load(&args.model, &args.material, args.bump_scale),
+        || studio::load(&args.model, &args.material, args.bump_scale, &limits),
         || args.light.environment(&mut sky_warnings),
     );
     let (mut loaded, environment) = (loaded?, environment?);
@@ -63,6 +69,7 @@ fn render(args: &RenderArgs) -> Result<Report> {
     args.note_unread(&loaded.scene, &mut warnings);
     watch.lap("load");
     let mut settings = args.settings();
+    limits.check(picture, Bytes(image_bytes(&loaded.scene, &settings)))?;
     let motion = match args.motion.animates() {
         true => {
             let motion = args.motion.choose(loaded.rig.take(), &args.model)?;

@@ -1,5 +1,6 @@
 //! The options of light, camera and film, shared by the subcommands that take pictures of a model.
 
+use crate::limits::LimitArgs;
 use crate::options;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
@@ -251,6 +252,8 @@ impl FilmArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Running")]
 pub struct RunningArgs {
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Number of threads, 1 to 1024; all of the machine's if not given. Pixels do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,

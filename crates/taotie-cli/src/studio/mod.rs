@@ -14,6 +14,7 @@ pub use viewpoint::Viewpoint;
 
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
+use taotie::asset::Limits;
 use taotie::io::Loaded;
 use taotie::render::{EnvironmentLight, Lighting};
 use taotie::scene::Scene;
@@ -21,8 +22,8 @@ use taotie::studio::{MaterialFile, View};
 
 /// Reads a model, chooses the variant asked for, and gives its materials what the options ask for. `height_scale` is
 /// the height of white in model units, where it was asked for.
-pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>) -> Result<Loaded> {
-    let loaded = taotie::studio::load(path, &args.options(height_scale));
+pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>, limits: &Limits) -> Result<Loaded> {
+    let loaded = taotie::studio::load_within(path, &args.options(height_scale), limits);
     let mut loaded = loaded.map_err(|error| of_material(args.material.as_deref(), error))?;
     let Loaded { scene, warnings, .. } = &mut loaded;
     unread::note(args, height_scale, scene, warnings);

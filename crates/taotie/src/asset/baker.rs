@@ -74,7 +74,8 @@ impl Baker {
     /// [`Error::Invalid`](crate::Error::Invalid) where no ray met the scan, or no mesh and map come as near as is
     /// wanted.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
-        let (options, scan) = (Arc::clone(&self.options), scan.into());
+        let (options, mut scan) = (Arc::clone(&self.options), scan.into());
+        scan.limits.allow_outside |= self.limits.allow_outside;
         options.check()?;
         self.need(scan.about.size).check(self.limits_beside(&scan))?;
         progress.apart(move |progress| bake(&options, &scan, progress))
@@ -106,7 +107,7 @@ struct Subject<'a> {
 fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asset> {
     let about = Arc::clone(&scan.about);
     let mut warnings = about.warnings.clone();
-    let mut given = given(asked, &mut warnings, progress)?;
+    let mut given = given(asked, &scan.limits, &mut warnings, progress)?;
     let plan = BakePlan::of(asked, &about.carried, given.as_ref().map(GivenMesh::look));
     notes::unread_options(&plan.options, &mut warnings);
     plan.note(&mut warnings);
@@ -135,12 +136,13 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
 /// Reads the low-poly mesh that the options name.
 fn given(
     options: &BakeOptions,
+    limits: &Limits,
     warnings: &mut Warnings,
     progress: Progress<'_>,
 ) -> Result<Option<GivenMesh>> {
     let Some(source) = &options.low else { return Ok(None) };
     let reading = progress.begin("read the low-poly mesh")?;
-    let given = GivenMesh::read(source, warnings)?;
+    let given = GivenMesh::read(source, limits, warnings)?;
     reading.at(1.0)?;
     Ok(Some(given))
 }

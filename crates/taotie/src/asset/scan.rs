@@ -61,6 +61,7 @@ impl About {
 pub struct ScanFile {
     scene: Scene,
     about: About,
+    limits: Limits,
 }
 
 /// A scan, sorted for rays. Clones share all of it.
@@ -79,6 +80,8 @@ pub struct ScanFile {
 pub struct Scan {
     pub(super) high: Arc<bake::Scan>,
     pub(super) about: Arc<About>,
+    /// The limits within which it was read, and what a bake of it names is read.
+    pub(super) limits: Limits,
 }
 
 impl ScanFile {
@@ -105,7 +108,7 @@ impl ScanFile {
                 warnings: loaded.warnings,
                 ..About::of(&loaded.scene, path)
             };
-            Ok(Self { scene: loaded.scene, about })
+            Ok(Self { scene: loaded.scene, about, limits })
         })
     }
 
@@ -118,7 +121,7 @@ impl ScanFile {
         let mut loaded = io::Loaded::new(scene, Warnings::default(), "");
         notes::left_of_scan_file(&mut loaded);
         let about = About { warnings: loaded.warnings, ..About::of(&loaded.scene, PathBuf::new()) };
-        Ok(Self { scene: loaded.scene, about })
+        Ok(Self { scene: loaded.scene, about, limits: Limits::default() })
     }
 
     /// Returns how many triangles and vertices the scan has.
@@ -133,9 +136,9 @@ impl ScanFile {
     /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices.
     pub fn sort(self, progress: Progress<'_>) -> Result<Scan> {
         progress.begin("sort the scan")?.apart(move |_| {
-            let Self { mut scene, mut about } = self;
+            let Self { mut scene, mut about, limits } = self;
             about.warnings.note("flat-shaded scan: smooth normals computed", smooth_facets(&mut scene)?);
-            Ok(Scan { high: Arc::new(bake::Scan::new(scene)?), about: Arc::new(about) })
+            Ok(Scan { high: Arc::new(bake::Scan::new(scene)?), about: Arc::new(about), limits })
         })
     }
 }

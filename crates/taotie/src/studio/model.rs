@@ -2,7 +2,7 @@
 
 use super::material::MaterialOptions;
 use crate::error::{Error, Result};
-use crate::io::{self, Loaded};
+use crate::io::{self, Limits, Loaded};
 use std::path::Path;
 
 /// Reads a model, chooses the variant asked for, and gives its materials what the options ask for.
@@ -18,7 +18,24 @@ use std::path::Path;
 /// # Errors
 /// The reader's, those of the maps and the material, and [`Error::Invalid`] where all triangles lie in one point.
 pub fn load(path: &Path, options: &MaterialOptions) -> Result<Loaded> {
-    let mut loaded = io::load_model(path)?;
+    load_within(path, options, &Limits::default())
+}
+
+/// Reads a model as [`load`], within limits.
+///
+/// ```no_run
+/// use taotie::asset::Limits;
+/// use taotie::studio::{self, MaterialOptions};
+///
+/// let limits = Limits { memory: Some("2G".parse()?), ..Limits::default() };
+/// let scene = studio::load_within("vessel.glb".as_ref(), &MaterialOptions::default(), &limits)?.scene;
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`load`] and [`io::load_model_within`].
+pub fn load_within(path: &Path, options: &MaterialOptions, limits: &Limits) -> Result<Loaded> {
+    let mut loaded = io::load_model_within(path, limits)?;
     if loaded.scene.bounds().is_some_and(|bounds| bounds.diagonal() == 0.0) {
         let why = "all its triangles lie in one point; there is nothing to see";
         return Err(Error::invalid(path.display().to_string(), why));
