@@ -107,10 +107,18 @@ fn meshes(meshes: &[MeshReport]) -> String {
             normals(mesh),
             yes_or_no(mesh.tangents.is_some()),
             yes_or_no(mesh.colors),
-            mesh.materials.iter().map(usize::to_string).collect::<Vec<_>>().join(" "),
+            numbered(&mesh.materials),
         ]);
     }
     table.filled_lines(2)
+}
+
+/// The first numbers of a list, and an ellipsis where there are more.
+fn numbered(all: &[usize]) -> String {
+    /// So many fit a line.
+    const MOST: usize = 16;
+    let more = (all.len() > MOST).then(|| "…".to_owned());
+    all.iter().take(MOST).map(usize::to_string).chain(more).collect::<Vec<_>>().join(" ")
 }
 
 fn normals(mesh: &MeshReport) -> String {

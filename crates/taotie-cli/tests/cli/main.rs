@@ -18,6 +18,7 @@ mod help;
 mod inspect;
 mod json;
 mod json_bake;
+mod limits;
 mod models;
 mod motion;
 mod normals;

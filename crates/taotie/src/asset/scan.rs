@@ -213,11 +213,7 @@ impl std::fmt::Debug for Scan {
 impl About {
     fn of(scene: &Scene, path: PathBuf) -> Self {
         let carried = Carried::of(scene);
-        let size = ScanSize {
-            triangles: scene.triangle_count() as u64,
-            vertices: scene.meshes().iter().map(|mesh| mesh.positions().len() as u64).sum(),
-            carries: carried.maps(),
-        };
+        let size = ScanSize::of(scene, carried.maps());
         Self {
             path,
             hash: None,
