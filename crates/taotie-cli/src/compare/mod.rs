@@ -48,7 +48,7 @@ fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<Writ
     let reference =
         reference.map(|path| reference::load(path, args, &loaded.scene, &mut warnings)).transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
-    let environment = args.light.environment(&mut warnings)?;
+    let environment = args.light.environment(&limits, &mut warnings)?;
     let lighting = studio::lighting(&args.light, environment.as_ref(), &loaded.scene, viewpoint.at(0.0))?;
     let camera = viewpoint.camera(0.0);
     let options = ComparisonOptions { camera: Some(camera), lighting: Some(lighting), ..options(args)? };

@@ -61,7 +61,7 @@ fn render(args: &RenderArgs) -> Result<Report> {
     let mut sky_warnings = Warnings::default();
     let (loaded, environment) = rayon::join(
         || studio::load(&args.model, &args.material, args.bump_scale, &limits),
-        || args.light.environment(&mut sky_warnings),
+        || args.light.environment(&limits, &mut sky_warnings),
     );
     let (mut loaded, environment) = (loaded?, environment?);
     let mut warnings = std::mem::take(&mut loaded.warnings);

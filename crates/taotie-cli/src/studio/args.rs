@@ -6,6 +6,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use serde_json::json;
 use taotie::Warnings;
+use taotie::asset::Limits;
 use taotie::film::{Development, ToneCurve};
 use taotie::math::{SimdLevel, Vec3};
 use taotie::render::EnvironmentLight;
@@ -85,14 +86,14 @@ impl LightArgs {
     ///
     /// # Errors
     /// Those of the file.
-    pub fn environment(&self, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
+    pub fn environment(&self, limits: &Limits, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
         let options = EnvironmentOptions {
             source: self.env.as_deref().and_then(EnvironmentSource::named),
             rotation: self.rotation_deg().to_radians(),
             intensity: self.intensity(),
             visible: self.show_env,
         };
-        options.load(warnings).context("--env")
+        options.load_within(limits, warnings).context("--env")
     }
 
     /// Returns the environment as JSON for reports; null where there is none.

@@ -30,7 +30,7 @@ fn numbers_out_of_range_are_refused() {
         ("render a.obj -o a.png --env studio --env-intensity 1e15", "at most 1e12"),
         ("render a.obj -o a.png --target 0,0,1e39", "at most 1e18"),
         ("render a.obj -o a.png --orbit 0,0,1e39", "at most 1e18"),
-        ("render a.obj -o a.png --shininess 1e12", "at most 1e9"),
+        ("render a.obj -o a.png --shading phong --shininess 1e12", "at most 1e9"),
         ("render a.obj -o a.png --threads 20000", "at most 1024"),
         ("compare a.obj -o out --threads 20000", "at most 1024"),
         ("bake a.obj -o a.glb --threads 20000", "at most 1024"),

@@ -1,5 +1,6 @@
 //! The limits of what reading, and the work on what was read, may take and reach.
 
+use super::file::file_size;
 use super::system::free_memory;
 use crate::error::{Error, Result};
 use std::fmt;
@@ -125,7 +126,7 @@ impl Limits {
     /// Refuses a file that cannot even be read within the limit.
     pub(crate) fn check_file(self, path: &Path) -> Result<()> {
         // Reading says what is wrong with a file that has no size.
-        let Ok(size) = super::file_size(path).map(Bytes) else { return Ok(()) };
+        let Ok(size) = file_size(path).map(Bytes) else { return Ok(()) };
         match self.memory {
             Some(limit) if size > limit => Err(Error::limit(
                 path.display().to_string(),

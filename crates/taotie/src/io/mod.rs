@@ -26,7 +26,7 @@ pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
 
 pub use bitmap::{decode_bitmap, read_bitmap, read_bitmap_within};
 pub use cache::cache_folder;
-pub use environment::decode_environment;
+pub use environment::{decode_environment, decode_environment_within};
 pub use file::{file_size, read as read_bytes, sha256};
 pub use json::Json;
 pub use limits::{Bytes, Limits};

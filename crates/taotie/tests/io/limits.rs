@@ -174,7 +174,7 @@ fn buffers_and_images_outside_are_not_read() {
     for name in ["../buffer.bin", "%2E%2E/buffer.bin"] {
         let text = format!("{}{name}{}", &whole[..start], &whole[end..]);
         let (place, path) = beside("a.gltf", text);
-        std::fs::write(place.path().join("buffer.bin"), &triangle().bytes).unwrap();
+        std::fs::write(place.path().join("buffer.bin"), triangle().bytes).unwrap();
         let error = load_model(&path).unwrap_err().to_string();
         assert!(error.contains("buffer.bin") && error.contains("--allow-outside"), "{error}");
         let limits = Limits { allow_outside: true, ..Limits::default() };
