@@ -47,7 +47,7 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// Returns the largest distance either way.
+    /// Returns the largest distance either way; infinite where one could not be measured.
     pub fn hausdorff(&self) -> f64 {
         self.both().fold(0.0, f64::max)
     }
@@ -60,7 +60,7 @@ impl Deviation {
 
     fn both(&self) -> impl Iterator<Item = f64> + '_ {
         let all = self.of_scan.values().iter().chain(self.of_light.values());
-        all.map(|d| f64::from(*d)).filter(|d| d.is_finite())
+        all.map(|d| f64::from(*d)).filter(|d| !d.is_nan())
     }
 }
 

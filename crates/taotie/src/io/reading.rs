@@ -80,6 +80,19 @@ impl Reading {
         self.read_own(path)
     }
 
+    /// Counts a file of text or packed numbers, and what is made of it: OBJ, MTL, PLY, STL.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where it does not fit the memory; [`Error::Io`] where it is not there.
+    pub fn count_file(&self, path: &Path) -> Result<()> {
+        /// Bytes that a byte takes in all.
+        const UNPACKED: u64 = 4;
+        match self.take(UNPACKED * file::file_size(path)?) {
+            true => Ok(()),
+            false => self.check(),
+        }
+    }
+
     /// Reads the model or image itself.
     ///
     /// # Errors

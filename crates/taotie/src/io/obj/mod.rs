@@ -115,7 +115,9 @@ fn library(reading: &Reading, obj: &Obj, loaded: &mut Loaded) -> HashMap<String,
                     missing_files.push(name);
                     continue;
                 }
-                Ok(path) => text::read_text(&path).map(|text| (path, text)),
+                Ok(path) => {
+                    reading.count_file(&path).and_then(|()| text::read_text(&path)).map(|text| (path, text))
+                }
             };
             match text {
                 Ok((path, text)) => {
