@@ -16,6 +16,13 @@ pub fn result(line: &str) -> Result<()> {
     Ok(stdout.flush()?)
 }
 
+/// Writes a text of the program's own to stdout, as it is.
+pub fn own_text(text: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{text}")?;
+    Ok(stdout.flush()?)
+}
+
 /// Returns text of a file without characters that could rule the terminal: controls, and marks that turn the direction
 /// of writing. Each becomes the replacement character.
 pub fn plain(text: &str) -> String {
@@ -60,7 +67,7 @@ pub fn complain(line: &str) {
 pub fn say_warnings(warnings: &Warnings) {
     for (what, count) in warnings.iter() {
         let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
-        say(&format!("taotie: warning: {what}{times}"));
+        say(&format!("taotie: warning: {}{times}", plain(what)));
     }
 }
 

@@ -116,7 +116,8 @@ impl Limits {
             Some(limit) if need > limit => Err(Error::limit(
                 what,
                 format!(
-                    "it needs about {need} of memory, the limit is {limit}; raise --memory-limit, free memory, or ask for less"
+                    "it needs about {need} of memory, the limit is {limit}; raise the memory limit (--memory-limit), free \
+                     memory, or ask for less"
                 ),
             )),
             _ => Ok(()),

@@ -10,6 +10,7 @@ mod limits;
 mod loaded;
 mod locate;
 mod obj;
+#[cfg(any(feature = "draco", feature = "basis", feature = "exr"))]
 mod panics;
 mod ply;
 mod polygon;
@@ -56,7 +57,8 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// [`Error::Io`] where the file cannot be read, [`Error::Unsupported`] for another extension or a feature that is
-/// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn, [`Error::Limit`] as [`load_model_within`] of [`Limits::default`].
+/// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn, [`Error::Limit`] where it does not fit
+/// [`Limits::default`].
 pub fn load_model(path: &Path) -> Result<Loaded> {
     load_level(path, 0)
 }
