@@ -59,6 +59,12 @@ impl Reading {
         }
     }
 
+    /// Returns how many bytes may still be taken.
+    pub fn left(&self) -> u64 {
+        let most = self.within(Bytes(u64::MAX)).memory.map_or(u64::MAX, |most| most.0);
+        most.saturating_sub(self.wanted.load(Ordering::Relaxed))
+    }
+
     /// Refuses what has taken, or was denied, more than there may be.
     ///
     /// # Errors
@@ -200,7 +206,9 @@ mod tests {
         let limits = Limits { memory: Some(Bytes(100 << 20)), ..Limits::default() };
         let ours = reading(Path::new(""), limits);
         assert!(ours.take(90 << 20) && ours.check().is_ok());
+        assert_eq!(ours.left(), 10 << 20);
         assert!(!ours.take(100 << 20) && !ours.take(10 << 20));
+        assert_eq!(ours.left(), 0);
         let error = ours.check().unwrap_err().to_string();
         assert!(
             error.contains("200 MiB") && error.contains("100 MiB") && error.contains("model.gltf"),

@@ -57,6 +57,6 @@ pub fn load_within(path: &Path, options: &MaterialOptions, limits: &Limits) -> R
         let chosen = loaded.variants.apply(variant, &mut loaded.scene);
         chosen.map_err(|error| error.within(path.display()))?;
     }
-    options.apply(&mut loaded.scene)?;
+    options.apply_within(&mut loaded.scene, limits)?;
     Ok(loaded)
 }

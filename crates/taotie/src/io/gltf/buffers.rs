@@ -49,7 +49,9 @@ impl Buffers {
             buffers.push(bytes);
         }
         let mut buffers = Self { buffers, unpacked: BTreeMap::new() };
-        buffers.unpack(root);
+        if root.buffer_views.iter().any(|view| meshopt::of_view(view).is_some()) {
+            buffers.unpack(root, usize::try_from(reading.left()).unwrap_or(usize::MAX));
+        }
         let unpacked = buffers.unpacked.values().flatten().map(Vec::len).sum::<usize>();
         if !reading.take(unpacked as u64) {
             reading.check()?;
@@ -87,8 +89,9 @@ impl Buffers {
         Ok(&bytes[start as usize..end as usize])
     }
 
-    fn unpack(&mut self, root: &Root) {
-        let mut budget = MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * self.total_bytes();
+    /// Unpacks compressed views to at most `most` bytes.
+    fn unpack(&mut self, root: &Root, most: usize) {
+        let mut budget = most.min(MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * self.total_bytes());
         for (index, view) in root.buffer_views.iter().enumerate() {
             let Some(json) = meshopt::of_view(view) else { continue };
             let unpacked = Packed::read(json).and_then(|packed| {

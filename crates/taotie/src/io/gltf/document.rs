@@ -50,7 +50,7 @@ impl Document {
         check_nodes(reading, root.nodes.len() as u64)?;
         let buffers = Buffers::load(reading, &root, blob.filter(|b| !b.is_empty()), warnings)?;
         #[cfg(feature = "draco")]
-        let supply = draco::supply(&root, &buffers, warnings);
+        let supply = draco::supply(&root, &buffers, reading, warnings);
         #[cfg(not(feature = "draco"))]
         let supply = Supply::new();
         let reading = Arc::clone(reading);

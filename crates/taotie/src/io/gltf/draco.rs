@@ -4,6 +4,7 @@
 //! those in their buffer views, so that nothing else needs to know.
 
 use super::super::panics::caught;
+use super::super::reading::Reading;
 use super::buffers::Buffers;
 use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
@@ -26,11 +27,16 @@ const MAX_UNPACKED_OF_SMALL: u64 = 1 << 28;
 const TOO_MANY: &str = "the file unpacks to too many bytes";
 
 /// Unpacks every packed primitive of the file.
-pub(super) fn supply(root: &Root, buffers: &Buffers, warnings: &mut Warnings) -> Supply {
+pub(super) fn supply(root: &Root, buffers: &Buffers, reading: &Reading, warnings: &mut Warnings) -> Supply {
+    let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if primitives.all(|primitive| super::extensions::extension(primitive, NAME).is_none()) {
+        return Supply::new();
+    }
+    let usual = MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * buffers.total_bytes() as u64;
     let mut unpacker = Unpacker {
         root,
         buffers,
-        budget: MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * buffers.total_bytes() as u64,
+        budget: usual.min(reading.left()),
         meshes: BTreeMap::new(),
         supply: Supply::new(),
     };
@@ -46,6 +52,8 @@ pub(super) fn supply(root: &Root, buffers: &Buffers, warnings: &mut Warnings) ->
             }
         }
     }
+    let unpacked: usize = unpacker.supply.values().flatten().map(|supplied| supplied.bytes.len()).sum();
+    reading.take(unpacked as u64);
     unpacker.supply
 }
 
