@@ -5,16 +5,18 @@ use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made};
 use super::maps::{StoredMaps, bake_maps};
-use super::memory::{Need, ScanSize};
+use super::memory::Need;
 use super::notes;
 use super::options::BakeOptions;
 use super::plan::BakePlan;
 use super::scan::Scan;
+use super::scan_size::ScanSize;
 use super::search::smallest;
 use super::search_course::Trial;
-use crate::bake::MapKind;
+use crate::bake::{Cage, MapKind};
 use crate::error::{Result, Warnings};
 use crate::io::{self, Bytes, Limits};
+use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::AlphaMode;
 use std::sync::Arc;
@@ -77,7 +79,7 @@ impl Baker {
         let (options, mut scan) = (Arc::clone(&self.options), scan.into());
         scan.limits.allow_outside |= self.limits.allow_outside;
         options.check()?;
-        self.need(scan.about.size).check(self.limits_beside(&scan))?;
+        self.need(scan.about.size.sorted()).check(self.limits_beside(&scan))?;
         progress.apart(move |progress| bake(&options, &scan, progress))
     }
 
@@ -119,18 +121,32 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
     let Lightened { mut low, mut maps, size, trials } =
         lightened(&options, subject, &mut warnings, progress)?;
     low.material.alpha = alpha(&options, scan, &low);
-    if low.material.alpha == AlphaMode::Blend && options.bakes(&[MapKind::Alpha]) {
-        notes::blended(about.carried.blended, &mut warnings);
-    }
     warnings.absorb(std::mem::take(&mut maps.warnings));
     let coarser = low::coarser(&low, &options.lods, &mut warnings, progress)?;
-    judgement::judge(Pair { scan, low: &low }, &maps.cage, &maps.counts, &mut warnings);
+    let pair = Pair { scan, low: &low };
+    let alpha_modes = match options.bakes(&[MapKind::Alpha]) {
+        true => alpha_modes(pair, &maps.cage, &coarser),
+        false => Vec::new(),
+    };
+    judgement::judge(pair, &maps.cage, &maps.counts, &mut warnings);
     if options.inspect {
         progress.begin("inspect the scan")?;
         judgement::inspect(scan.mesh(), &mut warnings);
     }
     let options = Arc::new(options);
-    Ok(Asset::new(Made { options, about, low, coarser, maps, size, trials, carried, left, warnings }))
+    Ok(Asset::new(Made {
+        options,
+        about,
+        low,
+        coarser,
+        alpha_modes,
+        maps,
+        size,
+        trials,
+        carried,
+        left,
+        warnings,
+    }))
 }
 
 /// Reads the low-poly mesh that the options name.
@@ -153,6 +169,16 @@ fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
         mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
         _ => low.material.alpha,
     }
+}
+
+/// Returns the alpha mode of each triangle of each level, where the scan has several modes.
+fn alpha_modes(pair: Pair<'_>, cage: &Cage, coarser: &[Mesh]) -> Vec<Vec<AlphaMode>> {
+    let Pair { scan, low } = pair;
+    if scan.high.surface().alpha_modes().len() < 2 {
+        return Vec::new();
+    }
+    let of_level = |mesh: &Mesh| scan.high.alpha_modes(mesh, &cage.carried_over(&low.mesh, mesh));
+    std::iter::once(scan.high.alpha_modes(&low.mesh, cage)).chain(coarser.iter().map(of_level)).collect()
 }
 
 /// Returns the low-poly mesh with its maps; where an error is wanted the smallest that meets it.

@@ -1,94 +1,13 @@
 //! The memory that a bake will take, estimated before it begins.
 
 use super::options::BakeOptions;
+use super::scan_size::ScanSize;
 use crate::bake::{MapKind, Maps};
 use crate::error::{Error, Result};
-use crate::image::Texture;
 use crate::io::{Bytes, Limits};
-use crate::math::Mat4;
-use crate::mesh::Mesh;
-use crate::scene::Scene;
 
-/// The number of triangles and vertices of a scan, and the maps that its materials need.
-///
-/// ```
-/// use taotie::asset::{BakeOptions, Baker, ScanSize};
-///
-/// let baker = Baker::new(BakeOptions::default());
-/// let size = |triangles| ScanSize { triangles, vertices: triangles / 2, ..ScanSize::default() };
-/// let need = |triangles: u64| baker.need(size(triangles)).bytes();
-/// assert!(need(20_000_000) > need(1_000_000));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ScanSize {
-    /// Triangles, over all instances.
-    pub triangles: u64,
-    /// Vertices, over all instances.
-    pub vertices: u64,
-    /// Bytes of all else: textures with their mip levels; uvs, tangents and colours of vertices; the meshes that several
-    /// instances are joined from.
-    #[cfg_attr(feature = "serde", serde(default))]
-    pub beside: u64,
-    /// The maps of what varies in its materials, which a bake carries where it is asked to.
-    pub carries: Maps,
-}
-
-impl ScanSize {
-    /// Measures a scene.
-    pub(super) fn of(scene: &Scene, carries: Maps) -> Self {
-        let instances = scene.instances().iter().map(|instance| &scene.meshes()[instance.mesh]);
-        let textures: u64 = scene.textures().iter().map(texture_bytes).sum();
-        Self {
-            triangles: scene.triangle_count() as u64,
-            vertices: instances.clone().map(|mesh| mesh.positions().len() as u64).sum(),
-            beside: textures + instances.map(attribute_bytes).sum::<u64>() + source_bytes(scene),
-            carries,
-        }
-    }
-
-    /// Returns what the scan takes, sorted for rays.
-    pub(super) fn bytes(self) -> u64 {
-        /// Positions and normals.
-        const VERTEX: u64 = 24;
-        const TRIANGLE: u64 = 12;
-        /// Corners, order and boxes of the tree.
-        const TREE: u64 = 41;
-        self.triangles * (TRIANGLE + TREE) + self.vertices * VERTEX + self.beside
-    }
-}
-
-/// Returns the bytes of a texture with its mip levels.
-fn texture_bytes(texture: &Texture) -> u64 {
-    let level = |level| {
-        let (width, height) = texture.level_size(level);
-        u64::from(width) * u64::from(height)
-    };
-    let texels: u64 = (0..texture.levels()).map(level).sum();
-    texels * 4 * u64::from(texture.bitmap().bits() / 8)
-}
-
-/// Returns the bytes of what vertices have beside position and normal.
-fn attribute_bytes(mesh: &Mesh) -> u64 {
-    let colors = if mesh.colors().is_empty() { 0 } else { 16 };
-    // Tangents are made where there are uvs.
-    let uvs = if mesh.uvs().is_empty() { 0 } else { 8 * mesh.uvs().len() as u64 + 16 };
-    mesh.positions().len() as u64 * (uvs + colors)
-}
-
-/// Returns the bytes of the meshes that several instances, or moved ones, are joined from; 0 where one stays as it is.
-fn source_bytes(scene: &Scene) -> u64 {
-    let is_moved = scene.instances().iter().any(|instance| instance.world_from_object != Mat4::IDENTITY);
-    if scene.instances().len() < 2 && !is_moved {
-        return 0;
-    }
-    let mesh = |mesh: &Mesh| {
-        24 * mesh.positions().len() as u64 + attribute_bytes(mesh) + 12 * mesh.triangles().len() as u64
-    };
-    scene.meshes().iter().map(mesh).sum()
-}
-
-/// The memory of a bake at its peak: the scan sorted for rays, simplification, maps.
+/// The memory of a bake at its peak: the scan with its textures, sorted for rays, simplification, maps; or, where that is
+/// more, the tangents that a scan with a normal map gets before.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Baker, Bytes, Limits, ScanSize};
@@ -139,7 +58,8 @@ impl Need {
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
         let inspecting = if self.inspects { INSPECTING } else { 0 };
         let beside = self.scan.triangles * SORTING.max(simplifying).max(inspecting);
-        Bytes(self.scan.bytes() + beside.max(self.texels * self.texel_bytes) + REST)
+        let baking = self.scan.bytes() + beside.max(self.texels * self.texel_bytes);
+        Bytes(baking.max(self.scan.framing_bytes()) + REST)
     }
 
     /// Refuses what does not fit.
@@ -177,25 +97,6 @@ fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::{Bitmap, Encoding, Texels};
-    use crate::scene::Material;
-
-    #[test]
-    fn textures_and_instances_count() {
-        let mesh = Mesh::sphere(1.0, 32, 16);
-        let plain = Scene::of_mesh(mesh, Material::default()).unwrap();
-        let measured = |scene: &Scene| ScanSize::of(scene, Maps::default());
-        let one = measured(&plain);
-        let mut textured = plain.clone();
-        let bitmap = Bitmap::new(256, 256, 3, Texels::U8(vec![[9; 4]; 1 << 16])).unwrap();
-        textured.add_texture(Texture::new(bitmap, Encoding::Srgb));
-        let beside = measured(&textured).beside - one.beside;
-        assert!((1 << 18..1 << 19).contains(&beside), "{beside}");
-        let mut many = plain.clone();
-        many.edit(|scene| scene.instances = vec![scene.instances[0]; 10]).unwrap();
-        assert_eq!(measured(&many).vertices, 10 * one.vertices);
-        assert!(measured(&many).bytes() > 10 * one.bytes());
-    }
 
     #[test]
     fn what_does_not_fit_is_refused_with_both_numbers() {
@@ -211,5 +112,16 @@ mod tests {
             need.check(Limits { memory: Some(Bytes(1 << 30)), ..Limits::default() }).unwrap_err().to_string();
         assert!(error.contains("20000000 triangles") && error.contains("1.0 GiB"), "{error}");
         assert!(need.check(Limits::default()).is_ok());
+    }
+
+    #[test]
+    fn tangents_and_textures_of_a_scan_are_in_the_estimate() {
+        let size = ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() };
+        let need = |size| Need::of(&BakeOptions::default(), size).bytes().0;
+        let framed = ScanSize { framed_triangles: 20_000_000, framed_vertices: 10_000_000, ..size };
+        assert!(need(framed) > 8 << 30, "{}", need(framed));
+        assert_eq!(need(framed.sorted()), need(size));
+        let textured = ScanSize { texture_bytes: 1 << 30, ..size };
+        assert_eq!(need(textured), need(size) + (1 << 30));
     }
 }

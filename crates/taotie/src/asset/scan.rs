@@ -3,8 +3,8 @@
 use super::carried::Carried;
 use super::hash::FileHash;
 use super::look;
-use super::memory::ScanSize;
 use super::notes;
+use super::scan_size::ScanSize;
 use crate::bake;
 use crate::error::{Error, Result, Warnings};
 use crate::io::{self, Limits};
@@ -124,7 +124,7 @@ impl ScanFile {
         Ok(Self { scene: loaded.scene, about, limits: Limits::default() })
     }
 
-    /// Returns how many triangles and vertices the scan has.
+    /// Returns how many triangles and vertices the scan has, and what else takes memory.
     pub fn size(&self) -> ScanSize {
         self.about.size
     }

@@ -117,6 +117,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         name: &name,
         levels: &levels,
         material: textures.material(&made.low.material, &made.low.kept),
+        alpha_modes: &made.alpha_modes,
         copyright: made.about.copyright.as_deref().or(rights.as_deref()),
         xmp: Some(&xmp),
         extras: extras.as_ref(),

@@ -41,7 +41,7 @@ pub struct Loaded {
     pub moving: Option<&'static str>,
     /// The sets of materials that the file offers; the scene itself has none of them applied.
     pub variants: Variants,
-    /// How many levels of detail the file has; [`super::load_level`] reads each. 1 where the format knows of none.
+    /// How many levels of detail the file has; [`super::load_levels`] reads all. 1 where the format knows of none.
     pub levels: usize,
 }
 

@@ -39,8 +39,8 @@ pub use write::{
     AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfImage,
     GltfImages, GltfLevel, GltfMaterial, ImageFormat, PngColor, PngImage, PngSamples, WrittenScene,
     check_writable, check_writable_folder, encode_glb, encode_gltf, encode_png, encode_png_bitmap,
-    write_bytes, write_developed, write_files, write_gltf, write_image, write_png, write_png_bitmap,
-    write_scene, write_text,
+    gltf_sampler, write_bytes, write_developed, write_files, write_gltf, write_image, write_png,
+    write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, write_exr};
@@ -52,15 +52,15 @@ use reading::Reading;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case. Where the first bytes of the
-/// file contradict the extension, the bytes are believed.
+/// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case; its finest level of detail. Where
+/// the first bytes of the file contradict the extension, the bytes are believed.
 ///
 /// # Errors
 /// [`Error::Io`] where the file cannot be read, [`Error::Unsupported`] for another extension or a feature that is
 /// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn, [`Error::Limit`] where it does not fit
 /// [`Limits::default`].
 pub fn load_model(path: &Path) -> Result<Loaded> {
-    load_level(path, 0)
+    load_model_within(path, &Limits::default())
 }
 
 /// Reads a model as [`load_model`], within limits: of memory, as far as headers tell before anything is decoded, of
@@ -69,30 +69,13 @@ pub fn load_model(path: &Path) -> Result<Loaded> {
 /// # Errors
 /// As [`load_model`]; [`Error::Limit`] where a limit is exceeded.
 pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
-    level_within(path, 0, limits)
-}
-
-/// Reads one level of detail of a model, 0 the finest; otherwise as [`load_model`]. Levels are those of glTF's
-/// MSFT_lod: a node with fewer of them shows its coarsest. Other formats have level 0 alone.
-///
-/// # Errors
-/// As [`load_model`]; [`Error::Parse`] where the file has no such level.
-pub fn load_level(path: &Path, level: usize) -> Result<Loaded> {
-    level_within(path, level, &Limits::default())
-}
-
-fn level_within(path: &Path, level: usize, limits: &Limits) -> Result<Loaded> {
     let format = format_of(path)?;
-    if level > 0 && format != Format::Gltf {
-        let why = format!("there is 1, and no level {level}");
-        return Err(Error::parse(path, "levels of detail", why));
-    }
     let reading = Arc::new(Reading::new(path, limits));
     if format != Format::Gltf {
         reading.count_file(path)?;
     }
     let loaded = match format {
-        Format::Gltf => gltf::read(&reading, level),
+        Format::Gltf => gltf::read(&reading),
         Format::Obj => obj::read(&reading),
         Format::Ply => ply::read(&reading),
         Format::Stl => stl::read(&reading),
@@ -107,6 +90,24 @@ fn level_within(path: &Path, level: usize, limits: &Limits) -> Result<Loaded> {
             format!("at most {} are read; simplify the model", limits.triangles),
         )),
         false => Ok(loaded),
+    }
+}
+
+/// Reads a model at all of its levels of detail, the finest first, as [`load_model`] reads that. Levels are those of
+/// glTF's MSFT_lod: a node with fewer of them shows its coarsest. Other formats have one. Files are read and textures
+/// decoded once, and all levels share them; notes on the file as a whole stand with the finest.
+///
+/// # Errors
+/// As [`load_model`], of any level; [`Error::Parse`] where a file has more than 64 levels.
+pub fn load_levels(path: &Path) -> Result<Vec<Loaded>> {
+    match format_of(path)? {
+        Format::Gltf => {
+            let reading = Arc::new(Reading::new(path, &Limits::default()));
+            let levels = gltf::read_levels(&reading);
+            reading.check()?;
+            levels
+        }
+        _ => Ok(vec![load_model(path)?]),
     }
 }
 

@@ -15,7 +15,7 @@ pub use exr::{ExrLayer, write_exr};
 pub use files::{FileBytes, write_files};
 pub use gltf::{
     GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, WrittenScene,
-    encode_glb, encode_gltf, write_gltf, write_scene,
+    encode_glb, encode_gltf, gltf_sampler, write_gltf, write_scene,
 };
 pub use png::{PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_png, write_png_bitmap};
 pub use still_image::{ImageFormat, write_developed, write_image};

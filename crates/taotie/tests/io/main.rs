@@ -18,6 +18,7 @@ mod validator;
 
 mod animation;
 mod geometry;
+mod gltf_alpha_modes;
 mod gltf_levels;
 mod gltf_materials;
 mod gltf_packed;

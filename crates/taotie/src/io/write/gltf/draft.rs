@@ -1,7 +1,7 @@
 //! A glTF document in the making: its JSON, and the numbers that its accessors name.
 
 use super::container::{self, Head};
-use super::images;
+use super::uri::uri;
 use crate::error::{Error, Result};
 use crate::io::json::Json;
 use crate::io::write::{FileBytes, write_with};
@@ -267,7 +267,7 @@ impl GltfDraft {
     pub(super) fn into_files(self, path: &Path, images: Vec<FileBytes>) -> Result<Vec<FileBytes>> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let binary = format!("{stem}.bin");
-        let text = self.text(Some(images::uri(&binary)))?;
+        let text = self.text(Some(uri(&binary)))?;
         let document = FileBytes { path: path.to_path_buf(), bytes: text };
         let numbers = FileBytes { path: path.with_file_name(&binary), bytes: self.bytes };
         Ok([document, numbers].into_iter().chain(images).collect())

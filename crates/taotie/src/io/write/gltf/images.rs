@@ -1,8 +1,11 @@
 //! The textures of a material: each image encoded once, and its place in a document.
 
+use super::draft::GltfDraft;
 use super::format::{GltfFormat, GltfImages};
 use super::material::GltfMaterial;
-use super::{GltfDraft, ktx, samplers};
+use super::slots::{GltfImage, Slot};
+use super::uri::uri;
+use super::{ktx, samplers};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Sampler, Texels};
 use crate::io::write::FileBytes;
@@ -13,56 +16,9 @@ use crate::scene::AlphaMode;
 #[cfg(feature = "webp")]
 use image::codecs::webp::WebPEncoder;
 use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
-use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::Path;
-
-/// A texture's image.
-#[derive(Debug, Clone, Copy)]
-pub enum GltfImage<'a> {
-    /// Texels of 8 or 16 bits; alpha is written where the material reads it.
-    Bitmap(&'a Bitmap),
-    /// A file that lies beside the model already, by its relative path with `/`.
-    File(&'a str),
-}
-
-impl<'a> From<&'a Bitmap> for GltfImage<'a> {
-    fn from(bitmap: &'a Bitmap) -> Self {
-        Self::Bitmap(bitmap)
-    }
-}
-
-impl GltfImage<'_> {
-    /// Says whether both are one and the same, so that it needs to be written once only.
-    fn is(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Bitmap(a), Self::Bitmap(b)) => std::ptr::eq(*a, *b),
-            (Self::File(a), Self::File(b)) => a == b,
-            _ => false,
-        }
-    }
-}
-
-/// The slots of a material that have textures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Slot {
-    BaseColor,
-    MetallicRoughness,
-    Occlusion,
-    Normal,
-    Emissive,
-}
-
-impl Slot {
-    fn encoding(self) -> Encoding {
-        match self {
-            Self::BaseColor | Self::Emissive => Encoding::Srgb,
-            Self::Normal => Encoding::Normal,
-            Self::MetallicRoughness | Self::Occlusion => Encoding::Linear,
-        }
-    }
-}
 
 /// An image as it is written, and the slots that show it.
 #[derive(Debug)]
@@ -298,28 +254,4 @@ fn entry(draft: &mut GltfDraft, image: &Encoded, storage: &ImageStorage) -> Valu
         (Some(_), ImageStorage::Beside(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
         (None, _) => json!({ "uri": uri(&image.file_name("")) }),
     }
-}
-
-/// Characters that a relative URI cannot hold as they are.
-const RESERVED: &AsciiSet = &CONTROLS
-    .add(b' ')
-    .add(b'"')
-    .add(b'#')
-    .add(b'%')
-    .add(b':')
-    .add(b'<')
-    .add(b'>')
-    .add(b'?')
-    .add(b'[')
-    .add(b'\\')
-    .add(b']')
-    .add(b'^')
-    .add(b'`')
-    .add(b'{')
-    .add(b'|')
-    .add(b'}');
-
-/// Returns the relative URI of a file.
-pub(super) fn uri(name: &str) -> String {
-    utf8_percent_encode(name, RESERVED).to_string()
 }

@@ -4,6 +4,7 @@ use super::super::format::GltfImages;
 use super::super::images::{self, Stored};
 use super::super::number::short;
 use super::super::samplers;
+use super::super::uri::uri;
 use super::uses::ImageUse;
 use super::writer::Writer;
 use crate::error::Result;
@@ -87,7 +88,7 @@ impl Writer<'_> {
         }
         let draft = &mut self.draft;
         let entries = images.iter().enumerate().map(|(i, image)| match stem {
-            Some(stem) => json!({ "uri": images::uri(&file_name(stem, i, image)) }),
+            Some(stem) => json!({ "uri": uri(&file_name(stem, i, image)) }),
             None => json!({ "bufferView": draft.view(&image.bytes), "mimeType": image.format.mime_type() }),
         });
         let entries: Value = entries.collect();
