@@ -2,6 +2,7 @@
 //! geometry.
 
 use crate::console::{self, Bar};
+use crate::options;
 use crate::studio::in_pool;
 use anyhow::Result;
 use clap::Args;
@@ -30,7 +31,7 @@ pub struct DemoArgs {
     #[arg(long, value_name = "DIR", default_value = "taotie-demo")]
     pub out: PathBuf,
     /// Width and height of each picture of the contact sheet, pixels
-    #[arg(long, value_name = "N", default_value_t = 360, value_parser = clap::value_parser!(u32).range(64..=2048))]
+    #[arg(long, value_name = "N", default_value = "360", value_parser = options::square::<64>)]
     pub size: u32,
     /// Also write the bronze with its relief as geometry, more than two million triangles, as jue-high.glb
     #[arg(long)]

@@ -1,6 +1,6 @@
 //! `taotie materials`: the presets, their measured colours, and what they look like.
 
-use crate::console;
+use crate::{console, options};
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
@@ -34,7 +34,7 @@ pub struct MaterialsArgs {
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
     /// Width and height of each sphere's picture, pixels
-    #[arg(long, value_name = "N", default_value = "256", requires = "output", value_parser = clap::value_parser!(u32).range(16..=2048))]
+    #[arg(long, value_name = "N", default_value = "256", requires = "output", value_parser = options::square::<16>)]
     pub size: u32,
     /// Print the list as JSON
     #[arg(long)]

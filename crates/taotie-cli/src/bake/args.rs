@@ -16,6 +16,7 @@ const EXAMPLES: &str = "\
 Examples:
   taotie bake scan.ply -o scan.glb
   taotie bake scan.ply --low low.glb -o baked.glb --size 4096 --maps normal,ao
+  taotie bake scan.ply --low low.glb -o normal.png
   taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,10000 --meshopt
   taotie bake scan.ply -o scan.glb --for web
   taotie bake scan.ply -o scan.glb --error 2 --require mean-angle=2,missed=0.1%
@@ -29,7 +30,8 @@ OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degree
 pub struct BakeArgs {
     /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl)
     pub high: PathBuf,
-    /// The asset to write (.glb, or .gltf with its files beside it)
+    /// The asset to write (.glb, or .gltf with its files beside it). A .png, .webp or .exr gets the maps alone, for a --low with UVs: the
+    /// first, normals if not asked otherwise, in OUT, each other beside it, such as OUT.ao.png
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The low-poly mesh; its UVs and triangles stay as they are. Made from the scan if not given
@@ -61,7 +63,7 @@ pub struct BakeArgs {
     #[arg(long, value_enum, default_value_t = Space::Tangent, help_heading = "Maps")]
     pub space: Space,
     /// Direction of green in maps for other programs: down (DirectX) also writes OUT.normal.png, and OUT.bent.png so. The
-    /// asset's own normal map points up, as glTF demands
+    /// asset's own normal map points up, as glTF demands; maps alone point down then
     #[arg(long, value_enum, default_value_t = Green::Up, help_heading = "Maps")]
     pub green: Green,
     /// Samples per texel
@@ -189,9 +191,13 @@ impl BakeArgs {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
         }
         let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if !matches!(extension.as_deref(), Some("glb" | "gltf")) {
-            bail!("{}: assets are written as .glb or .gltf", self.output.display());
+        if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp" | "exr")) {
+            bail!(
+                "{}: assets are written as .glb or .gltf, maps alone as .png, .webp or .exr",
+                self.output.display()
+            );
         }
+        self.check_alone()?;
         let same = |path: &PathBuf| {
             path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok())
         };
@@ -230,6 +236,57 @@ impl BakeArgs {
         self.check_places()
     }
 
+    /// Says whether maps are written without a model.
+    fn is_alone(&self) -> bool {
+        ["png", "webp", "exr"].into_iter().any(|extension| self.has_extension(extension))
+    }
+
+    fn has_extension(&self, wanted: &str) -> bool {
+        self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+    }
+
+    /// Refuses what only a model has, where maps are written alone.
+    fn check_alone(&self) -> Result<()> {
+        let given = [
+            ("--lods", !self.lods.is_empty()),
+            ("--ktx2", self.ktx2),
+            ("--webp", self.webp),
+            ("--jpeg", self.jpeg.is_some()),
+            ("--meshopt", self.meshopt),
+            ("--provenance", self.provenance.is_some()),
+            ("--for", self.purpose.is_some()),
+            ("--error", self.error.is_some()),
+            ("--triangles", self.triangles.is_some()),
+        ];
+        let output = self.output.display();
+        match given.iter().find(|(_, given)| *given) {
+            Some((option, _)) if self.is_alone() => {
+                bail!("{option}: {output} gets maps alone, without a model; leave it out, or write a .glb")
+            }
+            None if self.is_alone() && self.low.is_none() => {
+                bail!(
+                    "{output}: maps alone need the mesh that they are for: give --low with UVs, or write a .glb"
+                )
+            }
+            _ => self.check_depth(),
+        }
+    }
+
+    /// Refuses maps of 16 bits in a file that holds 8.
+    fn check_depth(&self) -> Result<()> {
+        let deep = [MapKind::Height, MapKind::Curvature];
+        let maps = self.maps();
+        match maps.iter().find(|map| deep.contains(map)) {
+            _ if self.has_extension("exr") && self.bits.is_some() => {
+                bail!("--bits: an .exr holds floats; leave it out, or write a .png")
+            }
+            _ if !self.has_extension("webp") => Ok(()),
+            Some(map) => bail!("--maps {}: it needs 16 bits and WebP holds 8; write a .png", map.name()),
+            None if self.bits() == 16 => bail!("--bits 16: WebP holds 8 bits; write a .png, or take 8"),
+            None => Ok(()),
+        }
+    }
+
     /// Refuses options that nothing reads.
     fn check_unread(&self) -> Result<()> {
         let (maps, carries) = (self.maps(), self.carries());
@@ -250,7 +307,7 @@ impl BakeArgs {
         {
             bail!("--webp, --ktx2: the asset holds no texture; leave them out, or add such a map to --maps");
         }
-        let packs = self.images() != GltfImages::Png;
+        let packs = self.is_packed();
         let beside = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
         if self.bits() == 16 && packs && bakes(MapKind::Normal) && !beside {
             bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
@@ -299,6 +356,7 @@ impl BakeArgs {
             triangles: self.triangles(),
             mean_error_deg: self.error,
             lods: self.lods(),
+            keep_uvs: self.is_alone(),
             size: self.size()[0],
             height: (self.size()[1] != self.size()[0]).then_some(self.size()[1]),
             maps: self.maps(),
@@ -401,6 +459,7 @@ impl BakeArgs {
     fn bits(&self) -> u8 {
         match self.bits.as_deref() {
             Some("16") => 16,
+            None if self.has_extension("exr") && self.bakes_normals() => 16,
             None if self.images() == GltfImages::Png && self.bakes_normals() => self.defaults().bits,
             _ => 8,
         }
@@ -412,6 +471,11 @@ impl BakeArgs {
             (_, true) => GltfImages::WebP,
             _ => self.defaults().images,
         }
+    }
+
+    /// Says whether textures are packed as WebP or KTX2, which takes longer than PNG.
+    pub fn is_packed(&self) -> bool {
+        self.images() != GltfImages::Png
     }
 
     /// Returns the quality of JPEG; KTX2 that is asked for packs colours too.

@@ -3,6 +3,7 @@
 mod args;
 mod clock;
 mod purpose;
+mod schedule;
 mod stop;
 mod text;
 
@@ -11,7 +12,8 @@ pub use args::BakeArgs;
 use crate::{Outcome, console, studio};
 use anyhow::Result;
 use clock::Clock;
-use taotie::asset::{Baker, Limits, Proof, Report, Scan, ScanFile, Textures, VerifyOptions, Warning};
+use schedule::Schedule;
+use taotie::asset::{Baker, Limits, Proof, Report, ScanFile, ScanSize, Textures, VerifyOptions, Warning};
 use taotie::{Progress, io};
 use taotie_report::bake_page;
 
@@ -40,7 +42,12 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     let progress = Progress::new(&listener);
     let limits = args.limits();
     let baker = Baker::new(args.options()).with_limits(limits);
-    let scan = read(args, &baker, limits, progress)?;
+    let file = ScanFile::read(&args.high, &limits, progress)?;
+    check_memory(&baker, file.size(), limits)?;
+    if let Some(schedule) = Schedule::of(baker.options(), file.size(), args.is_packed()) {
+        clock.expect(schedule);
+    }
+    let scan = file.sort(progress)?;
     let asset = baker.bake(&scan, progress)?;
     console::say_warnings(asset.warnings());
     let written = asset.write(&args.output, &args.packing(), progress)?;
@@ -61,14 +68,13 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     Ok(report)
 }
 
-/// Reads the scan, and says how much memory its bake needs before it begins.
-fn read(args: &BakeArgs, baker: &Baker, limits: Limits, progress: Progress<'_>) -> Result<Scan> {
-    let file = ScanFile::read(&args.high, &limits, progress)?;
-    let need = baker.need(file.size());
+/// Says how much memory the bake of a scan needs before it begins.
+fn check_memory(baker: &Baker, scan: ScanSize, limits: Limits) -> Result<()> {
+    let need = baker.need(scan);
     need.check(limits)?;
     let (triangles, bytes) = (need.scan.triangles, need.bytes());
     console::say(&format!("baking {triangles} triangles needs about {bytes} of memory"));
-    Ok(file.sort(progress)?)
+    Ok(())
 }
 
 /// Puts what was measured into the report, and writes it beside the asset.

@@ -44,6 +44,7 @@ fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<Writ
     let mut loaded = studio::load(model, &args.material, args.bump_scale, &limits)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     args.light.note_unread(&loaded.scene, &mut warnings);
+    args.material.note_tangents(args.reads_normal_maps(), &loaded.scene, &mut warnings);
     let reference = args.reference.as_deref();
     let reference =
         reference.map(|path| reference::load(path, args, &loaded.scene, &mut warnings)).transpose()?;
@@ -74,6 +75,7 @@ fn options(args: &CompareArgs) -> Result<ComparisonOptions> {
     Ok(ComparisonOptions {
         methods: args.methods(),
         shadings: args.shadings(),
+        baseline: args.baseline,
         points: args.points.clone(),
         matching: args.matching,
         settings: settings(args),
@@ -89,6 +91,7 @@ fn page_options(args: &CompareArgs, model: &Path) -> comparison::Options {
         heat_top_deg: args.heat_top_deg,
         material: args.material.json(),
         environment: args.light.environment_json(),
+        exr: args.exr,
     }
 }
 

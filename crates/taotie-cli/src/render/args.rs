@@ -124,6 +124,9 @@ impl RenderArgs {
     /// Notes what is asked for and not seen in this model: shadows without lights, heights that normal maps hide.
     pub fn note_unread(&self, scene: &Scene, warnings: &mut Warnings) {
         self.light.note_unread(scene, warnings);
+        let maps = [SurfaceMethod::ObjectNormal, SurfaceMethod::TangentNormal];
+        let reads = self.surface.is_none_or(|surface| maps.contains(&surface));
+        self.material.note_tangents(reads, scene, warnings);
         let asked = self.bump_scale.is_some() || self.material.height_map.is_some();
         let mut lifted = scene.materials().iter().filter(|material| material.height.is_some()).peekable();
         if self.surface.is_none() && asked && lifted.peek().is_some() && lifted.all(|m| m.normal.is_some()) {
@@ -135,6 +138,9 @@ impl RenderArgs {
     fn check_picture(&self, format: ImageFormat) -> Result<()> {
         if format != ImageFormat::Exr {
             return Ok(());
+        }
+        if self.motion.turntable.is_some() && self.motion.fps.is_some() {
+            bail!("--fps: .exr pictures of a turn are no animation; leave it out, or write a .png or .gif");
         }
         if self.bits.is_some() {
             bail!("--bits: an .exr holds 32-bit floats; leave it out, or write a .png");

@@ -19,6 +19,7 @@ mod inspect;
 mod json;
 mod json_bake;
 mod limits;
+mod maps_alone;
 mod models;
 mod motion;
 mod normals;

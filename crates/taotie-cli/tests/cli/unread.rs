@@ -87,6 +87,7 @@ fn of_render() {
         ("a.obj -o o.png --shininess 9", "--shininess: the shading does not read it"),
         ("a.obj -o o.png --shading lambert --roughness 0", "--roughness: the shading does not read it"),
         ("a.obj -o o.png --roughness 2", "2 is not in [0, 1]"),
+        ("a.obj -o o.exr --turntable 2 --fps 8", "--fps: .exr pictures of a turn are no animation"),
         ("a.obj -o o.exr --tone aces", "--tone: an .exr holds light as it is"),
         ("a.obj -o o.exr --exposure 1", "--exposure: an .exr holds light as it is"),
         ("a.obj -o o.exr --background white", "--background: an .exr holds light as it is"),
@@ -107,6 +108,10 @@ fn of_render() {
             "--base-color-map shows one texel everywhere",
         ),
         ("a.obj -o o.png --size 8x8 --occlusion-map ball.png", "--occlusion-map shows one texel everywhere"),
+        (
+            "b.gltf -o o.png --size 8x8 --surface smooth --tangents face",
+            "--tangents is not read: no normal map is read",
+        ),
         ("b.gltf -o o.png --size 8x8 --height-map ball.png", "heights are not read: a normal map goes first"),
     ];
     warned(&place, "render", &cases);
@@ -152,10 +157,13 @@ fn of_compare() {
         ("b.gltf -o file/out", "file: it is a file; give a folder"),
     ];
     refused(&place, "compare", &cases);
-    let cases = [(
-        "a.obj -o out --size 16x16 --method smooth,facet --green down",
-        "--green is not read: no material",
-    )];
+    let cases = [
+        ("a.obj -o out --size 16x16 --method smooth,facet --green down", "--green is not read: no material"),
+        (
+            "b.gltf -o out --size 16x16 --method smooth,facet --tangents face",
+            "--tangents is not read: no normal map is read",
+        ),
+    ];
     warned(&place, "compare", &cases);
 }
 

@@ -3,7 +3,11 @@
 use crate::heat_map::HeatMap;
 use crate::sheet::{Cell, Sheet};
 use std::path::{Path, PathBuf};
+use taotie::compare::Field;
 use taotie::comparison::{Comparison, RenderedSurface};
+use taotie::film::Development;
+use taotie::image::Image;
+use taotie::io::ImageFormat;
 use taotie::names::Named;
 use taotie::{Error, Result, io};
 
@@ -39,6 +43,10 @@ impl Files {
                 self.write_png(&surface.picture_name(*shading), &Sheet::developed(picture))?;
             }
             self.write_png(&surface.file_name("normals"), &Sheet::of_normals(&surface.normals))?;
+            for model in &surface.model_differences {
+                let flip = HeatMap::of_flip(&model.picture.flip).with_scale();
+                self.write_png(&surface.model_flip_name(model), &flip)?;
+            }
             let Some(difference) = &surface.difference else { continue };
             let heat = HeatMap::of_angles(&difference.angles, self.heat_top).with_scale();
             self.write_png(&surface.file_name("error"), &heat)?;
@@ -48,6 +56,27 @@ impl Files {
             }
         }
         self.write_png("sheet.png", &self.sheet(comparison))
+    }
+
+    /// Writes the normals and angular errors of all surfaces as numbers.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where a file cannot be written.
+    pub fn write_exact(&mut self, comparison: &Comparison) -> Result<()> {
+        for surface in &comparison.surfaces {
+            self.write_exr(&surface.exact_name("normals"), &surface.normals)?;
+            if let Some(difference) = &surface.difference {
+                self.write_exr(&surface.exact_name("error"), &degrees(&difference.angles)?)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn write_exr(&mut self, name: &str, image: &Image) -> Result<()> {
+        let path = self.folder.join(name);
+        io::write_image(&path, image, &Development::default(), ImageFormat::Exr)?;
+        self.written.push(path);
+        Ok(())
     }
 
     /// Writes text into the folder.
@@ -103,6 +132,17 @@ impl Files {
         };
         cell("error".into(), note, &HeatMap::of_angles(&difference.angles, self.heat_top).plain())
     }
+}
+
+/// Returns a field's numbers in all three channels; the fourth is 1 where there is one.
+fn degrees(angles: &Field) -> Result<Image> {
+    let mut image = Image::new(angles.width(), angles.height(), [0.0; 4])?;
+    for (pixel, angle) in image.pixels_mut().iter_mut().zip(angles.values()) {
+        if !angle.is_nan() {
+            *pixel = [*angle, *angle, *angle, 1.0];
+        }
+    }
+    Ok(image)
 }
 
 fn cell(title: String, note: String, picture: &Sheet) -> Cell {

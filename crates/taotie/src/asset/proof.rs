@@ -2,6 +2,8 @@
 
 use super::level_figures::{LevelFigures, LevelSurface, PointCounts};
 use super::made::Asset;
+use super::map_numbers;
+use super::maps_alone;
 use super::material_figures::MaterialFigures;
 use super::scan::Scan;
 use super::unseen::unseen;
@@ -188,7 +190,7 @@ pub struct Proof {
 }
 
 impl Written {
-    /// Reads the asset back and measures how far it is from the scan.
+    /// Reads the asset back and measures how far it is from the scan. Maps alone are measured on the low-poly mesh.
     ///
     /// Each level of detail is measured, the coarser ones at a quarter of the points. A scan that is given up, not
     /// borrowed, has its tree freed before images of it are taken. The listener hears the stages `read back`,
@@ -213,7 +215,10 @@ impl Written {
         let mut levels = self.levels_read_back()?;
         let loaded = levels.remove(0);
         let object_map = match self.object_map() {
-            Some(path) => Some(Texture::new(io::read_bitmap(&path)?, Encoding::Normal)),
+            Some(path) => {
+                let codes = map_numbers::codes_of_normals(io::read_bitmap(&path)?)?;
+                Some(Texture::new(codes, Encoding::Normal))
+            }
             None => None,
         };
         let object_map = object_map.as_ref().map(|texture| self.object_normals(texture));
@@ -227,7 +232,8 @@ impl Written {
         let made = &self.asset.made;
         // Packing sorts vertices anew.
         let cage = made.maps.cage.carried_over(&made.low.mesh, &shown.mesh);
-        let subject = Subject { shown: &shown, cage: &cage, scan: &scan };
+        let has_material = !self.is_alone() || maps_alone::has_material(made);
+        let subject = Subject { shown: &shown, cage: &cage, scan: &scan, has_material };
         progress.begin("measure normals")?;
         let mut figures = self.measure(&subject, options)?;
         progress.begin("map errors")?;
@@ -242,7 +248,7 @@ impl Written {
         for scene in &scenes {
             let shown = Shown::of(scene, object_map, self.path())?;
             let cage = Cage::automatic(&shown.mesh, &scan.high);
-            let subject = Subject { shown: &shown, cage: &cage, scan: &scan };
+            let subject = Subject { shown: &shown, cage: &cage, scan: &scan, has_material };
             figures.levels.push(subject.figures(PointCounts::from(options).quarter())?);
         }
         scenes.insert(0, loaded.scene);
@@ -250,12 +256,19 @@ impl Written {
         let scan = scan.into_scene()?;
         let maps: Vec<MapKind> = self.maps().iter().map(|note| note.map).collect();
         figures.unseen = unseen(&maps, self.asset.made.options.space, [&scan, &scenes[0]]);
-        let looks = views::take(scan, scenes, options.view, views)?;
+        figures.unseen.extend(maps_alone::unseen(made).filter(|_| self.is_alone()));
+        let mut looks = views::take(scan, scenes, options.view, views)?;
+        if !has_material {
+            looks.full.clear();
+        }
         Ok(Proof { color_map, warnings: loaded.warnings, ..Proof::new(figures, error_map, looks) })
     }
 
-    /// Reads all levels back, the finest first. Maps are decoded and in memory once.
+    /// Reads all levels back, the finest first; maps alone onto the low-poly mesh. Maps are decoded and in memory once.
     fn levels_read_back(&self) -> Result<Vec<Loaded>> {
+        if self.is_alone() {
+            return Ok(vec![maps_alone::read_back(&self.asset.made, self.packing.green, self.path())?]);
+        }
         let (levels, wanted) = (io::load_levels(self.path())?, self.asset.levels().count());
         if levels.len() == wanted {
             return Ok(levels);
@@ -403,6 +416,8 @@ struct Subject<'a> {
     shown: &'a Shown<'a>,
     cage: &'a Cage,
     scan: &'a Scan,
+    /// `true` where the files say what their material is.
+    has_material: bool,
 }
 
 impl<'a> Subject<'a> {
@@ -413,7 +428,7 @@ impl<'a> Subject<'a> {
 
     /// Returns the material that is compared; `None` where the scan says nothing of its own.
     fn material(&self) -> Option<&'a TexturedMesh> {
-        (!self.scan.about.is_plain).then_some(&self.shown.material)
+        (self.has_material && !self.scan.about.is_plain).then_some(&self.shown.material)
     }
 
     fn figures(&self, points: PointCounts) -> Result<LevelFigures> {

@@ -2,12 +2,14 @@
 
 use super::green;
 use super::made::{Asset, Made};
+use super::map_note::MapNote;
+use super::maps_alone;
 use super::packing::Packing;
 use super::provenance;
 use super::textures::Beside;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
-use crate::image::{Bitmap, Encoding};
+use crate::image::Encoding;
 use crate::io::{
     self, FileBytes, GltfAsset, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, Json,
 };
@@ -38,46 +40,17 @@ pub struct Written {
     pub(super) warnings: Warnings,
 }
 
-/// A map of a written asset: where it stands, and what its numbers mean.
-///
-/// ```
-/// use std::path::PathBuf;
-/// use taotie::asset::Written;
-/// use taotie::bake::MapKind;
-///
-/// /// Returns the file of the height map and the heights of black and white, model units.
-/// fn height(written: &Written) -> Option<(PathBuf, [f64; 2])> {
-///     let note = written.maps().into_iter().find(|note| note.map == MapKind::Height)?;
-///     Some((note.file?, [note.black?, note.white?]))
-/// }
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct MapNote {
-    /// The kind of map.
-    pub map: MapKind,
-    /// Its file; `None` inside of the asset.
-    pub file: Option<PathBuf>,
-    /// Bits a channel.
-    pub bits: u8,
-    /// The number of black, in `unit`, where the map holds numbers.
-    pub black: Option<f64>,
-    /// The number of white.
-    pub white: Option<f64>,
-    /// The unit of these.
-    pub unit: &'static str,
-}
-
 impl Asset {
     /// Writes the asset as `.glb`, or as `.gltf` with its files beside it. Maps that glTF has no place for are written
-    /// beside either, such as `scan.height.png`. All files appear together at the end; a write that fails or is
+    /// beside either, such as `scan.height.png`. A path that ends with `.png`, `.webp` or `.exr` gets maps alone: the first
+    /// in that file, all others beside it, such as `out.ao.png`, with green as the packing says. All files appear together at the end; a write that fails or is
     /// cancelled leaves none. The same asset gives the same bytes.
     ///
     /// The listener hears the stage `write`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`io::write_gltf`]; [`Error::Io`](crate::Error::Io) where
+    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`io::write_gltf`]; [`Error::Invalid`](crate::Error::Invalid)
+    /// for maps alone whose uvs were made, or that have the packing of a model; [`Error::Io`](crate::Error::Io) where
     /// the scan's file or that of the XMP properties cannot be read any more.
     pub fn write(
         &self,
@@ -87,10 +60,17 @@ impl Asset {
     ) -> Result<Written> {
         let progress = progress.begin("write")?;
         let (asset, packed, path) = (self.clone(), packing.clone(), path.as_ref().to_path_buf());
-        let encode = move |_: Progress<'_>| encoded(&asset.made, &path, &packed);
+        let is_alone = maps_alone::is_alone(&path);
+        let encode = move |_: Progress<'_>| match is_alone {
+            true => maps_alone::encoded(&asset.made, &path, &packed),
+            false => encoded(&asset.made, &path, &packed),
+        };
         let files = progress.part(0.0, 0.8).apart(encode)?;
         io::write_files(&files, progress.part(0.8, 1.0))?;
-        let warnings = notes(&self.made, packing, &files);
+        let warnings = match is_alone {
+            true => maps_alone::warnings(&self.made),
+            false => notes(&self.made, packing, &files),
+        };
         let files = files.into_iter().map(|file| file.path).collect();
         Ok(Written { asset: self.clone(), packing: packing.clone(), files, warnings })
     }
@@ -126,7 +106,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
     let mut files = io::encode_gltf(path, &model, &format)?;
     for beside in beside {
         let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
-        files.push(FileBytes { path: file_of(beside, path), bytes });
+        files.push(FileBytes { path: beside.file(path), bytes });
     }
     Ok(files)
 }
@@ -172,11 +152,6 @@ fn unpacked(material: &GltfMaterial<'_>, packing: &Packing) -> Warnings {
     warnings
 }
 
-/// Returns the file of a map beside the model `path`.
-fn file_of(beside: &Beside, path: &Path) -> PathBuf {
-    path.with_extension(beside.extension())
-}
-
 /// Returns the least part of the screen that the object covers while each level is shown: half as wide and half as high
 /// from level to level.
 fn coverages(count: usize) -> Vec<f32> {
@@ -196,25 +171,8 @@ fn extras(beside: &[&Beside], path: &Path) -> Option<Json> {
     (!maps.is_empty()).then(|| Json(json!({ "maps": maps })))
 }
 
-impl MapNote {
-    fn inside((map, bitmap): (MapKind, &Bitmap)) -> Self {
-        Self { map, file: None, bits: bitmap.bits(), black: None, white: None, unit: "" }
-    }
-
-    fn beside(beside: &Beside, path: &Path) -> Self {
-        Self {
-            map: beside.map,
-            file: Some(file_of(beside, path)),
-            bits: beside.bitmap.bits(),
-            black: beside.range.map(|range| range.black),
-            white: beside.range.map(|range| range.white),
-            unit: beside.range.map_or("", |range| range.unit),
-        }
-    }
-}
-
 impl Written {
-    /// Returns the files, the model first.
+    /// Returns the files, the model or the first map first.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
@@ -229,16 +187,24 @@ impl Written {
         &self.asset
     }
 
-    /// Returns the model's file.
+    /// Returns the model's file; of maps alone the first one's.
     pub fn path(&self) -> &Path {
         self.files.first().map_or(Path::new(""), PathBuf::as_path)
     }
 
     /// Returns what each map is and where.
     pub fn maps(&self) -> Vec<MapNote> {
+        if self.is_alone() {
+            return maps_alone::notes(&self.asset.made, self.path());
+        }
         let textures = self.asset.textures();
         let beside = textures.beside.iter().map(|beside| MapNote::beside(beside, self.path()));
         textures.inside().map(MapNote::inside).chain(self.turned_normal()).chain(beside).collect()
+    }
+
+    /// Returns `true` where maps were written without a model.
+    pub(super) fn is_alone(&self) -> bool {
+        maps_alone::is_alone(self.path())
     }
 
     /// Returns the note on the normal map with green down.
@@ -253,6 +219,7 @@ impl Written {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Bitmap;
 
     #[test]
     fn a_packing_without_textures_is_told() {

@@ -20,6 +20,7 @@ pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
     if !known.contains(&true) {
         return;
     }
+    fill_hidden(maps, &known, size);
     for _ in 0..steps.unwrap_or(PADDING) {
         let grown = neighbours(&known, size);
         if grown.is_empty() {
@@ -30,19 +31,17 @@ pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
     }
     if steps.is_none() {
         each(maps, |plane| pull_push(plane, &known, size), |plane| pull_push(plane, &known, size));
-        known.fill(true);
     }
-    fill_hidden(maps, &known, size);
 }
 
-/// Gives the colours of filled texels with alpha 0, which nobody sees, those of visible texels around them.
-fn fill_hidden(maps: &mut BakedMaps, filled: &[bool], size: [usize; 2]) {
+/// Gives baked texels with alpha 0, which nobody sees, the colours of visible texels around them.
+fn fill_hidden(maps: &mut BakedMaps, baked: &[bool], size: [usize; 2]) {
     let BakedMaps { albedo, alpha, .. } = maps;
     if albedo.is_empty() || alpha.is_empty() {
         return;
     }
-    let seen: Vec<bool> = filled.iter().zip(alpha.iter()).map(|(is, alpha)| *is && *alpha >= SEEN).collect();
-    if seen == filled || !seen.contains(&true) {
+    let seen: Vec<bool> = baked.iter().zip(alpha.iter()).map(|(is, alpha)| *is && *alpha >= SEEN).collect();
+    if seen == baked || !seen.contains(&true) {
         return;
     }
     let mut known = seen;
@@ -52,8 +51,8 @@ fn fill_hidden(maps: &mut BakedMaps, filled: &[bool], size: [usize; 2]) {
         grown.iter().for_each(|(to, _)| known[*to] = true);
     }
     pull_push(albedo, &known, size);
-    // What is not filled has no colour.
-    albedo.iter_mut().zip(filled).filter(|(_, is)| !**is).for_each(|(color, _)| *color = [0.0; 3]);
+    // What is free has no colour yet.
+    albedo.iter_mut().zip(baked).filter(|(_, is)| !**is).for_each(|(color, _)| *color = [0.0; 3]);
 }
 
 /// Does the same to every plane that is there.

@@ -39,11 +39,11 @@ pub use write::{
     AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfImage,
     GltfImages, GltfLevel, GltfMaterial, ImageFormat, PngColor, PngImage, PngSamples, WrittenScene,
     check_writable, check_writable_folder, encode_glb, encode_gltf, encode_png, encode_png_bitmap,
-    gltf_sampler, write_bytes, write_developed, write_files, write_gltf, write_image, write_png,
-    write_png_bitmap, write_scene, write_text,
+    encode_webp_bitmap, gltf_sampler, write_bytes, write_developed, write_files, write_gltf, write_image,
+    write_png, write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
-pub use write::{ExrLayer, write_exr};
+pub use write::{ExrLayer, encode_exr, write_exr};
 pub(crate) use xmp::XmpProperties;
 pub use xmp::{Provenance, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 

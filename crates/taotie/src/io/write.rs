@@ -11,11 +11,11 @@ mod writable;
 
 pub use animated_image::{AnimatedImage, AnimationFormat, AnimationSpec};
 #[cfg(feature = "exr")]
-pub use exr::{ExrLayer, write_exr};
+pub use exr::{ExrLayer, encode_exr, write_exr};
 pub use files::{FileBytes, write_files};
 pub use gltf::{
     GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, WrittenScene,
-    encode_glb, encode_gltf, gltf_sampler, write_gltf, write_scene,
+    encode_glb, encode_gltf, encode_webp_bitmap, gltf_sampler, write_gltf, write_scene,
 };
 pub use png::{PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_png, write_png_bitmap};
 pub use still_image::{ImageFormat, write_developed, write_image};

@@ -56,11 +56,11 @@ pub fn creased(mesh: &Mesh) -> Result<Mesh> {
     Mesh::new(splitter.data)
 }
 
-/// Returns `true` where more than 2.5 % of the facets turn away from a normal at their corners: more than are left
+/// Returns `true` where more than a hundredth of the facets turn away from a normal at their corners: more than are left
 /// folded in a [`creased`] mesh.
 pub(crate) fn has_turned_facets(mesh: &Mesh) -> bool {
     let count = mesh.triangles().len();
-    !mesh.normals().is_empty() && parallel::count(count, |t| is_turned(mesh, t)) * 40 > count
+    !mesh.normals().is_empty() && parallel::count(count, |t| is_turned(mesh, t)) * 100 > count
 }
 
 fn turned_facets(mesh: &Mesh) -> Vec<usize> {

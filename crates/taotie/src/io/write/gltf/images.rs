@@ -190,6 +190,19 @@ fn jpeg(bitmap: &Bitmap, stored: Stored, quality: u8) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Returns the bytes of a lossless WebP of the texels of a bitmap, with alpha where it has some.
+///
+/// # Errors
+/// [`Error::Unsupported`] for texels of more than 8 bits, and without the feature `webp`.
+pub fn encode_webp_bitmap(bitmap: &Bitmap) -> Result<Vec<u8>> {
+    match bitmap.bits() {
+        8 => webp(bitmap, Stored { encoding: Encoding::Linear, alpha: matches!(bitmap.channels(), 2 | 4) }),
+        bits => {
+            Err(Error::unsupported(format!("a WebP of {bits} bits a channel"), "it holds 8; write a .png"))
+        }
+    }
+}
+
 #[cfg(not(feature = "webp"))]
 fn webp(_: &Bitmap, _: Stored) -> Result<Vec<u8>> {
     Err(Error::needs_feature("WebP", "webp"))

@@ -20,6 +20,7 @@ mod uri;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
+pub use images::encode_webp_bitmap;
 pub use material::GltfMaterial;
 pub use samplers::gltf_sampler;
 pub use scene::{WrittenScene, write_scene};
