@@ -95,7 +95,7 @@ fn an_image_alone_is_foreseen_too() {
 
 #[test]
 fn counts_are_limited() {
-    let nodes = vec!["{}"; 100].join(",");
+    let nodes = ["{}"; 100].join(",");
     let mesh = one_primitive(r#""POSITION":0"#, "").replace(r#""nodes":["#, &format!(r#""nodes":[{nodes},"#));
     let made = Made::new(&mesh);
     let load = |limits: Limits| load_model_within(&made.path(), &limits);
