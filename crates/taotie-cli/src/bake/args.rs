@@ -92,12 +92,20 @@ pub struct BakeArgs {
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
 
-    /// Write textures as KTX2 with UASTC instead of PNG
+    /// Write textures as KTX2 with UASTC under Zstandard instead of PNG
     #[arg(long, conflicts_with = "webp", help_heading = "File")]
     pub ktx2: bool,
-    /// Write textures as lossless WebP instead of PNG
+    /// Let blocks of KTX2 repeat earlier ones where that saves enough (rate–distortion optimisation): the mean square
+    /// error of a block rises by at most the square of this, 1 to 64, of 255². Normals are left out
+    #[arg(long, value_name = "LAMBDA", value_parser = clap::value_parser!(u8).range(1..=64), help_heading = "File")]
+    pub uastc_rdo: Option<u8>,
+    /// Write textures as WebP instead of PNG, lossless
     #[arg(long, help_heading = "File")]
     pub webp: bool,
+    /// Write base colour and emission as lossy WebP of this quality, 1 to 100. Roughness, metallic and occlusion are then
+    /// at most 2 of 255 off; normals and alpha stay lossless
+    #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "File")]
+    pub webp_quality: Option<u8>,
     /// Write the base colour as JPEG of this quality, 1 to 100. All other textures stay as they are: they are numbers
     #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "File")]
     pub jpeg: Option<u8>,
@@ -300,19 +308,45 @@ impl BakeArgs {
         if self.jpeg.is_some() && self.low.is_none() && !colors {
             bail!("--jpeg: the asset has no base colour texture; add albedo to --maps");
         }
-        if (self.webp || self.ktx2)
+        if self.names_images()
             && self.low.is_none()
             && !maps.iter().any(|map| self.is_inside(*map))
             && !carries
         {
             bail!("--webp, --ktx2: the asset holds no texture; leave them out, or add such a map to --maps");
         }
+        self.check_loss()?;
         let packs = self.is_packed();
         let beside = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
         if self.bits() == 16 && packs && bakes(MapKind::Normal) && !beside {
             bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
         }
         Ok(())
+    }
+
+    /// Refuses a quality or an RDO that no texture has.
+    fn check_loss(&self) -> Result<()> {
+        let given = [
+            ("--webp-quality", self.webp_quality, GltfImages::WebP, "--webp"),
+            ("--uastc-rdo", self.uastc_rdo, GltfImages::Ktx2, "--ktx2"),
+        ];
+        for (option, _, images, other) in given.into_iter().filter(|(_, given, ..)| given.is_some()) {
+            if self.images() != images {
+                bail!("{option}: textures are {}; add {other}, or leave it out", self.images());
+            }
+            if !self.may_lose() {
+                bail!(
+                    "{option}: the asset holds no texture but normals, which it leaves alone; leave it out"
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Says whether the asset may hold textures other than normals.
+    fn may_lose(&self) -> bool {
+        let is_lossy = |map: &MapKind| *map != MapKind::Normal && self.is_inside(*map);
+        self.low.is_some() || self.carries() || self.maps().iter().any(is_lossy)
     }
 
     /// Says whether a map lies inside of the asset, and not beside it.
@@ -402,7 +436,9 @@ impl BakeArgs {
     pub fn packing(&self) -> Packing {
         Packing {
             images: self.images(),
-            jpeg: self.jpeg(),
+            webp_quality: self.webp_quality(),
+            uastc_rdo: self.uastc_rdo(),
+            jpeg: self.jpeg,
             meshopt: self.is_compressed(),
             provenance: self.provenance.clone(),
             green: self.green.into(),
@@ -415,18 +451,15 @@ impl BakeArgs {
         let made = self.low.is_none() && self.error.is_none();
         let levels: Vec<String> =
             made.then_some(self.triangles()).into_iter().chain(self.lods()).map(|n| n.to_string()).collect();
-        let images = match self.images() {
-            GltfImages::Png => "PNG",
-            GltfImages::WebP => "WebP",
-            GltfImages::Ktx2 => "KTX2",
-        };
         let [width, height] = self.size();
         let parts = [
             (!levels.is_empty()).then(|| format!("{} triangles", levels.join(", "))),
             self.error.is_none().then(|| format!("maps of {width}×{height}")),
             self.bakes_normals().then(|| format!("normals in {} bits", self.bits())),
-            Some(images.into()),
-            self.jpeg().map(|quality| format!("colours as JPEG of quality {quality}")),
+            Some(self.images().to_string()),
+            self.webp_quality().map(|quality| format!("colours of quality {quality}")),
+            self.uastc_rdo().map(|rdo| format!("RDO of {rdo}")),
+            self.jpeg.map(|quality| format!("base colour as JPEG of quality {quality}")),
             self.is_compressed().then(|| "meshopt".into()),
         ];
         Some(format!("--for {name}: {}", parts.into_iter().flatten().collect::<Vec<String>>().join("; ")))
@@ -478,9 +511,24 @@ impl BakeArgs {
         self.images() != GltfImages::Png
     }
 
-    /// Returns the quality of JPEG; KTX2 that is asked for packs colours too.
-    fn jpeg(&self) -> Option<u8> {
-        self.jpeg.or(self.defaults().jpeg.filter(|_| !self.ktx2))
+    /// Returns the quality of lossy WebP; WebP that is asked for by name is lossless.
+    fn webp_quality(&self) -> Option<u8> {
+        self.webp_quality.or(self.defaults().webp_quality.filter(|_| self.chooses_losses()))
+    }
+
+    /// Returns the RDO of KTX2; KTX2 that is asked for by name has none.
+    fn uastc_rdo(&self) -> Option<u8> {
+        self.uastc_rdo.or(self.defaults().uastc_rdo.filter(|_| self.chooses_losses()))
+    }
+
+    /// Says whether `--for` chooses what textures may lose.
+    fn chooses_losses(&self) -> bool {
+        !self.names_images() && self.may_lose()
+    }
+
+    /// Says whether the packing of textures is asked for, and not chosen by `--for`.
+    fn names_images(&self) -> bool {
+        self.webp || self.ktx2
     }
 
     fn is_compressed(&self) -> bool {

@@ -65,7 +65,9 @@ fn webp_holds_the_same_texels() {
     let report = baked(&place, "-o b.webp --maps normal,ao --ao-rays 4");
     assert_eq!((&report["files"][0], &report["files"][1]), (&json!("b.webp"), &json!("b.ao.webp")));
     assert!(texels(&place, "a.png") == texels(&place, "b.webp"));
-    assert!(texels(&place, "a.ao.png") == texels(&place, "b.ao.webp"));
+    // A grey PNG has one channel, a WebP three alike.
+    let red = |name: &str| texels(&place, name).iter().map(|texel| texel[0]).collect::<Vec<_>>();
+    assert!(red("a.ao.png") == red("b.ao.webp"));
     assert!(report["proof"]["angles"]["mean"].is_number());
 }
 

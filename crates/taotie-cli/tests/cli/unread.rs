@@ -197,6 +197,25 @@ fn of_bake() {
             "--jpeg: the asset has no base colour texture; add albedo to --maps",
         ),
         ("scan.obj -o out.glb --maps albedo --jpeg 0", "0 is not in 1..=100"),
+        (
+            "scan.obj -o out.glb --webp-quality 80",
+            "--webp-quality: textures are PNG; add --webp, or leave it out",
+        ),
+        (
+            "scan.obj -o out.glb --for engine --webp-quality 80",
+            "--webp-quality: textures are KTX2; add --webp",
+        ),
+        ("scan.obj -o out.glb --webp --uastc-rdo 2", "--uastc-rdo: textures are WebP; add --ktx2"),
+        (
+            "scan.obj -o out.glb --webp --webp-quality 80 --maps normal",
+            "--webp-quality: the asset holds no texture but normals",
+        ),
+        (
+            "scan.obj -o out.glb --ktx2 --uastc-rdo 2 --maps normal,height",
+            "--uastc-rdo: the asset holds no texture but normals",
+        ),
+        ("scan.obj -o out.glb --webp --webp-quality 0", "0 is not in 1..=100"),
+        ("scan.obj -o out.glb --ktx2 --uastc-rdo 65", "65 is not in 1..=64"),
         ("scan.obj -o a.glb", "a.report.html: it is a folder"),
         ("scan.obj -o b.glb", "b.report.json: it is a folder"),
         ("scan.obj -o c.glb", "c.glb: it is a folder"),

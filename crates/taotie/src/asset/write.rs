@@ -10,9 +10,7 @@ use super::textures::Beside;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::Encoding;
-use crate::io::{
-    self, FileBytes, GltfAsset, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, Json,
-};
+use crate::io::{self, FileBytes, GltfAsset, GltfImage, GltfImages, GltfLevel, GltfMaterial, Json};
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
@@ -102,8 +100,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         xmp: Some(&xmp),
         extras: extras.as_ref(),
     };
-    let format = GltfFormat { images: packing.images, jpeg: packing.jpeg, meshopt: packing.meshopt };
-    let mut files = io::encode_gltf(path, &model, &format)?;
+    let mut files = io::encode_gltf(path, &model, &packing.format())?;
     for beside in beside {
         let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
         files.push(FileBytes { path: beside.file(path), bytes });
@@ -115,8 +112,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
 fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     let mut warnings = Warnings::default();
     let material = made.maps.textures.material(&made.low.material, &made.low.kept);
-    let has_alpha = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
-    let has_alpha = material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has_alpha);
+    let has_alpha = has_alpha(&material);
     warnings.note(
         "the base colour's texture has alpha, which KTX2 is not written with: it is PNG",
         usize::from(has_alpha && packing.images == GltfImages::Ktx2),
@@ -134,6 +130,22 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     warnings
 }
 
+/// Says whether alpha of the base colour's texture is written.
+fn has_alpha(material: &GltfMaterial<'_>) -> bool {
+    let has = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
+    material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
+}
+
+/// Says whether there is a texture that may lose more: neither normals, nor a base colour that is packed otherwise.
+fn has_lossy(material: &GltfMaterial<'_>, packing: &Packing) -> bool {
+    let others = [material.metallic_roughness_map, material.occlusion_map, material.emissive_map];
+    let color_is_lossy = match has_alpha(material) {
+        true => packing.images == GltfImages::WebP,
+        false => packing.jpeg.is_none(),
+    };
+    (material.base_color_map.is_some() && color_is_lossy) || others.iter().any(Option::is_some)
+}
+
 /// Returns notes of a packing of textures that the asset does not have.
 fn unpacked(material: &GltfMaterial<'_>, packing: &Packing) -> Warnings {
     let mut warnings = Warnings::default();
@@ -148,6 +160,15 @@ fn unpacked(material: &GltfMaterial<'_>, packing: &Packing) -> Warnings {
     warnings.note(
         "the asset has no textures; its packing as WebP or KTX2 is not read",
         usize::from(packing.images != GltfImages::Png && !has_any),
+    );
+    let unread = has_any && !has_lossy(material, packing);
+    warnings.note(
+        "no texture of the asset is lossy WebP: normals are lossless; the quality is not read",
+        usize::from(packing.webp_quality.is_some() && unread),
+    );
+    warnings.note(
+        "no texture of the asset has RDO: normals are left out of it; it is not read",
+        usize::from(packing.uastc_rdo.is_some() && unread),
     );
     warnings
 }
@@ -233,5 +254,13 @@ mod tests {
             |material: &GltfMaterial<'_>, packing: &Packing| unpacked(material, packing).iter().count();
         assert_eq!([&bare, &normal, &color].map(|material| count(material, &small)), [2, 1, 0]);
         assert_eq!(count(&bare, &Packing::default()), 0);
+        let glowing = GltfMaterial { emissive_map: map(), ..GltfMaterial::default() };
+        let lossy = Packing { images: GltfImages::WebP, webp_quality: Some(80), ..Packing::default() };
+        let repeating = Packing { images: GltfImages::Ktx2, uastc_rdo: Some(2), ..Packing::default() };
+        for packing in [&lossy, &repeating] {
+            let materials = [&bare, &normal, &color, &glowing];
+            assert_eq!(materials.map(|material| count(material, packing)), [1, 1, 0, 0]);
+        }
+        assert_eq!(count(&color, &Packing { jpeg: Some(85), ..lossy }), 1, "it is JPEG");
     }
 }

@@ -27,6 +27,8 @@ mod gltf_pictures;
 mod gltf_read;
 mod gltf_scene;
 #[cfg(all(feature = "basis", feature = "webp"))]
+mod gltf_sizes;
+#[cfg(all(feature = "basis", feature = "webp"))]
 mod gltf_textures;
 #[cfg(feature = "webp")]
 mod gltf_validator;

@@ -4,6 +4,7 @@
 mod container;
 mod draft;
 mod format;
+mod image_packing;
 mod images;
 mod ktx;
 mod layers;
@@ -17,10 +18,11 @@ mod samplers;
 mod scene;
 mod slots;
 mod uri;
+mod webp;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
-pub use images::encode_webp_bitmap;
+pub use image_packing::encode_webp_bitmap;
 pub use material::GltfMaterial;
 pub use samplers::gltf_sampler;
 pub use scene::{WrittenScene, write_scene};
