@@ -1,18 +1,42 @@
 //! The output of the command: results on stdout, messages and progress on stderr.
 
 use anyhow::Result;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, Write};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::Warnings;
 
-/// Writes a result line to stdout.
+/// Writes a result line to stdout. Control characters in it but for line ends, which come from files and their names,
+/// are replaced.
 pub fn result(line: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();
-    writeln!(stdout, "{line}")?;
+    writeln!(stdout, "{}", plain_lines(line))?;
     Ok(stdout.flush()?)
+}
+
+/// Writes a text of the program's own to stdout, as it is.
+pub fn own_text(text: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{text}")?;
+    Ok(stdout.flush()?)
+}
+
+/// Returns text of a file without characters that could rule the terminal: controls, and marks that turn the direction
+/// of writing. Each becomes the replacement character.
+pub fn plain(text: &str) -> String {
+    text.chars().map(|c| if rules_terminal(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
+}
+
+/// As [`plain`], but for line ends, which the caller made.
+fn plain_lines(text: &str) -> String {
+    let kept = |c: char| c == '\n' || !rules_terminal(c);
+    text.chars().map(|c| if kept(c) { c } else { char::REPLACEMENT_CHARACTER }).collect()
+}
+
+fn rules_terminal(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// Set where the user wants neither progress nor messages. All that talks has but one stderr, so it is global as that.
@@ -34,16 +58,16 @@ pub fn say(line: &str) {
     }
 }
 
-/// Writes an error to stderr. A closed stderr is no error.
+/// Writes an error to stderr, without control characters but for line ends. A closed stderr is no error.
 pub fn complain(line: &str) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    let _ = writeln!(io::stderr().lock(), "{}", plain_lines(line));
 }
 
 /// Says each kind of warning with its count.
 pub fn say_warnings(warnings: &Warnings) {
     for (what, count) in warnings.iter() {
         let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
-        say(&format!("taotie: warning: {what}{times}"));
+        say(&format!("taotie: warning: {}{times}", plain(what)));
     }
 }
 
@@ -60,11 +84,6 @@ pub fn causes(error: &anyhow::Error) -> String {
 /// Returns whether the error comes from a closed pipe.
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().filter_map(io_error).any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
-}
-
-/// Returns whether the user asked to stop.
-pub fn is_cancelled(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| matches!(cause.downcast_ref(), Some(taotie::Error::Cancelled)))
 }
 
 fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::Error> {
@@ -92,10 +111,19 @@ impl Bar {
 
     /// Shows the fraction done.
     pub fn set(&self, fraction: f64) {
+        self.tell(fraction, None);
+    }
+
+    /// Shows the fraction done, and the time left of a whole that this is a stage of, where it is known.
+    pub fn tell(&self, fraction: f64, whole: Option<Duration>) {
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
-        self.bar.get_or_init(|| self.new_bar()).set_position((fraction * STEPS as f64) as u64);
+        let bar = self.bar.get_or_init(|| self.new_bar());
+        if let Some(left) = whole {
+            bar.set_prefix(of_whole(left));
+        }
+        bar.set_position((fraction * STEPS as f64) as u64);
     }
 
     /// Shows the fraction done and lets the work go on: the listener of a [`taotie::Progress`].
@@ -106,11 +134,16 @@ impl Bar {
 
     fn new_bar(&self) -> ProgressBar {
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
-        let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %, {eta} left");
+        let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %, {eta} left{prefix}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.set_message(self.title.clone());
+        bar.set_message(plain(&self.title));
         bar
     }
+}
+
+/// The time left of the whole in words, behind that of a stage.
+fn of_whole(left: Duration) -> String {
+    format!(", {} in all", HumanDuration(left))
 }
 
 impl Drop for Bar {
@@ -132,6 +165,18 @@ mod tests {
         let error = anyhow::Error::from(taotie::Error::io("a.obj", refused)).context("reading");
         assert_eq!(causes(&error), "reading: a.obj: not there");
         assert_eq!(causes(&anyhow!("alone")), "alone");
+    }
+
+    #[test]
+    fn no_text_rules_the_terminal() {
+        assert_eq!(plain("a\u{1b}]0;x\u{7}\n\u{202e}b"), "a\u{fffd}]0;x\u{fffd}\u{fffd}\u{fffd}b");
+        assert_eq!(plain_lines("é\n\u{9b}31m\r"), "é\n\u{fffd}31m\u{fffd}");
+    }
+
+    #[test]
+    fn the_time_left_of_the_whole_is_told_in_words() {
+        assert_eq!(of_whole(Duration::from_secs(180)), ", 3 minutes in all");
+        assert_eq!(of_whole(Duration::from_secs(1)), ", 1 second in all");
     }
 
     #[test]

@@ -113,7 +113,7 @@ struct Bounds {
     #[arg(long)]
     models: Option<PathBuf>,
     /// Memory that a run may allocate.
-    #[arg(long, default_value = "1G")]
+    #[arg(long, default_value = "512M")]
     memory: Bytes,
     /// Seconds that a run may take.
     #[arg(long, default_value_t = 10)]

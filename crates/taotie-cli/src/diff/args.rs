@@ -5,9 +5,10 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use taotie::Warnings;
+use taotie::asset::{Bytes, Limits};
 use taotie::compare::{NormalEncoding, PIXELS_PER_DEGREE};
 use taotie::comparison::diff::{self, DiffOptions, ImageContent, Metric};
-use taotie::io;
+use taotie::io::FileSet;
 use taotie::math::Vec3;
 use taotie::names::Named;
 
@@ -61,7 +62,10 @@ pub struct DiffArgs {
     #[arg(long, value_name = "X", value_parser = options::number, requires = "heat", help_heading = "Heat map")]
     pub heat_top: Option<f64>,
 
-    /// Number of threads; all of the machine's if not given. Results do not depend on it
+    /// Largest amount of memory to use, such as 4G; the machine's free memory if not given
+    #[arg(long, value_name = "BYTES", value_parser = options::memory, help_heading = "Running")]
+    pub memory_limit: Option<Bytes>,
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print a report as JSON
@@ -94,6 +98,11 @@ impl From<Encoding> for diff::Encoding {
 }
 
 impl DiffArgs {
+    /// Returns the limits, with what the machine has free where none is set.
+    pub fn limits(&self) -> Limits {
+        Limits { memory: self.memory_limit, ..Limits::default() }.or_free()
+    }
+
     /// The same for the library.
     pub fn options(&self) -> DiffOptions {
         DiffOptions {
@@ -139,7 +148,13 @@ impl DiffArgs {
         if heat.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
             bail!("{}: heat maps are written as .png", heat.display());
         }
-        Ok(io::check_writable(heat)?)
+        Ok(())
+    }
+
+    /// Refuses a heat map that cannot be written, or that is read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        files.protect([&self.a, &self.b])?;
+        Ok(self.heat.iter().try_for_each(|heat| files.claim(heat))?)
     }
 
     fn check_meaning(&self) -> Result<()> {

@@ -9,17 +9,21 @@ mod report;
 pub use args::DiffArgs;
 
 use crate::console::{self, Bar};
-use crate::{Outcome, studio};
+use crate::{Outcome, stop, studio};
 use anyhow::{Result, bail};
 use report::Report;
+use taotie::asset::Bytes;
 use taotie::comparison::diff::{DiffOptions, Encoding, ImagePair, Metric, NamedBitmap, guessed_encoding};
 use taotie::image::Bitmap;
+use taotie::io::FileSet;
 use taotie::{Progress, io};
 
 /// Runs the subcommand.
 pub fn run(args: &DiffArgs) -> Result<Outcome> {
     args.check()?;
-    let report = studio::in_pool(args.threads, || compare(args))??;
+    let files = stop::files();
+    args.claim(&files)?;
+    let report = studio::in_pool(args.threads, || compare(args, &files))??;
     match print(args, &report) {
         // A reader that went away still gets the exit code.
         Err(error) if !console::is_broken_pipe(&error) => return Err(error),
@@ -46,11 +50,14 @@ struct Files {
     bitmaps: [Bitmap; 2],
 }
 
-fn compare(args: &DiffArgs) -> Result<Report> {
-    let files = Files {
-        names: [&args.a, &args.b].map(|path| path.display().to_string()),
-        bitmaps: [io::read_bitmap(&args.a)?, io::read_bitmap(&args.b)?],
-    };
+fn compare(args: &DiffArgs, set: &FileSet) -> Result<Report> {
+    let limits = args.limits();
+    let names = [&args.a, &args.b].map(|path| path.display().to_string());
+    let first = io::read_bitmap_within(&args.a, &limits)?;
+    let (width, height) = (first.width(), first.height());
+    let need = Bytes(ImagePair::bytes([width, height]));
+    limits.check(format!("{}: a comparison of {width}x{height} pixels", names[0]), need)?;
+    let files = Files { names, bitmaps: [first, io::read_bitmap_within(&args.b, &limits)?] };
     let options = args.options();
     let images = [0, 1].map(|i| NamedBitmap { name: &files.names[i], bitmap: &files.bitmaps[i] });
     check_normals(images, &options)?;
@@ -66,7 +73,8 @@ fn compare(args: &DiffArgs) -> Result<Report> {
     };
     let figures = pair.figures(&options, Progress::new(&listener))?;
     if let Some(path) = &args.heat {
-        heat::write(args, path, &pair)?;
+        heat::write(set, args, path, &pair)?;
+        set.commit()?;
     }
     Ok(Report::new(args, &files, &pair, figures))
 }

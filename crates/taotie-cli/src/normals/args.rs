@@ -1,12 +1,13 @@
 //! The options of `taotie normals`.
 
+use crate::limits::LimitArgs;
 use crate::options;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use taotie::image::Wrap;
-use taotie::io;
+use taotie::io::FileSet;
 use taotie::surface::TangentMethod;
 
 const EXAMPLES: &str = "\
@@ -72,7 +73,9 @@ pub struct NormalsArgs {
     #[arg(long, alias = "margin", value_name = "N", default_value_t = 16, requires = "mesh", value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Mesh")]
     pub dilation: u32,
 
-    /// Number of threads; all of the machine's if not given. Results do not depend on it
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print a report as JSON
@@ -124,6 +127,12 @@ impl NormalsArgs {
         if self.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
             bail!("{}: normal maps are written as .png", self.output.display());
         }
-        Ok(io::check_writable(&self.output)?)
+        Ok(())
+    }
+
+    /// Refuses a map that cannot be written, or that is read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        files.protect(std::iter::once(&self.input).chain(&self.mesh))?;
+        Ok(files.claim(&self.output)?)
     }
 }

@@ -8,8 +8,11 @@ mod files;
 #[path = "../../../taotie/tests/common/validator.rs"]
 mod validator;
 
+mod bake_alpha;
 mod bake_materials;
+mod bake_properties;
 mod bake_scans;
 mod command;
 mod demo;
+mod material_looks;
 mod models_by_others;

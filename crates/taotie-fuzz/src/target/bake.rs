@@ -1,12 +1,12 @@
 //! A small bake: read, bake, write, read back, prove.
 
 use super::Subject;
-use super::promises::{Held, error_is_told_well, is_consistent};
+use super::promises::{Held, error_is_told_well, is_consistent, limits};
 use fastrand::Rng;
 use std::path::Path;
-use taotie::asset::{BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Scan, VerifyOptions};
+use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, RayDistance, Scan, VerifyOptions};
 use taotie::bake::MapKind;
-use taotie::io::{GltfImages, load_level};
+use taotie::io::{GltfImages, load_levels};
 use taotie::mesh::Mesh;
 use taotie::names::Named;
 use taotie::scene::NormalSpace;
@@ -16,12 +16,11 @@ use taotie::{Progress, Result};
 pub fn bake(subject: &Subject<'_>) -> Held {
     let mut rng = Rng::with_seed(subject.variant);
     let options = options(&mut rng, subject.path);
-    let levels = 1 + options.lods.len();
     let packing = packing(&mut rng);
     let extension = if rng.bool() { "glb" } else { "gltf" };
     let path = subject.path.with_file_name("out").join("asset").with_extension(extension);
     match baked(options, subject.path, &path, &packing) {
-        Ok(()) => (0..levels).try_for_each(|level| is_readable(&path, level)),
+        Ok(()) => is_readable(&path),
         Err(error) => error_is_told_well(&error),
     }
 }
@@ -30,19 +29,18 @@ pub fn bake(subject: &Subject<'_>) -> Held {
 fn baked(options: BakeOptions, from: &Path, to: &Path, packing: &Packing) -> Result<()> {
     let scan = match &options.low {
         Some(_) => Scan::from_mesh(Mesh::sphere(1.0, 16, 8), Progress::SILENT)?,
-        None => Scan::read(from, &Limits::default(), Progress::SILENT)?,
+        None => Scan::read(from, &limits(), Progress::SILENT)?,
     };
-    let asset = Baker::new(options).bake(&scan, Progress::SILENT)?;
+    let asset = Baker::new(options).with_limits(limits()).bake(&scan, Progress::SILENT)?;
     let written = asset.write(to, packing, Progress::SILENT)?;
     let few = VerifyOptions { points: 100, distance_points: 100, map: 16, view: 16 };
     written.verify(scan, &few, Progress::SILENT).map(drop)
 }
 
-/// Reads a level of what was written; one may be missing where no coarser one was possible.
-fn is_readable(path: &Path, level: usize) -> Held {
-    match load_level(path, level) {
-        Ok(loaded) => is_consistent(&loaded),
-        Err(error) if level > 0 => error_is_told_well(&error),
+/// Reads every level of what was written.
+fn is_readable(path: &Path) -> Held {
+    match load_levels(path) {
+        Ok(levels) => levels.iter().try_for_each(is_consistent),
         Err(error) => Err(format!("what was written cannot be read: {error}")),
     }
 }
@@ -55,6 +53,7 @@ fn options(rng: &mut Rng, path: &Path) -> BakeOptions {
         low: onto.then(|| MeshSource::File(path.to_path_buf())),
         triangles,
         lods: if triangles > 60 && rng.bool() { vec![triangles / 2] } else { Vec::new() },
+        keep_uvs: rng.u8(..4) == 0,
         size: 16 << rng.u32(..3),
         maps: maps(rng),
         carry: rng.bool(),

@@ -95,7 +95,7 @@ impl Target {
         match self {
             Self::Gltf | Self::Obj | Self::Ply | Self::Stl => read::model(subject.path),
             Self::Mtl => read::materials(subject.path),
-            Self::Picture => read::picture(subject),
+            Self::Picture => read::picture(subject.path),
             Self::Environment => read::environment(subject),
             Self::Cache => read::cached(subject.bytes),
             Self::Material => read::material(subject.path),

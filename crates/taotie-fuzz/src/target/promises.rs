@@ -1,10 +1,19 @@
 //! What every reader promises, whatever the file holds.
 
 use std::path::Path;
-use taotie::io::{Loaded, load_model};
+use taotie::io::{Bytes, Limits, Loaded, load_model_within};
 
 /// `Ok` where all promises were kept; else the one that was not.
 pub type Held = std::result::Result<(), String>;
+
+/// The memory that readers and bakes are told to keep to. What a run may allocate (`--memory`) is more by what the files and
+/// the harness itself take.
+const MEMORY: Bytes = Bytes(256 << 20);
+
+/// The limits that readers and bakes are told to keep to.
+pub fn limits() -> Limits {
+    Limits { memory: Some(MEMORY), ..Limits::default() }
+}
 
 /// Errors are one line.
 pub fn error_is_told_well(error: &taotie::Error) -> Held {
@@ -35,7 +44,7 @@ fn has_finite_places(mesh: &taotie::mesh::Mesh) -> bool {
 /// # Errors
 /// The promise that was not kept.
 pub fn load(path: &Path) -> Result<Option<Loaded>, String> {
-    match load_model(path) {
+    match load_model_within(path, &limits()) {
         Ok(loaded) => is_consistent(&loaded).map(|()| Some(loaded)),
         Err(error) => error_is_told_well(&error).map(|()| None),
     }

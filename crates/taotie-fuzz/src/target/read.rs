@@ -1,11 +1,11 @@
 //! The readers.
 
 use super::Subject;
-use super::promises::{Held, either, load};
+use super::promises::{Held, either, limits, load};
 use std::path::Path;
 use taotie::asset::{BakeOptions, Packing};
 use taotie::inspection::Inspection;
-use taotie::io::{Loaded, decode_bitmap, decode_environment};
+use taotie::io::{Loaded, decode_environment_within, read_bitmap_within};
 use taotie::mesh::Mesh;
 use taotie::scene::{Material, Scene};
 use taotie::shade::environment::Environment;
@@ -42,14 +42,13 @@ pub fn materials(path: &Path) -> Held {
 }
 
 /// Decodes a picture.
-pub fn picture(subject: &Subject<'_>) -> Held {
-    let name = subject.path.file_name().unwrap_or_default().to_string_lossy();
-    either(decode_bitmap(subject.bytes, &name, subject.path))
+pub fn picture(path: &Path) -> Held {
+    either(read_bitmap_within(path, &limits()))
 }
 
 /// Decodes the picture of an environment.
 pub fn environment(subject: &Subject<'_>) -> Held {
-    either(decode_environment(subject.bytes, subject.path))
+    either(decode_environment_within(subject.bytes, subject.path, &limits()))
 }
 
 /// Reads an environment of the cache; what is taken is written as it was.

@@ -5,18 +5,23 @@ use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made};
 use super::maps::{StoredMaps, bake_maps};
-use super::memory::{Bytes, Limits, Need, ScanSize};
+use super::memory::Need;
 use super::notes;
 use super::options::BakeOptions;
+use super::packing::Packing;
 use super::plan::BakePlan;
 use super::scan::Scan;
+use super::scan_size::ScanSize;
 use super::search::smallest;
 use super::search_course::Trial;
-use crate::bake::MapKind;
+use super::write::possible_files;
+use crate::bake::{Cage, MapKind};
 use crate::error::{Result, Warnings};
-use crate::io;
+use crate::io::{self, Bytes, Limits};
+use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::AlphaMode;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Bakes scans, all in the same way.
@@ -57,6 +62,20 @@ impl Baker {
         &self.options
     }
 
+    /// Returns every file that an asset at `path` may be written to, the model first, so that one can ask before the bake
+    /// whether they can be written, and whether any of them is one that was read.
+    ///
+    /// ```
+    /// use std::path::{Path, PathBuf};
+    /// use taotie::asset::{Baker, Packing};
+    ///
+    /// let files = Baker::default().may_write(Path::new("vase.gltf"), &Packing::default());
+    /// assert!(["vase.gltf", "vase.bin", "vase_color.png"].iter().all(|name| files.contains(&PathBuf::from(name))));
+    /// ```
+    pub fn may_write(&self, path: &Path, packing: &Packing) -> Vec<PathBuf> {
+        possible_files(path, &self.options, packing)
+    }
+
     /// Returns what a bake of a scan of this size takes.
     pub fn need(&self, scan: ScanSize) -> Need {
         Need::of(&self.options, scan)
@@ -74,9 +93,10 @@ impl Baker {
     /// [`Error::Invalid`](crate::Error::Invalid) where no ray met the scan, or no mesh and map come as near as is
     /// wanted.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
-        let (options, scan) = (Arc::clone(&self.options), scan.into());
+        let (options, mut scan) = (Arc::clone(&self.options), scan.into());
+        scan.limits.allow_outside |= self.limits.allow_outside;
         options.check()?;
-        self.need(scan.about.size).check(self.limits_beside(&scan))?;
+        self.need(scan.about.size.sorted()).check(self.limits_beside(&scan))?;
         progress.apart(move |progress| bake(&options, &scan, progress))
     }
 
@@ -84,7 +104,7 @@ impl Baker {
     fn limits_beside(&self, scan: &Scan) -> Limits {
         let held = scan.about.size.bytes();
         let free = || io::free_memory().map(|free| Bytes(free + held));
-        Limits { memory: self.limits.memory.or_else(free) }
+        Limits { memory: self.limits.memory.or_else(free), ..self.limits }
     }
 }
 
@@ -106,7 +126,7 @@ struct Subject<'a> {
 fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asset> {
     let about = Arc::clone(&scan.about);
     let mut warnings = about.warnings.clone();
-    let mut given = given(asked, &mut warnings, progress)?;
+    let mut given = given(asked, &scan.limits, &mut warnings, progress)?;
     let plan = BakePlan::of(asked, &about.carried, given.as_ref().map(GivenMesh::look));
     notes::unread_options(&plan.options, &mut warnings);
     plan.note(&mut warnings);
@@ -118,29 +138,44 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
     let Lightened { mut low, mut maps, size, trials } =
         lightened(&options, subject, &mut warnings, progress)?;
     low.material.alpha = alpha(&options, scan, &low);
-    if low.material.alpha == AlphaMode::Blend && options.bakes(&[MapKind::Alpha]) {
-        notes::blended(about.carried.blended, &mut warnings);
-    }
     warnings.absorb(std::mem::take(&mut maps.warnings));
     let coarser = low::coarser(&low, &options.lods, &mut warnings, progress)?;
-    judgement::judge(Pair { scan, low: &low }, &maps.cage, &maps.counts, &mut warnings);
+    let pair = Pair { scan, low: &low };
+    let alpha_modes = match options.bakes(&[MapKind::Alpha]) {
+        true => alpha_modes(pair, &maps.cage, &coarser),
+        false => Vec::new(),
+    };
+    judgement::judge(pair, &maps.cage, &maps.counts, &mut warnings);
     if options.inspect {
         progress.begin("inspect the scan")?;
         judgement::inspect(scan.mesh(), &mut warnings);
     }
     let options = Arc::new(options);
-    Ok(Asset::new(Made { options, about, low, coarser, maps, size, trials, carried, left, warnings }))
+    Ok(Asset::new(Made {
+        options,
+        about,
+        low,
+        coarser,
+        alpha_modes,
+        maps,
+        size,
+        trials,
+        carried,
+        left,
+        warnings,
+    }))
 }
 
 /// Reads the low-poly mesh that the options name.
 fn given(
     options: &BakeOptions,
+    limits: &Limits,
     warnings: &mut Warnings,
     progress: Progress<'_>,
 ) -> Result<Option<GivenMesh>> {
     let Some(source) = &options.low else { return Ok(None) };
     let reading = progress.begin("read the low-poly mesh")?;
-    let given = GivenMesh::read(source, warnings)?;
+    let given = GivenMesh::read(source, limits, warnings)?;
     reading.at(1.0)?;
     Ok(Some(given))
 }
@@ -151,6 +186,16 @@ fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
         mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
         _ => low.material.alpha,
     }
+}
+
+/// Returns the alpha mode of each triangle of each level, where the scan has several modes.
+fn alpha_modes(pair: Pair<'_>, cage: &Cage, coarser: &[Mesh]) -> Vec<Vec<AlphaMode>> {
+    let Pair { scan, low } = pair;
+    if scan.high.surface().alpha_modes().len() < 2 {
+        return Vec::new();
+    }
+    let of_level = |mesh: &Mesh| scan.high.alpha_modes(mesh, &cage.carried_over(&low.mesh, mesh));
+    std::iter::once(scan.high.alpha_modes(&low.mesh, cage)).chain(coarser.iter().map(of_level)).collect()
 }
 
 /// Returns the low-poly mesh with its maps; where an error is wanted the smallest that meets it.

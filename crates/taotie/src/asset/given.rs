@@ -7,7 +7,7 @@ use super::scan::check_extent;
 use super::stripped::Stripped;
 use crate::bake::{self, MapKind};
 use crate::error::{Error, Result, Warnings};
-use crate::io;
+use crate::io::{self, Limits};
 use crate::mesh::{Mesh, MeshData};
 use crate::scene::{AlphaMode, Material, Scene};
 use std::path::Path;
@@ -32,8 +32,8 @@ impl GivenMesh {
     ///
     /// # Errors
     /// Those of reading; [`Error::Unsupported`] for a mesh that moves, since no asset keeps that.
-    pub fn read(source: &MeshSource, warnings: &mut Warnings) -> Result<Self> {
-        let Read { scene, moving } = read(source, warnings)?;
+    pub fn read(source: &MeshSource, limits: &Limits, warnings: &mut Warnings) -> Result<Self> {
+        let Read { scene, moving } = read(source, limits, warnings)?;
         if let (MeshSource::File(path), Some(moving)) = (source, moving) {
             return Err(moves(path, moving));
         }
@@ -77,14 +77,14 @@ pub(super) struct Read {
 }
 
 /// Reads a mesh that is given.
-pub(super) fn read(source: &MeshSource, warnings: &mut Warnings) -> Result<Read> {
+pub(super) fn read(source: &MeshSource, limits: &Limits, warnings: &mut Warnings) -> Result<Read> {
     match source {
         MeshSource::Mesh(mesh) => {
             let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
             check_extent(&scene, "the low-poly mesh").map(|()| Read { scene, moving: None })
         }
         MeshSource::File(path) => {
-            let loaded = io::load_model(path)?;
+            let loaded = io::load_model_within(path, limits)?;
             warnings.absorb(loaded.warnings);
             check_extent(&loaded.scene, &path.display().to_string())?;
             Ok(Read { scene: loaded.scene, moving: loaded.moving })

@@ -11,6 +11,7 @@ use super::textures::Textures;
 use crate::bake::BakeCounts;
 use crate::error::Warnings;
 use crate::mesh::Mesh;
+use crate::scene::AlphaMode;
 use std::sync::Arc;
 
 /// All that a bake made.
@@ -21,6 +22,8 @@ pub(super) struct Made {
     pub low: LowPoly,
     /// The levels of detail after the first.
     pub coarser: Vec<Mesh>,
+    /// The alpha mode of each triangle of each level, the finest first; empty where all have the material's.
+    pub alpha_modes: Vec<Vec<AlphaMode>>,
     pub maps: StoredMaps,
     /// Texels across and down.
     pub size: [u32; 2],

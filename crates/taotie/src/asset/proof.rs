@@ -2,19 +2,21 @@
 
 use super::level_figures::{LevelFigures, LevelSurface, PointCounts};
 use super::made::Asset;
+use super::map_numbers;
+use super::maps_alone;
 use super::material_figures::MaterialFigures;
 use super::scan::Scan;
 use super::unseen::unseen;
 use super::views::{self, Looks, ViewFigures, Views};
 use super::write::Written;
-use crate::bake::{Cage, Fit, MapKind, TexturedMesh, Verifier, low_poly_mesh};
+use crate::bake::{Cage, Fit, MapKind, ShownNormals, TexturedMesh, Verifier, low_poly_mesh};
 use crate::compare::{Field, Summary};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
 use crate::io::{self, GltfImages, Loaded};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
-use crate::scene::{Instance, Material, NormalSpace, Scene, SceneData};
+use crate::scene::{NormalSpace, Scene};
 use crate::surface::with_frames;
 use std::path::{Path, PathBuf};
 
@@ -188,7 +190,7 @@ pub struct Proof {
 }
 
 impl Written {
-    /// Reads the asset back and measures how far it is from the scan.
+    /// Reads the asset back and measures how far it is from the scan. Maps alone are measured on the low-poly mesh.
     ///
     /// Each level of detail is measured, the coarser ones at a quarter of the points. A scan that is given up, not
     /// borrowed, has its tree freed before images of it are taken. The listener hears the stages `read back`,
@@ -210,12 +212,17 @@ impl Written {
 
     fn prove(&self, scan: Scan, options: &VerifyOptions, progress: Progress<'_>) -> Result<Proof> {
         progress.begin("read back")?;
-        let loaded = io::load_model(self.path())?;
+        let mut levels = self.levels_read_back()?;
+        let loaded = levels.remove(0);
         let object_map = match self.object_map() {
-            Some(path) => Some(Texture::new(io::read_bitmap(&path)?, Encoding::Normal)),
+            Some(path) => {
+                let codes = map_numbers::codes_of_normals(io::read_bitmap(&self.set.current(&path))?)?;
+                Some(Texture::new(codes, Encoding::Normal))
+            }
             None => None,
         };
-        let shown = Shown::of(&loaded.scene, object_map.as_ref(), self.path())?;
+        let object_map = object_map.as_ref().map(|texture| self.object_normals(texture));
+        let shown = Shown::of(&loaded.scene, object_map, self.path())?;
         if shown.normal.is_none() && self.asset.textures().normal.is_some() {
             return Err(Error::invalid(
                 self.path().display().to_string(),
@@ -225,7 +232,8 @@ impl Written {
         let made = &self.asset.made;
         // Packing sorts vertices anew.
         let cage = made.maps.cage.carried_over(&made.low.mesh, &shown.mesh);
-        let subject = Subject { shown: &shown, cage: &cage, scan: &scan };
+        let has_material = !self.is_alone() || maps_alone::has_material(made);
+        let subject = Subject { shown: &shown, cage: &cage, scan: &scan, has_material };
         progress.begin("measure normals")?;
         let mut figures = self.measure(&subject, options)?;
         progress.begin("map errors")?;
@@ -233,11 +241,14 @@ impl Written {
         let error_map = subject.verifier(true).error_map(size)?;
         let of_color = |material| subject.verifier(true).color_map(material, size);
         let color_map = subject.material().map(of_color).transpose()?;
-        let mut scenes = self.coarser(&loaded, progress)?;
+        if !levels.is_empty() {
+            progress.begin("measure levels")?;
+        }
+        let mut scenes: Vec<Scene> = levels.into_iter().map(|level| level.scene).collect();
         for scene in &scenes {
-            let shown = Shown::of(scene, object_map.as_ref(), self.path())?;
+            let shown = Shown::of(scene, object_map, self.path())?;
             let cage = Cage::automatic(&shown.mesh, &scan.high);
-            let subject = Subject { shown: &shown, cage: &cage, scan: &scan };
+            let subject = Subject { shown: &shown, cage: &cage, scan: &scan, has_material };
             figures.levels.push(subject.figures(PointCounts::from(options).quarter())?);
         }
         scenes.insert(0, loaded.scene);
@@ -245,26 +256,31 @@ impl Written {
         let scan = scan.into_scene()?;
         let maps: Vec<MapKind> = self.maps().iter().map(|note| note.map).collect();
         figures.unseen = unseen(&maps, self.asset.made.options.space, [&scan, &scenes[0]]);
-        let looks = views::take(scan, scenes, options.view, views)?;
+        figures.unseen.extend(maps_alone::unseen(made).filter(|_| self.is_alone()));
+        let mut looks = views::take(scan, scenes, options.view, views)?;
+        if !has_material {
+            looks.full.clear();
+        }
         Ok(Proof { color_map, warnings: loaded.warnings, ..Proof::new(figures, error_map, looks) })
     }
 
-    /// Reads the coarser levels back. Maps are in memory once.
-    fn coarser(&self, finest: &Loaded, progress: Progress<'_>) -> Result<Vec<Scene>> {
-        let wanted = self.asset.levels().count();
-        if finest.levels != wanted {
-            let why = format!("read back, it has {} levels of detail and not {wanted}", finest.levels);
-            return Err(Error::invalid(self.path().display().to_string(), why));
+    /// Reads all levels back, the finest first; maps alone onto the low-poly mesh. Maps are decoded and in memory once.
+    fn levels_read_back(&self) -> Result<Vec<Loaded>> {
+        if self.is_alone() {
+            return Ok(vec![maps_alone::read_back(&self.asset.made, self.packing.green, &self.current())?]);
         }
-        if wanted > 1 {
-            progress.begin("measure levels")?;
+        let (levels, wanted) = (io::load_levels(&self.current())?, self.asset.levels().count());
+        if levels.len() == wanted {
+            return Ok(levels);
         }
-        let read = |level| {
-            let mut scene = io::load_level(self.path(), level)?.scene;
-            scene.edit(|scene| scene.textures = finest.scene.textures().to_vec())?;
-            Ok(scene)
-        };
-        (1..wanted).map(read).collect()
+        let why = format!("read back, it has {} levels of detail and not {wanted}", levels.len());
+        Err(Error::invalid(self.path().display().to_string(), why))
+    }
+
+    /// Returns a map in object space as it is looked up: as the textures that the file holds.
+    fn object_normals<'a>(&self, texture: &'a Texture) -> ShownNormals<'a> {
+        let sampler = io::gltf_sampler(self.asset.levels());
+        ShownNormals { texture, space: NormalSpace::Object, sampler }
     }
 
     /// Returns the file of a normal map in object space, which stands beside the asset.
@@ -299,7 +315,11 @@ impl Written {
             views: Vec::new(),
             fit: mapped.fit(options.points / 10, diagonal).map(FitFigures::from),
             bytes_in: made.about.bytes,
-            bytes_out: self.files.iter().map(|path| io::file_size(path)).sum::<Result<u64>>()?,
+            bytes_out: self
+                .files
+                .iter()
+                .map(|path| io::file_size(&self.set.current(path)))
+                .sum::<Result<u64>>()?,
             material: finest.material,
             full_views: Vec::new(),
             unseen: Vec::new(),
@@ -367,29 +387,31 @@ fn check(options: &VerifyOptions) -> Result<()> {
 /// A level of an asset as a viewer shows it.
 struct Shown<'a> {
     mesh: Mesh,
-    normal: Option<(&'a Texture, NormalSpace)>,
+    normal: Option<ShownNormals<'a>>,
     /// The same triangles with all that the file says of their material.
     material: TexturedMesh,
 }
 
 impl<'a> Shown<'a> {
-    fn of(scene: &'a Scene, object_map: Option<&'a Texture>, path: &Path) -> Result<Self> {
+    fn of(scene: &'a Scene, object_map: Option<ShownNormals<'a>>, path: &Path) -> Result<Self> {
         let Some(first) = scene.instances().first() else {
             return Err(Error::invalid(path.display().to_string(), "read back, it has no triangles"));
         };
-        let alone = Scene::new(SceneData {
-            meshes: vec![scene.meshes()[first.mesh].clone()],
-            materials: vec![Material::default()],
-            instances: vec![Instance { mesh: 0, material: 0, ..*first }],
-            ..SceneData::default()
-        })?;
         let map = scene.materials()[first.material].normal.as_ref();
-        let inside = map.map(|map| (&scene.textures()[map.texture.texture], NormalSpace::Tangent));
-        let normal = object_map.map(|map| (map, NormalSpace::Object)).or(inside);
-        let mesh = with_frames(&low_poly_mesh(alone)?, 0, None)?.0.into_owned();
-        let mut own = scene.clone();
-        own.edit(|scene| scene.instances.truncate(1))?;
-        Ok(Self { mesh, normal, material: TexturedMesh::new(own)? })
+        let inside = map.map(|map| ShownNormals {
+            texture: &scene.textures()[map.texture.texture],
+            space: NormalSpace::Tangent,
+            sampler: map.texture.sampler,
+        });
+        let normal = object_map.or(inside);
+        let material = TexturedMesh::new(scene.clone())?;
+        // Triangles of several alpha modes are several meshes, whose order is that of the material's.
+        let joined = match scene.instances() {
+            [_] => low_poly_mesh(scene.clone())?,
+            _ => material.mesh().clone(),
+        };
+        let mesh = with_frames(&joined, 0, None)?.0.into_owned();
+        Ok(Self { mesh, normal, material })
     }
 }
 
@@ -398,6 +420,8 @@ struct Subject<'a> {
     shown: &'a Shown<'a>,
     cage: &'a Cage,
     scan: &'a Scan,
+    /// `true` where the files say what their material is.
+    has_material: bool,
 }
 
 impl<'a> Subject<'a> {
@@ -408,7 +432,7 @@ impl<'a> Subject<'a> {
 
     /// Returns the material that is compared; `None` where the scan says nothing of its own.
     fn material(&self) -> Option<&'a TexturedMesh> {
-        (!self.scan.about.is_plain).then_some(&self.shown.material)
+        (self.has_material && !self.scan.about.is_plain).then_some(&self.shown.material)
     }
 
     fn figures(&self, points: PointCounts) -> Result<LevelFigures> {

@@ -3,11 +3,11 @@
 use super::carried::Carried;
 use super::hash::FileHash;
 use super::look;
-use super::memory::{Limits, ScanSize};
 use super::notes;
+use super::scan_size::ScanSize;
 use crate::bake;
 use crate::error::{Error, Result, Warnings};
-use crate::io;
+use crate::io::{self, Limits};
 use crate::math::Vec3;
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
@@ -21,6 +21,8 @@ pub(super) struct About {
     /// The path of its file; empty in memory.
     pub path: PathBuf,
     pub hash: Option<FileHash>,
+    /// All files that it was read from, its own first; none in memory.
+    pub files: Vec<PathBuf>,
     /// Bytes of all its files; 0 in memory.
     pub bytes: u64,
     pub copyright: Option<String>,
@@ -61,6 +63,7 @@ impl About {
 pub struct ScanFile {
     scene: Scene,
     about: About,
+    limits: Limits,
 }
 
 /// A scan, sorted for rays. Clones share all of it.
@@ -79,6 +82,8 @@ pub struct ScanFile {
 pub struct Scan {
     pub(super) high: Arc<bake::Scan>,
     pub(super) about: Arc<About>,
+    /// The limits within which it was read, and what a bake of it names is read.
+    pub(super) limits: Limits,
 }
 
 impl ScanFile {
@@ -90,21 +95,24 @@ impl ScanFile {
     pub fn read(path: impl AsRef<Path>, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
         let path = path.as_ref().to_path_buf();
         let hash = FileHash::begin(&path);
-        limits.or_free().check_file(&path)?;
+        let limits = limits.or_free();
+        limits.check_file(&path)?;
         progress.begin("read the scan")?.apart(move |_| {
-            let mut loaded = io::load_model(&path)?;
-            let bytes = bytes_of(&path, &mut loaded.files)?;
+            let mut loaded = io::load_model_within(&path, &limits)?;
+            let files = all_files(&path, &mut loaded.files);
+            let bytes = files.iter().map(|file| io::file_size(file)).sum::<Result<u64>>()?;
             check_extent(&loaded.scene, &path.display().to_string())?;
             notes::left_of_scan_file(&mut loaded);
             let about = About {
                 hash: Some(hash),
+                files,
                 bytes,
                 copyright: loaded.copyright,
                 xmp: (!loaded.xmp.is_empty()).then(|| loaded.xmp.swap_remove(0)),
                 warnings: loaded.warnings,
                 ..About::of(&loaded.scene, path)
             };
-            Ok(Self { scene: loaded.scene, about })
+            Ok(Self { scene: loaded.scene, about, limits })
         })
     }
 
@@ -117,10 +125,15 @@ impl ScanFile {
         let mut loaded = io::Loaded::new(scene, Warnings::default(), "");
         notes::left_of_scan_file(&mut loaded);
         let about = About { warnings: loaded.warnings, ..About::of(&loaded.scene, PathBuf::new()) };
-        Ok(Self { scene: loaded.scene, about })
+        Ok(Self { scene: loaded.scene, about, limits: Limits::default() })
     }
 
-    /// Returns how many triangles and vertices the scan has.
+    /// Returns all files that the scan was read from, its own first; none in memory.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.about.files
+    }
+
+    /// Returns how many triangles and vertices the scan has, and what else takes memory.
     pub fn size(&self) -> ScanSize {
         self.about.size
     }
@@ -132,9 +145,9 @@ impl ScanFile {
     /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices.
     pub fn sort(self, progress: Progress<'_>) -> Result<Scan> {
         progress.begin("sort the scan")?.apart(move |_| {
-            let Self { mut scene, mut about } = self;
+            let Self { mut scene, mut about, limits } = self;
             about.warnings.note("flat-shaded scan: smooth normals computed", smooth_facets(&mut scene)?);
-            Ok(Scan { high: Arc::new(bake::Scan::new(scene)?), about: Arc::new(about) })
+            Ok(Scan { high: Arc::new(bake::Scan::new(scene)?), about: Arc::new(about), limits })
         })
     }
 }
@@ -174,6 +187,11 @@ impl Scan {
         &self.about.path
     }
 
+    /// Returns all files that it was read from, its own first; none in memory.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.about.files
+    }
+
     /// Returns what was wrong with its file, or is left out of it.
     pub fn warnings(&self) -> &Warnings {
         &self.about.warnings
@@ -209,14 +227,11 @@ impl std::fmt::Debug for Scan {
 impl About {
     fn of(scene: &Scene, path: PathBuf) -> Self {
         let carried = Carried::of(scene);
-        let size = ScanSize {
-            triangles: scene.triangle_count() as u64,
-            vertices: scene.meshes().iter().map(|mesh| mesh.positions().len() as u64).sum(),
-            carries: carried.maps(),
-        };
+        let size = ScanSize::of(scene, carried.maps());
         Self {
             path,
             hash: None,
+            files: Vec::new(),
             bytes: 0,
             copyright: None,
             xmp: None,
@@ -228,22 +243,32 @@ impl About {
     }
 }
 
-/// Returns the bytes of a model's file and of all others that it was read from, each counted once.
-fn bytes_of(path: &Path, others: &mut Vec<PathBuf>) -> Result<u64> {
+/// Returns a model's file and all others that it was read from, each once.
+fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
     others.sort();
     others.dedup();
-    let others = others.iter().filter(|other| *other != path).map(|other| io::file_size(other));
-    Ok(io::file_size(path)? + others.sum::<Result<u64>>()?)
+    let others = others.iter().filter(|other| *other != path).cloned();
+    std::iter::once(path.to_path_buf()).chain(others).collect()
 }
 
-/// Refuses a model that is nothing but a point.
+/// The least and the largest diagonal of a model that is baked, model units. Beyond, fourth powers of the lengths of its
+/// edges leave single precision, and distances are no distances any more.
+const LEAST_SIZE: f64 = 1e-6;
+const MOST_SIZE: f64 = 1e9;
+
+/// Refuses a model that is nothing but a point, or whose distances cannot be measured.
 pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
     let mut positions = scene.meshes().iter().flat_map(|mesh| mesh.positions());
     let first = positions.next();
-    if positions.any(|position| Some(position) != first) {
-        return Ok(());
+    if !positions.any(|position| Some(position) != first) {
+        return Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"));
     }
-    Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"))
+    let size = scene.bounds().map_or(0.0, |bounds| bounds.diagonal());
+    if !(LEAST_SIZE..=MOST_SIZE).contains(&size) {
+        let why = format!("it measures {size:.1e} model units; scale it to between 1e-6 and 1e9");
+        return Err(Error::invalid(name, why));
+    }
+    Ok(())
 }
 
 /// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; returns the

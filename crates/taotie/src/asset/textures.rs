@@ -13,6 +13,7 @@ use crate::math::srgb::srgb_from_linear;
 use crate::names::Named;
 use crate::normal_map::{Storage, store_codes, store_rgba, store_unit_vectors};
 use crate::scene::{Material, NormalSpace};
+use std::path::{Path, PathBuf};
 
 /// The storage of colours and factors.
 const DITHERED: Storage = Storage { bits: 8, dither: true };
@@ -213,8 +214,13 @@ impl Textures {
 
 impl Beside {
     /// Returns the name of the map's file beside an asset, such as `scan.height.png` beside `scan.glb`.
-    pub(super) fn extension(&self) -> String {
+    fn extension(&self) -> String {
         format!("{}.png", self.map.name())
+    }
+
+    /// Returns the map's file beside the model `path`.
+    pub(super) fn file(&self, path: &Path) -> PathBuf {
+        path.with_extension(self.extension())
     }
 }
 

@@ -2,15 +2,16 @@
 
 use super::green;
 use super::made::{Asset, Made};
+use super::map_note::MapNote;
+use super::maps_alone;
+use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
 use super::textures::Beside;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
-use crate::image::{Bitmap, Encoding};
-use crate::io::{
-    self, FileBytes, GltfAsset, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, Json,
-};
+use crate::image::Encoding;
+use crate::io::{self, FileBytes, FileSet, GltfAsset, GltfImage, GltfImages, GltfLevel, GltfMaterial, Json};
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
@@ -35,49 +36,21 @@ pub struct Written {
     pub(super) asset: Asset,
     pub(super) packing: Packing,
     pub(super) files: Vec<PathBuf>,
+    pub(super) set: FileSet,
     pub(super) warnings: Warnings,
-}
-
-/// A map of a written asset: where it stands, and what its numbers mean.
-///
-/// ```
-/// use std::path::PathBuf;
-/// use taotie::asset::Written;
-/// use taotie::bake::MapKind;
-///
-/// /// Returns the file of the height map and the heights of black and white, model units.
-/// fn height(written: &Written) -> Option<(PathBuf, [f64; 2])> {
-///     let note = written.maps().into_iter().find(|note| note.map == MapKind::Height)?;
-///     Some((note.file?, [note.black?, note.white?]))
-/// }
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct MapNote {
-    /// The kind of map.
-    pub map: MapKind,
-    /// Its file; `None` inside of the asset.
-    pub file: Option<PathBuf>,
-    /// Bits a channel.
-    pub bits: u8,
-    /// The number of black, in `unit`, where the map holds numbers.
-    pub black: Option<f64>,
-    /// The number of white.
-    pub white: Option<f64>,
-    /// The unit of these.
-    pub unit: &'static str,
 }
 
 impl Asset {
     /// Writes the asset as `.glb`, or as `.gltf` with its files beside it. Maps that glTF has no place for are written
-    /// beside either, such as `scan.height.png`. All files appear together at the end; a write that fails or is
+    /// beside either, such as `scan.height.png`. A path that ends with `.png`, `.webp` or `.exr` gets maps alone: the first
+    /// in that file, all others beside it, such as `out.ao.png`, with green as the packing says. All files appear together at the end; a write that fails or is
     /// cancelled leaves none. The same asset gives the same bytes.
     ///
     /// The listener hears the stage `write`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`io::write_gltf`]; [`Error::Io`](crate::Error::Io) where
+    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`io::write_gltf`]; [`Error::Invalid`](crate::Error::Invalid)
+    /// for maps alone whose uvs were made, or that have the packing of a model; [`Error::Io`](crate::Error::Io) where
     /// the scan's file or that of the XMP properties cannot be read any more.
     pub fn write(
         &self,
@@ -85,15 +58,48 @@ impl Asset {
         packing: &Packing,
         progress: Progress<'_>,
     ) -> Result<Written> {
-        let progress = progress.begin("write")?;
-        let (asset, packed, path) = (self.clone(), packing.clone(), path.as_ref().to_path_buf());
-        let encode = move |_: Progress<'_>| encoded(&asset.made, &path, &packed);
-        let files = progress.part(0.0, 0.8).apart(encode)?;
-        io::write_files(&files, progress.part(0.8, 1.0))?;
-        let warnings = notes(&self.made, packing, &files);
-        let files = files.into_iter().map(|file| file.path).collect();
-        Ok(Written { asset: self.clone(), packing: packing.clone(), files, warnings })
+        FileSet::one(|set| self.write_in(set, path.as_ref(), packing, progress))
     }
+
+    /// Writes the asset as [`Asset::write`] does, as files of a set. They appear with all else in it, such as a report of
+    /// what [`Written::verify`] finds, when the caller commits it.
+    ///
+    /// # Errors
+    /// As [`Asset::write`], and [`Error::Invalid`](crate::Error::Invalid) where a file that was read would be written
+    /// over.
+    pub fn write_in(
+        &self,
+        set: &FileSet,
+        path: &Path,
+        packing: &Packing,
+        progress: Progress<'_>,
+    ) -> Result<Written> {
+        let progress = progress.begin("write")?;
+        set.protect(&self.made.about.files)?;
+        let (asset, packed, path) = (self.clone(), packing.clone(), path.to_path_buf());
+        let is_alone = maps_alone::is_alone(&path);
+        let encode = move |_: Progress<'_>| match is_alone {
+            true => maps_alone::encoded(&asset.made, &path, &packed),
+            false => encoded(&asset.made, &path, &packed),
+        };
+        let files = progress.part(0.0, 0.8).apart(encode)?;
+        set.write_files(&files, progress.part(0.8, 1.0))?;
+        let warnings = match is_alone {
+            true => maps_alone::warnings(&self.made),
+            false => notes(&self.made, packing, &files),
+        };
+        let files = files.into_iter().map(|file| file.path).collect();
+        Ok(Written { asset: self.clone(), packing: packing.clone(), files, set: set.clone(), warnings })
+    }
+}
+
+/// Returns every file that an asset at `path` may be written to, the model first.
+pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packing) -> Vec<PathBuf> {
+    if maps_alone::is_alone(path) {
+        return maps_alone::possible_files(path);
+    }
+    let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
+    io::gltf_files(path, &packing.format()).into_iter().chain(beside).collect()
 }
 
 /// Returns all files, the model first.
@@ -117,15 +123,15 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         name: &name,
         levels: &levels,
         material: textures.material(&made.low.material, &made.low.kept),
+        alpha_modes: &made.alpha_modes,
         copyright: made.about.copyright.as_deref().or(rights.as_deref()),
         xmp: Some(&xmp),
         extras: extras.as_ref(),
     };
-    let format = GltfFormat { images: packing.images, jpeg: packing.jpeg, meshopt: packing.meshopt };
-    let mut files = io::encode_gltf(path, &model, &format)?;
+    let mut files = io::encode_gltf(path, &model, &packing.format())?;
     for beside in beside {
         let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
-        files.push(FileBytes { path: file_of(beside, path), bytes });
+        files.push(FileBytes { path: beside.file(path), bytes });
     }
     Ok(files)
 }
@@ -134,8 +140,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
 fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     let mut warnings = Warnings::default();
     let material = made.maps.textures.material(&made.low.material, &made.low.kept);
-    let has_alpha = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
-    let has_alpha = material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has_alpha);
+    let has_alpha = has_alpha(&material);
     warnings.note(
         "the base colour's texture has alpha, which KTX2 is not written with: it is PNG",
         usize::from(has_alpha && packing.images == GltfImages::Ktx2),
@@ -153,6 +158,22 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     warnings
 }
 
+/// Says whether alpha of the base colour's texture is written.
+fn has_alpha(material: &GltfMaterial<'_>) -> bool {
+    let has = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
+    material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
+}
+
+/// Says whether there is a texture that may lose more: neither normals, nor a base colour that is packed otherwise.
+fn has_lossy(material: &GltfMaterial<'_>, packing: &Packing) -> bool {
+    let others = [material.metallic_roughness_map, material.occlusion_map, material.emissive_map];
+    let color_is_lossy = match has_alpha(material) {
+        true => packing.images == GltfImages::WebP,
+        false => packing.jpeg.is_none(),
+    };
+    (material.base_color_map.is_some() && color_is_lossy) || others.iter().any(Option::is_some)
+}
+
 /// Returns notes of a packing of textures that the asset does not have.
 fn unpacked(material: &GltfMaterial<'_>, packing: &Packing) -> Warnings {
     let mut warnings = Warnings::default();
@@ -168,12 +189,16 @@ fn unpacked(material: &GltfMaterial<'_>, packing: &Packing) -> Warnings {
         "the asset has no textures; its packing as WebP or KTX2 is not read",
         usize::from(packing.images != GltfImages::Png && !has_any),
     );
+    let unread = has_any && !has_lossy(material, packing);
+    warnings.note(
+        "no texture of the asset is lossy WebP: normals are lossless; the quality is not read",
+        usize::from(packing.webp_quality.is_some() && unread),
+    );
+    warnings.note(
+        "no texture of the asset has RDO: normals are left out of it; it is not read",
+        usize::from(packing.uastc_rdo.is_some() && unread),
+    );
     warnings
-}
-
-/// Returns the file of a map beside the model `path`.
-fn file_of(beside: &Beside, path: &Path) -> PathBuf {
-    path.with_extension(beside.extension())
 }
 
 /// Returns the least part of the screen that the object covers while each level is shown: half as wide and half as high
@@ -195,25 +220,8 @@ fn extras(beside: &[&Beside], path: &Path) -> Option<Json> {
     (!maps.is_empty()).then(|| Json(json!({ "maps": maps })))
 }
 
-impl MapNote {
-    fn inside((map, bitmap): (MapKind, &Bitmap)) -> Self {
-        Self { map, file: None, bits: bitmap.bits(), black: None, white: None, unit: "" }
-    }
-
-    fn beside(beside: &Beside, path: &Path) -> Self {
-        Self {
-            map: beside.map,
-            file: Some(file_of(beside, path)),
-            bits: beside.bitmap.bits(),
-            black: beside.range.map(|range| range.black),
-            white: beside.range.map(|range| range.white),
-            unit: beside.range.map_or("", |range| range.unit),
-        }
-    }
-}
-
 impl Written {
-    /// Returns the files, the model first.
+    /// Returns the files, the model or the first map first.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
@@ -228,16 +236,29 @@ impl Written {
         &self.asset
     }
 
-    /// Returns the model's file.
+    /// Returns the model's file; of maps alone the first one's.
     pub fn path(&self) -> &Path {
         self.files.first().map_or(Path::new(""), PathBuf::as_path)
     }
 
+    /// Returns where the model can be read now: its files may wait for others of their set.
+    pub(super) fn current(&self) -> PathBuf {
+        self.set.current(self.path())
+    }
+
     /// Returns what each map is and where.
     pub fn maps(&self) -> Vec<MapNote> {
+        if self.is_alone() {
+            return maps_alone::notes(&self.asset.made, self.path());
+        }
         let textures = self.asset.textures();
         let beside = textures.beside.iter().map(|beside| MapNote::beside(beside, self.path()));
         textures.inside().map(MapNote::inside).chain(self.turned_normal()).chain(beside).collect()
+    }
+
+    /// Returns `true` where maps were written without a model.
+    pub(super) fn is_alone(&self) -> bool {
+        maps_alone::is_alone(self.path())
     }
 
     /// Returns the note on the normal map with green down.
@@ -252,6 +273,7 @@ impl Written {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Bitmap;
 
     #[test]
     fn a_packing_without_textures_is_told() {
@@ -265,5 +287,13 @@ mod tests {
             |material: &GltfMaterial<'_>, packing: &Packing| unpacked(material, packing).iter().count();
         assert_eq!([&bare, &normal, &color].map(|material| count(material, &small)), [2, 1, 0]);
         assert_eq!(count(&bare, &Packing::default()), 0);
+        let glowing = GltfMaterial { emissive_map: map(), ..GltfMaterial::default() };
+        let lossy = Packing { images: GltfImages::WebP, webp_quality: Some(80), ..Packing::default() };
+        let repeating = Packing { images: GltfImages::Ktx2, uastc_rdo: Some(2), ..Packing::default() };
+        for packing in [&lossy, &repeating] {
+            let materials = [&bare, &normal, &color, &glowing];
+            assert_eq!(materials.map(|material| count(material, packing)), [1, 1, 0, 0]);
+        }
+        assert_eq!(count(&color, &Packing { jpeg: Some(85), ..lossy }), 1, "it is JPEG");
     }
 }

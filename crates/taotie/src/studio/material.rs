@@ -4,7 +4,9 @@ use super::factors::MaterialFactors;
 use super::maps::MapOptions;
 use super::material_file::MaterialFile;
 use crate::error::Result;
-use crate::scene::{GreenChannel, Scene, SceneData};
+use crate::io::Limits;
+use crate::scene::{GreenChannel, Scene, SceneData, preset};
+use std::path::PathBuf;
 
 /// The materials asked for; by default they stay as the file says.
 ///
@@ -40,15 +42,33 @@ impl MaterialOptions {
     /// # Errors
     /// As [`MaterialFile::choose`], [`MaterialFile::apply`] and [`MaterialFactors::apply`], and those of the maps.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        self.apply_within(scene, &Limits::default())
+    }
+
+    /// Does what [`MaterialOptions::apply`] does, within limits of memory and pixels.
+    pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
         if let Some(choice) = &self.material {
-            MaterialFile::choose(choice)?.apply(scene)?;
+            MaterialFile::choose(choice)?.apply_within(scene, limits)?;
         }
         self.factors.apply(scene)?;
-        self.maps.apply(scene)?;
+        self.maps.apply_within(scene, limits)?;
         if self.green == GreenChannel::Down {
             scene.edit(point_down)?;
         }
         Ok(())
+    }
+
+    /// Returns the files that are read for the materials: a TOML file, its maps, and the maps asked for.
+    ///
+    /// # Errors
+    /// As [`MaterialFile::choose`].
+    pub fn files(&self) -> Result<Vec<PathBuf>> {
+        let mut files = self.maps.files();
+        if let Some(choice) = self.material.as_ref().filter(|choice| preset(choice).is_none()) {
+            files.push(PathBuf::from(choice));
+            files.extend(MaterialFile::choose(choice)?.files());
+        }
+        Ok(files)
     }
 }
 

@@ -4,8 +4,9 @@ use super::change::Change;
 use super::factors::MaterialFactors;
 use super::maps::MapOptions;
 use crate::error::{Error, Result};
-use crate::io;
-use crate::scene::{AlphaMode, GreenChannel, Material, NormalSpace, PRESETS, Scene, preset};
+use crate::io::{self, Limits};
+use crate::math::Vec3;
+use crate::scene::{AlphaMode, GreenChannel, Light, Material, NormalSpace, PRESETS, Scene, preset};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -23,9 +24,15 @@ use std::path::{Path, PathBuf};
 /// assert_eq!(scene.materials()[0].roughness, 0.6);
 /// # Ok::<(), taotie::Error>(())
 /// ```
+#[derive(Debug, Clone, Default)]
+pub struct MaterialFile {
+    content: Content,
+}
+
+/// The content of the file.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct MaterialFile {
+struct Content {
     /// Start from a preset.
     preset: Option<String>,
     base_color: Option<[f32; 3]>,
@@ -103,7 +110,8 @@ impl MaterialFile {
     /// [`Error::Invalid`] where `choice` is neither; the text lists the presets. As [`MaterialFile::parse`].
     pub fn choose(choice: &str) -> Result<Self> {
         if preset(choice).is_some() {
-            return Ok(Self { preset: Some(choice.to_string()), ..Self::default() });
+            let preset = Some(choice.to_string());
+            return Ok(Self { content: Content { preset, ..Content::default() } });
         }
         let path = Path::new(choice);
         if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("toml")) {
@@ -121,10 +129,15 @@ impl MaterialFile {
     /// # Errors
     /// [`Error::Parse`] where it is no TOML or says what no material has, [`Error::Invalid`] for a value out of range.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        let mut file: Self = toml::from_str(text).map_err(|error| parse_error(path, text, &error))?;
-        file.maps.lie_in(path.parent().unwrap_or(Path::new("")));
-        file.check().map_err(|error| error.within(path.display()))?;
-        Ok(file)
+        let mut content: Content = toml::from_str(text).map_err(|error| parse_error(path, text, &error))?;
+        content.maps.lie_in(path.parent().unwrap_or(Path::new("")));
+        content.check().map_err(|error| error.within(path.display()))?;
+        Ok(Self { content })
+    }
+
+    /// Returns the files of its maps.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.content.maps.options().files()
     }
 
     /// Puts the material on every material of `scene`; their relief and occlusion stay where it names none.
@@ -132,10 +145,17 @@ impl MaterialFile {
     /// # Errors
     /// Those of the maps, and [`Error::Invalid`] for an unknown preset.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        self.change(scene)?.apply(scene)?;
-        Ok(())
+        self.apply_within(scene, &Limits::default())
     }
 
+    /// Does what [`MaterialFile::apply`] does, within limits of memory and pixels.
+    pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
+        self.content.change(scene, limits)?.apply(scene)?;
+        Ok(())
+    }
+}
+
+impl Content {
     /// Checks ranges, so that shading cannot be given nonsense.
     fn check(&self) -> Result<()> {
         self.factors().check()?;
@@ -153,14 +173,14 @@ impl MaterialFile {
             ("emissive", self.emissive),
         ];
         for (name, color) in colors {
-            if color.is_some_and(|c| c.iter().any(|v| !(*v >= 0.0 && v.is_finite()))) {
-                return Err(Error::invalid(name, "its numbers must be 0 or more"));
+            if color.is_some_and(|c| !Light::is_strength(Vec3::from_array(c))) {
+                return Err(Error::invalid(name, "its numbers must be 0 or more, and at most 1e12"));
             }
         }
         Ok(())
     }
 
-    fn change(&self, scene: &mut Scene) -> Result<Change> {
+    fn change(&self, scene: &mut Scene, limits: &Limits) -> Result<Change> {
         let mut material = match &self.preset {
             Some(name) => {
                 Some(preset(name).ok_or_else(|| Error::invalid(format!("preset {name}"), unknown_preset()))?)
@@ -171,7 +191,7 @@ impl MaterialFile {
             let target = material.get_or_insert_with(Material::default);
             self.write_into(target);
         }
-        let maps = self.maps.options().load(scene)?;
+        let maps = self.maps.options().load(scene, limits)?;
         Ok(Change { reflectance: material, ..maps })
     }
 
@@ -269,13 +289,30 @@ mod tests {
         assert!(refused("roughness = 0.5\nshinyness = 3").starts_with("a/m.toml: line 2: unknown field"));
         assert_eq!(refused("roughness = 2"), "a/m.toml: roughness: it must lie between 0 and 1");
         assert_eq!(refused("slope = 0.0"), "a/m.toml: slope: it must be above 0");
-        assert_eq!(refused("f0 = [0, 0, -1]"), "a/m.toml: f0: its numbers must be 0 or more");
+        assert_eq!(
+            refused("f0 = [0, 0, -1]"),
+            "a/m.toml: f0: its numbers must be 0 or more, and at most 1e12"
+        );
         assert!(MaterialFile::choose("unobtainium").unwrap_err().to_string().contains("bronze-patina"));
     }
 
     #[test]
     fn maps_lie_beside_the_file() {
         let file = MaterialFile::parse("maps = { normal = 'n.png' }", Path::new("a/m.toml")).unwrap();
-        assert_eq!(file.maps.options().normal, Some(PathBuf::from("a/n.png")));
+        assert_eq!(file.content.maps.options().normal, Some(PathBuf::from("a/n.png")));
+    }
+    /// Two implementations fit a type that serde reads, and then the compiler cannot choose.
+    trait Choice<T> {
+        fn is_made() -> bool {
+            true
+        }
+    }
+    struct ReadBySerde;
+    impl<T> Choice<()> for T {}
+    impl<T: serde::de::DeserializeOwned> Choice<ReadBySerde> for T {}
+
+    #[test]
+    fn the_parser_is_no_part_of_the_interface() {
+        assert!(<MaterialFile as Choice<_>>::is_made());
     }
 }

@@ -18,6 +18,7 @@ mod validator;
 
 mod animation;
 mod geometry;
+mod gltf_alpha_modes;
 mod gltf_levels;
 mod gltf_materials;
 mod gltf_packed;
@@ -26,10 +27,13 @@ mod gltf_pictures;
 mod gltf_read;
 mod gltf_scene;
 #[cfg(all(feature = "basis", feature = "webp"))]
+mod gltf_sizes;
+#[cfg(all(feature = "basis", feature = "webp"))]
 mod gltf_textures;
 #[cfg(feature = "webp")]
 mod gltf_validator;
 mod gltf_write;
 mod gltf_write_material;
+mod limits;
 mod mutations;
 mod scans;
