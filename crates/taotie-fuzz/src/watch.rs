@@ -109,3 +109,45 @@ fn last_words(child: &mut Child) -> Option<JoinHandle<String>> {
         String::from_utf8_lossy(&said[from..]).trim().to_owned()
     }))
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    /// Watches a shell in the place of a worker.
+    fn seen(script: &str) -> Result<Seen> {
+        let mut command = Command::new("sh");
+        command.args(["-c", script]);
+        watch(command, "", Duration::from_millis(500))
+    }
+
+    fn kinds(seen: &Seen) -> Vec<(u64, FailureKind)> {
+        seen.failures.iter().map(|failed| (failed.run, failed.failure.kind)).collect()
+    }
+
+    #[test]
+    fn a_worker_that_tells_of_all_its_runs_is_heard() {
+        let told = r#"echo '{"run":4}'; echo '{"failed":{"kind":"panic","message":"a"}}'; echo '{"run":5}'; echo '"done"'"#;
+        let seen = seen(told).unwrap();
+        assert_eq!((seen.runs, seen.last), (2, Some(5)));
+        assert_eq!(kinds(&seen), [(4, FailureKind::Panic)]);
+    }
+
+    #[test]
+    fn a_worker_that_ends_or_hangs_in_a_run_is_a_failure_of_it() {
+        let after = |rest: &str| kinds(&seen(&format!("echo '{{\"run\":7}}'; {rest}")).unwrap());
+        assert_eq!(after("exit 3"), [(7, FailureKind::Abort)]);
+        assert_eq!(after("kill -9 $$"), [(7, FailureKind::Abort)]);
+        assert_eq!(
+            after("echo 'memory allocation of 9 bytes failed' >&2; exit 3"),
+            [(7, FailureKind::Memory)]
+        );
+        assert_eq!(after("exec sleep 60"), [(7, FailureKind::Time)]);
+    }
+
+    #[test]
+    fn a_worker_that_does_not_begin_is_an_error() {
+        let error = seen("echo 'no such folder' >&2; exit 2").unwrap_err();
+        assert!(error.to_string().contains("no such folder"), "{error}");
+    }
+}
