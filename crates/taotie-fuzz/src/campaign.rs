@@ -13,12 +13,12 @@ use std::sync::{Mutex, MutexGuard};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long the runs of one worker should take.
+/// The time that the runs of one worker should take.
 const SLICE: Duration = Duration::from_secs(2);
 /// The runs of a target's first worker, and the most of one.
 const FIRST: u64 = 20;
 const MOST: u64 = 20_000;
-/// Of how many runs of a reader one is for a path behind the readers.
+/// The runs of a reader to one of a path behind the readers.
 const PATHS: u64 = 50;
 
 /// When a campaign is over.
@@ -32,7 +32,7 @@ pub enum End {
 
 /// A campaign.
 pub struct Campaign<'a> {
-    /// How workers are started.
+    /// Starts workers.
     pub runner: Runner,
     /// The sound files, which are those of the workers.
     pub seeds: &'a [Seed],
@@ -42,11 +42,13 @@ pub struct Campaign<'a> {
     pub seed: u64,
     /// When it is over.
     pub end: End,
+    /// The faults that are known and not told again.
+    pub known: &'a [Finding],
     /// The run of each target that comes first.
     pub first: BTreeMap<Target, u64>,
 }
 
-/// What a campaign brought.
+/// The yield of a campaign.
 #[derive(Debug, Default)]
 pub struct Harvest {
     /// The counts.
@@ -55,11 +57,11 @@ pub struct Harvest {
     pub findings: Vec<Finding>,
 }
 
-/// What threads share.
+/// The state that threads share.
 #[derive(Default)]
 struct State {
     harvest: Harvest,
-    /// How many runs of each target were given out.
+    /// The runs of each target that were given out.
     given: BTreeMap<Target, u64>,
 }
 
@@ -131,7 +133,7 @@ impl Campaign<'_> {
         Some(Slice { target, seed: self.seed, runs: begin..begin + runs })
     }
 
-    /// How many runs of a target are still to be given out.
+    /// Returns the number of runs of a target that are still to be given out.
     fn left(&self, target: Target, state: &State) -> u64 {
         match self.end {
             End::At(_) if self.is_over() => 0,
@@ -147,7 +149,7 @@ impl Campaign<'_> {
     fn judge(&self, target: Target, failed: &FailedRun, state: &Mutex<State>) -> Result<()> {
         let known =
             |finding: &Finding| finding.case.target == target && finding.failure.is_like(&failed.failure);
-        if locked(state).harvest.findings.iter().any(known) {
+        if self.known.iter().chain(&locked(state).harvest.findings).any(known) {
             return Ok(());
         }
         let case = Case::of(target, Number { seed: self.seed, run: failed.run }, self.seeds)?;
@@ -160,7 +162,7 @@ impl Campaign<'_> {
     }
 }
 
-/// How much more time than another a target gets: a bake goes through all the others.
+/// Returns the share of the time that a target gets: a bake goes through all the others.
 fn weight(target: Target) -> f64 {
     match target {
         Target::Bake => 6.0,

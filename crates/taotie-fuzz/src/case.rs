@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// A run, so that anybody can repeat it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// What reads the file.
+    /// The reader, or the path that begins with one.
     pub target: Target,
     /// The name of the sound file.
     pub seed: String,

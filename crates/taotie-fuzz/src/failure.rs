@@ -1,8 +1,8 @@
-//! What went wrong in a run.
+//! The failure of a run.
 
 use serde::{Deserialize, Serialize};
 
-/// What went wrong in a run.
+/// The failure of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
     /// In which way.

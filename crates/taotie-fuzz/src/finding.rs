@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 /// A case that failed, and how.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// What rebuilds it.
+    /// The case that rebuilds it.
     #[serde(flatten)]
     pub case: Case,
-    /// How it failed when it was found.
+    /// The failure when it was found.
     pub failure: Failure,
 }
 

@@ -23,10 +23,14 @@ use anyhow::{Context, Result};
 use campaign::{Campaign, End, Harvest};
 use case::Case;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use corpus::Seed;
+use finding::Finding;
 use runner::Runner;
 use std::io::{self, Read, Write};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 use taotie::asset::Bytes;
 use target::Target;
@@ -35,6 +39,8 @@ use worker::Worker;
 
 /// Where findings are kept.
 const FINDINGS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/findings");
+/// The time after which counts and findings are written; a long session loses no more.
+const ROUND: Duration = Duration::from_secs(300);
 /// Where the counts of all sessions are kept.
 const TOTALS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/totals.json");
 
@@ -173,34 +179,54 @@ impl Bounds {
     }
 }
 
-/// Runs a campaign, keeps what it finds, and counts.
+/// Runs campaigns until the end, keeps what they find, and counts.
 fn run(args: &RunArgs) -> Result<bool> {
     let seeds = corpus::seeds(args.bounds.models.as_deref())?;
     let mut totals = args.totals.as_deref().map(Totals::read).transpose()?.unwrap_or_default();
+    let until = args.time.map(|seconds| Instant::now() + Duration::from_secs(seconds));
+    let mut known = Vec::new();
+    loop {
+        let campaign = campaign(args, &totals, Session { seeds: &seeds, known: &known, until });
+        let harvest =
+            campaign.run(args.jobs.unwrap_or_else(|| available_parallelism().map_or(1, NonZero::get)))?;
+        tell(&harvest, &args.findings)?;
+        harvest.totals.targets.iter().for_each(|(target, count)| totals.add(*target, *count));
+        if let Some(path) = &args.totals {
+            totals.write(path)?;
+        }
+        known.extend(harvest.findings);
+        if until.is_none_or(|until| Instant::now() >= until) {
+            return Ok(known.is_empty());
+        }
+    }
+}
+
+/// The state of a session.
+#[derive(Clone, Copy)]
+struct Session<'a> {
+    seeds: &'a [Seed],
+    known: &'a [Finding],
+    /// When the session is over; `None` where its runs are counted.
+    until: Option<Instant>,
+}
+
+/// The next campaign of a session.
+fn campaign<'a>(args: &RunArgs, totals: &Totals, session: Session<'a>) -> Campaign<'a> {
     let targets =
         if args.targets.is_empty() { Target::value_variants().to_vec() } else { args.targets.clone() };
-    let end = args.runs.map_or_else(
-        || End::At(Instant::now() + Duration::from_secs(args.time.unwrap_or_default())),
-        End::Runs,
-    );
-    let campaign = Campaign {
+    let runs = End::Runs(args.runs.unwrap_or_default());
+    Campaign {
         runner: args.bounds.runner(),
-        seeds: &seeds,
+        seeds: session.seeds,
+        known: session.known,
         first: targets.iter().map(|target| (*target, totals.of(*target).runs)).collect(),
         targets,
         seed: args.seed,
-        end,
-    };
-    let harvest = campaign.run(args.jobs.unwrap_or_else(rayon::current_num_threads))?;
-    tell(&harvest, &args.findings)?;
-    harvest.totals.targets.iter().for_each(|(target, count)| totals.add(*target, *count));
-    if let Some(path) = &args.totals {
-        totals.write(path)?;
+        end: session.until.map_or(runs, |until| End::At(until.min(Instant::now() + ROUND))),
     }
-    Ok(harvest.findings.is_empty())
 }
 
-/// Prints what a campaign brought, and keeps its findings.
+/// Prints the yield of a campaign, and keeps its findings.
 fn tell(harvest: &Harvest, folder: &Path) -> Result<()> {
     let mut stdout = io::stdout().lock();
     for (target, count) in &harvest.totals.targets {

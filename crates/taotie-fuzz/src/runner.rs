@@ -11,14 +11,14 @@ use std::process::Command;
 use std::time::Duration;
 use taotie::asset::Bytes;
 
-/// How workers are started and bounded.
+/// Starts and bounds workers.
 #[derive(Debug, Clone)]
 pub struct Runner {
     /// A folder of further sound files.
     pub models: Option<PathBuf>,
     /// The memory that a run may allocate.
     pub memory: Bytes,
-    /// How long a run may take.
+    /// The time that a run may take.
     pub patience: Duration,
 }
 

@@ -12,10 +12,10 @@ use std::time::Duration;
 /// The most bytes of a worker's last words that are kept.
 const WORDS: usize = 2000;
 
-/// What became of a worker.
+/// The course of a worker.
 #[derive(Debug, Default)]
 pub struct Seen {
-    /// How many runs began.
+    /// The runs that began.
     pub runs: u64,
     /// The run that began last.
     pub last: Option<u64>,
@@ -61,7 +61,7 @@ pub fn watch(mut command: Command, input: &str, patience: Duration) -> Result<Se
     Ok(Seen { failures: seen.failures.into_iter().chain([FailedRun { run, failure }]).collect(), ..seen })
 }
 
-/// How listening ended.
+/// The end of listening.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum End {
     /// The worker did all its runs.

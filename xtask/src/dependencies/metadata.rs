@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 /// The system whose crates are looked into; those of others need not be on this machine.
 const PLATFORM: &str = "x86_64-unknown-linux-gnu";
 
-/// What is built on one system.
+/// The packages that are built on one system.
 #[derive(Debug, Deserialize)]
 pub struct Metadata {
     /// All packages.

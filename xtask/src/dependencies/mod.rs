@@ -1,4 +1,4 @@
-//! What Taotie depends on: whether `deny.toml` allows it, and which of it is not safe Rust.
+//! The dependencies of Taotie: whether `deny.toml` allows them, and which of them are not safe Rust.
 
 mod metadata;
 mod policy;
@@ -42,7 +42,7 @@ fn fuzzing(root: &Path) -> Result<String> {
     output(root, &["run", "--release", "--quiet", "--package", "taotie-fuzz", "--", "table"])
 }
 
-/// What cargo prints.
+/// Runs cargo and returns what it prints.
 fn output(root: &Path, arguments: &[&str]) -> Result<String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output =

@@ -1,4 +1,4 @@
-//! What `deny.toml` allows: the part of cargo-deny's rules that can be held without it.
+//! The rules of `deny.toml`, as far as they can be held without cargo-deny.
 
 use super::metadata::{Locked, Package};
 use anyhow::{Context, Result};

@@ -9,7 +9,7 @@ use std::path::Path;
 /// The program that users build.
 const PROGRAM: &str = "taotie-cli";
 
-/// What follows the keyword where unsafe code begins.
+/// The words with which unsafe code begins.
 const BEGINS: [&str; 5] = ["unsafe {", "unsafe fn", "unsafe impl", "unsafe extern", "unsafe trait"];
 
 /// The most doors that are named.

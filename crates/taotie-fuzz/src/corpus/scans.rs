@@ -9,7 +9,7 @@ const MTL: &str = "newmtl m\nKa .1 .1 .1\nKd .5 .5 .5\nKs 1\nNs 20\nKe 0 0 0\nd 
     map_Kd -s 1 2 3 -o .1 -mm 0 1 a.png\nmap_Bump -bm 2 -imfchan g a.png\nnorm a.png\nmap_Pr a.png\n\
     map_Pm -clamp on a.png\nmap_d a.png\nmap_Ke a.png\nnewmtl n\nKd 1 0 0\n";
 
-/// What OBJ knows beside triangles.
+/// An OBJ with all that the format knows beside triangles.
 const MIXED: &str = "mtllib a.mtl\no x\nv 0 0 0 .1 .2 .3\nv 1 0 0\nv 1 1 0 1\nv 0 1 0\nv .5 .5 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
     vn 0 0 1\nusemtl m\nf 1/1/1 2/2/1 3/3/1\nf -5//1 -4//-1 -3//1 -2//1\nf 1 2 3 \\\n 4 5\ns 1\np 1\nl 1 2\n\
     g y\nusemtl n\nf 5/1/1 4/2/1 3/3/1\n";

@@ -39,14 +39,14 @@ pub enum ByteChange {
     Remove {
         /// The first.
         at: usize,
-        /// How many.
+        /// Their number.
         count: usize,
     },
     /// Copies bytes to between others.
     Copy {
         /// The first.
         from: usize,
-        /// How many.
+        /// Their number.
         count: usize,
         /// The byte before which they are put.
         to: usize,

@@ -67,14 +67,14 @@ pub enum JsonChange {
     Repeat {
         /// Its place.
         at: String,
-        /// How often it stands there then.
+        /// The number of times that it stands there then.
         times: usize,
     },
     /// Puts arrays around a value.
     Nest {
         /// Its place.
         at: String,
-        /// How many.
+        /// Their number.
         depth: u8,
     },
 }

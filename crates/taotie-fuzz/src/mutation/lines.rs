@@ -50,7 +50,7 @@ pub enum LineChange {
         line: usize,
         /// The word in it.
         word: usize,
-        /// What stands there then.
+        /// The word that stands there then.
         text: String,
     },
     /// Takes a line out.
@@ -62,7 +62,7 @@ pub enum LineChange {
     Repeat {
         /// The line.
         line: usize,
-        /// How often it stands there then.
+        /// The number of times that it stands there then.
         times: usize,
     },
     /// Puts a copy of one line before another.

@@ -1,4 +1,4 @@
-//! What is fuzzed: every reader, and the paths behind them.
+//! The targets: every reader, and the paths behind them.
 
 mod bake;
 mod promises;

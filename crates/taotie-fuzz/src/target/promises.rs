@@ -1,4 +1,4 @@
-//! What every reader promises, whatever the file holds.
+//! The promises of every reader, whatever the file holds.
 
 use std::path::Path;
 use taotie::io::{Bytes, Limits, Loaded, load_model_within};
@@ -15,13 +15,13 @@ pub fn limits() -> Limits {
     Limits { memory: Some(MEMORY), ..Limits::default() }
 }
 
-/// Errors are one line.
+/// Holds that an error is one line.
 pub fn error_is_told_well(error: &taotie::Error) -> Held {
     let text = error.to_string();
     if text.contains('\n') { Err(format!("an error of several lines: {text:?}")) } else { Ok(()) }
 }
 
-/// What a reader lets through is consistent.
+/// Holds that a model which a reader lets through is consistent.
 pub fn is_consistent(loaded: &Loaded) -> Held {
     let scene = &loaded.scene;
     let (meshes, materials) = (scene.meshes().len(), scene.materials().len());
