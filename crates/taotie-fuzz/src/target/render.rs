@@ -16,7 +16,12 @@ const SIDE: u32 = 16;
 /// Renders the file with settings that its variant chooses.
 pub fn render(subject: &Subject<'_>) -> Held {
     let Some(loaded) = load(subject.path)? else { return Ok(()) };
-    either(frame(&loaded.scene, &settings(&mut Rng::with_seed(subject.variant))))
+    match frame(&loaded.scene, &settings(&mut Rng::with_seed(subject.variant))) {
+        Ok(frame) if frame.color.pixels().as_flattened().iter().any(|v| v.is_nan()) => {
+            Err("a pixel that is no number".into())
+        }
+        rendered => either(rendered),
+    }
 }
 
 /// Renders the scene in its own light.
