@@ -87,7 +87,7 @@ mod tests {
             let case = |run| Case::of(*target, Number { seed: 1, run }, &seeds).unwrap();
             assert_eq!(case(7), case(7));
             let files: HashSet<Vec<u8>> = (0..50).map(|run| case(run).bytes(&seeds).unwrap()).collect();
-            assert!(files.len() > 25, "{target:?}: {}", files.len());
+            assert!(files.len() > 20, "{target:?}: {}", files.len());
         }
     }
 }
