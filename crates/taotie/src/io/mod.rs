@@ -31,11 +31,11 @@ pub use stopwatch::Stopwatch;
 pub use system::free_memory;
 pub use variants::Variants;
 pub use write::{
-    AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfImage,
-    GltfImages, GltfLevel, GltfMaterial, ImageFormat, PngColor, PngImage, PngSamples, WrittenScene,
-    check_writable, check_writable_folder, encode_glb, encode_gltf, encode_png, encode_png_bitmap,
-    write_bytes, write_developed, write_files, write_gltf, write_image, write_png, write_png_bitmap,
-    write_scene, write_text,
+    AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfGraft,
+    GltfImage, GltfImages, GltfLevel, GltfMaterial, GraftedMaterial, ImageFormat, PngColor, PngImage,
+    PngSamples, WrittenScene, check_writable, check_writable_folder, encode_glb, encode_gltf, encode_graft,
+    encode_png, encode_png_bitmap, write_bytes, write_developed, write_files, write_gltf, write_image,
+    write_png, write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, write_exr};

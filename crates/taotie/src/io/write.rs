@@ -14,8 +14,8 @@ pub use animated_image::{AnimatedImage, AnimationFormat, AnimationSpec};
 pub use exr::{ExrLayer, write_exr};
 pub use files::{FileBytes, write_files};
 pub use gltf::{
-    GltfAsset, GltfDraft, GltfFormat, GltfImage, GltfImages, GltfLevel, GltfMaterial, WrittenScene,
-    encode_glb, encode_gltf, write_gltf, write_scene,
+    GltfAsset, GltfDraft, GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial,
+    GraftedMaterial, WrittenScene, encode_glb, encode_gltf, encode_graft, write_gltf, write_scene,
 };
 pub use png::{PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_png, write_png_bitmap};
 pub use still_image::{ImageFormat, write_developed, write_image};

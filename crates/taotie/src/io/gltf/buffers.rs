@@ -99,7 +99,8 @@ impl Buffers {
     }
 }
 
-fn load_buffer(path: &Path, name: &str, index: usize) -> Result<Vec<u8>> {
+/// Reads the buffer that a URI names.
+pub(super) fn load_buffer(path: &Path, name: &str, index: usize) -> Result<Vec<u8>> {
     let wrong = |what: String| Err(Error::parse(path, format!("buffer {index}"), what));
     let short = uri::shortened(name);
     match uri::locate(name, path.parent().unwrap_or(Path::new(""))) {

@@ -22,6 +22,7 @@ mod meshes;
 mod meshopt;
 mod nodes;
 mod primitives;
+mod raw;
 mod reason;
 mod samplers;
 mod supplied;
@@ -32,6 +33,8 @@ mod variants;
 mod vertices;
 
 pub use extensions::SUPPORTED;
+pub(super) use extensions::is_known;
+pub(super) use raw::RawGltf;
 
 use super::json::Json;
 use super::loaded::{Loaded, checked};

@@ -100,6 +100,11 @@ impl Encoded<'_> {
         self.slots.contains(&slot)
     }
 
+    /// Returns the slots that show it.
+    pub fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+
     /// Returns the bytes of its file; `None` where the file is there already.
     pub fn bytes(&self) -> Option<&[u8]> {
         matches!(self.image, GltfImage::Bitmap(_)).then_some(&self.bytes)
@@ -124,11 +129,13 @@ impl Encoded<'_> {
         if self.jpeg.is_some() { "jpg" } else { self.format.file_extension() }
     }
 
-    fn mime_type(&self) -> &'static str {
+    /// Returns its media type.
+    pub fn mime_type(&self) -> &'static str {
         if self.jpeg.is_some() { "image/jpeg" } else { self.format.mime_type() }
     }
 
-    fn role(&self) -> &'static str {
+    /// Returns a word for what it shows.
+    pub fn role(&self) -> &'static str {
         match self.slots[..] {
             [Slot::MetallicRoughness, Slot::Occlusion] => "orm",
             [Slot::BaseColor, ..] => "color",
@@ -140,7 +147,7 @@ impl Encoded<'_> {
     }
 
     /// The texture that shows image `source`.
-    fn texture(&self, source: usize) -> Value {
+    pub fn texture(&self, source: usize) -> Value {
         match self.extension() {
             None => json!({ "sampler": 0, "source": source }),
             Some(name) => json!({ "sampler": 0, "extensions": { name: { "source": source } } }),
@@ -148,7 +155,7 @@ impl Encoded<'_> {
     }
 
     /// The extension of its texture; a file that is there already is shown as any program can.
-    fn extension(&self) -> Option<&'static str> {
+    pub fn extension(&self) -> Option<&'static str> {
         self.bytes().and(self.format.extension()).filter(|_| self.jpeg.is_none())
     }
 }

@@ -3,6 +3,7 @@
 mod container;
 mod draft;
 mod format;
+mod graft;
 mod images;
 mod ktx;
 mod layers;
@@ -15,6 +16,7 @@ mod scene;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
+pub use graft::{GltfGraft, GraftedMaterial, encode_graft};
 pub use images::GltfImage;
 pub use material::GltfMaterial;
 pub use scene::{WrittenScene, write_scene};
