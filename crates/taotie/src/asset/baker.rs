@@ -3,8 +3,8 @@
 use super::given::GivenMesh;
 use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
-use super::made::{Asset, Made};
-use super::maps::{StoredMaps, bake_maps};
+use super::made::{Asset, Made, Part};
+use super::maps::bake_maps;
 use super::memory::{Bytes, Limits, Need, ScanSize};
 use super::notes;
 use super::options::BakeOptions;
@@ -88,10 +88,9 @@ impl Baker {
     }
 }
 
-/// A low-poly mesh and its maps.
+/// Low-poly meshes and their maps.
 struct Lightened {
-    low: LowPoly,
-    maps: StoredMaps,
+    parts: Vec<Part>,
     size: [u32; 2],
     trials: Vec<Trial>,
 }
@@ -107,29 +106,44 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
     let about = Arc::clone(&scan.about);
     let mut warnings = about.warnings.clone();
     let mut given = given(asked, &mut warnings, progress)?;
-    let plan = BakePlan::of(asked, &about.carried, given.as_ref().map(GivenMesh::look));
+    let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
+    let plan = BakePlan::of(asked, &about.carried, &looks);
     notes::unread_options(&plan.options, &mut warnings);
     plan.note(&mut warnings);
-    if let Some(given) = &mut given {
-        plan.fill(&about.carried, &mut given.material);
-    }
+    let materials = given.iter_mut().flat_map(GivenMesh::materials_mut);
+    materials.for_each(|material| plan.fill(&about.carried, material));
+    let document = given.as_mut().and_then(GivenMesh::take_document);
     let BakePlan { options, carried, left, .. } = plan;
     let subject = Subject { scan, given };
-    let Lightened { mut low, mut maps, size, trials } =
-        lightened(&options, subject, &mut warnings, progress)?;
-    low.material.alpha = alpha(&options, scan, &low);
-    if low.material.alpha == AlphaMode::Blend && options.bakes(&[MapKind::Alpha]) {
+    let Lightened { mut parts, size, trials } = lightened(&options, subject, &mut warnings, progress)?;
+    for part in &mut parts {
+        part.low.material.alpha = alpha(&options, scan, &part.low);
+        warnings.absorb(std::mem::take(&mut part.maps.warnings));
+    }
+    let is_blended = |part: &Part| part.low.material.alpha == AlphaMode::Blend;
+    if options.bakes(&[MapKind::Alpha]) && parts.iter().any(is_blended) {
         notes::blended(about.carried.blended, &mut warnings);
     }
-    warnings.absorb(std::mem::take(&mut maps.warnings));
-    let coarser = low::coarser(&low, &options.lods, &mut warnings, progress)?;
-    judgement::judge(Pair { scan, low: &low }, &maps.cage, &maps.counts, &mut warnings);
+    let coarser = low::coarser(&parts[0].low, &options.lods, &mut warnings, progress)?;
+    parts.iter().for_each(|part| judge(scan, part, &mut warnings));
     if options.inspect {
         progress.begin("inspect the scan")?;
         judgement::inspect(scan.mesh(), &mut warnings);
     }
     let options = Arc::new(options);
-    Ok(Asset::new(Made { options, about, low, coarser, maps, size, trials, carried, left, warnings }))
+    let made = Made { options, about, document, parts, coarser, size, trials, carried, left, warnings };
+    Ok(Asset::new(made))
+}
+
+/// Notes what is wrong with a part, and with which.
+fn judge(scan: &Scan, part: &Part, warnings: &mut Warnings) {
+    let mut own = Warnings::default();
+    let Part { low, maps } = part;
+    judgement::judge(Pair { scan, low }, &maps.cage, &maps.counts, &mut own);
+    match low.label() {
+        "" => warnings.absorb(own),
+        label => own.iter().for_each(|(what, count)| warnings.note(format!("{label}: {what}"), count)),
+    }
 }
 
 /// Reads the low-poly mesh that the options name.
@@ -140,7 +154,7 @@ fn given(
 ) -> Result<Option<GivenMesh>> {
     let Some(source) = &options.low else { return Ok(None) };
     let reading = progress.begin("read the low-poly mesh")?;
-    let given = GivenMesh::read(source, warnings)?;
+    let given = GivenMesh::read(options, source, warnings)?;
     reading.at(1.0)?;
     Ok(Some(given))
 }
@@ -153,7 +167,7 @@ fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
     }
 }
 
-/// Returns the low-poly mesh with its maps; where an error is wanted the smallest that meets it.
+/// Returns the low-poly mesh with its maps, material by material; where an error is wanted the smallest that meets it.
 fn lightened(
     options: &BakeOptions,
     Subject { scan, given }: Subject<'_>,
@@ -164,17 +178,29 @@ fn lightened(
         let found = smallest(options, scan, most, progress)?;
         warnings.absorb(found.warnings);
         let size = [found.size; 2];
-        return Ok(Lightened { low: found.low, maps: found.maps, size, trials: found.trials });
+        let parts = vec![Part { low: found.low, maps: found.maps }];
+        return Ok(Lightened { parts, size, trials: found.trials });
     }
-    let low = match given {
-        Some(given) => LowPoly::given(given, options, warnings, progress)?,
+    let lows = match given {
+        Some(given) => {
+            let taken = given.taken(options, warnings)?.into_iter();
+            taken
+                .map(|taken| LowPoly::given(taken, options, warnings, progress))
+                .collect::<Result<Vec<_>>>()?
+        }
         None => {
             let simplified = low::simplified(scan, options.triangles, progress)?;
             low::note_simplified(&simplified, options.triangles, warnings);
-            LowPoly::made(scan, &simplified, options.size, progress)?
+            vec![LowPoly::made(scan, &simplified, options.size, progress)?]
         }
     };
     let size = options.map_size();
-    let maps = bake_maps(options, size, Pair { scan, low: &low }, progress)?;
-    Ok(Lightened { low, maps, size, trials: Vec::new() })
+    let part = |low: LowPoly| -> Result<Part> {
+        let baked = bake_maps(options, size, Pair { scan, low: &low }, progress);
+        let maps =
+            baked.map_err(|error| if low.label().is_empty() { error } else { error.within(low.label()) });
+        Ok(Part { maps: maps?, low })
+    };
+    let parts = lows.into_iter().map(part).collect::<Result<Vec<_>>>()?;
+    Ok(Lightened { parts, size, trials: Vec::new() })
 }

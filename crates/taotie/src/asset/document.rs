@@ -1,0 +1,230 @@
+//! The glTF file of a low-poly mesh that stays as it is, but for what is baked into its materials.
+
+use super::given::Read;
+use super::options::{BakeOptions, MeshSource, RayDistance};
+use crate::error::{Error, Result, Warnings};
+use crate::io::{self, GltfFormat, GltfGraft};
+use crate::mesh::Mesh;
+use crate::scene::{NormalSpace, Scene};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// The file of a low-poly mesh that an asset keeps: its nodes, meshes, skins, morph targets and animations.
+#[derive(Debug, Clone)]
+pub(super) struct Document {
+    /// The file.
+    pub source: PathBuf,
+    /// The way in which it moves, where it does.
+    pub moving: Option<&'static str>,
+    /// All of its triangles, where it has several materials.
+    pub whole: Option<Mesh>,
+}
+
+/// A material of that file.
+#[derive(Debug, Clone, Default)]
+pub(super) struct KeptMaterial {
+    /// Its number in the file.
+    pub number: usize,
+    /// A word that tells it from the file's other materials, fit for the name of a file; empty where it is the only one.
+    pub label: String,
+    /// `true` where colours of vertices go.
+    pub drops_colors: bool,
+}
+
+/// Returns the numbers of the materials that are shown, in order.
+pub(super) fn shown_materials(scene: &Scene) -> BTreeSet<usize> {
+    scene.instances().iter().map(|instance| instance.material).collect()
+}
+
+/// Returns the file that an asset keeps; `None` where the mesh is made one with one material: in memory, of other formats,
+/// of a single mesh, without uvs, or where levels of detail are made of it.
+///
+/// # Errors
+/// [`Error::Unsupported`] where the file would lose motion or materials that way, and [`Error::Parse`] where it cannot be
+/// written anew.
+pub(super) fn kept(
+    source: &MeshSource,
+    read: &Read,
+    options: &BakeOptions,
+    warnings: &mut Warnings,
+) -> Result<Option<Document>> {
+    let MeshSource::File(path) = source else { return Ok(None) };
+    let shape = Shape::of(read);
+    let document = Document { source: path.clone(), moving: read.moving, whole: None };
+    if !read.is_gltf || (shape.moving.is_none() && shape.materials == 1 && shape.instances == 1) {
+        return Ok(None);
+    }
+    if let Some((what, why)) = shape.hindrance(options) {
+        return Err(Error::unsupported(format!("{}: {what}", path.display()), why));
+    }
+    if shape.uvs != Uvs::All || !options.lods.is_empty() {
+        warnings.note("nodes of the low-poly mesh made one mesh: the asset has levels or uvs of its own", 1);
+        return Ok(None);
+    }
+    check(path)?;
+    note(read, options, warnings);
+    Ok(Some(document))
+}
+
+/// Tries whether the file can be written anew, before anything is baked.
+fn check(source: &Path) -> Result<()> {
+    let graft = GltfGraft { source, materials: &[], copyright: None, xmp: None, extras: None };
+    io::encode_graft(Path::new("a.glb"), &graft, &GltfFormat::default()).map(drop)
+}
+
+fn note(read: &Read, options: &BakeOptions, warnings: &mut Warnings) {
+    if let Some(moving) = read.moving {
+        warnings.note(format!("the low-poly mesh moves ({moving}): it is baked and measured at rest"), 1);
+    }
+    warnings.note(
+        "XMP metadata of the low-poly mesh's whole file, in whose place the scan's stands",
+        usize::from(read.has_xmp),
+    );
+    let is_tangent = options.space == NormalSpace::Tangent;
+    let lacks = |mesh: &usize| read.scene.meshes()[*mesh].tangents().is_empty();
+    let meshes: BTreeSet<usize> = read.scene.instances().iter().map(|instance| instance.mesh).collect();
+    warnings.note(
+        "meshes of the low-poly mesh without tangents, which viewers make: as glTF says, by MikkTSpace",
+        meshes.iter().filter(|mesh| is_tangent && lacks(mesh)).count(),
+    );
+}
+
+/// Whether meshes have uvs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Uvs {
+    All,
+    Some,
+    None,
+}
+
+/// The shape of a file.
+struct Shape {
+    moving: Option<&'static str>,
+    materials: usize,
+    instances: usize,
+    uvs: Uvs,
+}
+
+impl Shape {
+    fn of(read: &Read) -> Self {
+        let (scene, moving) = (&read.scene, read.moving);
+        let instances = scene.instances().len();
+        let has_uvs = |mesh: usize| !scene.meshes()[mesh].uvs().is_empty();
+        let with = scene.instances().iter().filter(|instance| has_uvs(instance.mesh)).count();
+        let uvs = match with {
+            0 => Uvs::None,
+            _ if with == instances => Uvs::All,
+            _ => Uvs::Some,
+        };
+        Self { moving, materials: shown_materials(scene).len(), instances, uvs }
+    }
+
+    /// Returns what cannot be done with it, and why.
+    fn hindrance(&self, options: &BakeOptions) -> Option<(String, &'static str)> {
+        let what = match self.moving {
+            Some(moving) => format!("a low-poly mesh with {moving}"),
+            None => format!("a low-poly mesh of {} materials", self.materials),
+        };
+        let (moves, several) = (self.moving.is_some(), self.materials > 1);
+        let hindrances = [
+            (
+                moves && self.uvs != Uvs::All,
+                "some of it has no uvs, and making them would break its motion; unwrap it",
+            ),
+            (several && self.uvs == Uvs::Some, "some of it has no uvs; unwrap all of it, or none"),
+            (
+                (moves || several && self.uvs == Uvs::All) && !options.lods.is_empty(),
+                "its file stays as it is, and levels of detail would need one of their own; leave them out",
+            ),
+            (
+                several && matches!(options.ray_distance, RayDistance::Cage(_)),
+                "a cage is for one material; give a ray distance, or bake the materials one by one",
+            ),
+            (
+                moves && options.space == NormalSpace::Object,
+                "normals in object space do not follow its motion; bake them in tangent space",
+            ),
+        ];
+        hindrances.into_iter().find(|(is, _)| *is).map(|(_, why)| (what, why))
+    }
+}
+
+/// Returns a word for each of the materials of these numbers that tells it from the others; none where it is alone.
+pub(super) fn labels(scene: &Scene, numbers: &BTreeSet<usize>) -> BTreeMap<usize, String> {
+    if numbers.len() < 2 {
+        return numbers.iter().map(|number| (*number, String::new())).collect();
+    }
+    let mut taken = BTreeSet::new();
+    let label = |number: &usize| {
+        let name = scene.materials().get(*number).map_or("", |material| material.name.as_str());
+        let word = word(name);
+        let free = !word.is_empty() && taken.insert(word.to_lowercase());
+        (*number, if free { word } else { format!("{word}{number}") })
+    };
+    numbers.iter().map(label).collect()
+}
+
+/// Returns the name without what the name of a file cannot hold everywhere.
+fn word(name: &str) -> String {
+    let fits = |c: char| c.is_alphanumeric() || c == '-';
+    name.chars().take(40).map(|c| if fits(c) { c } else { '_' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Mat4;
+    use crate::mesh::MeshData;
+    use crate::scene::{Instance, Material, SceneData};
+
+    /// A file of one ball for each material, with uvs where it is said.
+    fn file(names: &[&str], uvs: &[bool]) -> Read {
+        let material = |name: &&str| Material { name: (*name).into(), ..Material::default() };
+        let mesh = |has_uvs: &bool| {
+            let data = Mesh::sphere(1.0, 8, 4).into_data();
+            let uvs = if *has_uvs { data.uvs } else { Vec::new() };
+            Mesh::new(MeshData { uvs, ..data }).unwrap()
+        };
+        let world_from_object = Mat4::IDENTITY;
+        let instances = (0..names.len()).map(|i| Instance { mesh: i, material: i, world_from_object });
+        let scene = Scene::new(SceneData {
+            meshes: uvs.iter().map(mesh).collect(),
+            materials: names.iter().map(material).collect(),
+            instances: instances.collect(),
+            ..SceneData::default()
+        });
+        Read { scene: scene.unwrap(), moving: None, is_gltf: true, has_xmp: false }
+    }
+
+    fn hindrance(read: &Read, options: &BakeOptions) -> String {
+        Shape::of(read).hindrance(options).map_or("", |(_, why)| why).to_owned()
+    }
+
+    #[test]
+    fn what_would_be_lost_is_refused() {
+        let (plain, lods) =
+            (BakeOptions::default(), BakeOptions { lods: vec![10], ..BakeOptions::default() });
+        let object = BakeOptions { space: NormalSpace::Object, ..BakeOptions::default() };
+        let (two, one) = (file(&["a", "b"], &[true, true]), file(&["a"], &[true]));
+        let moving = Read { moving: Some("a skin"), ..file(&["a"], &[true]) };
+        let bare = Read { moving: Some("a skin"), ..file(&["a"], &[false]) };
+        assert_eq!([&two, &one, &moving].map(|read| hindrance(read, &plain)), ["", "", ""]);
+        assert!(hindrance(&two, &lods).contains("levels of detail"));
+        assert_eq!(hindrance(&one, &lods), "");
+        assert!(hindrance(&bare, &plain).contains("no uvs"));
+        assert!(hindrance(&file(&["a", "b"], &[true, false]), &plain).contains("no uvs"));
+        assert_eq!(hindrance(&file(&["a", "b"], &[false, false]), &plain), "", "they are made one");
+        assert!(hindrance(&moving, &object).contains("object space"));
+        assert_eq!(hindrance(&two, &object), "");
+    }
+
+    #[test]
+    fn labels_are_words_and_differ() {
+        let of = |names: &[&str]| {
+            let scene = file(names, &vec![true; names.len()]).scene;
+            labels(&scene, &shown_materials(&scene)).into_values().collect::<Vec<_>>()
+        };
+        assert_eq!(of(&["wood"]), [""]);
+        assert_eq!(of(&["old wood", "old/wood", "", "Brass"]), ["old_wood", "old_wood1", "2", "Brass"]);
+    }
+}
