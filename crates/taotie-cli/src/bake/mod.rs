@@ -11,7 +11,7 @@ pub use args::BakeArgs;
 use crate::{Outcome, console, studio};
 use anyhow::Result;
 use clock::Clock;
-use taotie::asset::{Baker, Limits, Proof, Report, Scan, ScanFile, Textures, VerifyOptions, Warning};
+use taotie::asset::{Asset, Baker, Limits, Proof, Report, Scan, ScanFile, VerifyOptions, Warning};
 use taotie::{Progress, io};
 use taotie_report::bake_page;
 
@@ -56,7 +56,7 @@ fn bake(args: &BakeArgs) -> Result<Report> {
     }
     report.stages = clock.done();
     if let Some(proof) = proved {
-        tell(args, &mut report, &proof?, written.asset().textures())?;
+        tell(args, &mut report, &proof?, written.asset())?;
     }
     Ok(report)
 }
@@ -72,14 +72,14 @@ fn read(args: &BakeArgs, baker: &Baker, limits: Limits, progress: Progress<'_>) 
 }
 
 /// Puts what was measured into the report, and writes it beside the asset.
-fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, textures: &Textures) -> Result<()> {
+fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, asset: &Asset) -> Result<()> {
     console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());
     report.required = proof.require(&args.require);
     let [html, json] = ["report.html", "report.json"].map(|kind| args.output.with_extension(kind));
     report.files.extend([html.clone(), json.clone()]);
-    let page = bake_page::page(report, proof, textures)?;
+    let page = bake_page::page(report, proof, asset)?;
     io::write_text(&html, &taotie_report::html(&page))?;
     io::write_text(&json, &serde_json::to_string_pretty(report)?)?;
     Ok(())
