@@ -5,6 +5,7 @@
 mod arguments;
 mod bake;
 mod bake_carried;
+mod bake_document;
 mod bake_page;
 mod bake_pairs;
 mod bake_stopped;
@@ -14,6 +15,8 @@ mod compare_paper;
 mod diff;
 mod environment;
 mod examples;
+#[path = "../../../taotie/tests/common/glb.rs"]
+mod glb;
 mod help;
 mod inspect;
 mod json;

@@ -5,9 +5,12 @@
 mod common;
 #[path = "../../../taotie/tests/common/files.rs"]
 mod files;
+#[path = "../../../taotie/tests/common/glb.rs"]
+mod glb;
 #[path = "../../../taotie/tests/common/validator.rs"]
 mod validator;
 
+mod bake_documents;
 mod bake_materials;
 mod bake_scans;
 mod command;

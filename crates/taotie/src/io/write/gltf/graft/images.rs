@@ -6,7 +6,7 @@ use super::views;
 use crate::error::Result;
 use crate::io::gltf::RawGltf;
 use crate::io::write::FileBytes;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::Path;
 
 /// The storage of images.
@@ -55,15 +55,15 @@ fn labeled(first: &str, second: &str) -> String {
     parts.collect::<Vec<_>>().join("_")
 }
 
-/// Takes the images along that lie in files beside the source: into the document, or as files beside the new one, which
-/// it returns. One that is not there, or is of no known kind, goes on to be named.
+/// Takes those of the first `count` images along that lie in files beside the source: into the document, or as files
+/// beside the new one, which it returns. One that is not there, or is of no known kind, goes on to be named.
 ///
 /// # Errors
 /// [`crate::Error::Io`] where a file cannot be read.
-pub(super) fn take_along(raw: &mut RawGltf, storage: Storage) -> Result<Vec<FileBytes>> {
+pub(super) fn take_along(raw: &mut RawGltf, count: usize, storage: Storage) -> Result<Vec<FileBytes>> {
     let mut files = Vec::new();
-    for i in 0..edit::items(&raw.json, "images").len() {
-        let name = edit::items(&raw.json, "images")[i].get("uri").and_then(Value::as_str);
+    for i in 0..count {
+        let name = edit::items(&raw.json, "images").get(i).and_then(|image| image.get("uri")?.as_str());
         let Some(bytes) = name.map(|name| raw.file(name)).transpose()?.flatten() else { continue };
         let Some((mime_type, extension)) = kind(&bytes) else { continue };
         let said = match storage {

@@ -68,13 +68,14 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
         Container::Gltf => Storage::Beside(path),
     };
     let mut raw = RawGltf::read(graft.source)?;
+    let own_images = edit::items(&raw.json, "images").len();
     let mut beside = Vec::new();
     for material in graft.materials {
         beside.extend(graft_material(&mut raw, material, format, storage)?);
     }
     say_about(&mut raw.json, graft);
-    prune::prune(&mut raw.json);
-    beside.extend(images::take_along(&mut raw, storage)?);
+    let own_images = prune::prune(&mut raw.json, own_images);
+    beside.extend(images::take_along(&mut raw, own_images, storage)?);
     let bytes = views::joined(&mut raw)?;
     let mut files = match storage {
         Storage::Inside => vec![FileBytes { path: path.to_path_buf(), bytes: glb(&raw.json, &bytes)? }],

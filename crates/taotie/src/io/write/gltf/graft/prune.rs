@@ -5,22 +5,24 @@ use crate::io::gltf::is_known;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
-/// Drops them. Where the document uses an extension that nobody here knows, which may name anything, all stays.
-pub(super) fn prune(json: &mut Value) {
+/// Drops them, and returns how many of the first `count` images are left. Where the document uses an extension that nobody
+/// here knows, which may name anything, all stays.
+pub(super) fn prune(json: &mut Value, count: usize) -> usize {
     let knows = |name: &Value| name.as_str().is_some_and(is_known);
     if !edit::items(json, "extensionsUsed").iter().all(knows) {
-        return;
+        return count;
     }
     drop_unnamed(json, "textures", each_texture);
-    drop_unnamed(json, "images", each_image);
+    let kept = drop_unnamed(json, "images", each_image);
     drop_unnamed(json, "bufferViews", each_view);
+    kept.into_iter().filter(|image| *image < count as u64).count()
 }
 
 /// Visits all numbers of things of one kind that a document names.
 type Visit = fn(&mut Value, &mut dyn FnMut(&mut Value));
 
-/// Drops the items of a list that nothing names, and renumbers the others.
-fn drop_unnamed(json: &mut Value, list: &str, each: Visit) {
+/// Drops the items of a list that nothing names, and renumbers the others; returns their old numbers.
+fn drop_unnamed(json: &mut Value, list: &str, each: Visit) -> Vec<u64> {
     let mut named = BTreeSet::new();
     each(json, &mut |number| named.extend(number.as_u64()));
     let items = edit::taken(json, list);
@@ -36,6 +38,7 @@ fn drop_unnamed(json: &mut Value, list: &str, each: Visit) {
     if !items.is_empty() {
         json[list] = Value::Array(items);
     }
+    kept
 }
 
 /// Visits the textures of materials: `index` of members such as `normalTexture`.
@@ -81,7 +84,7 @@ mod tests {
             "accessors": [{ "bufferView": 3, "sparse": { "values": { "bufferView": 4 } } }],
             "bufferViews": ["dead", "dead", "image", "numbers", "sparse"],
         });
-        prune(&mut json);
+        assert_eq!(prune(&mut json, 2), 1, "the first image stays, the second goes");
         assert_eq!(json["textures"], json!([{ "source": 0 }, { "source": 1 }]));
         assert_eq!(json["images"], json!([{ "bufferView": 0 }, { "uri": "a.png" }]));
         assert_eq!(json["bufferViews"], json!(["image", "numbers", "sparse"]));
@@ -95,7 +98,7 @@ mod tests {
     fn an_unknown_extension_keeps_all() {
         let before = json!({ "extensionsUsed": ["EXT_nobody"], "images": [{}], "bufferViews": [{}] });
         let mut json = before.clone();
-        prune(&mut json);
+        assert_eq!(prune(&mut json, 1), 1);
         assert_eq!(json, before);
     }
 }
