@@ -51,7 +51,10 @@ fn a_skin_and_its_animation_stay() {
         let report =
             json(&["bake", scan, "--low", "low.glb", "-o", "out.glb", "--size", "64"], folder.path());
         assert!(number(&report, "/proof/angles/mean") < 1.0, "the scan is the low-poly mesh");
-        let after = Glb::read(&std::fs::read(&out).unwrap());
+        let mut after = Glb::read(&std::fs::read(&out).unwrap());
+        // Given where no vertex has to be split for them.
+        let attributes = &mut after.json["meshes"][0]["primitives"][0]["attributes"];
+        attributes.as_object_mut().unwrap().remove("TANGENT");
         assert_same(&glb, &after, &["nodes", "skins", "animations", "meshes", "scenes"]);
         let [mut a, mut b] = [&low, &out].map(|path| load_model(path).unwrap());
         assert_eq!(b.moving, Some("a skin"));

@@ -2,6 +2,7 @@
 
 use super::given::Read;
 use super::options::{BakeOptions, MeshSource, RayDistance};
+use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
 use crate::io::{self, GltfFormat, GltfGraft};
 use crate::mesh::Mesh;
@@ -80,16 +81,17 @@ fn note(read: &Read, options: &BakeOptions, warnings: &mut Warnings) {
         "XMP metadata of the low-poly mesh's whole file, in whose place the scan's stands",
         usize::from(read.has_xmp),
     );
-    let is_tangent = options.space == NormalSpace::Tangent;
+    let is_tangent = options.space == NormalSpace::Tangent && options.bakes(&[MapKind::Normal]);
     let lacks = |mesh: &usize| read.scene.meshes()[*mesh].tangents().is_empty();
     let meshes: BTreeSet<usize> = read.scene.instances().iter().map(|instance| instance.mesh).collect();
     warnings.note(
-        "meshes of the low-poly mesh without tangents, which viewers make: as glTF says, by MikkTSpace",
+        "meshes of the low-poly mesh without tangents: those that MikkTSpace splits no vertex of are given them, viewers \
+         make the others",
         meshes.iter().filter(|mesh| is_tangent && lacks(mesh)).count(),
     );
 }
 
-/// Whether meshes have uvs.
+/// The part of the meshes that has uvs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Uvs {
     All,

@@ -186,7 +186,7 @@ struct Target<'a> {
     format: &'a GltfFormat,
 }
 
-/// What an asset says of itself.
+/// The statements of an asset about itself.
 struct About<'a> {
     copyright: Option<&'a str>,
     xmp: &'a Json,

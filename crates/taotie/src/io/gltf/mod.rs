@@ -20,6 +20,7 @@ mod lights;
 mod materials;
 mod meshes;
 mod meshopt;
+mod missing_tangents;
 mod nodes;
 mod primitives;
 mod raw;
@@ -34,6 +35,7 @@ mod vertices;
 
 pub use extensions::SUPPORTED;
 pub(super) use extensions::is_known;
+pub(super) use missing_tangents::missing_tangents;
 pub(super) use raw::RawGltf;
 
 use super::json::Json;

@@ -19,6 +19,11 @@ const MAX_ELEMENTS_PER_BYTE: usize = 8;
 /// The number added to that, so that tiny files are free.
 const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
 
+/// Returns the most vertices and indices of all meshes of a file together.
+pub(super) fn most_elements(document: &Document) -> usize {
+    MAX_ELEMENTS_OF_SMALL + MAX_ELEMENTS_PER_BYTE * document.total_bytes()
+}
+
 /// The warning for primitives that are not drawn.
 pub(super) const NOT_TRIANGLES: &str = "primitives of points or lines; only triangles are drawn";
 
@@ -52,7 +57,7 @@ pub(super) struct Primitives<'a> {
 impl<'a> Primitives<'a> {
     /// Reads from `document`.
     pub fn new(document: &'a Document, warnings: &'a mut Warnings) -> Self {
-        let budget = MAX_ELEMENTS_OF_SMALL + MAX_ELEMENTS_PER_BYTE * document.total_bytes();
+        let budget = most_elements(document);
         Self { document, warnings, moves: !document.animations.is_empty(), budget }
     }
 

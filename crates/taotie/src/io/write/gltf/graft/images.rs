@@ -18,7 +18,7 @@ pub(super) enum Storage<'a> {
     Beside(&'a Path),
 }
 
-/// What the new textures of a material have in common.
+/// The common properties of the new textures of a material.
 pub(super) struct Textured<'a> {
     pub storage: Storage<'a>,
     /// A word that tells its images from those of other materials.

@@ -1,5 +1,6 @@
 //! Baked textures grafted onto the materials of a glTF file, all else of which stays: nodes, skins, morph targets,
-//! animations, cameras, names, extras, and accessors to the last bit.
+//! animations, cameras, names, extras, and accessors to the last bit. Primitives without tangents that show a normal map get
+//! them, where that splits no vertex.
 
 mod edit;
 mod factors;
@@ -7,6 +8,7 @@ mod images;
 mod primitives;
 mod prune;
 mod spans;
+mod tangents;
 mod views;
 
 use super::Container;
@@ -73,6 +75,9 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
     for material in graft.materials {
         beside.extend(graft_material(&mut raw, material, format, storage)?);
     }
+    let mapped = graft.materials.iter().filter(|grafted| grafted.material.normal_map.is_some());
+    let mapped: Vec<usize> = mapped.map(|grafted| grafted.number).collect();
+    tangents::give(&mut raw, graft.source, &mapped)?;
     say_about(&mut raw.json, graft);
     let own_images = prune::prune(&mut raw.json, own_images);
     beside.extend(images::take_along(&mut raw, own_images, storage)?);

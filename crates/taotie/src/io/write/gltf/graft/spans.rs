@@ -19,7 +19,7 @@ impl Range {
     }
 }
 
-/// Where pieces of buffers went.
+/// The new places of pieces of buffers.
 pub(super) struct Spans(Vec<Span>);
 
 struct Span {
