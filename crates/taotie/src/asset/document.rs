@@ -1,6 +1,6 @@
 //! The glTF file of a low-poly mesh that stays as it is, but for what is baked into its materials.
 
-use super::given::Read;
+use super::low_file::Read;
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};

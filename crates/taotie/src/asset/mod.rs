@@ -34,6 +34,7 @@ mod kept_textures;
 mod level_figures;
 mod look;
 mod low;
+mod low_file;
 mod made;
 mod maps;
 mod material_figures;
