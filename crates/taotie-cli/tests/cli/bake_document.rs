@@ -230,6 +230,36 @@ fn what_cannot_be_kept_is_refused_before_the_bake() {
 }
 
 #[test]
+fn materials_of_an_obj_stay() {
+    let (place, _) = start();
+    let text = LOW.obj();
+    let (faces, rest): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| line.starts_with("f "));
+    let group =
+        |(name, faces): (&str, &[&str])| format!("o {name}_part\nusemtl {name}\n{}\n", faces.join("\n"));
+    let groups: String = ["wood", "iron", "cloth"].into_iter().zip(faces.chunks(176)).map(group).collect();
+    place.write("low.obj", format!("mtllib low.mtl\n{}\n{groups}", rest.join("\n")));
+    place.write("low.mtl", "newmtl wood\nKd 0.5 0.25 0.125\nnewmtl iron\nKd 1 1 1\nnewmtl cloth\nKd 0 0 1\n");
+    let line = "bake scan.obj --low low.obj -o out.glb --size 64 --json";
+    let assert = place.taotie(line).assert().success();
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(!said.contains("made one"), "{said}");
+    let loaded = load_model(&place.path("out.glb")).unwrap();
+    assert_eq!(loaded.mesh_names, ["wood_part", "iron_part", "cloth_part"]);
+    let materials = loaded.scene.materials();
+    assert_eq!(materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["wood", "iron", "cloth"]);
+    assert_eq!(
+        materials[0].base_color,
+        load_model(&place.path("low.obj")).unwrap().scene.materials()[0].base_color
+    );
+    assert_eq!((loaded.scene.textures().len(), loaded.scene.triangle_count()), (3, 528));
+    let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert_eq!(report["proof"]["parts"].as_array().unwrap().len(), 3);
+    // As before where one mesh is needed.
+    let assert = place.taotie(&format!("{line} --lods 200 --no-verify")).assert().success();
+    assert!(String::from_utf8_lossy(&assert.get_output().stderr).contains("made one, the first"));
+}
+
+#[test]
 fn an_animation_stays() {
     let (place, low) = start();
     let mut draft = draft(&low);

@@ -4,21 +4,41 @@ use super::low_file::Read;
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
-use crate::io::{self, GltfFormat, GltfGraft};
+use crate::io::{self, GltfFormat, GltfGraft, GltfSource};
 use crate::mesh::Mesh;
 use crate::scene::{NormalSpace, Scene};
+use crate::surface::with_normals;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The file of a low-poly mesh that an asset keeps: its nodes, meshes, skins, morph targets and animations.
 #[derive(Debug, Clone)]
 pub(super) struct Document {
     /// The file.
-    pub source: PathBuf,
+    pub source: Source,
     /// The way in which it moves, where it does.
     pub moving: Option<&'static str>,
     /// All of its triangles, where it has several materials.
     pub whole: Option<Mesh>,
+}
+
+/// The place of the glTF file that is kept.
+#[derive(Debug, Clone)]
+pub(super) enum Source {
+    File(PathBuf),
+    /// The bytes of a GLB made of a file of another format.
+    Made(Arc<Vec<u8>>),
+}
+
+impl Source {
+    /// Returns it as a source of glTF.
+    pub fn gltf(&self) -> GltfSource<'_> {
+        match self {
+            Self::File(path) => GltfSource::File(path),
+            Self::Made(bytes) => GltfSource::Glb(bytes),
+        }
+    }
 }
 
 /// A material of that file.
@@ -37,22 +57,22 @@ pub(super) fn shown_materials(scene: &Scene) -> BTreeSet<usize> {
     scene.instances().iter().map(|instance| instance.material).collect()
 }
 
-/// Returns the file that an asset keeps; `None` where the mesh is made one with one material: in memory, of other formats,
-/// of a single mesh, without uvs, or where levels of detail are made of it.
+/// Returns the file that an asset keeps; `None` where the mesh is made one with one material: in memory, of a single mesh
+/// or material, without uvs, or where levels of detail are made of it. Files of other formats that have several materials
+/// are made glTF.
 ///
 /// # Errors
 /// [`Error::Unsupported`] where the file would lose motion or materials that way, and [`Error::Parse`] where it cannot be
 /// written anew.
 pub(super) fn kept(
     source: &MeshSource,
-    read: &Read,
+    read: &mut Read,
     options: &BakeOptions,
     warnings: &mut Warnings,
 ) -> Result<Option<Document>> {
     let MeshSource::File(path) = source else { return Ok(None) };
     let shape = Shape::of(read);
-    let document = Document { source: path.clone(), moving: read.moving, whole: None };
-    if !read.is_gltf || (shape.moving.is_none() && shape.materials == 1 && shape.instances == 1) {
+    if shape.is_plain() || (!read.is_gltf && !shape.becomes_gltf(options)) {
         return Ok(None);
     }
     if let Some((what, why)) = shape.hindrance(options) {
@@ -62,13 +82,27 @@ pub(super) fn kept(
         warnings.note("nodes of the low-poly mesh made one mesh: the asset has levels or uvs of its own", 1);
         return Ok(None);
     }
-    check(path)?;
+    let source = match read.is_gltf {
+        true => Source::File(path.clone()),
+        false => Source::Made(Arc::new(made(read, warnings)?)),
+    };
+    check(source.gltf())?;
     note(read, options, warnings);
-    Ok(Some(document))
+    Ok(Some(Document { source, moving: read.moving, whole: None }))
+}
+
+/// Returns a GLB of a file of another format, whose meshes get normals where they have none.
+fn made(read: &mut Read, warnings: &mut Warnings) -> Result<Vec<u8>> {
+    let mut meshes = Vec::with_capacity(read.scene.meshes().len());
+    for mesh in read.scene.meshes() {
+        meshes.push(with_normals(mesh)?.into_owned());
+    }
+    read.scene.edit(|scene| scene.meshes = meshes)?;
+    io::encode_scene(&read.scene, &read.names, warnings)
 }
 
 /// Tries whether the file can be written anew, before anything is baked.
-fn check(source: &Path) -> Result<()> {
+fn check(source: GltfSource<'_>) -> Result<()> {
     let graft = GltfGraft { source, materials: &[], copyright: None, xmp: None, extras: None };
     io::encode_graft(Path::new("a.glb"), &graft, &GltfFormat::default()).map(drop)
 }
@@ -119,6 +153,17 @@ impl Shape {
             _ => Uvs::Some,
         };
         Self { moving, materials: shown_materials(scene).len(), instances, uvs }
+    }
+
+    /// Says whether one mesh of one material loses nothing.
+    fn is_plain(&self) -> bool {
+        self.moving.is_none() && self.materials == 1 && self.instances == 1
+    }
+
+    /// Says whether a file of another format is made glTF, so that its materials stay.
+    fn becomes_gltf(&self, options: &BakeOptions) -> bool {
+        let is_caged = matches!(options.ray_distance, RayDistance::Cage(_));
+        self.materials > 1 && self.uvs == Uvs::All && options.lods.is_empty() && !is_caged
     }
 
     /// Returns what cannot be done with it, and why.
@@ -195,7 +240,7 @@ mod tests {
             instances: instances.collect(),
             ..SceneData::default()
         });
-        Read { scene: scene.unwrap(), moving: None, is_gltf: true, has_xmp: false }
+        Read { scene: scene.unwrap(), moving: None, is_gltf: true, has_xmp: false, names: Vec::new() }
     }
 
     fn hindrance(read: &Read, options: &BakeOptions) -> String {

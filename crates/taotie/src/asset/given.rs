@@ -42,8 +42,8 @@ impl GivenMesh {
     /// # Errors
     /// Those of reading; [`Error::Unsupported`](crate::Error::Unsupported) for what the asset could not keep of it.
     pub fn read(options: &BakeOptions, source: &MeshSource, warnings: &mut Warnings) -> Result<Self> {
-        let read = read(source, warnings)?;
-        let document = document::kept(source, &read, options, warnings)?;
+        let mut read = read(source, warnings)?;
+        let document = document::kept(source, &mut read, options, warnings)?;
         match document {
             Some(document) => Self::of_document(document, read.scene),
             None => Ok(Self::of_one(read.scene, warnings)),

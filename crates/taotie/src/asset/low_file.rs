@@ -16,6 +16,8 @@ pub(super) struct Read {
     pub is_gltf: bool,
     /// `true` where it has XMP metadata.
     pub has_xmp: bool,
+    /// The names of its meshes; may be fewer.
+    pub names: Vec<String>,
 }
 
 /// Reads a mesh that is given.
@@ -24,7 +26,7 @@ pub(super) fn read(source: &MeshSource, warnings: &mut Warnings) -> Result<Read>
         MeshSource::Mesh(mesh) => {
             let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
             check_extent(&scene, "the low-poly mesh")?;
-            Ok(Read { scene, moving: None, is_gltf: false, has_xmp: false })
+            Ok(Read { scene, moving: None, is_gltf: false, has_xmp: false, names: Vec::new() })
         }
         MeshSource::File(path) => {
             let loaded = io::load_model(path)?;
@@ -32,7 +34,7 @@ pub(super) fn read(source: &MeshSource, warnings: &mut Warnings) -> Result<Read>
             check_extent(&loaded.scene, &path.display().to_string())?;
             let is_gltf = ["glTF", "GLB"].contains(&loaded.format);
             let (moving, has_xmp) = (loaded.moving, !loaded.xmp.is_empty());
-            Ok(Read { scene: loaded.scene, moving, is_gltf, has_xmp })
+            Ok(Read { scene: loaded.scene, moving, is_gltf, has_xmp, names: loaded.mesh_names })
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::error::{Result, Warnings};
 use crate::image::{Bitmap, Encoding};
 use crate::io::{
     self, FileBytes, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial,
-    GraftedMaterial, Json,
+    GltfSource, GraftedMaterial, Json,
 };
 use crate::mesh::Mesh;
 use crate::names::Named;
@@ -115,7 +115,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
     let format = GltfFormat { images: packing.images, jpeg: packing.jpeg, meshopt: packing.meshopt };
     let target = Target { path, format: &format };
     let mut files = match &made.document {
-        Some(document) => grafted(made, &document.source, &about, target)?,
+        Some(document) => grafted(made, document.source.gltf(), &about, target)?,
         None => anew(made, &about, target)?,
     };
     for set in &sets {
@@ -148,8 +148,13 @@ fn anew(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBy
     io::encode_gltf(target.path, &model, target.format)
 }
 
-/// Returns the files of the low-poly file at `source` with what was baked for its materials, the model first.
-fn grafted(made: &Made, source: &Path, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBytes>> {
+/// Returns the files of the low-poly file `source` with what was baked for its materials, the model first.
+fn grafted(
+    made: &Made,
+    source: GltfSource<'_>,
+    about: &About<'_>,
+    target: Target<'_>,
+) -> Result<Vec<FileBytes>> {
     // Textures of the file that stay are in it already.
     let none = KeptTextures::default();
     let mut materials = Vec::with_capacity(made.parts.len());

@@ -19,7 +19,7 @@ mod variants;
 mod write;
 mod xmp;
 
-pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
+pub use gltf::{GltfSource, SUPPORTED as GLTF_EXTENSIONS};
 
 pub use bitmap::{decode_bitmap, read_bitmap};
 pub use cache::cache_folder;
@@ -34,8 +34,8 @@ pub use write::{
     AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfGraft,
     GltfImage, GltfImages, GltfLevel, GltfMaterial, GraftedMaterial, ImageFormat, PngColor, PngImage,
     PngSamples, WrittenScene, check_writable, check_writable_folder, encode_glb, encode_gltf, encode_graft,
-    encode_png, encode_png_bitmap, write_bytes, write_developed, write_files, write_gltf, write_image,
-    write_png, write_png_bitmap, write_scene, write_text,
+    encode_png, encode_png_bitmap, encode_scene, write_bytes, write_developed, write_files, write_gltf,
+    write_image, write_png, write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, write_exr};

@@ -15,7 +15,8 @@ pub use exr::{ExrLayer, write_exr};
 pub use files::{FileBytes, write_files};
 pub use gltf::{
     GltfAsset, GltfDraft, GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial,
-    GraftedMaterial, WrittenScene, encode_glb, encode_gltf, encode_graft, write_gltf, write_scene,
+    GraftedMaterial, WrittenScene, encode_glb, encode_gltf, encode_graft, encode_scene, write_gltf,
+    write_scene,
 };
 pub use png::{PngColor, PngImage, PngSamples, encode_png, encode_png_bitmap, write_png, write_png_bitmap};
 pub use still_image::{ImageFormat, write_developed, write_image};

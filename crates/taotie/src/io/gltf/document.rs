@@ -32,7 +32,12 @@ pub(super) struct Document {
 impl Document {
     /// Reads `path` and every buffer it names.
     pub fn open(path: &Path, warnings: &mut Warnings) -> Result<Self> {
-        let (text, blob) = split(path, file::read(path)?)?;
+        Self::of(path, file::read(path)?, warnings)
+    }
+
+    /// Takes the content of `path`, and reads every buffer it names.
+    pub fn of(path: &Path, content: Vec<u8>, warnings: &mut Warnings) -> Result<Self> {
+        let (text, blob) = split(path, content)?;
         let format = if blob.is_some() { "GLB" } else { "glTF" };
         let Parsed { root, animations, xmp } = parse(path, &text)?;
         check_extensions(path, &root, warnings)?;

@@ -3,6 +3,7 @@
 use super::accessor::Accessor;
 use super::document::Document;
 use super::primitives::most_elements;
+use super::source::GltfSource;
 use super::triangles::{read_indices, triangulate};
 use super::vertices::{Vertices, attribute};
 use crate::error::{Result, Warnings};
@@ -10,7 +11,6 @@ use crate::mesh::{Mesh, repair};
 use crate::surface::{TangentMethod, with_tangents};
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
-use std::path::Path;
 
 /// The tangents of a primitive.
 pub(in crate::io) struct MissingTangents {
@@ -22,14 +22,18 @@ pub(in crate::io) struct MissingTangents {
     pub tangents: Vec<[f32; 4]>,
 }
 
-/// Finds the tangents of the primitives of the file `path` that show one of `materials`, by their numbers, have normals and
+/// Finds the tangents of the primitives of a file that show one of `materials`, by their numbers, have normals and
 /// uvs and no tangents. One whose vertices would have to be split has none, nor have those beyond what a file of its size
 /// may ask for.
 ///
 /// # Errors
 /// Those of reading the file.
-pub(in crate::io) fn missing_tangents(path: &Path, materials: &[usize]) -> Result<Vec<MissingTangents>> {
-    let document = Document::open(path, &mut Warnings::default())?;
+pub(in crate::io) fn missing_tangents(
+    source: GltfSource<'_>,
+    materials: &[usize],
+) -> Result<Vec<MissingTangents>> {
+    let content = source.bytes()?.into_owned();
+    let document = Document::of(source.path(), content, &mut Warnings::default())?;
     let mut budget = most_elements(&document);
     let count = document.root.materials.len();
     let mut found = Vec::new();

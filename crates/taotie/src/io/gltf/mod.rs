@@ -26,6 +26,7 @@ mod primitives;
 mod raw;
 mod reason;
 mod samplers;
+mod source;
 mod supplied;
 mod textures;
 mod triangles;
@@ -37,6 +38,7 @@ pub use extensions::SUPPORTED;
 pub(super) use extensions::is_known;
 pub(super) use missing_tangents::missing_tangents;
 pub(super) use raw::RawGltf;
+pub use source::GltfSource;
 
 use super::json::Json;
 use super::loaded::{Loaded, checked};

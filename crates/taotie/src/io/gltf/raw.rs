@@ -2,6 +2,7 @@
 
 use super::buffers::load_buffer;
 use super::container::split;
+use super::source::GltfSource;
 use super::uri::{self, ByteSource};
 use crate::error::{Error, Result};
 use crate::io::file;
@@ -23,8 +24,9 @@ impl RawGltf {
     ///
     /// # Errors
     /// [`Error::Io`] and [`Error::Parse`] where it cannot be read.
-    pub fn read(path: &Path) -> Result<Self> {
-        let (text, mut blob) = split(path, file::read(path)?)?;
+    pub fn read(source: GltfSource<'_>) -> Result<Self> {
+        let path = source.path();
+        let (text, mut blob) = split(path, source.bytes()?.into_owned())?;
         let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
         let json: Value = serde_json::from_slice(text).map_err(|e| broken(path, &e))?;
         if !json.is_object() {

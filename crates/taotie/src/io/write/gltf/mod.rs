@@ -19,7 +19,7 @@ pub use format::{GltfFormat, GltfImages};
 pub use graft::{GltfGraft, GraftedMaterial, encode_graft};
 pub use images::GltfImage;
 pub use material::GltfMaterial;
-pub use scene::{WrittenScene, write_scene};
+pub use scene::{WrittenScene, encode_scene, write_scene};
 
 use super::{FileBytes, write_files};
 use crate::error::{Error, Result};

@@ -19,7 +19,7 @@ use super::material::GltfMaterial;
 use super::samplers;
 use crate::error::{Error, Result};
 use crate::image::{Sampler, Wrap};
-use crate::io::gltf::RawGltf;
+use crate::io::gltf::{GltfSource, RawGltf};
 use crate::io::json::Json;
 use crate::io::write::FileBytes;
 use crate::io::xmp;
@@ -31,7 +31,7 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy)]
 pub struct GltfGraft<'a> {
     /// The file.
-    pub source: &'a Path,
+    pub source: GltfSource<'a>,
     /// Its materials that are changed.
     pub materials: &'a [GraftedMaterial<'a>],
     /// A rights notice beside the file's own.

@@ -3,16 +3,15 @@
 use super::edit;
 use super::views;
 use crate::error::Result;
-use crate::io::gltf::{RawGltf, missing_tangents};
+use crate::io::gltf::{GltfSource, RawGltf, missing_tangents};
 use serde_json::json;
-use std::path::Path;
 
 /// Adds those of the primitives that show one of `materials`, by their numbers in the file `source`. Viewers make those of
 /// other primitives, by MikkTSpace as these are.
 ///
 /// # Errors
 /// Those of reading the file.
-pub(super) fn give(raw: &mut RawGltf, source: &Path, materials: &[usize]) -> Result<()> {
+pub(super) fn give(raw: &mut RawGltf, source: GltfSource<'_>, materials: &[usize]) -> Result<()> {
     if materials.is_empty() {
         return Ok(());
     }
