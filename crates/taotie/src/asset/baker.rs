@@ -76,8 +76,9 @@ impl Baker {
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
         let (options, scan) = (Arc::clone(&self.options), scan.into());
         options.check()?;
-        self.need(scan.about.size).check(self.limits_beside(&scan))?;
-        progress.apart(move |progress| bake(&options, &scan, progress))
+        let limits = self.limits_beside(&scan);
+        self.need(scan.about.size).check(limits)?;
+        progress.apart(move |progress| bake(&options, &scan, limits, progress))
     }
 
     /// Returns the limits of a bake; what the scan holds already counts as free.
@@ -102,10 +103,12 @@ struct Subject<'a> {
     given: Option<GivenMesh>,
 }
 
-fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asset> {
+fn bake(asked: &BakeOptions, scan: &Scan, limits: Limits, progress: Progress<'_>) -> Result<Asset> {
     let about = Arc::clone(&scan.about);
     let mut warnings = about.warnings.clone();
     let mut given = given(asked, &mut warnings, progress)?;
+    let materials = given.as_ref().map_or(1, GivenMesh::material_count);
+    Need { materials, ..Need::of(asked, about.size) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
     let plan = BakePlan::of(asked, &about.carried, &looks);
     notes::unread_options(&plan.options, &mut warnings);

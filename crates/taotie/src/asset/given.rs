@@ -92,6 +92,11 @@ impl GivenMesh {
         parts.map(|part| LowLook { material: &part.material, has_colors: has_colors(part) }).collect()
     }
 
+    /// Returns the number of materials that get maps of their own, at least 1.
+    pub fn material_count(&self) -> u64 {
+        self.parts.len() as u64
+    }
+
     /// Returns its materials to be filled.
     pub fn materials_mut(&mut self) -> impl Iterator<Item = &mut Material> {
         self.parts.iter_mut().map(|part| &mut part.material)
