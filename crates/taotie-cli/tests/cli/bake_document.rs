@@ -260,6 +260,26 @@ fn materials_of_an_obj_stay() {
 }
 
 #[test]
+fn morph_targets_stay() {
+    let (place, low) = start();
+    let mut draft = draft(&low);
+    let raised: Vec<[f32; 3]> = low.positions().iter().map(|p| [0.0, p.y.max(0.0), 0.0]).collect();
+    let target = draft.bounded_floats(&raised);
+    draft.mark_vertices(target);
+    let mut put_into = |parent: &str, name: &str, value: Value| {
+        draft.put(parent, name, Json::of(&value).unwrap()).unwrap();
+    };
+    put_into("/meshes/0/primitives/0", "targets", json!([{ "POSITION": target }]));
+    put_into("/meshes/0", "weights", json!([0.0]));
+    place.write("low.glb", draft.encode_glb().unwrap());
+    let (said, _) = baked(&place, "-o out.glb");
+    assert!(said.contains("the low-poly mesh moves (morph targets)"), "{said}");
+    let [before, after] = ["low.glb", "out.glb"].map(|name| Glb::read(&place.read(name)));
+    assert_same(&before, &after, &["nodes", "meshes"]);
+    assert_valid(&place.path("out.glb"));
+}
+
+#[test]
 fn an_animation_stays() {
     let (place, low) = start();
     let mut draft = draft(&low);

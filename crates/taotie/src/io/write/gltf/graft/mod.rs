@@ -1,6 +1,6 @@
 //! Baked textures grafted onto the materials of a glTF file, all else of which stays: nodes, skins, morph targets,
-//! animations, cameras, names, extras, and accessors to the last bit. Primitives without tangents that show a normal map get
-//! them, where that splits no vertex.
+//! animations, cameras, names, extras, and accessors to the last bit. Primitives without tangents that show a normal map
+//! get them, where that splits no vertex.
 
 mod edit;
 mod factors;
