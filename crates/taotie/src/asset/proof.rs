@@ -293,7 +293,11 @@ impl Written {
             .moving
             .map(|moving| format!("poses: the asset, which has {moving}, is compared at rest"));
         let coarser = (levels > 1).then(|| "levels of detail of the low-poly mesh's own file".to_owned());
-        moving.into_iter().chain(coarser).collect()
+        let keeps_relief =
+            |part: &Part| part.low.material.normal.is_some() && part.maps.textures.normal.is_none();
+        let relief = self.asset.made.parts.iter().any(keeps_relief);
+        let relief = relief.then(|| "the low-poly mesh's own normal map, which no figure counts".to_owned());
+        moving.into_iter().chain(coarser).chain(relief).collect()
     }
 
     /// Reads the coarser levels back. Maps are in memory once.

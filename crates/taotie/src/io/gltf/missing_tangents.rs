@@ -119,7 +119,8 @@ mod tests {
     #[test]
     fn vertices_with_two_tangents_get_none() {
         let found = one_a_vertex(&pair(false)).expect("each vertex has one");
-        assert_eq!(found, [[1.0, 0.0, 0.0, 1.0]; 5]);
+        let is_right = |[x, y, z, w]: &[f32; 4]| (x - 1.0).abs() + y.abs() + z.abs() < 1e-6 && *w == 1.0;
+        assert!(found.len() == 5 && found.iter().all(is_right), "{found:?}");
         assert_eq!(one_a_vertex(&pair(true)), None);
     }
 }

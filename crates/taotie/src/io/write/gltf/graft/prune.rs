@@ -84,7 +84,7 @@ mod tests {
             "accessors": [{ "bufferView": 3, "sparse": { "values": { "bufferView": 4 } } }],
             "bufferViews": ["dead", "dead", "image", "numbers", "sparse"],
         });
-        assert_eq!(prune(&mut json, 2), 1, "the first image stays, the second goes");
+        assert_eq!(prune(&mut json, 2), 1, "of the first two the second is left");
         assert_eq!(json["textures"], json!([{ "source": 0 }, { "source": 1 }]));
         assert_eq!(json["images"], json!([{ "bufferView": 0 }, { "uri": "a.png" }]));
         assert_eq!(json["bufferViews"], json!(["image", "numbers", "sparse"]));
