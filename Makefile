@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow bench bench-bake bench-render bench-scaling bench-fma bench-floor docs errors tables bless tools
+.PHONY: help test features test-slow faults bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -21,6 +21,11 @@ features: ## The library without its cargo features
 
 test-slow: ## The tests that take minutes each
 	cargo test --release --workspace --lib --bins --tests -- --ignored
+
+# TAOTIE=/path/to/taotie takes that program instead of building one; FAULTS holds options, such as `--rounds 10`.
+faults: ## Ends commands amid their work, hundreds of times: files are all old or all new
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	python3 benches/faults/faults.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(FAULTS)
 
 bench: ## Milliseconds per stage of the renderer
 	cargo bench -p taotie --bench stages
@@ -70,12 +75,32 @@ $(SCALING_VENV)/ready: benches/scaling/requirements.txt
 	$(SCALING_VENV)/bin/pip install --quiet --requirement $<
 	touch $@
 
+# The others come from npm. TAOTIE=/path/to/taotie takes that program instead of building one; the models are those of the
+# tests, ../shared/data or TAOTIE_DATA; `make bench-sizes BENCH=--help` lists the options.
+SIZES = target/bench-sizes
+bench-sizes: $(SIZES)/ready ## Bytes, degrees and ΔE of six models by Taotie, gltf-transform and gltfpack, for docs/sizes.md
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	PYTHONPATH=benches/common $(SIZES)/venv/bin/python benches/sizes/bench.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(BENCH)
+
+$(SIZES)/ready: $(addprefix benches/sizes/,requirements.txt package.json package-lock.json)
+	$(PYTHON) -m venv $(SIZES)/venv
+	$(SIZES)/venv/bin/pip install --quiet --requirement $<
+	mkdir -p $(SIZES)/node && cp benches/sizes/package.json benches/sizes/package-lock.json $(SIZES)/node
+	$(INSTALL) $(SIZES)/node
+	touch $@
+
 docs: ## Writes docs/help, and the tables and pictures of docs/as-printed.md, anew
 	cargo run --release -p xtask -- help-pages
 	cargo run --release -p xtask -- as-printed
 
 errors: ## Measures every approximation anew for docs/errors.md; ENVIRONMENTS=FOLDER also under its .hdr and .exr files
 	cargo run --release -p xtask -- errors $(if $(ENVIRONMENTS),--environments $(ENVIRONMENTS))
+
+# The models are those of the tests; MODELS names other folders, TAOTIE another program.
+MODELS = $(wildcard $(addprefix $(or $(TAOTIE_DATA),../shared/data)/,khronos-gltf-sample-assets polyhaven-models materialx gltf-asset-generator))
+asset-table: ## Bakes every shared glTF model for docs/assets-table.md; MODELS="FOLDER ..." others
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	cargo run --release -p xtask -- asset-table --models $(MODELS) $(if $(TAOTIE),--program $(TAOTIE))
 
 tables: ## Computes the tables of directional albedos anew
 	cargo run --release -p xtask -- tables

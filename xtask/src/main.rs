@@ -4,6 +4,7 @@
 //! Exit codes: 0 fine, 1 a checked file is stale, 2 error.
 
 mod as_printed;
+mod asset_table;
 mod computed;
 mod errors;
 mod generated;
@@ -11,6 +12,7 @@ mod help_pages;
 mod tables;
 
 use anyhow::Result;
+use asset_table::AssetTableArgs;
 use clap::{Parser, Subcommand};
 use generated::Generated;
 use std::io::{self, Write};
@@ -54,6 +56,8 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// The table of docs/assets-table.md: every glTF model below some folders, baked by the command.
+    AssetTable(AssetTableArgs),
 }
 
 fn main() -> ExitCode {
@@ -75,7 +79,18 @@ fn run(cli: &Cli) -> Result<ExitCode> {
             finish(&errors::generated(&root(), environments.as_deref())?, *check, "make errors")
         }
         Task::Tables { check } => finish(&tables::generated(&root()), *check, "make tables"),
+        Task::AssetTable(args) => bake_assets(args),
     }
+}
+
+/// Bakes the models, and prints their rows or renews the page.
+fn bake_assets(args: &AssetTableArgs) -> Result<ExitCode> {
+    let rows = asset_table::rows(args)?;
+    let Some(text) = asset_table::printed(args, &rows)? else {
+        return finish(&asset_table::generated(&root(), &rows)?, false, "make asset-table");
+    };
+    writeln!(io::stdout().lock(), "{text}")?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The repository's root.

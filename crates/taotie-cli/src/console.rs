@@ -1,7 +1,7 @@
 //! The output of the command: results on stdout, messages and progress on stderr.
 
 use anyhow::Result;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, Write};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -62,11 +62,6 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.chain().filter_map(io_error).any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
 }
 
-/// Returns whether the user asked to stop.
-pub fn is_cancelled(error: &anyhow::Error) -> bool {
-    error.chain().any(|cause| matches!(cause.downcast_ref(), Some(taotie::Error::Cancelled)))
-}
-
 fn io_error<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e io::Error> {
     match error.downcast_ref() {
         Some(taotie::Error::Io { cause, .. }) => Some(cause),
@@ -92,10 +87,19 @@ impl Bar {
 
     /// Shows the fraction done.
     pub fn set(&self, fraction: f64) {
+        self.tell(fraction, None);
+    }
+
+    /// Shows the fraction done, and the time left of a whole that this is a stage of, where it is known.
+    pub fn tell(&self, fraction: f64, whole: Option<Duration>) {
         if is_quiet() || self.start.elapsed() < Duration::from_secs(1) {
             return;
         }
-        self.bar.get_or_init(|| self.new_bar()).set_position((fraction * STEPS as f64) as u64);
+        let bar = self.bar.get_or_init(|| self.new_bar());
+        if let Some(left) = whole {
+            bar.set_prefix(of_whole(left));
+        }
+        bar.set_position((fraction * STEPS as f64) as u64);
     }
 
     /// Shows the fraction done and lets the work go on: the listener of a [`taotie::Progress`].
@@ -106,11 +110,16 @@ impl Bar {
 
     fn new_bar(&self) -> ProgressBar {
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
-        let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %, {eta} left");
+        let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %, {eta} left{prefix}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(self.title.clone());
         bar
     }
+}
+
+/// The time left of the whole in words, behind that of a stage.
+fn of_whole(left: Duration) -> String {
+    format!(", {} in all", HumanDuration(left))
 }
 
 impl Drop for Bar {
@@ -132,6 +141,12 @@ mod tests {
         let error = anyhow::Error::from(taotie::Error::io("a.obj", refused)).context("reading");
         assert_eq!(causes(&error), "reading: a.obj: not there");
         assert_eq!(causes(&anyhow!("alone")), "alone");
+    }
+
+    #[test]
+    fn the_time_left_of_the_whole_is_told_in_words() {
+        assert_eq!(of_whole(Duration::from_secs(180)), ", 3 minutes in all");
+        assert_eq!(of_whole(Duration::from_secs(1)), ", 1 second in all");
     }
 
     #[test]

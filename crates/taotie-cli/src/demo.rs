@@ -3,11 +3,13 @@
 
 use crate::console::{self, Bar};
 use crate::studio::in_pool;
+use crate::{options, stop};
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use taotie::Progress;
+use taotie::io::FileSet;
 use taotie_report::comparison::Document;
 use taotie_study::demo::gallery::{self, Made};
 use taotie_study::demo::{Output, Vessel, export, glb, moving, truth};
@@ -30,7 +32,7 @@ pub struct DemoArgs {
     #[arg(long, value_name = "DIR", default_value = "taotie-demo")]
     pub out: PathBuf,
     /// Width and height of each picture of the contact sheet, pixels
-    #[arg(long, value_name = "N", default_value_t = 360, value_parser = clap::value_parser!(u32).range(64..=2048))]
+    #[arg(long, value_name = "N", default_value = "360", value_parser = options::square::<64>)]
     pub size: u32,
     /// Also write the bronze with its relief as geometry, more than two million triangles, as jue-high.glb
     #[arg(long)]
@@ -56,29 +58,29 @@ struct Demo {
 
 /// Runs the subcommand.
 pub fn run(args: &DemoArgs) -> Result<()> {
-    taotie::io::check_writable_folder(&args.out)?;
-    std::fs::create_dir_all(&args.out).map_err(|error| taotie::Error::io(&args.out, error))?;
+    let files = stop::files();
+    files.claim_folder(&args.out)?;
     let threads = args.threads.map(|threads| threads as usize);
-    let demo = in_pool(threads, || demo(args))??;
+    let demo = in_pool(threads, || demo(args, &files))??;
     if args.json {
         return console::result(&serde_json::to_string_pretty(&demo.json())?);
     }
     demo.print()
 }
 
-fn demo(args: &DemoArgs) -> Result<Demo> {
+fn demo(args: &DemoArgs, set: &FileSet) -> Result<Demo> {
     let vessel = Vessel::new(MAPS);
-    let output = Output { folder: &args.out, side: args.size };
-    let mut files = export::write(&args.out, &vessel)?;
-    files.push(glb::write_pouring(&args.out, &vessel)?);
+    let output = Output { files: set, folder: &args.out, side: args.size };
+    let mut files = export::write(&output, &vessel)?;
+    files.push(glb::write_pouring(&output, &vessel)?);
     let bar = Bar::new("pictures");
     let (sheet, made) = gallery::write_sheet(&vessel, &output, &|done| bar.set(done))?;
     files.push(sheet);
-    files.push(gallery::write_large(&vessel, &args.out)?);
+    files.push(gallery::write_large(&vessel, &output)?);
     drop(bar);
     let high = jue::displaced_mesh(jue::FINEST);
     if args.high {
-        files.push(glb::write_high(&args.out, &high)?);
+        files.push(glb::write_high(&output, &high)?);
     }
     let bar = Bar::new("moving surface");
     let (moving, sheet) = moving::write(&vessel, &high, &output, &|done| bar.set(done))?;
@@ -87,8 +89,9 @@ fn demo(args: &DemoArgs) -> Result<Demo> {
     let high = jue::with_relief(vessel.scene(), high);
     let bar = Bar::new("compare");
     let listener = |_: &'static str, done: f64| bar.hear(done);
-    let compared = truth::write(&args.out, vessel.scene(), &high, Progress::new(&listener))?;
+    let compared = truth::write(&output, vessel.scene(), &high, Progress::new(&listener))?;
     files.extend(compared.files);
+    set.commit()?;
     Ok(Demo { files, made, comparison: compared.document, moving })
 }
 

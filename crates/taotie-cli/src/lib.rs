@@ -1,7 +1,7 @@
 //! The `taotie` command as a library: [`run`] is all that a `main`, in Rust or elsewhere, has to call.
 //!
-//! Exit codes: 0 fine, 1 difference above the threshold asked for, 2 error, 130 interrupted. Results go to stdout, talk to stderr; a
-//! closed pipe is no error.
+//! Exit codes: 0 fine, 1 difference above the threshold asked for, 2 error, 130 interrupted, 143 asked to end. Results go
+//! to stdout, talk to stderr; a closed pipe is no error.
 
 mod bake;
 mod compare;
@@ -14,6 +14,7 @@ mod materials;
 mod normals;
 mod options;
 mod render;
+mod stop;
 mod studio;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -77,6 +78,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     console::set_quiet(cli.quiet);
+    stop::listen();
     let result = match cli.command {
         Command::Render(args) => render::run(&args).map(|()| Outcome::Fine),
         Command::Compare(args) => compare::run(&args).map(|()| Outcome::Fine),
@@ -88,14 +90,13 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
         Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),
     };
+    if stop::is_ending() {
+        return stop::wait();
+    }
     match result {
         Ok(Outcome::Fine) => ExitCode::SUCCESS,
         Ok(Outcome::Different) => ExitCode::from(1),
         Err(error) if console::is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) if console::is_cancelled(&error) => {
-            console::complain("taotie: interrupted; no file is left");
-            ExitCode::from(130)
-        }
         Err(error) => {
             console::complain(&format!("taotie: error: {}", console::causes(&error)));
             ExitCode::from(2)

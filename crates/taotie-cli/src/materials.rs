@@ -1,11 +1,10 @@
 //! `taotie materials`: the presets, their measured colours, and what they look like.
 
-use crate::console;
+use crate::{console, options, stop};
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
-use taotie::io;
 use taotie::math::Vec3;
 use taotie::scene::{Material, PRESETS, Preset, preset};
 use taotie::shade::fresnel::{COS_82, f_schlick};
@@ -34,7 +33,7 @@ pub struct MaterialsArgs {
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
     /// Width and height of each sphere's picture, pixels
-    #[arg(long, value_name = "N", default_value = "256", requires = "output", value_parser = clap::value_parser!(u32).range(16..=2048))]
+    #[arg(long, value_name = "N", default_value = "256", requires = "output", value_parser = options::square::<16>)]
     pub size: u32,
     /// Print the list as JSON
     #[arg(long)]
@@ -59,8 +58,10 @@ struct Entry {
 /// Runs the subcommand.
 pub fn run(args: &MaterialsArgs) -> Result<()> {
     if let Some(path) = &args.output {
-        io::check_writable(path)?;
-        io::write_png(path, &swatches::sheet(args.size)?.png())?;
+        let files = stop::files();
+        files.claim(path)?;
+        files.write_png(path, &swatches::sheet(args.size)?.png())?;
+        files.commit()?;
     }
     let entries: Vec<Entry> = PRESETS.iter().filter_map(Entry::new).collect();
     if args.json {

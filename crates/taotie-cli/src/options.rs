@@ -33,6 +33,15 @@ pub fn size(value: &str) -> Result<[u32; 2], String> {
     Ok([width, height])
 }
 
+/// Both sides of a square, `LEAST` to 2048 pixels: one number, or it twice as in 512x512.
+pub fn square<const LEAST: u32>(value: &str) -> Result<u32, String> {
+    match size(value)? {
+        [side, other] if side != other => Err(format!("{value} is not a square; give one number")),
+        [side, _] if !(LEAST..=2048).contains(&side) => Err(format!("{side} is not in {LEAST}..=2048")),
+        [side, _] => Ok(side),
+    }
+}
+
 /// The size of maps: as [`size`], 16 to 16384 texels a side.
 pub fn map_size(value: &str) -> Result<[u32; 2], String> {
     let size = size(value)?;
@@ -117,6 +126,9 @@ mod tests {
             assert!(size(wrong).is_err(), "{wrong}");
         }
         assert_eq!((map_size("64"), map_size("64x16")), (Ok([64, 64]), Ok([64, 16])));
+        assert_eq!((square::<64>("64"), square::<16>("20x20")), (Ok(64), Ok(20)));
+        assert!(square::<64>("63").unwrap_err().contains("64..=2048"));
+        assert!(square::<64>("64x65").unwrap_err().contains("not a square"));
         assert!(map_size("8").unwrap_err().contains("16..=16384") && map_size("64x8").is_err());
     }
 

@@ -22,6 +22,7 @@
 
 pub mod bake_page;
 pub mod comparison;
+pub mod csv;
 mod data;
 mod document;
 pub mod heat_map;

@@ -10,6 +10,7 @@ use taotie::math::Mat4;
 use taotie::mesh::Mesh;
 use taotie::render::RenderSettings;
 use taotie::scene::{Material, Scene};
+use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 use taotie::{Error, Progress};
 
@@ -47,6 +48,30 @@ fn a_method_without_its_map_is_skipped_with_the_reason() {
 }
 
 #[test]
+fn models_are_measured_against_the_baseline_of_the_same_surface() {
+    let scene = ball();
+    let shadings = vec![Shading::Lambert, Shading::Ggx, Shading::Phong];
+    let methods = [SurfaceMethod::Facet, SurfaceMethod::Smooth].map(Method::from).to_vec();
+    let options = ComparisonOptions { shadings, baseline: Some(Shading::Ggx), methods, ..options() };
+    let comparison = Comparison::of(&Subject::new("ball", &scene), &options, Progress::SILENT).unwrap();
+    for surface in &comparison.surfaces {
+        let picture = |shading: Shading| &surface.pictures.iter().find(|(of, _)| *of == shading).unwrap().1;
+        let models: Vec<Shading> = surface.model_differences.iter().map(|model| model.shading).collect();
+        assert_eq!(models, [Shading::Lambert, Shading::Phong]);
+        for model in &surface.model_differences {
+            let rmse = taotie::compare::rmse(picture(Shading::Ggx), picture(model.shading)).unwrap();
+            assert!(model.picture.rmse == rmse && rmse > 0.0, "{rmse}");
+        }
+    }
+    let report = comparison.report();
+    assert_eq!(report.parameters.baseline.as_deref(), Some("ggx"));
+    let names: Vec<&str> = report.methods[1].models.iter().map(|m| m.difference.flip_map.as_str()).collect();
+    assert_eq!(names, ["smooth.lambert-ggx.flip.png", "smooth.phong-ggx.flip.png"]);
+    let plain = Comparison::of(&Subject::new("ball", &scene), &self::options(), Progress::SILENT).unwrap();
+    assert!(plain.surfaces.iter().all(|surface| surface.model_differences.is_empty()));
+}
+
+#[test]
 fn what_cannot_be_compared_is_refused() {
     let scene = ball();
     let factor = Method { surface: SurfaceMethod::Smooth, factor: Some(5.0) };
@@ -56,6 +81,8 @@ fn what_cannot_be_compared_is_refused() {
         (ComparisonOptions { methods: Vec::new(), ..options() }, "at least one"),
         (ComparisonOptions { methods: vec![factor], ..options() }, "only bump and bump-printed"),
         (ComparisonOptions { methods: vec![SurfaceMethod::Bump.into()], ..options() }, "none of the methods"),
+        (ComparisonOptions { baseline: Some(Shading::Ggx), ..options() }, "the baseline ggx: it is measured"),
+        (ComparisonOptions { baseline: Some(Shading::Phong), ..options() }, "the baseline phong"),
         (ComparisonOptions { settings: endless, ..options() }, "4294967295"),
         (ComparisonOptions { development: transparent, ..options() }, "before a background"),
         (ComparisonOptions { points: SamplePoints::Pixels(vec![[64, 0]]), ..options() }, "64,0"),

@@ -10,10 +10,10 @@ use taotie::asset::{
     Requirement, Scan, ScanFile, VerifyOptions, Written,
 };
 use taotie::bake::MapKind;
-use taotie::io::{GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, write_gltf};
+use taotie::io::{FileSet, GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, write_gltf};
 use taotie::math::{Vec3, scalar};
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::NormalSpace;
+use taotie::scene::{GreenChannel, NormalSpace};
 use taotie::{Error, Progress, Result};
 
 #[allow(dead_code, reason = "its `main` is for the command line")]
@@ -244,6 +244,44 @@ fn what_is_asked_for_and_not_used_is_told() {
     let limits = Limits { memory: Some(Bytes(1 << 20)) };
     let error = Baker::new(options()).with_limits(limits).bake(small(), Progress::SILENT).unwrap_err();
     assert!(matches!(error, Error::Limit { .. }), "{error}");
+}
+
+#[test]
+fn every_file_that_is_written_was_foreseen() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.gltf");
+    let maps = vec![MapKind::Normal, MapKind::Height, MapKind::Albedo, MapKind::Occlusion];
+    let baker = Baker::new(BakeOptions { maps, triangles: 200, size: 32, ..options() });
+    let asset = baker.bake(small(), Progress::SILENT).unwrap();
+    let packings = [
+        Packing { jpeg: Some(90), ..Packing::default() },
+        Packing { images: GltfImages::Ktx2, green: GreenChannel::Down, ..Packing::default() },
+    ];
+    for packing in packings {
+        let written = asset.write(&path, &packing, Progress::SILENT).unwrap();
+        let foreseen = baker.may_write(&path, &packing);
+        assert!(written.files().len() > 4 && foreseen[0] == path, "{:?}", written.files());
+        let missing: Vec<_> = written.files().iter().filter(|file| !foreseen.contains(file)).collect();
+        assert!(missing.is_empty(), "{missing:?}");
+    }
+}
+
+#[test]
+fn an_asset_is_proved_before_it_is_in_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("out.gltf");
+    std::fs::write(&path, "before").unwrap();
+    let (files, scan) = (FileSet::new(), small());
+    let asset = Baker::new(BakeOptions { size: 32, ..options() }).bake(&scan, Progress::SILENT).unwrap();
+    let written = asset.write_in(&files, &path, &Packing::default(), Progress::SILENT).unwrap();
+    let few = VerifyOptions { points: 10, distance_points: 10, map: 16, view: 16 };
+    let proof = written.verify(&scan, &few, Progress::SILENT).unwrap();
+    assert!(proof.figures.bytes_out > 0);
+    assert_eq!(std::fs::read(&path).unwrap(), b"before");
+    files.commit().unwrap();
+    assert_eq!(names(folder.path()), ["out.bin", "out.gltf", "out_normal.png"]);
+    let again = written.verify(&scan, &few, Progress::SILENT).unwrap();
+    assert_eq!(again.figures.bytes_out, proof.figures.bytes_out);
 }
 
 /// Reads nothing, bakes and writes.

@@ -6,15 +6,16 @@ use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use taotie::asset::{BakeOptions, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
+use taotie::asset::{BakeOptions, Baker, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
-use taotie::io::{self, GltfImages};
+use taotie::io::{FileSet, GltfImages};
 use taotie::names::Named;
 
 const EXAMPLES: &str = "\
 Examples:
   taotie bake scan.ply -o scan.glb
   taotie bake scan.ply --low low.glb -o baked.glb --size 4096 --maps normal,ao
+  taotie bake scan.ply --low low.glb -o normal.png
   taotie bake scan.ply -o scan.glb --triangles 150000 --lods 50000,10000 --meshopt
   taotie bake scan.ply -o scan.glb --for web
   taotie bake scan.ply -o scan.glb --error 2 --require mean-angle=2,missed=0.1%
@@ -28,7 +29,8 @@ OUT.report.html and OUT.report.json, beside OUT, hold its normal error in degree
 pub struct BakeArgs {
     /// The high-poly scan (.gltf, .glb, .obj, .ply, .stl)
     pub high: PathBuf,
-    /// The asset to write (.glb, or .gltf with its files beside it)
+    /// The asset to write (.glb, or .gltf with its files beside it). A .png, .webp or .exr gets the maps alone, for a --low with UVs: the
+    /// first, normals if not asked otherwise, in OUT, each other beside it, such as OUT.ao.png
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The low-poly mesh; its UVs and triangles stay as they are. So do meshes, materials, skins and animations of
@@ -61,7 +63,7 @@ pub struct BakeArgs {
     #[arg(long, value_enum, default_value_t = Space::Tangent, help_heading = "Maps")]
     pub space: Space,
     /// Direction of green in maps for other programs: down (DirectX) also writes OUT.normal.png, and OUT.bent.png so. The
-    /// asset's own normal map points up, as glTF demands
+    /// asset's own normal map points up, as glTF demands; maps alone point down then
     #[arg(long, value_enum, default_value_t = Green::Up, help_heading = "Maps")]
     pub green: Green,
     /// Samples per texel
@@ -90,12 +92,20 @@ pub struct BakeArgs {
     #[arg(long, value_name = "FILE", requires = "low", help_heading = "Rays")]
     pub cage: Option<PathBuf>,
 
-    /// Write textures as KTX2 with UASTC instead of PNG
+    /// Write textures as KTX2 with UASTC under Zstandard instead of PNG
     #[arg(long, conflicts_with = "webp", help_heading = "File")]
     pub ktx2: bool,
-    /// Write textures as lossless WebP instead of PNG
+    /// Let blocks of KTX2 repeat earlier ones where that saves enough (rate–distortion optimisation): the mean square
+    /// error of a block rises by at most the square of this, 1 to 64, of 255². Normals are left out
+    #[arg(long, value_name = "LAMBDA", value_parser = clap::value_parser!(u8).range(1..=64), help_heading = "File")]
+    pub uastc_rdo: Option<u8>,
+    /// Write textures as WebP instead of PNG, lossless
     #[arg(long, help_heading = "File")]
     pub webp: bool,
+    /// Write base colour and emission as lossy WebP of this quality, 1 to 100. Roughness, metallic and occlusion are then
+    /// at most 2 of 255 off; normals and alpha stay lossless
+    #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "File")]
+    pub webp_quality: Option<u8>,
     /// Write the base colour as JPEG of this quality, 1 to 100. All other textures stay as they are: they are numbers
     #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "File")]
     pub jpeg: Option<u8>,
@@ -191,9 +201,13 @@ impl BakeArgs {
             bail!("--threads 0: at least one thread is needed; leave it out for all of the machine's");
         }
         let extension = self.output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        if !matches!(extension.as_deref(), Some("glb" | "gltf")) {
-            bail!("{}: assets are written as .glb or .gltf", self.output.display());
+        if !matches!(extension.as_deref(), Some("glb" | "gltf" | "png" | "webp" | "exr")) {
+            bail!(
+                "{}: assets are written as .glb or .gltf, maps alone as .png, .webp or .exr",
+                self.output.display()
+            );
         }
+        self.check_alone()?;
         let same = |path: &PathBuf| {
             path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok())
         };
@@ -228,8 +242,58 @@ impl BakeArgs {
             bail!("--green down: no normal or bent map in tangent space is baked; bake one, or leave it out");
         }
         self.check_unread()?;
-        self.packing().check()?;
-        self.check_places()
+        Ok(self.packing().check()?)
+    }
+
+    /// Says whether maps are written without a model.
+    fn is_alone(&self) -> bool {
+        ["png", "webp", "exr"].into_iter().any(|extension| self.has_extension(extension))
+    }
+
+    fn has_extension(&self, wanted: &str) -> bool {
+        self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+    }
+
+    /// Refuses what only a model has, where maps are written alone.
+    fn check_alone(&self) -> Result<()> {
+        let given = [
+            ("--lods", !self.lods.is_empty()),
+            ("--ktx2", self.ktx2),
+            ("--webp", self.webp),
+            ("--jpeg", self.jpeg.is_some()),
+            ("--meshopt", self.meshopt),
+            ("--provenance", self.provenance.is_some()),
+            ("--for", self.purpose.is_some()),
+            ("--error", self.error.is_some()),
+            ("--triangles", self.triangles.is_some()),
+        ];
+        let output = self.output.display();
+        match given.iter().find(|(_, given)| *given) {
+            Some((option, _)) if self.is_alone() => {
+                bail!("{option}: {output} gets maps alone, without a model; leave it out, or write a .glb")
+            }
+            None if self.is_alone() && self.low.is_none() => {
+                bail!(
+                    "{output}: maps alone need the mesh that they are for: give --low with UVs, or write a .glb"
+                )
+            }
+            _ => self.check_depth(),
+        }
+    }
+
+    /// Refuses maps of 16 bits in a file that holds 8.
+    fn check_depth(&self) -> Result<()> {
+        let deep = [MapKind::Height, MapKind::Curvature];
+        let maps = self.maps();
+        match maps.iter().find(|map| deep.contains(map)) {
+            _ if self.has_extension("exr") && self.bits.is_some() => {
+                bail!("--bits: an .exr holds floats; leave it out, or write a .png")
+            }
+            _ if !self.has_extension("webp") => Ok(()),
+            Some(map) => bail!("--maps {}: it needs 16 bits and WebP holds 8; write a .png", map.name()),
+            None if self.bits() == 16 => bail!("--bits 16: WebP holds 8 bits; write a .png, or take 8"),
+            None => Ok(()),
+        }
     }
 
     /// Refuses options that nothing reads.
@@ -245,19 +309,45 @@ impl BakeArgs {
         if self.jpeg.is_some() && self.low.is_none() && !colors {
             bail!("--jpeg: the asset has no base colour texture; add albedo to --maps");
         }
-        if (self.webp || self.ktx2)
+        if self.names_images()
             && self.low.is_none()
             && !maps.iter().any(|map| self.is_inside(*map))
             && !carries
         {
             bail!("--webp, --ktx2: the asset holds no texture; leave them out, or add such a map to --maps");
         }
-        let packs = self.images() != GltfImages::Png;
+        self.check_loss()?;
+        let packs = self.is_packed();
         let beside = self.space == Space::Object || self.green == Green::Down || bakes(MapKind::Bent);
         if self.bits() == 16 && packs && bakes(MapKind::Normal) && !beside {
             bail!("--bits 16: WebP and KTX2 hold 8 bits; write PNG, or take 8");
         }
         Ok(())
+    }
+
+    /// Refuses a quality or an RDO that no texture has.
+    fn check_loss(&self) -> Result<()> {
+        let given = [
+            ("--webp-quality", self.webp_quality, GltfImages::WebP, "--webp"),
+            ("--uastc-rdo", self.uastc_rdo, GltfImages::Ktx2, "--ktx2"),
+        ];
+        for (option, _, images, other) in given.into_iter().filter(|(_, given, ..)| given.is_some()) {
+            if self.images() != images {
+                bail!("{option}: textures are {}; add {other}, or leave it out", self.images());
+            }
+            if !self.may_lose() {
+                bail!(
+                    "{option}: the asset holds no texture but normals, which it leaves alone; leave it out"
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Says whether the asset may hold textures other than normals.
+    fn may_lose(&self) -> bool {
+        let is_lossy = |map: &MapKind| *map != MapKind::Normal && self.is_inside(*map);
+        self.low.is_some() || self.carries() || self.maps().iter().any(is_lossy)
     }
 
     /// Says whether a map lies inside of the asset, and not beside it.
@@ -268,14 +358,21 @@ impl BakeArgs {
         }
     }
 
-    /// Refuses files that cannot be written.
-    fn check_places(&self) -> Result<()> {
-        io::check_writable(&self.output)?;
-        if self.no_verify {
-            return Ok(());
-        }
-        let reports = ["report.html", "report.json"].map(|kind| self.output.with_extension(kind));
-        Ok(reports.iter().try_for_each(|path| io::check_writable(path))?)
+    /// Refuses files that cannot be written, or that are read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        let read = [Some(&self.high), self.low.as_ref(), self.cage.as_ref(), self.provenance.as_ref()];
+        files.protect(read.into_iter().flatten())?;
+        let asset = Baker::new(self.options()).may_write(&self.output, &self.packing());
+        asset.iter().try_for_each(|path| files.reserve(path))?;
+        files.claim(&self.output)?;
+        let reports = self.reports();
+        let mut reports = reports.iter().filter(|_| !self.no_verify);
+        Ok(reports.try_for_each(|path| files.claim(path))?)
+    }
+
+    /// Returns the files of the report: a page and JSON.
+    pub fn reports(&self) -> [PathBuf; 2] {
+        ["report.html", "report.json"].map(|kind| self.output.with_extension(kind))
     }
 
     /// Refuses requirements of levels of detail that are not asked for.
@@ -301,6 +398,7 @@ impl BakeArgs {
             triangles: self.triangles(),
             mean_error_deg: self.error,
             lods: self.lods(),
+            keep_uvs: self.is_alone(),
             size: self.size()[0],
             height: (self.size()[1] != self.size()[0]).then_some(self.size()[1]),
             maps: self.maps(),
@@ -346,7 +444,9 @@ impl BakeArgs {
     pub fn packing(&self) -> Packing {
         Packing {
             images: self.images(),
-            jpeg: self.jpeg(),
+            webp_quality: self.webp_quality(),
+            uastc_rdo: self.uastc_rdo(),
+            jpeg: self.jpeg,
             meshopt: self.is_compressed(),
             provenance: self.provenance.clone(),
             green: self.green.into(),
@@ -359,18 +459,15 @@ impl BakeArgs {
         let made = self.low.is_none() && self.error.is_none();
         let levels: Vec<String> =
             made.then_some(self.triangles()).into_iter().chain(self.lods()).map(|n| n.to_string()).collect();
-        let images = match self.images() {
-            GltfImages::Png => "PNG",
-            GltfImages::WebP => "WebP",
-            GltfImages::Ktx2 => "KTX2",
-        };
         let [width, height] = self.size();
         let parts = [
             (!levels.is_empty()).then(|| format!("{} triangles", levels.join(", "))),
             self.error.is_none().then(|| format!("maps of {width}×{height}")),
             self.bakes_normals().then(|| format!("normals in {} bits", self.bits())),
-            Some(images.into()),
-            self.jpeg().map(|quality| format!("colours as JPEG of quality {quality}")),
+            Some(self.images().to_string()),
+            self.webp_quality().map(|quality| format!("colours of quality {quality}")),
+            self.uastc_rdo().map(|rdo| format!("RDO of {rdo}")),
+            self.jpeg.map(|quality| format!("base colour as JPEG of quality {quality}")),
             self.is_compressed().then(|| "meshopt".into()),
         ];
         Some(format!("--for {name}: {}", parts.into_iter().flatten().collect::<Vec<String>>().join("; ")))
@@ -403,6 +500,7 @@ impl BakeArgs {
     fn bits(&self) -> u8 {
         match self.bits.as_deref() {
             Some("16") => 16,
+            None if self.has_extension("exr") && self.bakes_normals() => 16,
             None if self.images() == GltfImages::Png && self.bakes_normals() => self.defaults().bits,
             _ => 8,
         }
@@ -416,9 +514,29 @@ impl BakeArgs {
         }
     }
 
-    /// Returns the quality of JPEG; KTX2 that is asked for packs colours too.
-    fn jpeg(&self) -> Option<u8> {
-        self.jpeg.or(self.defaults().jpeg.filter(|_| !self.ktx2))
+    /// Says whether textures are packed as WebP or KTX2, which takes longer than PNG.
+    pub fn is_packed(&self) -> bool {
+        self.images() != GltfImages::Png
+    }
+
+    /// Returns the quality of lossy WebP; WebP that is asked for by name is lossless.
+    fn webp_quality(&self) -> Option<u8> {
+        self.webp_quality.or(self.defaults().webp_quality.filter(|_| self.chooses_losses()))
+    }
+
+    /// Returns the RDO of KTX2; KTX2 that is asked for by name has none.
+    fn uastc_rdo(&self) -> Option<u8> {
+        self.uastc_rdo.or(self.defaults().uastc_rdo.filter(|_| self.chooses_losses()))
+    }
+
+    /// Says whether `--for` chooses what textures may lose.
+    fn chooses_losses(&self) -> bool {
+        !self.names_images() && self.may_lose()
+    }
+
+    /// Says whether the packing of textures is asked for, and not chosen by `--for`.
+    fn names_images(&self) -> bool {
+        self.webp || self.ktx2
     }
 
     fn is_compressed(&self) -> bool {

@@ -1,11 +1,12 @@
 //! The stages of a bake: the time of each, and its progress.
 
+use super::schedule::Schedule;
 use crate::console::Bar;
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use taotie::asset::StageTime;
 
-/// Hears of stages, shows how far they are, and measures them.
+/// Hears of stages, shows how far they are and how long all of them will take, and measures them.
 #[derive(Default)]
 pub struct Clock {
     told: Mutex<Told>,
@@ -15,6 +16,13 @@ pub struct Clock {
 struct Told {
     done: Vec<StageTime>,
     running: Option<Running>,
+    expected: Option<Expected>,
+}
+
+/// The stages to come.
+struct Expected {
+    schedule: Schedule,
+    start: Instant,
 }
 
 /// The stage that runs.
@@ -25,6 +33,12 @@ struct Running {
 }
 
 impl Clock {
+    /// Expects the stages of a schedule from now on.
+    pub fn expect(&self, schedule: Schedule) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        told.expected = Some(Expected { schedule, start: Instant::now() });
+    }
+
     /// Hears that a fraction of a stage is done.
     pub fn hear(&self, stage: &'static str, fraction: f64) {
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
@@ -33,7 +47,7 @@ impl Clock {
             told.running = Some(Running { stage, start: Instant::now(), bar: Bar::new(stage) });
         }
         if let Some(running) = &told.running {
-            running.bar.set(fraction);
+            running.bar.tell(fraction, told.left(running.stage, fraction));
         }
     }
 
@@ -46,6 +60,12 @@ impl Clock {
 }
 
 impl Told {
+    /// Returns the time left of all stages.
+    fn left(&self, stage: &str, fraction: f64) -> Option<Duration> {
+        let Expected { schedule, start } = self.expected.as_ref()?;
+        schedule.left(start.elapsed(), stage, fraction)
+    }
+
     fn end(&mut self) {
         self.done.extend(self.running.take().map(|running| StageTime {
             stage: running.stage,

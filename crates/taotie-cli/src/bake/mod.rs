@@ -3,26 +3,29 @@
 mod args;
 mod clock;
 mod purpose;
-mod stop;
+mod schedule;
 mod text;
 
 pub use args::BakeArgs;
 
-use crate::{Outcome, console, studio};
+use crate::{Outcome, console, stop, studio};
 use anyhow::Result;
 use clock::Clock;
-use taotie::asset::{Asset, Baker, Limits, Proof, Report, Scan, ScanFile, VerifyOptions, Warning};
+use schedule::Schedule;
+use taotie::asset::{Asset, Baker, Limits, Proof, Report, Scan, ScanFile, ScanSize, VerifyOptions, Warning};
+use taotie::io::FileSet;
 use taotie::{Progress, io};
 use taotie_report::bake_page;
 
 /// Runs the subcommand.
 pub fn run(args: &BakeArgs) -> Result<Outcome> {
     args.check()?;
+    let files = stop::files();
+    args.claim(&files)?;
     if let Some(chosen) = args.chosen() {
         console::say(&format!("taotie: {chosen}"));
     }
-    stop::listen();
-    let report = studio::in_pool(args.threads, || bake(args))??;
+    let report = studio::in_pool(args.threads, || bake(args, &files))??;
     if args.json {
         console::result(&serde_json::to_string_pretty(&report)?)?;
     } else {
@@ -31,56 +34,66 @@ pub fn run(args: &BakeArgs) -> Result<Outcome> {
     Ok(if report.is_met() { Outcome::Fine } else { Outcome::Different })
 }
 
-fn bake(args: &BakeArgs) -> Result<Report> {
+fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let clock = Clock::default();
     let listener = |stage: &'static str, fraction: f64| {
         clock.hear(stage, fraction);
-        stop::go_on()
+        true
     };
     let progress = Progress::new(&listener);
     let limits = args.limits();
     let baker = Baker::new(args.options()).with_limits(limits);
-    let scan = read(args, &baker, limits, progress)?;
+    let file = ScanFile::read(&args.high, &limits, progress)?;
+    check_memory(&baker, file.size(), limits)?;
+    if let Some(schedule) = Schedule::of(baker.options(), file.size(), args.is_packed()) {
+        clock.expect(schedule);
+    }
+    let scan = file.sort(progress)?;
+    protect(args, &scan, files)?;
     let asset = baker.bake(&scan, progress)?;
     console::say_warnings(asset.warnings());
-    let written = asset.write(&args.output, &args.packing(), progress)?;
+    let written = asset.write_in(files, &args.output, &args.packing(), progress)?;
     console::say_warnings(written.warnings());
     let mut report = Report::of(&written)?;
     let proved = match args.no_verify {
         true => None,
         false => Some(written.verify(scan, &VerifyOptions::default(), progress)),
     };
-    if matches!(proved, Some(Err(taotie::Error::Cancelled))) {
-        // The files are of this run, and were not verified.
-        report.files.iter().for_each(|file| drop(std::fs::remove_file(file)));
-    }
     report.stages = clock.done();
     if let Some(proof) = proved {
-        tell(args, &mut report, &proof?, written.asset())?;
+        let page = tell(args, &mut report, &proof?, written.asset())?;
+        let [html, json] = args.reports();
+        files.write_text(&html, &page)?;
+        files.write_text(&json, &serde_json::to_string_pretty(&report)?)?;
     }
+    files.commit()?;
     Ok(report)
 }
 
-/// Reads the scan, and says how much memory its bake needs before it begins.
-fn read(args: &BakeArgs, baker: &Baker, limits: Limits, progress: Progress<'_>) -> Result<Scan> {
-    let file = ScanFile::read(&args.high, &limits, progress)?;
-    let need = baker.need(file.size());
+/// Keeps every file that is read from being written over: those of the scan, of the low-poly mesh and of the cage.
+fn protect(args: &BakeArgs, scan: &Scan, files: &FileSet) -> Result<()> {
+    files.protect(scan.files())?;
+    for model in [&args.low, &args.cage].into_iter().flatten() {
+        files.protect(io::load_model(model)?.files)?;
+    }
+    Ok(())
+}
+
+/// Says how much memory the bake of a scan needs before it begins.
+fn check_memory(baker: &Baker, scan: ScanSize, limits: Limits) -> Result<()> {
+    let need = baker.need(scan);
     need.check(limits)?;
     let (triangles, bytes) = (need.scan.triangles, need.bytes());
     console::say(&format!("baking {triangles} triangles needs about {bytes} of memory"));
-    Ok(file.sort(progress)?)
+    Ok(())
 }
 
-/// Puts what was measured into the report, and writes it beside the asset.
-fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, asset: &Asset) -> Result<()> {
+/// Puts what was measured into the report; returns its page.
+fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, asset: &Asset) -> Result<String> {
     console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());
     report.required = proof.require(&args.require);
-    let [html, json] = ["report.html", "report.json"].map(|kind| args.output.with_extension(kind));
-    report.files.extend([html.clone(), json.clone()]);
-    let page = bake_page::page(report, proof, asset)?;
-    io::write_text(&html, &taotie_report::html(&page))?;
-    io::write_text(&json, &serde_json::to_string_pretty(report)?)?;
-    Ok(())
+    report.files.extend(args.reports());
+    Ok(taotie_report::html(&bake_page::page(report, proof, asset)?))
 }

@@ -6,12 +6,12 @@ use taotie::io::GltfImages;
 /// The use that an asset is made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Purpose {
-    /// Small files for browsers: 20,000 triangles, maps of 1024×1024, WebP, colours as JPEG, meshopt
+    /// Small files for browsers: 20,000 triangles, maps of 1024×1024, WebP with colours of quality 85, meshopt
     Web,
     /// Nothing lost that can be kept, for every viewer: 200,000 triangles, maps of 4096×4096, PNG, normals in 16 bits
     Archive,
     /// Textures that graphics cards read as they are, and levels of detail: 50,000, 15,000 and 5,000 triangles, maps of
-    /// 2048×2048, KTX2
+    /// 2048×2048, KTX2 with an RDO of 2
     Engine,
 }
 
@@ -28,8 +28,10 @@ pub struct Defaults {
     pub bits: u8,
     /// The packing of textures.
     pub images: GltfImages,
-    /// The quality of colours as JPEG.
-    pub jpeg: Option<u8>,
+    /// The quality of colours as WebP.
+    pub webp_quality: Option<u8>,
+    /// The rate–distortion optimisation of KTX2.
+    pub uastc_rdo: Option<u8>,
     /// Geometry is compressed.
     pub meshopt: bool,
 }
@@ -43,17 +45,21 @@ impl Defaults {
             size: 2048,
             bits: 8,
             images: GltfImages::Png,
-            jpeg: None,
+            webp_quality: None,
+            uastc_rdo: None,
             meshopt: false,
         };
         match purpose {
             None => plain,
             Some(Purpose::Web) => {
-                let packed = Self { images: GltfImages::WebP, jpeg: Some(85), meshopt: true, ..plain };
+                let packed =
+                    Self { images: GltfImages::WebP, webp_quality: Some(85), meshopt: true, ..plain };
                 Self { triangles: 20_000, size: 1024, ..packed }
             }
             Some(Purpose::Archive) => Self { triangles: 200_000, size: 4096, bits: 16, ..plain },
-            Some(Purpose::Engine) => Self { lods: &[15_000, 5_000], images: GltfImages::Ktx2, ..plain },
+            Some(Purpose::Engine) => {
+                Self { lods: &[15_000, 5_000], images: GltfImages::Ktx2, uastc_rdo: Some(2), ..plain }
+            }
         }
     }
 }

@@ -87,6 +87,13 @@ fn shape(figures: &Figures, table: &mut Table) {
 }
 
 fn material(figures: &MaterialFigures, table: &mut Table) {
+    if figures.not_finite > 0.0 {
+        let part = percent(figures.not_finite);
+        table.row([
+            "material not finite".into(),
+            format!("at {part} of the points, which have no difference"),
+        ]);
+    }
     let Some(color) = &figures.color else { return };
     table.row(["colour error (ΔE00)".into(), summary::text(color, 2, "")]);
     let mean = |(name, of): (&str, Option<Summary>)| Some(format!("{name} {:.4}", of?.mean));

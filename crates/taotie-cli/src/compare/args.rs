@@ -2,12 +2,15 @@
 
 use super::{method, points};
 use crate::options;
-use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs};
+use crate::studio::{
+    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs,
+};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::comparison::{Matching, Method, SamplePoints};
-use taotie::io;
+use taotie::io::FileSet;
+use taotie::names::Named;
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 
@@ -16,17 +19,20 @@ Examples:
   taotie compare statue.obj --normal-map statue_normals.png -o comparison
   taotie compare low.glb --reference scan.ply --method smooth,tangent-normal -o comparison
   taotie compare model.glb --method bump:5,bump-printed:5 --shading ggx,cook-torrance --points 10 -o comparison
+  taotie compare model.glb --method tangent-normal --shading cook-torrance,phong --baseline ggx -o comparison
   taotie compare --paper -o recomputed";
 
 /// All options that `--paper`, which renders nothing, does not read.
-const NOT_OF_PAPER: [&str; 43] = [
+const NOT_OF_PAPER: [&str; 45] = [
     "model",
     "reference",
     "methods",
     "points",
     "matching",
     "heat_top_deg",
+    "exr",
     "shadings",
+    "baseline",
     "bump_scale",
     "energy",
     "specular_aa",
@@ -97,11 +103,19 @@ pub struct CompareArgs {
     /// The angle at the top of the heat maps' scale, degrees
     #[arg(long, value_name = "DEG", value_parser = options::number, default_value = "30")]
     pub heat_top_deg: f64,
+    /// Also write normals and angular errors as OpenEXR: METHOD.normals.exr holds unit vectors in world space as R, G, B =
+    /// x, y, z, METHOD.error.exr degrees; alpha is 1 where there is a number
+    #[arg(long)]
+    pub exr: bool,
 
     /// Reflectance models separated by commas: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
     /// cook-torrance-printed, blinn-phong-printed, ggx-printed
     #[arg(long = "shading", value_name = "LIST", value_delimiter = ',', value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
     pub shadings: Vec<Shading>,
+    /// Also measure what the reflectance model does: each surface's picture under the models of --shading against its own
+    /// under this one
+    #[arg(long, value_name = "MODEL", value_parser = options::named::<Shading>, help_heading = "Surface")]
+    pub baseline: Option<Shading>,
     /// Height of white for the method `bump`, model units; the material's if not given. `bump:5` does not read it
     #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
     pub bump_scale: Option<f64>,
@@ -126,8 +140,9 @@ impl CompareArgs {
     /// Refuses options that cannot work together, before any work is done.
     pub fn check(&self) -> Result<()> {
         self.check_methods()?;
-        self.material.check(&self.shadings)?;
-        self.reflection.check(&self.shadings)?;
+        self.check_baseline()?;
+        self.material.check(&self.shadings())?;
+        self.reflection.check(&self.shadings())?;
         self.light.check()?;
         self.camera.check()?;
         self.film.check(self.light.show_env)?;
@@ -142,25 +157,33 @@ impl CompareArgs {
             let [width, height] = self.size;
             bail!("--points: pixel {x},{y} lies outside the picture of {width}×{height}");
         }
-        match &self.output {
-            Some(output) => Ok(io::check_writable_folder(output)?),
-            None => Ok(()),
+        Ok(())
+    }
+
+    /// Refuses a folder that cannot be written to, and files that are read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        files.protect(self.model.iter().chain(&self.reference))?;
+        files.protect(studio::material_files(&self.material)?)?;
+        files.protect(self.light.environment_file())?;
+        if let Some(output) = &self.output {
+            files.claim_folder(output)?;
         }
+        Ok(())
     }
 
     /// Refuses a comparison with nothing, and maps that no method reads.
     fn check_methods(&self) -> Result<()> {
         let methods = self.methods();
-        if let (None, [method], false) = (&self.reference, methods.as_slice(), self.paper) {
+        let alone = self.reference.is_none() && self.baseline.is_none() && !self.paper;
+        if let (true, [method]) = (alone, methods.as_slice()) {
             let id = method.id();
-            bail!("--method {id}: it is compared with nothing; name further methods, or a --reference");
+            bail!(
+                "--method {id}: it is compared with nothing; name further methods, a --reference, or a --baseline"
+            );
         }
-        let maps = |method: &Method| {
-            matches!(method.surface, SurfaceMethod::ObjectNormal | SurfaceMethod::TangentNormal)
-        };
         let bumps = |method: &Method| Method::takes_factor(method.surface);
         let unread = [
-            ("--normal-map", self.material.normal_map.is_some() && !methods.iter().any(maps)),
+            ("--normal-map", self.material.normal_map.is_some() && !self.reads_normal_maps()),
             ("--height-map", self.material.height_map.is_some() && !methods.iter().any(bumps)),
             ("--bump-scale", {
                 self.bump_scale.is_some() && !methods.iter().any(|m| bumps(m) && m.factor.is_none())
@@ -172,14 +195,33 @@ impl CompareArgs {
         }
     }
 
+    /// Says whether any method reads normal maps.
+    pub fn reads_normal_maps(&self) -> bool {
+        let maps = [SurfaceMethod::ObjectNormal, SurfaceMethod::TangentNormal];
+        self.methods().iter().any(|method| maps.contains(&method.surface))
+    }
+
+    /// Refuses a baseline that nothing is measured against.
+    fn check_baseline(&self) -> Result<()> {
+        match self.baseline {
+            Some(baseline) if self.shadings() == [baseline] => {
+                let name = baseline.name();
+                bail!("--baseline {name}: --shading names no other model to be measured against it")
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The methods to compare, each once.
     pub fn methods(&self) -> Vec<Method> {
         if self.methods.is_empty() { Method::defaults() } else { each_once(&self.methods) }
     }
 
-    /// The reflectance models to compare under, each once.
+    /// The reflectance models to compare under, each once, the baseline before those that do not name it.
     pub fn shadings(&self) -> Vec<Shading> {
-        each_once(&self.shadings)
+        let added = self.baseline.filter(|baseline| !self.shadings.contains(baseline));
+        let all: Vec<Shading> = added.into_iter().chain(self.shadings.iter().copied()).collect();
+        each_once(&all)
     }
 
     /// Returns the part of the scene that has to fit into the picture.

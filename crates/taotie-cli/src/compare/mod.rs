@@ -10,21 +10,27 @@ mod text;
 pub use args::CompareArgs;
 
 use crate::console::{self, Bar};
+use crate::stop;
 use crate::studio::{self, Viewpoint, in_pool};
 use anyhow::{Context, Result};
+use reference::Reference;
 use std::path::Path;
 use taotie::Progress;
 use taotie::comparison::{Comparison, ComparisonOptions, Subject};
+use taotie::io::FileSet;
 use taotie::render::{RenderSettings, SurfaceSettings};
 use taotie_report::comparison::{self, Written};
 
 /// Runs the subcommand.
 pub fn run(args: &CompareArgs) -> Result<()> {
     args.check()?;
+    let files = stop::files();
+    args.claim(&files)?;
     let (Some(model), Some(output)) = (&args.model, &args.output) else {
-        return paper::run(args.running.json, args.output.as_deref());
+        return paper::run(args.running.json, &files, args.output.as_deref());
     };
-    let written = in_pool(args.running.threads, || compare_files(args, model, output))??;
+    let places = Places { model, output, files: &files };
+    let written = in_pool(args.running.threads, || compare_files(args, &places))??;
     if args.running.json {
         return console::result(&written.document.json()?);
     }
@@ -35,19 +41,37 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     Ok(())
 }
 
-fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<Written> {
+/// The model that is compared, and where to.
+struct Places<'a> {
+    model: &'a Path,
+    output: &'a Path,
+    files: &'a FileSet,
+}
+
+fn compare_files(args: &CompareArgs, places: &Places<'_>) -> Result<Written> {
+    let Places { model, output, files } = *places;
     let mut loaded = studio::load(model, &args.material, args.bump_scale)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     args.light.note_unread(&loaded.scene, &mut warnings);
+    args.material.note_tangents(args.reads_normal_maps(), &loaded.scene, &mut warnings);
     let reference = args.reference.as_deref();
     let reference = reference
         .map(|path| reference::load(path, &args.material, &loaded.scene, &mut warnings))
         .transpose()?;
+    files.protect(&loaded.files)?;
+    let reference = match reference {
+        Some(Reference { scene, files: read }) => {
+            files.protect(read)?;
+            Some(scene)
+        }
+        None => None,
+    };
     let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
     let environment = args.light.environment(&mut warnings)?;
     let lighting = studio::lighting(&args.light, environment.as_ref(), &loaded.scene, viewpoint.at(0.0))?;
     let camera = viewpoint.camera(0.0);
     let options = ComparisonOptions { camera: Some(camera), lighting: Some(lighting), ..options(args)? };
+    reserve(files, &options, output)?;
     let name = model.display().to_string();
     let reference_name = args.reference.as_ref().map(|path| path.display().to_string());
     let mut subject = Subject::new(&name, &loaded.scene);
@@ -62,7 +86,15 @@ fn compare_files(args: &CompareArgs, model: &Path, output: &Path) -> Result<Writ
     warnings.absorb(std::mem::take(&mut comparison.warnings));
     comparison.warnings = warnings;
     console::say_warnings(&comparison.warnings);
-    Ok(comparison::write(&comparison, &page_options(args, model), output)?)
+    let written = comparison::write_in(files, &comparison, &page_options(args, model), output)?;
+    files.commit()?;
+    Ok(written)
+}
+
+/// Refuses files that are read.
+fn reserve(files: &FileSet, options: &ComparisonOptions, output: &Path) -> Result<()> {
+    let all = comparison::possible_files(options, output);
+    Ok(all.iter().try_for_each(|path| files.reserve(path))?)
 }
 
 /// All options but camera and light.
@@ -70,6 +102,7 @@ fn options(args: &CompareArgs) -> Result<ComparisonOptions> {
     Ok(ComparisonOptions {
         methods: args.methods(),
         shadings: args.shadings(),
+        baseline: args.baseline,
         points: args.points.clone(),
         matching: args.matching,
         settings: settings(args),
@@ -85,6 +118,7 @@ fn page_options(args: &CompareArgs, model: &Path) -> comparison::Options {
         heat_top_deg: args.heat_top_deg,
         material: args.material.json(),
         environment: args.light.environment_json(),
+        exr: args.exr,
     }
 }
 

@@ -3,15 +3,17 @@
 use crate::console;
 use anyhow::Result;
 use std::path::Path;
+use taotie::io::FileSet;
 use taotie_study::paper::Study;
 
-/// Prints the study as text or JSON; with `out`, writes it to that folder.
+/// Prints the study as text or JSON; with `out`, writes it to that folder, as files of a set.
 ///
 /// # Errors
 /// Where the folder cannot be made or written to.
-pub fn run(json: bool, out: Option<&Path>) -> Result<()> {
+pub fn run(json: bool, set: &FileSet, out: Option<&Path>) -> Result<()> {
     let study = Study::new();
-    let files = out.map(|folder| study.write(folder)).transpose()?.unwrap_or_default();
+    let files = out.map(|folder| study.write(set, folder)).transpose()?.unwrap_or_default();
+    set.commit()?;
     if json {
         return console::result(&study.json());
     }

@@ -2,17 +2,25 @@
 
 use crate::studio::{self, MaterialArgs};
 use anyhow::Result;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use taotie::comparison::dress_reference;
 use taotie::scene::Scene;
 use taotie::{Warnings, io};
+
+/// A reference, and the files that it was read from beside its own.
+pub struct Reference {
+    /// The reference.
+    pub scene: Scene,
+    /// The files.
+    pub files: Vec<PathBuf>,
+}
 
 /// Reads the reference, made of the material asked for, else of what it says itself, else of what the model is made of;
 /// with the factors asked for.
 ///
 /// # Errors
 /// The reader's, and those of the material.
-pub fn load(path: &Path, args: &MaterialArgs, model: &Scene, warnings: &mut Warnings) -> Result<Scene> {
+pub fn load(path: &Path, args: &MaterialArgs, model: &Scene, warnings: &mut Warnings) -> Result<Reference> {
     let mut loaded = io::load_model(path)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mut scene = loaded.scene;
@@ -21,7 +29,7 @@ pub fn load(path: &Path, args: &MaterialArgs, model: &Scene, warnings: &mut Warn
         None => dress_reference(&mut scene, model)?,
     }
     args.factors().apply(&mut scene)?;
-    Ok(scene)
+    Ok(Reference { scene, files: loaded.files })
 }
 
 fn dress_as_chosen(scene: &mut Scene, choice: &str) -> Result<()> {

@@ -1,19 +1,18 @@
 //! The text that a comparison prints.
 
 use taotie::compare::Summary;
-use taotie::comparison::MethodReport;
+use taotie::comparison::{MethodReport, PictureFigures};
 use taotie_report::comparison::Document;
 use taotie_report::summary::figures;
 use taotie_report::table::Table;
 
 /// The angular errors, each shading's picture errors, and what was not drawn.
 pub fn of(report: &Document) -> String {
-    let mut text = format!("Angular error against {}, degrees\n", report.against);
-    text += &angles(report).lines(0);
-    text += "* only pixels away from silhouettes\n";
-    for (i, picture) in report.methods[0].pictures.iter().enumerate() {
-        text += &format!("\nPictures under {} against {}\n", picture.shading, report.against);
-        text += &pictures(report, i).lines(0);
+    let mut text = if report.is_compared() { surfaces(report) } else { String::new() };
+    if let Some(model) = report.methods[0].models.first() {
+        let gap = if text.is_empty() { "" } else { "\n" };
+        text += &format!("{gap}Pictures of each surface against its own under {}\n", model.baseline);
+        text += &models(report).lines(0);
     }
     if !report.skipped.is_empty() || !report.notes.is_empty() {
         text += "\n";
@@ -23,6 +22,18 @@ pub fn of(report: &Document) -> String {
     }
     for note in &report.notes {
         text += &format!("{note}\n");
+    }
+    text
+}
+
+/// The figures of surfaces against one another.
+fn surfaces(report: &Document) -> String {
+    let mut text = format!("Angular error against {}, degrees\n", report.against);
+    text += &angles(report).lines(0);
+    text += "* only pixels away from silhouettes\n";
+    for (i, picture) in report.methods[0].pictures.iter().enumerate() {
+        text += &format!("\nPictures under {} against {}\n", picture.shading, report.against);
+        text += &pictures(report, i).lines(0);
     }
     text
 }
@@ -53,9 +64,24 @@ fn pictures(report: &Document, i: usize) -> Table {
 }
 
 fn picture_row(method: &MethodReport, i: usize) -> Option<[String; 5]> {
-    let figures = method.pictures[i].difference.as_ref()?;
+    let [rmse, psnr, ssim, flip] = picture_figures(method.pictures[i].difference.as_ref()?);
+    Some([method.method.clone(), rmse, psnr, ssim, flip])
+}
+
+fn models(report: &Document) -> Table {
+    let mut table = Table::new(&["method", "shading", ">RMSE", ">PSNR dB", ">SSIM", ">FLIP"]);
+    for method in &report.methods {
+        for model in &method.models {
+            let [rmse, psnr, ssim, flip] = picture_figures(&model.difference);
+            table.row([method.method.clone(), model.shading.clone(), rmse, psnr, ssim, flip]);
+        }
+    }
+    table
+}
+
+fn picture_figures(figures: &PictureFigures) -> [String; 4] {
     let psnr = figures.psnr.map_or_else(|| "equal".into(), |psnr| format!("{psnr:.2}"));
     let flip = figures.flip.as_ref().map_or_else(|| "-".into(), |flip| format!("{:.4}", flip.mean));
     let [rmse, ssim] = [figures.rmse, figures.ssim].map(|figure| format!("{figure:.4}"));
-    Some([method.method.clone(), rmse, psnr, ssim, flip])
+    [rmse, psnr, ssim, flip]
 }

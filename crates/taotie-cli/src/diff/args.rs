@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use taotie::Warnings;
 use taotie::compare::{NormalEncoding, PIXELS_PER_DEGREE};
 use taotie::comparison::diff::{self, DiffOptions, ImageContent, Metric};
-use taotie::io;
+use taotie::io::FileSet;
 use taotie::math::Vec3;
 use taotie::names::Named;
 
@@ -139,7 +139,13 @@ impl DiffArgs {
         if heat.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
             bail!("{}: heat maps are written as .png", heat.display());
         }
-        Ok(io::check_writable(heat)?)
+        Ok(())
+    }
+
+    /// Refuses a heat map that cannot be written, or that is read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        files.protect([&self.a, &self.b])?;
+        Ok(self.heat.iter().try_for_each(|heat| files.claim(heat))?)
     }
 
     fn check_meaning(&self) -> Result<()> {

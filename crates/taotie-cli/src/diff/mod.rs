@@ -9,17 +9,20 @@ mod report;
 pub use args::DiffArgs;
 
 use crate::console::{self, Bar};
-use crate::{Outcome, studio};
+use crate::{Outcome, stop, studio};
 use anyhow::{Result, bail};
 use report::Report;
 use taotie::comparison::diff::{DiffOptions, Encoding, ImagePair, Metric, NamedBitmap, guessed_encoding};
 use taotie::image::Bitmap;
+use taotie::io::FileSet;
 use taotie::{Progress, io};
 
 /// Runs the subcommand.
 pub fn run(args: &DiffArgs) -> Result<Outcome> {
     args.check()?;
-    let report = studio::in_pool(args.threads, || compare(args))??;
+    let files = stop::files();
+    args.claim(&files)?;
+    let report = studio::in_pool(args.threads, || compare(args, &files))??;
     match print(args, &report) {
         // A reader that went away still gets the exit code.
         Err(error) if !console::is_broken_pipe(&error) => return Err(error),
@@ -46,7 +49,7 @@ struct Files {
     bitmaps: [Bitmap; 2],
 }
 
-fn compare(args: &DiffArgs) -> Result<Report> {
+fn compare(args: &DiffArgs, set: &FileSet) -> Result<Report> {
     let files = Files {
         names: [&args.a, &args.b].map(|path| path.display().to_string()),
         bitmaps: [io::read_bitmap(&args.a)?, io::read_bitmap(&args.b)?],
@@ -66,7 +69,8 @@ fn compare(args: &DiffArgs) -> Result<Report> {
     };
     let figures = pair.figures(&options, Progress::new(&listener))?;
     if let Some(path) = &args.heat {
-        heat::write(args, path, &pair)?;
+        heat::write(set, args, path, &pair)?;
+        set.commit()?;
     }
     Ok(Report::new(args, &files, &pair, figures))
 }

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use taotie::image::Wrap;
-use taotie::io;
+use taotie::io::FileSet;
 use taotie::surface::TangentMethod;
 
 const EXAMPLES: &str = "\
@@ -124,6 +124,12 @@ impl NormalsArgs {
         if self.output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
             bail!("{}: normal maps are written as .png", self.output.display());
         }
-        Ok(io::check_writable(&self.output)?)
+        Ok(())
+    }
+
+    /// Refuses a map that cannot be written, or that is read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        files.protect(std::iter::once(&self.input).chain(&self.mesh))?;
+        Ok(files.claim(&self.output)?)
     }
 }

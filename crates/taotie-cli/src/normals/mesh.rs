@@ -5,18 +5,20 @@ use anyhow::{Context, Result, bail};
 use std::path::Path;
 use taotie::Warnings;
 use taotie::bake::{TexelGrid, TexelSurface};
-use taotie::io::{self, Loaded};
+use taotie::io::{self, FileSet, Loaded};
 use taotie::normal_map::lay_out;
 
 /// The mesh of the model asked for on a map of `size`, with the frames that the renderer gives it; `None` where no model
-/// was asked for.
+/// was asked for. Its files are kept from being written over.
 pub fn laid_out(
     args: &NormalsArgs,
+    files: &FileSet,
     [width, height]: [u32; 2],
     warnings: &mut Warnings,
 ) -> Result<Option<TexelSurface>> {
     let Some(path) = &args.mesh else { return Ok(None) };
     let mut loaded = io::load_model(path)?;
+    files.protect(&loaded.files)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mesh = &loaded.scene.meshes()[part(args, path, &loaded)?];
     let grid = TexelGrid { width, height, uv_set: args.uv_set, padding: args.dilation };

@@ -9,20 +9,23 @@ mod unread;
 pub use args::NormalsArgs;
 
 use crate::studio::Green;
-use crate::{console, studio};
+use crate::{console, stop, studio};
 use anyhow::{Result, bail};
 use args::Border;
 use report::Report;
+use taotie::Warnings;
 use taotie::bake::TexelSurface;
 use taotie::image::Encoding;
+use taotie::io::FileSet;
 use taotie::normal_map::{ConversionOptions, MapContent, MapSource, convert_map};
 use taotie::scene::NormalSpace;
-use taotie::{Warnings, io};
 
 /// Runs the subcommand.
 pub fn run(args: &NormalsArgs) -> Result<()> {
     args.check()?;
-    let (report, warnings) = studio::in_pool(args.threads, || convert(args))??;
+    let files = stop::files();
+    args.claim(&files)?;
+    let (report, warnings) = studio::in_pool(args.threads, || convert(args, &files))??;
     console::say_warnings(&warnings);
     if args.json {
         return console::result(&serde_json::to_string_pretty(&report)?);
@@ -30,17 +33,18 @@ pub fn run(args: &NormalsArgs) -> Result<()> {
     console::result(&report.text())
 }
 
-fn convert(args: &NormalsArgs) -> Result<(Report, Warnings)> {
+fn convert(args: &NormalsArgs, files: &FileSet) -> Result<(Report, Warnings)> {
     let source = input::read(args)?;
     let mut warnings = Warnings::default();
     unread::note(args, &source, &mut warnings);
     let size = [source.bitmap.width(), source.bitmap.height()];
-    let surface = mesh::laid_out(args, size, &mut warnings)?;
+    let surface = mesh::laid_out(args, files, size, &mut warnings)?;
     let options = options(args);
     check(&source, &options, surface.as_ref())?;
     let made = convert_map(&source, &options, surface.as_ref())?;
     warnings.absorb(made.warnings.clone());
-    io::write_png_bitmap(&args.output, &made.bitmap, Encoding::Linear)?;
+    files.write_png_bitmap(&args.output, &made.bitmap, Encoding::Linear)?;
+    files.commit()?;
     Ok((Report::new(args, &source, &made, &warnings), warnings))
 }
 

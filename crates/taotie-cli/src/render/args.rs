@@ -4,12 +4,14 @@ use super::integrator::IntegratorArgs;
 use super::output::Formats;
 use super::plan::MotionArgs;
 use crate::options;
-use crate::studio::{CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs};
+use crate::studio::{
+    self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs, RunningArgs,
+};
 use anyhow::{Result, bail};
 use clap::Args;
 use std::path::PathBuf;
 use taotie::Warnings;
-use taotie::io::{self, ImageFormat};
+use taotie::io::{FileSet, ImageFormat};
 use taotie::names::Named;
 use taotie::render::{Aovs, RenderSettings, SurfaceSettings};
 use taotie::scene::Scene;
@@ -96,8 +98,15 @@ impl RenderArgs {
         self.integrator.check(self)?;
         self.running.check()?;
         self.motion.check()?;
-        self.check_picture(Formats::of(self)?.still)?;
-        Ok(io::check_writable(&self.output)?)
+        self.check_picture(Formats::of(self)?.still)
+    }
+
+    /// Refuses a picture that cannot be written, or that is read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        files.protect([&self.model])?;
+        files.protect(studio::material_files(&self.material)?)?;
+        files.protect(self.light.environment_file())?;
+        Ok(files.claim(&self.output)?)
     }
 
     /// Refuses maps that the source of shading normals does not read.
@@ -124,6 +133,9 @@ impl RenderArgs {
     /// Notes what is asked for and not seen in this model: shadows without lights, heights that normal maps hide.
     pub fn note_unread(&self, scene: &Scene, warnings: &mut Warnings) {
         self.light.note_unread(scene, warnings);
+        let maps = [SurfaceMethod::ObjectNormal, SurfaceMethod::TangentNormal];
+        let reads = self.surface.is_none_or(|surface| maps.contains(&surface));
+        self.material.note_tangents(reads, scene, warnings);
         let asked = self.bump_scale.is_some() || self.material.height_map.is_some();
         let mut lifted = scene.materials().iter().filter(|material| material.height.is_some()).peekable();
         if self.surface.is_none() && asked && lifted.peek().is_some() && lifted.all(|m| m.normal.is_some()) {
@@ -135,6 +147,9 @@ impl RenderArgs {
     fn check_picture(&self, format: ImageFormat) -> Result<()> {
         if format != ImageFormat::Exr {
             return Ok(());
+        }
+        if self.motion.turntable.is_some() && self.motion.fps.is_some() {
+            bail!("--fps: .exr pictures of a turn are no animation; leave it out, or write a .png or .gif");
         }
         if self.bits.is_some() {
             bail!("--bits: an .exr holds 32-bit floats; leave it out, or write a .png");

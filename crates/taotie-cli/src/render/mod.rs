@@ -8,14 +8,15 @@ mod sequence;
 
 pub use args::RenderArgs;
 
-use crate::console;
 use crate::studio::{self, Motion, in_pool};
+use crate::{console, stop};
 use anyhow::Result;
 use sequence::{Setting, Shooting};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use taotie::Warnings;
+use taotie::io::FileSet;
 use taotie::names::Named;
 
 /// Version of the JSON that `--json` prints.
@@ -39,7 +40,9 @@ struct Report {
 /// Runs the subcommand.
 pub fn run(args: &RenderArgs) -> Result<()> {
     args.check()?;
-    let report = in_pool(args.running.threads, || render(args))??;
+    let files = stop::files();
+    args.claim(&files)?;
+    let report = in_pool(args.running.threads, || render(args, &files))??;
     console::say_warnings(&report.warnings);
     if args.running.json {
         return console::result(&serde_json::to_string_pretty(&report.json(args))?);
@@ -50,7 +53,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     Ok(())
 }
 
-fn render(args: &RenderArgs) -> Result<Report> {
+fn render(args: &RenderArgs, set: &FileSet) -> Result<Report> {
     let mut watch = Watch::new();
     let mut sky_warnings = Warnings::default();
     let (loaded, environment) = rayon::join(
@@ -58,6 +61,7 @@ fn render(args: &RenderArgs) -> Result<Report> {
         || args.light.environment(&mut sky_warnings),
     );
     let (mut loaded, environment) = (loaded?, environment?);
+    set.protect(&loaded.files)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     warnings.absorb(sky_warnings);
     args.note_unread(&loaded.scene, &mut warnings);
@@ -75,7 +79,7 @@ fn render(args: &RenderArgs) -> Result<Report> {
     };
     watch.lap("prepare");
     let plan = args.motion.plan(motion.as_ref().map_or(0.0, Motion::seconds))?;
-    let mut sequence = Shooting::new(args, settings, &plan, watch)?.within(environment);
+    let mut sequence = Shooting::new(args, settings, &plan, watch)?.within(environment).into_set(set)?;
     let files = sequence.take(&mut loaded.scene, motion.as_ref(), &mut warnings)?;
     let animation = motion.map(|motion| motion.name());
     let triangles = loaded.scene.triangle_count();

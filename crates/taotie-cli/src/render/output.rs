@@ -5,7 +5,7 @@ use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use taotie::film::{Development, ToneCurve};
 use taotie::image::Image;
-use taotie::io::{AnimationFormat, ImageFormat, write_image};
+use taotie::io::{AnimationFormat, FileSet, ImageFormat};
 use taotie::render::Frame;
 
 /// The file formats of the pictures of a run.
@@ -53,17 +53,28 @@ pub fn numbered(path: &Path, format: ImageFormat, index: usize, count: usize) ->
     path.with_extension(format!("{index:0digits$}.{}", extension(format)))
 }
 
-/// Writes a frame and the output variables asked for; returns the files.
-pub fn write(args: &RenderArgs, path: &Path, format: ImageFormat, frame: &Frame) -> Result<Vec<PathBuf>> {
-    write_image(path, &frame.color, &args.film.development(args.running.simd)?, format)?;
+/// Returns the files of a picture at `path`: its own, and those of the output variables asked for.
+pub fn targets(args: &RenderArgs, path: &Path) -> Vec<PathBuf> {
+    let variables = args.aovs.iter().flat_map(|name| variable(path, name));
+    std::iter::once(path.to_path_buf()).chain(variables).collect()
+}
+
+/// Returns the files of an output variable: exact, and to be looked at.
+fn variable(path: &Path, name: &str) -> [PathBuf; 2] {
+    ["exr", "png"].map(|extension| path.with_extension(format!("{name}.{extension}")))
+}
+
+/// Writes a frame and the output variables asked for as files of a set; returns the files.
+pub fn write(set: &FileSet, args: &RenderArgs, path: &Path, frame: &Frame) -> Result<Vec<PathBuf>> {
+    let development = args.film.development(args.running.simd)?;
+    set.write_image(path, &frame.color, &development, Formats::of(args)?.still)?;
     let mut files = vec![path.to_path_buf()];
     let named = frame.aovs.iter().flat_map(|aovs| aovs.named());
     for (name, image) in named.filter(|(name, _)| args.aovs.iter().any(|asked| asked == name)) {
-        let exact = path.with_extension(format!("{name}.exr"));
-        write_image(&exact, image, &Development::default(), ImageFormat::Exr)?;
-        let visible = path.with_extension(format!("{name}.png"));
+        let [exact, visible] = variable(path, name);
+        set.write_image(&exact, image, &Development::default(), ImageFormat::Exr)?;
         let development = Development { tone: ToneCurve::Linear, background: None, ..Development::default() };
-        write_image(&visible, &to_look_at(name, image), &development, ImageFormat::Png8)?;
+        set.write_image(&visible, &to_look_at(name, image), &development, ImageFormat::Png8)?;
         files.extend([exact, visible]);
     }
     Ok(files)

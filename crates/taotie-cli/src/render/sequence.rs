@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use std::path::PathBuf;
 use taotie::film::{self, Development};
 use taotie::image::{Image, Texels};
-use taotie::io::{AnimatedImage, AnimationSpec, ImageFormat, write_developed};
+use taotie::io::{AnimatedImage, AnimationSpec, FileSet, ImageFormat};
 use taotie::render::{EnvironmentLight, Frame, Lighting, RenderSettings, Renderer, Shot, reference};
 use taotie::scene::{Camera, Scene};
 use taotie::studio::{CameraParameters, LightParameters, Sequence, SequenceFrame};
@@ -42,6 +42,8 @@ pub struct Shooting<'a> {
     development: Development,
     plan: &'a Sequence,
     environment: Option<EnvironmentLight>,
+    /// The set that the pictures go to.
+    set: FileSet,
     /// The camera and the light of the first picture.
     pub setting: Option<Setting>,
     /// The time of each stage.
@@ -68,6 +70,7 @@ impl<'a> Shooting<'a> {
             development,
             plan,
             environment: None,
+            set: FileSet::new(),
             setting: None,
             watch,
             done: 0,
@@ -78,6 +81,23 @@ impl<'a> Shooting<'a> {
     /// With light from all around.
     pub fn within(self, environment: Option<EnvironmentLight>) -> Self {
         Self { environment, ..self }
+    }
+
+    /// As files of a set, none of which may be one that is read.
+    pub fn into_set(self, set: &FileSet) -> Result<Self> {
+        let paths = (0..self.plan.shots.len()).map(|index| self.path(index));
+        for path in paths.flat_map(|path| output::targets(self.args, &path)) {
+            set.claim(&path)?;
+        }
+        Ok(Self { set: set.clone(), ..self })
+    }
+
+    /// Returns the path of a picture.
+    fn path(&self, index: usize) -> PathBuf {
+        match self.args.motion.takes_several() {
+            true => output::numbered(&self.args.output, self.formats.still, index, self.plan.shots.len()),
+            false => self.args.output.clone(),
+        }
     }
 
     /// Renders and writes all of them; returns the files.
@@ -117,6 +137,7 @@ impl<'a> Shooting<'a> {
             picture.finish()?;
             self.files.push(self.args.output.clone());
         }
+        self.set.commit()?;
         self.watch.lap("write");
         Ok(std::mem::take(&mut self.files))
     }
@@ -131,7 +152,7 @@ impl<'a> Shooting<'a> {
             seconds: self.plan.seconds,
             alpha: self.development.background.is_none(),
         };
-        Ok(Some(AnimatedImage::create(&self.args.output, &spec)?))
+        Ok(Some(AnimatedImage::create(&self.set, &self.args.output, &spec)?))
     }
 
     fn render(&mut self, stage: &mut Stage<'_>, planned: &SequenceFrame) -> Result<Picture> {
@@ -164,14 +185,10 @@ impl<'a> Shooting<'a> {
     }
 
     fn write(&mut self, picture: Picture, moving: Option<&mut AnimatedImage>) -> Result<()> {
-        let still = self.formats.still;
-        let path = match self.args.motion.takes_several() {
-            true => output::numbered(&self.args.output, still, self.done, self.plan.shots.len()),
-            false => self.args.output.clone(),
-        };
+        let path = self.path(self.done);
         match picture {
             Picture::Linear(frame) => {
-                self.files.extend(output::write(self.args, &path, still, &frame)?);
+                self.files.extend(output::write(&self.set, self.args, &path, &frame)?);
                 if let Some(moving) = moving {
                     moving.add(&self.developed(&frame.color)?)?;
                 }
@@ -181,7 +198,7 @@ impl<'a> Shooting<'a> {
                     moving.add(&codes)?;
                 }
                 let size = [self.settings.width, self.settings.height];
-                write_developed(&path, size, &self.development, Texels::U8(codes))?;
+                self.set.write_developed(&path, size, &self.development, Texels::U8(codes))?;
                 self.files.push(path);
             }
         }

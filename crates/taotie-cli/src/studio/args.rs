@@ -4,6 +4,7 @@ use crate::options;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use serde_json::json;
+use std::path::PathBuf;
 use taotie::Warnings;
 use taotie::film::{Development, ToneCurve};
 use taotie::math::{SimdLevel, Vec3};
@@ -78,6 +79,14 @@ impl LightArgs {
     /// The studio or a file; `None` where there is to be none.
     fn environment_name(&self) -> Option<&str> {
         self.env.as_deref().filter(|name| EnvironmentSource::named(name).is_some())
+    }
+
+    /// Returns the file of the environment; `None` for the studio and where there is to be none.
+    pub fn environment_file(&self) -> Option<PathBuf> {
+        match self.env.as_deref().and_then(EnvironmentSource::named) {
+            Some(EnvironmentSource::File(path)) => Some(path),
+            _ => None,
+        }
     }
 
     /// Reads the environment asked for and filters it, or takes it from the cache.

@@ -13,7 +13,7 @@ pub use taotie::studio::{Framing, Motion};
 pub use viewpoint::Viewpoint;
 
 use anyhow::{Context, Result, anyhow};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use taotie::io::Loaded;
 use taotie::render::{EnvironmentLight, Lighting};
 use taotie::scene::Scene;
@@ -27,6 +27,11 @@ pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>) -> Resu
     let Loaded { scene, warnings, .. } = &mut loaded;
     unread::note(args, height_scale, scene, warnings);
     Ok(loaded)
+}
+
+/// Returns the files that are read for the materials asked for.
+pub fn material_files(args: &MaterialArgs) -> Result<Vec<PathBuf>> {
+    args.options(None).files().map_err(|error| of_material(args.material.as_deref(), error))
 }
 
 /// Puts a preset or what a TOML file asks for into every material of the scene.

@@ -5,10 +5,11 @@ use anyhow::{Result, bail};
 use clap::{ArgAction, Args, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
+use taotie::Warnings;
 use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::render::{GrazingNormals, RenderSettings};
-use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::scene::{GreenChannel, Material, NormalSpace, Scene};
 use taotie::shade::{Energy, Shading};
 use taotie::studio::{MapOptions, MaterialFactors, MaterialOptions};
 use taotie::surface::TangentMethod;
@@ -98,6 +99,19 @@ impl From<Green> for GreenChannel {
 }
 
 impl MaterialArgs {
+    /// Notes tangents that nothing reads though a material would: no normal map is read, no highlight is stretched, and no
+    /// clearcoat has a normal map of its own.
+    pub fn note_tangents(&self, reads_normal_maps: bool, scene: &Scene, warnings: &mut Warnings) {
+        let materials = scene.materials();
+        let has_coat_map =
+            |material: &Material| material.clearcoat.as_ref().is_some_and(|c| c.normal.is_some());
+        let stretched = materials.iter().any(|m| m.anisotropy.is_some() || has_coat_map(m));
+        let mapped = materials.iter().any(|material| material.normal.is_some());
+        // Without any map that is told where the model is read.
+        let unread = self.tangents.is_some() && mapped && !stretched && !reads_normal_maps;
+        warnings.note("--tangents is not read: no normal map is read", usize::from(unread));
+    }
+
     /// The materials asked for. `height_scale` is the height of white in model units, where it was asked for.
     pub fn options(&self, height_scale: Option<f64>) -> MaterialOptions {
         let maps = MapOptions {

@@ -271,9 +271,9 @@ fn packed_forms() {
 fn uses_choose_what_is_not_asked_for() {
     let place = pair();
     let cases = [
-        ("web", "normals in 8 bits; WebP; colours as JPEG of quality 85; meshopt", "webp", true, 8),
+        ("web", "normals in 8 bits; WebP; colours of quality 85; meshopt", "webp", true, 8),
         ("archive", "normals in 16 bits; PNG", "png", false, 16),
-        ("engine", "normals in 8 bits; KTX2", "ktx2", false, 8),
+        ("engine", "normals in 8 bits; KTX2; RDO of 2", "ktx2", false, 8),
     ];
     for (name, chosen, images, meshopt, bits) in cases {
         let line =
@@ -296,12 +296,15 @@ fn uses_choose_what_is_not_asked_for() {
     assert!(said.contains(chosen), "{said}");
 }
 
-/// KTX2 that is asked for packs colours too, and bits are chosen for normals alone.
+/// Packings that are asked for lose no more than they must, and bits are chosen for normals alone.
 #[test]
 fn uses_choose_nothing_that_does_not_fit() {
     let place = pair();
-    let cases =
-        [("web --ktx2", "normals in 8 bits; KTX2; meshopt", "ktx2"), ("archive --maps albedo", "PNG", "png")];
+    let cases = [
+        ("web --ktx2", "normals in 8 bits; KTX2; meshopt", "ktx2"),
+        ("web --webp", "normals in 8 bits; WebP; meshopt", "webp"),
+        ("archive --maps albedo", "PNG", "png"),
+    ];
     for (options, chosen, images) in cases {
         let line =
             format!("bake scan.obj --low low.obj -o out.glb --size 32 --no-verify --json --for {options}");
@@ -312,11 +315,49 @@ fn uses_choose_nothing_that_does_not_fit() {
         let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
         let parameters = &report["parameters"];
         assert_eq!(
-            (&parameters["images"], &parameters["jpeg"], &parameters["bits"]),
-            (&json!(images), &Value::Null, &json!(8)),
+            (&parameters["images"], &parameters["webp_quality"], &parameters["uastc_rdo"]),
+            (&json!(images), &Value::Null, &Value::Null),
             "{options}"
         );
+        assert_eq!(parameters["bits"], 8, "{options}");
     }
+}
+
+/// Normals lose nothing, so that nothing is chosen for them.
+#[test]
+fn uses_choose_no_loss_for_normals() {
+    let place = pair();
+    let line = "bake scan.obj -o out.glb --triangles 800 --size 64 --no-verify --maps normal";
+    for (name, chosen) in [("web", "WebP; meshopt"), ("engine", "KTX2")] {
+        let assert = place.taotie(&format!("{line} --for {name}")).assert().success();
+        let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+        let parts = "800 triangles; maps of 64×64; normals in 8 bits";
+        assert!(said.contains(&format!("--for {name}: {parts}; {chosen}\n")), "{said}");
+        assert!(!said.contains("not read"), "{said}");
+    }
+}
+
+/// The losses that are asked for reach the files.
+#[test]
+fn lossy_textures() {
+    let place = pair();
+    let bake = |options: &str| {
+        let maps = "--maps normal,albedo,roughness";
+        let line = format!("bake scan.obj --low low.obj -o out.gltf --size 64 {maps} --no-verify --json");
+        let report = place.json(&format!("{line} {options}"));
+        let parameters = report["parameters"].clone();
+        (parameters["webp_quality"].clone(), parameters["uastc_rdo"].clone())
+    };
+    assert_eq!(bake("--webp"), (Value::Null, Value::Null));
+    let names = ["out_color.webp", "out_normal.webp", "out_metallic_roughness.webp"];
+    let whole = names.map(|name| place.read(name));
+    assert_eq!(bake("--webp --webp-quality 40"), (json!(40), Value::Null));
+    let lossy = names.map(|name| place.read(name));
+    // RIFF's chunk for lossy pictures is `VP8 `, that for lossless ones `VP8L`.
+    assert_eq!((&lossy[0][12..16], &whole[0][12..16]), (&b"VP8 "[..], &b"VP8L"[..]));
+    assert!(lossy[1] == whole[1], "normals stay as they are");
+    assert_eq!(&lossy[2][12..16], b"VP8L");
+    assert_eq!(bake("--ktx2 --uastc-rdo 4"), (Value::Null, json!(4)));
 }
 
 #[test]

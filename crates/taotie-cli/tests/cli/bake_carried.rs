@@ -10,7 +10,7 @@ use taotie::mesh::Mesh;
 use taotie::scene::{AlphaMode, Clearcoat, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
 /// A ball with a colour for each vertex, red to one side and green to the other.
-fn colored(ball: Ball) -> String {
+pub fn colored(ball: Ball) -> String {
     let color = |line: &str| match line.split(' ').collect::<Vec<_>>()[..] {
         ["v", x, _, _] => format!("{line} {}\n", if x.starts_with('-') { "1 0 0" } else { "0 1 0" }),
         _ => format!("{line}\n"),
@@ -30,7 +30,7 @@ fn mesh(place: &Place, name: &str) -> Mesh {
 }
 
 /// Writes a scan of one ball for each material, side by side.
-fn write_scan(place: &Place, materials: Vec<Material>) {
+pub fn write_scan(place: &Place, materials: Vec<Material>) {
     place.write("ball.obj", SCAN.obj());
     let placed = |material: usize| {
         let world_from_object = Mat4::translation(Vec3::new(3.0 * material as f64, 0.0, 0.0));

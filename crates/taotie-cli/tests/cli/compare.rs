@@ -126,7 +126,8 @@ fn every_file_is_there_and_named_in_the_report() {
     let line =
         "square.obj --reference flat.obj --method smooth,tangent-normal --shading ggx,cook-torrance-printed";
     let report = compared(&place, line);
-    let mut named = vec!["sheet.png".to_string(), "report.json".into(), "report.html".into()];
+    let files = ["sheet.png", "report.json", "report.html", "angles.csv", "pictures.csv", "points.csv"];
+    let mut named = files.map(str::to_owned).to_vec();
     let name = |value: &Value| value.as_str().expect("a name").to_string();
     for method in report["methods"].as_array().unwrap() {
         named.push(name(&method["normals"]));
@@ -151,6 +152,10 @@ fn every_file_is_there_and_named_in_the_report() {
     assert_eq!(written, report);
     let page = String::from_utf8(place.read("out/report.html")).unwrap();
     assert!(page.contains("square.obj") && page.contains("data:image/png;base64,"));
+    assert!(
+        page.contains("Nearest to reference: smooth, 0.00° off on average"),
+        "the page opens with a verdict"
+    );
 }
 
 #[test]
@@ -196,6 +201,96 @@ fn models_far_apart_are_warned_about() {
 }
 
 #[test]
+fn shading_models_are_measured_against_a_baseline_on_the_same_surface() {
+    let place = tilted(20.0);
+    let line = "square.obj --method tangent-normal --shading lambert,ggx --baseline ggx";
+    let report = compared(&place, line);
+    let [model] = method(&report, "tangent-normal")["models"].as_array().unwrap().as_slice() else {
+        panic!("one model beside the baseline: {report}")
+    };
+    assert_eq!((&model["shading"], &model["baseline"]), (&"lambert".into(), &"ggx".into()));
+    let figures = &model["difference"];
+    // What `taotie diff` measures between the same two pictures.
+    let pictures = ["ggx", "lambert"].map(|shading| format!("out/tangent-normal.{shading}.png"));
+    let apart = place.json(&format!("diff {} {} --encoding color --json", pictures[0], pictures[1]));
+    let [told, measured] = [figures, &apart["metrics"]].map(|of| of["rmse"].as_f64().expect("a number"));
+    assert!(told > 1e-3 && (told - measured).abs() < 1e-6, "{told} against {measured}");
+    place.read("out/tangent-normal.lambert-ggx.flip.png");
+    let text = place.taotie(&format!("compare {line} {FRONT} -o out")).assert().success();
+    let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
+    assert!(text.contains("Pictures of each surface against its own under ggx"), "{text}");
+}
+
+#[test]
+fn a_baseline_that_no_one_named_is_added() {
+    let place = tilted(20.0);
+    let report = compared(&place, "square.obj --method smooth --baseline lambert");
+    assert_eq!(report["parameters"]["shadings"], serde_json::json!(["lambert", "ggx"]));
+    assert_eq!(method(&report, "smooth")["models"][0]["shading"], "ggx");
+}
+
+/// The texels of an OpenEXR file.
+fn exact(place: &Place, name: &str) -> Vec<[f32; 4]> {
+    let bitmap = taotie::io::read_bitmap(&place.path(name)).expect("it is a picture");
+    let taotie::image::Texels::F32(texels) = bitmap.texels() else { panic!("{name}: floats") };
+    texels.clone()
+}
+
+#[test]
+fn normals_and_angles_are_written_as_numbers() {
+    let place = tilted(20.0);
+    compared(&place, "square.obj --reference flat.obj --method tangent-normal --exr");
+    let inside = |texel: &&[f32; 4]| texel[3] == 1.0;
+    let [x, z] = [scalar::sin(20f64.to_radians()), scalar::cos(20f64.to_radians())];
+    let normals = exact(&place, "out/tangent-normal.normals.exr");
+    assert!(normals.iter().filter(inside).count() > 500);
+    for [nx, ny, nz, _] in normals.iter().filter(inside) {
+        let off = [f64::from(*nx) - x, f64::from(*ny), f64::from(*nz) - z];
+        assert!(off.iter().all(|part| part.abs() < 1e-3), "{off:?}");
+    }
+    let angles = exact(&place, "out/tangent-normal.error.exr");
+    assert_eq!(angles.len(), 64 * 64);
+    for [a, b, c, covered] in angles {
+        match covered == 1.0 {
+            true => assert!((a - 20.0).abs() < 0.01 && a == b && b == c, "{a}"),
+            false => assert_eq!([a, b, c, covered], [0.0; 4]),
+        }
+    }
+    assert!(!place.path("out/reference.error.exr").exists(), "it has no error");
+    assert_eq!(exact(&place, "out/reference.normals.exr").len(), 64 * 64);
+}
+
+#[test]
+fn tables_are_written_as_csv() {
+    let place = tilted(20.0);
+    let line = "square.obj --reference flat.obj --method smooth,bump:5,tangent-normal --baseline phong";
+    let report = compared(&place, line);
+    let table = |name: &str| -> Vec<Vec<String>> {
+        let text = String::from_utf8(place.read(name)).unwrap();
+        text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let angles = table("out/angles.csv");
+    assert_eq!(angles[0][..5], ["method", "against", "pixels", "count", "mean_deg"]);
+    let row = angles.iter().find(|row| row[0] == "tangent-normal" && row[2] == "inner").unwrap();
+    assert_eq!(row[1], "reference");
+    let is = |written: &str, told: f64| {
+        let written: f64 = written.parse().expect("a number");
+        assert!((written - told).abs() < 1e-12, "{written} {told}");
+    };
+    is(&row[4], error(&report, "tangent-normal", "inner", "mean"));
+    let pictures = table("out/pictures.csv");
+    let row = |sides: [&str; 4]| pictures.iter().find(|row| row[..4] == sides).expect("it is listed").clone();
+    let told = &method(&report, "smooth")["pictures"][1]["difference"]["rmse"];
+    is(&row(["smooth", "ggx", "reference", "ggx"])[4], told.as_f64().unwrap());
+    let told = &method(&report, "reference")["models"][0]["difference"]["ssim"];
+    is(&row(["reference", "ggx", "reference", "phong"])[6], told.as_f64().unwrap());
+    let points = table("out/points.csv");
+    let methods = report["methods"].as_array().unwrap().len();
+    assert_eq!(points.len(), 1 + 10 * methods);
+    assert!(points.iter().all(|row| row.len() == points[0].len()));
+}
+
+#[test]
 fn refuses_in_one_line() {
     let place = tilted(0.0);
     let refused = |line: &str| {
@@ -203,6 +298,10 @@ fn refuses_in_one_line() {
         String::from_utf8(assert.get_output().stderr.clone()).unwrap()
     };
     let wrong = [
+        ("compare square.obj -o out --baseline ggx", "--shading names no other model"),
+        ("compare square.obj -o out --baseline gxx", "cook-torrance"),
+        ("compare --paper --exr -o out", "cannot be used with"),
+        ("compare square.obj -o out --method smooth", "a --reference, or a --baseline"),
         (
             "compare square.obj -o out --points 64,0 --size 64x64",
             "pixel 64,0 lies outside the picture of 64×64",
@@ -226,4 +325,18 @@ fn refuses_in_one_line() {
         let talk = refused(line);
         assert!(talk.contains(words), "{line}: {talk}");
     }
+}
+
+#[test]
+fn one_surface_is_enough_for_shading_models() {
+    let place = tilted(20.0);
+    let line = format!("compare square.obj --method smooth --baseline lambert {FRONT} -o out");
+    let assert = place.taotie(&line).assert().success().stderr_eq("");
+    let text = String::from_utf8_lossy(&assert.get_output().stdout).into_owned();
+    assert!(text.starts_with("Pictures of each surface against its own under lambert\n"), "{text}");
+    let page = String::from_utf8(place.read("out/report.html")).unwrap();
+    assert!(page.contains("Shading models on smooth") && page.contains("shading models: FLIP"));
+    assert!(!page.contains("angular error\""), "nothing is measured against another surface");
+    let angles = String::from_utf8(place.read("out/angles.csv")).unwrap();
+    assert_eq!(angles.lines().count(), 1, "{angles}");
 }

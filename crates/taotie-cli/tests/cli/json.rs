@@ -517,6 +517,15 @@ struct ComparedMethod {
     normals: String,
     error: Option<AngularError>,
     pictures: Vec<ComparedPicture>,
+    models: Vec<ComparedModel>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ComparedModel {
+    shading: String,
+    baseline: String,
+    difference: PictureFigures,
 }
 
 #[derive(Deserialize)]
@@ -571,9 +580,10 @@ struct PointNormal {
 
 #[test]
 fn of_compare() {
-    let line = "compare a.gltf --method smooth,bump,tangent-normal --points 3 --size 48x32 -o out --json";
+    let line = "compare a.gltf --method smooth,bump,tangent-normal --points 3 --size 48x32 --baseline phong -o out --json";
     let report: CompareReport = parse(line);
-    assert_eq!((report.schema, report.kind.as_str()), (1, "taotie compare"));
+    assert_eq!((report.schema, report.kind.as_str()), (2, "taotie compare"));
+    assert_eq!(report.parameters["baseline"], "phong");
     assert_eq!((report.subject.model.as_str(), report.subject.triangles), ("a.gltf", 2));
     assert_eq!((report.against.as_str(), report.unmatched), ("smooth", 0.0));
     assert_eq!(report.parameters["size"], serde_json::json!([48, 32]));
@@ -585,6 +595,9 @@ fn of_compare() {
     );
     let [smooth, tangent] = report.methods.as_slice() else { panic!("two methods are drawn") };
     assert!(smooth.error.is_none() && smooth.pictures[0].difference.is_none());
+    let model = &tangent.models[0];
+    assert_eq!((model.shading.as_str(), model.baseline.as_str()), ("ggx", "phong"));
+    assert_eq!(model.difference.flip_map, "tangent-normal.ggx-phong.flip.png");
     let error = tangent.error.as_ref().expect("it is measured");
     let all = error.all.as_ref().expect("it is seen");
     assert!(all.mean > 0.0 && all.median <= all.p95 && all.p95 <= all.max);

@@ -65,6 +65,8 @@ struct Parameters {
     ray_distance: AutoOr,
     cage: Option<String>,
     images: String,
+    webp_quality: Option<u8>,
+    uastc_rdo: Option<u8>,
     jpeg: Option<u8>,
     meshopt: bool,
     green: String,
@@ -161,6 +163,7 @@ struct MaterialFigures {
     roughness: Option<Spread>,
     emission: Option<Spread>,
     alpha: Option<Spread>,
+    not_finite: f64,
 }
 
 #[derive(Deserialize)]
@@ -244,6 +247,8 @@ fn of_a_pair() {
         ray_distance: auto(),
         cage: None,
         images: "png".into(),
+        webp_quality: None,
+        uastc_rdo: None,
         jpeg: None,
         meshopt: false,
         green: "up".into(),

@@ -87,6 +87,7 @@ fn of_render() {
         ("a.obj -o o.png --shininess 9", "--shininess: the shading does not read it"),
         ("a.obj -o o.png --shading lambert --roughness 0", "--roughness: the shading does not read it"),
         ("a.obj -o o.png --roughness 2", "2 is not in [0, 1]"),
+        ("a.obj -o o.exr --turntable 2 --fps 8", "--fps: .exr pictures of a turn are no animation"),
         ("a.obj -o o.exr --tone aces", "--tone: an .exr holds light as it is"),
         ("a.obj -o o.exr --exposure 1", "--exposure: an .exr holds light as it is"),
         ("a.obj -o o.exr --background white", "--background: an .exr holds light as it is"),
@@ -107,6 +108,10 @@ fn of_render() {
             "--base-color-map shows one texel everywhere",
         ),
         ("a.obj -o o.png --size 8x8 --occlusion-map ball.png", "--occlusion-map shows one texel everywhere"),
+        (
+            "b.gltf -o o.png --size 8x8 --surface smooth --tangents face",
+            "--tangents is not read: no normal map is read",
+        ),
         ("b.gltf -o o.png --size 8x8 --height-map ball.png", "heights are not read: a normal map goes first"),
     ];
     warned(&place, "render", &cases);
@@ -152,10 +157,13 @@ fn of_compare() {
         ("b.gltf -o file/out", "file: it is a file; give a folder"),
     ];
     refused(&place, "compare", &cases);
-    let cases = [(
-        "a.obj -o out --size 16x16 --method smooth,facet --green down",
-        "--green is not read: no material",
-    )];
+    let cases = [
+        ("a.obj -o out --size 16x16 --method smooth,facet --green down", "--green is not read: no material"),
+        (
+            "b.gltf -o out --size 16x16 --method smooth,facet --tangents face",
+            "--tangents is not read: no normal map is read",
+        ),
+    ];
     warned(&place, "compare", &cases);
 }
 
@@ -189,6 +197,25 @@ fn of_bake() {
             "--jpeg: the asset has no base colour texture; add albedo to --maps",
         ),
         ("scan.obj -o out.glb --maps albedo --jpeg 0", "0 is not in 1..=100"),
+        (
+            "scan.obj -o out.glb --webp-quality 80",
+            "--webp-quality: textures are PNG; add --webp, or leave it out",
+        ),
+        (
+            "scan.obj -o out.glb --for engine --webp-quality 80",
+            "--webp-quality: textures are KTX2; add --webp",
+        ),
+        ("scan.obj -o out.glb --webp --uastc-rdo 2", "--uastc-rdo: textures are WebP; add --ktx2"),
+        (
+            "scan.obj -o out.glb --webp --webp-quality 80 --maps normal",
+            "--webp-quality: the asset holds no texture but normals",
+        ),
+        (
+            "scan.obj -o out.glb --ktx2 --uastc-rdo 2 --maps normal,height",
+            "--uastc-rdo: the asset holds no texture but normals",
+        ),
+        ("scan.obj -o out.glb --webp --webp-quality 0", "0 is not in 1..=100"),
+        ("scan.obj -o out.glb --ktx2 --uastc-rdo 65", "65 is not in 1..=64"),
         ("scan.obj -o a.glb", "a.report.html: it is a folder"),
         ("scan.obj -o b.glb", "b.report.json: it is a folder"),
         ("scan.obj -o c.glb", "c.glb: it is a folder"),

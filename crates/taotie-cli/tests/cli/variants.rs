@@ -53,6 +53,16 @@ fn render_shows_the_one_asked_for() {
 }
 
 #[test]
+fn bake_tells_that_they_are_left_out() {
+    let place = Place::with("a.gltf", variants());
+    let report = place.json("bake a.gltf -o b.glb --size 16 --no-verify --json");
+    let warnings = report["warnings"].as_array().expect("a list");
+    let told =
+        warnings.iter().find(|warning| warning["what"].as_str().is_some_and(|w| w.contains("(variants)")));
+    assert_eq!(told.expect("a warning")["count"], 2, "{warnings:?}");
+}
+
+#[test]
 fn an_unknown_one_is_refused() {
     let place = Place::with("a.gltf", variants());
     for command in ["render a.gltf -o b.png", "compare a.gltf -o b"] {

@@ -2,9 +2,11 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeInput, BakeSettings, Cage, Scan, SimplifyOptions, UnwrapOptions, Verifier, bake, simplify, unwrap,
+    BakeInput, BakeSettings, Cage, Scan, ShownNormals, SimplifyOptions, UnwrapOptions, Verifier, bake,
+    simplify, unwrap,
 };
 use taotie::image::{Encoding, Texture};
+use taotie::io::gltf_sampler;
 use taotie::mesh::Mesh;
 use taotie::normal_map::{Storage, store_unit_vectors};
 use taotie::scene::{Material, NormalSpace, Scene};
@@ -37,8 +39,9 @@ fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     let bitmap = store_unit_vectors(baked.maps.size(), &baked.maps.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
 
-    let verifier =
-        Verifier { mesh: &low, normal: Some((&texture, NormalSpace::Tangent)), cage: &cage, scan: &scanned };
+    let normals =
+        ShownNormals { texture: &texture, space: NormalSpace::Tangent, sampler: gltf_sampler([&low]) };
+    let verifier = Verifier { mesh: &low, normal: Some(normals), cage: &cage, scan: &scanned };
     let angles = verifier.normal_error(100_000).unwrap().angles.summary().unwrap();
     assert!(angles.mean < 1.0, "{angles:?}");
 }

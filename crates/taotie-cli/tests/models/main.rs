@@ -10,9 +10,12 @@ mod glb;
 #[path = "../../../taotie/tests/common/validator.rs"]
 mod validator;
 
+mod bake_alpha;
 mod bake_documents;
 mod bake_materials;
+mod bake_properties;
 mod bake_scans;
 mod command;
 mod demo;
+mod material_looks;
 mod models_by_others;

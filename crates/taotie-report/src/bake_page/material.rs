@@ -17,7 +17,9 @@ pub fn fact(material: &MaterialFigures) -> Option<Fact> {
 
 /// Makes the table of all differences; none where nothing was compared.
 pub fn section(material: &MaterialFigures) -> Option<Section> {
-    material.color?;
+    if material.color.is_none() && material.not_finite == 0.0 {
+        return None;
+    }
     let mut columns = vec![Column::words("figure")];
     columns.extend(["mean", "median", "95 %", "max"].map(|name| Column::numbers(name, "")));
     let row = |(name, summary): (&str, Option<Summary>)| {
@@ -27,13 +29,23 @@ pub fn section(material: &MaterialFigures) -> Option<Section> {
     let color = [("colour (CIEDE2000)", material.color)];
     Some(Section::Table {
         title: "Colour and material error".into(),
-        note: "The difference of what asset and scan say of their material at the points of the normal error. Of two \
-               colours side by side, a CIEDE2000 of about 1 is just visible. A baked roughness is widened by the \
-               relief that is finer than a texel, which counts here as well."
-            .into(),
+        note: note(material),
         columns,
         rows: color.into_iter().chain(material.numbers()).filter_map(row).collect(),
     })
+}
+
+fn note(material: &MaterialFigures) -> String {
+    let note = "The difference of what asset and scan say of their material at the points of the normal error. Of two \
+                colours side by side, a CIEDE2000 of about 1 is just visible. A baked roughness is widened by the \
+                relief that is finer than a texel, which counts here as well.";
+    let part = material.not_finite * 100.0;
+    if part == 0.0 {
+        return note.into();
+    }
+    format!(
+        "{note} At {part:.4} % of the points a value is not finite; what is not finite is in none of the figures."
+    )
 }
 
 /// Makes the view of the colour error on the map.
@@ -48,4 +60,18 @@ pub fn view(field: &Field) -> Result<View> {
         pictures: vec![Picture::new("colour error", "", &heat.plain())?],
         legend: Some(Legend::new("CIEDE2000", "", f64::from(TOP), ColorMap::Viridis)),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_are_not_finite_are_told() {
+        let mut material = MaterialFigures::default();
+        assert!(section(&material).is_none());
+        material.not_finite = 0.25;
+        let Some(Section::Table { note, .. }) = section(&material) else { panic!("no table") };
+        assert!(note.contains("At 25.0000 % of the points"), "{note}");
+    }
 }

@@ -41,14 +41,26 @@ fn required(report: &Report) -> Section {
 fn row_of_requirement(met: &Met) -> Vec<Cell> {
     let (text, tone) = if met.met { ("met", Tone::Good) } else { ("not met", Tone::Bad) };
     let FigureUnit { name, size } = met.figure.unit();
+    let (value, most) = (met.value.map(|value| value / size), met.most / size);
+    let digits = digits(met.met, value.unwrap_or(most), most);
     vec![
         Cell::text(met.figure.name()),
         Cell::text(met.level.map_or("all".into(), |level| level.to_string())),
-        met.value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value / size, 4)),
-        Cell::number(met.most / size, 4),
+        value.map_or_else(|| Cell::text("not measured"), |value| Cell::number(value, digits)),
+        Cell::number(most, digits),
         Cell::text(name),
         Cell::Mark { text: text.into(), tone, why: String::new() },
     ]
+}
+
+/// Returns the digits behind the point of a value and its limit: four, and as many more as it takes to see that a value
+/// which is too large is larger.
+fn digits(met: bool, value: f64, most: f64) -> usize {
+    const FEW: usize = 4;
+    /// As many as tell any two numbers from 0.1 on apart.
+    const ALL: usize = 17;
+    let differ = |digits: &usize| format!("{value:.digits$}") != format!("{most:.digits$}");
+    if met || value <= most { FEW } else { (FEW..ALL).find(differ).unwrap_or(ALL) }
 }
 
 fn normals(proof: &Figures) -> Section {
@@ -171,5 +183,28 @@ mod tests {
         assert_eq!((&missed[..4], &missed[4]), (&wanted[..], &Cell::text("%")));
         let angle = row(Requirement::mean_angle_deg(1.0).at_level(2));
         assert_eq!((&angle[1], &angle[2]), (&Cell::text("2"), &Cell::text("not measured")));
+    }
+    #[test]
+    fn a_value_that_is_too_large_looks_larger() {
+        let mut figures = Figures::default();
+        figures.missed_texels = 0.001_234_12;
+        let row = |most| row_of_requirement(&figures.require(&[Requirement::missed(most)])[0]);
+        let told = |most| {
+            let row = row(most);
+            let [
+                Cell::Number { value: Some(value), digits },
+                Cell::Number { value: Some(most), digits: same },
+            ] = row[2..4]
+            else {
+                panic!("{row:?}")
+            };
+            assert_eq!(digits, same);
+            [value, most].map(|number| format!("{number:.digits$}"))
+        };
+        assert_eq!(told(0.001_234_1), ["0.123412", "0.123410"]);
+        assert_eq!(told(0.001), ["0.1234", "0.1000"]);
+        assert_eq!(told(0.001_234_2), ["0.1234", "0.1234"], "it is met");
+        let [value, most] = told(f64::from_bits(0.001_234_12f64.to_bits() - 1));
+        assert_ne!(value, most);
     }
 }

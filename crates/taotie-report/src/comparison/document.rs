@@ -9,7 +9,7 @@ use taotie::comparison::{
 use taotie::{Error, Result};
 
 /// Version of `report.json`.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// The content of `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -77,6 +77,11 @@ impl Document {
     /// [`Error::Invalid`] where a number cannot be written as JSON; every number can.
     pub fn json(&self) -> Result<String> {
         serde_json::to_string_pretty(self).map_err(not_json)
+    }
+
+    /// Returns `true` where a surface is measured against another; one alone is compared with its own pictures at most.
+    pub fn is_compared(&self) -> bool {
+        self.methods.iter().any(|method| method.error.is_some())
     }
 
     /// Returns the figures of a method by its name.

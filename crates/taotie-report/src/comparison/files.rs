@@ -3,15 +3,45 @@
 use crate::heat_map::HeatMap;
 use crate::sheet::{Cell, Sheet};
 use std::path::{Path, PathBuf};
-use taotie::comparison::{Comparison, RenderedSurface};
+use taotie::Result;
+use taotie::compare::Field;
+use taotie::comparison::{Comparison, ComparisonOptions, RenderedSurface};
+use taotie::film::Development;
+use taotie::image::Image;
+use taotie::io::{FileSet, ImageFormat};
 use taotie::names::Named;
-use taotie::{Error, Result, io};
+use taotie::shade::Shading;
 
 /// The longest side of a picture on the contact sheet, pixels.
 const CELL: usize = 320;
 
+/// Returns every file that a comparison may be written to.
+pub fn possible_files(options: &ComparisonOptions, folder: &Path) -> Vec<PathBuf> {
+    let stems = options.methods.iter().map(|method| method.file_stem()).chain(["reference".into()]);
+    let of_shading = |shading: &Shading| [shading.name().to_owned(), format!("{}.flip", shading.name())];
+    let of_models = |baseline: &Shading| {
+        let name = move |shading: &Shading| format!("{}-{}.flip", shading.name(), baseline.name());
+        options.shadings.iter().map(name).collect::<Vec<_>>()
+    };
+    let kinds: Vec<String> = ["normals", "error"]
+        .map(String::from)
+        .into_iter()
+        .chain(options.shadings.iter().flat_map(of_shading))
+        .chain(options.baseline.iter().flat_map(of_models))
+        .collect();
+    let pictures = stems.flat_map(|stem| {
+        let exact = ["normals", "error"].map(|kind| format!("{stem}.{kind}.exr"));
+        let name = move |kind: &String| format!("{stem}.{kind}.png");
+        kinds.iter().map(name).chain(exact).collect::<Vec<_>>()
+    });
+    let others = ["sheet.png", "report.json", "report.html", "angles.csv", "pictures.csv", "points.csv"];
+    let others = others.map(String::from);
+    pictures.chain(others).map(|name| folder.join(name)).collect()
+}
+
 /// The folder that the pictures go to.
-pub struct Files {
+pub struct Files<'a> {
+    set: &'a FileSet,
     folder: PathBuf,
     /// The angle at the top of the heat maps' scale, degrees.
     pub heat_top: f32,
@@ -19,26 +49,30 @@ pub struct Files {
     pub written: Vec<PathBuf>,
 }
 
-impl Files {
+impl<'a> Files<'a> {
     /// Makes the folder where it is not there.
     ///
     /// # Errors
-    /// [`Error::Io`] where it cannot be made.
-    pub fn new(folder: &Path, heat_top: f32) -> Result<Self> {
-        std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
-        Ok(Self { folder: folder.to_path_buf(), heat_top, written: Vec::new() })
+    /// [`taotie::Error::Io`] where it cannot be made.
+    pub fn new(set: &'a FileSet, folder: &Path, heat_top: f32) -> Result<Self> {
+        set.claim_folder(folder)?;
+        Ok(Self { set, folder: folder.to_path_buf(), heat_top, written: Vec::new() })
     }
 
     /// Writes every picture and the contact sheet.
     ///
     /// # Errors
-    /// [`Error::Io`] where one cannot be written.
+    /// [`taotie::Error::Io`] where one cannot be written.
     pub fn write(&mut self, comparison: &Comparison) -> Result<()> {
         for surface in &comparison.surfaces {
             for (shading, picture) in &surface.pictures {
                 self.write_png(&surface.picture_name(*shading), &Sheet::developed(picture))?;
             }
             self.write_png(&surface.file_name("normals"), &Sheet::of_normals(&surface.normals))?;
+            for model in &surface.model_differences {
+                let flip = HeatMap::of_flip(&model.picture.flip).with_scale();
+                self.write_png(&surface.model_flip_name(model), &flip)?;
+            }
             let Some(difference) = &surface.difference else { continue };
             let heat = HeatMap::of_angles(&difference.angles, self.heat_top).with_scale();
             self.write_png(&surface.file_name("error"), &heat)?;
@@ -50,20 +84,41 @@ impl Files {
         self.write_png("sheet.png", &self.sheet(comparison))
     }
 
+    /// Writes the normals and angular errors of all surfaces as numbers.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where a file cannot be written.
+    pub fn write_exact(&mut self, comparison: &Comparison) -> Result<()> {
+        for surface in &comparison.surfaces {
+            self.write_exr(&surface.exact_name("normals"), &surface.normals)?;
+            if let Some(difference) = &surface.difference {
+                self.write_exr(&surface.exact_name("error"), &degrees(&difference.angles)?)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn write_exr(&mut self, name: &str, image: &Image) -> Result<()> {
+        let path = self.folder.join(name);
+        self.set.write_image(&path, image, &Development::default(), ImageFormat::Exr)?;
+        self.written.push(path);
+        Ok(())
+    }
+
     /// Writes text into the folder.
     ///
     /// # Errors
-    /// [`Error::Io`] where it cannot be written.
+    /// [`taotie::Error::Io`] where it cannot be written.
     pub fn write_text(&mut self, name: &str, text: &str) -> Result<()> {
         let path = self.folder.join(name);
-        io::write_text(&path, text)?;
+        self.set.write_text(&path, text)?;
         self.written.push(path);
         Ok(())
     }
 
     fn write_png(&mut self, name: &str, picture: &Sheet) -> Result<()> {
         let path = self.folder.join(name);
-        io::write_png(&path, &picture.png())?;
+        self.set.write_png(&path, &picture.png())?;
         self.written.push(path);
         Ok(())
     }
@@ -103,6 +158,17 @@ impl Files {
         };
         cell("error".into(), note, &HeatMap::of_angles(&difference.angles, self.heat_top).plain())
     }
+}
+
+/// Returns a field's numbers in all three channels; the fourth is 1 where there is one.
+fn degrees(angles: &Field) -> Result<Image> {
+    let mut image = Image::new(angles.width(), angles.height(), [0.0; 4])?;
+    for (pixel, angle) in image.pixels_mut().iter_mut().zip(angles.values()) {
+        if !angle.is_nan() {
+            *pixel = [*angle, *angle, *angle, 1.0];
+        }
+    }
+    Ok(image)
 }
 
 fn cell(title: String, note: String, picture: &Sheet) -> Cell {

@@ -1,4 +1,5 @@
-//! A comparison by surface methods as files: every picture, `sheet.png`, `report.json` and `report.html`.
+//! A comparison by surface methods as files: every picture, `sheet.png`, `report.json`, its tables as CSV, and
+//! `report.html`.
 //!
 //! ```no_run
 //! use std::path::Path;
@@ -17,9 +18,13 @@
 
 mod document;
 mod files;
+mod one_surface;
 mod page;
+mod picture_tables;
+mod tables;
 
 pub use document::{Document, SCHEMA};
+pub use files::possible_files;
 
 use crate::Page;
 use files::Files;
@@ -27,6 +32,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use taotie::Result;
 use taotie::comparison::Comparison;
+use taotie::io::FileSet;
 
 /// The options of the files of a comparison.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +45,8 @@ pub struct Options {
     pub material: Value,
     /// The choice of environment, repeated in `report.json`; null where there is none.
     pub environment: Value,
+    /// Also writes normals and angular errors as OpenEXR: the numbers themselves, unit vectors in world space and degrees.
+    pub exr: bool,
 }
 
 impl Default for Options {
@@ -48,6 +56,7 @@ impl Default for Options {
             heat_top_deg: 30.0,
             material: Value::Null,
             environment: Value::Null,
+            exr: false,
         }
     }
 }
@@ -70,15 +79,30 @@ pub fn page(comparison: &Comparison, options: &Options) -> Result<Page> {
     page::page(comparison, &Document::new(comparison, options)?, options)
 }
 
-/// Writes pictures, contact sheet, `report.json` and `report.html` into `folder`, which is made if it is not there.
+/// Writes pictures, contact sheet, `report.json`, tables as CSV and `report.html` into `folder`, which is made if it is not
+/// there. All appear together, or none.
 ///
 /// # Errors
 /// [`taotie::Error::Io`] where a file cannot be written.
 pub fn write(comparison: &Comparison, options: &Options, folder: &Path) -> Result<Written> {
-    let mut files = Files::new(folder, options.heat_top_deg as f32)?;
+    FileSet::one(|set| write_in(set, comparison, options, folder))
+}
+
+/// Writes the files of [`write()`] as files of a set, which the caller commits.
+///
+/// # Errors
+/// As [`write()`], and [`taotie::Error::Invalid`] where a file that was read would be written over.
+pub fn write_in(set: &FileSet, comparison: &Comparison, options: &Options, folder: &Path) -> Result<Written> {
+    let mut files = Files::new(set, folder, options.heat_top_deg as f32)?;
     files.write(comparison)?;
+    if options.exr {
+        files.write_exact(comparison)?;
+    }
     let document = Document::new(comparison, options)?;
     files.write_text("report.json", &document.json()?)?;
+    for (name, table) in tables::files(&document) {
+        files.write_text(name, &table)?;
+    }
     let page = page::page(comparison, &document, options)?;
     files.write_text("report.html", &crate::html(&page))?;
     Ok(Written { document, files: files.written })

@@ -1,13 +1,13 @@
 //! `report.html`: the comparison as a page that opens from disk.
 
-use super::{Document, Options};
+use super::{Document, Options, one_surface, picture_tables};
 use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::summary;
-use crate::{Cell, Column, Fact, Legend, Page, Picture, Section, Series, View};
+use crate::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View};
 use taotie::Result;
 use taotie::compare::{ColorMap, Summary};
-use taotie::comparison::{Comparison, MethodReport, RenderedSurface};
+use taotie::comparison::{Comparison, MethodReport, ModelReport, RenderedSurface};
 
 /// Makes the page of a comparison, whose figures are in `report`.
 ///
@@ -16,6 +16,7 @@ use taotie::comparison::{Comparison, MethodReport, RenderedSurface};
 pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options) -> Result<Page> {
     let subtitle = match &report.subject.reference {
         Some(reference) => format!("Surface methods measured against {reference}"),
+        None if !report.is_compared() => format!("Shading models on {}", report.against),
         None => format!(
             "Surface methods measured against the first one, {}, as there is no reference",
             report.against
@@ -24,12 +25,34 @@ pub(super) fn page(comparison: &Comparison, report: &Document, options: &Options
     Ok(Page {
         title: options.title.clone(),
         subtitle,
-        notices: Vec::new(),
+        notices: notices(report),
         facts: facts(report),
         views: views(report, comparison, options.heat_top_deg as f32)?,
         sections: sections(report),
         footer: format!("Made by taotie {}. All figures are in report.json.", report.version),
     })
+}
+
+/// Returns the line that says which method comes nearest, what could not be drawn, and the warnings.
+fn notices(report: &Document) -> Vec<Notice> {
+    let skipped = report.skipped.iter();
+    let skipped =
+        skipped.map(|skipped| format!("{} could not be drawn: {}.", skipped.method, skipped.reason));
+    let warnings = report.warnings.iter().map(|warning| match warning.count {
+        1 => warning.what.clone(),
+        count => format!("{} ({count} times)", warning.what),
+    });
+    let wrong = skipped.chain(warnings).map(|text| Notice::new(text, Tone::Changed));
+    nearest(report).into_iter().chain(wrong).collect()
+}
+
+/// Returns the method with the least mean error away from silhouettes.
+fn nearest(report: &Document) -> Option<Notice> {
+    let errors = report.methods.iter().filter_map(|method| Some((method.inner_mean()?, &method.method)));
+    let (mean, name) = errors.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+    let text =
+        format!("Nearest to {}: {name}, {mean:.2}° off on average away from silhouettes.", report.against);
+    Some(Notice::new(text, Tone::Good))
 }
 
 fn facts(report: &Document) -> Vec<Fact> {
@@ -49,6 +72,27 @@ fn facts(report: &Document) -> Vec<Fact> {
 }
 
 fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<View>> {
+    let mut views = match report.is_compared() {
+        true => picture_views(report, comparison)?,
+        false => one_surface::views(&comparison.surfaces[0])?,
+    };
+    let normals = |surface: &RenderedSurface| Some(Sheet::of_normals(&surface.normals));
+    let note = "Shading normals in world space as colours, (n + 1) / 2.";
+    views.push(view("normals".into(), note.into(), comparison, &normals)?);
+    let errors = |surface: &RenderedSurface| {
+        surface.difference.as_ref().map(|difference| HeatMap::of_angles(&difference.angles, top).plain())
+    };
+    let note = format!("Angle between the shading normal and that of {}.", report.against);
+    let view = view("angular error".into(), note, comparison, &errors)?;
+    let legend = Legend::new("Angular error", "°", f64::from(top), ColorMap::Viridis);
+    views.push(View { legend: Some(legend), ..view });
+    // A surface that is compared with no other has no differences.
+    views.retain(|view| !view.pictures.is_empty());
+    Ok(views)
+}
+
+/// Returns the views of pictures and of their differences, for each shading model.
+fn picture_views(report: &Document, comparison: &Comparison) -> Result<Vec<View>> {
     let mut views = Vec::new();
     for (i, picture) in report.methods[0].pictures.iter().enumerate() {
         let shading = &picture.shading;
@@ -65,17 +109,24 @@ fn views(report: &Document, comparison: &Comparison, top: f32) -> Result<Vec<Vie
         let view = view(format!("{shading}: FLIP"), note, comparison, &flip)?;
         views.push(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view });
     }
-    let normals = |surface: &RenderedSurface| Some(Sheet::of_normals(&surface.normals));
-    let note = "Shading normals in world space as colours, (n + 1) / 2.";
-    views.push(view("normals".into(), note.into(), comparison, &normals)?);
-    let errors = |surface: &RenderedSurface| {
-        surface.difference.as_ref().map(|difference| HeatMap::of_angles(&difference.angles, top).plain())
-    };
-    let note = format!("Angle between the shading normal and that of {}.", report.against);
-    let view = view("angular error".into(), note, comparison, &errors)?;
-    let legend = Legend::new("Angular error", "°", f64::from(top), ColorMap::Viridis);
-    views.push(View { legend: Some(legend), ..view });
+    let models = report.methods[0].models.iter().enumerate();
+    let models = models.map(|(i, model)| model_view(model, i, comparison));
+    views.extend(models.collect::<Result<Vec<View>>>()?);
     Ok(views)
+}
+
+/// Returns the view of the difference that the `i`th shading model makes to each surface.
+fn model_view(model: &ModelReport, i: usize, comparison: &Comparison) -> Result<View> {
+    let ModelReport { shading, baseline, .. } = model;
+    let flip = |surface: &RenderedSurface| {
+        Some(HeatMap::of_flip(&surface.model_differences.get(i)?.picture.flip).plain())
+    };
+    let note = format!(
+        "FLIP is the difference that an observer sees between each surface's picture under {shading} \
+                        and its own under {baseline}."
+    );
+    let view = view(format!("{shading}: FLIP to {baseline}"), note, comparison, &flip)?;
+    Ok(View { legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)), ..view })
 }
 
 fn view(
@@ -93,10 +144,13 @@ fn view(
 }
 
 fn sections(report: &Document) -> Vec<Section> {
-    let mut sections = vec![error_table(report), histogram(report)];
-    for i in 0..report.methods[0].pictures.len() {
-        sections.push(picture_table(report, i));
+    let mut sections = Vec::new();
+    if report.is_compared() {
+        sections.extend([error_table(report), histogram(report)]);
+        let shadings = 0..report.methods[0].pictures.len();
+        sections.extend(shadings.map(|i| picture_tables::of_surfaces(report, i)));
     }
+    sections.extend(picture_tables::of_models(report));
     if !report.points.is_empty() {
         sections.push(normals_table(report));
         sections.push(angles_table(report));
@@ -150,39 +204,6 @@ fn histogram(report: &Document) -> Section {
         bin_width: 1.0,
         last_is_open: true,
         series: series.collect(),
-    }
-}
-
-fn picture_table(report: &Document, i: usize) -> Section {
-    let columns = vec![
-        Column::words("method"),
-        Column::numbers("RMSE", ""),
-        Column::numbers("PSNR", "dB"),
-        Column::numbers("SSIM", ""),
-        Column::numbers("FLIP mean", ""),
-        Column::numbers("FLIP median", ""),
-        Column::numbers("FLIP 95 %", ""),
-        Column::numbers("FLIP max", ""),
-    ];
-    let row = |method: &MethodReport| {
-        let difference = method.pictures[i].difference.as_ref()?;
-        let mut cells = vec![
-            Cell::text(method.method.clone()),
-            Cell::number(difference.rmse, 4),
-            Cell::Number { value: difference.psnr, digits: 2 },
-            Cell::number(difference.ssim, 4),
-        ];
-        cells.extend(match difference.flip.as_ref().map(summary::figures) {
-            Some(flip) => flip.map(|figure| Cell::number(figure, 4)),
-            None => std::array::from_fn(|_| Cell::Number { value: None, digits: 4 }),
-        });
-        Some(cells)
-    };
-    Section::Table {
-        title: format!("Shaded pictures, {}", report.methods[0].pictures[i].shading),
-        note: format!("Against {}, over the whole picture.", report.against),
-        columns,
-        rows: report.methods.iter().filter_map(row).collect(),
     }
 }
 

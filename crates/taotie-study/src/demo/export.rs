@@ -1,27 +1,29 @@
 //! The jue as files, so that the other subcommands have something to try.
 
+use super::output::Output;
 use super::vessel::Vessel;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use taotie::image::{Texels, Texture};
-use taotie::io::{self, PngColor, PngImage, PngSamples};
+use taotie::io::{FileSet, PngColor, PngImage, PngSamples};
 use taotie::mesh::Mesh;
 use taotie::{Error, Result};
 
 /// Names of the jue's textures in the order of its scene, without extension.
 const MAPS: [&str; 4] = ["color", "orm", "normal", "height"];
 
-/// Writes `jue.obj`, `jue.mtl` and the maps into `folder`; returns the files.
+/// Writes `jue.obj`, `jue.mtl` and the maps; returns the files.
 ///
 /// # Errors
 /// [`Error::Io`] where one cannot be written.
-pub fn write(folder: &Path, vessel: &Vessel) -> Result<Vec<PathBuf>> {
+pub fn write(output: &Output<'_>, vessel: &Vessel) -> Result<Vec<PathBuf>> {
+    let Output { files: set, folder, .. } = output;
     let mut files = vec![folder.join("jue.obj"), folder.join("jue.mtl")];
-    io::write_text(&files[0], &obj(vessel.mesh()))?;
-    io::write_text(&files[1], &mtl())?;
+    set.write_text(&files[0], &obj(vessel.mesh()))?;
+    set.write_text(&files[1], &mtl())?;
     for (name, texture) in MAPS.iter().zip(vessel.scene().textures()) {
         let path = folder.join(format!("jue_{name}.png"));
-        write_map(&path, texture)?;
+        write_map(set, &path, texture)?;
         files.push(path);
     }
     Ok(files)
@@ -51,14 +53,14 @@ fn mtl() -> String {
     "newmtl jue\nKd 1 1 1\nmap_Kd jue_color.png\nmap_Pr jue_orm.png\nmap_Pm jue_orm.png\nnorm jue_normal.png\n".into()
 }
 
-fn write_map(path: &Path, texture: &Texture) -> Result<()> {
+fn write_map(set: &FileSet, path: &Path, texture: &Texture) -> Result<()> {
     let bitmap = texture.bitmap();
     let channels = if bitmap.channels() == 1 { 1 } else { 3 };
     let color = if channels == 1 { PngColor::Grey } else { PngColor::Rgb };
     let encoding = texture.encoding();
     let (width, height) = (bitmap.width(), bitmap.height());
     let write =
-        |samples: PngSamples<'_>| io::write_png(path, &PngImage { width, height, color, samples, encoding });
+        |samples: PngSamples<'_>| set.write_png(path, &PngImage { width, height, color, samples, encoding });
     match bitmap.texels() {
         Texels::U8(texels) => {
             let samples: Vec<u8> = texels.iter().flat_map(|t| &t[..channels]).copied().collect();

@@ -4,13 +4,13 @@ use super::output::Output;
 use super::stage::{self, Stage};
 use super::vessel::Vessel;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
+use taotie::Result;
 use taotie::names::Named;
 use taotie::render::{RenderSettings, SurfaceSettings};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
-use taotie::{Result, io};
 use taotie_report::sheet::{Cell, Sheet};
 
 /// Pixels along a side of the large picture.
@@ -76,7 +76,7 @@ pub fn write_sheet(
     }
     let path = output.folder.join("sheet.png");
     let sheet = Sheet::new(&cells, [output.side as usize; 2], COLUMNS);
-    io::write_png(&path, &sheet.png())?;
+    output.files.write_png(&path, &sheet.png())?;
     Ok((path, made))
 }
 
@@ -84,10 +84,10 @@ pub fn write_sheet(
 ///
 /// # Errors
 /// Those of rendering and writing.
-pub fn write_large(vessel: &Vessel, folder: &Path) -> Result<PathBuf> {
-    let path = folder.join("jue.png");
+pub fn write_large(vessel: &Vessel, output: &Output<'_>) -> Result<PathBuf> {
+    let path = output.folder.join("jue.png");
     let image = Stage::whole(vessel.scene())?.take(vessel.scene(), &Stage::settings(LARGE, 16))?;
-    stage::write_picture(&path, &image)?;
+    stage::write_picture(output.files, &path, &image)?;
     Ok(path)
 }
 

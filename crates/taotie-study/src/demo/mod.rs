@@ -3,13 +3,15 @@
 //!
 //! ```no_run
 //! use std::path::Path;
+//! use taotie::io::FileSet;
 //! use taotie_study::demo::{Output, Vessel, export, gallery};
 //!
-//! let vessel = Vessel::new(2048);
-//! let output = Output { folder: Path::new("."), side: 360 };
-//! export::write(output.folder, &vessel)?;
+//! let (vessel, files) = (Vessel::new(2048), FileSet::new());
+//! let output = Output { files: &files, folder: Path::new("."), side: 360 };
+//! export::write(&output, &vessel)?;
 //! let (sheet, pictures) = gallery::write_sheet(&vessel, &output, &|_done| ())?;
 //! assert_eq!(pictures.len(), 16);
+//! files.commit()?;
 //! # Ok::<(), taotie::Error>(())
 //! ```
 

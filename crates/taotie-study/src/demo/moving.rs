@@ -8,10 +8,10 @@ use crate::jue::pour::{Eye, POURED, Pouring, RULE, TIP_DEG, Truth, angular_error
 use crate::jue::with_relief;
 use serde::Serialize;
 use std::path::PathBuf;
+use taotie::Result;
 use taotie::compare::Summary;
 use taotie::mesh::Mesh;
 use taotie::scene::Scene;
-use taotie::{Result, io};
 use taotie_report::sheet::{Cell, Sheet};
 
 /// Pixels along a side of the pictures that errors are measured in.
@@ -126,7 +126,7 @@ fn shape_of(vessel: &mut Pouring, seconds: f64) -> Result<Scene> {
 fn write_sheet(output: &Output<'_>, cells: &[Cell]) -> Result<PathBuf> {
     let path = output.folder.join("moving.png");
     let sheet = Sheet::new(cells, [output.side as usize; 2], COLUMNS);
-    io::write_png(&path, &sheet.png())?;
+    output.files.write_png(&path, &sheet.png())?;
     Ok(path)
 }
 

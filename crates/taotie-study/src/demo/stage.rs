@@ -3,7 +3,7 @@
 use std::path::Path;
 use taotie::film::{Development, develop8};
 use taotie::image::{Bitmap, Encoding, Image, Texels};
-use taotie::io;
+use taotie::io::FileSet;
 use taotie::math::Vec3;
 use taotie::render::{Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Orbit, Scene, fitting_distance, from_view};
@@ -123,14 +123,14 @@ pub fn pixels(image: &Image) -> Result<Vec<[u8; 3]>> {
     Ok(pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect())
 }
 
-/// Develops a picture and writes it as PNG.
+/// Develops a picture and writes it as PNG, a file of a set.
 ///
 /// # Errors
 /// [`Error::Io`] where it cannot be written.
-pub fn write_picture(path: &Path, image: &Image) -> Result<()> {
+pub fn write_picture(files: &FileSet, path: &Path, image: &Image) -> Result<()> {
     let texels = Texels::U8(develop8(image, &development())?);
     let bitmap = Bitmap::new(image.width(), image.height(), 3, texels)?;
-    io::write_png_bitmap(path, &bitmap, Encoding::Srgb)
+    files.write_png_bitmap(path, &bitmap, Encoding::Srgb)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The jue's methods measured against its relief as geometry.
 
+use super::output::Output;
 use super::stage::{self, Stage};
-use std::path::Path;
 use taotie::comparison::{Comparison, ComparisonOptions, Matching, Subject};
 use taotie::scene::Scene;
 use taotie::{Progress, Result};
@@ -10,11 +10,16 @@ use taotie_report::comparison::{self, Document, Written};
 /// Pixels along a side of the comparison's pictures.
 const SIDE: u32 = 560;
 
-/// Compares the methods on the cup with the displaced mesh `reference`; writes the report to `out/comparison`.
+/// Compares the methods on the cup with the displaced mesh `reference`; writes the report to the folder `comparison`.
 ///
 /// # Errors
 /// Those of rendering and writing, and [`taotie::Error::Cancelled`].
-pub fn write(out: &Path, scene: &Scene, reference: &Scene, progress: Progress<'_>) -> Result<Written> {
+pub fn write(
+    output: &Output<'_>,
+    scene: &Scene,
+    reference: &Scene,
+    progress: Progress<'_>,
+) -> Result<Written> {
     let Stage { camera, lighting } = Stage::cup(scene)?;
     let options = ComparisonOptions {
         // The displaced mesh keeps the low mesh's uvs.
@@ -31,7 +36,7 @@ pub fn write(out: &Path, scene: &Scene, reference: &Scene, progress: Progress<'_
         title: "A bronze jue of 251 vertices".into(),
         ..comparison::Options::default()
     };
-    comparison::write(&compared, &options, &out.join("comparison"))
+    comparison::write_in(output.files, &compared, &options, &output.folder.join("comparison"))
 }
 
 /// Returns the errors of three methods as lines of text, with the reasons for their order.

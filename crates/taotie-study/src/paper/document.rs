@@ -4,7 +4,8 @@ use super::study::Study;
 use super::words;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use taotie::{Error, Result, io};
+use taotie::Result;
+use taotie::io::FileSet;
 
 /// Version of the JSON.
 const SCHEMA: u32 = 1;
@@ -29,15 +30,16 @@ impl Study {
         serde_json::to_string_pretty(&document).expect("the study has only text keys")
     }
 
-    /// Writes `paper.html` and `paper.json` to `folder`, which is made if it is not there; returns the files.
+    /// Writes `paper.html` and `paper.json` to `folder`, which is made if it is not there, as files of a set; returns the
+    /// files.
     ///
     /// # Errors
-    /// [`Error::Io`] where the folder cannot be made or written to.
-    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>> {
-        std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+    /// [`taotie::Error::Io`] where the folder cannot be made or written to.
+    pub fn write(&self, set: &FileSet, folder: &Path) -> Result<Vec<PathBuf>> {
+        set.claim_folder(folder)?;
         let files = ["paper.html", "paper.json"].map(|name| folder.join(name));
-        io::write_text(&files[0], &taotie_report::html(&self.page()))?;
-        io::write_text(&files[1], &format!("{}\n", self.json()))?;
+        set.write_text(&files[0], &taotie_report::html(&self.page()))?;
+        set.write_text(&files[1], &format!("{}\n", self.json()))?;
         Ok(files.into())
     }
 }
@@ -50,13 +52,13 @@ mod tests {
     fn both_files_hold_the_study_and_a_folder_that_cannot_be_made_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let study = Study::new();
-        let files = study.write(&folder.path().join("made")).unwrap();
+        let files = FileSet::one(|set| study.write(set, &folder.path().join("made"))).unwrap();
         let [page, json] = [0, 1].map(|i| std::fs::read_to_string(&files[i]).unwrap());
         assert!(page.contains("<title>Guo and Wang 2025, Tables 2 and 3, recomputed</title>"));
         let read: serde_json::Value = serde_json::from_str(&json).unwrap();
         assert_eq!((read["schema"].as_u64(), read["source"].as_str()), (Some(1), Some(words::SOURCE)));
         assert_eq!(read["misprints"].as_array().unwrap().len(), study.misprints.len());
-        let error = study.write(&files[0].join("below")).unwrap_err().to_string();
+        let error = study.write(&FileSet::new(), &files[0].join("below")).unwrap_err().to_string();
         assert!(error.contains("paper.html"), "{error}");
     }
 }

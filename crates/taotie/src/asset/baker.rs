@@ -5,18 +5,23 @@ use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made, Part};
 use super::maps::bake_maps;
-use super::memory::{Bytes, Limits, Need, ScanSize};
+use super::memory::{Bytes, Limits, Need};
 use super::notes;
 use super::options::BakeOptions;
+use super::packing::Packing;
 use super::plan::BakePlan;
 use super::scan::Scan;
+use super::scan_size::ScanSize;
 use super::search::smallest;
 use super::search_course::Trial;
+use super::write::possible_files;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::io;
+use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::AlphaMode;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Bakes scans, all in the same way.
@@ -57,6 +62,21 @@ impl Baker {
         &self.options
     }
 
+    /// Returns every file that an asset at `path` may be written to, the model first, so that one can ask before the bake
+    /// whether they can be written, and whether any of them is one that was read. Files named after the materials of a
+    /// low-poly file are not among them, since that is not read yet.
+    ///
+    /// ```
+    /// use std::path::{Path, PathBuf};
+    /// use taotie::asset::{Baker, Packing};
+    ///
+    /// let files = Baker::default().may_write(Path::new("vase.gltf"), &Packing::default());
+    /// assert!(["vase.gltf", "vase.bin", "vase_color.png"].iter().all(|name| files.contains(&PathBuf::from(name))));
+    /// ```
+    pub fn may_write(&self, path: &Path, packing: &Packing) -> Vec<PathBuf> {
+        possible_files(path, &self.options, packing)
+    }
+
     /// Returns what a bake of a scan of this size takes.
     pub fn need(&self, scan: ScanSize) -> Need {
         Need::of(&self.options, scan)
@@ -77,7 +97,7 @@ impl Baker {
         let (options, scan) = (Arc::clone(&self.options), scan.into());
         options.check()?;
         let limits = self.limits_beside(&scan);
-        self.need(scan.about.size).check(limits)?;
+        self.need(scan.about.size.sorted()).check(limits)?;
         progress.apart(move |progress| bake(&options, &scan, limits, progress))
     }
 
@@ -108,7 +128,7 @@ fn bake(asked: &BakeOptions, scan: &Scan, limits: Limits, progress: Progress<'_>
     let mut warnings = about.warnings.clone();
     let mut given = given(asked, &mut warnings, progress)?;
     let materials = given.as_ref().map_or(1, GivenMesh::material_count);
-    Need { materials, ..Need::of(asked, about.size) }.check(limits)?;
+    Need { materials, ..Need::of(asked, about.size.sorted()) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
     let plan = BakePlan::of(asked, &about.carried, &looks);
     notes::unread_options(&plan.options, &mut warnings);
@@ -123,19 +143,35 @@ fn bake(asked: &BakeOptions, scan: &Scan, limits: Limits, progress: Progress<'_>
         part.low.material.alpha = alpha(&options, scan, &part.low);
         warnings.absorb(std::mem::take(&mut part.maps.warnings));
     }
-    let is_blended = |part: &Part| part.low.material.alpha == AlphaMode::Blend;
-    if options.bakes(&[MapKind::Alpha]) && parts.iter().any(is_blended) {
-        notes::blended(about.carried.blended, &mut warnings);
-    }
     let coarser = low::coarser(&parts[0].low, &options.lods, &mut warnings, progress)?;
+    let alpha_modes = match options.bakes(&[MapKind::Alpha]) && has_several_modes(scan) {
+        true if document.is_some() => {
+            let is_blended = |part: &&Part| part.low.material.alpha == AlphaMode::Blend;
+            notes::blended(parts.iter().filter(is_blended).count(), &mut warnings);
+            Vec::new()
+        }
+        true => alpha_modes(scan, &parts[0], &coarser),
+        false => Vec::new(),
+    };
     parts.iter().for_each(|part| judge(scan, part, &mut warnings));
     if options.inspect {
         progress.begin("inspect the scan")?;
         judgement::inspect(scan.mesh(), &mut warnings);
     }
     let options = Arc::new(options);
-    let made = Made { options, about, document, parts, coarser, size, trials, carried, left, warnings };
-    Ok(Asset::new(made))
+    Ok(Asset::new(Made {
+        options,
+        about,
+        document,
+        parts,
+        coarser,
+        alpha_modes,
+        size,
+        trials,
+        carried,
+        left,
+        warnings,
+    }))
 }
 
 /// Notes what is wrong with a part, and with which.
@@ -168,6 +204,18 @@ fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
         mode if options.bakes(&[MapKind::Alpha]) && mode != AlphaMode::Opaque => mode,
         _ => low.material.alpha,
     }
+}
+
+/// Says whether triangles of the scan have several alpha modes.
+fn has_several_modes(scan: &Scan) -> bool {
+    scan.high.surface().alpha_modes().len() > 1
+}
+
+/// Returns the alpha mode of each triangle of each level of the only part.
+fn alpha_modes(scan: &Scan, Part { low, maps }: &Part, coarser: &[Mesh]) -> Vec<Vec<AlphaMode>> {
+    let of_level = |mesh: &Mesh| scan.high.alpha_modes(mesh, &maps.cage.carried_over(&low.mesh, mesh));
+    let finest = scan.high.alpha_modes(&low.mesh, &maps.cage);
+    std::iter::once(finest).chain(coarser.iter().map(of_level)).collect()
 }
 
 /// Returns the low-poly mesh with its maps, material by material; where an error is wanted the smallest that meets it.

@@ -13,8 +13,6 @@ pub(super) struct Carried {
     pub material: Material,
     /// The properties that the scan has otherwise than a default material.
     pub found: Vec<Found>,
-    /// The part of the surface that is blended over what is behind, [0, 1].
-    pub blended: f64,
 }
 
 /// A property of a scan.
@@ -34,17 +32,13 @@ impl Carried {
         let has = |property: &Property| parts.iter().any(|part| part.has(*property));
         let properties: Vec<Property> = Property::ALL.into_iter().filter(has).collect();
         let areas = areas(scene, &parts, &properties);
-        let blended = match parts.iter().any(Part::is_blended) {
-            true => share(&parts, &areas, |part| part.is_blended()),
-            false => 0.0,
-        };
         let found = properties.into_iter().map(|property| Found {
             property,
             is_uniform: is_uniform(&parts, property),
             part: share(&parts, &areas, |part| part.has(property)),
         });
         let found: Vec<Found> = found.collect();
-        Self { material: material(&parts, &found), found, blended }
+        Self { material: material(&parts, &found), found }
     }
 
     /// Returns the properties that no factor holds.
@@ -94,10 +88,6 @@ impl<'a> Part<'a> {
     fn has(&self, property: Property) -> bool {
         property.is_said(self.material) || self.varies(property)
     }
-
-    fn is_blended(&self) -> bool {
-        self.material.alpha == AlphaMode::Blend
-    }
 }
 
 fn has_alpha(scene: &Scene, mesh: &Mesh, material: &Material) -> bool {
@@ -120,14 +110,10 @@ fn share(parts: &[Part], areas: &[f64], is: impl Fn(&Part) -> bool) -> f64 {
     if all > 0.0 { with / all } else { 1.0 }
 }
 
-/// Returns the area of each instance, world space; where all have all properties, and are blended or all are not, nothing
-/// is measured, and each counts 1.
+/// Returns the area of each instance, world space; where all have all properties nothing is measured, and each counts 1.
 fn areas(scene: &Scene, parts: &[Part], properties: &[Property]) -> Vec<f64> {
-    let is_blended = parts.first().is_some_and(Part::is_blended);
-    let is_alike = |part: &Part| {
-        part.is_blended() == is_blended && properties.iter().all(|property| part.has(*property))
-    };
-    if parts.iter().all(is_alike) {
+    let has_all = |part: &Part| properties.iter().all(|property| part.has(*property));
+    if parts.iter().all(has_all) {
         return vec![1.0; parts.len()];
     }
     let area = |instance: &Instance| area(&scene.meshes()[instance.mesh], &instance.world_from_object);
@@ -284,17 +270,6 @@ mod tests {
             assert!(!carried.varies(Property::Alpha));
             assert_eq!((carried.material.alpha, carried.material.base_color[3]), (AlphaMode::Blend, alpha));
         }
-    }
-
-    #[test]
-    fn the_blended_part_is_a_share_of_the_surface() {
-        let of_mode = |alpha: AlphaMode| Material { alpha, ..clay() };
-        let [blend, mask] = [AlphaMode::Blend, AlphaMode::Mask(0.5)].map(of_mode);
-        let blended = |materials: &[Material]| of(materials).blended;
-        assert_eq!(blended(&[clay(), mask.clone()]), 0.0);
-        assert_eq!(blended(&[blend.clone(), clay()]), 0.25);
-        assert_eq!(blended(&[mask, blend.clone()]), 0.75);
-        assert_eq!(blended(&[blend.clone(), blend]), 1.0);
     }
 
     #[test]

@@ -58,7 +58,7 @@ pub(super) fn shown_materials(scene: &Scene) -> BTreeSet<usize> {
 }
 
 /// Returns the file that an asset keeps; `None` where the mesh is made one with one material: in memory, of a single mesh
-/// or material, without uvs, or where levels of detail are made of it. Files of other formats that have several materials
+/// or material, without uvs, or where levels of detail or maps alone are made of it. Files of other formats that have several materials
 /// are made glTF.
 ///
 /// # Errors
@@ -72,7 +72,7 @@ pub(super) fn kept(
 ) -> Result<Option<Document>> {
     let MeshSource::File(path) = source else { return Ok(None) };
     let shape = Shape::of(read);
-    if shape.is_plain() || (!read.is_gltf && !shape.becomes_gltf(options)) {
+    if shape.is_plain() || shape.is_alone(options) || (!read.is_gltf && !shape.becomes_gltf(options)) {
         return Ok(None);
     }
     if let Some((what, why)) = shape.hindrance(options) {
@@ -160,6 +160,11 @@ impl Shape {
         self.moving.is_none() && self.materials == 1 && self.instances == 1
     }
 
+    /// Says whether maps alone are baked for one material, so that no file is written anew.
+    fn is_alone(&self, options: &BakeOptions) -> bool {
+        options.keep_uvs && self.materials == 1
+    }
+
     /// Says whether a file of another format is made glTF, so that its materials stay.
     fn becomes_gltf(&self, options: &BakeOptions) -> bool {
         let is_caged = matches!(options.ray_distance, RayDistance::Cage(_));
@@ -182,6 +187,10 @@ impl Shape {
             (
                 (moves || several && self.uvs == Uvs::All) && !options.lods.is_empty(),
                 "its file stays as it is, and levels of detail would need one of their own; leave them out",
+            ),
+            (
+                several && options.keep_uvs,
+                "maps alone are for one material; give a mesh of one, or write a .glb",
             ),
             (
                 several && matches!(options.ray_distance, RayDistance::Cage(_)),
@@ -252,12 +261,15 @@ mod tests {
         let (plain, lods) =
             (BakeOptions::default(), BakeOptions { lods: vec![10], ..BakeOptions::default() });
         let object = BakeOptions { space: NormalSpace::Object, ..BakeOptions::default() };
+        let alone = BakeOptions { keep_uvs: true, ..BakeOptions::default() };
         let (two, one) = (file(&["a", "b"], &[true, true]), file(&["a"], &[true]));
         let moving = Read { moving: Some("a skin"), ..file(&["a"], &[true]) };
         let bare = Read { moving: Some("a skin"), ..file(&["a"], &[false]) };
         assert_eq!([&two, &one, &moving].map(|read| hindrance(read, &plain)), ["", "", ""]);
         assert!(hindrance(&two, &lods).contains("levels of detail"));
         assert_eq!(hindrance(&one, &lods), "");
+        assert!(hindrance(&two, &alone).contains("maps alone are for one material"));
+        assert!(Shape::of(&moving).is_alone(&alone) && !Shape::of(&two).is_alone(&alone));
         assert!(hindrance(&bare, &plain).contains("no uvs"));
         assert!(hindrance(&file(&["a", "b"], &[true, false]), &plain).contains("no uvs"));
         assert_eq!(hindrance(&file(&["a", "b"], &[false, false]), &plain), "", "they are made one");

@@ -190,6 +190,7 @@ fn material_figures(found: &[Measured]) -> Result<MaterialFigures> {
         roughness: all(|error| &error.roughness)?,
         emission: all(|error| &error.emission)?,
         alpha: all(|error| &error.alpha)?,
+        not_finite: weighted(found, |part| part.material.as_ref().map_or(0.0, |error| error.not_finite)),
     }))
 }
 

@@ -3,7 +3,7 @@
 use super::document::KeptMaterial;
 use super::given::Taken;
 use super::kept_textures::KeptTextures;
-use super::options::{BakeOptions, SQUARE};
+use super::options::{BakeOptions, NEEDS_UVS, SQUARE};
 use super::scan::Scan;
 use crate::bake::{self, Simplified, SimplifyMethod, SimplifyOptions, UnwrapOptions};
 use crate::error::{Error, Result, Warnings};
@@ -81,6 +81,7 @@ impl LowPoly {
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
+            true if options.keep_uvs => return Err(Error::invalid("maps alone", NEEDS_UVS)),
             true if !options.is_square() => {
                 return Err(Error::invalid(options.maps_in_words(), SQUARE));
             }

@@ -12,6 +12,7 @@ use super::textures::Textures;
 use crate::bake::BakeCounts;
 use crate::error::Warnings;
 use crate::mesh::Mesh;
+use crate::scene::AlphaMode;
 use std::sync::Arc;
 
 /// All that a bake made.
@@ -25,6 +26,8 @@ pub(super) struct Made {
     pub parts: Vec<Part>,
     /// The levels of detail after the first.
     pub coarser: Vec<Mesh>,
+    /// The alpha mode of each triangle of each level, the finest first; empty where all have their material's.
+    pub alpha_modes: Vec<Vec<AlphaMode>>,
     /// Texels across and down.
     pub size: [u32; 2],
     pub trials: Vec<Trial>,

@@ -28,6 +28,9 @@ pub struct MaterialFigures {
     pub emission: Option<Summary>,
     /// Between the alphas, [0, 1]; those of a mask are 0 or 1.
     pub alpha: Option<Summary>,
+    /// The part of the points at which a value of scan or asset is not finite, [0, 1]: what is not finite is in none of
+    /// the summaries.
+    pub not_finite: f64,
 }
 
 impl MaterialFigures {
@@ -39,6 +42,7 @@ impl MaterialFigures {
             roughness: error.roughness.summary(),
             emission: error.emission.summary(),
             alpha: error.alpha.summary(),
+            not_finite: error.not_finite,
         }
     }
 

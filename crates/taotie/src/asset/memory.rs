@@ -1,6 +1,7 @@
 //! The memory that a bake will take, estimated before it begins.
 
 use super::options::BakeOptions;
+use super::scan_size::ScanSize;
 use crate::bake::{MapKind, Maps};
 use crate::error::{Error, Result};
 use crate::io;
@@ -94,40 +95,8 @@ impl Limits {
     }
 }
 
-/// The number of triangles and vertices of a scan, and the maps that its materials need.
-///
-/// ```
-/// use taotie::asset::{BakeOptions, Baker, ScanSize};
-///
-/// let baker = Baker::new(BakeOptions::default());
-/// let size = |triangles| ScanSize { triangles, vertices: triangles / 2, ..ScanSize::default() };
-/// let need = |triangles: u64| baker.need(size(triangles)).bytes();
-/// assert!(need(20_000_000) > need(1_000_000));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ScanSize {
-    /// Triangles, over all instances.
-    pub triangles: u64,
-    /// Vertices.
-    pub vertices: u64,
-    /// The maps of what varies in its materials, which a bake carries where it is asked to.
-    pub carries: Maps,
-}
-
-impl ScanSize {
-    /// Returns what the scan takes, sorted for rays.
-    pub(super) fn bytes(self) -> u64 {
-        /// Positions and normals; what else vertices have is small beside the rest.
-        const VERTEX: u64 = 24;
-        const TRIANGLE: u64 = 12;
-        /// Corners, order and boxes of the tree.
-        const TREE: u64 = 41;
-        self.triangles * (TRIANGLE + TREE) + self.vertices * VERTEX
-    }
-}
-
-/// The memory of a bake at its peak: the scan sorted for rays, simplification, maps.
+/// The memory of a bake at its peak: the scan with its textures, sorted for rays, simplification, maps; or, where that is
+/// more, the tangents that a scan with a normal map gets before.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Baker, Bytes, Limits, ScanSize};
@@ -186,7 +155,8 @@ impl Need {
         let beside = self.scan.triangles * SORTING.max(simplifying).max(inspecting);
         // One material is baked after the other.
         let stored = self.materials.saturating_sub(1).saturating_mul(self.texels * self.stored_bytes);
-        Bytes((self.scan.bytes() + beside.max(self.texels * self.texel_bytes) + REST).saturating_add(stored))
+        let baking = self.scan.bytes() + beside.max(self.texels * self.texel_bytes);
+        Bytes(baking.saturating_add(stored).max(self.scan.framing_bytes()).saturating_add(REST))
     }
 
     /// Refuses what does not fit.
@@ -267,5 +237,16 @@ mod tests {
             3 * (8 << 22),
             "maps of three are held beside those baked"
         );
+    }
+
+    #[test]
+    fn tangents_and_textures_of_a_scan_are_in_the_estimate() {
+        let size = ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() };
+        let need = |size| Need::of(&BakeOptions::default(), size).bytes().0;
+        let framed = ScanSize { framed_triangles: 20_000_000, framed_vertices: 10_000_000, ..size };
+        assert!(need(framed) > 8 << 30, "{}", need(framed));
+        assert_eq!(need(framed.sorted()), need(size));
+        let textured = ScanSize { texture_bytes: 1 << 30, ..size };
+        assert_eq!(need(textured), need(size) + (1 << 30));
     }
 }

@@ -8,12 +8,14 @@ use crate::scene::{NormalSpace, TextureRef, UvTransform};
 
 /// Notes what a scan's file holds that no bake reads.
 pub(super) fn left_of_scan_file(loaded: &mut Loaded) {
-    let Loaded { warnings, xmp, rig, .. } = loaded;
+    let Loaded { warnings, xmp, rig, variants, .. } = loaded;
     warnings.note(
         "XMP metadata of the scan beside that of the whole asset, left out",
         xmp.len().saturating_sub(1),
     );
     warnings.note("animations of the scan, which is baked at rest", usize::from(rig.is_some()));
+    let sets = variants.names().len();
+    warnings.note("sets of materials (variants) of the scan, left out: it is baked without any", sets);
 }
 
 /// Notes options that no map that is baked reads.
@@ -39,32 +41,16 @@ pub(super) fn unread_options(options: &BakeOptions, warnings: &mut Warnings) {
     unread.iter().filter(|(_, is)| *is).for_each(|(what, _)| warnings.note(*what, 1));
 }
 
-/// Notes that an asset is blended since a part of its scan is, of which `part`, [0, 1], is the share.
-pub(super) fn blended(part: f64, warnings: &mut Warnings) {
-    let percent = part * 100.0;
-    let what = format!(
-        "{percent:.1} % of the scan is blended, so all of the asset is: viewers may draw its parts in the wrong order"
+/// Notes materials of a file that stays which are blended as a whole, since parts of the scan are.
+pub(super) fn blended(materials: usize, warnings: &mut Warnings) {
+    warnings.note(
+        "materials of the low-poly mesh that are blended as a whole, since parts of the scan are: viewers may draw \
+         their triangles in the wrong order",
+        materials,
     );
-    warnings.note(what, usize::from(part > 0.0 && part < 1.0));
 }
 
 /// Returns `true` where a texture is of uv set 0 and not moved by a transform.
 pub(super) fn is_plain(texture: &TextureRef) -> bool {
     texture.uv_set == 0 && texture.transform == UvTransform::default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_asset_that_is_blended_for_a_part_is_told() {
-        let said = |part: f64| {
-            let mut warnings = Warnings::default();
-            blended(part, &mut warnings);
-            warnings.iter().map(|(what, _)| what.to_owned()).collect::<String>()
-        };
-        assert!(said(0.125).starts_with("12.5 % of the scan is blended, so all of the asset is"));
-        assert_eq!((said(0.0), said(1.0)), (String::new(), String::new()));
-    }
 }

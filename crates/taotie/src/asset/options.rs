@@ -94,6 +94,8 @@ pub struct BakeOptions {
     pub mean_error_deg: Option<f64>,
     /// Triangles of further levels of detail, each fewer than the one before.
     pub lods: Vec<u32>,
+    /// `true` where no uvs may be made, since no file will hold them: `low` is needed then, with uvs. For maps alone.
+    pub keep_uvs: bool,
     /// Texels across the maps, 16 to 16384.
     pub size: u32,
     /// Texels down the maps; as many as across where `None`. Only for `low` with uvs: atlases that are made are square.
@@ -132,6 +134,7 @@ impl Default for BakeOptions {
             triangles: 50_000,
             mean_error_deg: None,
             lods: Vec::new(),
+            keep_uvs: false,
             size: 2048,
             height: None,
             maps: vec![MapKind::Normal],
@@ -156,6 +159,10 @@ pub(super) const AO_RAYS: u32 = 64;
 pub(super) const SQUARE: &str =
     "atlases that are made are square; give one number, or a low-poly mesh with uvs";
 
+/// What maps need that are written without a model.
+pub(super) const NEEDS_UVS: &str =
+    "no file holds the uvs that would be made for them; give a low-poly mesh with uvs, or write a .glb";
+
 impl BakeOptions {
     /// Refuses what cannot be done, before any work begins.
     ///
@@ -175,6 +182,7 @@ impl BakeOptions {
             _ if !self.map_size().iter().all(|side| (16..=16_384).contains(side)) => {
                 wrong(self.maps_in_words(), "give 16 to 16384 texels")
             }
+            Self { low: None, keep_uvs: true, .. } => wrong("maps alone".into(), NEEDS_UVS),
             Self { low: None, .. } if !self.is_square() => wrong(self.maps_in_words(), SQUARE),
             Self { maps, .. } if maps.is_empty() => wrong("no map".into(), "name at least one to bake"),
             Self { side: n, .. } if !(1..=8).contains(n) => {
@@ -264,6 +272,7 @@ mod tests {
             (BakeOptions { low: low.clone(), height: Some(20_000), ..base() }, "maps of 2048×20000: give 16"),
             (BakeOptions { height: Some(1024), ..base() }, "atlases that are made are square"),
             (BakeOptions { maps: Vec::new(), ..base() }, "at least one"),
+            (BakeOptions { keep_uvs: true, ..base() }, "maps alone: no file holds the uvs"),
             (BakeOptions { side: 9, ..base() }, "1 to 8"),
             (BakeOptions { bits: 12, ..base() }, "8 or 16"),
             (BakeOptions { ao_rays: 0, ..base() }, "1 to 4096"),

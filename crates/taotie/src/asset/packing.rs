@@ -1,7 +1,7 @@
 //! The packing of an asset into files.
 
 use crate::error::Result;
-use crate::io::{GltfImages, XmpProperties};
+use crate::io::{GltfFormat, GltfImages, XmpProperties};
 use crate::scene::GreenChannel;
 use std::path::PathBuf;
 
@@ -23,6 +23,11 @@ use std::path::PathBuf;
 pub struct Packing {
     /// The packing of textures; KTX2 needs maps whose sides are multiples of 4.
     pub images: GltfImages,
+    /// The quality of base colour and emission as lossy WebP, 1 to 100; `None` loses nothing. See
+    /// [`GltfFormat::webp_quality`].
+    pub webp_quality: Option<u8>,
+    /// The rate–distortion optimisation of KTX2, 1 to 64. See [`GltfFormat::uastc_rdo`].
+    pub uastc_rdo: Option<u8>,
     /// The quality of the base colour as JPEG, 1 to 100; `None` packs it as `images` says.
     pub jpeg: Option<u8>,
     /// Compresses geometry (EXT_meshopt_compression), but not that of a low-poly file that stays as it is.
@@ -36,14 +41,26 @@ pub struct Packing {
 }
 
 impl Packing {
-    /// Checks what can be known before a bake begins: that the properties of [`Packing::provenance`] can be read and
-    /// used.
+    /// Checks what can be known before a bake begins: that qualities are in their ranges and read, and that the properties
+    /// of [`Packing::provenance`] can be read and used.
     ///
     /// # Errors
     /// [`Error::Io`](crate::Error::Io), [`Error::Parse`](crate::Error::Parse) where the file is no JSON, and
     /// [`Error::Invalid`](crate::Error::Invalid) where a property has no known prefix, or a value of no form that
-    /// programs read.
+    /// programs read, and for a quality.
     pub fn check(&self) -> Result<()> {
+        self.format().check()?;
         self.provenance.as_deref().map_or(Ok(()), |path| XmpProperties::read(path).map(drop))
+    }
+
+    /// Returns the packing of the model's own file.
+    pub(super) fn format(&self) -> GltfFormat {
+        GltfFormat {
+            images: self.images,
+            webp_quality: self.webp_quality,
+            uastc_rdo: self.uastc_rdo,
+            jpeg: self.jpeg,
+            meshopt: self.meshopt,
+        }
     }
 }

@@ -62,6 +62,8 @@ impl Parameters {
                 GltfImages::WebP => "webp",
                 GltfImages::Ktx2 => "ktx2",
             },
+            "webp_quality": packing.webp_quality,
+            "uastc_rdo": packing.uastc_rdo,
             "jpeg": packing.jpeg,
             "meshopt": packing.meshopt,
             "green": match packing.green { GreenChannel::Up => "up", GreenChannel::Down => "down" },

@@ -1,21 +1,25 @@
 //! The proof: an asset as it was written, read back and held against the scan.
 
 use super::level_figures::{LevelFigures, Measured, PointCounts, chained, stacked};
-use super::made::{Asset, Part};
+use super::made::{Asset, Made, Part};
+use super::map_note::MapNote;
+use super::map_numbers;
+use super::maps_alone;
 use super::material_figures::MaterialFigures;
 use super::part_figures::PartFigures;
 use super::scan::Scan;
 use super::shown::{Shown, ShownPart, Subject, normal_map};
 use super::unseen::unseen;
 use super::views::{self, Looks, ViewFigures, Views};
-use super::write::{MapNote, Written};
-use crate::bake::{Cage, Fit, MapKind, low_poly_mesh};
+use super::write::Written;
+use crate::bake::{Cage, Fit, MapKind, ShownNormals, low_poly_mesh};
 use crate::compare::{Field, Summary};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
 use crate::io::{self, GltfImages, Loaded};
 use crate::progress::Progress;
 use crate::scene::{NormalSpace, Scene};
+use std::path::Path;
 
 /// The options of a proof. Built by `Default` and struct update.
 ///
@@ -190,7 +194,7 @@ pub struct Proof {
 }
 
 impl Written {
-    /// Reads the asset back and measures how far it is from the scan.
+    /// Reads the asset back and measures how far it is from the scan. Maps alone are measured on the low-poly mesh.
     ///
     /// Each level of detail is measured, the coarser ones at a quarter of the points. A scan that is given up, not
     /// borrowed, has its tree freed before images of it are taken. The listener hears the stages `read back`,
@@ -212,8 +216,10 @@ impl Written {
 
     fn prove(&self, scan: Scan, options: &VerifyOptions, progress: Progress<'_>) -> Result<Proof> {
         progress.begin("read back")?;
-        let loaded = io::load_model(self.path())?;
+        let mut levels = self.levels_read_back()?;
+        let loaded = levels.remove(0);
         let object_maps = self.object_maps()?;
+        let object_maps = self.object_normals(&object_maps);
         let subject = self.subject(&loaded.scene, &object_maps, &scan)?;
         progress.begin("measure normals")?;
         let mut figures = self.measure(&subject, options)?;
@@ -227,11 +233,15 @@ impl Written {
             surface.parts.iter().filter_map(|part| Some(part.mapped.color_map(part.material?, size)));
         let colors = colors.collect::<Result<Vec<_>>>()?;
         let color_map = (!colors.is_empty()).then(|| stacked(&colors)).transpose()?;
-        let mut scenes = self.coarser(&loaded, progress)?;
+        if !levels.is_empty() {
+            progress.begin("measure levels")?;
+        }
+        let mut scenes: Vec<Scene> = levels.into_iter().map(|level| level.scene).collect();
         for scene in &scenes {
-            let shown = Shown::of(scene, object_maps[0].as_ref(), self.path())?;
+            let shown = Shown::of(scene, object_maps[0], self.path())?;
             let cage = Cage::automatic(&shown.mesh, &scan.high);
-            let subject = Subject { parts: vec![ShownPart { shown, cage }], whole: None, scan: &scan };
+            let parts = vec![ShownPart { shown, cage }];
+            let subject = Subject { parts, whole: None, scan: &scan, has_material: self.has_material() };
             let (surface, points) = (subject.surface(), PointCounts::from(options).quarter());
             let found = surface.measured(points)?;
             figures.levels.push(surface.figures(&found, points, scan.mesh().diagonal())?);
@@ -243,39 +253,48 @@ impl Written {
         let maps: Vec<MapKind> = self.maps().iter().map(|note| note.map).collect();
         figures.unseen = unseen(&maps, self.asset.made.options.space, [&scan, &scenes[0]]);
         figures.unseen.extend(self.unseen_of_document(levels));
-        let looks = views::take(scan, scenes, options.view, views)?;
+        figures.unseen.extend(maps_alone::unseen(&self.asset.made).filter(|_| self.is_alone()));
+        let mut looks = views::take(scan, scenes, options.view, views)?;
+        if !self.has_material() {
+            looks.full.clear();
+        }
         Ok(Proof { color_map, warnings: loaded.warnings, ..Proof::new(figures, error_map, looks) })
+    }
+
+    /// Says whether the files say what their material is.
+    fn has_material(&self) -> bool {
+        !self.is_alone() || maps_alone::has_material(&self.asset.made)
     }
 
     /// Returns what is measured of the asset as it was read back.
     fn subject<'a>(
         &self,
         scene: &'a Scene,
-        object_maps: &'a [Option<Texture>],
+        object_maps: &[Option<ShownNormals<'a>>],
         scan: &'a Scan,
     ) -> Result<Subject<'a>> {
         let parts = self.asset.made.parts.iter().zip(object_maps);
-        let parts = parts.map(|(part, map)| self.shown(part, scene, map.as_ref()));
+        let parts = parts.map(|(part, map)| self.shown(part, scene, *map));
         let parts = parts.collect::<Result<Vec<_>>>()?;
         let whole = (parts.len() > 1).then(|| low_poly_mesh(scene.clone())).transpose()?;
-        Ok(Subject { parts, whole, scan })
+        Ok(Subject { parts, whole, scan, has_material: self.has_material() })
     }
 
     fn shown<'a>(
         &self,
         part: &Part,
         scene: &'a Scene,
-        object_map: Option<&'a Texture>,
+        object_map: Option<ShownNormals<'a>>,
     ) -> Result<ShownPart<'a>> {
         let has_map = part.maps.textures.normal.is_some();
         let shown = match &part.low.own {
-            Some(own) => {
+            Some(own) if !self.is_alone() => {
                 // A normal map of the low-poly mesh itself, which may have uvs of its own, is not judged.
                 let inside = has_map.then(|| normal_map(scene, own.number)).flatten();
-                let normal = object_map.map(|map| (map, NormalSpace::Object)).or(inside);
-                Shown { normal, ..Shown::of_material(scene, own.number, self.path())? }
+                let shown = Shown::of_material(scene, own.number, self.path())?;
+                Shown { normal: object_map.or(inside), ..shown }
             }
-            None => Shown::of(scene, object_map, self.path())?,
+            _ => Shown::of(scene, object_map, self.path())?,
         };
         if shown.normal.is_none() && has_map {
             let why = "read back, it shows no normal map";
@@ -300,25 +319,32 @@ impl Written {
         moving.into_iter().chain(coarser).chain(relief).collect()
     }
 
-    /// Reads the coarser levels back. Maps are in memory once.
-    fn coarser(&self, finest: &Loaded, progress: Progress<'_>) -> Result<Vec<Scene>> {
-        let wanted = self.asset.levels().count();
-        if self.asset.made.document.is_some() {
-            return Ok(Vec::new());
+    /// Reads all levels back, the finest first; of a file that stays that alone; maps alone onto the low-poly mesh. Maps
+    /// are decoded and in memory once.
+    fn levels_read_back(&self) -> Result<Vec<Loaded>> {
+        let made = &self.asset.made;
+        if self.is_alone() {
+            return Ok(vec![maps_alone::read_back(made, self.packing.green, &self.current())?]);
         }
-        if finest.levels != wanted {
-            let why = format!("read back, it has {} levels of detail and not {wanted}", finest.levels);
-            return Err(Error::invalid(self.path().display().to_string(), why));
+        if made.document.is_some() {
+            return Ok(vec![io::load_model(&self.current())?]);
         }
-        if wanted > 1 {
-            progress.begin("measure levels")?;
+        let (levels, wanted) = (io::load_levels(&self.current())?, self.asset.levels().count());
+        if levels.len() == wanted {
+            return Ok(levels);
         }
-        let read = |level| {
-            let mut scene = io::load_level(self.path(), level)?.scene;
-            scene.edit(|scene| scene.textures = finest.scene.textures().to_vec())?;
-            Ok(scene)
+        let why = format!("read back, it has {} levels of detail and not {wanted}", levels.len());
+        Err(Error::invalid(self.path().display().to_string(), why))
+    }
+
+    /// Returns the maps in object space of all parts as they are looked up: as the textures that the file holds.
+    fn object_normals<'a>(&self, maps: &'a [Option<Texture>]) -> Vec<Option<ShownNormals<'a>>> {
+        let Made { parts, coarser, .. } = &*self.asset.made;
+        let shown = |(part, map): (&Part, &'a Option<Texture>)| {
+            let sampler = io::gltf_sampler(std::iter::once(&part.low.mesh).chain(coarser));
+            map.as_ref().map(|texture| ShownNormals { texture, space: NormalSpace::Object, sampler })
         };
-        (1..wanted).map(read).collect()
+        parts.iter().zip(maps).map(shown).collect()
     }
 
     /// Reads the normal map in object space of each part, which stands beside the asset.
@@ -332,9 +358,14 @@ impl Written {
                     && note.material.as_deref().unwrap_or("") == part.low.label()
             };
             let file = notes.iter().find(is_it).and_then(|note| note.file.as_ref());
-            file.map(|path| Ok(Texture::new(io::read_bitmap(path)?, Encoding::Normal))).transpose()
+            file.map(|path| self.read_normals(path)).transpose()
         };
         self.asset.made.parts.iter().map(read).collect()
+    }
+
+    fn read_normals(&self, path: &Path) -> Result<Texture> {
+        let codes = map_numbers::codes_of_normals(io::read_bitmap(&self.set.current(path))?)?;
+        Ok(Texture::new(codes, Encoding::Normal))
     }
 
     fn measure(&self, subject: &Subject<'_>, options: &VerifyOptions) -> Result<Figures> {
@@ -366,7 +397,11 @@ impl Written {
             fit: subject.whole().fit(options.points / 10, diagonal).map(FitFigures::from),
             parts: self.part_figures(subject, &found),
             bytes_in: made.about.bytes,
-            bytes_out: self.files.iter().map(|path| io::file_size(path)).sum::<Result<u64>>()?,
+            bytes_out: self
+                .files
+                .iter()
+                .map(|path| io::file_size(&self.set.current(path)))
+                .sum::<Result<u64>>()?,
             material: finest.material,
             full_views: Vec::new(),
             unseen: Vec::new(),

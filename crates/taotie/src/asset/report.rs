@@ -1,13 +1,15 @@
 //! Every parameter and every figure of a bake, as data.
 
 use super::low::Origin;
+use super::map_note::MapNote;
+use super::maps_alone;
 use super::options::MeshSource;
 use super::parameters::Parameters;
 use super::plan::Left;
 use super::proof::Figures;
 use super::requirement::Met;
 use super::search_course::Trial;
-use super::write::{MapNote, Written};
+use super::write::Written;
 use crate::error::{Result, Warnings};
 use std::path::PathBuf;
 
@@ -143,7 +145,7 @@ impl Report {
             parameters: Parameters::new(&made.options, &written.packing),
             files: written.files.clone(),
             maps: written.maps(),
-            carried: made.carried.iter().map(|property| property.name().to_owned()).collect(),
+            carried: carried(written),
             left: made.left.clone(),
             proof: None,
             required: Vec::new(),
@@ -157,4 +159,14 @@ impl Report {
     pub fn is_met(&self) -> bool {
         self.required.iter().all(|met| met.met)
     }
+}
+
+/// Returns the properties of the scan's material that the files hold.
+fn carried(written: &Written) -> Vec<String> {
+    let made = &written.asset().made;
+    let all: Vec<_> = match written.is_alone() {
+        true => maps_alone::carried(made).collect(),
+        false => made.carried.clone(),
+    };
+    all.iter().map(|property| property.name().to_owned()).collect()
 }

@@ -97,7 +97,9 @@ impl Requirement {
 
     fn value(&self, level: &LevelFigures) -> Option<f64> {
         let angle = |of: fn(&Summary) -> f64| level.angles.as_ref().map(of);
-        let color = |of: fn(&Summary) -> f64| level.material.color.as_ref().map(of);
+        // Colours that are no numbers are as far off as can be; no mean of the others speaks for them.
+        let color = level.material.color.as_ref().filter(|_| level.material.not_finite == 0.0);
+        let color = |of: fn(&Summary) -> f64| color.map(of);
         match self.figure {
             Figure::MeanColor => color(|summary| summary.mean),
             Figure::P95Color => color(|summary| summary.p95),
@@ -341,6 +343,13 @@ mod tests {
         assert_eq!(outcomes("mean-angle=180", &figures(Vec::new())), [false]);
         let nowhere = LevelFigures::default();
         assert_eq!(outcomes("mean-color=100", &figures(vec![nowhere.clone()])), [false]);
+        let material = MaterialFigures { not_finite: 0.01, ..level(0.2, 0.0).material };
+        let broken = LevelFigures { material, ..level(0.2, 0.0) };
+        assert_eq!(
+            outcomes("mean-color=100", &figures(vec![broken])),
+            [false],
+            "some colours are not finite"
+        );
         let met = figures(vec![nowhere]).require(&[read("max-angle=180").unwrap()]);
         assert_eq!((met[0].met, met[0].text().as_str()), (false, "could not be measured, at most 180°"));
     }

@@ -3,8 +3,9 @@
 use super::carried::Carried;
 use super::hash::FileHash;
 use super::look;
-use super::memory::{Limits, ScanSize};
+use super::memory::Limits;
 use super::notes;
+use super::scan_size::ScanSize;
 use crate::bake;
 use crate::error::{Error, Result, Warnings};
 use crate::io;
@@ -21,6 +22,8 @@ pub(super) struct About {
     /// The path of its file; empty in memory.
     pub path: PathBuf,
     pub hash: Option<FileHash>,
+    /// All files that it was read from, its own first; none in memory.
+    pub files: Vec<PathBuf>,
     /// Bytes of all its files; 0 in memory.
     pub bytes: u64,
     pub copyright: Option<String>,
@@ -93,11 +96,13 @@ impl ScanFile {
         limits.or_free().check_file(&path)?;
         progress.begin("read the scan")?.apart(move |_| {
             let mut loaded = io::load_model(&path)?;
-            let bytes = bytes_of(&path, &mut loaded.files)?;
+            let files = all_files(&path, &mut loaded.files);
+            let bytes = files.iter().map(|file| io::file_size(file)).sum::<Result<u64>>()?;
             check_extent(&loaded.scene, &path.display().to_string())?;
             notes::left_of_scan_file(&mut loaded);
             let about = About {
                 hash: Some(hash),
+                files,
                 bytes,
                 copyright: loaded.copyright,
                 xmp: (!loaded.xmp.is_empty()).then(|| loaded.xmp.swap_remove(0)),
@@ -120,7 +125,12 @@ impl ScanFile {
         Ok(Self { scene: loaded.scene, about })
     }
 
-    /// Returns how many triangles and vertices the scan has.
+    /// Returns all files that the scan was read from, its own first; none in memory.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.about.files
+    }
+
+    /// Returns how many triangles and vertices the scan has, and what else takes memory.
     pub fn size(&self) -> ScanSize {
         self.about.size
     }
@@ -174,6 +184,11 @@ impl Scan {
         &self.about.path
     }
 
+    /// Returns all files that it was read from, its own first; none in memory.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.about.files
+    }
+
     /// Returns what was wrong with its file, or is left out of it.
     pub fn warnings(&self) -> &Warnings {
         &self.about.warnings
@@ -209,14 +224,11 @@ impl std::fmt::Debug for Scan {
 impl About {
     fn of(scene: &Scene, path: PathBuf) -> Self {
         let carried = Carried::of(scene);
-        let size = ScanSize {
-            triangles: scene.triangle_count() as u64,
-            vertices: scene.meshes().iter().map(|mesh| mesh.positions().len() as u64).sum(),
-            carries: carried.maps(),
-        };
+        let size = ScanSize::of(scene, carried.maps());
         Self {
             path,
             hash: None,
+            files: Vec::new(),
             bytes: 0,
             copyright: None,
             xmp: None,
@@ -228,12 +240,12 @@ impl About {
     }
 }
 
-/// Returns the bytes of a model's file and of all others that it was read from, each counted once.
-fn bytes_of(path: &Path, others: &mut Vec<PathBuf>) -> Result<u64> {
+/// Returns a model's file and all others that it was read from, each once.
+fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
     others.sort();
     others.dedup();
-    let others = others.iter().filter(|other| *other != path).map(|other| io::file_size(other));
-    Ok(io::file_size(path)? + others.sum::<Result<u64>>()?)
+    let others = others.iter().filter(|other| *other != path).cloned();
+    std::iter::once(path.to_path_buf()).chain(others).collect()
 }
 
 /// Refuses a model that is nothing but a point.

@@ -6,7 +6,7 @@ use super::maps::{StoredMaps, bake_maps};
 use super::options::BakeOptions;
 use super::scan::Scan;
 use super::search_course::{Candidate, Course, Trial, Weight};
-use crate::bake::{Simplified, Verifier};
+use crate::bake::{ShownNormals, Simplified, Verifier};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
 use crate::io::{self, GltfAsset, GltfFormat, GltfLevel};
@@ -139,9 +139,10 @@ fn mean_angle(pair: Pair<'_>, maps: &StoredMaps) -> Result<f64> {
         return Err(Error::invalid("a mean normal error", "it needs a normal map in tangent space"));
     };
     let texture = Texture::new(bitmap, Encoding::Normal);
+    let sampler = io::gltf_sampler([&pair.low.mesh]);
     let verifier = Verifier {
         mesh: &pair.low.mesh,
-        normal: Some((&texture, NormalSpace::Tangent)),
+        normal: Some(ShownNormals { texture: &texture, space: NormalSpace::Tangent, sampler }),
         cage: &maps.cage,
         scan: &pair.scan.high,
     };

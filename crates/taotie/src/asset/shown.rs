@@ -2,37 +2,34 @@
 
 use super::level_figures::{LevelSurface, PartSurface};
 use super::scan::Scan;
-use crate::bake::{Cage, TexturedMesh, Verifier, framed_low_poly_mesh, low_poly_mesh};
+use crate::bake::{Cage, ShownNormals, TexturedMesh, Verifier, framed_low_poly_mesh, low_poly_mesh};
 use crate::error::{Error, Result};
-use crate::image::Texture;
 use crate::mesh::Mesh;
-use crate::scene::{Instance, Material, NormalSpace, Scene, SceneData};
+use crate::scene::{NormalSpace, Scene};
 use crate::surface::with_frames;
 use std::path::Path;
 
 /// The triangles of one material at a level of detail.
 pub(super) struct Shown<'a> {
     pub mesh: Mesh,
-    pub normal: Option<(&'a Texture, NormalSpace)>,
+    pub normal: Option<ShownNormals<'a>>,
     /// The same triangles with all that the file says of their material.
     pub material: TexturedMesh,
 }
 
 impl<'a> Shown<'a> {
-    /// Takes the only object of a scene that was read from `path`.
-    pub fn of(scene: &'a Scene, object_map: Option<&'a Texture>, path: &Path) -> Result<Self> {
+    /// Takes all of a scene that was read from `path`, which shows one normal map.
+    pub fn of(scene: &'a Scene, object_map: Option<ShownNormals<'a>>, path: &Path) -> Result<Self> {
         let Some(first) = scene.instances().first() else { return Err(empty(path)) };
-        let alone = Scene::new(SceneData {
-            meshes: vec![scene.meshes()[first.mesh].clone()],
-            materials: vec![Material::default()],
-            instances: vec![Instance { mesh: 0, material: 0, ..*first }],
-            ..SceneData::default()
-        })?;
-        let normal = object_map.map(|map| (map, NormalSpace::Object)).or(normal_map(scene, first.material));
-        let mesh = with_frames(&low_poly_mesh(alone)?, 0, None)?.0.into_owned();
-        let mut own = scene.clone();
-        own.edit(|scene| scene.instances.truncate(1))?;
-        Ok(Self { mesh, normal, material: TexturedMesh::new(own)? })
+        let normal = object_map.or(normal_map(scene, first.material));
+        let material = TexturedMesh::new(scene.clone())?;
+        // Triangles of several alpha modes are several meshes, whose order is that of the material's.
+        let joined = match scene.instances() {
+            [_] => low_poly_mesh(scene.clone())?,
+            _ => material.mesh().clone(),
+        };
+        let mesh = with_frames(&joined, 0, None)?.0.into_owned();
+        Ok(Self { mesh, normal, material })
     }
 
     /// Takes the triangles that show a material, without its normal map.
@@ -52,9 +49,13 @@ fn empty(path: &Path) -> Error {
 }
 
 /// Returns the normal map of a material.
-pub(super) fn normal_map(scene: &Scene, material: usize) -> Option<(&Texture, NormalSpace)> {
+pub(super) fn normal_map(scene: &Scene, material: usize) -> Option<ShownNormals<'_>> {
     let map = scene.materials().get(material)?.normal.as_ref()?;
-    Some((&scene.textures()[map.texture.texture], NormalSpace::Tangent))
+    Some(ShownNormals {
+        texture: &scene.textures()[map.texture.texture],
+        space: NormalSpace::Tangent,
+        sampler: map.texture.sampler,
+    })
 }
 
 /// The triangles of one material, and the cage from which they are projected onto the scan.
@@ -70,6 +71,8 @@ pub(super) struct Subject<'a> {
     /// The triangles of all of them; `None` where there is but one.
     pub whole: Option<Mesh>,
     pub scan: &'a Scan,
+    /// `true` where the files say what their material is.
+    pub has_material: bool,
 }
 
 impl Subject<'_> {
@@ -85,7 +88,8 @@ impl Subject<'_> {
         let Shown { mesh, normal, material } = &part.shown;
         let plain = Verifier { mesh, normal: None, cage: &part.cage, scan: &self.scan.high };
         let mapped = Verifier { normal: *normal, ..plain };
-        PartSurface { mapped, plain, material: (!self.scan.about.is_plain).then_some(material) }
+        let is_compared = self.has_material && !self.scan.about.is_plain;
+        PartSurface { mapped, plain, material: is_compared.then_some(material) }
     }
 
     /// Returns all triangles, for distances alone.

@@ -3,15 +3,18 @@
 use super::green;
 use super::kept_textures::KeptTextures;
 use super::made::{Asset, Made, Part};
+use super::map_note::MapNote;
+use super::maps_alone;
+use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
-use super::textures::{Beside, Textures};
+use super::textures::{Beside, Textures, labeled};
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
-use crate::image::{Bitmap, Encoding};
+use crate::image::Encoding;
 use crate::io::{
-    self, FileBytes, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial,
-    GltfSource, GraftedMaterial, Json,
+    self, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel,
+    GltfMaterial, GltfSource, GraftedMaterial, Json,
 };
 use crate::mesh::Mesh;
 use crate::names::Named;
@@ -38,51 +41,21 @@ pub struct Written {
     pub(super) asset: Asset,
     pub(super) packing: Packing,
     pub(super) files: Vec<PathBuf>,
+    pub(super) set: FileSet,
     pub(super) warnings: Warnings,
-}
-
-/// A map of a written asset: where it stands, and what its numbers mean.
-///
-/// ```
-/// use std::path::PathBuf;
-/// use taotie::asset::Written;
-/// use taotie::bake::MapKind;
-///
-/// /// Returns the file of the height map and the heights of black and white, model units.
-/// fn height(written: &Written) -> Option<(PathBuf, [f64; 2])> {
-///     let note = written.maps().into_iter().find(|note| note.map == MapKind::Height)?;
-///     Some((note.file?, [note.black?, note.white?]))
-/// }
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct MapNote {
-    /// The kind of map.
-    pub map: MapKind,
-    /// The name of its material in names of files, where the asset has several.
-    pub material: Option<String>,
-    /// Its file; `None` inside of the asset.
-    pub file: Option<PathBuf>,
-    /// Bits a channel.
-    pub bits: u8,
-    /// The number of black, in `unit`, where the map holds numbers.
-    pub black: Option<f64>,
-    /// The number of white.
-    pub white: Option<f64>,
-    /// The unit of these.
-    pub unit: &'static str,
 }
 
 impl Asset {
     /// Writes the asset as `.glb`, or as `.gltf` with its files beside it. Maps that glTF has no place for are written
-    /// beside either, such as `scan.height.png`. All files appear together at the end; a write that fails or is
+    /// beside either, such as `scan.height.png`. A path that ends with `.png`, `.webp` or `.exr` gets maps alone: the first
+    /// in that file, all others beside it, such as `out.ao.png`, with green as the packing says. All files appear together at the end; a write that fails or is
     /// cancelled leaves none. The same asset gives the same bytes.
     ///
     /// The listener hears the stage `write`.
     ///
     /// # Errors
-    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`io::write_gltf`]; [`Error::Io`](crate::Error::Io) where
+    /// [`Error::Cancelled`](crate::Error::Cancelled); those of [`io::write_gltf`]; [`Error::Invalid`](crate::Error::Invalid)
+    /// for maps alone whose uvs were made, or that have the packing of a model; [`Error::Io`](crate::Error::Io) where
     /// the scan's file or that of the XMP properties cannot be read any more.
     pub fn write(
         &self,
@@ -90,30 +63,64 @@ impl Asset {
         packing: &Packing,
         progress: Progress<'_>,
     ) -> Result<Written> {
-        let progress = progress.begin("write")?;
-        let (asset, packed, path) = (self.clone(), packing.clone(), path.as_ref().to_path_buf());
-        let encode = move |_: Progress<'_>| encoded(&asset.made, &path, &packed);
-        let files = progress.part(0.0, 0.8).apart(encode)?;
-        io::write_files(&files, progress.part(0.8, 1.0))?;
-        let warnings = notes(&self.made, packing, &files);
-        let files = files.into_iter().map(|file| file.path).collect();
-        Ok(Written { asset: self.clone(), packing: packing.clone(), files, warnings })
+        FileSet::one(|set| self.write_in(set, path.as_ref(), packing, progress))
     }
+
+    /// Writes the asset as [`Asset::write`] does, as files of a set. They appear with all else in it, such as a report of
+    /// what [`Written::verify`] finds, when the caller commits it.
+    ///
+    /// # Errors
+    /// As [`Asset::write`], and [`Error::Invalid`](crate::Error::Invalid) where a file that was read would be written
+    /// over.
+    pub fn write_in(
+        &self,
+        set: &FileSet,
+        path: &Path,
+        packing: &Packing,
+        progress: Progress<'_>,
+    ) -> Result<Written> {
+        let progress = progress.begin("write")?;
+        set.protect(&self.made.about.files)?;
+        let (asset, packed, path) = (self.clone(), packing.clone(), path.to_path_buf());
+        let is_alone = maps_alone::is_alone(&path);
+        let encode = move |_: Progress<'_>| match is_alone {
+            true => maps_alone::encoded(&asset.made, &path, &packed),
+            false => encoded(&asset.made, &path, &packed),
+        };
+        let files = progress.part(0.0, 0.8).apart(encode)?;
+        set.write_files(&files, progress.part(0.8, 1.0))?;
+        let warnings = match is_alone {
+            true => maps_alone::warnings(&self.made),
+            false => notes(&self.made, packing, &files),
+        };
+        let files = files.into_iter().map(|file| file.path).collect();
+        Ok(Written { asset: self.clone(), packing: packing.clone(), files, set: set.clone(), warnings })
+    }
+}
+
+/// Returns every file that an asset at `path` may be written to, the model first; but for those that are named after
+/// materials of a low-poly file, which is not read yet.
+pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packing) -> Vec<PathBuf> {
+    if maps_alone::is_alone(path) {
+        return maps_alone::possible_files(path);
+    }
+    let beside = options.maps.iter().map(|map| path.with_extension(format!("{}.png", map.name())));
+    io::gltf_files(path, &packing.format()).into_iter().chain(beside).collect()
 }
 
 /// Returns all files, the model first.
 fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
     let xmp = provenance::packet(made, packing)?;
     let rights = io::xmp_rights(&xmp);
-    let sets = made.parts.iter().map(|part| FileSet::of(made, part, packing)).collect::<Result<Vec<_>>>()?;
+    let sets = made.parts.iter().map(|part| BesideMaps::of(made, part, packing));
+    let sets = sets.collect::<Result<Vec<_>>>()?;
     let extras = extras(&sets, path);
     let about = About {
         copyright: made.about.copyright.as_deref().or(rights.as_deref()),
         xmp: &xmp,
         extras: extras.as_ref(),
     };
-    let format = GltfFormat { images: packing.images, jpeg: packing.jpeg, meshopt: packing.meshopt };
-    let target = Target { path, format: &format };
+    let target = Target { path, format: &packing.format() };
     let mut files = match &made.document {
         Some(document) => grafted(made, document.source.gltf(), &about, target)?,
         None => anew(made, &about, target)?,
@@ -121,7 +128,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
     for set in &sets {
         for beside in set.all() {
             let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
-            files.push(FileBytes { path: file_of(beside, set.label, path), bytes });
+            files.push(FileBytes { path: beside.file(set.label, path), bytes });
         }
     }
     Ok(files)
@@ -141,6 +148,7 @@ fn anew(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBy
         name: &name,
         levels: &levels,
         material: maps.textures.material(&low.material, &low.kept),
+        alpha_modes: &made.alpha_modes,
         copyright: about.copyright,
         xmp: Some(about.xmp),
         extras: about.extras,
@@ -199,14 +207,14 @@ struct About<'a> {
 }
 
 /// The maps of a material that stand in files beside the model.
-struct FileSet<'a> {
+struct BesideMaps<'a> {
     label: &'a str,
     kept: Vec<&'a Beside>,
     /// Those with green down.
     turned: Vec<Beside>,
 }
 
-impl<'a> FileSet<'a> {
+impl<'a> BesideMaps<'a> {
     fn of(made: &Made, part: &'a Part, packing: &Packing) -> Result<Self> {
         let textures = &part.maps.textures;
         let turned = green::turned(made.options.space, textures, packing)?;
@@ -227,10 +235,7 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     for Part { low, maps } in &made.parts {
         materials.push(maps.textures.material(&low.material, &low.kept));
     }
-    let has_alpha = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
-    let has_alpha = materials.iter().any(|material| {
-        material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has_alpha)
-    });
+    let has_alpha = materials.iter().any(has_alpha);
     warnings.note(
         "meshes are not compressed: the low-poly mesh's file stays as it is",
         usize::from(made.document.is_some() && packing.meshopt),
@@ -252,6 +257,22 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     warnings
 }
 
+/// Says whether alpha of the base colour's texture is written.
+fn has_alpha(material: &GltfMaterial<'_>) -> bool {
+    let has = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
+    material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
+}
+
+/// Says whether there is a texture that may lose more: neither normals, nor a base colour that is packed otherwise.
+fn has_lossy(material: &GltfMaterial<'_>, packing: &Packing) -> bool {
+    let others = [material.metallic_roughness_map, material.occlusion_map, material.emissive_map];
+    let color_is_lossy = match has_alpha(material) {
+        true => packing.images == GltfImages::WebP,
+        false => packing.jpeg.is_none(),
+    };
+    (material.base_color_map.is_some() && color_is_lossy) || others.iter().any(Option::is_some)
+}
+
 /// Returns notes of a packing of textures that the asset does not have.
 fn unpacked(materials: &[GltfMaterial<'_>], packing: &Packing) -> Warnings {
     let mut warnings = Warnings::default();
@@ -269,17 +290,16 @@ fn unpacked(materials: &[GltfMaterial<'_>], packing: &Packing) -> Warnings {
         "the asset has no textures; its packing as WebP or KTX2 is not read",
         usize::from(packing.images != GltfImages::Png && !has_any),
     );
+    let unread = has_any && !materials.iter().any(|material| has_lossy(material, packing));
+    warnings.note(
+        "no texture of the asset is lossy WebP: normals are lossless; the quality is not read",
+        usize::from(packing.webp_quality.is_some() && unread),
+    );
+    warnings.note(
+        "no texture of the asset has RDO: normals are left out of it; it is not read",
+        usize::from(packing.uastc_rdo.is_some() && unread),
+    );
     warnings
-}
-
-/// Returns the file of a map beside the model `path`, named after the material where `label` is not empty.
-fn file_of(beside: &Beside, label: &str, path: &Path) -> PathBuf {
-    path.with_extension(labeled(label, &beside.extension()))
-}
-
-/// Returns a name behind the label of its material, where that has one.
-fn labeled(label: &str, name: &str) -> String {
-    if label.is_empty() { name.to_owned() } else { format!("{label}.{name}") }
 }
 
 /// Returns the least part of the screen that the object covers while each level is shown: half as wide and half as high
@@ -290,7 +310,7 @@ fn coverages(count: usize) -> Vec<f32> {
 }
 
 /// Returns the asset's notes on the files beside it; `None` where there are none.
-fn extras(sets: &[FileSet<'_>], path: &Path) -> Option<Json> {
+fn extras(sets: &[BesideMaps<'_>], path: &Path) -> Option<Json> {
     let entry = |label: &str, beside: &Beside| {
         let note = MapNote::beside(beside, label, path);
         let name = note.file?.file_name()?.to_string_lossy().into_owned();
@@ -302,32 +322,8 @@ fn extras(sets: &[FileSet<'_>], path: &Path) -> Option<Json> {
     (!maps.is_empty()).then(|| Json(json!({ "maps": maps })))
 }
 
-impl MapNote {
-    fn inside(label: &str, map: MapKind, bitmap: &Bitmap) -> Self {
-        let (material, bits) = (named(label), bitmap.bits());
-        Self { map, material, file: None, bits, black: None, white: None, unit: "" }
-    }
-
-    fn beside(beside: &Beside, label: &str, path: &Path) -> Self {
-        Self {
-            map: beside.map,
-            material: named(label),
-            file: Some(file_of(beside, label, path)),
-            bits: beside.bitmap.bits(),
-            black: beside.range.map(|range| range.black),
-            white: beside.range.map(|range| range.white),
-            unit: beside.range.map_or("", |range| range.unit),
-        }
-    }
-}
-
-/// Returns the label of a material that has one.
-fn named(label: &str) -> Option<String> {
-    (!label.is_empty()).then(|| label.to_owned())
-}
-
 impl Written {
-    /// Returns the files, the model first.
+    /// Returns the files, the model or the first map first.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
@@ -342,13 +338,21 @@ impl Written {
         &self.asset
     }
 
-    /// Returns the model's file.
+    /// Returns the model's file; of maps alone the first one's.
     pub fn path(&self) -> &Path {
         self.files.first().map_or(Path::new(""), PathBuf::as_path)
     }
 
+    /// Returns where the model can be read now: its files may wait for others of their set.
+    pub(super) fn current(&self) -> PathBuf {
+        self.set.current(self.path())
+    }
+
     /// Returns what each map is and where, material by material.
     pub fn maps(&self) -> Vec<MapNote> {
+        if self.is_alone() {
+            return maps_alone::notes(&self.asset.made, self.path());
+        }
         self.asset.texture_sets().flat_map(|(label, textures)| self.maps_of(label, textures)).collect()
     }
 
@@ -356,6 +360,11 @@ impl Written {
         let beside = textures.beside.iter().map(|beside| MapNote::beside(beside, label, self.path()));
         let inside = textures.inside().map(|(map, bitmap)| MapNote::inside(label, map, bitmap));
         inside.chain(self.turned_normal(label, textures)).chain(beside).collect()
+    }
+
+    /// Returns `true` where maps were written without a model.
+    pub(super) fn is_alone(&self) -> bool {
+        maps_alone::is_alone(self.path())
     }
 
     /// Returns the note on the normal map with green down.
@@ -369,6 +378,7 @@ impl Written {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::Bitmap;
 
     #[test]
     fn a_packing_without_textures_is_told() {
@@ -382,5 +392,13 @@ mod tests {
             |material: &GltfMaterial<'_>, packing: &Packing| unpacked(&[*material], packing).iter().count();
         assert_eq!([&bare, &normal, &color].map(|material| count(material, &small)), [2, 1, 0]);
         assert_eq!(count(&bare, &Packing::default()), 0);
+        let glowing = GltfMaterial { emissive_map: map(), ..GltfMaterial::default() };
+        let lossy = Packing { images: GltfImages::WebP, webp_quality: Some(80), ..Packing::default() };
+        let repeating = Packing { images: GltfImages::Ktx2, uastc_rdo: Some(2), ..Packing::default() };
+        for packing in [&lossy, &repeating] {
+            let materials = [&bare, &normal, &color, &glowing];
+            assert_eq!(materials.map(|material| count(material, packing)), [1, 1, 0, 0]);
+        }
+        assert_eq!(count(&color, &Packing { jpeg: Some(85), ..lossy }), 1, "it is JPEG");
     }
 }

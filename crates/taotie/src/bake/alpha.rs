@@ -1,4 +1,4 @@
-//! Alpha of several materials as that of one.
+//! Alpha of several materials as that of one, and of one under the mode of another.
 
 use crate::scene::AlphaMode;
 
@@ -16,13 +16,13 @@ pub(super) fn common_mode(modes: impl Iterator<Item = AlphaMode>) -> AlphaMode {
     })
 }
 
-/// Returns the alpha that shows the same under the common mode: that of masks with another cutoff is moved so that
-/// contours stay where they are, piecewise linear; a mask among blended materials is there or not.
-pub(super) fn under_common_mode(alpha: f32, own: AlphaMode, common: AlphaMode) -> f32 {
-    match (own, common) {
+/// Returns the alpha that shows the same under another mode: that of masks with another cutoff is moved so that contours
+/// stay where they are, piecewise linear; a mask that is shown blended is there or not.
+pub(super) fn under_mode(alpha: f32, own: AlphaMode, shown: AlphaMode) -> f32 {
+    match (own, shown) {
         (AlphaMode::Opaque, _) => 1.0,
         (AlphaMode::Blend, _) => alpha,
-        (AlphaMode::Mask(own), AlphaMode::Mask(common)) if own == common => alpha,
+        (AlphaMode::Mask(own), AlphaMode::Mask(shown)) if own == shown => alpha,
         (AlphaMode::Mask(own), AlphaMode::Mask(_)) if alpha < own => COMMON_CUTOFF * alpha / own,
         (AlphaMode::Mask(own), AlphaMode::Mask(_)) if own < 1.0 => {
             COMMON_CUTOFF + (1.0 - COMMON_CUTOFF) * (alpha - own) / (1.0 - own)
@@ -51,15 +51,18 @@ mod tests {
         let mask = AlphaMode::Mask;
         for own in [0.0, 0.25, 0.5, 0.75, 1.0, 1.5] {
             for alpha in [0.0, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 1.0f32] {
-                let moved = under_common_mode(alpha, mask(own), mask(0.5));
+                let moved = under_mode(alpha, mask(own), mask(0.5));
                 assert_eq!(moved >= 0.5, alpha >= own, "{alpha} at {own} becomes {moved}");
                 assert!((0.0..=1.0).contains(&moved));
-                let there = under_common_mode(alpha, mask(own), AlphaMode::Blend);
+                let there = under_mode(alpha, mask(own), AlphaMode::Blend);
                 assert_eq!(there, f32::from(u8::from(alpha >= own)));
             }
         }
-        assert_eq!(under_common_mode(0.3, mask(0.25), mask(0.25)), 0.3);
-        assert_eq!(under_common_mode(0.3, AlphaMode::Blend, AlphaMode::Blend), 0.3);
-        assert_eq!(under_common_mode(0.3, AlphaMode::Opaque, mask(0.5)), 1.0);
+        assert_eq!(under_mode(0.3, mask(0.25), mask(0.25)), 0.3);
+        assert_eq!(under_mode(0.3, AlphaMode::Blend, AlphaMode::Blend), 0.3);
+        assert_eq!(under_mode(0.3, AlphaMode::Opaque, mask(0.5)), 1.0);
+        assert_eq!(under_mode(0.3, AlphaMode::Blend, mask(0.5)), 0.3);
+        let shown = [0.3, 0.7].map(|alpha| under_mode(alpha, mask(0.5), AlphaMode::Opaque));
+        assert_eq!(shown, [0.0, 1.0], "what is not there lends no colour");
     }
 }

@@ -2,7 +2,8 @@
 
 use super::mapped_normal::{MappedNormal, of_heights, of_object_map, of_tangent_map};
 use super::normal_source::NormalSource;
-use super::texture_lookup::{LookupPoint, TextureOnMesh};
+use super::texture_lookup::{LookupPoint, TextureOnMesh, premultiplied};
+use crate::error::Result;
 use crate::image::Texture;
 use crate::math::{Mat4, Vec3};
 use crate::mesh::{Mesh, Point, blend, each};
@@ -68,12 +69,30 @@ pub(super) struct Appearance {
     pub textures: Vec<Texture>,
     /// `true` where a part has a map of normals or heights.
     bends: bool,
+    /// Of each texture with alpha whose visible colours alone are averaged: the same, premultiplied. Empty where all
+    /// colours are.
+    premultiplied: Vec<Option<Texture>>,
 }
 
 impl Appearance {
     pub fn new(parts: Vec<Part>, materials: Vec<Material>, textures: Vec<Texture>) -> Self {
         let bends = parts.iter().any(|part| part.normal_source != NormalSource::Smooth);
-        Self { parts, materials, textures, bends }
+        Self { parts, materials, textures, bends, premultiplied: Vec::new() }
+    }
+
+    /// Reads base colours of masked and blended parts beyond the finest level as means of what is visible.
+    pub fn with_visible_means(self) -> Result<Self> {
+        let mut is_read = vec![false; self.textures.len()];
+        let materials = self.parts.iter().map(|part| &self.materials[part.material]);
+        let see_through = materials.filter(|material| material.alpha != AlphaMode::Opaque);
+        for used in see_through.filter_map(|material| material.base_color_texture.as_ref()) {
+            is_read[used.texture] = true;
+        }
+        let read = self.textures.iter().zip(is_read);
+        let of = |(texture, is_read): (&Texture, bool)| {
+            (is_read && has_alpha(texture)).then(|| premultiplied(texture)).transpose()
+        };
+        Ok(Self { premultiplied: read.map(of).collect::<Result<_>>()?, ..self })
     }
 
     /// Returns the material of a triangle.
@@ -120,7 +139,7 @@ impl Appearance {
         let read = |used: &Option<TextureRef>| {
             used.as_ref().map_or([1.0; 4], |used| self.texture(mesh, used).read(at))
         };
-        let base = read(&material.base_color_texture);
+        let base = self.base_texture(mesh, at, material);
         let [_, green, blue, _] = read(&material.metallic_roughness_texture);
         let [open, ..] = read(&material.occlusion_texture);
         MaterialSample {
@@ -136,6 +155,16 @@ impl Appearance {
         }
     }
 
+    /// Returns the value of the base colour's texture; white without one.
+    fn base_texture(&self, mesh: &Mesh, at: LookupPoint, material: &Material) -> [f32; 4] {
+        let Some(used) = &material.base_color_texture else { return [1.0; 4] };
+        let on_mesh = self.texture(mesh, used);
+        match self.premultiplied.get(used.texture) {
+            Some(Some(texture)) if material.alpha != AlphaMode::Opaque => on_mesh.read_visible(texture, at),
+            _ => on_mesh.read(at),
+        }
+    }
+
     fn part(&self, triangle: u32) -> &Part {
         let part = self.parts.partition_point(|part| part.triangle <= triangle);
         &self.parts[part - 1]
@@ -144,6 +173,13 @@ impl Appearance {
     fn texture<'a>(&'a self, mesh: &'a Mesh, used: &'a TextureRef) -> TextureOnMesh<'a> {
         TextureOnMesh { mesh, texture: &self.textures[used.texture], used }
     }
+}
+
+/// Says whether a texture is not fully there somewhere.
+fn has_alpha(texture: &Texture) -> bool {
+    let bitmap = texture.bitmap();
+    let has_channel = matches!(bitmap.channels(), 2 | 4);
+    has_channel && (0..bitmap.texels().len()).any(|i| bitmap.stored(i)[3] < 1.0)
 }
 
 fn rgb([r, g, b, _]: [f32; 4]) -> Vec3 {

@@ -1,4 +1,4 @@
-//! Filling between UV islands, so that no filter and no mip level shows a seam.
+//! Filling between UV islands, so that no filter and no mip level shows a seam; and of colours that are not seen.
 
 use super::baked_maps::{BakedMaps, TexelStatus};
 use crate::parallel;
@@ -7,15 +7,20 @@ use crate::parallel;
 /// bilinear or anisotropic lookup at the finest level reaches over a border.
 const PADDING: u32 = 4;
 
+/// The least alpha of a texel that is seen: one of 255 codes.
+const SEEN: f32 = 1.0 / 255.0;
+
 /// Gives free texels values: `steps` of growing UV islands, each texel from a neighbour; or with `None` first a narrow
 /// padding and then, for all the rest, the mean of the smallest square of 2ⁿ texels around them, aligned as mip levels
-/// are, that holds any. So a texel of any mip level is the mean of what it covers, and of nothing else.
+/// are, that holds any. So a texel of any mip level is the mean of what it covers, and of nothing else. Colours of what
+/// is not there are those around it.
 pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
     let size = [maps.width as usize, maps.height as usize];
     let mut known: Vec<bool> = maps.texels.iter().map(|texel| *texel != TexelStatus::Free).collect();
     if !known.contains(&true) {
         return;
     }
+    fill_hidden(maps, &known, size);
     for _ in 0..steps.unwrap_or(PADDING) {
         let grown = neighbours(&known, size);
         each(maps, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
@@ -24,6 +29,27 @@ pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
     if steps.is_none() {
         each(maps, |plane| pull_push(plane, &known, size), |plane| pull_push(plane, &known, size));
     }
+}
+
+/// Gives baked texels with alpha 0, which nobody sees, the colours of visible texels around them.
+fn fill_hidden(maps: &mut BakedMaps, baked: &[bool], size: [usize; 2]) {
+    let BakedMaps { albedo, alpha, .. } = maps;
+    if albedo.is_empty() || alpha.is_empty() {
+        return;
+    }
+    let seen: Vec<bool> = baked.iter().zip(alpha.iter()).map(|(is, alpha)| *is && *alpha >= SEEN).collect();
+    if seen == baked || !seen.contains(&true) {
+        return;
+    }
+    let mut known = seen;
+    for _ in 0..PADDING {
+        let grown = neighbours(&known, size);
+        copy(albedo, &grown);
+        grown.iter().for_each(|(to, _)| known[*to] = true);
+    }
+    pull_push(albedo, &known, size);
+    // What is free has no colour yet.
+    albedo.iter_mut().zip(baked).filter(|(_, is)| !**is).for_each(|(color, _)| *color = [0.0; 3]);
 }
 
 /// Does the same to every plane that is there.
@@ -171,6 +197,33 @@ mod tests {
             assert!(level.iter().all(is_of_islands));
         }
         assert!(level[0] < 1.5 && level[1] > 2.5, "both UV islands still stand apart: {level:?}");
+    }
+
+    #[test]
+    fn what_is_not_there_has_the_colour_of_what_is_around_it() {
+        let green = [0.1, 0.9, 0.2];
+        for steps in [None, Some(3)] {
+            let kinds = Maps::default().with(MapKind::Albedo).with(MapKind::Alpha);
+            let mut maps = BakedMaps::new([64, 64], kinds);
+            for (i, (x, y)) in (0..64 * 64).map(|i| (i, (i % 64, i / 64))) {
+                if (8..56).contains(&x) && (8..56).contains(&y) {
+                    let is_leaf = (20..30).contains(&x);
+                    maps.texels[i] = TexelStatus::Met;
+                    maps.albedo[i] = if is_leaf { green } else { [0.0; 3] };
+                    maps.alpha[i] = if is_leaf { 1.0 } else { 0.0 };
+                }
+            }
+            let before = maps.clone();
+            fill(&mut maps, steps);
+            let near = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
+            for i in (0..64 * 64).filter(|i| before.texels[*i] == TexelStatus::Met) {
+                assert!(near(maps.albedo[i], green), "{i}: {:?}", maps.albedo[i]);
+                assert_eq!(maps.alpha[i], before.alpha[i]);
+            }
+            // What no step reaches stays as it was.
+            let corner = if steps.is_none() { green } else { [0.0; 3] };
+            assert!(near(maps.albedo[0], corner), "{:?}", maps.albedo[0]);
+        }
     }
 
     #[test]

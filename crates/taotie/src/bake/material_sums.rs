@@ -3,8 +3,9 @@
 use super::appearance::MaterialSample;
 use crate::math::Vec3;
 
-/// The least weight of a colour, that of one code of alpha: places that are not there at all have a colour still.
-const LEAST_WEIGHT: f32 = 1.0 / 255.0;
+/// The least weight of a colour, far below that of one code of alpha: places that are not there at all have a colour
+/// still, which is lost beside any other.
+const LEAST_WEIGHT: f32 = 1e-6;
 
 /// Sums over the samples of a texel that have a correspondence. Colours count by their alpha, so that no colour of what
 /// is not there bleeds in.
@@ -93,6 +94,10 @@ mod tests {
         sums.add(sample(0.0, 0.25));
         let mean = sums.mean().unwrap();
         assert_eq!((mean.color.x, mean.alpha, mean.metallic), (0.75, 0.5, 0.5));
+        let mut faint = MaterialSums::default();
+        faint.add(sample(1.0, 1.0 / 255.0));
+        faint.add(sample(0.0, 0.0));
+        assert!(faint.mean().unwrap().color.x > 0.999);
         let mut hidden = MaterialSums::default();
         hidden.add(sample(0.3, 0.0));
         assert!((hidden.mean().unwrap().color.x - 0.3).abs() < 1e-6);

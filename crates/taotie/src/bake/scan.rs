@@ -24,7 +24,7 @@ impl Scan {
     /// # Errors
     /// [`crate::Error::Limit`] where the scene has more than 2^32 − 1 vertices.
     pub fn new(scene: Scene) -> Result<Self> {
-        let surface = TexturedMesh::new(scene)?;
+        let surface = TexturedMesh::new(scene)?.with_visible_means()?;
         let mesh = surface.mesh();
         let bvh = Bvh::of(mesh.triangles().len(), |t| mesh.corners(t));
         Ok(Self { surface, bvh })

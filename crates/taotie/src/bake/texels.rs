@@ -1,6 +1,6 @@
 //! Baking: each sample of each texel finds its place on the scan, and the texel takes the mean of what is there.
 
-use super::alpha::under_common_mode;
+use super::alpha::under_mode;
 use super::appearance::MaterialSample;
 use super::baked_maps::{BakedMaps, BandMaps, TexelStatus};
 use super::cage::Cage;
@@ -129,11 +129,12 @@ pub fn bake(input: BakeInput<'_>, settings: &BakeSettings, progress: Progress<'_
     check(low, settings)?;
     let layout = Layout::new(low, settings.size, settings.side)?;
     let wants = |kind| settings.maps.has(kind);
+    let reads_materials = settings.maps.has_any(&OF_MATERIALS);
     let job = Job {
         sky: (wants(MapKind::Occlusion) || wants(MapKind::Bent)).then(|| sky(low, settings)),
         curvatures: if wants(MapKind::Curvature) { mean_curvatures(scan.mesh()) } else { Vec::new() },
-        alpha: scan.surface().alpha_mode(),
-        reads_materials: settings.maps.has_any(&OF_MATERIALS),
+        alpha_modes: if reads_materials { scan.alpha_modes(low, cage) } else { Vec::new() },
+        reads_materials,
         without_hit: scan.surface().first_factors(),
         layout,
         cage,
@@ -186,8 +187,8 @@ struct Job<'a> {
     sky: Option<Sky>,
     /// Of the scan's vertices.
     curvatures: Vec<f32>,
-    /// The alpha mode that all of the scan is baked for.
-    alpha: AlphaMode,
+    /// The alpha mode that each triangle of the low-poly mesh is shown with; empty where no materials are read.
+    alpha_modes: Vec<AlphaMode>,
     /// `true` where a map of the scan's materials is baked.
     reads_materials: bool,
     /// The material of texels whose samples have no correspondence.
@@ -207,7 +208,6 @@ struct Cell {
     t: Vec3,
     handedness: f32,
     heights: f32,
-    material: MaterialSums,
     /// Of directions over the hemisphere: all, and open ones.
     looked: f32,
     open: f32,
@@ -215,6 +215,20 @@ struct Cell {
     curvature: f32,
     /// Of the scan's normals within the lookup width.
     variance: f32,
+}
+
+/// The sums of all texels of a band.
+struct Cells {
+    surfaces: Vec<Cell>,
+    /// Of the scan's materials; empty where no map of them is baked.
+    materials: Vec<MaterialSums>,
+}
+
+impl Cells {
+    fn new(texels: usize, reads_materials: bool) -> Self {
+        let materials = if reads_materials { texels } else { 0 };
+        Self { surfaces: vec![Cell::default(); texels], materials: vec![MaterialSums::default(); materials] }
+    }
 }
 
 impl Job<'_> {
@@ -232,11 +246,11 @@ impl Job<'_> {
     }
 
     fn band(&self, band: usize, maps: &mut BandMaps<'_>) -> BakeCounts {
-        let mut cells = vec![Cell::default(); maps.texels.len()];
+        let mut cells = Cells::new(maps.texels.len(), self.reads_materials);
         let shared = self.layout.triangle_samples(band, |group| self.add_samples(group, &mut cells));
         let mut counts = BakeCounts { shared, ..BakeCounts::default() };
-        for (i, cell) in cells.iter().enumerate().filter(|(_, cell)| cell.samples > 0) {
-            self.store(i, cell, maps);
+        for (i, cell) in cells.surfaces.iter().enumerate().filter(|(_, cell)| cell.samples > 0) {
+            self.store(i, &cells, maps);
             counts.samples += cell.samples as usize;
             counts.missed += cell.missed as usize;
             counts.lost += cell.lost as usize;
@@ -247,7 +261,7 @@ impl Job<'_> {
     }
 
     /// Adds what the scan has at the samples of a triangle in a tile.
-    fn add_samples(&self, group: &TriangleSamples, cells: &mut [Cell]) {
+    fn add_samples(&self, group: &TriangleSamples, cells: &mut Cells) {
         let corners = self.layout.mesh.corners(group.triangle as usize);
         let projections: Vec<ProjectionRay> = group
             .samples
@@ -258,17 +272,21 @@ impl Job<'_> {
         let width = group.spacing(corners);
         let mut ao_samples = Vec::new();
         for ((sample, projection), found) in group.samples.iter().zip(&projections).zip(found) {
-            let cell = &mut cells[sample.texel as usize];
+            let cell = &mut cells.surfaces[sample.texel as usize];
             self.add_frame(group.point(sample), cell);
             let Some(found) = self.found(projection, found, cell) else { continue };
             self.add(&found, width, cell);
+            if let Some(sums) = cells.materials.get_mut(sample.texel as usize) {
+                let mode = self.alpha_modes[group.triangle as usize];
+                sums.add(self.material(LookupPoint { point: found.point, width }, mode));
+            }
             if let Some(sky) = &self.sky {
                 let [x, y] = sample.at.map(|v| u32::from(v) % self.layout.side);
                 let class = y * self.layout.side + x;
                 ao_samples.push((sample.texel, sky.ao_sample(self.scan, &found, class)));
             }
         }
-        self.add_sky(ao_samples, cells);
+        self.add_sky(ao_samples, &mut cells.surfaces);
     }
 
     fn add_sky(&self, ao_samples: Vec<(u32, AoSample)>, cells: &mut [Cell]) {
@@ -311,15 +329,12 @@ impl Job<'_> {
         found
     }
 
-    /// Adds what the scan is at a correspondence, its textures read with this lookup width.
+    /// Adds the shape of the scan at a correspondence, its maps of relief read with this lookup width.
     fn add(&self, found: &Correspondence, width: f32, cell: &mut Cell) {
         let mapped = self.scan.mapped_normal(found, width);
         cell.normal += mapped.normal;
         cell.variance += mapped.variance;
         cell.heights += found.height;
-        if self.reads_materials {
-            cell.material.add(self.material(LookupPoint { point: found.point, width }));
-        }
         if !self.curvatures.is_empty() {
             let vertices = found.point.vertices(self.scan.mesh());
             for (v, weight) in vertices.into_iter().zip(found.point.weights) {
@@ -328,15 +343,16 @@ impl Job<'_> {
         }
     }
 
-    /// Returns the scan's material at a point, its alpha as under the mode that is baked for.
-    fn material(&self, at: LookupPoint) -> MaterialSample {
+    /// Returns the scan's material at a point, its alpha as under the mode that it is shown with.
+    fn material(&self, at: LookupPoint, shown: AlphaMode) -> MaterialSample {
         let sample = self.scan.sample(at);
         let own = self.scan.surface().material(at.point.triangle).alpha;
-        MaterialSample { alpha: under_common_mode(sample.alpha, own, self.alpha), ..sample }
+        MaterialSample { alpha: under_mode(sample.alpha, own, shown), ..sample }
     }
 
     /// Writes the means.
-    fn store(&self, i: usize, cell: &Cell, maps: &mut BandMaps<'_>) {
+    fn store(&self, i: usize, cells: &Cells, maps: &mut BandMaps<'_>) {
+        let cell = &cells.surfaces[i];
         let share = 1.0 / cell.samples as f32;
         let wanted = self.settings.maps;
         maps.texels[i] = match cell {
@@ -361,8 +377,8 @@ impl Job<'_> {
         if wanted.has(MapKind::Curvature) {
             maps.curvature[i] = cell.curvature * of_found;
         }
-        if self.reads_materials {
-            self.store_material(i, &cell.material.mean().unwrap_or(self.without_hit), maps);
+        if let Some(sums) = cells.materials.get(i) {
+            self.store_material(i, &sums.mean().unwrap_or(self.without_hit), maps);
         }
         if wanted.has(MapKind::Roughness) {
             let mean = cell.normal * share;
@@ -407,5 +423,19 @@ impl Job<'_> {
                 tangent_space_normal(cell.n * share, cell.t * share, cell.handedness, v)
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_maps_of_the_scans_materials_pay_for_their_sums() {
+        let [bare, full] = [false, true].map(|reads_materials| Cells::new(64, reads_materials));
+        assert_eq!((bare.surfaces.len(), bare.materials.capacity()), (64, 0));
+        assert_eq!((full.surfaces.len(), full.materials.len()), (64, 64));
+        // 12 numbers of vectors, 3 counts, 6 numbers.
+        assert_eq!(size_of::<Cell>(), 4 * (12 + 3 + 6));
     }
 }

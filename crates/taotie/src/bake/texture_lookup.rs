@@ -1,8 +1,10 @@
 //! Textures read at a point of a surface, as finely as neighbouring samples lie apart.
 
-use crate::image::{Encoding, MipFilter, Sampler, TexelFilter, Texture};
+use crate::error::Result;
+use crate::image::{Bitmap, Encoding, MipFilter, Sampler, TexelFilter, Texels, Texture};
 use crate::math::{Vec2, poly};
 use crate::mesh::{Mesh, Point};
+use crate::parallel;
 use crate::scene::TextureRef;
 use crate::surface::{UvDerivatives, uv_derivatives};
 
@@ -22,6 +24,25 @@ impl LookupPoint {
     }
 }
 
+/// The least alpha by which a premultiplied colour is divided: 8 of its 65535 steps. Rounding is then below a tenth of a
+/// colour that hardly counts.
+const LEAST_ALPHA: f32 = 8.0 / 65535.0;
+
+/// Returns the texture with its colours multiplied by alpha, linear: its mip levels are means of what is visible.
+pub(super) fn premultiplied(texture: &Texture) -> Result<Texture> {
+    let (width, height) = (texture.width(), texture.height());
+    let texel = |i: usize| {
+        let [r, g, b, alpha] = texture.texel(0, i % width as usize, i / width as usize);
+        [r * alpha, g * alpha, b * alpha, alpha]
+    };
+    let count = texture.bitmap().texels().len();
+    let texels = match texture.bitmap().texels() {
+        Texels::F32(_) => Texels::F32(parallel::collect(count, texel)),
+        _ => Texels::U16(parallel::collect(count, |i| texel(i).map(|v| (v * 65535.0 + 0.5) as u16))),
+    };
+    Ok(Texture::new(Bitmap::new(width, height, 4, texels)?, Encoding::Linear))
+}
+
 /// A texture as a material uses it on a mesh.
 pub(super) struct TextureOnMesh<'a> {
     pub mesh: &'a Mesh,
@@ -33,6 +54,19 @@ impl TextureOnMesh<'_> {
     /// Returns the linear RGBA value at a point. A mesh without the uv set shows the texel at the origin.
     pub fn read(&self, at: LookupPoint) -> [f32; 4] {
         self.value(self.uv(at.point), self.lod_at(at))
+    }
+
+    /// Returns the same as [`Self::read`], but beyond the finest level with the mean colour of what is visible, which
+    /// `premultiplied` says: this texture with its colours multiplied by alpha.
+    pub fn read_visible(&self, premultiplied: &Texture, at: LookupPoint) -> [f32; 4] {
+        let (uv, lod) = (self.uv(at.point), self.lod_at(at));
+        let straight = self.value(uv, lod);
+        if lod <= 0.0 {
+            return straight;
+        }
+        let visible = TextureOnMesh { mesh: self.mesh, texture: premultiplied, used: self.used };
+        let [r, g, b, alpha] = visible.value(uv, lod);
+        if alpha < LEAST_ALPHA { straight } else { [r / alpha, g / alpha, b / alpha, straight[3]] }
     }
 
     /// Returns the value at a place of the texture, as the file's sampler reads it up to the finest level, trilinear

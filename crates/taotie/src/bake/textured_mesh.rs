@@ -63,6 +63,31 @@ impl TexturedMesh {
         common_mode(parts.iter().map(|part| materials[part.material].alpha))
     }
 
+    /// Returns the alpha modes of all triangles, each once; masks count as one, with the cutoff 0.5 where they have
+    /// several.
+    pub fn alpha_modes(&self) -> Vec<AlphaMode> {
+        let Appearance { parts, materials, .. } = &self.appearance;
+        let modes = || parts.iter().map(|part| materials[part.material].alpha);
+        let is_mask = |mode: &AlphaMode| matches!(mode, AlphaMode::Mask(_));
+        let mask = common_mode(modes().filter(is_mask));
+        let mut found = Vec::new();
+        for mode in modes().map(|mode| if is_mask(&mode) { mask } else { mode }) {
+            if !found.contains(&mode) {
+                found.push(mode);
+            }
+        }
+        found
+    }
+
+    /// Reads colours of textures with alpha beyond their finest level as means of what is visible, each weighted by its
+    /// alpha. Such textures are then in memory twice.
+    ///
+    /// # Errors
+    /// None but those of [`crate::image::Bitmap::new`], which checks again.
+    pub(super) fn with_visible_means(self) -> Result<Self> {
+        Ok(Self { appearance: self.appearance.with_visible_means()?, ..self })
+    }
+
     /// Returns the normal at a point as a renderer shades it: `smooth`, the interpolated one, bent by the normal or
     /// height map there. It is `smooth` itself where there is none.
     ///
@@ -99,6 +124,18 @@ impl TexturedMesh {
         }
         Scene::new(scene)
     }
+}
+
+/// Returns for each mesh of a scene whether a [`TexturedMesh`] makes tangents of it, which takes memory: a normal map in
+/// tangent space is on it, and it has none.
+pub fn lacks_tangents(scene: &Scene) -> Vec<bool> {
+    let mut lacks = vec![false; scene.meshes().len()];
+    for instance in scene.instances() {
+        let mesh = &scene.meshes()[instance.mesh];
+        let source = NormalSource::of(&scene.materials()[instance.material], mesh.uvs().len());
+        lacks[instance.mesh] |= source.tangent_set().is_some() && mesh.tangents().is_empty();
+    }
+    lacks
 }
 
 /// Gives each instance whose normal map is in tangent space a mesh with tangents, and drops the meshes that no instance

@@ -7,7 +7,7 @@ use super::scan::Scan;
 use crate::compare::{Field, angle_deg};
 use crate::error::{Error, Result};
 use crate::image::{Sampler, Texture};
-use crate::math::{Vec3, sequence::Sequence};
+use crate::math::{Vec2, Vec3, sequence::Sequence};
 use crate::mesh::{Mesh, Point};
 use crate::parallel;
 use crate::scene::NormalSpace;
@@ -19,11 +19,32 @@ pub struct Verifier<'a> {
     /// With uvs, normals and tangents.
     pub mesh: &'a Mesh,
     /// Its normal map; without one its vertex normals are measured.
-    pub normal: Option<(&'a Texture, NormalSpace)>,
+    pub normal: Option<ShownNormals<'a>>,
     /// The cage from which each of its points is projected onto the scan.
     pub cage: &'a Cage,
     /// The scan that it should look like.
     pub scan: &'a Scan,
+}
+
+/// A normal map as a viewer looks it up.
+#[derive(Debug, Clone, Copy)]
+pub struct ShownNormals<'a> {
+    /// The map, on the first uv set.
+    pub texture: &'a Texture,
+    /// The space of its vectors.
+    pub space: NormalSpace,
+    /// The sampler that the file gives it. Its wrapping counts; its filters choose among levels, which are not read.
+    pub sampler: Sampler,
+}
+
+impl ShownNormals<'_> {
+    /// Returns the red, green and blue at a place, bilinear at the finest level.
+    fn at(&self, uv: Vec2) -> Vec3 {
+        let Sampler { wrap_u, wrap_v, .. } = self.sampler;
+        let sampler = Sampler { wrap_u, wrap_v, ..Sampler::BILINEAR };
+        let [r, g, b, _] = sampler.sample(self.texture, uv, 0.0);
+        Vec3::new(r, g, b)
+    }
 }
 
 /// The angles between normals and those of the scan.
@@ -180,13 +201,13 @@ impl Verifier<'_> {
     /// Returns the normal that a viewer shows.
     fn shown(&self, point: Point) -> Vec3 {
         let mesh = self.mesh;
-        let Some((texture, space)) = self.normal else { return point.mean_normal(mesh) };
-        let [r, g, b, _] = Sampler::BILINEAR.sample(texture, point.uv(mesh, 0), 0.0);
-        if space == NormalSpace::Object {
-            return decode_object_normal(Vec3::new(r, g, b));
+        let Some(normals) = self.normal else { return point.mean_normal(mesh) };
+        let stored = normals.at(point.uv(mesh, 0));
+        if normals.space == NormalSpace::Object {
+            return decode_object_normal(stored);
         }
         let frame = point.frame(mesh);
-        let map = decode_normal(Vec3::new(r, g, b), 1.0, 1.0);
+        let map = decode_normal(stored, 1.0, 1.0);
         tangent_normal(frame.normal, frame.tangent, frame.handedness, map)
     }
 }

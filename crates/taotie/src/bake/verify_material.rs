@@ -12,7 +12,8 @@ use crate::parallel;
 use crate::scene::{AlphaMode, Material};
 
 /// The differences of a material from that of the scan, one number for each of many points spread evenly over the
-/// low-poly mesh; NaN where a point found no scan.
+/// low-poly mesh; NaN where a point found no scan, where a value of either side is not finite, and between colours where
+/// either side is not there to be seen.
 #[derive(Debug, Clone)]
 pub struct MaterialError {
     /// CIEDE2000 between the base colours.
@@ -25,6 +26,8 @@ pub struct MaterialError {
     pub emission: Field,
     /// Between the alphas, [0, 1]: 1 where opaque, 0 or 1 where a mask decides.
     pub alpha: Field,
+    /// The part of the points that found the scan, and at which a value of either side is not finite, [0, 1].
+    pub not_finite: f64,
 }
 
 impl Verifier<'_> {
@@ -44,11 +47,12 @@ impl Verifier<'_> {
             roughness: field(|d| d.roughness)?,
             emission: field(|d| d.emission)?,
             alpha: field(|d| d.alpha)?,
+            not_finite: found.iter().filter(|d| d.is_broken).count() as f64 / count as f64,
         })
     }
 
     /// Returns the difference of the base colours, CIEDE2000, at the middle of each texel of a map of this size; NaN away
-    /// from all UV islands.
+    /// from all UV islands, where one of them is not finite, and where either side is not there to be seen.
     ///
     /// # Errors
     /// As [`Verifier::material_error`]; [`Error::Invalid`] where the mesh has no uvs.
@@ -108,14 +112,26 @@ impl Shown {
 
     fn difference(&self, other: &Self) -> Difference {
         let emission = (self.emission - other.emission).to_array().map(f32::abs);
-        Difference {
-            color: color_difference(self.color, other.color) as f32,
-            metallic: (self.metallic - other.metallic).abs(),
-            roughness: (self.roughness - other.roughness).abs(),
-            emission: emission.into_iter().fold(0.0, f32::max),
-            alpha: (self.alpha - other.alpha).abs(),
-        }
+        let is_seen = self.alpha > 0.0 && other.alpha > 0.0;
+        let color = if is_seen { color_difference(self.color, other.color) as f32 } else { f32::NAN };
+        let metallic = finite((self.metallic - other.metallic).abs());
+        let roughness = finite((self.roughness - other.roughness).abs());
+        let emission = emission.into_iter().map(finite).fold(0.0, larger);
+        let alpha = finite((self.alpha - other.alpha).abs());
+        let is_finite = [metallic, roughness, emission, alpha].iter().all(|v| v.is_finite());
+        let is_broken = !is_finite || is_seen && color.is_nan();
+        Difference { is_broken, color, metallic, roughness, emission, alpha }
     }
+}
+
+/// Returns a number itself; NaN where it is not finite.
+fn finite(v: f32) -> f32 {
+    if v.is_finite() { v } else { f32::NAN }
+}
+
+/// Returns the larger number; NaN where one of them is.
+fn larger(a: f32, b: f32) -> f32 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// Returns how much of a surface with this alpha is seen, [0, 1].
@@ -130,6 +146,8 @@ fn visible(material: &Material, alpha: f32) -> f32 {
 /// The differences at a point.
 #[derive(Clone, Copy)]
 struct Difference {
+    /// `true` where a value that is seen is not finite.
+    is_broken: bool,
     color: f32,
     metallic: f32,
     roughness: f32,
@@ -140,7 +158,8 @@ struct Difference {
 impl Default for Difference {
     /// Where no scan was found.
     fn default() -> Self {
-        Self { color: f32::NAN, metallic: f32::NAN, roughness: f32::NAN, emission: f32::NAN, alpha: f32::NAN }
+        let none = f32::NAN;
+        Self { is_broken: false, color: none, metallic: none, roughness: none, emission: none, alpha: none }
     }
 }
 
@@ -169,5 +188,25 @@ mod tests {
         assert_eq!((d.color, d.metallic, d.roughness, d.emission, d.alpha), (0.0, 0.0, 0.25, 2.0, 0.0));
         let red = Shown { color: [1.0, 0.0, 0.0], ..shown(Vec3::default(), 0.5) };
         assert!(red.difference(&shown(Vec3::default(), 0.5)).color > 20.0);
+        let hidden = Shown { alpha: 0.0, ..red };
+        let d = hidden.difference(&shown(Vec3::default(), 0.5));
+        assert!(d.color.is_nan() && d.alpha == 1.0 && !d.is_broken, "nobody sees its colour");
+    }
+
+    #[test]
+    fn what_is_not_finite_is_told_and_not_zero() {
+        let fine =
+            Shown { color: [0.5; 3], metallic: 1.0, roughness: 0.5, emission: Vec3::splat(1.0), alpha: 1.0 };
+        for wrong in [f32::NAN, f32::INFINITY] {
+            let emission = Vec3::new(wrong, 1.0, 2.0);
+            let broken =
+                Shown { color: [0.5, wrong, 0.5], metallic: wrong, roughness: wrong, emission, alpha: wrong };
+            for d in [fine.difference(&broken), broken.difference(&fine), broken.difference(&broken)] {
+                assert!(d.is_broken);
+                let numbers = [d.color, d.metallic, d.roughness, d.emission, d.alpha];
+                assert!(numbers.iter().all(|v| v.is_nan()), "{numbers:?}");
+            }
+        }
+        assert!(!fine.difference(&fine).is_broken);
     }
 }

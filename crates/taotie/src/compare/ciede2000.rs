@@ -8,7 +8,7 @@ use super::lab::lab_from_linear;
 use crate::math::{Vec3, scalar};
 
 /// Returns the difference ΔE00 of two CIELAB colours, at least 0; about 1 is just visible. The colours may change
-/// places.
+/// places. It is NaN where one of them has a NaN.
 ///
 /// ```
 /// use taotie::compare::ciede2000;
@@ -30,12 +30,16 @@ pub fn ciede2000(a: Vec3<f64>, b: Vec3<f64>) -> f64 {
         + saturation * saturation
         + hue * hue
         + rotation(chroma, hues.mean) * saturation * hue;
-    // Rounding may take a sum of nothing below zero.
-    squared.max(0.0).sqrt()
+    // Rounding may take a sum of nothing below zero. What is not a number stays so: it is not the same colour.
+    if squared <= 0.0 { 0.0 } else { squared.sqrt() }
 }
 
-/// Returns the difference ΔE00 of two colours in linear RGB, each first brought into [0, 1]; see [`ciede2000`].
+/// Returns the difference ΔE00 of two colours in linear RGB, each first brought into [0, 1]; see [`ciede2000`]. It is
+/// NaN where one of them is not finite.
 pub fn color_difference(a: [f32; 3], b: [f32; 3]) -> f64 {
+    if !a.iter().chain(&b).all(|v| v.is_finite()) {
+        return f64::NAN;
+    }
     let lab = |rgb: [f32; 3]| lab_from_linear(Vec3::from_array(rgb.map(|v| f64::from(v).clamp(0.0, 1.0))));
     ciede2000(lab(a), lab(b))
 }
@@ -165,5 +169,18 @@ mod tests {
         assert_eq!(color_difference([9.0, 0.2, 0.1], [1.0, 0.2, 0.1]), 0.0);
         assert_eq!(color_difference([-1.0, 0.2, 0.1], [0.0, 0.2, 0.1]), 0.0);
         assert!(color_difference([0.9, 0.2, 0.1], [1.0, 0.2, 0.1]) > 1.0);
+    }
+    #[test]
+    fn what_is_no_color_is_not_the_same_color() {
+        for wrong in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            for at in 0..3 {
+                let mut color = [0.5; 3];
+                color[at] = wrong;
+                let both = [color_difference(color, [0.5; 3]), color_difference([0.5; 3], color)];
+                assert!(both.iter().all(|d| d.is_nan()), "{color:?}: {both:?}");
+                assert!(color_difference(color, color).is_nan());
+            }
+        }
+        assert!(ciede2000(Vec3::splat(f64::NAN), Vec3::splat(1.0)).is_nan());
     }
 }

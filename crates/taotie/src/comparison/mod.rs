@@ -43,10 +43,10 @@ pub use method::Method;
 pub use options::ComparisonOptions;
 pub use parameters::Parameters;
 pub use report::{
-    CountedWarning, ErrorReport, HISTOGRAM_BINS, MethodReport, PictureFigures, PictureReport, PointNormal,
-    PointReport, Report,
+    CountedWarning, ErrorReport, HISTOGRAM_BINS, MethodReport, ModelReport, PictureFigures, PictureReport,
+    PointNormal, PointReport, Report,
 };
 pub use rules::Rules;
 pub use sample_points::SamplePoints;
 pub use subject::{NamedScene, Subject, SubjectReport, dress_reference};
-pub use surfaces::{Difference, PictureDifference, RenderedSurface, SkippedMethod};
+pub use surfaces::{Difference, ModelDifference, PictureDifference, RenderedSurface, SkippedMethod};

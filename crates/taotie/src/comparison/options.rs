@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::film::Development;
 use crate::image::Image;
 use crate::math::{Vec3, srgb};
+use crate::names::Named;
 use crate::render::{Lighting, RenderSettings};
 use crate::scene::{Camera, Scene, three_point_rig};
 use crate::shade::Shading;
@@ -33,6 +34,9 @@ pub struct ComparisonOptions {
     pub methods: Vec<Method>,
     /// The reflectance models, at least one and each once.
     pub shadings: Vec<Shading>,
+    /// The reflectance model whose image of a surface its images under all others are measured against: one of
+    /// `shadings`, which then has another. `None` measures surfaces alone.
+    pub baseline: Option<Shading>,
     /// The pixels whose normals are listed.
     pub points: SamplePoints,
     /// The way in which the corresponding point of the reference is found.
@@ -54,6 +58,7 @@ impl Default for ComparisonOptions {
         Self {
             methods: Method::defaults(),
             shadings: vec![Shading::Ggx],
+            baseline: None,
             points: SamplePoints::Spread(10),
             matching: Matching::Normal,
             camera: None,
@@ -84,6 +89,15 @@ impl ComparisonOptions {
         let meaningless = |method: &&Method| method.factor.is_some() && !Method::takes_factor(method.surface);
         if let Some(method) = self.methods.iter().find(meaningless) {
             return refuse(&method.id(), "only bump and bump-printed take a factor");
+        }
+        if let Some(baseline) = self.baseline
+            && (!self.shadings.contains(&baseline) || self.shadings == [baseline])
+        {
+            let what = format!("the baseline {}", baseline.name());
+            return refuse(
+                &what,
+                "it is measured against nothing; let the shading models hold it and another",
+            );
         }
         if self.development.background.is_none() {
             return refuse(

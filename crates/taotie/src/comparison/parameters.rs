@@ -32,6 +32,8 @@ pub struct Parameters {
     pub shadows: bool,
     /// The reflectance models.
     pub shadings: Vec<String>,
+    /// The one that the others are measured against on the same surface, where that was asked for.
+    pub baseline: Option<String>,
     /// The way in which corresponding points were found.
     pub matching: String,
     /// The sample points asked for.
@@ -71,6 +73,7 @@ impl Parameters {
             samples: settings.samples,
             shadows: settings.shadows,
             shadings: options.shadings.iter().map(|shading| shading.name().into()).collect(),
+            baseline: options.baseline.map(|shading| shading.name().into()),
             matching: options.matching.name().into(),
             points: options.points.to_string(),
             tangents: settings.surface.tangents.map(|tangents| tangents.name().into()),

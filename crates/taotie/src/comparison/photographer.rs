@@ -6,7 +6,7 @@ use super::options::ComparisonOptions;
 use super::parameters::Parameters;
 use super::relief::Relief;
 use super::subject::Subject;
-use super::surfaces::{Difference, PictureDifference, RenderedSurface, SkippedMethod};
+use super::surfaces::{Difference, ModelDifference, PictureDifference, RenderedSurface, SkippedMethod};
 use crate::compare::{self, DisplayImage};
 use crate::error::{Error, Result, Warnings};
 use crate::image::Image;
@@ -50,8 +50,8 @@ impl<'a> Photographer<'a> {
             camera,
             diagonal: model.bounds().map_or(0.0, |bounds| bounds.diagonal()),
             progress,
-            // A look and a picture for each shading, and then measuring each picture.
-            steps: surfaces * (1 + 2 * options.shadings.len()),
+            // A look and a picture for each shading, and then measuring each picture, against a baseline once more.
+            steps: surfaces * (1 + (2 + usize::from(options.baseline.is_some())) * options.shadings.len()),
             done: 0,
             warnings: Warnings::default(),
         })
@@ -120,6 +120,7 @@ impl<'a> Photographer<'a> {
             pictures,
             milliseconds: watch.milliseconds(),
             difference: None,
+            model_differences: Vec::new(),
         })
     }
 
@@ -153,6 +154,21 @@ impl<'a> Photographer<'a> {
             let difference = self.difference(&surfaces[i], &surfaces[against], expected)?;
             surfaces[i].difference = Some(difference);
         }
+        surfaces.iter_mut().try_for_each(|surface| self.measure_models(surface))
+    }
+
+    /// Compares the images of a surface under all reflectance models with its own under the baseline.
+    fn measure_models(&mut self, surface: &mut RenderedSurface) -> Result<()> {
+        let Some(baseline) = self.options.baseline else { return Ok(()) };
+        let expected = surface.pictures.iter().find(|(shading, _)| *shading == baseline);
+        let Some((_, expected)) = expected else { return Ok(()) };
+        let mut differences = Vec::new();
+        for (shading, picture) in surface.pictures.iter().filter(|(shading, _)| *shading != baseline) {
+            let picture = PictureDifference::of(expected, picture)?;
+            differences.push(ModelDifference { shading: *shading, baseline, picture });
+            self.step()?;
+        }
+        surface.model_differences = differences;
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use super::compared::Comparison;
 use super::parameters::Parameters;
 use super::rules::Rules;
 use super::subject::SubjectReport;
-use super::surfaces::{Difference, PictureDifference, RenderedSurface, SkippedMethod};
+use super::surfaces::{Difference, ModelDifference, PictureDifference, RenderedSurface, SkippedMethod};
 use crate::compare::{self, Summary};
 use crate::image::Image;
 use crate::math::Vec3;
@@ -108,6 +108,33 @@ pub struct MethodReport {
     pub error: Option<ErrorReport>,
     /// The shaded images.
     pub pictures: Vec<PictureReport>,
+    /// The differences of its images from its own under the baseline, for each other reflectance model; empty without a
+    /// baseline.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub models: Vec<ModelReport>,
+}
+
+/// The difference that a reflectance model makes to a surface's image.
+///
+/// ```
+/// use taotie::comparison::{ModelReport, Report};
+///
+/// /// Returns the SSIM of each image with its own surface's under the baseline.
+/// fn likeness(report: &Report) -> Vec<(&str, f64)> {
+///     let models = report.methods.iter().flat_map(|method| &method.models);
+///     models.map(|model: &ModelReport| (model.shading.as_str(), model.difference.ssim)).collect()
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ModelReport {
+    /// The reflectance model.
+    pub shading: String,
+    /// The one that it is measured against.
+    pub baseline: String,
+    /// The difference of their images.
+    pub difference: PictureFigures,
 }
 
 /// Angular error, degrees.
@@ -271,6 +298,15 @@ fn method_report(surface: &RenderedSurface) -> MethodReport {
         normals: surface.file_name("normals"),
         error: surface.difference.as_ref().map(|difference| error_report(surface, difference)),
         pictures: pictures.map(|((shading, _), d)| picture_report(surface, *shading, d)).collect(),
+        models: surface.model_differences.iter().map(|model| model_report(surface, model)).collect(),
+    }
+}
+
+fn model_report(surface: &RenderedSurface, model: &ModelDifference) -> ModelReport {
+    ModelReport {
+        shading: model.shading.name().into(),
+        baseline: model.baseline.name().into(),
+        difference: figures(&model.picture, surface.model_flip_name(model)),
     }
 }
 
@@ -288,14 +324,18 @@ fn picture_report(
     shading: Shading,
     difference: Option<&PictureDifference>,
 ) -> PictureReport {
-    let difference = difference.map(|difference| PictureFigures {
+    let difference = difference.map(|difference| figures(difference, surface.flip_name(shading)));
+    PictureReport { shading: shading.name().into(), file: surface.picture_name(shading), difference }
+}
+
+fn figures(difference: &PictureDifference, flip_map: String) -> PictureFigures {
+    PictureFigures {
         rmse: difference.rmse,
         psnr: difference.psnr.is_finite().then_some(difference.psnr),
         ssim: difference.ssim,
         flip: difference.flip.summary(),
-        flip_map: surface.flip_name(shading),
-    });
-    PictureReport { shading: shading.name().into(), file: surface.picture_name(shading), difference }
+        flip_map,
+    }
 }
 
 fn point_report(pixel: [u32; 2], comparison: &Comparison) -> PointReport {

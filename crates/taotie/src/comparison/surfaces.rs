@@ -30,6 +30,33 @@ pub struct RenderedSurface {
     pub milliseconds: f64,
     /// The difference from what it is compared with; `None` for that itself.
     pub difference: Option<Difference>,
+    /// The differences of its images from its own under the baseline, one for each other reflectance model; empty without
+    /// a baseline.
+    pub model_differences: Vec<ModelDifference>,
+}
+
+/// The difference that a reflectance model makes to the image of one surface.
+///
+/// ```
+/// use taotie::comparison::{ModelDifference, RenderedSurface};
+/// use taotie::names::Named;
+///
+/// /// Returns the reflectance model that an observer could best tell from the baseline.
+/// fn most_visible(surface: &RenderedSurface) -> Option<&'static str> {
+///     let mean = |model: &ModelDifference| model.picture.flip.summary().map_or(0.0, |flip| flip.mean);
+///     let models = surface.model_differences.iter();
+///     Some(models.max_by(|a, b| mean(a).total_cmp(&mean(b)))?.shading.name())
+/// }
+/// ```
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct ModelDifference {
+    /// The reflectance model.
+    pub shading: Shading,
+    /// The one that it is measured against.
+    pub baseline: Shading,
+    /// The difference of their images.
+    pub picture: PictureDifference,
 }
 
 /// The difference of a surface from what it is compared with.
@@ -112,8 +139,16 @@ impl RenderedSurface {
     /// Returns the name of the file for its image of this kind: `bump-5.normals.png`. Kinds are `normals`, `error`, the
     /// name of a shading, and that with `.flip`.
     pub fn file_name(&self, kind: &str) -> String {
-        let stem = self.method.map_or_else(|| "reference".into(), Method::file_stem);
-        format!("{stem}.{kind}.png")
+        format!("{}.{kind}.png", self.file_stem())
+    }
+
+    /// Returns the name of the file for the exact numbers of this kind, `normals` or `error`: `bump-5.normals.exr`.
+    pub fn exact_name(&self, kind: &str) -> String {
+        format!("{}.{kind}.exr", self.file_stem())
+    }
+
+    fn file_stem(&self) -> String {
+        self.method.map_or_else(|| "reference".into(), Method::file_stem)
     }
 
     /// Returns [`RenderedSurface::file_name`] of the image under a shading.
@@ -124,6 +159,12 @@ impl RenderedSurface {
     /// Returns [`RenderedSurface::file_name`] of the map of FLIP under a shading.
     pub fn flip_name(&self, shading: Shading) -> String {
         self.file_name(&format!("{}.flip", shading.name()))
+    }
+
+    /// Returns [`RenderedSurface::file_name`] of the map of FLIP between the images under two reflectance models:
+    /// `smooth.phong-ggx.flip.png`.
+    pub fn model_flip_name(&self, model: &ModelDifference) -> String {
+        self.file_name(&format!("{}-{}.flip", model.shading.name(), model.baseline.name()))
     }
 }
 

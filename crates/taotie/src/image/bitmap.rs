@@ -27,6 +27,15 @@ impl Texels {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
+
+    /// Returns the bytes that they take in memory.
+    pub fn bytes(&self) -> u64 {
+        match self {
+            Self::U8(t) => size_of_val(t.as_slice()) as u64,
+            Self::U16(t) => size_of_val(t.as_slice()) as u64,
+            Self::F32(t) => size_of_val(t.as_slice()) as u64,
+        }
+    }
 }
 
 /// A decoded image file: texels in stored precision and encoding, origin top left.

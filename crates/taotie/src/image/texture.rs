@@ -57,6 +57,11 @@ impl Texture {
         self.levels.len()
     }
 
+    /// Returns the bytes that all levels take in memory.
+    pub fn bytes(&self) -> u64 {
+        self.levels.iter().map(|level| level.texels().bytes()).sum()
+    }
+
     /// Width and height of a level.
     #[inline]
     pub fn level_size(&self, level: usize) -> (u32, u32) {

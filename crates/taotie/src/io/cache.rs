@@ -2,9 +2,10 @@
 //!
 //! Nothing here can fail: what cannot be read or written is made anew.
 
+use super::write::write_bytes;
+use crate::error::{Error, Result};
 use directories::ProjectDirs;
 use std::fs::{self, File};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -45,12 +46,9 @@ pub fn cache_folder() -> Option<PathBuf> {
     ProjectDirs::from("", "", "taotie").map(|dirs| dirs.cache_dir().to_owned())
 }
 
-fn write_in(folder: &Path, name: &str, bytes: &[u8]) -> std::io::Result<()> {
-    fs::create_dir_all(folder)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(bytes)?;
-    file.persist(folder.join(name))?;
-    Ok(())
+fn write_in(folder: &Path, name: &str, bytes: &[u8]) -> Result<()> {
+    fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+    write_bytes(&folder.join(name), bytes)
 }
 
 /// Removes the files used longest ago until no more than `most` bytes are left.

@@ -31,7 +31,7 @@ pub struct Loaded {
     pub mesh_names: Vec<String>,
     /// Files or names of `scene.textures`, in the same order.
     pub texture_names: Vec<String>,
-    /// Files that the model was read from beside its own.
+    /// Files that the model was read from beside its own, also those that could not be understood.
     pub files: Vec<PathBuf>,
     /// Files that the model names and that are not there.
     pub missing_files: Vec<String>,
@@ -41,7 +41,7 @@ pub struct Loaded {
     pub moving: Option<&'static str>,
     /// The sets of materials that the file offers; the scene itself has none of them applied.
     pub variants: Variants,
-    /// How many levels of detail the file has; [`super::load_level`] reads each. 1 where the format knows of none.
+    /// How many levels of detail the file has; [`super::load_levels`] reads all. 1 where the format knows of none.
     pub levels: usize,
 }
 

@@ -31,46 +31,45 @@ pub use stopwatch::Stopwatch;
 pub use system::free_memory;
 pub use variants::Variants;
 pub use write::{
-    AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, GltfAsset, GltfDraft, GltfFormat, GltfGraft,
-    GltfImage, GltfImages, GltfLevel, GltfMaterial, GraftedMaterial, ImageFormat, PngColor, PngImage,
-    PngSamples, WrittenScene, check_writable, check_writable_folder, encode_glb, encode_gltf, encode_graft,
-    encode_png, encode_png_bitmap, encode_scene, write_bytes, write_developed, write_files, write_gltf,
+    AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, FileSet, GltfAsset, GltfDraft, GltfFormat,
+    GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial, GraftedMaterial, ImageFormat, PngColor,
+    PngImage, PngSamples, Stopper, WrittenScene, encode_glb, encode_gltf, encode_graft, encode_png,
+    encode_png_bitmap, encode_scene, encode_webp_bitmap, gltf_files, gltf_sampler, write_bytes, write_gltf,
     write_image, write_png, write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
-pub use write::{ExrLayer, write_exr};
+pub use write::{ExrLayer, encode_exr, write_exr};
 pub(crate) use xmp::XmpProperties;
 pub use xmp::{Provenance, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case. Where the first bytes of the
-/// file contradict the extension, the bytes are believed.
+/// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case; its finest level of detail. Where
+/// the first bytes of the file contradict the extension, the bytes are believed.
 ///
 /// # Errors
 /// [`Error::Io`] where the file cannot be read, [`Error::Unsupported`] for another extension or a feature that is
 /// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn.
 pub fn load_model(path: &Path) -> Result<Loaded> {
-    load_level(path, 0)
-}
-
-/// Reads one level of detail of a model, 0 the finest; otherwise as [`load_model`]. Levels are those of glTF's
-/// MSFT_lod: a node with fewer of them shows its coarsest. Other formats have level 0 alone.
-///
-/// # Errors
-/// As [`load_model`]; [`Error::Parse`] where the file has no such level.
-pub fn load_level(path: &Path, level: usize) -> Result<Loaded> {
-    let format = format_of(path)?;
-    if level > 0 && format != Format::Gltf {
-        let why = format!("there is 1, and no level {level}");
-        return Err(Error::parse(path, "levels of detail", why));
-    }
-    match format {
-        Format::Gltf => gltf::read(path, level),
+    match format_of(path)? {
+        Format::Gltf => gltf::read(path),
         Format::Obj => obj::read(path),
         Format::Ply => ply::read(path),
         Format::Stl => stl::read(path),
+    }
+}
+
+/// Reads a model at all of its levels of detail, the finest first, as [`load_model`] reads that. Levels are those of
+/// glTF's MSFT_lod: a node with fewer of them shows its coarsest. Other formats have one. Files are read and textures
+/// decoded once, and all levels share them; notes on the file as a whole stand with the finest.
+///
+/// # Errors
+/// As [`load_model`], of any level; [`Error::Parse`] where a file has more than 64 levels.
+pub fn load_levels(path: &Path) -> Result<Vec<Loaded>> {
+    match format_of(path)? {
+        Format::Gltf => gltf::read_levels(path),
+        _ => Ok(vec![load_model(path)?]),
     }
 }
 

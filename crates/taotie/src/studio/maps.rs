@@ -71,6 +71,13 @@ impl MapOptions {
         Ok(())
     }
 
+    /// Returns the files of the maps.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let Self { base_color, metallic_roughness, normal, height, occlusion, emissive, .. } = self;
+        let all = [base_color, metallic_roughness, normal, height, occlusion, emissive];
+        all.into_iter().flatten().cloned().collect()
+    }
+
     /// Adds the maps to the textures of `scene`; returns what becomes of its materials.
     pub(super) fn load(&self, scene: &mut Scene) -> Result<Change> {
         let size = scene.bounds().map_or(1.0, |bounds| bounds.diagonal());

@@ -4,7 +4,8 @@ use super::factors::MaterialFactors;
 use super::maps::MapOptions;
 use super::material_file::MaterialFile;
 use crate::error::Result;
-use crate::scene::{GreenChannel, Scene, SceneData};
+use crate::scene::{GreenChannel, Scene, SceneData, preset};
+use std::path::PathBuf;
 
 /// The materials asked for; by default they stay as the file says.
 ///
@@ -49,6 +50,19 @@ impl MaterialOptions {
             scene.edit(point_down)?;
         }
         Ok(())
+    }
+
+    /// Returns the files that are read for the materials: a TOML file, its maps, and the maps asked for.
+    ///
+    /// # Errors
+    /// As [`MaterialFile::choose`].
+    pub fn files(&self) -> Result<Vec<PathBuf>> {
+        let mut files = self.maps.files();
+        if let Some(choice) = self.material.as_ref().filter(|choice| preset(choice).is_none()) {
+            files.push(PathBuf::from(choice));
+            files.extend(MaterialFile::choose(choice)?.files());
+        }
+        Ok(files)
     }
 }
 

@@ -23,9 +23,15 @@ use std::path::{Path, PathBuf};
 /// assert_eq!(scene.materials()[0].roughness, 0.6);
 /// # Ok::<(), taotie::Error>(())
 /// ```
+#[derive(Debug, Clone, Default)]
+pub struct MaterialFile {
+    content: Content,
+}
+
+/// The content of the file.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct MaterialFile {
+struct Content {
     /// Start from a preset.
     preset: Option<String>,
     base_color: Option<[f32; 3]>,
@@ -103,7 +109,8 @@ impl MaterialFile {
     /// [`Error::Invalid`] where `choice` is neither; the text lists the presets. As [`MaterialFile::parse`].
     pub fn choose(choice: &str) -> Result<Self> {
         if preset(choice).is_some() {
-            return Ok(Self { preset: Some(choice.to_string()), ..Self::default() });
+            let preset = Some(choice.to_string());
+            return Ok(Self { content: Content { preset, ..Content::default() } });
         }
         let path = Path::new(choice);
         if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("toml")) {
@@ -121,10 +128,15 @@ impl MaterialFile {
     /// # Errors
     /// [`Error::Parse`] where it is no TOML or says what no material has, [`Error::Invalid`] for a value out of range.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        let mut file: Self = toml::from_str(text).map_err(|error| parse_error(path, text, &error))?;
-        file.maps.lie_in(path.parent().unwrap_or(Path::new("")));
-        file.check().map_err(|error| error.within(path.display()))?;
-        Ok(file)
+        let mut content: Content = toml::from_str(text).map_err(|error| parse_error(path, text, &error))?;
+        content.maps.lie_in(path.parent().unwrap_or(Path::new("")));
+        content.check().map_err(|error| error.within(path.display()))?;
+        Ok(Self { content })
+    }
+
+    /// Returns the files of its maps.
+    pub fn files(&self) -> Vec<PathBuf> {
+        self.content.maps.options().files()
     }
 
     /// Puts the material on every material of `scene`; their relief and occlusion stay where it names none.
@@ -132,10 +144,12 @@ impl MaterialFile {
     /// # Errors
     /// Those of the maps, and [`Error::Invalid`] for an unknown preset.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        self.change(scene)?.apply(scene)?;
+        self.content.change(scene)?.apply(scene)?;
         Ok(())
     }
+}
 
+impl Content {
     /// Checks ranges, so that shading cannot be given nonsense.
     fn check(&self) -> Result<()> {
         self.factors().check()?;
@@ -276,6 +290,20 @@ mod tests {
     #[test]
     fn maps_lie_beside_the_file() {
         let file = MaterialFile::parse("maps = { normal = 'n.png' }", Path::new("a/m.toml")).unwrap();
-        assert_eq!(file.maps.options().normal, Some(PathBuf::from("a/n.png")));
+        assert_eq!(file.content.maps.options().normal, Some(PathBuf::from("a/n.png")));
+    }
+    /// Two implementations fit a type that serde reads, and then the compiler cannot choose.
+    trait Choice<T> {
+        fn is_made() -> bool {
+            true
+        }
+    }
+    struct ReadBySerde;
+    impl<T> Choice<()> for T {}
+    impl<T: serde::de::DeserializeOwned> Choice<ReadBySerde> for T {}
+
+    #[test]
+    fn the_parser_is_no_part_of_the_interface() {
+        assert!(<MaterialFile as Choice<_>>::is_made());
     }
 }

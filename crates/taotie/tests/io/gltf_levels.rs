@@ -1,8 +1,8 @@
-//! Levels of detail are read one by one, each at the place of the node that it stands in for.
+//! Levels of detail are read together, each at the place of the node that it stands in for.
 
 use crate::gltf::{load, triangle, warned};
 use std::path::PathBuf;
-use taotie::io::load_level;
+use taotie::io::{Loaded, load_levels};
 use taotie::math::{Mat4, Vec3};
 use tempfile::TempDir;
 
@@ -23,11 +23,14 @@ impl File {
         Self { path, _folder: folder }
     }
 
-    /// The places of the triangles that are shown at a level.
-    fn places(&self, level: usize) -> Vec<Vec3<f64>> {
-        let scene = load_level(&self.path, level).unwrap_or_else(|e| panic!("{e}")).scene;
+    /// The places of the triangles that are shown at each level.
+    fn places(&self) -> Vec<Vec<Vec3<f64>>> {
+        let levels = load_levels(&self.path).unwrap_or_else(|e| panic!("{e}"));
         let place = |world: Mat4| world.transform_point(Vec3::new(0.0, 0.0, 0.0));
-        scene.instances().iter().map(|instance| place(instance.world_from_object)).collect()
+        let of = |loaded: &Loaded| {
+            loaded.scene.instances().iter().map(|instance| place(instance.world_from_object)).collect()
+        };
+        levels.iter().map(of).collect()
     }
 }
 
@@ -40,12 +43,11 @@ fn stand_ins_take_the_place_of_their_node() {
     let file = File::new(TWO);
     let (plain, at_one) = (Vec3::new(0.0, 5.0, 0.0), Vec3::new(1.0, 0.0, 0.0));
     let moved = Vec3::new(1.0, 0.0, 2.0);
-    assert_eq!(file.places(0), [plain, at_one]);
-    assert_eq!(file.places(1), [plain, moved, moved], "its own transform counts, and its parent's");
-    assert_eq!(file.places(2), [plain, at_one]);
-    assert_eq!(load(&file.path).unwrap().levels, 3);
-    let error = load_level(&file.path, 3).unwrap_err().to_string();
-    assert!(error.contains("levels.gltf") && error.contains("there are 3, and no level 3"), "{error}");
+    let places = file.places();
+    assert_eq!(places[0], [plain, at_one]);
+    assert_eq!(places[1], [plain, moved, moved], "its own transform counts, and its parent's");
+    assert_eq!(places[2], [plain, at_one]);
+    assert_eq!((places.len(), load(&file.path).unwrap().levels), (3, 3));
 }
 
 #[test]
@@ -54,15 +56,21 @@ fn wrong_levels_are_told_and_do_no_harm() {
     let file = with(r#"[3,99,-1,"x"]"#);
     let loaded = load(&file.path).unwrap();
     assert_eq!((loaded.levels, warned(&loaded, "levels of detail that are no nodes")), (2, 3));
+    let levels = load_levels(&file.path).unwrap();
+    assert_eq!(levels[0].warnings.iter().collect::<Vec<_>>(), loaded.warnings.iter().collect::<Vec<_>>());
     // A node that stands in for its own child is its own ancestor.
     let file = with("[1]");
     assert!(load(&file.path).is_ok(), "the finest level is sound");
-    let error = load_level(&file.path, 1).unwrap_err().to_string();
+    let error = load_levels(&file.path).unwrap_err().to_string();
     assert!(!error.contains('\n') && error.contains("levels.gltf"), "{error}");
+    let many = with(&format!("[{}]", ["3"; 64].join(",")));
+    assert_eq!(load(&many.path).unwrap().levels, 65);
+    let error = load_levels(&many.path).unwrap_err().to_string();
+    assert!(error.contains("there are 65; at most 64"), "{error}");
     for odd in ["[2]", "{}", "7"] {
         let file = with(odd);
         let levels = load(&file.path).unwrap().levels;
-        (0..levels).for_each(|level| assert!(load_level(&file.path, level).is_ok(), "{odd}"));
+        assert_eq!(load_levels(&file.path).unwrap().len(), levels, "{odd}");
     }
 }
 
@@ -71,7 +79,6 @@ fn other_formats_have_one_level() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("m.obj");
     std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-    assert_eq!(load_level(&path, 0).unwrap().levels, 1);
-    let error = load_level(&path, 1).unwrap_err().to_string();
-    assert!(error.contains("m.obj") && error.contains("no level 1"), "{error}");
+    let levels = load_levels(&path).unwrap();
+    assert_eq!((levels.len(), levels[0].levels), (1, 1));
 }

@@ -3,7 +3,7 @@
 use crate::bumpy;
 use std::collections::BTreeMap;
 use taotie::io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, Loaded, load_level, load_model, write_gltf,
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, Loaded, load_levels, load_model, write_gltf,
 };
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
@@ -111,11 +111,14 @@ fn levels_share_one_place_and_material() {
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         assert_eq!(loaded.scene.triangle_count(), meshes[0].triangles().len(), "the finest alone is drawn");
         assert_eq!(loaded.levels, 3);
-        for (level, mesh) in meshes.iter().enumerate() {
-            let read = load_level(&path, level).unwrap().scene;
-            assert_eq!((read.meshes().len(), read.triangle_count()), (1, mesh.triangles().len()));
-            assert_eq!(read.instances()[0].world_from_object, loaded.scene.instances()[0].world_from_object);
-            assert_eq!(read.textures().len(), 1, "all show the same maps");
+        let read = load_levels(&path).unwrap();
+        assert_eq!(read.len(), 3);
+        let bitmap = |of: &Loaded| std::ptr::from_ref(of.scene.textures()[0].bitmap());
+        for (mesh, of) in meshes.iter().zip(&read) {
+            let scene = &of.scene;
+            assert_eq!((scene.meshes().len(), scene.triangle_count()), (1, mesh.triangles().len()));
+            assert_eq!(scene.instances()[0].world_from_object, loaded.scene.instances()[0].world_from_object);
+            assert_eq!((scene.textures().len(), bitmap(of)), (1, bitmap(&read[0])), "one map, decoded once");
         }
         let one = GltfAsset { levels: &levels[..1], ..asset };
         write_gltf(&path, &one, &GltfFormat { meshopt, ..GltfFormat::default() }).unwrap();

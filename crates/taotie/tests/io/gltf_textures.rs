@@ -165,7 +165,7 @@ fn jpeg_is_for_colours_alone() {
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
     let path = folder.path().join("m.gltf");
     let written = |quality: u8| {
-        let format = GltfFormat { images: GltfImages::WebP, jpeg: Some(quality), meshopt: false };
+        let format = GltfFormat { images: GltfImages::WebP, jpeg: Some(quality), ..GltfFormat::default() };
         write_gltf(&path, &asset, &format).unwrap();
         let bytes = std::fs::metadata(folder.path().join("m_color.jpg")).unwrap().len();
         let scene = load_model(&path).unwrap().scene;
@@ -195,13 +195,19 @@ fn threads_change_no_byte() {
     };
     let levels = [GltfLevel { mesh: &mesh, coverage: None }];
     let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
-    for images in [GltfImages::Png, GltfImages::WebP, GltfImages::Ktx2] {
+    let plain = GltfFormat { meshopt: true, ..GltfFormat::default() };
+    let formats = [
+        GltfFormat { jpeg: Some(80), ..plain },
+        GltfFormat { images: GltfImages::WebP, ..plain },
+        GltfFormat { images: GltfImages::WebP, webp_quality: Some(80), ..plain },
+        GltfFormat { images: GltfImages::Ktx2, ..plain },
+        GltfFormat { images: GltfImages::Ktx2, uastc_rdo: Some(2), ..plain },
+    ];
+    for format in formats {
         let [one, four] = [1, 4].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| {
-                encode_glb(&asset, &GltfFormat { images, meshopt: true, jpeg: Some(80) }).unwrap()
-            })
+            pool.install(|| encode_glb(&asset, &format).unwrap())
         });
-        assert!(one == four, "{images:?}");
+        assert!(one == four, "{format:?}");
     }
 }

@@ -70,11 +70,13 @@ fn every_kind_of_file_is_valid() {
         (&large, GltfMaterial::default()),
     ];
     for (levels, material) in cases {
-        for (meshopt, images) in [
-            (false, GltfImages::Png),
-            (true, GltfImages::Png),
-            (false, GltfImages::WebP),
-            (true, GltfImages::Ktx2),
+        let default = GltfFormat::default();
+        for format in [
+            default,
+            GltfFormat { meshopt: true, jpeg: Some(80), ..default },
+            GltfFormat { images: GltfImages::WebP, ..default },
+            GltfFormat { images: GltfImages::WebP, webp_quality: Some(80), ..default },
+            GltfFormat { images: GltfImages::Ktx2, meshopt: true, uastc_rdo: Some(2), ..default },
         ] {
             let asset = GltfAsset {
                 name: "ball",
@@ -84,7 +86,7 @@ fn every_kind_of_file_is_valid() {
                 xmp: Some(&xmp),
                 ..GltfAsset::default()
             };
-            if !check(&asset, &GltfFormat { images, meshopt, jpeg: meshopt.then_some(80) }) {
+            if !check(&asset, &format) {
                 return;
             }
         }

@@ -96,6 +96,7 @@ fn both_containers_read_back_as_written() {
         copyright: Some("© nobody"),
         xmp: Some(&xmp),
         extras: Some(&extras),
+        ..GltfAsset::default()
     };
     for name in ["a ball.glb", "a ball.gltf", "UPPER.GLB"] {
         let path = folder.path().join(name);

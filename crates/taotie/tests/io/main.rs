@@ -18,6 +18,7 @@ mod validator;
 
 mod animation;
 mod geometry;
+mod gltf_alpha_modes;
 mod gltf_levels;
 mod gltf_materials;
 mod gltf_packed;
@@ -25,6 +26,8 @@ mod gltf_packed_write;
 mod gltf_pictures;
 mod gltf_read;
 mod gltf_scene;
+#[cfg(all(feature = "basis", feature = "webp"))]
+mod gltf_sizes;
 #[cfg(all(feature = "basis", feature = "webp"))]
 mod gltf_textures;
 #[cfg(feature = "webp")]

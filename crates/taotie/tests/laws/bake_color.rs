@@ -6,9 +6,10 @@ use taotie::Progress;
 use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, Proof, Requirement, Scan, VerifyOptions};
 use taotie::bake::{self, Cage, MapKind, MaterialError, TexturedMesh, Verifier};
 use taotie::compare::{Field, color_difference};
+use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
 use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData};
-use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData};
+use taotie::scene::{AlphaMode, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
 
 /// The numbers of points that a proof of these tests measures.
 const POINTS: VerifyOptions = VerifyOptions { points: 5_000, distance_points: 500, map: 32, view: 96 };
@@ -69,6 +70,31 @@ fn alpha_counts_as_it_is_seen() {
     is_everywhere(&alpha(glass(AlphaMode::Blend, 0.25), opaque()), 0.75);
     is_everywhere(&alpha(glass(AlphaMode::Mask(0.5), 0.4), opaque()), 1.0);
     is_everywhere(&alpha(glass(AlphaMode::Mask(0.3), 0.4), opaque()), 0.0);
+}
+
+/// One of eight columns of the scan's colours is no number, and bilinear lookups reach it from both sides.
+#[test]
+fn colours_that_are_not_finite_are_told() {
+    let column = |i: usize| [if i == 3 { f32::NAN } else { 0.5 }, 0.5, 0.5, 1.0];
+    let bitmap = Bitmap::new(8, 1, 3, Texels::F32((0..8).map(column).collect())).unwrap();
+    let texture =
+        TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let material = Material { base_color_texture: Some(texture), ..Material::default() };
+    let plain = ball(Material::default()).into_data();
+    let textures = vec![Texture::new(bitmap, Encoding::Linear)];
+    let scene = Scene::new(SceneData { materials: vec![material], textures, ..plain }).unwrap();
+    let scan = bake::Scan::new(scene).unwrap();
+    let shown = TexturedMesh::new(ball(Material::default())).unwrap();
+    let cage = Cage::automatic(shown.mesh(), &scan);
+    let verifier = Verifier { mesh: shown.mesh(), normal: None, cage: &cage, scan: &scan };
+    let error = verifier.material_error(&shown, 2000).unwrap();
+    assert!((error.not_finite - 0.25).abs() < 0.03, "{}", error.not_finite);
+    let finite = error.color.values().iter().filter(|v| v.is_finite()).count();
+    assert_eq!(2000 - finite, (error.not_finite * 2000.0).round() as usize);
+    assert!(
+        error.color.values().iter().all(|v| *v != 0.0),
+        "half of the default's colour is another, and so is NaN"
+    );
 }
 
 #[test]

@@ -4,11 +4,12 @@
 use std::ops::Range;
 use taotie::Progress;
 use taotie::bake::{
-    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Scan, TexturedMesh, UvLookup, Verifier,
-    bake, low_poly_mesh,
+    BakeInput, BakeSettings, BakedMaps, Cage, LookupPoint, MapKind, Scan, ShownNormals, TexturedMesh,
+    UvLookup, Verifier, bake, low_poly_mesh,
 };
 use taotie::compare::angle_deg;
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture, Wrap};
+use taotie::io::gltf_sampler;
 use taotie::math::{Mat4, Vec2, Vec3};
 use taotie::mesh::{Mesh, MeshData, Point};
 use taotie::names::Named;
@@ -20,7 +21,7 @@ use taotie::scene::{
 use taotie::surface::with_frames;
 
 /// Part of the square of side 2 in the plane z = 0 that faces up, whose uvs lie over it: the columns of these u.
-fn strip(columns: Range<f32>) -> Mesh {
+pub fn strip(columns: Range<f32>) -> Mesh {
     let places = [(columns.start, 1.0), (columns.end, 1.0), (columns.end, 0.0), (columns.start, 0.0)];
     Mesh::new(MeshData {
         positions: places.iter().map(|(u, v)| Vec3::new(2.0 * u - 1.0, 1.0 - 2.0 * v, 0.0)).collect(),
@@ -32,12 +33,12 @@ fn strip(columns: Range<f32>) -> Mesh {
     .unwrap()
 }
 
-fn square() -> Mesh {
+pub fn square() -> Mesh {
     strip(0.0..1.0)
 }
 
 /// The first texture, on the first uv set, its border going on beyond it.
-fn texture_0() -> TextureRef {
+pub fn texture_0() -> TextureRef {
     let sampler = Sampler { wrap_u: Wrap::Clamp, wrap_v: Wrap::Clamp, ..Sampler::default() };
     TextureRef { texture: 0, uv_set: 0, sampler, transform: UvTransform::default() }
 }
@@ -56,7 +57,7 @@ fn normal_map(space: NormalSpace) -> NormalMap {
 }
 
 /// One mesh of one material, moved.
-fn scene(mesh: Mesh, material: Material, texture: Texture, m: Mat4) -> Scene {
+pub fn scene(mesh: Mesh, material: Material, texture: Texture, m: Mat4) -> Scene {
     Scene::new(SceneData {
         meshes: vec![mesh],
         materials: vec![material],
@@ -68,7 +69,7 @@ fn scene(mesh: Mesh, material: Material, texture: Texture, m: Mat4) -> Scene {
 }
 
 /// Meshes that stay where they are, each with its own material.
-fn scene_of(parts: Vec<(Mesh, Material)>, textures: Vec<Texture>) -> Scene {
+pub fn scene_of(parts: Vec<(Mesh, Material)>, textures: Vec<Texture>) -> Scene {
     let instance = |i| Instance { mesh: i, material: i, world_from_object: Mat4::IDENTITY };
     let instances = (0..parts.len()).map(instance).collect();
     let (meshes, materials) = parts.into_iter().unzip();
@@ -76,7 +77,7 @@ fn scene_of(parts: Vec<(Mesh, Material)>, textures: Vec<Texture>) -> Scene {
 }
 
 /// Bakes a scan onto its own triangles, normals in object space.
-fn baked_onto_itself(scene: &Scene, size: u32, maps: &[MapKind]) -> BakedMaps {
+pub fn baked_onto_itself(scene: &Scene, size: u32, maps: &[MapKind]) -> BakedMaps {
     let low = low_poly_mesh(scene.clone()).unwrap();
     baked_onto(&low, scene, size, maps)
 }
@@ -94,7 +95,7 @@ fn baked_onto(low: &Mesh, scene: &Scene, size: u32, maps: &[MapKind]) -> BakedMa
 }
 
 /// The places of a map's texels.
-fn places(size: u32) -> impl Iterator<Item = Vec2> {
+pub fn places(size: u32) -> impl Iterator<Item = Vec2> {
     let place = move |i: u32| (i as f32 + 0.5) / size as f32;
     (0..size * size).map(move |i| Vec2::new(place(i % size), place(i / size)))
 }
@@ -139,10 +140,32 @@ fn a_normal_map_of_the_scan_is_baked_and_measured() {
     };
     let fine = Storage { bits: 16, dither: false };
     let kept = Texture::new(store_unit_vectors([128; 2], &maps.normal, fine).unwrap(), Encoding::Normal);
-    let kept = mean(Some((&kept, NormalSpace::Object)));
+    let sampler = texture_0().sampler;
+    let kept = mean(Some(ShownNormals { texture: &kept, space: NormalSpace::Object, sampler }));
     assert!(kept < 0.1, "an asset that holds the field: {kept}°");
     let flat = mean(None);
     assert!(flat > 5.0, "an asset that lost it: {flat}°");
+}
+
+/// A map that is another at opposite borders: only who goes on beyond them as the viewer does sees what it shows.
+#[test]
+fn the_map_is_read_beyond_its_borders_as_the_viewer_does() {
+    let bent = |uv: Vec2| Vec3::new(uv.x - 0.5, 0.0, 1.0).normalize();
+    let material = Material { normal: Some(normal_map(NormalSpace::Object)), ..Material::default() };
+    let map = texture(8, Encoding::Normal, |uv| stored(bent(uv)));
+    let scene = scene(square(), material, map.clone(), Mat4::IDENTITY);
+    let low = with_frames(&square(), 0, None).unwrap().0.into_owned();
+    let (scan, cage) = (Scan::new(scene).unwrap(), Cage::uniform(&low, 0.01).unwrap());
+    let largest = |sampler| {
+        let normals = ShownNormals { texture: &map, space: NormalSpace::Object, sampler };
+        let verifier = Verifier { mesh: &low, normal: Some(normals), cage: &cage, scan: &scan };
+        verifier.normal_error(5000).unwrap().angles.summary().unwrap().max
+    };
+    let clamped = gltf_sampler([&low]);
+    assert_eq!((clamped.wrap_u, clamped.wrap_v), (Wrap::Clamp, Wrap::Clamp));
+    let [as_shown, repeated] = [clamped, Sampler::default()].map(largest);
+    assert!(as_shown < 0.01, "{as_shown}°");
+    assert!(repeated > 5.0, "{repeated}°");
 }
 
 #[test]
@@ -268,7 +291,7 @@ fn painted(texture: Texture) -> Scene {
     scene(square(), material, texture, Mat4::IDENTITY)
 }
 
-fn bytes(size: u32, value: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
+pub fn bytes(size: u32, value: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
     let texels = (0..size * size).map(|i| value(i % size, i / size)).collect();
     Texture::new(Bitmap::new(size, size, 4, Texels::U8(texels)).unwrap(), Encoding::Srgb)
 }

@@ -3,10 +3,10 @@
 
 use taotie::Progress;
 use taotie::bake::{
-    BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapKind, Maps, Scan, TexelStatus, UnwrapOptions,
-    Verifier, bake, unwrap,
+    BakeInput, BakeSettings, Baked, BakedMaps, Cage, MapKind, Maps, Scan, ShownNormals, TexelStatus,
+    UnwrapOptions, Verifier, bake, unwrap,
 };
-use taotie::image::{Encoding, Texture};
+use taotie::image::{Encoding, Sampler, Texture};
 use taotie::math::Vec3;
 use taotie::mesh::{Mesh, MeshData};
 use taotie::names::Named;
@@ -58,7 +58,9 @@ fn covered(maps: &BakedMaps) -> impl Iterator<Item = usize> + '_ {
 fn shown_angles(low: &Mesh, maps: &BakedMaps, storage: Storage, (cage, scan): (&Cage, &Scan)) -> [f64; 2] {
     let bitmap = store_unit_vectors(maps.size(), &maps.normal, storage).unwrap();
     let texture = Texture::new(bitmap, Encoding::Normal);
-    let verifier = Verifier { mesh: low, normal: Some((&texture, NormalSpace::Tangent)), cage, scan };
+    let sampler = Sampler::BILINEAR;
+    let normals = ShownNormals { texture: &texture, space: NormalSpace::Tangent, sampler };
+    let verifier = Verifier { mesh: low, normal: Some(normals), cage, scan };
     let normal_error = verifier.normal_error(20_000).unwrap();
     assert_eq!(normal_error.lost, 0.0);
     let summary = normal_error.angles.summary().unwrap();

@@ -19,6 +19,7 @@ mod random;
 mod skies;
 
 mod bake;
+mod bake_alpha;
 mod bake_color;
 mod bake_material;
 mod bake_scan;

@@ -1,17 +1,18 @@
 //! The vessel with its relief as geometry.
 
 use super::draft::draft;
-use std::path::{Path, PathBuf};
+use crate::demo::output::Output;
+use std::path::PathBuf;
 use taotie::Result;
 use taotie::mesh::Mesh;
 
-/// Writes `mesh`, the vessel with its relief as geometry, to `jue-high.glb` in `folder`; returns the file.
+/// Writes `mesh`, the vessel with its relief as geometry, to `jue-high.glb`; returns the file.
 ///
 /// # Errors
 /// Those of writing.
-pub fn write(folder: &Path, mesh: &Mesh) -> Result<PathBuf> {
-    let path = folder.join("jue-high.glb");
-    draft(mesh, None)?.write_glb(&path)?;
+pub fn write(output: &Output<'_>, mesh: &Mesh) -> Result<PathBuf> {
+    let path = output.folder.join("jue-high.glb");
+    draft(mesh, None)?.write_glb_in(output.files, &path)?;
     Ok(path)
 }
 
@@ -26,9 +27,13 @@ mod tests {
     #[test]
     fn the_file_holds_the_mesh() {
         let folder = tempfile::tempdir().unwrap();
-        export::write(folder.path(), &Vessel::new(64)).unwrap();
         let ours = &jue::displaced_mesh(0.004);
-        let loaded = io::load_model(&write(folder.path(), ours).unwrap()).unwrap();
+        let written = io::FileSet::one(|files| {
+            let output = Output { files, folder: folder.path(), side: 64 };
+            export::write(&output, &Vessel::new(64))?;
+            write(&output, ours)
+        });
+        let loaded = io::load_model(&written.unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         let read = &loaded.scene.meshes()[0];
         assert_eq!(read.positions(), ours.positions());

@@ -1,10 +1,11 @@
 //! The pouring vessel with its skin and animation.
 
 use super::draft::draft;
+use crate::demo::output::Output;
 use crate::demo::vessel::Vessel;
 use crate::jue::pour;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use taotie::Result;
 use taotie::io::{GltfDraft, Json};
 use taotie::math::Mat4;
@@ -14,16 +15,16 @@ use taotie::scene::animation::{Node, RigData, Sampler, Transform};
 /// The number of the rig's first node in the file.
 const FIRST: usize = 1;
 
-/// Writes `jue-pouring.glb` into `folder`; returns the file.
+/// Writes `jue-pouring.glb`; returns the file.
 ///
 /// # Errors
 /// Those of writing.
-pub fn write(folder: &Path, vessel: &Vessel) -> Result<PathBuf> {
-    let path = folder.join("jue-pouring.glb");
+pub fn write(output: &Output<'_>, vessel: &Vessel) -> Result<PathBuf> {
+    let path = output.folder.join("jue-pouring.glb");
     let mut draft = draft(vessel.mesh(), Some("jue_normal.png"))?;
     let rig = pour::rig(vessel.mesh());
     add_rig(&mut draft, rig.data())?;
-    draft.write_glb(&path)?;
+    draft.write_glb_in(output.files, &path)?;
     Ok(path)
 }
 
@@ -114,8 +115,12 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let vessel = Vessel::new(64);
         let scene = vessel.scene();
-        export::write(folder.path(), &vessel).unwrap();
-        let mut loaded = io::load_model(&write(folder.path(), &vessel).unwrap()).unwrap();
+        let written = io::FileSet::one(|files| {
+            let output = Output { files, folder: folder.path(), side: 64 };
+            export::write(&output, &vessel)?;
+            write(&output, &vessel)
+        });
+        let mut loaded = io::load_model(&written.unwrap()).unwrap();
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
         let (read, ours) = (&loaded.scene.materials()[0], &scene.materials()[0]);
         let look = |m: &Material| (m.base_color, m.metallic, m.roughness, m.occlusion_strength);

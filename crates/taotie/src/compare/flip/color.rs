@@ -8,9 +8,34 @@ use crate::math::{Vec3, scalar};
 const EXPONENT: f64 = 0.7;
 const BEND: (f64, f64) = (0.4, 0.95);
 
-/// The colour in YCxCz, which is CIELAB without its cube root, from an sRGB-encoded one: §4.1.1.
-pub fn opponent_from_srgb(encoded: Vec3<f64>) -> Vec3<f64> {
-    opponent(product(&XYZ_FROM_RGB, encoded.map(linear_from_srgb)))
+/// Reads sRGB-encoded colours; the linear values of 8-bit codes are worked out once.
+pub struct Decoder {
+    /// Of each 8-bit code.
+    linear: Vec<f64>,
+}
+
+impl Decoder {
+    pub fn new() -> Self {
+        Self { linear: (0..=255).map(|code| linear_from_srgb(of_code(code).into())).collect() }
+    }
+
+    /// Returns the colour in YCxCz, which is CIELAB without its cube root, from one in [0, 1]: §4.1.1.
+    pub fn opponent(&self, encoded: [f32; 3]) -> Vec3<f64> {
+        opponent(product(&XYZ_FROM_RGB, Vec3::from_array(encoded.map(|v| self.linear(v)))))
+    }
+
+    fn linear(&self, encoded: f32) -> f64 {
+        let code = (encoded * 255.0 + 0.5) as u8;
+        match of_code(code) == encoded {
+            true => self.linear[usize::from(code)],
+            false => linear_from_srgb(encoded.into()),
+        }
+    }
+}
+
+/// Returns the value that an 8-bit code stands for.
+fn of_code(code: u8) -> f32 {
+    f32::from(code) / 255.0
 }
 
 /// L*, and a* and b* as Hunt's effect leaves them, of a colour in YCxCz that is first brought into what a screen
@@ -61,8 +86,17 @@ mod tests {
 
     #[test]
     fn white_is_a_hundred_and_has_no_hue() {
-        let lab = hunt_lab_from_opponent(opponent_from_srgb(Vec3::splat(1.0)));
+        let lab = hunt_lab_from_opponent(Decoder::new().opponent([1.0; 3]));
         assert!((lab - Vec3::new(100.0, 0.0, 0.0)).length() < 1e-9, "{lab:?}");
+    }
+
+    #[test]
+    fn values_of_codes_and_between_them_are_decoded_alike() {
+        let decoder = Decoder::new();
+        let between = (0..=255u8).map(|code| of_code(code) * 0.999);
+        for value in (0..=255).map(of_code).chain(between) {
+            assert_eq!(decoder.linear(value), linear_from_srgb(value.into()), "{value}");
+        }
     }
 
     #[test]

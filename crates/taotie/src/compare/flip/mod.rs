@@ -38,6 +38,9 @@ pub fn flip(reference: &DisplayImage, test: &DisplayImage, pixels_per_degree: f3
     let most = color::largest_difference();
     let error = |i: usize| {
         let (a, b) = (&reference.pixels[i], &test.pixels[i]);
+        if a == b {
+            return 0.0;
+        }
         let difference = color::redistributed(color::difference(a.lab, b.lab), most);
         scalar::pow(difference, 1.0 - features::difference(a.features, b.features)) as f32
     };
@@ -52,7 +55,7 @@ struct Seen {
     pixels: Vec<SeenPixel>,
 }
 
-#[derive(Clone, Default)]
+#[derive(Clone, Default, PartialEq)]
 struct SeenPixel {
     /// The colour after the eye's blur: L*, and a* and b* after Hunt's effect.
     lab: Vec3<f64>,
@@ -61,8 +64,8 @@ struct SeenPixel {
 }
 
 fn seen(picture: &DisplayImage, pixels_per_degree: f64) -> Seen {
-    let encoded = |i: usize| Vec3::from_array(picture.pixels[i]).to_f64();
-    let opponent = parallel::collect(picture.pixels.len(), |i| color::opponent_from_srgb(encoded(i)));
+    let decoder = color::Decoder::new();
+    let opponent = parallel::collect(picture.pixels.len(), |i| decoder.opponent(picture.pixels[i]));
     let plane = |component: fn(&Vec3<f64>) -> f64| Plane::new(picture.width, &opponent, component);
     let [achromatic, red_green, blue_yellow] = [plane(|c| c.x), plane(|c| c.y), plane(|c| c.z)];
     let features = features::strengths(&plane(|c| (c.x + 16.0) / 116.0), pixels_per_degree);

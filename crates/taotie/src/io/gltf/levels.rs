@@ -1,7 +1,7 @@
 //! Levels of detail (MSFT_lod): the nodes that stand in for others where these are shown coarser.
 
 use super::document::Document;
-use crate::error::{Result, Warnings};
+use crate::error::Warnings;
 use gltf::json::Value;
 
 const NAME: &str = "MSFT_lod";
@@ -17,22 +17,15 @@ pub(super) struct Levels {
 impl Levels {
     /// Chooses a level, 0 the finest. A node with fewer levels shows its coarsest; what is no node is left out with a
     /// warning.
-    ///
-    /// # Errors
-    /// Fails where no node has so many levels.
-    pub fn read(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
+    pub fn read(document: &Document, level: usize, warnings: &mut Warnings) -> Self {
         let lists: Vec<Vec<usize>> =
             (0..document.root.nodes.len()).map(|node| coarser(document, node, warnings)).collect();
         let count = 1 + lists.iter().map(Vec::len).max().unwrap_or(0);
-        if level >= count {
-            let why = format!("there are {count}, and no level {level}");
-            return Err(document.error("levels of detail", why));
-        }
         let stand_in = |(node, coarser): (usize, &Vec<usize>)| match level.min(coarser.len()) {
             0 => node,
             level => coarser[level - 1],
         };
-        Ok(Self { count, stand_ins: lists.iter().enumerate().map(stand_in).collect() })
+        Self { count, stand_ins: lists.iter().enumerate().map(stand_in).collect() }
     }
 
     /// Returns the node that is shown in place of `node`.

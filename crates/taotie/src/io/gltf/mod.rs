@@ -48,51 +48,116 @@ use crate::error::{Result, Warnings};
 use crate::math::Vec2;
 use crate::mesh::Mesh;
 use crate::scene::animation::{Deformed, Rig, RigData};
-use crate::scene::{Instance, Material, SceneData};
+use crate::scene::{Instance, Material, Scene, SceneData};
 use document::Document;
 use meshes::Meshes;
 use nodes::Nodes;
 use std::path::{Path, PathBuf};
 use textures::{Decoded, Textures};
 
-/// Reads a `.gltf` or `.glb` file with everything it names, at a level of detail, 0 the finest.
-pub(super) fn read(path: &Path, level: usize) -> Result<Loaded> {
+/// Reads a `.gltf` or `.glb` file with everything it names, at its finest level of detail.
+pub(super) fn read(path: &Path) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let document = Document::open(path, &mut warnings)?;
-    let nodes = Nodes::resolve(&document, level, &mut warnings)?;
-    let levels = nodes.levels;
-    let mut shown = meshes::build(&document, &nodes, &mut warnings)?;
-    let (meshes, mut instances) = (std::mem::take(&mut shown.meshes), std::mem::take(&mut shown.instances));
-    let (mesh_names, variants) = (std::mem::take(&mut shown.names), std::mem::take(&mut shown.variants));
-    let mut textures = Textures::new(&document);
-    let mut materials = materials::read(&document, &mut textures, &mut warnings);
-    let decoded = textures.decode(&mut materials, &mut warnings);
-    drop_unused_default(&mut materials, &mut instances);
-    let Decoded { textures, names: texture_names, missing: missing_files } = decoded;
-    let (light_nodes, lights) = lights::lights(&document, &nodes, &mut warnings).into_iter().unzip();
-    let (camera_nodes, cameras) = lights::cameras(&document, &nodes, &mut warnings).into_iter().unzip();
-    let mut scene = SceneData { meshes, materials, textures, instances, lights, cameras };
-    add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
-    let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
-    let rig = hung.rig(&document, nodes, &mut warnings)?;
-    let (files, moving) = (files(&document), moving(&document));
-    let Document { root, xmp, .. } = document;
-    Ok(Loaded {
-        generator: root.asset.generator,
-        copyright: root.asset.copyright,
-        xmp: xmp.into_iter().map(Json).collect(),
-        extensions_used: root.extensions_used,
-        extensions_required: root.extensions_required,
-        mesh_names,
-        texture_names,
-        files,
-        missing_files,
-        rig,
-        moving,
-        variants,
-        levels,
-        ..Loaded::new(checked(path, scene)?, warnings, document.format)
-    })
+    let shapes = Shapes::read(&document, 0, &mut warnings)?;
+    let looks = Looks::read(&document, &mut warnings);
+    shapes.loaded(&document, looks, warnings)
+}
+
+/// The most levels of detail that are read together: each has meshes of its own, and a short list may name many.
+const MOST_LEVELS: usize = 64;
+
+/// Reads a file at all of its levels of detail, the finest first. What is noted of the file as a whole stands with the
+/// finest.
+pub(super) fn read_levels(path: &Path) -> Result<Vec<Loaded>> {
+    let mut warnings = Warnings::default();
+    let document = Document::open(path, &mut warnings)?;
+    let shapes = Shapes::read(&document, 0, &mut warnings)?;
+    let count = shapes.nodes.levels;
+    if count > MOST_LEVELS {
+        let why = format!("there are {count}; at most {MOST_LEVELS} are read together");
+        return Err(document.error("levels of detail", why));
+    }
+    let looks = Looks::read(&document, &mut warnings);
+    let finest = shapes.loaded(&document, looks.clone(), warnings);
+    let coarser = |level| {
+        let mut warnings = Warnings::default();
+        Shapes::read(&document, level, &mut warnings)?.loaded(&document, looks.clone(), warnings)
+    };
+    std::iter::once(finest).chain((1..count).map(coarser)).collect()
+}
+
+/// The nodes and meshes of one level of detail.
+struct Shapes {
+    nodes: Nodes,
+    shown: Meshes,
+}
+
+/// The materials and textures of a file, which all its levels share.
+#[derive(Clone)]
+struct Looks {
+    /// The default material stands last.
+    materials: Vec<Material>,
+    decoded: Decoded,
+}
+
+impl Looks {
+    fn read(document: &Document, warnings: &mut Warnings) -> Self {
+        let mut textures = Textures::new(document);
+        let mut materials = materials::read(document, &mut textures, warnings);
+        let decoded = textures.decode(&mut materials, warnings);
+        Self { materials, decoded }
+    }
+}
+
+impl Shapes {
+    fn read(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
+        let nodes = Nodes::resolve(document, level, warnings)?;
+        let shown = meshes::build(document, &nodes, warnings)?;
+        Ok(Self { nodes, shown })
+    }
+
+    /// Returns the level as it is handed out.
+    fn loaded(self, document: &Document, looks: Looks, mut warnings: Warnings) -> Result<Loaded> {
+        let Self { nodes, mut shown } = self;
+        let levels = nodes.levels;
+        let Looks { mut materials, decoded } = looks;
+        let Decoded { textures, names: texture_names, missing: missing_files } = decoded;
+        let (meshes, mut instances) =
+            (std::mem::take(&mut shown.meshes), std::mem::take(&mut shown.instances));
+        let (mesh_names, variants) = (std::mem::take(&mut shown.names), std::mem::take(&mut shown.variants));
+        drop_unused_default(&mut materials, &mut instances);
+        let (light_nodes, lights) = lights::lights(document, &nodes, &mut warnings).into_iter().unzip();
+        let (camera_nodes, cameras) = lights::cameras(document, &nodes, &mut warnings).into_iter().unzip();
+        let mut scene = SceneData { meshes, materials, textures, instances, lights, cameras };
+        add_missing_uvs(&mut scene, &variants, &mut shown.deformed, &mut warnings)?;
+        let hung = Hung { shown, cameras: camera_nodes, lights: light_nodes };
+        let rig = hung.rig(document, nodes, &mut warnings)?;
+        Ok(Loaded {
+            mesh_names,
+            texture_names,
+            missing_files,
+            rig,
+            variants,
+            levels,
+            ..about(document, checked(&document.path, scene)?, warnings)
+        })
+    }
+}
+
+/// Returns a scene with what the document says of itself.
+fn about(document: &Document, scene: Scene, warnings: Warnings) -> Loaded {
+    let root = &document.root;
+    Loaded {
+        generator: root.asset.generator.clone(),
+        copyright: root.asset.copyright.clone(),
+        xmp: document.xmp.iter().cloned().map(Json).collect(),
+        extensions_used: root.extensions_used.clone(),
+        extensions_required: root.extensions_required.clone(),
+        files: files(document),
+        moving: moving(document),
+        ..Loaded::new(scene, warnings, document.format)
+    }
 }
 
 /// Returns the files beside the document that it names and that are there.

@@ -24,11 +24,10 @@ impl Nodes {
     /// Follows the hierarchy of `document`, whose nodes are shown at a level of detail, 0 the finest.
     ///
     /// # Errors
-    /// Fails where a node is its own ancestor, a node is named that does not exist, a transform is not finite, or the
-    /// level is not there.
+    /// Fails where a node is its own ancestor, a node is named that does not exist, or a transform is not finite.
     pub fn resolve(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
         let mut parents = parents(document, warnings)?;
-        let levels = Levels::read(document, level, warnings)?;
+        let levels = Levels::read(document, level, warnings);
         levels.hang(&mut parents);
         let nodes = (0..parents.len())
             .map(|n| {

@@ -59,7 +59,7 @@ pub(super) struct Textures<'a> {
 }
 
 /// The textures of a scene.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Decoded {
     /// The textures.
     pub textures: Vec<Texture>,

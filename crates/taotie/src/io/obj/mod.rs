@@ -109,13 +109,15 @@ fn library(folder: &Path, obj: &Obj, loaded: &mut Loaded) -> HashMap<String, Mtl
                     missing_files.push(name);
                     continue;
                 }
-                Some(path) => text::read_text(&path).map(|text| (path, text)),
+                Some(path) => {
+                    files.push(path.clone());
+                    text::read_text(&path).map(|text| (path, text))
+                }
             };
             match text {
                 Ok((path, text)) => {
                     let found = mtl::parse(&path, &text, warnings);
                     materials.extend(found.into_iter().map(|m| (m.name.clone(), m)));
-                    files.push(path);
                 }
                 Err(error) => warnings.note(error.to_string(), 1),
             }

@@ -21,7 +21,7 @@ pub(super) struct Textures<'a> {
     pub list: Vec<Texture>,
     /// The files that each texture was made from.
     pub names: Vec<String>,
-    /// The files that were read.
+    /// The files that were read, some of them in vain.
     pub files: Vec<PathBuf>,
     /// The files that are not there.
     pub missing_files: Vec<String>,
@@ -95,13 +95,13 @@ impl<'a> Textures<'a> {
                 self.missing_files.push(map.file.clone());
                 "it is not there".to_owned()
             }
-            Some(path) => match read_bitmap(&path) {
-                Ok(bitmap) => {
-                    self.files.push(path);
-                    return Some(bitmap);
+            Some(path) => {
+                self.files.push(path.clone());
+                match read_bitmap(&path) {
+                    Ok(bitmap) => return Some(bitmap),
+                    Err(error) => error.to_string(),
                 }
-                Err(error) => error.to_string(),
-            },
+            }
         };
         self.missing.insert(name);
         let what = if self.missing.len() > NAMED {

@@ -29,10 +29,10 @@ pub(super) fn load(path: &Path, name: &str, loaded: &mut Loaded) -> Option<Textu
         loaded.missing_files.push(name.to_owned());
         return None;
     };
+    loaded.files.push(file.clone());
     match read_bitmap(&file) {
         Ok(bitmap) => {
             loaded.texture_names.push(name.to_owned());
-            loaded.files.push(file);
             Some(Texture::new(bitmap, Encoding::Srgb))
         }
         Err(error) => {

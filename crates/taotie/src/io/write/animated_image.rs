@@ -1,12 +1,11 @@
 //! Animated images, PNG or GIF, written frame by frame.
 
-use super::{BUFFER, draft};
+use super::file_set::{BUFFER, Draft, FileSet};
 use crate::error::{Error, Result};
 use crate::parallel;
 use std::fs::File;
 use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
+use std::path::Path;
 
 type PngResult<T> = std::result::Result<T, png::EncodingError>;
 type GifResult<T> = std::result::Result<T, gif::EncodingError>;
@@ -37,10 +36,9 @@ pub struct AnimationSpec {
     pub alpha: bool,
 }
 
-/// An animated image in the making. It appears under its name when it is finished, and not at all if it never is.
+/// An animated image in the making, a file of a [`FileSet`].
 pub struct AnimatedImage {
-    path: PathBuf,
-    file: NamedTempFile,
+    draft: Draft,
     spec: AnimationSpec,
     encoder: Encoder,
     added: u32,
@@ -56,19 +54,19 @@ enum Encoder {
 }
 
 impl AnimatedImage {
-    /// Begins an image at `path`.
+    /// Begins an image at `path`, as a file of a set.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a size, number of frames or length that cannot be, [`Error::Io`] where the place cannot
     /// be written to.
-    pub fn create(path: &Path, spec: &AnimationSpec) -> Result<Self> {
+    pub fn create(files: &FileSet, path: &Path, spec: &AnimationSpec) -> Result<Self> {
         const LARGEST: u32 = 16384;
         let sized = (1..=LARGEST).contains(&spec.width) && (1..=LARGEST).contains(&spec.height);
         if !sized || spec.frames == 0 || !(spec.seconds >= 0.0 && spec.seconds.is_finite()) {
             return Err(Error::invalid("animated image", format!("{spec:?} cannot be")));
         }
-        let file = draft(path)?;
-        let second_handle = file.reopen().map_err(|e| Error::io(path, e))?;
+        let draft = files.begin(path)?;
+        let second_handle = draft.file.try_clone().map_err(|e| Error::io(path, e))?;
         let out = BufWriter::with_capacity(BUFFER, second_handle);
         let encoder = match spec.format {
             AnimationFormat::Png => Encoder::Png(Box::new(png(spec, out).map_err(|e| png_error(path, e))?)),
@@ -77,7 +75,7 @@ impl AnimatedImage {
                 Encoder::Gif { writer, waiting: Vec::new() }
             }
         };
-        Ok(Self { path: path.to_path_buf(), file, spec: *spec, encoder, added: 0 })
+        Ok(Self { draft, spec: *spec, encoder, added: 0 })
     }
 
     /// Adds the next frame: sRGB with alpha that is not premultiplied, row by row from the top. Without
@@ -99,12 +97,12 @@ impl AnimatedImage {
                 let delay = self.spec.delay(self.added, 1000).min(u64::from(u16::MAX)) as u16;
                 let written =
                     writer.set_frame_delay(delay, 1000).and_then(|()| writer.write_image_data(&bytes));
-                written.map_err(|e| png_error(&self.path, e))?;
+                written.map_err(|e| png_error(self.draft.path(), e))?;
             }
             Encoder::Gif { writer, waiting } => {
                 waiting.push(self.spec.gif_frame(self.added, pixels));
                 if waiting.len() >= rayon::current_num_threads() {
-                    write_gif_frames(writer, waiting).map_err(|e| gif_error(&self.path, e))?;
+                    write_gif_frames(writer, waiting).map_err(|e| gif_error(self.draft.path(), e))?;
                 }
             }
         }
@@ -112,25 +110,25 @@ impl AnimatedImage {
         Ok(())
     }
 
-    /// Ends the image and gives it its name.
+    /// Ends the image: its file is complete.
     ///
     /// # Errors
     /// [`Error::Invalid`] where frames are missing, [`Error::Io`] where the file cannot be written.
     pub fn finish(self) -> Result<()> {
-        let Self { path, file, spec, encoder, added } = self;
+        let Self { draft, spec, encoder, added } = self;
+        let path = draft.path();
         if added != spec.frames {
             return Err(Error::invalid("animated image", format!("{added} of {} frames", spec.frames)));
         }
         match encoder {
-            Encoder::Png(writer) => writer.finish().map_err(|e| png_error(&path, e))?,
+            Encoder::Png(writer) => writer.finish().map_err(|e| png_error(path, e))?,
             Encoder::Gif { mut writer, mut waiting } => {
-                write_gif_frames(&mut writer, &mut waiting).map_err(|e| gif_error(&path, e))?;
-                let out = writer.into_inner().map_err(|e| gif_error(&path, e))?;
-                out.into_inner().map_err(|e| Error::io(&path, e.into_error()))?;
+                write_gif_frames(&mut writer, &mut waiting).map_err(|e| gif_error(path, e))?;
+                let out = writer.into_inner().map_err(|e| gif_error(path, e))?;
+                out.into_inner().map_err(|e| Error::io(path, e.into_error()))?;
             }
         }
-        file.persist(&path).map_err(|e| Error::io(&path, e.error))?;
-        Ok(())
+        draft.finish()
     }
 }
 
@@ -228,6 +226,7 @@ fn gif_error(path: &Path, error: gif::EncodingError) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::PathBuf;
 
     fn spec(format: AnimationFormat, alpha: bool) -> AnimationSpec {
         AnimationSpec { format, width: 3, height: 2, frames: 3, seconds: 0.1, alpha }
@@ -242,11 +241,12 @@ mod tests {
 
     fn written(spec: &AnimationSpec) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("moving");
-        let mut picture = AnimatedImage::create(&path, spec).unwrap();
+        let (files, path) = (FileSet::new(), folder.path().join("moving"));
+        let mut picture = AnimatedImage::create(&files, &path, spec).unwrap();
         [20, 120, 220].iter().for_each(|grey| picture.add(&frame(*grey)).unwrap());
-        assert!(!path.exists(), "it appears when it is whole");
         picture.finish().unwrap();
+        assert!(!path.exists(), "it appears with its set");
+        files.commit().unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         (folder, path)
     }
@@ -295,17 +295,20 @@ mod tests {
     #[test]
     fn unfinished_pictures_leave_nothing() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("m.png");
-        let mut picture = AnimatedImage::create(&path, &spec(AnimationFormat::Png, false)).unwrap();
+        let (files, path) = (FileSet::new(), folder.path().join("m.png"));
+        let mut picture = AnimatedImage::create(&files, &path, &spec(AnimationFormat::Png, false)).unwrap();
         assert!(picture.add(&[[0; 4]; 5]).is_err(), "a pixel is lacking");
         picture.add(&frame(1)).unwrap();
         assert!(picture.finish().unwrap_err().to_string().contains("1 of 3 frames"));
+        files.commit().unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     #[test]
     fn wrong_sizes_lengths_and_places_are_refused() {
-        let create = |spec: AnimationSpec| AnimatedImage::create(Path::new("no/such/m.gif"), &spec).is_err();
+        let files = FileSet::new();
+        let create =
+            |spec: AnimationSpec| AnimatedImage::create(&files, Path::new("no/such/m.gif"), &spec).is_err();
         let good = spec(AnimationFormat::Gif, true);
         assert!(create(good));
         assert!(create(AnimationSpec { width: 0, ..good }) && create(AnimationSpec { frames: 0, ..good }));

@@ -1,11 +1,12 @@
 //! OpenEXR images: linear float channels in named layers.
 
-use super::write_with;
+use super::file_set::FileSet;
 use crate::error::{Error, Result};
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
     LineOrder, WritableImage,
 };
+use std::io::Cursor;
 use std::path::Path;
 
 /// Some channels of an image under one name.
@@ -24,7 +25,37 @@ pub struct ExrLayer<'a> {
 /// # Errors
 /// [`Error::Invalid`] where there is no layer, a channel name comes twice or the sample count does not fit the
 /// size; [`Error::Io`] where the file cannot be written.
-pub fn write_exr(path: &Path, (width, height): (u32, u32), layers: &[ExrLayer]) -> Result<()> {
+pub fn write_exr(path: &Path, size: (u32, u32), layers: &[ExrLayer]) -> Result<()> {
+    FileSet::one(|files| files.write_exr(path, size, layers))
+}
+
+/// Returns the bytes that [`write_exr`] would write.
+///
+/// # Errors
+/// As [`write_exr`], but for those of the file.
+pub fn encode_exr(size: (u32, u32), layers: &[ExrLayer]) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    let written = image_of(size, layers)?.write().to_buffered(&mut bytes);
+    written.map_err(|e| Error::invalid("EXR image", e.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+impl FileSet {
+    /// Writes layers as [`write_exr`] does.
+    ///
+    /// # Errors
+    /// As [`write_exr`].
+    pub fn write_exr(&self, path: &Path, size: (u32, u32), layers: &[ExrLayer]) -> Result<()> {
+        let image = image_of(size, layers)?;
+        self.write_with(path, |out| image.write().to_buffered(out).map_err(|e| encoding_error(path, e)))
+    }
+}
+
+/// Returns all channels of layers as those of one part.
+fn image_of(
+    (width, height): (u32, u32),
+    layers: &[ExrLayer],
+) -> Result<Image<Layer<AnyChannels<FlatSamples>>>> {
     let size = (width as usize, height as usize);
     let mut channels = Vec::new();
     for layer in layers {
@@ -43,8 +74,7 @@ pub fn write_exr(path: &Path, (width, height): (u32, u32), layers: &[ExrLayer]) 
         line_order: LineOrder::Increasing,
     };
     let layer = Layer::new(size, LayerAttributes::default(), encoding, AnyChannels::sort(channels.into()));
-    let image = Image::from_layer(layer);
-    write_with(path, |out| image.write().to_buffered(out).map_err(|e| encoding_error(path, e)))
+    Ok(Image::from_layer(layer))
 }
 
 fn split_channels(layer: &ExrLayer, pixels: usize, into: &mut Vec<AnyChannel<FlatSamples>>) -> Result<()> {
@@ -88,6 +118,7 @@ mod tests {
             ExrLayer { name: "depth", channels: &["Z"], samples: &depth },
         ];
         write_exr(&path, (3, 2), &layers).unwrap();
+        assert!(encode_exr((3, 2), &layers).unwrap() == std::fs::read(&path).unwrap());
         let bitmap = read_bitmap(&path).unwrap();
         assert_eq!((bitmap.width(), bitmap.height(), bitmap.channels(), bitmap.bits()), (3, 2, 4, 32));
         let Texels::F32(texels) = bitmap.texels() else { panic!("float") };

@@ -1,6 +1,6 @@
 //! PNG images of 8 or 16 bits a channel.
 
-use super::write_with;
+use super::file_set::{FileSet, Sink};
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Encoding, Texels};
 use std::borrow::Cow;
@@ -48,10 +48,7 @@ pub struct PngImage<'a> {
 /// # Errors
 /// [`Error::Unsupported`] for float texels, [`Error::Io`] where the file cannot be written.
 pub fn write_png_bitmap(path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Result<()> {
-    with_image(bitmap, encoding, |image| write_png(path, image)).map_err(|error| match error {
-        Error::Unsupported { what, why } => Error::unsupported(format!("{}: {what}", path.display()), why),
-        other => other,
-    })
+    FileSet::one(|files| files.write_png_bitmap(path, bitmap, encoding))
 }
 
 /// Returns the bytes that [`write_png_bitmap`] would write.
@@ -110,8 +107,31 @@ fn first<T: Copy + Default, const N: usize>(texels: &[[T; 4]]) -> Vec<T> {
 /// # Errors
 /// [`Error::Invalid`] where the sample count does not fit the size, [`Error::Io`] where the file cannot be written.
 pub fn write_png(path: &Path, image: &PngImage) -> Result<()> {
-    check(image)?;
-    write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
+    FileSet::one(|files| files.write_png(path, image))
+}
+
+impl FileSet {
+    /// Writes an image as [`write_png`] does.
+    ///
+    /// # Errors
+    /// As [`write_png`].
+    pub fn write_png(&self, path: &Path, image: &PngImage) -> Result<()> {
+        check(image)?;
+        self.write_with(path, |out| encode(image, out).map_err(|e| encoding_error(path, e)))
+    }
+
+    /// Writes the texels of a bitmap as [`write_png_bitmap`] does.
+    ///
+    /// # Errors
+    /// As [`write_png_bitmap`].
+    pub fn write_png_bitmap(&self, path: &Path, bitmap: &Bitmap, encoding: Encoding) -> Result<()> {
+        with_image(bitmap, encoding, |image| self.write_png(path, image)).map_err(|error| match error {
+            Error::Unsupported { what, why } => {
+                Error::unsupported(format!("{}: {what}", path.display()), why)
+            }
+            other => other,
+        })
+    }
 }
 
 /// Returns the bytes that [`write_png`] would write.
@@ -145,7 +165,7 @@ fn check(image: &PngImage) -> Result<()> {
     Ok(())
 }
 
-fn encode(image: &PngImage, out: &mut dyn super::Sink) -> std::result::Result<(), png::EncodingError> {
+fn encode(image: &PngImage, out: &mut dyn Sink) -> std::result::Result<(), png::EncodingError> {
     let mut encoder = png::Encoder::new(out, image.width, image.height);
     encoder.set_color(match image.color {
         PngColor::Grey => png::ColorType::Grayscale,

@@ -1,6 +1,6 @@
 //! Images in linear light, developed for display or stored as they are.
 
-use super::write_png_bitmap;
+use super::file_set::FileSet;
 use crate::error::Result;
 use crate::film::{Development, develop8, develop16};
 use crate::image::{Bitmap, Encoding, Image, Texels};
@@ -33,39 +33,56 @@ pub enum ImageFormat {
 /// Those of the development, [`crate::Error::Unsupported`] for OpenEXR without the feature `exr`, and
 /// [`crate::Error::Io`] where the file cannot be written.
 pub fn write_image(path: &Path, image: &Image, development: &Development, format: ImageFormat) -> Result<()> {
-    let texels = match format {
-        ImageFormat::Exr => return write_linear(path, image),
-        ImageFormat::Png8 => Texels::U8(develop8(image, development)?),
-        ImageFormat::Png16 => Texels::U16(develop16(image, development)?),
-    };
-    write_developed(path, [image.width(), image.height()], development, texels)
+    FileSet::one(|files| files.write_image(path, image, development, format))
 }
 
-#[cfg(feature = "exr")]
-fn write_linear(path: &Path, image: &Image) -> Result<()> {
-    let samples: Vec<f32> = image.pixels().iter().flatten().copied().collect();
-    let layer = super::ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples: &samples };
-    super::write_exr(path, (image.width(), image.height()), &[layer])
-}
+impl FileSet {
+    /// Writes an image in linear light as [`write_image`] does.
+    ///
+    /// # Errors
+    /// As [`write_image`].
+    pub fn write_image(
+        &self,
+        path: &Path,
+        image: &Image,
+        development: &Development,
+        format: ImageFormat,
+    ) -> Result<()> {
+        let texels = match format {
+            ImageFormat::Exr => return self.write_linear(path, image),
+            ImageFormat::Png8 => Texels::U8(develop8(image, development)?),
+            ImageFormat::Png16 => Texels::U16(develop16(image, development)?),
+        };
+        self.write_developed(path, [image.width(), image.height()], development, texels)
+    }
 
-#[cfg(not(feature = "exr"))]
-fn write_linear(path: &Path, _: &Image) -> Result<()> {
-    Err(crate::Error::needs_feature(format!("{}: OpenEXR", path.display()), "exr"))
-}
+    /// Writes the pixels of a developed image of this width and height as PNG: without alpha where `development` puts a
+    /// background behind it.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] where the size does not fit the texels, [`crate::Error::Io`] where the file cannot be
+    /// written.
+    pub fn write_developed(
+        &self,
+        path: &Path,
+        [width, height]: [u32; 2],
+        development: &Development,
+        texels: Texels,
+    ) -> Result<()> {
+        // Nothing is seen through a picture with a background.
+        let channels = if development.background.is_some() { 3 } else { 4 };
+        self.write_png_bitmap(path, &Bitmap::new(width, height, channels, texels)?, Encoding::Srgb)
+    }
 
-/// Writes the pixels of a developed image of this width and height as PNG: without alpha where `development` puts a
-/// background behind it.
-///
-/// # Errors
-/// [`crate::Error::Invalid`] where the size does not fit the texels, [`crate::Error::Io`] where the file cannot be
-/// written.
-pub fn write_developed(
-    path: &Path,
-    [width, height]: [u32; 2],
-    development: &Development,
-    texels: Texels,
-) -> Result<()> {
-    // Nothing is seen through a picture with a background.
-    let channels = if development.background.is_some() { 3 } else { 4 };
-    write_png_bitmap(path, &Bitmap::new(width, height, channels, texels)?, Encoding::Srgb)
+    #[cfg(feature = "exr")]
+    fn write_linear(&self, path: &Path, image: &Image) -> Result<()> {
+        let samples: Vec<f32> = image.pixels().iter().flatten().copied().collect();
+        let layer = super::ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples: &samples };
+        self.write_exr(path, (image.width(), image.height()), &[layer])
+    }
+
+    #[cfg(not(feature = "exr"))]
+    fn write_linear(&self, path: &Path, _: &Image) -> Result<()> {
+        Err(crate::Error::needs_feature(format!("{}: OpenEXR", path.display()), "exr"))
+    }
 }

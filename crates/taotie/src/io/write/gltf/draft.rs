@@ -1,10 +1,10 @@
 //! A glTF document in the making: its JSON, and the numbers that its accessors name.
 
 use super::container::{self, Head};
-use super::images;
+use super::uri::uri;
 use crate::error::{Error, Result};
 use crate::io::json::Json;
-use crate::io::write::{FileBytes, write_with};
+use crate::io::write::{FileBytes, FileSet};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -245,8 +245,16 @@ impl GltfDraft {
     /// # Errors
     /// [`Error::Limit`] where it would have 4 GiB or more, [`Error::Io`] where the file cannot be written.
     pub fn write_glb(&self, path: &Path) -> Result<()> {
+        FileSet::one(|files| self.write_glb_in(files, path))
+    }
+
+    /// Writes the document as GLB, a file of a set.
+    ///
+    /// # Errors
+    /// As [`GltfDraft::write_glb`].
+    pub fn write_glb_in(&self, files: &FileSet, path: &Path) -> Result<()> {
         let head = Head::new(self.text(None)?, self.bytes.len())?;
-        write_with(path, |mut out| {
+        files.write_with(path, |mut out| {
             container::write(&mut out, &head, &self.bytes).map_err(|e| Error::io(path, e))
         })
     }
@@ -267,7 +275,7 @@ impl GltfDraft {
     pub(super) fn into_files(self, path: &Path, images: Vec<FileBytes>) -> Result<Vec<FileBytes>> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let binary = format!("{stem}.bin");
-        let text = self.text(Some(images::uri(&binary)))?;
+        let text = self.text(Some(uri(&binary)))?;
         let document = FileBytes { path: path.to_path_buf(), bytes: text };
         let numbers = FileBytes { path: path.with_file_name(&binary), bytes: self.bytes };
         Ok([document, numbers].into_iter().chain(images).collect())

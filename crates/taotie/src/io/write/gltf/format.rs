@@ -1,5 +1,8 @@
 //! How a model is packed.
 
+use crate::error::{Error, Result};
+use std::fmt;
+
 /// The packing of textures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
@@ -7,39 +10,22 @@ pub enum GltfImages {
     /// PNG, as precise as the bitmap; every program reads it.
     #[default]
     Png,
-    /// Lossless WebP (EXT_texture_webp), smaller; 16 bits are rounded to 8. Programs that do not know the extension
-    /// cannot read the file.
+    /// WebP (EXT_texture_webp), smaller, and lossless unless [`GltfFormat::webp_quality`] is given; 16 bits are rounded
+    /// to 8. Programs that do not know the extension cannot read the file.
     WebP,
-    /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu): a byte a texel in the file and, packed, on graphics
-    /// cards, and lossy; 16 bits are rounded to 8, and sides must be multiples of 4. Images with alpha that is read are
+    /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu), each under Zstandard: less than a byte a texel in the
+    /// file, a byte on graphics cards, and lossy; 16 bits are rounded to 8, and sides must be multiples of 4. Images with alpha that is read are
     /// PNG. Programs that do not know the extension cannot read the file.
     Ktx2,
 }
 
-impl GltfImages {
-    pub(super) fn file_extension(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::WebP => "webp",
-            Self::Ktx2 => "ktx2",
-        }
-    }
-
-    pub(super) fn mime_type(self) -> &'static str {
-        match self {
-            Self::Png => "image/png",
-            Self::WebP => "image/webp",
-            Self::Ktx2 => "image/ktx2",
-        }
-    }
-
-    /// The extension that a texture needs to show such an image.
-    pub(super) fn extension(self) -> Option<&'static str> {
-        match self {
-            Self::Png => None,
-            Self::WebP => Some("EXT_texture_webp"),
-            Self::Ktx2 => Some("KHR_texture_basisu"),
-        }
+impl fmt::Display for GltfImages {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Png => "PNG",
+            Self::WebP => "WebP",
+            Self::Ktx2 => "KTX2",
+        })
     }
 }
 
@@ -48,6 +34,12 @@ impl GltfImages {
 pub struct GltfFormat {
     /// The packing of textures.
     pub images: GltfImages,
+    /// The quality, 1 to 100, of base colour and emission as lossy WebP; `None` loses nothing. Roughness, metallic and
+    /// occlusion are then nearly lossless, at most 2 of 255 off. Normals and alpha always are lossless. For WebP only.
+    pub webp_quality: Option<u8>,
+    /// The rate–distortion optimisation of UASTC, 1 to 64: blocks repeat what earlier ones hold where Zstandard then saves
+    /// enough. The mean square error of a block rises by its square at most, of 255². Normals are left out. For KTX2 only.
+    pub uastc_rdo: Option<u8>,
     /// The quality, 1 to 100, of the base colour as JPEG, which is lossy and which every program reads; `None` packs it
     /// as `images` says. All other textures are numbers, and never JPEG.
     pub jpeg: Option<u8>,
@@ -55,4 +47,50 @@ pub struct GltfFormat {
     /// around all levels; normals and tangents in 2 × 12 bits, within 0.05°; uvs and colours in 16 bits where they lie
     /// in [0, 1]. Vertices and triangles are sorted anew. Programs that do not know the extension cannot read the file.
     pub meshopt: bool,
+}
+
+impl GltfFormat {
+    /// Checks that each number is in its range and that the packing of textures reads it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`], which names the number.
+    pub fn check(&self) -> Result<()> {
+        let numbers = [
+            Number { what: "a JPEG quality", given: self.jpeg, most: 100, of: None },
+            Number {
+                what: "a WebP quality",
+                given: self.webp_quality,
+                most: 100,
+                of: Some(GltfImages::WebP),
+            },
+            Number { what: "an RDO of UASTC", given: self.uastc_rdo, most: 64, of: Some(GltfImages::Ktx2) },
+        ];
+        numbers.iter().try_for_each(|number| number.check(self.images))
+    }
+}
+
+/// A number of a format.
+struct Number {
+    what: &'static str,
+    given: Option<u8>,
+    /// The largest; 1 is the least.
+    most: u8,
+    /// The packing that reads it, where not all do.
+    of: Option<GltfImages>,
+}
+
+impl Number {
+    fn check(&self, images: GltfImages) -> Result<()> {
+        let Some(given) = self.given else { return Ok(()) };
+        let what = format!("{} of {given}", self.what);
+        if !(1..=self.most).contains(&given) {
+            return Err(Error::invalid(what, format!("give 1 to {}", self.most)));
+        }
+        match self.of {
+            Some(of) if of != images => {
+                Err(Error::invalid(what, format!("textures are {images}; choose {of}, or leave it out")))
+            }
+            _ => Ok(()),
+        }
+    }
 }

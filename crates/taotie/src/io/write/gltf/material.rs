@@ -1,11 +1,8 @@
 //! The material of a model to be written.
 
-use super::images::{Encoded, GltfImage, Slot};
-use super::layers::{self, Emission};
-use super::number::short;
+use super::slots::{GltfImage, Slot};
 use crate::error::{Error, Result};
 use crate::scene::{AlphaMode, Material};
-use serde_json::{Value, json};
 
 /// glTF's metallic-roughness material; textures are multiplied by the factors and show the first uv set.
 #[derive(Debug, Clone, Copy)]
@@ -101,11 +98,7 @@ impl<'a> GltfMaterial<'a> {
         if let Some(value) = self.emissive.into_iter().find(|v| !(0.0..=f32::MAX).contains(v)) {
             return Err(Error::invalid("emission", format!("{value} is not 0 or more, and finite")));
         }
-        if let AlphaMode::Mask(cutoff) = self.alpha
-            && !(0.0..=f32::MAX).contains(&cutoff)
-        {
-            return Err(Error::invalid("alpha cutoff", format!("{cutoff} is not 0 or more, and finite")));
-        }
+        check_alpha(self.alpha)?;
         if !self.normal_scale.is_finite() {
             return Err(Error::invalid("normal scale", format!("{} is not finite", self.normal_scale)));
         }
@@ -113,46 +106,12 @@ impl<'a> GltfMaterial<'a> {
     }
 }
 
-/// Returns the JSON of the material; texture `i` shows image `i`.
-pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
-    let texture = |slot: Slot| images.iter().position(|image| image.serves(slot));
-    let mut pbr = json!({
-        "baseColorFactor": material.base_color.map(short),
-        "metallicFactor": short(material.metallic),
-        "roughnessFactor": short(material.roughness),
-    });
-    let mut json = json!({ "doubleSided": material.double_sided });
-    if !material.name.is_empty() {
-        json["name"] = material.name.into();
+/// Checks that glTF allows the cutoff of a mask.
+pub(super) fn check_alpha(mode: AlphaMode) -> Result<()> {
+    match mode {
+        AlphaMode::Mask(cutoff) if !(0.0..=f32::MAX).contains(&cutoff) => {
+            Err(Error::invalid("alpha cutoff", format!("{cutoff} is not 0 or more, and finite")))
+        }
+        _ => Ok(()),
     }
-    if let Some(index) = texture(Slot::BaseColor) {
-        pbr["baseColorTexture"] = json!({ "index": index });
-    }
-    if let Some(index) = texture(Slot::MetallicRoughness) {
-        pbr["metallicRoughnessTexture"] = json!({ "index": index });
-    }
-    if let Some(index) = texture(Slot::Occlusion) {
-        json["occlusionTexture"] = json!({ "index": index, "strength": short(material.occlusion_strength) });
-    }
-    if let Some(index) = texture(Slot::Normal) {
-        json["normalTexture"] = json!({ "index": index, "scale": short(material.normal_scale) });
-    }
-    if let Some(index) = texture(Slot::Emissive) {
-        json["emissiveTexture"] = json!({ "index": index });
-    }
-    if material.emissive != [0.0; 3] {
-        json["emissiveFactor"] = json!(Emission::of(material.emissive).color);
-    }
-    layers::say_alpha(&mut json, material.alpha);
-    for (name, extension) in extensions(material) {
-        json["extensions"][name] = extension;
-    }
-    json["pbrMetallicRoughness"] = pbr;
-    json
-}
-
-/// Returns the material's extensions: emission beyond 1, and layers.
-pub(super) fn extensions(material: &GltfMaterial) -> Vec<(&'static str, Value)> {
-    let strength = Emission::of(material.emissive).extension().map(|json| (layers::STRENGTH, json));
-    strength.into_iter().chain(material.layers.into_iter().flat_map(layers::factors)).collect()
 }

@@ -1,6 +1,7 @@
 //! Meshes as accessors.
 
 use super::draft::{Component, GltfDraft};
+use super::parts::MeshPart;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 use serde_json::{Value, json};
@@ -8,8 +9,17 @@ use serde_json::{Value, json};
 /// The most vertices that 16-bit indices can name; 65535 itself starts a primitive anew.
 pub(super) const MOST_OF_U16: usize = 65535;
 
-/// Adds a mesh and returns its primitive, which has material 0.
-pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh) -> Value {
+/// Adds a mesh and returns the primitive of each part; all share its vertices.
+pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh, parts: &[MeshPart]) -> Vec<Value> {
+    let attributes = attributes(draft, mesh);
+    let primitive = |part: &MeshPart| {
+        let indices = indices(draft, &part.triangles, mesh.positions().len());
+        json!({ "attributes": attributes, "indices": indices, "material": part.material })
+    };
+    parts.iter().map(primitive).collect()
+}
+
+fn attributes(draft: &mut GltfDraft, mesh: &Mesh) -> Value {
     let mut attributes = json!({ "POSITION": draft.bounded_floats(&arrays(mesh.positions())) });
     if !mesh.normals().is_empty() {
         attributes["NORMAL"] = draft.floats(&arrays(mesh.normals())).into();
@@ -26,7 +36,7 @@ pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh) -> Value {
     }
     let accessors = attributes.as_object().into_iter().flatten().filter_map(|(_, a)| a.as_u64());
     accessors.for_each(|accessor| draft.mark_vertices(accessor as usize));
-    json!({ "attributes": attributes, "indices": indices(draft, mesh), "material": 0 })
+    attributes
 }
 
 /// Returns the name of one of several attributes of a kind.
@@ -38,9 +48,9 @@ fn arrays(vectors: &[Vec3]) -> Vec<[f32; 3]> {
     vectors.iter().map(|v| v.to_array()).collect()
 }
 
-fn indices(draft: &mut GltfDraft, mesh: &Mesh) -> usize {
-    let indices = mesh.triangles().as_flattened().iter();
-    let (bytes, component): (Vec<u8>, _) = if mesh.positions().len() <= MOST_OF_U16 {
+fn indices(draft: &mut GltfDraft, triangles: &[[u32; 3]], vertices: usize) -> usize {
+    let indices = triangles.as_flattened().iter();
+    let (bytes, component): (Vec<u8>, _) = if vertices <= MOST_OF_U16 {
         (indices.flat_map(|index| (*index as u16).to_le_bytes()).collect(), Component::U16)
     } else {
         (indices.flat_map(|index| index.to_le_bytes()).collect(), Component::U32)

@@ -1,36 +1,45 @@
-//! glTF 2.0, `.glb` and `.gltf`: one object with one material, in one or more levels of detail.
+//! glTF 2.0, `.glb` and `.gltf`: one object with one material, which its triangles may show in several alpha modes, in
+//! one or more levels of detail.
 
 mod container;
 mod draft;
 mod format;
 mod graft;
+mod image_packing;
 mod images;
 mod ktx;
 mod layers;
 mod material;
+mod material_json;
 mod mesh;
 mod number;
 mod packed;
+mod parts;
 mod samplers;
 mod scene;
+mod slots;
+mod uri;
+mod webp;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
 pub use graft::{GltfGraft, GraftedMaterial, encode_graft};
-pub use images::GltfImage;
+pub use image_packing::encode_webp_bitmap;
 pub use material::GltfMaterial;
+pub use samplers::gltf_sampler;
 pub use scene::{WrittenScene, encode_scene, write_scene};
+pub use slots::GltfImage;
 
-use super::{FileBytes, write_files};
+use super::{FileBytes, FileSet};
 use crate::error::{Error, Result};
-use crate::image::{Sampler, Wrap};
 use crate::io::json::Json;
 use crate::io::xmp;
-use crate::math::Vec2;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
+use crate::scene::AlphaMode;
 use images::{Encoded, ImageStorage};
-use packed::Grid;
+use packed::{Grid, PackedMesh};
+use parts::MeshPart;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -46,6 +55,10 @@ pub struct GltfAsset<'a> {
     pub levels: &'a [GltfLevel<'a>],
     /// The material of all levels.
     pub material: GltfMaterial<'a>,
+    /// The alpha mode of each triangle of each level, in place of the material's: each mode becomes a primitive with a
+    /// material of its own. Empty where all triangles have the material's. Its own mode still says whether the alpha of
+    /// the base colour's texture is written.
+    pub alpha_modes: &'a [Vec<AlphaMode>],
     /// The rights notice.
     pub copyright: Option<&'a str>,
     /// An XMP packet as JSON-LD, such as [`Provenance::extend`](crate::io::Provenance::extend) makes.
@@ -72,7 +85,7 @@ pub struct GltfLevel<'a> {
 /// As [`encode_gltf`]; [`Error::Io`] where a file cannot be written.
 pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<PathBuf>> {
     let files = encode_gltf(path, asset, format)?;
-    write_files(&files, Progress::SILENT)?;
+    FileSet::one(|set| set.write_files(&files, Progress::SILENT))?;
     Ok(files.into_iter().map(|file| file.path).collect())
 }
 
@@ -92,6 +105,26 @@ pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Resul
             draft.into_files(path, encoded.into_iter().filter_map(|image| image.into_file(path)).collect())
         }
     }
+}
+
+/// Returns every file that [`write_gltf`] may write a model to, whatever textures it has; `path` first.
+///
+/// ```
+/// use taotie::io::{GltfFormat, gltf_files};
+///
+/// assert_eq!(gltf_files("vase.glb".as_ref(), &GltfFormat::default()).len(), 1);
+/// let files = gltf_files("vase.gltf".as_ref(), &GltfFormat::default());
+/// assert_eq!(files[1], std::path::Path::new("vase.bin"));
+/// ```
+pub fn gltf_files(path: &Path, format: &GltfFormat) -> Vec<PathBuf> {
+    let mut files = vec![path.to_path_buf()];
+    if let Ok(Container::Gltf) = Container::of(path) {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        files.push(path.with_file_name(format!("{stem}.bin")));
+        let names = images::possible_names(&stem, format).into_iter();
+        files.extend(names.map(|name| path.with_file_name(name)));
+    }
+    files
 }
 
 /// The kinds of glTF files.
@@ -128,7 +161,8 @@ pub fn encode_glb(asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<u8>> {
 
 impl GltfDraft {
     /// Makes a GLB draft of the model, to which the caller may add content that a [`GltfAsset`] lacks, such as skins
-    /// and animations. Node 0, mesh 0 and material 0 are those of the finest level.
+    /// and animations. Node 0, mesh 0 and material 0 are those of the finest level, unless its triangles have alpha modes
+    /// of their own: then there is a material for each mode.
     ///
     /// # Errors
     /// As [`encode_glb`].
@@ -145,21 +179,26 @@ fn draft(
     check(asset)?;
     let mut draft = GltfDraft::default();
     let grid = format.meshopt.then(|| Grid::around(asset.levels.iter().map(|level| level.mesh)));
+    let modes = parts::distinct(asset.alpha_modes, asset.material.alpha);
     let mut meshes = Vec::new();
-    for level in asset.levels {
-        let primitive = match &grid {
-            Some(grid) => packed::add(&mut draft, level.mesh, grid)?,
-            None => mesh::add(&mut draft, level.mesh),
+    for (i, level) in asset.levels.iter().enumerate() {
+        let each = asset.alpha_modes.get(i).map_or(&[][..], Vec::as_slice);
+        let (mesh, parts) = (level.mesh, MeshPart::by_mode(level.mesh, each, &modes));
+        let primitives = match &grid {
+            Some(grid) => packed::add(&mut draft, PackedMesh { mesh, parts: &parts, grid })?,
+            None => mesh::add(&mut draft, mesh, &parts),
         };
-        meshes.push(named(asset, json!({ "primitives": [primitive] })));
+        meshes.push(named(asset, json!({ "primitives": primitives })));
     }
+    let material =
+        |alpha: &AlphaMode| material_json::json(&GltfMaterial { alpha: *alpha, ..asset.material }, images);
     draft.json = json!({
         "asset": { "version": "2.0", "generator": concat!("taotie ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
         "nodes": nodes(asset, grid.as_ref()),
         "meshes": meshes,
-        "materials": [material::json(&asset.material, images)],
+        "materials": modes.iter().map(material).collect::<Vec<_>>(),
     });
     if let Some(packet) = asset.xmp {
         draft.uses(xmp::EXTENSION);
@@ -175,17 +214,10 @@ fn draft(
     if asset.levels.len() > 1 {
         draft.uses(LEVELS);
     }
-    material::extensions(&asset.material).into_iter().for_each(|(name, _)| draft.uses(name));
-    images::add(&mut draft, images, storage, &sampler(asset));
+    material_json::extensions(&asset.material).into_iter().for_each(|(name, _)| draft.uses(name));
+    let sampler = gltf_sampler(asset.levels.iter().map(|level| level.mesh));
+    images::add(&mut draft, images, storage, &sampler);
     Ok(draft)
-}
-
-/// Returns the sampler of all textures: trilinear, repeated where uvs leave [0, 1].
-fn sampler(asset: &GltfAsset) -> Sampler {
-    let is_inside = |uv: &Vec2| (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y);
-    let mut sets = asset.levels.iter().filter_map(|level| level.mesh.uvs().first());
-    let wrap = if sets.all(|uvs| uvs.iter().all(is_inside)) { Wrap::Clamp } else { Wrap::Repeat };
-    Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() }
 }
 
 fn named(asset: &GltfAsset, mut json: Value) -> Value {
@@ -236,5 +268,15 @@ fn check(asset: &GltfAsset) -> Result<()> {
             return Err(Error::invalid(format!("level {i}"), why));
         }
     }
+    check_modes(asset)?;
     asset.material.check()
+}
+
+/// Checks that there is a mode for each triangle, or none at all.
+fn check_modes(asset: &GltfAsset) -> Result<()> {
+    let counts = asset.levels.iter().map(|level| level.mesh.triangles().len());
+    if !asset.alpha_modes.is_empty() && !asset.alpha_modes.iter().map(Vec::len).eq(counts) {
+        return Err(Error::invalid("the alpha modes", "give one for each triangle of each level, or none"));
+    }
+    asset.alpha_modes.iter().flatten().try_for_each(|mode| material::check_alpha(*mode))
 }

@@ -5,6 +5,7 @@
 
 use super::draft::{Component, GltfDraft, INDICES, Packing, VERTICES};
 use super::mesh::{MOST_OF_U16, semantic};
+use super::parts::MeshPart;
 use crate::error::{Error, Result};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
@@ -54,43 +55,62 @@ impl Grid {
     }
 }
 
-/// Adds a mesh and returns its primitive, which has material 0. Its vertices and triangles are sorted anew.
+/// A mesh in parts, and the steps that its positions are rounded to.
+#[derive(Clone, Copy)]
+pub(super) struct PackedMesh<'a> {
+    pub mesh: &'a Mesh,
+    pub parts: &'a [MeshPart<'a>],
+    pub grid: &'a Grid,
+}
+
+/// Adds a mesh and returns the primitive of each part; all share its vertices. Vertices, and the triangles of each part,
+/// are sorted anew.
 ///
 /// # Errors
 /// [`Error::Invalid`] where meshoptimizer refuses.
-pub(super) fn add(draft: &mut GltfDraft, mesh: &Mesh, grid: &Grid) -> Result<Value> {
+pub(super) fn add(draft: &mut GltfDraft, packed: PackedMesh) -> Result<Vec<Value>> {
     draft.require("KHR_mesh_quantization");
     draft.require("EXT_meshopt_compression");
-    let data = sorted(mesh);
+    let PackedMesh { mesh, parts, grid } = packed;
+    let (data, parts) = sorted(mesh, parts);
     let mut attributes = json!({});
     for stream in streams(&data, grid) {
         attributes[&stream.name] = add_stream(draft, &stream)?.into();
     }
-    let indices = add_triangles(draft, &data)?;
-    Ok(json!({ "attributes": attributes, "indices": indices, "material": 0 }))
+    let primitive = |part: &MeshPart| -> Result<Value> {
+        let indices = add_triangles(draft, &part.triangles, data.positions.len())?;
+        Ok(json!({ "attributes": attributes, "indices": indices, "material": part.material }))
+    };
+    parts.iter().map(primitive).collect()
 }
 
-/// The triangles in an order in which neighbours follow one another, and the vertices in the order of their first use.
-fn sorted(mesh: &Mesh) -> MeshData {
+/// Returns the vertices in the order of their first use, and the parts with their triangles in an order in which
+/// neighbours follow one another.
+fn sorted(mesh: &Mesh, parts: &[MeshPart]) -> (MeshData, Vec<MeshPart<'static>>) {
     let count = mesh.positions().len();
-    let mut indices = meshopt::optimize_vertex_cache(mesh.triangles().as_flattened(), count);
     let mut place = vec![None; count];
     let mut order = Vec::with_capacity(count);
-    for index in &mut indices {
-        let new = *place[*index as usize].get_or_insert_with(|| {
-            order.push(*index as usize);
-            order.len() as u32 - 1
-        });
-        *index = new;
-    }
-    MeshData {
+    let sort = |part: &MeshPart| {
+        let mut indices = meshopt::optimize_vertex_cache(part.triangles.as_flattened(), count);
+        for index in &mut indices {
+            let new = *place[*index as usize].get_or_insert_with(|| {
+                order.push(*index as usize);
+                order.len() as u32 - 1
+            });
+            *index = new;
+        }
+        MeshPart { triangles: indices.as_chunks::<3>().0.to_vec().into(), material: part.material }
+    };
+    let parts = parts.iter().map(sort).collect();
+    let data = MeshData {
         positions: taken(mesh.positions(), &order),
         normals: taken(mesh.normals(), &order),
         tangents: taken(mesh.tangents(), &order),
         uvs: mesh.uvs().iter().map(|uvs| taken(uvs, &order)).collect(),
         colors: taken(mesh.colors(), &order),
-        triangles: indices.as_chunks::<3>().0.to_vec(),
-    }
+        triangles: Vec::new(),
+    };
+    (data, parts)
 }
 
 fn taken<T: Copy>(values: &[T], order: &[usize]) -> Vec<T> {
@@ -209,10 +229,10 @@ fn encode<const N: usize>(bytes: &[u8]) -> Result<Vec<u8>> {
     meshopt::encode_vertex_buffer_level(bytes.as_chunks::<N>().0, 2, Some(0)).map_err(refused)
 }
 
-fn add_triangles(draft: &mut GltfDraft, data: &MeshData) -> Result<usize> {
-    let indices = data.triangles.as_flattened();
-    let packed = meshopt::encode_index_buffer(indices, data.positions.len()).map_err(refused)?;
-    let small = data.positions.len() <= MOST_OF_U16;
+fn add_triangles(draft: &mut GltfDraft, triangles: &[[u32; 3]], vertices: usize) -> Result<usize> {
+    let indices = triangles.as_flattened();
+    let packed = meshopt::encode_index_buffer(indices, vertices).map_err(refused)?;
+    let small = vertices <= MOST_OF_U16;
     let (component, stride) = if small { (Component::U16, 2) } else { (Component::U32, 4) };
     let count = indices.len();
     let packing = Packing { count, stride, mode: "TRIANGLES", filter: None, target: INDICES };

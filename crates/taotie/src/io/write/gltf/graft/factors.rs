@@ -1,9 +1,9 @@
 //! A material of a document: what was baked replaces what it says, all else stays as it is written.
 
-use super::super::images::Slot;
 use super::super::layers::{self, Emission, STRENGTH};
 use super::super::material::GltfMaterial;
 use super::super::number::short;
+use super::super::slots::Slot;
 use super::edit::{member, remove};
 use crate::scene::AlphaMode;
 use serde_json::{Value, json};

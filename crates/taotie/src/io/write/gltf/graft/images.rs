@@ -1,6 +1,7 @@
 //! The images of a document: new ones for what was baked, and its own into the new file or beside it.
 
-use super::super::images::{Encoded, uri};
+use super::super::images::Encoded;
+use super::super::uri::uri;
 use super::edit;
 use super::views;
 use crate::error::Result;

@@ -4,8 +4,11 @@
 use super::fit::{Fit, STEPS_OF_4, STEPS_OF_8, STEPS_OF_16, Texels};
 use super::range::{OF_160, OF_192, OF_256, Range};
 
+/// The texels of a block as they are stored, row by row.
+pub(super) type Tile = [[u8; 3]; 16];
+
 /// A mode of one line in colour space: 16 weights and 192 levels, or 8 weights and all levels.
-struct Line {
+pub(super) struct Line {
     prefix: (u32, u32),
     steps: &'static [u32],
     weight_bits: u32,
@@ -24,23 +27,70 @@ const PLANES: (u32, u32) = (0x1b, 5);
 /// Mode 8: one colour.
 const SOLID: (u32, u32) = (0x17, 5);
 
-/// Returns the block that comes nearest.
-pub(super) fn encode(texels: &[[u8; 3]; 16]) -> [u8; 16] {
-    if texels.iter().all(|texel| *texel == texels[0]) {
-        return solid(texels[0]);
+/// A block before it is written.
+#[derive(Clone, Copy)]
+pub(super) enum Block {
+    /// One colour.
+    Solid([u8; 3]),
+    /// A mode of one line, and its endpoints and weights.
+    Line(&'static Line, Fit),
+    /// Two channels on a line, and one on its own.
+    Planes(Planes),
+}
+
+impl Block {
+    /// Returns the block that comes nearest.
+    pub fn nearest(tile: &Tile) -> Self {
+        if tile.iter().all(|texel| *texel == tile[0]) {
+            return Self::Solid(tile[0]);
+        }
+        let values = values(tile);
+        let lines = LINES.iter().map(|line| (line, Fit::new(&values, line.steps, line.range)));
+        let (line, fit) =
+            lines.reduce(|a, b| if b.1.error < a.1.error { b } else { a }).expect("there are two");
+        if fit.error > 0.0 {
+            let planes = (0..3).map(|channel| Planes::new(&values, channel));
+            let planes =
+                planes.reduce(|a, b| if b.error() < a.error() { b } else { a }).expect("there are three");
+            if planes.error() < fit.error {
+                return Self::Planes(planes);
+            }
+        }
+        Self::Line(line, fit)
     }
-    let values: Texels = texels.map(|texel| texel.map(f32::from));
-    let lines = LINES.iter().map(|line| (line, Fit::new(&values, line.steps, line.range)));
-    let (line, fit) = lines.reduce(|a, b| if b.1.error < a.1.error { b } else { a }).expect("there are two");
-    if fit.error > 0.0 {
-        let planes = (0..3).map(|channel| Planes::new(&values, channel));
-        let planes =
-            planes.reduce(|a, b| if b.error() < a.error() { b } else { a }).expect("there are three");
-        if planes.error() < fit.error {
-            return planes.block(texels);
+
+    /// Returns the block of the same mode and weights whose endpoints fit other texels best; `None` where the weights
+    /// do not differ.
+    pub fn refitted(&self, texels: &Texels) -> Option<Self> {
+        match self {
+            Self::Solid(_) => None,
+            Self::Line(line, fit) => Some(Self::Line(*line, fit.refitted(texels, (line.steps, line.range))?)),
+            Self::Planes(planes) => planes.refitted(texels).map(Self::Planes),
         }
     }
-    line.block(&fit, texels)
+
+    /// Returns the texels that it shows.
+    pub fn colors(&self) -> Texels {
+        match self {
+            Self::Solid(color) => [color.map(f32::from); 16],
+            Self::Line(line, fit) => fit.colors((line.steps, line.range)),
+            Self::Planes(planes) => planes.colors(),
+        }
+    }
+
+    /// Returns its bytes; the texels that it stands for are hints for formats of graphics cards.
+    pub fn bytes(&self, tile: &Tile) -> [u8; 16] {
+        match self {
+            Self::Solid(color) => solid(*color),
+            Self::Line(line, fit) => line.block(fit, tile),
+            Self::Planes(planes) => planes.block(tile),
+        }
+    }
+}
+
+/// Returns the texels of a block as numbers.
+pub(super) fn values(tile: &Tile) -> Texels {
+    tile.map(|texel| texel.map(f32::from))
 }
 
 /// Bits from the lowest of the first byte on.
@@ -72,7 +122,7 @@ impl Bits {
     }
 
     /// Writes the hints that help to turn the block into BC1 and ETC1.
-    fn push_hints(&mut self, texels: &[[u8; 3]; 16]) {
+    fn push_hints(&mut self, texels: &Tile) {
         // The two of BC1 promise that endpoints can be taken over; without them they are fitted anew.
         self.push((0, 2));
         let hints = EtcHints::new(texels);
@@ -90,7 +140,7 @@ impl Bits {
 }
 
 impl Line {
-    fn block(&self, fit: &Fit, texels: &[[u8; 3]; 16]) -> [u8; 16] {
+    fn block(&self, fit: &Fit, texels: &Tile) -> [u8; 16] {
         let fit = fit.anchored((self.steps.len() - 1) as u8);
         let mut bits = Bits::default();
         bits.push(self.prefix);
@@ -104,7 +154,8 @@ impl Line {
 }
 
 /// Two channels on a line of their plane, and one on its own.
-struct Planes {
+#[derive(Clone, Copy)]
+pub(super) struct Planes {
     channel: usize,
     plane: Fit,
     own: Fit,
@@ -112,18 +163,33 @@ struct Planes {
 
 impl Planes {
     fn new(texels: &Texels, channel: usize) -> Self {
-        let only = |own: bool| {
-            texels.map(|t| std::array::from_fn(|c| if (c == channel) == own { t[c] } else { 0.0 }))
-        };
-        let fit = |texels: Texels| Fit::new(&texels, &STEPS_OF_4, &OF_160).anchored(3);
-        Self { channel, plane: fit(only(false)), own: fit(only(true)) }
+        let [plane, own] =
+            parted(texels, channel).map(|texels| Fit::new(&texels, &STEPS_OF_4, &OF_160).anchored(3));
+        Self { channel, plane, own }
+    }
+
+    fn refitted(&self, texels: &Texels) -> Option<Self> {
+        let [plane, own] = parted(texels, self.channel);
+        let levels = (STEPS_OF_4.as_slice(), &OF_160);
+        Some(Self {
+            plane: self.plane.refitted(&plane, levels)?,
+            own: self.own.refitted(&own, levels)?,
+            ..*self
+        })
+    }
+
+    fn colors(&self) -> Texels {
+        let [plane, own] = [&self.plane, &self.own].map(|fit| fit.colors((STEPS_OF_4.as_slice(), &OF_160)));
+        std::array::from_fn(|i| {
+            std::array::from_fn(|c| if c == self.channel { own[i][c] } else { plane[i][c] })
+        })
     }
 
     fn error(&self) -> f32 {
         self.plane.error + self.own.error
     }
 
-    fn block(&self, texels: &[[u8; 3]; 16]) -> [u8; 16] {
+    fn block(&self, texels: &Tile) -> [u8; 16] {
         let mut bits = Bits::default();
         bits.push(PLANES);
         bits.push_hints(texels);
@@ -141,6 +207,12 @@ impl Planes {
         }
         bits.bytes()
     }
+}
+
+/// Returns the texels without one channel, and with it alone.
+fn parted(texels: &Texels, channel: usize) -> [Texels; 2] {
+    [false, true]
+        .map(|own| texels.map(|t| std::array::from_fn(|c| if (c == channel) == own { t[c] } else { 0.0 })))
 }
 
 /// One opaque colour; for ETC1 the nearest of 5 bits, lightened or darkened by the least step.
@@ -169,7 +241,7 @@ struct EtcHints {
 const SPREADS: [f32; 8] = [8.0, 17.0, 29.0, 42.0, 60.0, 80.0, 106.0, 183.0];
 
 impl EtcHints {
-    fn new(texels: &[[u8; 3]; 16]) -> Self {
+    fn new(texels: &Tile) -> Self {
         let [upright, flipped] = [false, true].map(|flip| Self::halves(texels, flip));
         let variance = |halves: &[Half; 2]| halves[0].variance + halves[1].variance;
         let flip = variance(&flipped) < variance(&upright);
@@ -183,7 +255,7 @@ impl EtcHints {
     }
 
     /// Left and right, or flipped above and below.
-    fn halves(texels: &[[u8; 3]; 16], flip: bool) -> [Half; 2] {
+    fn halves(texels: &Tile, flip: bool) -> [Half; 2] {
         let half_of = |i: usize| if flip { i / 8 } else { i % 4 / 2 };
         [0, 1].map(|half| {
             let mut own = [[0.0; 3]; 8];

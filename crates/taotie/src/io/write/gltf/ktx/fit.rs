@@ -39,13 +39,7 @@ impl Fit {
 
     fn between(texels: &Texels, ends: [[f32; 3]; 2], (steps, range): (&[u32], &Range)) -> Self {
         let codes = ends.map(|end| end.map(|v| range.code(v)));
-        let mut palette = [[0.0; 3]; 16];
-        for (color, step) in palette.iter_mut().zip(steps) {
-            *color = std::array::from_fn(|c| {
-                let [low, high] = codes.map(|codes| u32::from(range.value[codes[c] as usize]) * 257);
-                ((low * (64 - step) + high * step + 32) >> 14) as f32
-            });
-        }
+        let palette = palette(codes, (steps, range));
         let mut fit = Self { codes, weights: [0; 16], error: 0.0 };
         for (weight, texel) in fit.weights.iter_mut().zip(texels) {
             let errors = palette[..steps.len()].iter().map(|color| squared(color, texel)).enumerate();
@@ -54,6 +48,20 @@ impl Fit {
             fit.error += error;
         }
         fit
+    }
+
+    /// Returns the same weights with the endpoints that fit other texels best; `None` where all weights are one.
+    pub fn refitted(&self, texels: &Texels, (steps, range): (&[u32], &Range)) -> Option<Self> {
+        let ends = refined(texels, &self.weights, steps)?;
+        let mut fit = Self { codes: ends.map(|end| end.map(|v| range.code(v))), ..*self };
+        fit.error = squares(&fit.colors((steps, range)), texels);
+        Some(fit)
+    }
+
+    /// Returns the texels that it shows.
+    pub fn colors(&self, levels: (&[u32], &Range)) -> Texels {
+        let palette = palette(self.codes, levels);
+        self.weights.map(|weight| palette[usize::from(weight)])
     }
 
     /// Turns the ends round where the first texel lies nearer to the second end, since of its weight the highest bit is
@@ -65,6 +73,23 @@ impl Fit {
         }
         self
     }
+}
+
+/// Returns the colours of the steps between two endpoints, as they are decoded.
+fn palette(codes: [[u8; 3]; 2], (steps, range): (&[u32], &Range)) -> Texels {
+    let mut palette = [[0.0; 3]; 16];
+    for (color, step) in palette.iter_mut().zip(steps) {
+        *color = std::array::from_fn(|c| {
+            let [low, high] = codes.map(|codes| u32::from(range.value[codes[c] as usize]) * 257);
+            ((low * (64 - step) + high * step + 32) >> 14) as f32
+        });
+    }
+    palette
+}
+
+/// Returns the sum of the squared differences of two blocks' texels.
+pub(super) fn squares(a: &Texels, b: &Texels) -> f32 {
+    a.iter().zip(b).map(|(a, b)| squared(a, b)).sum()
 }
 
 fn squared(a: &[f32; 3], b: &[f32; 3]) -> f32 {

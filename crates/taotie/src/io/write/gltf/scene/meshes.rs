@@ -1,6 +1,7 @@
 //! Meshes with the materials that they are shown with, and their instances.
 
-use super::super::packed::Grid;
+use super::super::packed::{Grid, PackedMesh};
+use super::super::parts::MeshPart;
 use super::super::{mesh, packed};
 use super::writer::{Writer, placed};
 use crate::error::Result;
@@ -16,7 +17,7 @@ const SQUARE: f64 = 1e-4;
 
 /// The written parts of a mesh of the scene.
 struct Shape {
-    primitive: Value,
+    primitives: Vec<Value>,
     grid: Option<Grid>,
 }
 
@@ -34,9 +35,9 @@ impl Writer<'_> {
                 Entry::Vacant(place) => place.insert(self.shape(&scene.meshes()[instance.mesh])?),
             };
             let number = *numbers.entry((instance.mesh, instance.material)).or_insert_with(|| {
-                let mut primitive = shape.primitive.clone();
-                primitive["material"] = instance.material.into();
-                meshes.push(json!({ "primitives": [primitive] }));
+                let mut primitives = shape.primitives.clone();
+                primitives.iter_mut().for_each(|p| p["material"] = instance.material.into());
+                meshes.push(json!({ "primitives": primitives }));
                 meshes.len() - 1
             });
             self.instance(number, shape.grid.as_ref(), &instance.world_from_object)?;
@@ -72,11 +73,12 @@ impl Writer<'_> {
         let lost = mesh.normals().is_empty() && !mesh.tangents().is_empty();
         self.note("tangents of meshes without normals are left out", usize::from(lost));
         let grid = self.format.meshopt.then(|| Grid::around(std::iter::once(mesh)));
-        let primitive = match &grid {
-            Some(grid) => packed::add(&mut self.draft, mesh, grid)?,
-            None => mesh::add(&mut self.draft, mesh),
+        let parts = [MeshPart::whole(mesh)];
+        let primitives = match &grid {
+            Some(grid) => packed::add(&mut self.draft, PackedMesh { mesh, parts: &parts, grid })?,
+            None => mesh::add(&mut self.draft, mesh, &parts),
         };
-        Ok(Shape { primitive, grid })
+        Ok(Shape { primitives, grid })
     }
 
     /// A node that shows a mesh; below it another one where the mesh is packed and the node moved.

@@ -10,7 +10,7 @@ mod writer;
 
 use super::{Container, GltfFormat};
 use crate::error::{Error, Result, Warnings};
-use crate::io::write::{FileBytes, write_files};
+use crate::io::write::{FileBytes, FileSet};
 use crate::progress::Progress;
 use crate::scene::Scene;
 use serde_json::Value;
@@ -61,7 +61,7 @@ pub fn write_scene(path: &Path, scene: &Scene, format: &GltfFormat) -> Result<Wr
         Container::Glb => vec![FileBytes { path: path.to_path_buf(), bytes: draft.encode_glb()? }],
         Container::Gltf => draft.into_files(path, textures::beside(images, path))?,
     };
-    write_files(&files, Progress::SILENT)?;
+    FileSet::one(|set| set.write_files(&files, Progress::SILENT))?;
     Ok(WrittenScene { files: files.into_iter().map(|file| file.path).collect(), warnings })
 }
 

@@ -1,0 +1,170 @@
+//! The time left of a whole bake: what its stages cost beside one another, held against the time that those behind took.
+
+use std::time::Duration;
+use taotie::asset::{BakeOptions, ScanSize};
+use taotie::bake::MapKind;
+
+/// The part of the work that has to be behind before the rest is foretold.
+const LEAST: f64 = 0.02;
+
+/// The stages of a bake in their order, each with its cost.
+///
+/// Costs are milliseconds as measured on two cores. Only their proportions count: how fast a machine is shows in the
+/// stages behind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Schedule {
+    stages: Vec<(&'static str, f64)>,
+}
+
+/// What a bake is to do, as far as its time depends on it.
+struct Work<'a> {
+    options: &'a BakeOptions,
+    /// Millions of triangles of the scan.
+    scan: f64,
+    /// Millions of texels of a map.
+    texels: f64,
+    /// True if textures are packed smaller than PNG does.
+    is_packed: bool,
+}
+
+impl Schedule {
+    /// Makes the schedule of all that follows reading the scan; `None` for a search, whose number of trials nobody knows.
+    pub fn of(options: &BakeOptions, scan: ScanSize, is_packed: bool) -> Option<Self> {
+        if options.mean_error_deg.is_some() {
+            return None;
+        }
+        let texels = f64::from(options.size) * f64::from(options.height.unwrap_or(options.size)) / 1e6;
+        let work = Work { options, scan: scan.triangles as f64 / 1e6, texels, is_packed };
+        Some(Self { stages: work.making().into_iter().chain(work.writing()).chain(work.proving()).collect() })
+    }
+
+    /// Returns the time left after `elapsed`, where `fraction` of a stage is done; `None` for stages that are not in the
+    /// schedule, and before there is enough to judge by.
+    pub fn left(&self, elapsed: Duration, stage: &str, fraction: f64) -> Option<Duration> {
+        let at = self.stages.iter().position(|(name, _)| *name == stage)?;
+        let cost = |stages: &[(&str, f64)]| stages.iter().map(|(_, cost)| cost).sum::<f64>();
+        let all = cost(&self.stages);
+        let done = cost(&self.stages[..at]) + self.stages[at].1 * fraction.clamp(0.0, 1.0);
+        (done > LEAST * all).then(|| elapsed.mul_f64((all - done).max(0.0) / done))
+    }
+}
+
+impl Work<'_> {
+    fn making(&self) -> Vec<(&'static str, f64)> {
+        let (scan, texels) = (self.scan, self.texels);
+        let made = if self.options.low.is_none() { 1.0 } else { 0.0 };
+        vec![
+            ("sort the scan", 5.0 + 600.0 * scan),
+            ("read the low-poly mesh", 10.0 * (1.0 - made)),
+            ("simplify", 1200.0 * scan * made),
+            ("unwrap", (200.0 + 900.0 * texels) * made),
+            ("tangents", 10.0),
+            ("measure the gap", 10.0 + 500.0 * scan),
+            ("bake", texels * self.samples()),
+            ("store", 100.0 * texels),
+            ("levels of detail", 10.0 * self.options.lods.len() as f64),
+            ("inspect the scan", if self.options.inspect { 300.0 * scan } else { 0.0 }),
+        ]
+    }
+
+    /// Returns the cost of a million texels: projection rays and lookups for each sample, and rays over the hemisphere.
+    fn samples(&self) -> f64 {
+        let is_sky = |map: &MapKind| matches!(map, MapKind::Occlusion | MapKind::Bent);
+        let sky = if self.options.maps.iter().any(is_sky) { f64::from(self.options.ao_rays) } else { 0.0 };
+        let material = if self.options.carry { 1000.0 } else { 0.0 };
+        let samples = f64::from(self.options.side * self.options.side) / 4.0;
+        samples * (500.0 + material + 250.0 * sky)
+    }
+
+    fn writing(&self) -> [(&'static str, f64); 1] {
+        [("write", 5.0 + self.texels * if self.is_packed { 2500.0 } else { 40.0 })]
+    }
+
+    fn proving(&self) -> Vec<(&'static str, f64)> {
+        if !self.options.inspect {
+            return Vec::new();
+        }
+        let coarser = self.options.lods.len() as f64;
+        vec![
+            ("read back", 30.0 * self.texels),
+            ("measure normals", 600.0),
+            ("map errors", 500.0 * self.texels.min(1.0)),
+            ("measure levels", 150.0 * coarser),
+            ("compare views", 1500.0 + 600.0 * coarser + 1000.0 * self.scan),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::asset::{MeshSource, ScanSize};
+
+    fn scan(triangles: u64) -> ScanSize {
+        ScanSize { triangles, vertices: triangles / 2, ..ScanSize::default() }
+    }
+
+    fn schedule(options: &BakeOptions) -> Schedule {
+        Schedule::of(options, scan(1_000_000), false).expect("it is no search")
+    }
+
+    /// Runs a bake on a clock of its own, on which each stage takes `pace` times its cost in milliseconds, in tenths.
+    /// Returns what was foretold and what was true, seconds.
+    fn course(schedule: &Schedule, pace: impl Fn(&str) -> f64) -> Vec<[f64; 2]> {
+        let time = |(name, cost): &(&'static str, f64)| cost * pace(name) * 1e-3;
+        let all: f64 = schedule.stages.iter().map(time).sum();
+        let (mut passed, mut told) = (0.0, Vec::new());
+        for stage in &schedule.stages {
+            for tenth in 0..=10 {
+                let fraction = f64::from(tenth) / 10.0;
+                let now = passed + time(stage) * fraction;
+                let left = schedule.left(Duration::from_secs_f64(now), stage.0, fraction);
+                told.extend(left.map(|left| [left.as_secs_f64(), all - now]));
+            }
+            passed += time(stage);
+        }
+        told
+    }
+
+    #[test]
+    fn on_a_machine_of_any_speed_the_time_left_is_that_of_all_stages() {
+        for pace in [0.5, 1.0, 7.0] {
+            let told = course(&schedule(&BakeOptions::default()), |_| pace);
+            assert!(told.len() > 50);
+            for [told, truth] in told {
+                assert!((told - truth).abs() < 1e-6, "{told} {truth}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_stage_that_takes_longer_than_foretold_is_made_up_for() {
+        let slow = |stage: &str| if stage == "bake" { 3.0 } else { 1.0 };
+        let told = course(&schedule(&BakeOptions::default()), slow);
+        let [first, last] = [told[0], told[told.len() - 1]];
+        assert!(first[0] < first[1], "{first:?}");
+        assert!(last[0].abs() < 1e-6 && last[1].abs() < 1e-6, "{last:?}");
+    }
+
+    #[test]
+    fn nothing_is_foretold_from_nothing() {
+        let schedule = schedule(&BakeOptions::default());
+        let second = Duration::from_secs(1);
+        assert_eq!(schedule.left(second, "sort the scan", 0.0), None);
+        assert_eq!(schedule.left(second, "read the scan", 1.0), None);
+        let search = BakeOptions { mean_error_deg: Some(1.0), ..BakeOptions::default() };
+        assert_eq!(Schedule::of(&search, scan(1000), false), None);
+    }
+
+    #[test]
+    fn more_work_takes_longer() {
+        let cost = |options: &BakeOptions| schedule(options).stages.iter().map(|(_, cost)| cost).sum::<f64>();
+        let plain = BakeOptions { carry: false, ..BakeOptions::default() };
+        let sky = BakeOptions { maps: vec![MapKind::Normal, MapKind::Occlusion], ..plain.clone() };
+        let fine = BakeOptions { size: 4096, ..plain.clone() };
+        let given = BakeOptions { low: Some(MeshSource::File("low.glb".into())), ..plain.clone() };
+        let blind = BakeOptions { inspect: false, ..plain.clone() };
+        assert!(cost(&sky) > cost(&plain) && cost(&fine) > cost(&plain));
+        assert!(cost(&given) < cost(&plain) && cost(&blind) < cost(&plain));
+    }
+}

@@ -1,0 +1,37 @@
+//! The views of a single surface: its shading models beside one another.
+
+use crate::heat_map::HeatMap;
+use crate::sheet::Sheet;
+use crate::{Legend, Picture, View};
+use taotie::Result;
+use taotie::compare::ColorMap;
+use taotie::comparison::RenderedSurface;
+use taotie::names::Named;
+
+/// Makes the views of its pictures, and of their differences from the one under the baseline.
+///
+/// # Errors
+/// [`taotie::Error::Invalid`] where a picture has no pixels.
+pub(super) fn views(surface: &RenderedSurface) -> Result<Vec<View>> {
+    let pictures = surface
+        .pictures
+        .iter()
+        .map(|(shading, picture)| Picture::new(shading.name(), "", &Sheet::developed(picture)));
+    let flips = surface.model_differences.iter().map(|model| {
+        let note = format!("against {}", model.baseline.name());
+        Picture::new(model.shading.name(), note, &HeatMap::of_flip(&model.picture.flip).plain())
+    });
+    let models = View {
+        name: "shading models".into(),
+        note: format!("The surface by {} under each shading model, in the same light.", surface.id()),
+        pictures: pictures.collect::<Result<_>>()?,
+        legend: None,
+    };
+    let differences = View {
+        name: "shading models: FLIP".into(),
+        note: "FLIP is the difference from the baseline that an observer sees.".into(),
+        pictures: flips.collect::<Result<_>>()?,
+        legend: Some(Legend::new("FLIP", "", 1.0, ColorMap::Magma)),
+    };
+    Ok(vec![models, differences])
+}

@@ -1,0 +1,302 @@
+//! Maps without a model: textures for a low-poly mesh that stays where it is.
+
+use super::green;
+use super::kept_textures::KeptTextures;
+use super::made::{Made, Part};
+use super::map_note::MapNote;
+use super::map_numbers::{self, Meaning};
+use super::packing::Packing;
+use super::property::Property;
+use super::textures::{Beside, Range};
+use crate::bake::MapKind;
+use crate::error::{Error, Result, Warnings};
+use crate::image::{Bitmap, Encoding, Sampler, Texture};
+use crate::io::{self, FileBytes, GltfImages, Loaded};
+use crate::names::Named;
+use crate::normal_map::green_turned;
+use crate::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
+use std::path::{Path, PathBuf};
+
+/// Says whether a path asks for maps alone.
+pub(super) fn is_alone(path: &Path) -> bool {
+    ["png", "webp", "exr"].into_iter().any(|extension| has_extension(path, extension))
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+/// A texture as a file of its own, and the maps that it holds.
+struct MapFile<'a> {
+    maps: Vec<MapKind>,
+    bitmap: &'a Bitmap,
+    range: Option<Range>,
+    path: PathBuf,
+}
+
+/// Returns the part of an asset that has but one, as [`check`] demands.
+fn only(made: &Made) -> &Part {
+    &made.parts[0]
+}
+
+/// Returns all textures. The first lies in `path` itself, the others beside it: `out.png`, `out.ao.png`.
+fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
+    let textures = &only(made).maps.textures;
+    let mut files: Vec<MapFile<'a>> = Vec::new();
+    for (map, bitmap) in textures.inside() {
+        match files.iter_mut().find(|file| std::ptr::eq(file.bitmap, bitmap)) {
+            Some(file) => file.maps.push(map),
+            None => files.push(MapFile::new(map, bitmap)),
+        }
+    }
+    let other = |other: &'a Beside| MapFile { range: other.range, ..MapFile::new(other.map, &other.bitmap) };
+    files.extend(textures.beside.iter().map(other));
+    for (i, file) in files.iter_mut().enumerate() {
+        file.path = if i == 0 { path.into() } else { beside(path, file.name()) };
+        if file.holds(&[MapKind::Emission]) {
+            let white = f64::from(textures.strength);
+            file.range = Some(Range { black: 0.0, white, unit: "radiance" });
+        }
+    }
+    files
+}
+
+/// The name of a texture of both occlusion and roughness.
+const ORM: &str = "orm";
+
+/// Returns the path of a map beside the first.
+fn beside(path: &Path, name: &str) -> PathBuf {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_extension(format!("{name}.{extension}"))
+}
+
+/// Returns every file that maps alone may be written to, `path` itself first.
+pub(super) fn possible_files(path: &Path) -> Vec<PathBuf> {
+    let names = MapKind::NAMES.iter().map(|(name, _)| *name).chain([ORM]);
+    std::iter::once(path.to_path_buf()).chain(names.map(|name| beside(path, name))).collect()
+}
+
+impl<'a> MapFile<'a> {
+    fn new(map: MapKind, bitmap: &'a Bitmap) -> Self {
+        Self { maps: vec![map], bitmap, range: None, path: PathBuf::new() }
+    }
+
+    fn holds(&self, any: &[MapKind]) -> bool {
+        any.iter().any(|map| self.maps.contains(map))
+    }
+
+    /// Returns the name of the only map, or of several in one texture.
+    fn name(&self) -> &'static str {
+        let occlusion = self.holds(&[MapKind::Occlusion, MapKind::OcclusionMap]);
+        let roughness = self.holds(&[MapKind::Roughness, MapKind::MetallicRoughness]);
+        if occlusion && roughness { ORM } else { self.maps[0].name() }
+    }
+
+    fn encoding(&self) -> Encoding {
+        let is_color = self.holds(&[MapKind::Albedo, MapKind::Alpha, MapKind::Emission]);
+        if is_color { Encoding::Srgb } else { Encoding::Linear }
+    }
+
+    /// Returns its bytes, as its extension says, with the texels of `bitmap`.
+    fn encoded(&self, bitmap: &Bitmap) -> Result<Vec<u8>> {
+        if has_extension(&self.path, "exr") {
+            return map_numbers::encoded(bitmap, self.meaning());
+        }
+        match has_extension(&self.path, "webp") {
+            true => io::encode_webp_bitmap(bitmap),
+            false => io::encode_png_bitmap(bitmap, self.encoding()),
+        }
+    }
+
+    fn meaning(&self) -> Meaning {
+        match (self.encoding(), self.range) {
+            _ if self.holds(&[MapKind::Normal, MapKind::Bent]) => Meaning::Direction,
+            (Encoding::Srgb, _) => Meaning::Color,
+            (_, Some(range)) => Meaning::Number(range),
+            (_, None) => Meaning::Plain,
+        }
+    }
+
+    /// Returns the numbers of black and white in the file: OpenEXR holds numbers themselves, but emission.
+    fn file_range(&self) -> Option<Range> {
+        let is_number = matches!(self.meaning(), Meaning::Number(_)) && has_extension(&self.path, "exr");
+        self.range.map(|range| if is_number { Range { black: 0.0, white: 1.0, ..range } } else { range })
+    }
+
+    fn notes(&self) -> impl Iterator<Item = MapNote> {
+        let range = self.file_range();
+        self.maps.iter().map(move |map| MapNote {
+            map: *map,
+            material: None,
+            file: Some(self.path.clone()),
+            bits: self.bitmap.bits(),
+            black: range.map(|range| range.black),
+            white: range.map(|range| range.white),
+            unit: range.map_or("", |range| range.unit),
+        })
+    }
+}
+
+/// Returns what each map is and where.
+pub(super) fn notes(made: &Made, path: &Path) -> Vec<MapNote> {
+    files(made, path).iter().flat_map(MapFile::notes).collect()
+}
+
+/// Returns all files.
+///
+/// # Errors
+/// [`Error::Invalid`] for what maps alone cannot have: several materials, uvs that were made, levels of detail, and the
+/// packing of a model;
+/// [`Error::Unsupported`] for maps of 16 bits as WebP.
+pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
+    check(made, packing)?;
+    let turned = green::turned(made.options.space, &only(made).maps.textures, packing)?;
+    let encode = |file: MapFile<'_>| {
+        let turned = turned.iter().find(|turned| file.holds(&[turned.map]));
+        let bitmap = turned.map_or(file.bitmap, |turned| &turned.bitmap);
+        Ok(FileBytes { bytes: file.encoded(bitmap)?, path: file.path })
+    };
+    files(made, path).into_iter().map(encode).collect()
+}
+
+fn check(made: &Made, packing: &Packing) -> Result<()> {
+    let origin = &only(made).low.origin;
+    let wrong = [
+        (
+            made.parts.len() > 1,
+            "they are for one material and the low-poly mesh has several; give a mesh of one",
+        ),
+        (
+            origin.islands.is_some(),
+            "their uvs were made and no file holds them; give a low-poly mesh with uvs",
+        ),
+        (!made.coarser.is_empty(), "levels of detail are lost with the model; leave them out"),
+        (
+            packing.images != GltfImages::Png || packing.jpeg.is_some(),
+            "the name of their file says how they are packed; leave other packings out",
+        ),
+        (packing.meshopt, "there is no geometry to compress"),
+        (packing.provenance.is_some(), "they hold no XMP metadata"),
+    ];
+    match wrong.iter().find(|(is, _)| *is) {
+        Some((_, why)) => Err(Error::invalid("maps alone", format!("{why}, or write a .glb"))),
+        None => Ok(()),
+    }
+}
+
+/// Returns the properties of the scan's material that are in some map.
+pub(super) fn carried(made: &Made) -> impl Iterator<Item = Property> {
+    made.carried.iter().copied().filter(|property| is_in_map(made, *property))
+}
+
+fn is_in_map(made: &Made, property: Property) -> bool {
+    property.map().is_some_and(|map| made.options.bakes(&[map]))
+}
+
+/// Notes what a model would have and maps alone do not.
+pub(super) fn warnings(made: &Made) -> Warnings {
+    let mut warnings = Warnings::default();
+    let factors = made.carried.iter().filter(|property| !is_in_map(made, **property));
+    let factors: Vec<&str> = factors.map(|property| property.name()).collect();
+    let what = format!("maps alone hold no factors of the scan's material: {}", factors.join(", "));
+    warnings.note(what, usize::from(!factors.is_empty()));
+    let is_told = made.about.copyright.is_some() || made.about.xmp.is_some();
+    warnings.note("maps alone hold neither rights nor history of the scan", usize::from(is_told));
+    warnings
+}
+
+/// Says whether any map is one of the material, and not of the shape.
+pub(super) fn has_material(made: &Made) -> bool {
+    use MapKind::{Albedo, Alpha, Emission, MetallicRoughness, Roughness};
+    made.options.bakes(&[Albedo, Alpha, Emission, MetallicRoughness, Roughness])
+}
+
+/// Returns what the proof of maps alone does not look at.
+pub(super) fn unseen(made: &Made) -> Option<String> {
+    let what = match has_material(made) {
+        true => {
+            "factors of the material, which the maps' program has to set: those of the low-poly mesh are shown"
+        }
+        false => "colour and material, of which no map is baked",
+    };
+    (!made.about.is_plain).then(|| what.to_owned())
+}
+
+/// Reads the maps back onto the low-poly mesh. Normals have green up again.
+///
+/// # Errors
+/// Those of reading the files.
+pub(super) fn read_back(made: &Made, green: GreenChannel, path: &Path) -> Result<Loaded> {
+    let none = KeptTextures::default();
+    let Part { low, maps } = only(made);
+    let told = maps.textures.material(&low.material, &none);
+    let mut material = Material {
+        base_color: told.base_color,
+        metallic: told.metallic,
+        roughness: told.roughness,
+        occlusion_strength: told.occlusion_strength,
+        emissive: told.emissive,
+        ..low.material.clone()
+    };
+    material.retain_textures(|_| false);
+    let mut textures = Vec::new();
+    for file in files(made, path) {
+        let bitmap = io::read_bitmap(&file.path)?;
+        show(&file, textures.len(), (&mut material, made.options.space));
+        textures.push(texture(&file, bitmap, green)?);
+    }
+    let mut scene = Scene::of_mesh(low.mesh.clone(), Material::default())?;
+    scene.edit(|scene| (scene.textures, scene.materials) = (textures, vec![material]))?;
+    Ok(Loaded::new(scene, Warnings::default(), "PNG"))
+}
+
+/// Returns a file's texture, whose normals are codes with green up. Colours in floats are linear there too.
+fn texture(file: &MapFile<'_>, bitmap: Bitmap, green: GreenChannel) -> Result<Texture> {
+    if !file.holds(&[MapKind::Normal]) {
+        return Ok(Texture::new(bitmap, file.encoding()));
+    }
+    let codes = map_numbers::codes_of_normals(bitmap)?;
+    let up = if green == GreenChannel::Down { green_turned(&codes) } else { codes };
+    Ok(Texture::new(up, Encoding::Normal))
+}
+
+/// Puts a texture into the slots of a material that its maps belong to.
+fn show(file: &MapFile<'_>, texture: usize, (material, space): (&mut Material, NormalSpace)) {
+    use MapKind::{Albedo, Alpha, Emission, MetallicRoughness, Normal, Occlusion, OcclusionMap, Roughness};
+    let uses =
+        TextureRef { texture, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    // The proof takes an object-space map from its file.
+    if file.holds(&[Normal]) && space == NormalSpace::Tangent {
+        let green = GreenChannel::Up;
+        material.normal = Some(NormalMap { texture: uses, scale: 1.0, space, green });
+    }
+    let slots = [
+        (file.holds(&[Albedo, Alpha]), &mut material.base_color_texture),
+        (file.holds(&[Roughness, MetallicRoughness]), &mut material.metallic_roughness_texture),
+        (file.holds(&[Occlusion, OcclusionMap]), &mut material.occlusion_texture),
+        (file.holds(&[Emission]), &mut material.emissive_texture),
+    ];
+    slots.into_iter().filter(|(is, _)| *is).for_each(|(_, slot)| *slot = Some(uses));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_pictures_stand_alone() {
+        let alone = ["normal.png", "a/b.WebP", "c.exr", "scan.glb", "scan.gltf", "png"];
+        assert_eq!(alone.map(|path| is_alone(path.as_ref())), [true, true, true, false, false, false]);
+    }
+
+    #[test]
+    fn several_numbers_of_one_texture_share_a_name() {
+        let bitmap = Bitmap::new(1, 1, 3, crate::image::Texels::U8(vec![[255; 4]])).unwrap();
+        let name = |maps: &[MapKind]| {
+            MapFile { maps: maps.to_vec(), ..MapFile::new(MapKind::Normal, &bitmap) }.name()
+        };
+        assert_eq!(name(&[MapKind::Occlusion]), "ao");
+        assert_eq!(name(&[MapKind::Occlusion, MapKind::MetallicRoughness]), "orm");
+        assert_eq!(name(&[MapKind::Albedo, MapKind::Alpha]), "albedo");
+    }
+}

@@ -1,0 +1,527 @@
+//! Files that appear together or not at all, and never over one that was read.
+
+use super::place::{folder_of, refuse_read, refuse_special};
+use super::staging::{Staging, exchange, sync};
+use crate::error::{Error, Result};
+use crate::progress::Progress;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+/// The number of bytes written to a file at once.
+pub(super) const BUFFER: usize = 1 << 16;
+
+/// The number of bytes between two checks for cancellation.
+const CHUNK: usize = 1 << 20;
+
+/// A file to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileBytes {
+    /// The path of the file.
+    pub path: PathBuf,
+    /// The whole content of the file.
+    pub bytes: Vec<u8>,
+}
+
+/// Files that appear together or not at all, and never over one that was read. Clones share all of it.
+///
+/// What is written lies in a hidden folder beside its place until [`FileSet::commit`]. Without that, nothing of it is
+/// left when the last clone is dropped, and what stood there before stays as it was.
+///
+/// ```
+/// use taotie::io::FileSet;
+///
+/// let folder = tempfile::tempdir().unwrap();
+/// let [scan, asset, report] = ["scan.ply", "asset.glb", "report.json"].map(|name| folder.path().join(name));
+/// std::fs::write(&scan, "ply").unwrap();
+///
+/// let files = FileSet::new();
+/// files.protect([&scan])?;
+/// files.write_bytes(&asset, b"glTF")?;
+/// files.write_text(&report, "{}")?;
+/// assert!(!asset.exists() && files.current(&asset).exists());
+/// assert!(files.write_text(&scan, "no").unwrap_err().to_string().contains("is read"));
+/// files.commit()?;
+/// assert!(asset.exists() && report.exists());
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct FileSet {
+    state: Arc<Mutex<State>>,
+}
+
+/// A line to a [`FileSet`] that stops it from any thread.
+#[derive(Debug, Clone)]
+pub struct Stopper {
+    state: Weak<Mutex<State>>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// The files that were read.
+    sources: Vec<PathBuf>,
+    /// The files that will be written.
+    claimed: Vec<PathBuf>,
+    folders: Vec<Staging>,
+    /// Folders that were made, the deepest of each path first.
+    made: Vec<PathBuf>,
+    /// Files that are begun and not complete.
+    open: usize,
+    is_stopped: bool,
+}
+
+/// A target to write to, at any place.
+pub(in crate::io) trait Sink: Write + Seek {}
+impl<T: Write + Seek> Sink for T {}
+
+impl FileSet {
+    /// Makes an empty set.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Lets `write` fill a set of its own, and commits it.
+    ///
+    /// # Errors
+    /// Those of `write` and of [`FileSet::commit`].
+    pub fn one<T>(write: impl FnOnce(&Self) -> Result<T>) -> Result<T> {
+        let files = Self::new();
+        let written = write(&files)?;
+        files.commit().map(|()| written)
+    }
+
+    /// Takes files as read: none of the set is written over one of them, by whatever name or link.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming both where one of them will be written.
+    pub fn protect(&self, sources: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<()> {
+        let mut state = self.state()?;
+        let sources: Vec<PathBuf> = sources.into_iter().map(|source| source.as_ref().to_path_buf()).collect();
+        state.claimed.iter().try_for_each(|target| refuse_read(target, &sources))?;
+        state.sources.extend(sources);
+        Ok(())
+    }
+
+    /// Says that a file will be written, and tries whether it can be, before the work.
+    ///
+    /// ```
+    /// let files = taotie::io::FileSet::new();
+    /// let error = files.claim("no/such/folder/scan.glb".as_ref()).unwrap_err();
+    /// assert_eq!(error.to_string(), "no/such/folder: there is no such folder; make it first");
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Io`] naming the folder where that is missing, or the path where it is no regular file or the system
+    /// refuses; [`Error::Invalid`] naming both where it was read.
+    pub fn claim(&self, path: &Path) -> Result<()> {
+        self.reserve(path)?;
+        let at = self.state()?.place(path)?;
+        if !at.exists() {
+            // A name may be too long.
+            let tried = File::create_new(&at).and_then(|_| fs::remove_file(&at));
+            tried.map_err(|e| Error::io(path, e))?;
+        }
+        Ok(())
+    }
+
+    /// Says that a file may be written, and is not one that was read.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming both where it was read.
+    pub fn reserve(&self, path: &Path) -> Result<()> {
+        let mut state = self.state()?;
+        refuse_read(path, &state.sources)?;
+        state.claimed.push(path.to_path_buf());
+        Ok(())
+    }
+
+    /// Says that files will be written into a folder, and makes it where it is not there. It is removed again where
+    /// nothing comes of the set.
+    ///
+    /// # Errors
+    /// [`Error::Io`] naming what stands in its place where that is no folder, or the folder where the system refuses.
+    pub fn claim_folder(&self, folder: &Path) -> Result<()> {
+        let mut state = self.state()?;
+        let missing = |part: &&Path| !part.as_os_str().is_empty() && !part.exists();
+        let new: Vec<PathBuf> = folder.ancestors().take_while(missing).map(Path::to_path_buf).collect();
+        if let Some(there) = folder.ancestors().find(|part| part.exists())
+            && !there.is_dir()
+        {
+            let why = io::Error::new(io::ErrorKind::NotADirectory, "it is a file; give a folder");
+            return Err(Error::io(there, why));
+        }
+        state.made.extend(new);
+        fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+        state.staging(folder).map(drop).map_err(|e| Error::io(folder, e))
+    }
+
+    /// Returns the place where a file of the set can be read now: its own after [`FileSet::commit`].
+    pub fn current(&self, path: &Path) -> PathBuf {
+        let state = lock(&self.state);
+        let name = path.file_name().unwrap_or_default();
+        let mut held = state.folders.iter().filter(|staging| staging.folder() == folder_of(path));
+        let held = held.find(|staging| staging.holds(name));
+        held.map_or_else(|| path.to_path_buf(), |staging| staging.new_path(name))
+    }
+
+    /// Returns the files that are complete and not yet in their places.
+    pub fn files(&self) -> Vec<PathBuf> {
+        lock(&self.state).folders.iter().flat_map(Staging::targets).collect()
+    }
+
+    /// Writes `bytes` to `path`.
+    ///
+    /// # Errors
+    /// As [`FileSet::claim`], and [`Error::Cancelled`] after [`Stopper::stop`].
+    pub fn write_bytes(&self, path: &Path, bytes: &[u8]) -> Result<()> {
+        self.write_with(path, |out| out.write_all(bytes).map_err(|e| Error::io(path, e)))
+    }
+
+    /// Writes `text` to `path`.
+    ///
+    /// # Errors
+    /// As [`FileSet::write_bytes`].
+    pub fn write_text(&self, path: &Path, text: &str) -> Result<()> {
+        self.write_bytes(path, text.as_bytes())
+    }
+
+    /// Writes all files. The first is renamed last: a document comes after the files it names.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; as [`FileSet::write_bytes`].
+    pub fn write_files(&self, files: &[FileBytes], progress: Progress<'_>) -> Result<()> {
+        let total: usize = files.iter().map(|file| file.bytes.len()).sum();
+        let mut done = 0;
+        for file in files {
+            self.write_with(&file.path, |out| {
+                for chunk in file.bytes.chunks(CHUNK) {
+                    progress.at(done as f64 / total as f64)?;
+                    out.write_all(chunk).map_err(|e| Error::io(&file.path, e))?;
+                    done += chunk.len();
+                }
+                Ok(())
+            })?;
+        }
+        progress.at(1.0)
+    }
+
+    /// Lets `fill` write to a file of the set. The file is removed where anything fails.
+    pub(in crate::io) fn write_with(
+        &self,
+        path: &Path,
+        fill: impl FnOnce(&mut dyn Sink) -> Result<()>,
+    ) -> Result<()> {
+        let draft = self.begin(path)?;
+        let mut out = BufWriter::with_capacity(BUFFER, &draft.file);
+        fill(&mut out)?;
+        out.flush().map_err(|e| Error::io(path, e))?;
+        drop(out);
+        draft.finish()
+    }
+
+    /// Begins a file of the set.
+    pub(super) fn begin(&self, path: &Path) -> Result<Draft> {
+        let mut state = self.state()?;
+        let at = state.place(path)?;
+        let file = File::create_new(&at).map_err(|e| Error::io(path, e))?;
+        state.open += 1;
+        drop(state);
+        Ok(Draft { files: self.clone(), path: path.to_path_buf(), at, file, is_done: false })
+    }
+
+    /// Puts all files in their places, or none of them.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where a file is not complete, [`Error::Cancelled`] after [`Stopper::stop`], [`Error::Io`]
+    /// where the system refuses: then all is as it was.
+    pub fn commit(&self) -> Result<()> {
+        let mut state = self.state()?;
+        if state.open > 0 {
+            return Err(Error::invalid("the files to write", format!("{} are not complete", state.open)));
+        }
+        let folders: Vec<PathBuf> = state.folders.iter().map(|staging| staging.folder().to_owned()).collect();
+        let done = exchange(&mut state.folders);
+        state.folders.clear();
+        if done.is_ok() {
+            state.made.clear();
+        }
+        drop(state);
+        folders.iter().for_each(|folder| sync(folder));
+        done
+    }
+
+    /// Returns a line by which another thread stops the set.
+    pub fn stopper(&self) -> Stopper {
+        Stopper { state: Arc::downgrade(&self.state) }
+    }
+
+    /// Returns the state, unless the set was stopped.
+    fn state(&self) -> Result<MutexGuard<'_, State>> {
+        let state = lock(&self.state);
+        if state.is_stopped { Err(Error::Cancelled) } else { Ok(state) }
+    }
+}
+
+impl Stopper {
+    /// Removes all that is not in its place, and lets nothing more be written. Files that are being put in their places
+    /// come there first, which takes milliseconds.
+    pub fn stop(&self) {
+        if let Some(state) = self.state.upgrade() {
+            let mut state = lock(&state);
+            state.is_stopped = true;
+            state.clear();
+        }
+    }
+}
+
+impl State {
+    /// Returns where a file is written before it is in its place.
+    fn place(&mut self, path: &Path) -> Result<PathBuf> {
+        refuse_special(path)?;
+        refuse_read(path, &self.sources)?;
+        let Some(name) = path.file_name() else {
+            return Err(Error::invalid(path.display().to_string(), "give a file name"));
+        };
+        let folder = folder_of(path);
+        if !folder.is_dir() {
+            let why = io::Error::new(io::ErrorKind::NotFound, "there is no such folder; make it first");
+            return Err(Error::io(folder, why));
+        }
+        let staging = self.staging(folder).map_err(|e| Error::io(path, e))?;
+        Ok(staging.new_path(name))
+    }
+
+    fn staging(&mut self, folder: &Path) -> io::Result<&mut Staging> {
+        let known = self.folders.iter().position(|staging| staging.folder() == folder);
+        let index = match known {
+            Some(index) => index,
+            None => {
+                self.folders.push(Staging::new(folder)?);
+                self.folders.len() - 1
+            }
+        };
+        Ok(&mut self.folders[index])
+    }
+
+    fn clear(&mut self) {
+        self.folders.clear();
+        // A folder that is not empty stays.
+        self.made.drain(..).for_each(|folder| drop(fs::remove_dir(folder)));
+    }
+}
+
+impl Drop for State {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// A file of a set that is being written.
+#[derive(Debug)]
+pub(super) struct Draft {
+    files: FileSet,
+    path: PathBuf,
+    at: PathBuf,
+    pub file: File,
+    is_done: bool,
+}
+
+impl Draft {
+    /// Returns the path that the file will have.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Takes the file as complete.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where it does not reach the disk, [`Error::Cancelled`] where the set was stopped.
+    pub fn finish(mut self) -> Result<()> {
+        self.file.sync_data().map_err(|e| Error::io(&self.path, e))?;
+        let mut state = self.files.state()?;
+        let staging = state.staging(folder_of(&self.path)).map_err(|e| Error::io(&self.path, e))?;
+        staging.complete(self.path.file_name().unwrap_or_default());
+        state.open -= 1;
+        drop(state);
+        self.is_done = true;
+        Ok(())
+    }
+}
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        if !self.is_done {
+            let _ = fs::remove_file(&self.at);
+            lock(&self.files.state).open -= 1;
+        }
+    }
+}
+
+fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
+    state.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Writes `bytes` to `path`, whole or not at all.
+///
+/// # Errors
+/// [`Error::Io`] naming the folder where that is missing, or the path where the system refuses.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
+    FileSet::one(|files| files.write_bytes(path, bytes))
+}
+
+/// Writes `text` to `path`, whole or not at all.
+///
+/// # Errors
+/// As [`write_bytes`].
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    write_bytes(path, text.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tempfile::TempDir;
+
+    fn count(folder: &TempDir) -> usize {
+        fs::read_dir(folder.path()).unwrap().count()
+    }
+
+    #[test]
+    fn replaces_whole_files_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a b.txt");
+        write_text(&path, "first, and longer").unwrap();
+        write_text(&path, "second").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "second");
+        let failed = FileSet::one(|files| {
+            files.write_with(&path, |out| {
+                out.write_all(b"half").unwrap();
+                Err(Error::invalid("x", "y"))
+            })
+        });
+        assert!(failed.is_err());
+        assert_eq!(fs::read_to_string(&path).unwrap(), "second");
+        assert_eq!(count(&folder), 1);
+    }
+
+    #[test]
+    fn a_cancelled_write_leaves_no_file_and_no_change() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, length: usize| FileBytes {
+            path: folder.path().join(name),
+            bytes: vec![b'x'; length],
+        };
+        fs::write(folder.path().join("a"), "before").unwrap();
+        let list = [file("a", 10), file("b", 3 * CHUNK)];
+        let stop = |_: &'static str, done: f64| done < 0.5;
+        let cancelled = FileSet::one(|files| files.write_files(&list, Progress::new(&stop)));
+        assert!(matches!(cancelled, Err(Error::Cancelled)));
+        assert_eq!(fs::read(&list[0].path).unwrap(), b"before");
+        assert_eq!(count(&folder), 1);
+        FileSet::one(|files| files.write_files(&list, Progress::SILENT)).unwrap();
+        assert!(list.iter().all(|file| fs::read(&file.path).unwrap() == file.bytes));
+        assert_eq!(count(&folder), 2);
+    }
+
+    #[test]
+    fn places_are_tried_and_left_as_they_were() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("file"), "before").unwrap();
+        let files = FileSet::new();
+        files.claim(&path("file")).unwrap();
+        files.claim(&path("new")).unwrap();
+        files.claim_folder(&path("folder/deep")).unwrap();
+        let refused = |name: &str| files.claim(&path(name)).unwrap_err().to_string();
+        assert!(
+            refused("").contains("it is a folder") && refused("new/deep/file").contains("no such folder")
+        );
+        assert!(refused(&"x".repeat(300)).contains("xxx"), "the name is too long");
+        let error = files.claim_folder(&path("file/deep")).unwrap_err().to_string();
+        assert!(error.ends_with("file: it is a file; give a folder"), "{error}");
+        drop(files);
+        assert_eq!(fs::read(path("file")).unwrap(), b"before");
+        assert_eq!(count(&folder), 1);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_that_refuses_is_told() {
+        // No one can make files there, not even the administrator.
+        let files = FileSet::new();
+        let error = files.claim(Path::new("/proc/scan.glb")).unwrap_err().to_string();
+        assert!(error.starts_with("/proc/scan.glb: "), "{error}");
+        assert!(files.claim_folder(Path::new("/proc/scans")).is_err());
+        assert!(files.claim(Path::new("/dev/null")).unwrap_err().to_string().contains("not a regular file"));
+    }
+
+    #[test]
+    fn no_file_is_written_over_one_that_was_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("sub")).unwrap();
+        fs::write(path("scan.bin"), "numbers").unwrap();
+        fs::hard_link(path("scan.bin"), path("link.bin")).unwrap();
+        let files = FileSet::new();
+        files.claim(&path("later.bin")).unwrap();
+        files.protect([path("scan.bin"), path("missing.bin")]).unwrap();
+        for name in ["scan.bin", "sub/../scan.bin", "link.bin"] {
+            let error = files.write_bytes(&path(name), b"").unwrap_err().to_string();
+            assert!(
+                error.contains(name) && error.contains("scan.bin, which is read; give another"),
+                "{error}"
+            );
+            assert!(files.claim(&path(name)).is_err());
+        }
+        fs::write(path("later.bin"), "it came to be").unwrap();
+        assert!(files.protect([path("later.bin")]).is_err(), "what is claimed is not read either");
+        files.write_bytes(&path("other.bin"), b"").unwrap();
+        files.commit().unwrap();
+        assert_eq!(fs::read(path("scan.bin")).unwrap(), b"numbers");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nor_over_one_that_a_link_leads_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let [source, link] = ["a.png", "b.png"].map(|name| folder.path().join(name));
+        fs::write(&source, "").unwrap();
+        std::os::unix::fs::symlink(&source, &link).unwrap();
+        for (read, written) in [(&source, &link), (&link, &source)] {
+            let files = FileSet::new();
+            files.protect([read]).unwrap();
+            assert!(files.claim(written).is_err());
+        }
+    }
+
+    #[test]
+    fn a_set_that_is_stopped_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let (files, made) = (FileSet::new(), folder.path().join("made"));
+        files.claim_folder(&made).unwrap();
+        files.write_text(&made.join("a"), "a").unwrap();
+        let open = files.begin(&made.join("b")).unwrap();
+        assert!(files.commit().unwrap_err().to_string().contains("1 are not complete"));
+        let stopper = files.stopper();
+        stopper.stop();
+        assert!(matches!(open.finish(), Err(Error::Cancelled)));
+        assert!(matches!(files.write_text(&made.join("c"), "c"), Err(Error::Cancelled)));
+        assert!(matches!(files.commit(), Err(Error::Cancelled)));
+        assert_eq!(count(&folder), 0);
+    }
+
+    #[test]
+    fn a_file_can_be_read_before_it_is_in_its_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let (files, path) = (FileSet::new(), folder.path().join("a"));
+        fs::write(&path, "before").unwrap();
+        files.write_text(&path, "after").unwrap();
+        assert_eq!(files.files(), [path.clone()]);
+        assert_eq!(fs::read_to_string(files.current(&path)).unwrap(), "after");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "before");
+        files.commit().unwrap();
+        assert_eq!((files.current(&path), files.files().len()), (path.clone(), 0));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "after");
+    }
+}

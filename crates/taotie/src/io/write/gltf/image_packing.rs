@@ -1,0 +1,172 @@
+//! The formats of a texture's image, and its bytes in each.
+
+use super::format::{GltfFormat, GltfImages};
+use super::ktx::{self, KtxImage};
+use super::webp::WebPLoss;
+#[cfg(feature = "webp")]
+use super::webp::{self, WebPImage};
+use crate::error::{Error, Result};
+use crate::image::{Bitmap, Encoding, Texels};
+use crate::io::write::png::interleaved;
+use crate::io::{PngColor, PngImage, PngSamples, encode_png};
+use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
+use std::borrow::Cow;
+
+/// The format of an image, and what it may lose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ImagePacking {
+    Png,
+    /// Of a quality, 1 to 100; holds no alpha.
+    Jpeg(u8),
+    WebP(WebPLoss),
+    /// With an RDO as in [`GltfFormat::uastc_rdo`], 0 for none; holds no alpha.
+    Ktx2(u8),
+}
+
+impl From<GltfImages> for ImagePacking {
+    /// Returns the packing that loses least.
+    fn from(images: GltfImages) -> Self {
+        match images {
+            GltfImages::Png => Self::Png,
+            GltfImages::WebP => Self::WebP(WebPLoss::Lossless),
+            GltfImages::Ktx2 => Self::Ktx2(0),
+        }
+    }
+}
+
+impl ImagePacking {
+    /// Returns the packing of an image of some meaning: colours may lose what is asked for, normals nothing more than
+    /// the format costs. Other numbers are nearly lossless in WebP, since its losses blur their channels together.
+    pub fn new(format: &GltfFormat, encoding: Encoding) -> Self {
+        match (format.images, encoding) {
+            (images, Encoding::Normal) => images.into(),
+            (GltfImages::WebP, Encoding::Srgb) => {
+                Self::WebP(format.webp_quality.map_or(WebPLoss::Lossless, WebPLoss::Quality))
+            }
+            (GltfImages::WebP, Encoding::Linear) => {
+                Self::WebP(format.webp_quality.map_or(WebPLoss::Lossless, |_| WebPLoss::NearLossless))
+            }
+            (GltfImages::Ktx2, _) => Self::Ktx2(format.uastc_rdo.unwrap_or(0)),
+            (GltfImages::Png, _) => Self::Png,
+        }
+    }
+
+    pub fn file_extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Jpeg(_) => "jpg",
+            Self::WebP(_) => "webp",
+            Self::Ktx2(_) => "ktx2",
+        }
+    }
+
+    pub fn mime_type(self) -> &'static str {
+        match self {
+            Self::Png => "image/png",
+            Self::Jpeg(_) => "image/jpeg",
+            Self::WebP(_) => "image/webp",
+            Self::Ktx2(_) => "image/ktx2",
+        }
+    }
+
+    /// Returns the extension that a texture needs to show such an image.
+    pub fn extension(self) -> Option<&'static str> {
+        match self {
+            Self::Png | Self::Jpeg(_) => None,
+            Self::WebP(_) => Some("EXT_texture_webp"),
+            Self::Ktx2(_) => Some("KHR_texture_basisu"),
+        }
+    }
+}
+
+/// The stored form of a bitmap, and its meaning.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stored {
+    pub encoding: Encoding,
+    /// `true` where alpha is written; KTX2 and JPEG hold none.
+    pub alpha: bool,
+}
+
+/// Returns the bytes of an image file.
+///
+/// # Errors
+/// [`Error::Unsupported`] for texels of floats; the errors of the format.
+pub(super) fn encode(bitmap: &Bitmap, stored: Stored, packing: ImagePacking) -> Result<Vec<u8>> {
+    match packing {
+        ImagePacking::Png => png(bitmap, stored),
+        ImagePacking::Jpeg(quality) => jpeg(bitmap, stored, quality),
+        ImagePacking::WebP(loss) => webp(bitmap, stored, loss),
+        ImagePacking::Ktx2(rdo) => {
+            let size = [bitmap.width(), bitmap.height()];
+            let texels = eight_bits(bitmap, stored)?.into_owned();
+            ktx::encode(KtxImage { size, texels, encoding: stored.encoding, rdo })
+        }
+    }
+}
+
+fn png(bitmap: &Bitmap, stored: Stored) -> Result<Vec<u8>> {
+    let (color, channels) = match bitmap.channels() {
+        2 | 4 if stored.alpha => (PngColor::Rgba, 4),
+        1 | 2 => (PngColor::Grey, 1),
+        _ => (PngColor::Rgb, 3),
+    };
+    let (width, height, encoding) = (bitmap.width(), bitmap.height(), stored.encoding);
+    let encode = |samples| encode_png(&PngImage { width, height, color, samples, encoding });
+    match bitmap.texels() {
+        Texels::U8(texels) => encode(PngSamples::U8(&interleaved(texels, channels))),
+        Texels::U16(texels) => encode(PngSamples::U16(&interleaved(texels, channels))),
+        Texels::F32(_) => Err(no_floats(stored)),
+    }
+}
+
+/// Returns the bytes of a JPEG, which holds 8 bits and no alpha.
+fn jpeg(bitmap: &Bitmap, stored: Stored, quality: u8) -> Result<Vec<u8>> {
+    let wrong = |e: image::ImageError| Error::invalid("a texture as JPEG", e.to_string());
+    let mut bytes = Vec::new();
+    let texels = eight_bits(bitmap, stored)?;
+    JpegEncoder::new_with_quality(&mut bytes, quality)
+        .encode(&interleaved(&texels, 3), bitmap.width(), bitmap.height(), ExtendedColorType::Rgb8)
+        .map_err(wrong)?;
+    Ok(bytes)
+}
+
+#[cfg(not(feature = "webp"))]
+fn webp(_: &Bitmap, _: Stored, _: WebPLoss) -> Result<Vec<u8>> {
+    Err(Error::needs_feature("WebP", "webp"))
+}
+
+#[cfg(feature = "webp")]
+fn webp(bitmap: &Bitmap, stored: Stored, loss: WebPLoss) -> Result<Vec<u8>> {
+    let (size, has_alpha) = ([bitmap.width(), bitmap.height()], stored.alpha);
+    let texels = eight_bits(bitmap, stored)?;
+    let samples = interleaved(&texels, if has_alpha { 4 } else { 3 });
+    webp::encode(&WebPImage { size, samples: &samples, has_alpha }, loss)
+}
+
+/// Returns the bytes of a lossless WebP of the texels of a bitmap, with alpha where it has some.
+///
+/// # Errors
+/// [`Error::Unsupported`] for texels of more than 8 bits, and without the feature `webp`.
+pub fn encode_webp_bitmap(bitmap: &Bitmap) -> Result<Vec<u8>> {
+    let stored = Stored { encoding: Encoding::Linear, alpha: matches!(bitmap.channels(), 2 | 4) };
+    match bitmap.bits() {
+        8 => webp(bitmap, stored, WebPLoss::Lossless),
+        bits => {
+            Err(Error::unsupported(format!("a WebP of {bits} bits a channel"), "it holds 8; write a .png"))
+        }
+    }
+}
+
+/// Returns the texels rounded to 8 bits.
+fn eight_bits(bitmap: &Bitmap, stored: Stored) -> Result<Cow<'_, [[u8; 4]]>> {
+    let rounded = |v: u16| ((u32::from(v) * 255 + 32767) / 65535) as u8;
+    match bitmap.texels() {
+        Texels::U8(texels) => Ok(Cow::Borrowed(texels)),
+        Texels::U16(texels) => Ok(Cow::Owned(texels.iter().map(|texel| texel.map(rounded)).collect())),
+        Texels::F32(_) => Err(no_floats(stored)),
+    }
+}
+
+fn no_floats(stored: Stored) -> Error {
+    Error::unsupported(format!("a {:?} texture of floats in glTF", stored.encoding), "store 8 or 16 bits")
+}

@@ -1,0 +1,139 @@
+//! Rate–distortion optimisation: blocks that repeat bytes of earlier ones where that costs little, since Zstandard stores
+//! what is repeated in few bits. The idea is Basis Universal's; the search is ours.
+
+use super::block::{Block, Tile, values};
+use super::fit::{Texels, squares};
+use std::collections::VecDeque;
+
+/// The number of blocks that are chosen one after the other. Runs know nothing of one another, whatever the threads do.
+pub(super) const RUN: usize = 4096;
+
+/// The number of earlier blocks that one may repeat, and of those, the newest, whose weights it may.
+const WINDOW: usize = 256;
+const NEWEST: usize = 32;
+
+/// The bits that Zstandard is thought to need for a block: for one that is there already, for one whose weights are,
+/// which are its second half, and for a new one.
+const REPEATED: f32 = 24.0;
+const REFITTED: f32 = 88.0;
+const NEW: f32 = 128.0;
+
+/// The channels of a block's texels.
+const CHANNELS: f32 = 48.0;
+
+/// Returns the blocks of a run. Of all candidates each takes the one with the least sum of squared error and bits, where
+/// a new block's bits are worth `rdo` of root mean square, of 255. So its mean square error is above that of the nearest
+/// block by `rdo`² at most.
+pub(super) fn blocks(tiles: &[Tile], rdo: u8) -> Vec<[u8; 16]> {
+    let bit = CHANNELS * f32::from(rdo) * f32::from(rdo) / NEW;
+    let mut window = VecDeque::with_capacity(WINDOW + 1);
+    tiles.iter().map(|tile| chosen(tile, bit, &mut window)).collect()
+}
+
+/// A block that was written, and the texels that it shows.
+struct Written {
+    block: Block,
+    colors: Texels,
+    bytes: [u8; 16],
+}
+
+/// Returns the bytes of a block, which joins the window, the newest first, where it is new.
+fn chosen(tile: &Tile, bit: f32, window: &mut VecDeque<Written>) -> [u8; 16] {
+    let mut search = Search::new(tile, bit);
+    window.iter().for_each(|earlier| search.repeat(earlier));
+    if search.cost > bit * REFITTED {
+        window.iter().take(NEWEST).for_each(|earlier| search.refit(earlier));
+    }
+    let Search { block, colors, repeated, .. } = search;
+    repeated.unwrap_or_else(|| {
+        let bytes = block.bytes(tile);
+        window.push_front(Written { block, colors, bytes });
+        window.truncate(WINDOW);
+        bytes
+    })
+}
+
+/// The search for a block, and the best one so far.
+struct Search {
+    texels: Texels,
+    /// The squared error that a bit is worth.
+    bit: f32,
+    block: Block,
+    colors: Texels,
+    cost: f32,
+    /// The bytes of the earlier block that it is.
+    repeated: Option<[u8; 16]>,
+}
+
+impl Search {
+    /// Begins with the nearest block.
+    fn new(tile: &Tile, bit: f32) -> Self {
+        let (texels, block) = (values(tile), Block::nearest(tile));
+        let colors = block.colors();
+        let cost = squares(&colors, &texels) + bit * NEW;
+        Self { texels, bit, block, colors, cost, repeated: None }
+    }
+
+    /// Tries an earlier block as it is.
+    fn repeat(&mut self, earlier: &Written) {
+        let cost = squares(&earlier.colors, &self.texels) + self.bit * REPEATED;
+        if cost < self.cost {
+            let Written { block, colors, bytes } = *earlier;
+            (self.block, self.colors, self.cost, self.repeated) = (block, colors, cost, Some(bytes));
+        }
+    }
+
+    /// Tries an earlier block's weights.
+    fn refit(&mut self, earlier: &Written) {
+        let Some(block) = earlier.block.refitted(&self.texels) else { return };
+        let colors = block.colors();
+        let cost = squares(&colors, &self.texels) + self.bit * REFITTED;
+        if cost < self.cost {
+            (self.block, self.colors, self.cost, self.repeated) = (block, colors, cost, None);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tiles of a ramp with some noise.
+    fn tiles(count: usize) -> Vec<Tile> {
+        let texel = |block: usize, k: usize| {
+            let noise = (block * 16 + k).wrapping_mul(2_654_435_761) >> 7 & 3;
+            let place = block / 2 + k % 4;
+            [place + noise, 2 * (place % 64) + noise, 90 + noise].map(|v| (v % 256) as u8)
+        };
+        (0..count).map(|block| std::array::from_fn(|k| texel(block, k))).collect()
+    }
+
+    /// The error that repeating adds stays below what was allowed, and more is repeated the more is allowed.
+    #[test]
+    fn repeats_within_the_bound() {
+        let tiles = tiles(300);
+        let distinct = |rdo: u8| {
+            let all: std::collections::BTreeSet<[u8; 16]> = blocks(&tiles, rdo).into_iter().collect();
+            all.len()
+        };
+        let counts = [1, 4, 16].map(distinct);
+        assert!(counts[0] > counts[1] && counts[1] > counts[2], "{counts:?}");
+        for rdo in [1u8, 4, 16] {
+            let (bound, mut window) = (f32::from(rdo) * f32::from(rdo), VecDeque::new());
+            for tile in &tiles {
+                let bytes = chosen(tile, CHANNELS * bound / NEW, &mut window);
+                let shown = window.iter().find(|written: &&Written| written.bytes == bytes);
+                let shown = shown.expect("it is new, or in the window").colors;
+                let error = |colors: &Texels| squares(colors, &values(tile)) / CHANNELS;
+                let least = error(&Block::nearest(tile).colors());
+                assert!(error(&shown) <= least + bound, "{} {least} {bound}", error(&shown));
+            }
+        }
+    }
+
+    #[test]
+    fn one_colour_is_one_block() {
+        let blocks = blocks(&[[[7, 80, 200]; 16]; 9], 1);
+        assert!(blocks.iter().all(|block| *block == blocks[0]));
+    }
+}

@@ -1,0 +1,60 @@
+//! WebP, by libwebp.
+
+#[cfg(feature = "webp")]
+use crate::error::{Error, Result};
+
+/// The loss of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum WebPLoss {
+    /// None.
+    Lossless,
+    /// At most 2 of 255 in each channel, where texels differ from their neighbours.
+    NearLossless,
+    /// That of a quality, 1 to 100; alpha loses nothing.
+    Quality(u8),
+}
+
+/// An image to be written.
+#[cfg(feature = "webp")]
+pub(super) struct WebPImage<'a> {
+    /// Width and height, texels.
+    pub size: [u32; 2],
+    /// RGB, or RGBA where there is alpha.
+    pub samples: &'a [u8],
+    pub has_alpha: bool,
+}
+
+/// Returns the file. libwebp is given one thread, so that its bytes do not depend on their number.
+///
+/// # Errors
+/// [`Error::Invalid`] where a side is longer than 16383 texels.
+#[cfg(feature = "webp")]
+pub(super) fn encode(image: &WebPImage<'_>, loss: WebPLoss) -> Result<Vec<u8>> {
+    let [width, height] = image.size;
+    let config = config(loss);
+    let bytes = if image.has_alpha {
+        config.encode_rgba(image.samples, width, height, webpx::Unstoppable)
+    } else {
+        config.encode_rgb(image.samples, width, height, webpx::Unstoppable)
+    };
+    let what = || format!("a texture of {width}×{height} as WebP");
+    bytes.map_err(|e| Error::invalid(what(), e.error().to_string()))
+}
+
+/// Returns libwebp's options. Colours under clear texels stay, since lookups between texels read them.
+#[cfg(feature = "webp")]
+fn config(loss: WebPLoss) -> webpx::EncoderConfig {
+    /// Rounds to multiples of 4 at most: libwebp's bits of loss are 5 less a twentieth of this.
+    const NEAR_LOSSLESS: u8 = 60;
+    /// The search that takes longest.
+    const SEARCH: u8 = 6;
+    match loss {
+        WebPLoss::Lossless => webpx::EncoderConfig::new_lossless().exact(true),
+        WebPLoss::NearLossless => {
+            webpx::EncoderConfig::new_lossless().near_lossless(NEAR_LOSSLESS).exact(true)
+        }
+        WebPLoss::Quality(quality) => {
+            webpx::EncoderConfig::new().quality(quality.into()).method(SEARCH).sharp_yuv(true).exact(true)
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! Lossy packings of textures: what they save, what they cost, and whom they leave alone.
+
+use crate::bumpy;
+use image::ImageReader;
+use taotie::image::{Bitmap, Texels};
+use taotie::io::{GltfAsset, GltfFormat, GltfImages, GltfLevel, GltfMaterial, encode_gltf, load_model};
+use taotie::scene::AlphaMode;
+use tempfile::TempDir;
+
+/// The textures of a model in files.
+struct Files {
+    folder: TempDir,
+}
+
+impl Files {
+    fn new(material: GltfMaterial<'_>, format: &GltfFormat) -> Self {
+        let (mesh, folder) = (bumpy::sphere(8, 4), tempfile::tempdir().unwrap());
+        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let asset = GltfAsset { levels: &levels, material, ..GltfAsset::default() };
+        for file in encode_gltf(&folder.path().join("m.gltf"), &asset, format).unwrap() {
+            std::fs::write(file.path, file.bytes).unwrap();
+        }
+        Self { folder }
+    }
+
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.folder.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    fn size(&self, name: &str) -> usize {
+        self.bytes(name).len()
+    }
+
+    /// The base colour as our reader reads it.
+    fn color(&self) -> Bitmap {
+        let loaded = load_model(&self.folder.path().join("m.gltf")).unwrap();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        let used = loaded.scene.materials()[0].base_color_texture.expect("there is one").texture;
+        loaded.scene.textures()[used].bitmap().clone()
+    }
+}
+
+fn colored(color: &Bitmap) -> GltfMaterial<'_> {
+    GltfMaterial { base_color_map: Some(color.into()), ..GltfMaterial::default() }
+}
+
+fn codes(bitmap: &Bitmap) -> &[[u8; 4]] {
+    let Texels::U8(texels) = bitmap.texels() else { panic!("8 bits") };
+    texels
+}
+
+/// The mean square of the differences of red, green and blue, of 255².
+fn mean_square(a: &Bitmap, b: &Bitmap) -> f64 {
+    let squares = codes(a).iter().zip(codes(b)).flat_map(|(a, b)| {
+        [0, 1, 2].map(|c| f64::from(a[c].abs_diff(b[c])) * f64::from(a[c].abs_diff(b[c])))
+    });
+    squares.sum::<f64>() / (3 * codes(a).len()) as f64
+}
+
+/// Numbers below `count` that look like chance.
+fn noise(x: u32, y: u32, channel: u32, count: u32) -> u8 {
+    let hash =
+        (x.wrapping_mul(2_654_435_761) ^ y.wrapping_mul(2_246_822_519)).wrapping_add(channel * 374_761_393);
+    let hash = (hash ^ hash >> 15).wrapping_mul(2_246_822_519);
+    ((hash ^ hash >> 13) % count) as u8
+}
+
+/// A ramp with noise of so many values.
+fn ramp(values: u32) -> Bitmap {
+    bumpy::bitmap(256, |x, y| {
+        let [r, g, b] = [0, 1, 2].map(|channel| noise(x, y, channel, values));
+        [(x / 2) as u8 + r, 60 + g, 90 + b]
+    })
+}
+
+fn webp(quality: u8) -> GltfFormat {
+    GltfFormat { images: GltfImages::WebP, webp_quality: Some(quality), ..GltfFormat::default() }
+}
+
+fn ktx2(uastc_rdo: Option<u8>) -> GltfFormat {
+    GltfFormat { images: GltfImages::Ktx2, uastc_rdo, ..GltfFormat::default() }
+}
+
+/// The bytes of a lossy WebP fall with its quality, its error rises, and another decoder sees what our reader sees.
+#[test]
+fn webp_of_a_quality() {
+    let color = ramp(9);
+    let lossless = GltfFormat { images: GltfImages::WebP, ..GltfFormat::default() };
+    let whole = Files::new(colored(&color), &lossless);
+    assert_eq!(whole.color(), color);
+    let written = [30, 90].map(|quality| {
+        let files = Files::new(colored(&color), &webp(quality));
+        let bytes = files.bytes("m_color.webp");
+        let reader = ImageReader::with_format(std::io::Cursor::new(&bytes), image::ImageFormat::WebP);
+        let other = reader.decode().unwrap().into_rgb8();
+        let ours: Vec<u8> = codes(&files.color()).iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+        assert!(other.into_raw() == ours, "quality {quality}");
+        (bytes.len(), mean_square(&files.color(), &color))
+    });
+    let [coarse, fine] = written;
+    println!("lossless {}, quality 90 {fine:?}, quality 30 {coarse:?}", whole.size("m_color.webp"));
+    assert!(coarse.0 < fine.0 && coarse.1 > fine.1);
+    // Nearly all bits of the picture are noise, which a lossy picture does not keep.
+    assert!(2 * fine.0 < whole.size("m_color.webp"));
+    // All of the noise would be 20/3; what is lost beyond it is a code or two.
+    assert!(fine.1 < 12.0, "{}", fine.1);
+}
+
+/// libwebp's near-lossless rounding at its setting 60 is to multiples of 4.
+#[test]
+fn numbers_are_nearly_lossless() {
+    let color = bumpy::colors(16);
+    let numbers = bumpy::bitmap(256, |x, y| {
+        [200 + noise(x, y, 0, 9), (x / 2) as u8 + noise(x, y, 1, 9), 20 + noise(x, y, 2, 9)]
+    });
+    let normal = bumpy::normals(256, 8);
+    let material = GltfMaterial {
+        metallic_roughness_map: Some((&numbers).into()),
+        normal_map: Some((&normal).into()),
+        ..colored(&color)
+    };
+    let read = |files: &Files, name: &str| {
+        let bytes = files.bytes(name);
+        let reader = ImageReader::with_format(std::io::Cursor::new(&bytes), image::ImageFormat::WebP);
+        let raw = reader.decode().unwrap().into_rgb8().into_raw();
+        (bytes.len(), raw)
+    };
+    let raw =
+        |bitmap: &Bitmap| codes(bitmap).iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect::<Vec<u8>>();
+    let lossless = GltfFormat { images: GltfImages::WebP, ..GltfFormat::default() };
+    let (exact, near) = (Files::new(material, &lossless), Files::new(material, &webp(50)));
+    let [exact_numbers, near_numbers] = [&exact, &near].map(|files| read(files, "m_metallic_roughness.webp"));
+    assert!(exact_numbers.1 == raw(&numbers));
+    let farthest = near_numbers.1.iter().zip(raw(&numbers)).map(|(a, b)| a.abs_diff(b)).max();
+    assert!(farthest > Some(0) && farthest <= Some(2), "{farthest:?}");
+    assert!(near_numbers.0 < exact_numbers.0, "{} {}", near_numbers.0, exact_numbers.0);
+    let [exact_normals, near_normals] = [&exact, &near].map(|files| read(files, "m_normal.webp"));
+    assert!(near_normals.1 == raw(&normal) && near_normals.0 == exact_normals.0, "normals stay as they are");
+}
+
+#[test]
+fn alpha_of_lossy_webp_is_exact() {
+    let opaque = ramp(3);
+    let texels = codes(&opaque).iter().enumerate().map(|(i, [r, g, b, _])| [*r, *g, *b, (i % 251) as u8]);
+    let color = Bitmap::new(256, 256, 4, Texels::U8(texels.collect())).unwrap();
+    let files = Files::new(GltfMaterial { alpha: AlphaMode::Blend, ..colored(&color) }, &webp(60));
+    let back = files.color();
+    assert!(codes(&back).iter().zip(codes(&color)).all(|(a, b)| a[3] == b[3]));
+    assert!(mean_square(&back, &color) > 0.0);
+}
+
+/// The levels of a KTX2 file: packed bytes and the number of bytes that they unpack to.
+fn levels(bytes: &[u8]) -> Vec<(&[u8], usize)> {
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
+    assert_eq!(word(44), 2, "Zstandard");
+    (0..word(40))
+        .map(|level| {
+            let [offset, length, unpacked] = [0, 8, 16].map(|at| word(80 + 24 * level + at));
+            (&bytes[offset..offset + length], unpacked)
+        })
+        .collect()
+}
+
+/// Each level is a frame of its own for Zstandard's reference decoder.
+#[test]
+fn levels_are_under_zstandard() {
+    let bytes = Files::new(colored(&ramp(3)), &ktx2(None)).bytes("m_color.ktx2");
+    let levels = levels(&bytes);
+    assert_eq!(levels.len(), 9);
+    for (level, (packed, unpacked)) in levels.iter().enumerate() {
+        let blocks = (256usize >> level).div_ceil(4);
+        assert_eq!(*unpacked, 16 * blocks * blocks);
+        assert_eq!(zstd::bulk::decompress(packed, *unpacked).unwrap().len(), *unpacked);
+    }
+    let last = levels[0].0.as_ptr() as usize + levels[0].0.len();
+    assert_eq!(last, bytes.as_ptr() as usize + bytes.len(), "the largest level lies at the end");
+    let sums = levels.iter().fold([0, 0], |[a, b], (packed, unpacked)| [a + packed.len(), b + unpacked]);
+    assert!(sums[0] < sums[1], "{sums:?}");
+}
+
+/// The mean square error rises by the square of the RDO at most, and bytes fall.
+#[test]
+fn rdo_saves_within_its_bound() {
+    let color = ramp(3);
+    let written = |rdo: Option<u8>| {
+        let files = Files::new(colored(&color), &ktx2(rdo));
+        (files.size("m_color.ktx2"), mean_square(&files.color(), &color))
+    };
+    let (plain, two, eight) = (written(None), written(Some(2)), written(Some(8)));
+    println!("none {plain:?}, 2 {two:?}, 8 {eight:?}");
+    // A column of blocks differs by its noise alone, a mean square of 4/3 where 4 are allowed: most blocks repeat.
+    assert!(10 * two.0 < 6 * plain.0);
+    assert!(eight.0 < two.0);
+    assert!(plain.1 < two.1 && two.1 <= plain.1 + 4.0 && eight.1 <= plain.1 + 64.0);
+}
+
+#[test]
+fn rdo_leaves_normals_alone() {
+    let normal = bumpy::normals(128, 8);
+    let color = bumpy::colors(16);
+    let material = GltfMaterial { normal_map: Some((&normal).into()), ..colored(&color) };
+    let [plain, much] = [None, Some(64)].map(|rdo| Files::new(material, &ktx2(rdo)).bytes("m_normal.ktx2"));
+    assert!(plain == much);
+}
+
+#[test]
+fn numbers_that_are_not_read_are_refused() {
+    let color = bumpy::colors(16);
+    let (mesh, default) = (bumpy::sphere(8, 4), GltfFormat::default());
+    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+    let asset = GltfAsset { levels: &levels, material: colored(&color), ..GltfAsset::default() };
+    for (format, said) in [
+        (webp(0), "a WebP quality of 0: give 1 to 100"),
+        (webp(101), "a WebP quality of 101: give 1 to 100"),
+        (
+            GltfFormat { webp_quality: Some(80), ..default },
+            "a WebP quality of 80: textures are PNG; choose WebP, or leave it out",
+        ),
+        (ktx2(Some(65)), "an RDO of UASTC of 65: give 1 to 64"),
+        (
+            GltfFormat { uastc_rdo: Some(2), ..webp(80) },
+            "an RDO of UASTC of 2: textures are WebP; choose KTX2, or leave it out",
+        ),
+    ] {
+        let error = encode_gltf("m.glb".as_ref(), &asset, &format).unwrap_err().to_string();
+        assert_eq!(error, said);
+    }
+}
