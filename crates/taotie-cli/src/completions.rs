@@ -25,5 +25,5 @@ pub fn run(args: &CompletionsArgs) -> Result<()> {
     let (mut command, mut script) = (crate::command(), Vec::new());
     let name = command.get_name().to_owned();
     generate(args.shell, &mut command, name, &mut script);
-    console::result(String::from_utf8(script)?.trim_end())
+    console::own_text(String::from_utf8(script)?.trim_end())
 }

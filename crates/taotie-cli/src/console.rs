@@ -8,11 +8,35 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use taotie::Warnings;
 
-/// Writes a result line to stdout.
+/// Writes a result line to stdout. Control characters in it but for line ends, which come from files and their names,
+/// are replaced.
 pub fn result(line: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();
-    writeln!(stdout, "{line}")?;
+    writeln!(stdout, "{}", plain_lines(line))?;
     Ok(stdout.flush()?)
+}
+
+/// Writes a text of the program's own to stdout, as it is.
+pub fn own_text(text: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{text}")?;
+    Ok(stdout.flush()?)
+}
+
+/// Returns text of a file without characters that could rule the terminal: controls, and marks that turn the direction
+/// of writing. Each becomes the replacement character.
+pub fn plain(text: &str) -> String {
+    text.chars().map(|c| if rules_terminal(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
+}
+
+/// As [`plain`], but for line ends, which the caller made.
+fn plain_lines(text: &str) -> String {
+    let kept = |c: char| c == '\n' || !rules_terminal(c);
+    text.chars().map(|c| if kept(c) { c } else { char::REPLACEMENT_CHARACTER }).collect()
+}
+
+fn rules_terminal(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// Set where the user wants neither progress nor messages. All that talks has but one stderr, so it is global as that.
@@ -34,16 +58,16 @@ pub fn say(line: &str) {
     }
 }
 
-/// Writes an error to stderr. A closed stderr is no error.
+/// Writes an error to stderr, without control characters but for line ends. A closed stderr is no error.
 pub fn complain(line: &str) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    let _ = writeln!(io::stderr().lock(), "{}", plain_lines(line));
 }
 
 /// Says each kind of warning with its count.
 pub fn say_warnings(warnings: &Warnings) {
     for (what, count) in warnings.iter() {
         let times = if count == 1 { String::new() } else { format!(" ({count} times)") };
-        say(&format!("taotie: warning: {what}{times}"));
+        say(&format!("taotie: warning: {}{times}", plain(what)));
     }
 }
 
@@ -112,7 +136,7 @@ impl Bar {
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %, {eta} left{prefix}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.set_message(self.title.clone());
+        bar.set_message(plain(&self.title));
         bar
     }
 }
@@ -141,6 +165,12 @@ mod tests {
         let error = anyhow::Error::from(taotie::Error::io("a.obj", refused)).context("reading");
         assert_eq!(causes(&error), "reading: a.obj: not there");
         assert_eq!(causes(&anyhow!("alone")), "alone");
+    }
+
+    #[test]
+    fn no_text_rules_the_terminal() {
+        assert_eq!(plain("a\u{1b}]0;x\u{7}\n\u{202e}b"), "a\u{fffd}]0;x\u{fffd}\u{fffd}\u{fffd}b");
+        assert_eq!(plain_lines("é\n\u{9b}31m\r"), "é\n\u{fffd}31m\u{fffd}");
     }
 
     #[test]

@@ -37,8 +37,8 @@ pub struct DemoArgs {
     /// Also write the bronze with its relief as geometry, more than two million triangles, as jue-high.glb
     #[arg(long)]
     pub high: bool,
-    /// Number of threads; all of the machine's if not given
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    /// Number of threads, 1 to 1024; all of the machine's if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
     /// Print a report as JSON
     #[arg(long)]

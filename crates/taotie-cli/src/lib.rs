@@ -10,6 +10,7 @@ mod console;
 mod demo;
 mod diff;
 mod inspect;
+mod limits;
 mod materials;
 mod normals;
 mod options;

@@ -3,6 +3,7 @@
 use anyhow::anyhow;
 use std::fmt::Display;
 use taotie::Error;
+use taotie::asset::Bytes;
 use taotie::math::Vec3;
 use taotie::names::Named;
 use taotie::studio::parse;
@@ -49,6 +50,11 @@ pub fn map_size(value: &str) -> Result<[u32; 2], String> {
         Some(side) => Err(format!("{side} is not in 16..=16384")),
         None => Ok(size),
     }
+}
+
+/// An amount of memory.
+pub fn memory(text: &str) -> Result<Bytes, String> {
+    text.parse().map_err(|_| format!("`{text}` is not an amount of memory; write it as 4G or 800M"))
 }
 
 /// `on` or `off`.

@@ -41,8 +41,10 @@ impl Table {
 
     fn line(&self, row: &[String], widths: &[usize], indent: usize) -> String {
         let cell = |column: usize| {
-            let (text, width) = (&row[column], widths[column]);
-            if self.right[column] { format!("{text:>width$}") } else { format!("{text:<width$}") }
+            // Formats know no widths above 65,535.
+            let text = &row[column];
+            let gap = " ".repeat(widths[column] - text.chars().count());
+            if self.right[column] { format!("{gap}{text}") } else { format!("{text}{gap}") }
         };
         let cells: Vec<String> = (0..row.len()).map(cell).collect();
         format!("{:indent$}{}\n", "", cells.join("  ").trim_end())
@@ -60,5 +62,8 @@ mod tests {
         table.row(["düne".into(), "7".into()]);
         assert_eq!(Table::new(&["name"]).filled_lines(1), "");
         assert_eq!(table.filled_lines(1), " name      count\n a     1,000,000\n düne          7\n");
+        table.row(["x".repeat(1 << 17), "1".into()]);
+        let widest = table.lines(0).lines().map(|line| line.chars().count()).max();
+        assert_eq!(widest, Some((1 << 17) + 2 + 9));
     }
 }

@@ -1,5 +1,6 @@
 //! The errors, sorted by who can correct them, and the notes that count what was corrected without an error.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// The result of anything that touches what a user wrote.
@@ -116,6 +117,8 @@ impl Error {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Warnings {
     entries: Vec<(String, usize)>,
+    /// The place of each kind among the entries, so that a file may be wrong in any number of ways.
+    places: HashMap<String, usize>,
 }
 
 impl Warnings {
@@ -125,9 +128,12 @@ impl Warnings {
             return;
         }
         let what = what.into();
-        match self.entries.iter_mut().find(|(known, _)| *known == what) {
-            Some((_, total)) => *total += count,
-            None => self.entries.push((what, count)),
+        match self.places.get(&what) {
+            Some(place) => self.entries[*place].1 += count,
+            None => {
+                self.places.insert(what.clone(), self.entries.len());
+                self.entries.push((what, count));
+            }
         }
     }
 

@@ -241,7 +241,7 @@ fn what_is_asked_for_and_not_used_is_told() {
     }
     let error = Baker::new(BakeOptions { lods: vec![300], ..asked }).bake(colored(2), Progress::SILENT);
     assert!(error.unwrap_err().to_string().contains("a level of 300 triangles after one of 200"));
-    let limits = Limits { memory: Some(Bytes(1 << 20)) };
+    let limits = Limits { memory: Some(Bytes(1 << 20)), ..Limits::default() };
     let error = Baker::new(options()).with_limits(limits).bake(small(), Progress::SILENT).unwrap_err();
     assert!(matches!(error, Error::Limit { .. }), "{error}");
 }

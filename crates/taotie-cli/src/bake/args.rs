@@ -1,12 +1,13 @@
 //! The options of `taotie bake`.
 
 use super::purpose::{Defaults, Purpose};
+use crate::limits::LimitArgs;
 use crate::options::{self, fraction, positive};
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-use taotie::asset::{BakeOptions, Baker, Bytes, Limits, MeshSource, Packing, RayDistance, Requirement};
+use taotie::asset::{BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
 use taotie::io::{FileSet, GltfImages};
 use taotie::names::Named;
@@ -72,7 +73,7 @@ pub struct BakeArgs {
     /// Bits per channel of normal maps; 8 if not given, and 8-bit maps are dithered
     #[arg(long, value_parser = ["8", "16"], help_heading = "Maps")]
     pub bits: Option<String>,
-    /// Padding around UV islands, texels; auto fills the whole map
+    /// Padding around UV islands, 0 to 16384 texels; auto fills the whole map
     #[arg(long, value_name = "auto|N", default_value = "auto", value_parser = dilation, help_heading = "Maps")]
     pub dilation: Auto<u32>,
     /// Rays per texel over the hemisphere, for ao and bent; 64 if not given
@@ -134,10 +135,9 @@ pub struct BakeArgs {
     #[arg(long, help_heading = "Proof")]
     pub no_verify: bool,
 
-    /// Largest amount of memory to use, such as 4G; the machine's free memory if not given
-    #[arg(long, value_name = "BYTES", value_parser = memory, help_heading = "Running")]
-    pub memory_limit: Option<Bytes>,
-    /// Number of threads; all of the machine's if not given. Results do not depend on it
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print the report as JSON
@@ -164,7 +164,10 @@ fn map(text: &str) -> Result<Auto<MapKind>, String> {
 fn dilation(text: &str) -> Result<Auto<u32>, String> {
     match text {
         "auto" => Ok(Auto::Auto),
-        _ => text.parse().map(Auto::Given).map_err(|_| "write auto, or a number of texels".into()),
+        _ => match text.parse() {
+            Ok(texels) if texels <= 16_384 => Ok(Auto::Given(texels)),
+            _ => Err("write auto, or a number of texels from 0 to 16384".into()),
+        },
     }
 }
 
@@ -178,10 +181,6 @@ fn distance(text: &str) -> Result<Auto<f64>, String> {
 fn degrees(text: &str) -> Result<f64, String> {
     let number = positive(text)?;
     if number < 180.0 { Ok(number) } else { Err(format!("{text} is not below 180")) }
-}
-
-fn memory(text: &str) -> Result<Bytes, String> {
-    text.parse().map_err(|_| format!("`{text}` is not an amount of memory; write it as 4G or 800M"))
 }
 
 impl<T> Auto<T> {
@@ -545,6 +544,6 @@ impl BakeArgs {
 
     /// Returns the limits of the bake.
     pub fn limits(&self) -> Limits {
-        Limits { memory: self.memory_limit }.or_free()
+        self.limits.limits()
     }
 }

@@ -74,7 +74,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
 fn protect(args: &BakeArgs, scan: &Scan, files: &FileSet) -> Result<()> {
     files.protect(scan.files())?;
     for model in [&args.low, &args.cage].into_iter().flatten() {
-        files.protect(io::load_model(model)?.files)?;
+        files.protect(io::load_model_within(model, &args.limits())?.files)?;
     }
     Ok(())
 }

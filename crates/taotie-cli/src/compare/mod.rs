@@ -16,6 +16,7 @@ use anyhow::{Context, Result};
 use reference::Reference;
 use std::path::Path;
 use taotie::Progress;
+use taotie::asset::Bytes;
 use taotie::comparison::{Comparison, ComparisonOptions, Subject};
 use taotie::io::FileSet;
 use taotie::render::{RenderSettings, SurfaceSettings};
@@ -50,14 +51,17 @@ struct Places<'a> {
 
 fn compare_files(args: &CompareArgs, places: &Places<'_>) -> Result<Written> {
     let Places { model, output, files } = *places;
-    let mut loaded = studio::load(model, &args.material, args.bump_scale)?;
+    let limits = args.running.limits.limits();
+    let [width, height] = args.size;
+    let need = Bytes(options(args)?.image_bytes());
+    limits.check(format!("a comparison in pictures of {width}x{height}"), need)?;
+    let mut loaded = studio::load(model, &args.material, args.bump_scale, &limits)?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     args.light.note_unread(&loaded.scene, &mut warnings);
     args.material.note_tangents(args.reads_normal_maps(), &loaded.scene, &mut warnings);
     let reference = args.reference.as_deref();
-    let reference = reference
-        .map(|path| reference::load(path, &args.material, &loaded.scene, &mut warnings))
-        .transpose()?;
+    let reference =
+        reference.map(|path| reference::load(path, args, &loaded.scene, &mut warnings)).transpose()?;
     files.protect(&loaded.files)?;
     let reference = match reference {
         Some(Reference { scene, files: read }) => {
@@ -67,7 +71,7 @@ fn compare_files(args: &CompareArgs, places: &Places<'_>) -> Result<Written> {
         None => None,
     };
     let viewpoint = Viewpoint::choose(&args.camera, args.framing(), &loaded.scene)?;
-    let environment = args.light.environment(&mut warnings)?;
+    let environment = args.light.environment(&limits, &mut warnings)?;
     let lighting = studio::lighting(&args.light, environment.as_ref(), &loaded.scene, viewpoint.at(0.0))?;
     let camera = viewpoint.camera(0.0);
     let options = ComparisonOptions { camera: Some(camera), lighting: Some(lighting), ..options(args)? };

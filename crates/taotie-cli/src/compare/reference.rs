@@ -1,6 +1,7 @@
 //! The high-poly reference that methods are measured against.
 
-use crate::studio::{self, MaterialArgs};
+use super::CompareArgs;
+use crate::studio;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use taotie::comparison::dress_reference;
@@ -20,8 +21,9 @@ pub struct Reference {
 ///
 /// # Errors
 /// The reader's, and those of the material.
-pub fn load(path: &Path, args: &MaterialArgs, model: &Scene, warnings: &mut Warnings) -> Result<Reference> {
-    let mut loaded = io::load_model(path)?;
+pub fn load(path: &Path, args: &CompareArgs, model: &Scene, warnings: &mut Warnings) -> Result<Reference> {
+    let mut loaded = io::load_model_within(path, &args.running.limits.limits())?;
+    let args = &args.material;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mut scene = loaded.scene;
     match &args.material {

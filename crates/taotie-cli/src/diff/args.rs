@@ -5,6 +5,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use taotie::Warnings;
+use taotie::asset::{Bytes, Limits};
 use taotie::compare::{NormalEncoding, PIXELS_PER_DEGREE};
 use taotie::comparison::diff::{self, DiffOptions, ImageContent, Metric};
 use taotie::io::FileSet;
@@ -61,7 +62,10 @@ pub struct DiffArgs {
     #[arg(long, value_name = "X", value_parser = options::number, requires = "heat", help_heading = "Heat map")]
     pub heat_top: Option<f64>,
 
-    /// Number of threads; all of the machine's if not given. Results do not depend on it
+    /// Largest amount of memory to use, such as 4G; the machine's free memory if not given
+    #[arg(long, value_name = "BYTES", value_parser = options::memory, help_heading = "Running")]
+    pub memory_limit: Option<Bytes>,
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print a report as JSON
@@ -94,6 +98,11 @@ impl From<Encoding> for diff::Encoding {
 }
 
 impl DiffArgs {
+    /// Returns the limits, with what the machine has free where none is set.
+    pub fn limits(&self) -> Limits {
+        Limits { memory: self.memory_limit, ..Limits::default() }.or_free()
+    }
+
     /// The same for the library.
     pub fn options(&self) -> DiffOptions {
         DiffOptions {

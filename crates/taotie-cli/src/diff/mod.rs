@@ -12,6 +12,7 @@ use crate::console::{self, Bar};
 use crate::{Outcome, stop, studio};
 use anyhow::{Result, bail};
 use report::Report;
+use taotie::asset::Bytes;
 use taotie::comparison::diff::{DiffOptions, Encoding, ImagePair, Metric, NamedBitmap, guessed_encoding};
 use taotie::image::Bitmap;
 use taotie::io::FileSet;
@@ -50,10 +51,13 @@ struct Files {
 }
 
 fn compare(args: &DiffArgs, set: &FileSet) -> Result<Report> {
-    let files = Files {
-        names: [&args.a, &args.b].map(|path| path.display().to_string()),
-        bitmaps: [io::read_bitmap(&args.a)?, io::read_bitmap(&args.b)?],
-    };
+    let limits = args.limits();
+    let names = [&args.a, &args.b].map(|path| path.display().to_string());
+    let first = io::read_bitmap_within(&args.a, &limits)?;
+    let (width, height) = (first.width(), first.height());
+    let need = Bytes(ImagePair::bytes([width, height]));
+    limits.check(format!("{}: a comparison of {width}x{height} pixels", names[0]), need)?;
+    let files = Files { names, bitmaps: [first, io::read_bitmap_within(&args.b, &limits)?] };
     let options = args.options();
     let images = [0, 1].map(|i| NamedBitmap { name: &files.names[i], bitmap: &files.bitmaps[i] });
     check_normals(images, &options)?;

@@ -6,6 +6,7 @@ mod text;
 mod words;
 
 use crate::console;
+use crate::limits::LimitArgs;
 use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
@@ -36,6 +37,8 @@ pub struct InspectArgs {
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub limits: LimitArgs,
 }
 
 /// The report as it is printed.
@@ -55,7 +58,7 @@ struct Report {
 
 /// Runs the subcommand.
 pub fn run(args: &InspectArgs) -> Result<()> {
-    let inspection = Inspection::of(&taotie::io::load_model(&args.model)?);
+    let inspection = Inspection::of(&taotie::io::load_model_within(&args.model, &args.limits.limits())?);
     let report = Report {
         schema: SCHEMA,
         version: env!("CARGO_PKG_VERSION"),

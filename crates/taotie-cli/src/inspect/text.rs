@@ -1,6 +1,8 @@
 //! The report for people: sections of aligned lines.
 
 use super::{Report, words};
+use crate::console;
+use std::collections::BTreeSet;
 use taotie::inspection::{
     AnimationReport, Counts, Extent, Inspection, Listed, MaterialReport, MeshReport, NormalMapReport,
     Normals, TangentHealth, TextureReport,
@@ -11,6 +13,9 @@ use taotie_report::table::Table;
 
 /// The longest name that is shown whole, in characters.
 const NAME: usize = 40;
+
+/// The longest other text of a file that is shown whole, in characters.
+const TEXT: usize = 400;
 
 /// The whole report.
 pub fn of(told: &Report) -> String {
@@ -102,10 +107,18 @@ fn meshes(meshes: &[MeshReport]) -> String {
             normals(mesh),
             yes_or_no(mesh.tangents.is_some()),
             yes_or_no(mesh.colors),
-            mesh.materials.iter().map(usize::to_string).collect::<Vec<_>>().join(" "),
+            numbered(&mesh.materials),
         ]);
     }
     table.filled_lines(2)
+}
+
+/// The first numbers of a list, and an ellipsis where there are more.
+fn numbered(all: &[usize]) -> String {
+    /// So many fit a line.
+    const MOST: usize = 16;
+    let more = (all.len() > MOST).then(|| "…".to_owned());
+    all.iter().take(MOST).map(usize::to_string).chain(more).collect::<Vec<_>>().join(" ")
 }
 
 fn normals(mesh: &MeshReport) -> String {
@@ -267,8 +280,9 @@ fn animations(all: &[AnimationReport]) -> String {
 
 fn extensions(report: &Inspection) -> String {
     let mut table = Table::untitled(&["", ""]);
+    let required: BTreeSet<&String> = report.extensions_required.iter().collect();
     for name in &report.extensions_used {
-        let required = report.extensions_required.contains(name);
+        let required = required.contains(name);
         table.row([clean(name), if required { "required".into() } else { String::new() }]);
     }
     table.lines(2)
@@ -297,17 +311,21 @@ fn warnings(report: &Inspection) -> String {
     table.lines(2)
 }
 
-/// Text of a file without control characters, which could rule the terminal.
+/// Text of a file without control characters, which could rule the terminal: at most [`TEXT`] characters.
 fn clean(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
+    cut(text, TEXT)
 }
 
 /// At most [`NAME`] characters.
 fn short(name: &str) -> String {
-    let name = clean(name);
-    match name.char_indices().nth(NAME) {
-        Some(_) => name.chars().take(NAME - 1).chain(['…']).collect(),
-        None => name,
+    cut(name, NAME)
+}
+
+/// At most so many characters, without those that could rule the terminal.
+fn cut(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some(_) => console::plain(&text.chars().take(most - 1).chain(['…']).collect::<String>()),
+        None => console::plain(text),
     }
 }
 
@@ -366,5 +384,6 @@ mod tests {
         assert_eq!(clean("a\u{1b}[31m\nb"), "a\u{fffd}[31m\u{fffd}b");
         assert_eq!(short(&"x".repeat(50)).chars().count(), NAME);
         assert_eq!(short("Suzanne"), "Suzanne");
+        assert_eq!(clean(&"x".repeat(1 << 17)).chars().count(), TEXT);
     }
 }

@@ -1,5 +1,6 @@
 //! The options of `taotie normals`.
 
+use crate::limits::LimitArgs;
 use crate::options;
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
@@ -72,7 +73,9 @@ pub struct NormalsArgs {
     #[arg(long, alias = "margin", value_name = "N", default_value_t = 16, requires = "mesh", value_parser = clap::value_parser!(u32).range(..=1024), help_heading = "Mesh")]
     pub dilation: u32,
 
-    /// Number of threads; all of the machine's if not given. Results do not depend on it
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Results do not depend on it
     #[arg(long, value_name = "N", help_heading = "Running")]
     pub threads: Option<usize>,
     /// Print a report as JSON

@@ -11,7 +11,7 @@ use taotie::surface::{GreenVerdict, green_direction};
 
 /// Reads the map and decides what it holds; says what was guessed.
 pub fn read(args: &NormalsArgs) -> Result<MapSource> {
-    let bitmap = io::read_bitmap(&args.input)?;
+    let bitmap = io::read_bitmap_within(&args.input, &args.limits.limits())?;
     let content = match args.from {
         From::Height => MapContent::Heights,
         From::Tangent => MapContent::Normals(NormalSpace::Tangent),

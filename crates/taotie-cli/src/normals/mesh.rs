@@ -17,7 +17,7 @@ pub fn laid_out(
     warnings: &mut Warnings,
 ) -> Result<Option<TexelSurface>> {
     let Some(path) = &args.mesh else { return Ok(None) };
-    let mut loaded = io::load_model(path)?;
+    let mut loaded = io::load_model_within(path, &args.limits.limits())?;
     files.protect(&loaded.files)?;
     warnings.absorb(std::mem::take(&mut loaded.warnings));
     let mesh = &loaded.scene.meshes()[part(args, path, &loaded)?];

@@ -16,8 +16,10 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use taotie::Warnings;
+use taotie::asset::Bytes;
 use taotie::io::FileSet;
 use taotie::names::Named;
+use taotie::render::{image_bytes, pixel_bytes};
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 4;
@@ -55,10 +57,14 @@ pub fn run(args: &RenderArgs) -> Result<()> {
 
 fn render(args: &RenderArgs, set: &FileSet) -> Result<Report> {
     let mut watch = Watch::new();
+    let limits = args.running.limits.limits();
+    let [width, height] = args.size;
+    let picture = format!("a picture of {width}x{height}");
+    limits.check(picture.as_str(), Bytes(pixel_bytes(&args.settings())))?;
     let mut sky_warnings = Warnings::default();
     let (loaded, environment) = rayon::join(
-        || studio::load(&args.model, &args.material, args.bump_scale),
-        || args.light.environment(&mut sky_warnings),
+        || studio::load(&args.model, &args.material, args.bump_scale, &limits),
+        || args.light.environment(&limits, &mut sky_warnings),
     );
     let (mut loaded, environment) = (loaded?, environment?);
     set.protect(&loaded.files)?;
@@ -67,6 +73,7 @@ fn render(args: &RenderArgs, set: &FileSet) -> Result<Report> {
     args.note_unread(&loaded.scene, &mut warnings);
     watch.lap("load");
     let mut settings = args.settings();
+    limits.check(picture, Bytes(image_bytes(&loaded.scene, &settings)))?;
     let motion = match args.motion.animates() {
         true => {
             let motion = args.motion.choose(loaded.rig.take(), &args.model)?;

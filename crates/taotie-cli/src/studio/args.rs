@@ -1,11 +1,13 @@
 //! The options of light, camera and film, shared by the subcommands that take pictures of a model.
 
+use crate::limits::LimitArgs;
 use crate::options;
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use taotie::Warnings;
+use taotie::asset::Limits;
 use taotie::film::{Development, ToneCurve};
 use taotie::math::{SimdLevel, Vec3};
 use taotie::render::EnvironmentLight;
@@ -93,14 +95,14 @@ impl LightArgs {
     ///
     /// # Errors
     /// Those of the file.
-    pub fn environment(&self, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
+    pub fn environment(&self, limits: &Limits, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
         let options = EnvironmentOptions {
             source: self.env.as_deref().and_then(EnvironmentSource::named),
             rotation: self.rotation_deg().to_radians(),
             intensity: self.intensity(),
             visible: self.show_env,
         };
-        options.load(warnings).context("--env")
+        options.load_within(limits, warnings).context("--env")
     }
 
     /// Returns the environment as JSON for reports; null where there is none.
@@ -126,7 +128,9 @@ impl LightArgs {
                 .map_err(|error| options::under(format_args!("--light \"{line}\""), error))
         };
         let lights = self.lights.iter().map(light).collect::<Result<_>>()?;
-        Ok(LightOptions { lights, ambient: self.ambient })
+        let options = LightOptions { lights, ambient: self.ambient };
+        options.check()?;
+        Ok(options)
     }
 }
 
@@ -258,7 +262,9 @@ impl FilmArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Running")]
 pub struct RunningArgs {
-    /// Number of threads; all of the machine's if not given. Pixels do not depend on it
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Number of threads, 1 to 1024; all of the machine's if not given. Pixels do not depend on it
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
     /// SIMD level: auto, scalar, sse2, avx2, avx512, neon. Pixels do not depend on it

@@ -12,8 +12,9 @@ pub use surface_args::{Green, MaterialArgs, ReflectionArgs, Space};
 pub use taotie::studio::{Framing, Motion};
 pub use viewpoint::Viewpoint;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
+use taotie::asset::Limits;
 use taotie::io::Loaded;
 use taotie::render::{EnvironmentLight, Lighting};
 use taotie::scene::Scene;
@@ -21,8 +22,8 @@ use taotie::studio::{MaterialFile, View};
 
 /// Reads a model, chooses the variant asked for, and gives its materials what the options ask for. `height_scale` is
 /// the height of white in model units, where it was asked for.
-pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>) -> Result<Loaded> {
-    let loaded = taotie::studio::load(path, &args.options(height_scale));
+pub fn load(path: &Path, args: &MaterialArgs, height_scale: Option<f64>, limits: &Limits) -> Result<Loaded> {
+    let loaded = taotie::studio::load_within(path, &args.options(height_scale), limits);
     let mut loaded = loaded.map_err(|error| of_material(args.material.as_deref(), error))?;
     let Loaded { scene, warnings, .. } = &mut loaded;
     unread::note(args, height_scale, scene, warnings);
@@ -60,8 +61,14 @@ pub fn lighting(
     Ok(args.options()?.lighting(environment, scene, view))
 }
 
-/// Runs `work` on `threads` threads, or on all of the machine's.
+/// The most threads that are started.
+const MOST_THREADS: usize = 1024;
+
+/// Runs `work` on `threads` threads, 1 to 1024, or on all of the machine's.
 pub fn in_pool<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T> {
+    if let Some(count) = threads.filter(|count| *count > MOST_THREADS) {
+        bail!("--threads {count}: at most {MOST_THREADS} are started; leave it out for all of the machine's");
+    }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
         .build()

@@ -99,8 +99,8 @@ fn refusals() {
             "--lods: a level of 500 triangles follows one of 500",
         ),
         (
-            "scan.obj -o out.glb --memory-limit 1M",
-            "the limit is 1024 KiB; raise the memory limit, free memory, lower the maps' size",
+            "scan.obj -o out.glb --memory-limit 60M",
+            "the limit is 60 MiB; raise the memory limit, free memory, lower the maps' size",
         ),
         (
             "scan.obj -o out.glb --memory-limit 9K",

@@ -22,6 +22,7 @@ mod interrupted;
 mod json;
 mod json_bake;
 mod kept;
+mod limits;
 mod maps_alone;
 mod models;
 mod motion;

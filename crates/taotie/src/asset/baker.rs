@@ -5,7 +5,7 @@ use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made, Part};
 use super::maps::bake_maps;
-use super::memory::{Bytes, Limits, Need};
+use super::memory::Need;
 use super::notes;
 use super::options::BakeOptions;
 use super::packing::Packing;
@@ -17,7 +17,7 @@ use super::search_course::Trial;
 use super::write::possible_files;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
-use crate::io;
+use crate::io::{self, Bytes, Limits};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::AlphaMode;
@@ -94,7 +94,8 @@ impl Baker {
     /// [`Error::Invalid`](crate::Error::Invalid) where no ray met the scan, or no mesh and map come as near as is
     /// wanted.
     pub fn bake(&self, scan: impl Into<Scan>, progress: Progress<'_>) -> Result<Asset> {
-        let (options, scan) = (Arc::clone(&self.options), scan.into());
+        let (options, mut scan) = (Arc::clone(&self.options), scan.into());
+        scan.limits.allow_outside |= self.limits.allow_outside;
         options.check()?;
         let limits = self.limits_beside(&scan);
         self.need(scan.about.size.sorted()).check(limits)?;
@@ -105,7 +106,7 @@ impl Baker {
     fn limits_beside(&self, scan: &Scan) -> Limits {
         let held = scan.about.size.bytes();
         let free = || io::free_memory().map(|free| Bytes(free + held));
-        Limits { memory: self.limits.memory.or_else(free) }
+        Limits { memory: self.limits.memory.or_else(free), ..self.limits }
     }
 }
 
@@ -126,7 +127,7 @@ struct Subject<'a> {
 fn bake(asked: &BakeOptions, scan: &Scan, limits: Limits, progress: Progress<'_>) -> Result<Asset> {
     let about = Arc::clone(&scan.about);
     let mut warnings = about.warnings.clone();
-    let mut given = given(asked, &mut warnings, progress)?;
+    let mut given = given(asked, &scan.limits, &mut warnings, progress)?;
     let materials = given.as_ref().map_or(1, GivenMesh::material_count);
     Need { materials, ..Need::of(asked, about.size.sorted()) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
@@ -188,12 +189,13 @@ fn judge(scan: &Scan, part: &Part, warnings: &mut Warnings) {
 /// Reads the low-poly mesh that the options name.
 fn given(
     options: &BakeOptions,
+    limits: &Limits,
     warnings: &mut Warnings,
     progress: Progress<'_>,
 ) -> Result<Option<GivenMesh>> {
     let Some(source) = &options.low else { return Ok(None) };
     let reading = progress.begin("read the low-poly mesh")?;
-    let given = GivenMesh::read(options, source, warnings)?;
+    let given = GivenMesh::read(options, source, limits, warnings)?;
     reading.at(1.0)?;
     Ok(Some(given))
 }

@@ -4,7 +4,7 @@ use super::low_file::Read;
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
-use crate::io::{self, GltfFormat, GltfGraft, GltfSource};
+use crate::io::{self, GltfFormat, GltfGraft, GltfSource, Limits};
 use crate::mesh::Mesh;
 use crate::scene::{NormalSpace, Scene};
 use crate::surface::with_normals;
@@ -21,6 +21,8 @@ pub(super) struct Document {
     pub moving: Option<&'static str>,
     /// All of its triangles, where it has several materials.
     pub whole: Option<Mesh>,
+    /// The limits within which it is read.
+    pub limits: Limits,
 }
 
 /// The place of the glTF file that is kept.
@@ -58,8 +60,8 @@ pub(super) fn shown_materials(scene: &Scene) -> BTreeSet<usize> {
 }
 
 /// Returns the file that an asset keeps; `None` where the mesh is made one with one material: in memory, of a single mesh
-/// or material, without uvs, or where levels of detail or maps alone are made of it. Files of other formats that have several materials
-/// are made glTF.
+/// or material, without uvs, or where levels of detail or maps alone are made of it. Files of other formats that have
+/// several materials are made glTF.
 ///
 /// # Errors
 /// [`Error::Unsupported`] where the file would lose motion or materials that way, and [`Error::Parse`] where it cannot be
@@ -72,11 +74,15 @@ pub(super) fn kept(
 ) -> Result<Option<Document>> {
     let MeshSource::File(path) = source else { return Ok(None) };
     let shape = Shape::of(read);
-    if shape.is_plain() || shape.is_alone(options) || (!read.is_gltf && !shape.becomes_gltf(options)) {
+    if shape.is_plain() || (!read.is_gltf && !shape.becomes_gltf(options)) {
         return Ok(None);
     }
     if let Some((what, why)) = shape.hindrance(options) {
         return Err(Error::unsupported(format!("{}: {what}", path.display()), why));
+    }
+    if shape.is_alone(options) {
+        note_motion(read, warnings);
+        return Ok(None);
     }
     if shape.uvs != Uvs::All || !options.lods.is_empty() {
         warnings.note("nodes of the low-poly mesh made one mesh: the asset has levels or uvs of its own", 1);
@@ -86,9 +92,9 @@ pub(super) fn kept(
         true => Source::File(path.clone()),
         false => Source::Made(Arc::new(made(read, warnings)?)),
     };
-    check(source.gltf())?;
+    check(source.gltf(), read.limits)?;
     note(read, options, warnings);
-    Ok(Some(Document { source, moving: read.moving, whole: None }))
+    Ok(Some(Document { source, moving: read.moving, whole: None, limits: read.limits }))
 }
 
 /// Returns a GLB of a file of another format, whose meshes get normals where they have none.
@@ -102,15 +108,19 @@ fn made(read: &mut Read, warnings: &mut Warnings) -> Result<Vec<u8>> {
 }
 
 /// Tries whether the file can be written anew, before anything is baked.
-fn check(source: GltfSource<'_>) -> Result<()> {
-    let graft = GltfGraft { source, materials: &[], copyright: None, xmp: None, extras: None };
+fn check(source: GltfSource<'_>, limits: Limits) -> Result<()> {
+    let graft = GltfGraft { source, limits, materials: &[], copyright: None, xmp: None, extras: None };
     io::encode_graft(Path::new("a.glb"), &graft, &GltfFormat::default()).map(drop)
 }
 
-fn note(read: &Read, options: &BakeOptions, warnings: &mut Warnings) {
+fn note_motion(read: &Read, warnings: &mut Warnings) {
     if let Some(moving) = read.moving {
         warnings.note(format!("the low-poly mesh moves ({moving}): it is baked and measured at rest"), 1);
     }
+}
+
+fn note(read: &Read, options: &BakeOptions, warnings: &mut Warnings) {
+    note_motion(read, warnings);
     warnings.note(
         "XMP metadata of the low-poly mesh's whole file, in whose place the scan's stands",
         usize::from(read.has_xmp),
@@ -249,7 +259,8 @@ mod tests {
             instances: instances.collect(),
             ..SceneData::default()
         });
-        Read { scene: scene.unwrap(), moving: None, is_gltf: true, has_xmp: false, names: Vec::new() }
+        let (scene, limits) = (scene.unwrap(), Limits::default());
+        Read { scene, moving: None, is_gltf: true, has_xmp: false, names: Vec::new(), limits }
     }
 
     fn hindrance(read: &Read, options: &BakeOptions) -> String {

@@ -8,6 +8,7 @@ use super::plan::LowLook;
 use super::stripped::Stripped;
 use crate::bake::{self, MapKind};
 use crate::error::{Result, Warnings};
+use crate::io::Limits;
 use crate::mesh::{Mesh, MeshData};
 use crate::scene::{AlphaMode, Instance, Material, Scene};
 
@@ -41,8 +42,13 @@ impl GivenMesh {
     ///
     /// # Errors
     /// Those of reading; [`Error::Unsupported`](crate::Error::Unsupported) for what the asset could not keep of it.
-    pub fn read(options: &BakeOptions, source: &MeshSource, warnings: &mut Warnings) -> Result<Self> {
-        let mut read = read(source, warnings)?;
+    pub fn read(
+        options: &BakeOptions,
+        source: &MeshSource,
+        limits: &Limits,
+        warnings: &mut Warnings,
+    ) -> Result<Self> {
+        let mut read = read(source, limits, warnings)?;
         let document = document::kept(source, &mut read, options, warnings)?;
         match document {
             Some(document) => Self::of_document(document, read.scene),

@@ -55,7 +55,7 @@ fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings
         RayDistance::Auto => Ok(Cage::automatic(low, &scan.high)),
         RayDistance::Uniform(distance) => Cage::uniform(low, *distance as f32),
         RayDistance::Cage(source) => {
-            let mesh = bake::low_poly_mesh(read(source, warnings)?.scene)?;
+            let mesh = bake::low_poly_mesh(read(source, &scan.limits, warnings)?.scene)?;
             Cage::from_mesh(low, &mesh).map_err(|error| of_file(source, error))
         }
     }

@@ -4,96 +4,7 @@ use super::options::BakeOptions;
 use super::scan_size::ScanSize;
 use crate::bake::{MapKind, Maps};
 use crate::error::{Error, Result};
-use crate::io;
-use std::fmt;
-use std::path::Path;
-use std::str::FromStr;
-
-/// A number of bytes, written as 4G, 1.5GB, 800M.
-///
-/// ```
-/// use taotie::asset::Bytes;
-///
-/// let most: Bytes = "1.5GB".parse()?;
-/// assert_eq!(most, Bytes(3 << 29));
-/// assert_eq!(most.to_string(), "1.5 GiB");
-/// # Ok::<(), taotie::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Bytes(pub u64);
-
-impl FromStr for Bytes {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let wrong =
-            || Error::invalid(format!("`{text}`"), "it is no amount of memory; write it as 4G or 800M");
-        let upper = text.trim().to_ascii_uppercase();
-        let digits = upper.trim_end_matches("IB").trim_end_matches('B');
-        let (number, power) = match digits.char_indices().last() {
-            Some((at, 'K')) => (&digits[..at], 10),
-            Some((at, 'M')) => (&digits[..at], 20),
-            Some((at, 'G')) => (&digits[..at], 30),
-            Some((at, 'T')) => (&digits[..at], 40),
-            _ => (digits, 0),
-        };
-        let number: f64 = number.trim().parse().map_err(|_| wrong())?;
-        let bytes = number * (1u64 << power) as f64;
-        if bytes >= 1.0 && bytes.is_finite() { Ok(Self(bytes as u64)) } else { Err(wrong()) }
-    }
-}
-
-impl fmt::Display for Bytes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let bytes = self.0 as f64;
-        match self.0 {
-            0..0x40_0000 => write!(f, "{:.0} KiB", bytes / 1024.0),
-            0x40_0000..0x4000_0000 => write!(f, "{:.0} MiB", bytes / f64::from(1 << 20)),
-            _ => write!(f, "{:.1} GiB", bytes / f64::from(1 << 30)),
-        }
-    }
-}
-
-/// The limits of what the work may take of the machine.
-///
-/// ```
-/// use taotie::asset::{BakeOptions, Baker, Limits};
-///
-/// let limits = Limits { memory: Some("4G".parse()?) };
-/// let baker = Baker::new(BakeOptions::default()).with_limits(limits);
-/// assert_eq!(limits.or_free(), limits);
-/// # Ok::<(), taotie::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Limits {
-    /// The most memory; `None` for what the machine has free.
-    pub memory: Option<Bytes>,
-}
-
-impl Limits {
-    /// Returns these limits with what the machine has free now where none is set; a machine that does not say sets none.
-    pub fn or_free(self) -> Self {
-        Self { memory: self.memory.or_else(|| io::free_memory().map(Bytes)) }
-    }
-
-    /// Refuses a file that cannot even be read within the limit.
-    pub(super) fn check_file(self, path: &Path) -> Result<()> {
-        // Reading says what is wrong with a file that has no size.
-        let Ok(size) = io::file_size(path).map(Bytes) else { return Ok(()) };
-        match self.memory {
-            Some(limit) if size > limit => Err(Error::limit(
-                path.display().to_string(),
-                format!(
-                    "the file has {size}, the limit is {limit}; raise the memory limit, free memory, or simplify the scan \
-                     first"
-                ),
-            )),
-            _ => Ok(()),
-        }
-    }
-}
+use crate::io::{Bytes, Limits};
 
 /// The memory of a bake at its peak: the scan with its textures, sorted for rays, simplification, maps; or, where that is
 /// more, the tangents that a scan with a normal map gets before.
@@ -105,7 +16,7 @@ impl Limits {
 /// let size = ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() };
 /// let need = baker.need(size);
 /// assert!(need.simplifies && need.bytes() > Bytes(1 << 30));
-/// assert!(need.check(Limits { memory: Some(Bytes(1 << 30)) }).is_err());
+/// assert!(need.check(Limits { memory: Some(Bytes(1 << 30)), ..Limits::default() }).is_err());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -204,19 +115,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn amounts_are_read_as_people_write_them() {
-        let read = |text: &str| text.parse::<Bytes>().map(|bytes| bytes.0).ok();
-        assert_eq!(read("4G"), Some(4 << 30));
-        assert_eq!(read("1.5 GiB"), Some(3 << 29));
-        assert_eq!(read("800mb"), Some(800 << 20));
-        assert_eq!(read("4096"), Some(4096));
-        for wrong in ["", "G", "-1G", "four", "0", "nan"] {
-            assert!(read(wrong).is_none(), "{wrong}");
-        }
-        assert_eq!(Bytes(3 << 29).to_string(), "1.5 GiB");
-    }
-
-    #[test]
     fn what_does_not_fit_is_refused_with_both_numbers() {
         let need = Need {
             scan: ScanSize { triangles: 20_000_000, vertices: 10_000_000, ..ScanSize::default() },
@@ -228,7 +126,8 @@ mod tests {
             materials: 1,
         };
         assert!(need.bytes() < Bytes(4 << 30), "{}", need.bytes());
-        let error = need.check(Limits { memory: Some(Bytes(1 << 30)) }).unwrap_err().to_string();
+        let error =
+            need.check(Limits { memory: Some(Bytes(1 << 30)), ..Limits::default() }).unwrap_err().to_string();
         assert!(error.contains("20000000 triangles") && error.contains("1.0 GiB"), "{error}");
         assert!(need.check(Limits::default()).is_ok());
         let several = Need { materials: 4, ..need };

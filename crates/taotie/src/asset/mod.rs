@@ -67,6 +67,7 @@ mod unseen;
 mod views;
 mod write;
 
+pub use crate::io::{Bytes, Limits};
 pub use baker::Baker;
 pub use figure::{Figure, FigureUnit};
 pub use level_figures::{BIN_WIDTH, LevelFigures};
@@ -74,7 +75,7 @@ pub use low::{Origin, Simplification};
 pub use made::Asset;
 pub use map_note::MapNote;
 pub use material_figures::MaterialFigures;
-pub use memory::{Bytes, Limits, Need};
+pub use memory::Need;
 pub use misses::Misses;
 pub use options::{BakeOptions, MeshSource, RayDistance};
 pub use packing::Packing;

@@ -112,7 +112,7 @@ pub struct BakeOptions {
     pub side: u32,
     /// Bits a channel of normal maps, 8 or 16; those of 8 are dithered.
     pub bits: u8,
-    /// The number of texels by which UV islands are grown beyond their borders; `None` fills the map.
+    /// The number of texels by which UV islands are grown beyond their borders, at most 16384; `None` fills the map.
     pub dilation: Option<u32>,
     /// Rays over the hemisphere a texel, for occlusion and bent normals, 1 to 4096.
     pub ao_rays: u32,
@@ -152,6 +152,9 @@ impl Default for BakeOptions {
     }
 }
 
+/// The most texels by which UV islands are grown.
+const MOST_DILATION: u32 = 16_384;
+
 /// The default number of rays over the hemisphere.
 pub(super) const AO_RAYS: u32 = 64;
 
@@ -190,6 +193,9 @@ impl BakeOptions {
             }
             Self { bits, .. } if ![8, 16].contains(bits) => {
                 wrong(format!("{bits} bits a channel"), "normals are stored in 8 or 16")
+            }
+            Self { dilation: Some(n), .. } if *n > MOST_DILATION => {
+                wrong(format!("a dilation of {n} texels"), "give at most 16384, the side of the largest map")
             }
             Self { ao_rays: n, .. } if !(1..=4096).contains(n) => {
                 wrong(format!("{n} rays for occlusion"), "give 1 to 4096")
@@ -275,6 +281,7 @@ mod tests {
             (BakeOptions { keep_uvs: true, ..base() }, "maps alone: no file holds the uvs"),
             (BakeOptions { side: 9, ..base() }, "1 to 8"),
             (BakeOptions { bits: 12, ..base() }, "8 or 16"),
+            (BakeOptions { dilation: Some(1 << 31), ..base() }, "at most 16384"),
             (BakeOptions { ao_rays: 0, ..base() }, "1 to 4096"),
             (BakeOptions { ao_distance: Some(f64::NAN), ..base() }, "above 0"),
             (BakeOptions { roughness: Some(1.5), ..base() }, "[0, 1]"),

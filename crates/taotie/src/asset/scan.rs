@@ -3,12 +3,11 @@
 use super::carried::Carried;
 use super::hash::FileHash;
 use super::look;
-use super::memory::Limits;
 use super::notes;
 use super::scan_size::ScanSize;
 use crate::bake;
 use crate::error::{Error, Result, Warnings};
-use crate::io;
+use crate::io::{self, Limits};
 use crate::math::Vec3;
 use crate::mesh::{Mesh, MeshData};
 use crate::progress::Progress;
@@ -64,6 +63,7 @@ impl About {
 pub struct ScanFile {
     scene: Scene,
     about: About,
+    limits: Limits,
 }
 
 /// A scan, sorted for rays. Clones share all of it.
@@ -82,6 +82,8 @@ pub struct ScanFile {
 pub struct Scan {
     pub(super) high: Arc<bake::Scan>,
     pub(super) about: Arc<About>,
+    /// The limits within which it was read, and what a bake of it names is read.
+    pub(super) limits: Limits,
 }
 
 impl ScanFile {
@@ -93,9 +95,10 @@ impl ScanFile {
     pub fn read(path: impl AsRef<Path>, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
         let path = path.as_ref().to_path_buf();
         let hash = FileHash::begin(&path);
-        limits.or_free().check_file(&path)?;
+        let limits = limits.or_free();
+        limits.check_file(&path)?;
         progress.begin("read the scan")?.apart(move |_| {
-            let mut loaded = io::load_model(&path)?;
+            let mut loaded = io::load_model_within(&path, &limits)?;
             let files = all_files(&path, &mut loaded.files);
             let bytes = files.iter().map(|file| io::file_size(file)).sum::<Result<u64>>()?;
             check_extent(&loaded.scene, &path.display().to_string())?;
@@ -109,7 +112,7 @@ impl ScanFile {
                 warnings: loaded.warnings,
                 ..About::of(&loaded.scene, path)
             };
-            Ok(Self { scene: loaded.scene, about })
+            Ok(Self { scene: loaded.scene, about, limits })
         })
     }
 
@@ -122,7 +125,7 @@ impl ScanFile {
         let mut loaded = io::Loaded::new(scene, Warnings::default(), "");
         notes::left_of_scan_file(&mut loaded);
         let about = About { warnings: loaded.warnings, ..About::of(&loaded.scene, PathBuf::new()) };
-        Ok(Self { scene: loaded.scene, about })
+        Ok(Self { scene: loaded.scene, about, limits: Limits::default() })
     }
 
     /// Returns all files that the scan was read from, its own first; none in memory.
@@ -142,9 +145,9 @@ impl ScanFile {
     /// [`Error::Cancelled`]; [`Error::Limit`] where the scene has more than 2^32 − 1 vertices.
     pub fn sort(self, progress: Progress<'_>) -> Result<Scan> {
         progress.begin("sort the scan")?.apart(move |_| {
-            let Self { mut scene, mut about } = self;
+            let Self { mut scene, mut about, limits } = self;
             about.warnings.note("flat-shaded scan: smooth normals computed", smooth_facets(&mut scene)?);
-            Ok(Scan { high: Arc::new(bake::Scan::new(scene)?), about: Arc::new(about) })
+            Ok(Scan { high: Arc::new(bake::Scan::new(scene)?), about: Arc::new(about), limits })
         })
     }
 }
@@ -248,14 +251,24 @@ fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
     std::iter::once(path.to_path_buf()).chain(others).collect()
 }
 
-/// Refuses a model that is nothing but a point.
+/// The least and the largest diagonal of a model that is baked, model units. Beyond, fourth powers of the lengths of its
+/// edges leave single precision, and distances are no distances any more.
+const LEAST_SIZE: f64 = 1e-6;
+const MOST_SIZE: f64 = 1e9;
+
+/// Refuses a model that is nothing but a point, or whose distances cannot be measured.
 pub(super) fn check_extent(scene: &Scene, name: &str) -> Result<()> {
     let mut positions = scene.meshes().iter().flat_map(|mesh| mesh.positions());
     let first = positions.next();
-    if positions.any(|position| Some(position) != first) {
-        return Ok(());
+    if !positions.any(|position| Some(position) != first) {
+        return Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"));
     }
-    Err(Error::invalid(name, "all its triangles lie in one point; there is nothing to bake"))
+    let size = scene.bounds().map_or(0.0, |bounds| bounds.diagonal());
+    if !(LEAST_SIZE..=MOST_SIZE).contains(&size) {
+        let why = format!("it measures {size:.1e} model units; scale it to between 1e-6 and 1e9");
+        return Err(Error::invalid(name, why));
+    }
+    Ok(())
 }
 
 /// Takes the normals of meshes whose triangles share nothing and are flat, so that smooth ones are made; returns the

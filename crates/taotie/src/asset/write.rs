@@ -1,5 +1,6 @@
 //! An asset into files.
 
+use super::document::Document;
 use super::green;
 use super::kept_textures::KeptTextures;
 use super::made::{Asset, Made, Part};
@@ -14,7 +15,7 @@ use crate::error::{Result, Warnings};
 use crate::image::Encoding;
 use crate::io::{
     self, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel,
-    GltfMaterial, GltfSource, GraftedMaterial, Json,
+    GltfMaterial, GraftedMaterial, Json,
 };
 use crate::mesh::Mesh;
 use crate::names::Named;
@@ -122,7 +123,7 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
     };
     let target = Target { path, format: &packing.format() };
     let mut files = match &made.document {
-        Some(document) => grafted(made, document.source.gltf(), &about, target)?,
+        Some(document) => grafted(made, document, &about, target)?,
         None => anew(made, &about, target)?,
     };
     for set in &sets {
@@ -156,10 +157,10 @@ fn anew(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBy
     io::encode_gltf(target.path, &model, target.format)
 }
 
-/// Returns the files of the low-poly file `source` with what was baked for its materials, the model first.
+/// Returns the files of the low-poly file `document` with what was baked for its materials, the model first.
 fn grafted(
     made: &Made,
-    source: GltfSource<'_>,
+    document: &Document,
     about: &About<'_>,
     target: Target<'_>,
 ) -> Result<Vec<FileBytes>> {
@@ -177,7 +178,8 @@ fn grafted(
         });
     }
     let graft = GltfGraft {
-        source,
+        source: document.source.gltf(),
+        limits: document.limits,
         materials: &materials,
         copyright: about.copyright,
         xmp: Some(about.xmp),

@@ -23,6 +23,9 @@ pub(super) fn fill(maps: &mut BakedMaps, steps: Option<u32>) {
     fill_hidden(maps, &known, size);
     for _ in 0..steps.unwrap_or(PADDING) {
         let grown = neighbours(&known, size);
+        if grown.is_empty() {
+            break;
+        }
         each(maps, |plane| copy(plane, &grown), |plane| copy(plane, &grown));
         grown.iter().for_each(|(to, _)| known[*to] = true);
     }

@@ -68,7 +68,7 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// Returns the largest distance either way.
+    /// Returns the largest distance either way; infinite where one could not be measured.
     pub fn hausdorff(&self) -> f64 {
         self.both().fold(0.0, f64::max)
     }
@@ -81,7 +81,7 @@ impl Deviation {
 
     fn both(&self) -> impl Iterator<Item = f64> + '_ {
         let all = self.of_scan.values().iter().chain(self.of_light.values());
-        all.map(|d| f64::from(*d)).filter(|d| d.is_finite())
+        all.map(|d| f64::from(*d)).filter(|d| !d.is_nan())
     }
 }
 
@@ -133,7 +133,7 @@ impl Verifier<'_> {
             let point = sample_area(from, count)?;
             let distance = |i: usize| {
                 let closest = to.closest(point(i).position(from), f32::INFINITY);
-                closest.map_or(f32::NAN, |closest| closest.distance)
+                closest.map_or(f32::INFINITY, |closest| closest.distance)
             };
             Field::new(count as u32, 1, parallel::collect(count, distance))
         };

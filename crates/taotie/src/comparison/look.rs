@@ -33,7 +33,7 @@ pub(super) struct Look {
 const MOST: u64 = 1 << 24;
 
 /// As many as `settings` ask for, fewer where the look would become larger than [`MOST`].
-fn samples_per_side(settings: &RenderSettings) -> u32 {
+pub(super) fn samples_per_side(settings: &RenderSettings) -> u32 {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     let wanted = settings.samples.isqrt();
     (1..=wanted).rev().find(|n| pixels * u64::from(n * n) <= MOST).unwrap_or(1)

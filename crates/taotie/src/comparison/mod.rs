@@ -26,6 +26,7 @@ mod convert;
 pub mod diff;
 mod look;
 mod matching;
+mod memory;
 mod method;
 mod options;
 mod parameters;

@@ -70,12 +70,12 @@ pub enum Normals {
 
 /// Reports about all meshes, in order.
 pub(super) fn reports(loaded: &Loaded) -> Vec<MeshReport> {
-    let meshes = loaded.scene.meshes().iter().enumerate();
-    meshes.map(|(index, mesh)| report(loaded, index, mesh)).collect()
+    let materials = materials(&loaded.scene).into_iter().enumerate();
+    materials.map(|(index, materials)| report(loaded, index, materials)).collect()
 }
 
-fn report(loaded: &Loaded, index: usize, mesh: &Mesh) -> MeshReport {
-    let materials = materials_of(&loaded.scene, index);
+fn report(loaded: &Loaded, index: usize, materials: Vec<usize>) -> MeshReport {
+    let mesh = &loaded.scene.meshes()[index];
     let uv_set = mapped_uv_set(&loaded.scene, &materials);
     MeshReport {
         name: loaded.mesh_names.get(index).cloned().unwrap_or_else(|| format!("mesh {index}")),
@@ -91,10 +91,13 @@ fn report(loaded: &Loaded, index: usize, mesh: &Mesh) -> MeshReport {
     }
 }
 
-fn materials_of(scene: &Scene, mesh: usize) -> Vec<usize> {
-    let instances = scene.instances().iter().filter(|instance| instance.mesh == mesh);
-    let materials: BTreeSet<usize> = instances.map(|instance| instance.material).collect();
-    materials.into_iter().collect()
+/// Returns the materials of each mesh's instances, each once.
+fn materials(scene: &Scene) -> Vec<Vec<usize>> {
+    let mut materials = vec![BTreeSet::new(); scene.meshes().len()];
+    for instance in scene.instances() {
+        materials[instance.mesh].insert(instance.material);
+    }
+    materials.into_iter().map(|materials| materials.into_iter().collect()).collect()
 }
 
 /// Returns the uv set of the first tangent-space normal map among `materials`.

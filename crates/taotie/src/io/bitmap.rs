@@ -8,11 +8,12 @@ mod limits;
 mod png;
 mod widen;
 
-use super::file;
+use super::limits::Limits;
+use super::reading::Reading;
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Texels};
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
-use limits::{Failure, MAX_TEXELS, MAX_TEXELS_OF_PLAIN, check_size, credible};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
+use limits::{Failure, MAX_TEXELS, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible};
 use std::io::Cursor;
 use std::path::Path;
 use widen::expand;
@@ -22,8 +23,25 @@ use widen::expand;
 /// # Errors
 /// As [`decode_bitmap`], and [`Error::Io`] where the file cannot be read.
 pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
+    read_bitmap_within(path, &Limits::default())
+}
+
+/// Reads an image file within limits of memory and pixels, of which its header tells before it is decoded.
+///
+/// # Errors
+/// As [`read_bitmap`]; [`Error::Limit`] where a limit is exceeded.
+pub fn read_bitmap_within(path: &Path, limits: &Limits) -> Result<Bitmap> {
+    let reading = Reading::new(path, limits);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    decode_bitmap(&file::read(path)?, &name, path)
+    let decoded = decode_within(&reading.read_own(path)?, &name, path, &reading);
+    reading.check()?;
+    decoded
+}
+
+/// Reads an image that a model names, as a part of reading that.
+pub(super) fn read_map(path: &Path, reading: &Reading) -> Result<Bitmap> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    decode_within(&reading.read(path)?, &name, path, reading)
 }
 
 /// Decodes an image in memory. The content decides the format; for TGA, which has no signature, the ending of `name`
@@ -33,6 +51,14 @@ pub fn read_bitmap(path: &Path) -> Result<Bitmap> {
 /// [`Error::Unsupported`] for a format that is not read, [`Error::Limit`] for a size beyond [`Bitmap::MAX_SIDE`] a
 /// side, 2²⁸ texels, or what so few bytes can hold, [`Error::Parse`] for damaged content.
 pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
+    let reading = Reading::new(path, &Limits::default());
+    let decoded = decode_within(bytes, name, path, &reading);
+    reading.check()?;
+    decoded
+}
+
+/// Does what [`decode_bitmap`] does as a part of `reading`.
+pub(super) fn decode_within(bytes: &[u8], name: &str, path: &Path, reading: &Reading) -> Result<Bitmap> {
     let is_the_file = path.file_name().is_some_and(|file| file.to_string_lossy() == name);
     let at = || if is_the_file { "image".to_owned() } else { format!("image '{name}'") };
     let format = guess_format(bytes, name);
@@ -41,7 +67,7 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     }
     #[cfg(feature = "basis")]
     if is_ktx2(bytes) {
-        return ktx::decode(bytes).map_err(|failure| failure.into_error(path, at()));
+        return ktx::decode(bytes, reading).map_err(|failure| failure.into_error(path, at()));
     }
     let format = format.ok_or_else(|| {
         Error::unsupported(
@@ -51,11 +77,13 @@ pub fn decode_bitmap(bytes: &[u8], name: &str, path: &Path) -> Result<Bitmap> {
     })?;
     #[cfg(feature = "exr")]
     if format == ImageFormat::OpenExr {
-        return exr::decode(bytes).map_err(|failure| failure.into_error(path, at()));
+        return exr::decode(bytes, reading).map_err(|failure| failure.into_error(path, at()));
     }
     let decoded = match format {
-        ImageFormat::Png => png::decode(bytes).transpose().unwrap_or_else(|| decode(bytes, format)),
-        _ => decode(bytes, format),
+        ImageFormat::Png => {
+            png::decode(bytes, reading).transpose().unwrap_or_else(|| decode(bytes, format, reading))
+        }
+        _ => decode(bytes, format, reading),
     };
     decoded.map_err(|failure| failure.into_error(path, at()))
 }
@@ -89,7 +117,7 @@ fn guess_format(bytes: &[u8], name: &str) -> Option<ImageFormat> {
     }
 }
 
-fn decode(bytes: &[u8], format: ImageFormat) -> std::result::Result<Bitmap, Failure> {
+fn decode(bytes: &[u8], format: ImageFormat, reading: &Reading) -> std::result::Result<Bitmap, Failure> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.no_limits();
     let mut decoder = reader.into_decoder().map_err(failure)?;
@@ -99,7 +127,12 @@ fn decode(bytes: &[u8], format: ImageFormat) -> std::result::Result<Bitmap, Fail
         _ => credible(bytes),
     };
     check_size(u64::from(width), u64::from(height), credible)?;
-    let mut limits = Limits::default();
+    let color = decoder.color_type();
+    let depth = u64::from(color.bytes_per_pixel() / color.channel_count());
+    // The decoder's own image lies beside the texels that are made of it, and some copy it once more.
+    let beside = 2 * u64::from(color.bytes_per_pixel());
+    check_room(reading, [width, height], TexelRoom { depth, beside })?;
+    let mut limits = image::Limits::default();
     limits.max_alloc = Some(MAX_TEXELS * 16);
     decoder.set_limits(limits).map_err(failure)?;
     let picture = DynamicImage::from_decoder(decoder).map_err(failure)?;

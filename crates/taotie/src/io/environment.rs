@@ -1,6 +1,8 @@
 //! Environments from Radiance HDR and OpenEXR files.
 
-use super::bitmap::decode_bitmap;
+use super::bitmap::decode_within;
+use super::limits::Limits;
+use super::reading::Reading;
 use crate::error::{Error, Result};
 use crate::image::{Image, Texels};
 use std::path::Path;
@@ -9,11 +11,27 @@ use std::path::Path;
 /// that it comes from, which errors are about.
 ///
 /// # Errors
-/// As [`decode_bitmap`]; [`Error::Unsupported`] for numbers that are not floats, since only they hold the brightness of
+/// As [`super::decode_bitmap`]; [`Error::Unsupported`] for numbers that are not floats, since only they hold the brightness of
 /// lamps; [`Error::Parse`] for another shape; [`Error::Limit`] above [`Image::MAX_SIDE`].
 pub fn decode_environment(bytes: &[u8], path: &Path) -> Result<Image> {
+    decode_environment_within(bytes, path, &Limits::default())
+}
+
+/// Decodes an environment as [`decode_environment`], within limits of memory and pixels.
+///
+/// # Errors
+/// As [`decode_environment`]; [`Error::Limit`] where a limit is exceeded.
+pub fn decode_environment_within(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Image> {
+    /// Bytes of a pixel while the image is filtered, which follows.
+    const FILTERING: u64 = 16 + 32;
+    let reading = Reading::new(path, limits);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let bitmap = decode_bitmap(bytes, &name, path)?;
+    let decoded = decode_within(bytes, &name, path, &reading);
+    reading.check()?;
+    let bitmap = decoded?;
+    if !reading.take(bitmap.texels().len() as u64 * FILTERING) {
+        reading.check()?;
+    }
     let (width, height) = (bitmap.width(), bitmap.height());
     let Texels::F32(texels) = bitmap.texels() else {
         let what = format!("{}: an environment of {} bits a channel", path.display(), bitmap.bits());

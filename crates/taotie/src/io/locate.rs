@@ -1,22 +1,32 @@
 //! Finding the files that models name, whatever system the name was written on.
 
+use super::reading::Reading;
 use std::path::{Path, PathBuf};
 
 /// Finds the file that a name written on any system means: as it stands below one of `folders`, else its last part
-/// beside them, else the same without regard to upper and lower case.
-pub(super) fn find(name: &str, folders: &[&Path]) -> Option<PathBuf> {
+/// beside them, else the same without regard to upper and lower case. `None` where it is not there.
+///
+/// # Errors
+/// Says that a file may not be read, where nothing but one outside the model's folder has that name.
+pub(super) fn find(
+    name: &str,
+    folders: &[&Path],
+    reading: &Reading,
+) -> std::result::Result<Option<PathBuf>, String> {
     let name = name.replace('\\', "/");
     let last = name.rsplit('/').next().unwrap_or(&name);
-    let candidates = [name.as_str(), last];
-    for candidate in candidates.iter().filter(|c| !c.is_empty()) {
-        for folder in folders {
-            let path = folder.join(candidate);
-            if path.is_file() {
-                return Some(path);
-            }
+    let exact = [name.as_str(), last].into_iter().filter(|name| !name.is_empty());
+    let exact = exact.flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+    let similar = folders.iter().filter_map(|folder| find_any_case(last, folder));
+    let mut refused = None;
+    for path in exact.chain(similar) {
+        match reading.allows(&path) {
+            Ok(()) if path.is_file() => return Ok(Some(path)),
+            Ok(()) => {}
+            Err(why) => drop(refused.get_or_insert(why)),
         }
     }
-    folders.iter().find_map(|folder| find_any_case(last, folder))
+    refused.map_or(Ok(None), Err)
 }
 
 fn find_any_case(name: &str, folder: &Path) -> Option<PathBuf> {
@@ -32,6 +42,7 @@ fn find_any_case(name: &str, folder: &Path) -> Option<PathBuf> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::limits::Limits;
     use super::*;
 
     #[test]
@@ -40,10 +51,33 @@ mod tests {
         std::fs::create_dir(folder.path().join("Maps")).unwrap();
         std::fs::write(folder.path().join("Maps/a.png"), "").unwrap();
         std::fs::write(folder.path().join("B c.PNG"), "").unwrap();
-        let found = |name: &str| find(name, &[Path::new("no such folder"), folder.path()]);
+        let reading = Reading::new(&folder.path().join("model.obj"), &Limits::default());
+        let found = |name: &str| {
+            find(name, &[&folder.path().join("no such folder"), folder.path()], &reading).unwrap()
+        };
         assert!(found("Maps\\a.png").is_some_and(|p| p.ends_with("Maps/a.png")));
         assert!(found("C:\\Users\\me\\b C.png").is_some_and(|p| p.ends_with("B c.PNG")));
         assert!(found("/home/me/B c.PNG").is_some());
         assert_eq!((found("Maps"), found(""), found("d.png")), (None, None, None));
+    }
+
+    #[test]
+    fn what_lies_outside_is_told_unless_its_like_lies_inside() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("m");
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(place.path().join("secret.png"), "").unwrap();
+        let find = |name: &str, allow_outside: bool| {
+            let limits = Limits { allow_outside, ..Limits::default() };
+            super::find(name, &[&folder], &Reading::new(&folder.join("model.obj"), &limits))
+        };
+        let absolute = place.path().join("secret.png").display().to_string();
+        for name in ["../secret.png", "..\\secret.png", absolute.as_str()] {
+            let why = find(name, false).unwrap_err();
+            assert!(why.contains("secret.png") && why.contains("--allow-outside"), "{why}");
+            assert!(find(name, true).unwrap().is_some());
+        }
+        std::fs::write(folder.join("secret.png"), "").unwrap();
+        assert_eq!(find("../secret.png", false), Ok(Some(folder.join("secret.png"))));
     }
 }

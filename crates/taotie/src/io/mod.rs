@@ -6,11 +6,15 @@ mod environment;
 mod file;
 mod gltf;
 mod json;
+mod limits;
 mod loaded;
 mod locate;
 mod obj;
+#[cfg(any(feature = "draco", feature = "basis", feature = "exr"))]
+mod panics;
 mod ply;
 mod polygon;
+mod reading;
 mod stl;
 mod stopwatch;
 mod system;
@@ -21,11 +25,12 @@ mod xmp;
 
 pub use gltf::{GltfSource, SUPPORTED as GLTF_EXTENSIONS};
 
-pub use bitmap::{decode_bitmap, read_bitmap};
+pub use bitmap::{decode_bitmap, read_bitmap, read_bitmap_within};
 pub use cache::cache_folder;
-pub use environment::decode_environment;
+pub use environment::{decode_environment, decode_environment_within};
 pub use file::{file_size, read as read_bytes, sha256};
 pub use json::Json;
+pub use limits::{Bytes, Limits};
 pub use loaded::Loaded;
 pub use stopwatch::Stopwatch;
 pub use system::free_memory;
@@ -43,20 +48,48 @@ pub(crate) use xmp::XmpProperties;
 pub use xmp::{Provenance, XmpEvent, xmp_history, xmp_rights, xmp_sources};
 
 use crate::error::{Error, Result};
+use reading::Reading;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Reads a model by its extension: `gltf`, `glb`, `obj`, `ply` or `stl`, in any case; its finest level of detail. Where
 /// the first bytes of the file contradict the extension, the bytes are believed.
 ///
 /// # Errors
 /// [`Error::Io`] where the file cannot be read, [`Error::Unsupported`] for another extension or a feature that is
-/// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn.
+/// not there, [`Error::Parse`] where the content is wrong and nothing can be drawn, [`Error::Limit`] where it does not fit
+/// [`Limits::default`].
 pub fn load_model(path: &Path) -> Result<Loaded> {
-    match format_of(path)? {
-        Format::Gltf => gltf::read(path),
-        Format::Obj => obj::read(path),
-        Format::Ply => ply::read(path),
-        Format::Stl => stl::read(path),
+    load_model_within(path, &Limits::default())
+}
+
+/// Reads a model as [`load_model`], within limits: of memory, as far as headers tell before anything is decoded, of
+/// pixels, triangles and nodes, and of the files that it may name.
+///
+/// # Errors
+/// As [`load_model`]; [`Error::Limit`] where a limit is exceeded.
+pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
+    let format = format_of(path)?;
+    let reading = Arc::new(Reading::new(path, limits));
+    if format != Format::Gltf {
+        reading.count_file(path)?;
+    }
+    let loaded = match format {
+        Format::Gltf => gltf::read(&reading),
+        Format::Obj => obj::read(&reading),
+        Format::Ply => ply::read(&reading),
+        Format::Stl => stl::read(&reading),
+    };
+    // What readers make a warning of, such as an image that is left out, still counts as wanted.
+    reading.check()?;
+    let loaded = loaded?;
+    let triangles = loaded.scene.triangle_count() as u64;
+    match triangles > limits.triangles {
+        true => Err(Error::limit(
+            format!("{}: {triangles} triangles", path.display()),
+            format!("at most {} are read; simplify the model", limits.triangles),
+        )),
+        false => Ok(loaded),
     }
 }
 
@@ -68,7 +101,12 @@ pub fn load_model(path: &Path) -> Result<Loaded> {
 /// As [`load_model`], of any level; [`Error::Parse`] where a file has more than 64 levels.
 pub fn load_levels(path: &Path) -> Result<Vec<Loaded>> {
     match format_of(path)? {
-        Format::Gltf => gltf::read_levels(path),
+        Format::Gltf => {
+            let reading = Arc::new(Reading::new(path, &Limits::default()));
+            let levels = gltf::read_levels(&reading);
+            reading.check()?;
+            levels
+        }
         _ => Ok(vec![load_model(path)?]),
     }
 }

@@ -3,6 +3,7 @@
 use super::file;
 use super::loaded::{Loaded, checked};
 use super::obj::neutral;
+use super::reading::Reading;
 use super::text;
 use crate::error::{Error, Result, Warnings};
 use crate::math::{Mat4, Vec3};
@@ -26,7 +27,8 @@ const BINARY_TRIANGLE: usize = 50;
 /// # Errors
 /// [`Error::Io`] where the file cannot be read, [`Error::Parse`] naming the first triangle that cannot be used, or
 /// where there is none.
-pub(super) fn read(path: &Path) -> Result<Loaded> {
+pub(super) fn read(reading: &Reading) -> Result<Loaded> {
+    let path = reading.path();
     let bytes = file::read(path)?;
     let mut warnings = Warnings::default();
     let data = if is_ascii(&bytes) {

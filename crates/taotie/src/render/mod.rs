@@ -25,6 +25,7 @@ mod light_source;
 mod lighting;
 mod lookups;
 mod material_sample;
+mod memory;
 mod model;
 mod normals;
 mod pass;
@@ -44,10 +45,11 @@ mod tree;
 mod view;
 mod visible_sample;
 
-#[doc(hidden)]
 pub use batch::{BATCH, Batch};
 pub use follow::bind_tangents;
 pub use frame::{Aovs, Frame};
+#[doc(hidden)]
+pub use memory::{image_bytes, pixel_bytes};
 pub use pass::Pass;
 pub use prepare::{Prepared, foreseen_warnings};
 pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, reference};

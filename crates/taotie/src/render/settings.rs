@@ -1,5 +1,6 @@
 //! Settings of an image.
 
+use crate::error::{self, Error};
 use crate::math::{Lane, SimdLevel, Vec3, scalar};
 use crate::names::Named;
 use crate::scene::{Camera, Light};
@@ -7,6 +8,9 @@ use crate::shade::environment::Environment;
 use crate::shade::{Energy, Shading};
 use crate::surface::{SurfaceMethod, TangentMethod};
 use std::sync::Arc;
+
+/// The largest scale of a height map.
+const MOST_SCALE: f32 = 1e18;
 
 /// The preparation of surfaces: where shading normals come from.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -99,6 +103,19 @@ pub struct Shot<'a> {
     pub settings: &'a RenderSettings,
 }
 
+impl Shot<'_> {
+    /// Refuses light and scales that no number of an image could hold.
+    pub(super) fn check(&self) -> error::Result<()> {
+        self.lighting.check()?;
+        match self.settings.surface.bump_scale {
+            Some(scale) if scale.is_nan() || scale.abs() > MOST_SCALE => {
+                Err(Error::invalid(format!("bump scale {scale}"), "it must lie between -1e18 and 1e18"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Light from all around as it falls on a scene.
 #[derive(Debug, Clone)]
 pub struct EnvironmentLight {
@@ -166,6 +183,22 @@ pub struct Lighting {
     pub environment: Option<EnvironmentLight>,
 }
 
+impl Lighting {
+    /// Checks ranges; all renderers do so before they begin.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where light is negative, not a number, or above [`Light::MOST`].
+    pub fn check(&self) -> error::Result<()> {
+        let intensity = self.environment.as_ref().map(|e| ("environment", Vec3::splat(e.intensity)));
+        let lights = self.lights.iter().map(|light| ("light", light.color));
+        let mut all = lights.chain([("ambient", self.ambient)]).chain(intensity);
+        match all.find(|(_, color)| !Light::is_strength(*color)) {
+            Some((what, _)) => Err(Error::invalid(what, "its strength must lie between 0 and 1e12")),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Refuses the light of an environment: it holds an image.
 #[cfg(feature = "serde")]
 fn write_no_environment<S: serde::Serializer>(
@@ -193,6 +226,15 @@ mod tests {
     use super::*;
     use crate::image::Image;
     use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn light_that_no_image_can_hold_is_refused() {
+        for wrong in [-1.0, f32::NAN, f32::INFINITY, 1e20] {
+            let lighting = Lighting { ambient: Vec3::new(0.0, wrong, 0.0), ..Lighting::default() };
+            assert!(lighting.check().unwrap_err().to_string().starts_with("ambient: "), "{wrong}");
+        }
+        assert!(Lighting::default().check().is_ok());
+    }
 
     #[test]
     fn an_environment_turns_counter_clockwise_seen_from_above() {

@@ -55,6 +55,7 @@ impl<'p> Stages<'p> {
     /// # Errors
     /// As [`super::Pass::new`].
     pub(super) fn new(ready: Ready<'p>, shot: &Shot<'_>, mut projected: Projected) -> Result<Self> {
+        shot.check()?;
         let settings = as_taken(shot.settings);
         let (width, height) = (settings.width, settings.height);
         // Checks the size before anything is made of it.

@@ -58,6 +58,14 @@ pub enum Falloff {
 }
 
 impl Light {
+    /// The largest strength or radiance that is rendered, of each channel.
+    pub const MOST: f32 = 1e12;
+
+    /// Says whether a colour is one that light can have: each channel from 0 to [`Light::MOST`].
+    pub fn is_strength(color: Vec3) -> bool {
+        color.to_array().iter().all(|v| (0.0..=Self::MOST).contains(v))
+    }
+
     /// Hangs it on a node: it stands at the node's origin and shines along its −z axis, as KHR_lights_punctual says.
     pub fn place(&mut self, world: &Mat4) {
         let to = world.axis(3).to_f32();

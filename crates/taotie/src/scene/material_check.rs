@@ -1,6 +1,6 @@
 //! Checks that a material can be shaded: its textures are there, and its factors within their ranges.
 
-use super::{AlphaMode, Material};
+use super::{AlphaMode, Light, Material};
 
 /// A factor with its name.
 type Factor = (&'static str, f32);
@@ -15,7 +15,7 @@ impl Material {
             return Err(format!("it names texture {}, but there are {textures}", lost.texture));
         }
         within(&self.fractions(), "between 0 and 1", |v| (0.0..=1.0).contains(&v))?;
-        within(&self.amounts(), "0 or more", |v| (0.0..=f32::MAX).contains(&v))?;
+        within(&self.amounts(), "between 0 and 1e12", |v| (0.0..=Light::MOST).contains(&v))?;
         within(&self.numbers(), "finite", f32::is_finite)?;
         within(&[("ior", self.ior)], "0, or 1 and more", |v| v == 0.0 || (1.0..=f32::MAX).contains(&v))?;
         let slope = self.classic.slope.unwrap_or(1.0);

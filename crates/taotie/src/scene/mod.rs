@@ -195,7 +195,7 @@ mod tests {
         let factor = |change: fn(&mut Material)| why(|scene| change(&mut scene.materials[0]));
         assert!(factor(|m| m.roughness = 1.5).contains("roughness is 1.5; it must be between 0 and 1"));
         assert!(factor(|m| m.metallic = f32::NAN).contains("metallic"));
-        assert!(factor(|m| m.emissive[1] = -1.0).contains("emissive is -1; it must be 0 or more"));
+        assert!(factor(|m| m.emissive[1] = -1.0).contains("emissive is -1; it must be between 0 and 1e12"));
         assert!(factor(|m| m.base_color[3] = f32::INFINITY).contains("base colour"));
         assert!(
             factor(|m| m.ior = 0.5).contains("ior")

@@ -1,9 +1,11 @@
 //! Light from all around: the built-in studio or a file, turned, scaled, and cached when it is filtered.
 
+use super::parse::MOST;
 use crate::error::{Error, Result, Warnings};
 use crate::image::Image;
-use crate::io::{cache, decode_environment, read_bytes};
+use crate::io::{Limits, cache, decode_environment_within, read_bytes};
 use crate::render::EnvironmentLight;
+use crate::scene::Light;
 use crate::shade::environment::{ENVIRONMENT_VERSION, Environment, STUDIO_VERSION, studio};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -58,10 +60,10 @@ impl EnvironmentSource {
         }
     }
 
-    fn environment(&self) -> Result<Environment> {
+    fn environment(&self, limits: &Limits) -> Result<Environment> {
         match self {
             Self::Studio => cached(&format!("studio-{STUDIO_VERSION}"), || Ok(studio())),
-            Self::File(path) => read(path),
+            Self::File(path) => read(path, limits),
         }
     }
 }
@@ -102,9 +104,17 @@ impl EnvironmentOptions {
     /// # Errors
     /// Those of the file, and [`Error::Invalid`] for an option out of range.
     pub fn load(&self, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
+        self.load_within(&Limits::default(), warnings)
+    }
+
+    /// Does what [`EnvironmentOptions::load`] does, within limits of memory and pixels.
+    ///
+    /// # Errors
+    /// As [`EnvironmentOptions::load`]; [`Error::Limit`] where a limit is exceeded.
+    pub fn load_within(&self, limits: &Limits, warnings: &mut Warnings) -> Result<Option<EnvironmentLight>> {
         self.check()?;
         let Some(source) = &self.source else { return Ok(None) };
-        let environment = source.environment()?;
+        let environment = source.environment(limits)?;
         let mended = environment.mended_texels();
         let what = "texels that no light can have (negative, infinite, not a number): mended";
         warnings.note(format!("{}: {what}", source.name()), mended);
@@ -117,10 +127,11 @@ impl EnvironmentOptions {
     }
 
     fn check(&self) -> Result<()> {
-        if !(self.intensity >= 0.0 && self.intensity.is_finite()) {
-            return Err(Error::invalid(format!("intensity {}", self.intensity), "it must be 0 or more"));
+        if !(0.0..=f64::from(Light::MOST)).contains(&self.intensity) {
+            let what = format!("intensity {}", self.intensity);
+            return Err(Error::invalid(what, "it must be 0 or more, and at most 1e12"));
         }
-        if !self.rotation.is_finite() {
+        if self.rotation.is_nan() || self.rotation.abs() > MOST {
             return Err(Error::invalid(
                 format!("rotation {}", self.rotation),
                 "it must be finite, in radians",
@@ -130,10 +141,10 @@ impl EnvironmentOptions {
     }
 }
 
-fn read(path: &Path) -> Result<Environment> {
+fn read(path: &Path, limits: &Limits) -> Result<Environment> {
     let bytes = read_bytes(path)?;
     let hash: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-    cached(&hash, || decode_environment(&bytes, path))
+    cached(&hash, || decode_environment_within(&bytes, path, limits))
 }
 
 /// Returns the filtered environment of this name from the cache; else made of its image, and left there.
@@ -155,6 +166,7 @@ mod tests {
     fn what_is_out_of_range_is_refused() {
         let refused = |options: EnvironmentOptions| options.load(&mut Warnings::default()).is_err();
         assert!(refused(EnvironmentOptions { intensity: -1.0, ..EnvironmentOptions::default() }));
+        assert!(refused(EnvironmentOptions { intensity: 1e39, ..EnvironmentOptions::default() }));
         assert!(refused(EnvironmentOptions { intensity: f64::NAN, ..EnvironmentOptions::default() }));
         assert!(refused(EnvironmentOptions { rotation: f64::INFINITY, ..EnvironmentOptions::default() }));
         let source = Some(EnvironmentSource::File("nowhere.hdr".into()));

@@ -3,6 +3,9 @@
 use crate::error::{Error, Result};
 use crate::scene::{Material, Scene};
 
+/// The largest factor without a bound of its own: what is computed with it still fits single precision.
+const MOST: f32 = 1e9;
+
 /// Factors for every material of a scene; those that are `None` stay. Textures stay too, and are multiplied by them.
 ///
 /// ```
@@ -42,14 +45,14 @@ impl MaterialFactors {
                 return Err(Error::invalid(name, "it must lie between 0 and 1"));
             }
         }
-        if self.shininess.is_some_and(|s| !(s >= 0.0 && s.is_finite())) {
-            return Err(Error::invalid("shininess", "it must be 0 or more"));
+        if self.shininess.is_some_and(|s| !(0.0..=MOST).contains(&s)) {
+            return Err(Error::invalid("shininess", "it must be 0 or more, and at most 1e9"));
         }
-        if self.slope.is_some_and(|s| !(s > 0.0 && s.is_finite())) {
-            return Err(Error::invalid("slope", "it must be above 0"));
+        if self.slope.is_some_and(|s| !(s > 0.0 && s <= MOST)) {
+            return Err(Error::invalid("slope", "it must be above 0, and at most 1e9"));
         }
-        if self.base_color.is_some_and(|c| c.iter().any(|v| !(*v >= 0.0 && v.is_finite()))) {
-            return Err(Error::invalid("base_color", "its numbers must be 0 or more"));
+        if self.base_color.is_some_and(|c| c.iter().any(|v| !(0.0..=MOST).contains(v))) {
+            return Err(Error::invalid("base_color", "its numbers must be 0 or more, and at most 1e9"));
         }
         Ok(())
     }

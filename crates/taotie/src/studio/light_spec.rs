@@ -167,7 +167,11 @@ impl<'a> Words<'a> {
         if strength < 0.0 {
             return Err(Error::invalid("strength", "it must not be below 0"));
         }
-        Ok(LightSpec { form, color: color * strength as f32, falloff })
+        let color = color * strength as f32;
+        if !Light::is_strength(color) {
+            return Err(Error::invalid("strength", "it must not be above 1e12, its colour included"));
+        }
+        Ok(LightSpec { form, color, falloff })
     }
 
     fn position(&mut self) -> Result<Vec3> {
@@ -259,6 +263,7 @@ mod tests {
         assert!(why("point at=0,0").contains(": at: three numbers"));
         assert!(why("point at=0,0,0 bright=3").contains("bright"));
         assert!(why("spot at=0,0,0 toward=0,0,0").contains("toward: the direction has no length"));
+        assert!(why("directional from=0,0 strength=1e13").contains("strength: it must not be above 1e12"));
         assert!(why("directional from=1").contains("from: write AZIMUTH"));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::light_spec::LightSpec;
 use super::viewpoint::View;
+use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::render::{EnvironmentLight, Lighting};
 use crate::scene::{Light, Scene, three_point_rig};
@@ -28,6 +29,19 @@ pub struct LightOptions {
 }
 
 impl LightOptions {
+    /// Checks ranges.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where a colour is negative, not a number, or above [`Light::MOST`].
+    pub fn check(&self) -> Result<()> {
+        let colors = self.lights.iter().map(|light| ("light", light.color));
+        let mut colors = colors.chain(self.ambient.map(|ambient| ("ambient", ambient)));
+        match colors.find(|(_, color)| !Light::is_strength(*color)) {
+            Some((what, _)) => Err(Error::invalid(what, "its colour must lie between 0 and 1e12")),
+            None => Ok(()),
+        }
+    }
+
     /// Returns the light on `scene` in this view. The environment stands still with the camera; beside it only the
     /// lights asked for and the file's shine.
     pub fn lighting(
@@ -85,6 +99,19 @@ mod tests {
         let shines = |turn| direction(&options.lighting(None, &scene, viewpoint.at(turn)).lights[0]);
         assert!((shines(0.0) - Vec3::new(-1.0, 0.0, 0.0)).length() < 1e-6);
         assert!((shines(FRAC_PI_2) - Vec3::new(0.0, 0.0, -1.0)).length() < 1e-6, "{:?}", shines(FRAC_PI_2));
+    }
+
+    #[test]
+    fn what_no_light_can_be_is_refused() {
+        for wrong in [-1.0, f32::NAN, f32::INFINITY, 2.0 * Light::MOST] {
+            let ambient = Some(Vec3::splat(wrong));
+            assert!(LightOptions { ambient, ..LightOptions::default() }.check().is_err(), "{wrong}");
+            let mut light: LightSpec = "point at=0,1,0".parse().unwrap();
+            light.color.y = wrong;
+            let options = LightOptions { lights: vec![light], ambient: None };
+            assert!(options.check().unwrap_err().to_string().starts_with("light: "), "{wrong}");
+        }
+        assert!(LightOptions { ambient: Some(Vec3::default()), ..LightOptions::default() }.check().is_ok());
     }
 
     #[cfg(feature = "serde")]

@@ -1,11 +1,11 @@
 //! Maps from files, put on every material of a scene.
 
 use super::change::Change;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::image::{Encoding, Sampler, Texture};
-use crate::io;
+use crate::io::{self, Limits};
 use crate::scene::{GreenChannel, HeightMap, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Height of white where nothing says otherwise, as a fraction of the model's size.
 const DEFAULT_HEIGHT: f64 = 0.01;
@@ -67,7 +67,12 @@ impl MapOptions {
     /// # Errors
     /// Those of the files.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        self.load(scene)?.apply(scene)?;
+        self.apply_within(scene, &Limits::default())
+    }
+
+    /// Does what [`MapOptions::apply`] does, within limits of memory and pixels.
+    pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
+        self.load(scene, limits)?.apply(scene)?;
         Ok(())
     }
 
@@ -79,10 +84,11 @@ impl MapOptions {
     }
 
     /// Adds the maps to the textures of `scene`; returns what becomes of its materials.
-    pub(super) fn load(&self, scene: &mut Scene) -> Result<Change> {
+    pub(super) fn load(&self, scene: &mut Scene, limits: &Limits) -> Result<Change> {
         let size = scene.bounds().map_or(1.0, |bounds| bounds.diagonal());
         let mut load = |path: &Option<PathBuf>, encoding| {
-            path.as_ref().map(|path| load_texture(scene, path, encoding)).transpose()
+            let bitmap = path.as_ref().map(|path| io::read_bitmap_within(path, limits)).transpose()?;
+            Ok::<_, Error>(bitmap.map(|bitmap| whole(scene, Texture::new(bitmap, encoding))))
         };
         Ok(Change {
             reflectance: None,
@@ -104,11 +110,8 @@ impl MapOptions {
     }
 }
 
-fn load_texture(scene: &mut Scene, path: &Path, encoding: Encoding) -> Result<TextureRef> {
-    Ok(TextureRef {
-        texture: scene.add_texture(Texture::new(io::read_bitmap(path)?, encoding)),
-        uv_set: 0,
-        sampler: Sampler::default(),
-        transform: UvTransform::default(),
-    })
+/// Adds a texture, to be seen as it is.
+fn whole(scene: &mut Scene, texture: Texture) -> TextureRef {
+    let (sampler, transform) = (Sampler::default(), UvTransform::default());
+    TextureRef { texture: scene.add_texture(texture), uv_set: 0, sampler, transform }
 }

@@ -4,6 +4,7 @@ use super::factors::MaterialFactors;
 use super::maps::MapOptions;
 use super::material_file::MaterialFile;
 use crate::error::Result;
+use crate::io::Limits;
 use crate::scene::{GreenChannel, Scene, SceneData, preset};
 use std::path::PathBuf;
 
@@ -41,11 +42,16 @@ impl MaterialOptions {
     /// # Errors
     /// As [`MaterialFile::choose`], [`MaterialFile::apply`] and [`MaterialFactors::apply`], and those of the maps.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
+        self.apply_within(scene, &Limits::default())
+    }
+
+    /// Does what [`MaterialOptions::apply`] does, within limits of memory and pixels.
+    pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
         if let Some(choice) = &self.material {
-            MaterialFile::choose(choice)?.apply(scene)?;
+            MaterialFile::choose(choice)?.apply_within(scene, limits)?;
         }
         self.factors.apply(scene)?;
-        self.maps.apply(scene)?;
+        self.maps.apply_within(scene, limits)?;
         if self.green == GreenChannel::Down {
             scene.edit(point_down)?;
         }

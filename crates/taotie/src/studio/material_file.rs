@@ -4,8 +4,9 @@ use super::change::Change;
 use super::factors::MaterialFactors;
 use super::maps::MapOptions;
 use crate::error::{Error, Result};
-use crate::io;
-use crate::scene::{AlphaMode, GreenChannel, Material, NormalSpace, PRESETS, Scene, preset};
+use crate::io::{self, Limits};
+use crate::math::Vec3;
+use crate::scene::{AlphaMode, GreenChannel, Light, Material, NormalSpace, PRESETS, Scene, preset};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -144,7 +145,12 @@ impl MaterialFile {
     /// # Errors
     /// Those of the maps, and [`Error::Invalid`] for an unknown preset.
     pub fn apply(&self, scene: &mut Scene) -> Result<()> {
-        self.content.change(scene)?.apply(scene)?;
+        self.apply_within(scene, &Limits::default())
+    }
+
+    /// Does what [`MaterialFile::apply`] does, within limits of memory and pixels.
+    pub(super) fn apply_within(&self, scene: &mut Scene, limits: &Limits) -> Result<()> {
+        self.content.change(scene, limits)?.apply(scene)?;
         Ok(())
     }
 }
@@ -167,14 +173,14 @@ impl Content {
             ("emissive", self.emissive),
         ];
         for (name, color) in colors {
-            if color.is_some_and(|c| c.iter().any(|v| !(*v >= 0.0 && v.is_finite()))) {
-                return Err(Error::invalid(name, "its numbers must be 0 or more"));
+            if color.is_some_and(|c| !Light::is_strength(Vec3::from_array(c))) {
+                return Err(Error::invalid(name, "its numbers must be 0 or more, and at most 1e12"));
             }
         }
         Ok(())
     }
 
-    fn change(&self, scene: &mut Scene) -> Result<Change> {
+    fn change(&self, scene: &mut Scene, limits: &Limits) -> Result<Change> {
         let mut material = match &self.preset {
             Some(name) => {
                 Some(preset(name).ok_or_else(|| Error::invalid(format!("preset {name}"), unknown_preset()))?)
@@ -185,7 +191,7 @@ impl Content {
             let target = material.get_or_insert_with(Material::default);
             self.write_into(target);
         }
-        let maps = self.maps.options().load(scene)?;
+        let maps = self.maps.options().load(scene, limits)?;
         Ok(Change { reflectance: material, ..maps })
     }
 
@@ -283,7 +289,10 @@ mod tests {
         assert!(refused("roughness = 0.5\nshinyness = 3").starts_with("a/m.toml: line 2: unknown field"));
         assert_eq!(refused("roughness = 2"), "a/m.toml: roughness: it must lie between 0 and 1");
         assert_eq!(refused("slope = 0.0"), "a/m.toml: slope: it must be above 0");
-        assert_eq!(refused("f0 = [0, 0, -1]"), "a/m.toml: f0: its numbers must be 0 or more");
+        assert_eq!(
+            refused("f0 = [0, 0, -1]"),
+            "a/m.toml: f0: its numbers must be 0 or more, and at most 1e12"
+        );
         assert!(MaterialFile::choose("unobtainium").unwrap_err().to_string().contains("bronze-patina"));
     }
 

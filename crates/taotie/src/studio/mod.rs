@@ -41,7 +41,7 @@ pub use lights::LightOptions;
 pub use maps::MapOptions;
 pub use material::MaterialOptions;
 pub use material_file::MaterialFile;
-pub use model::load;
+pub use model::{load, load_within};
 pub use motion::Motion;
 pub use parameters::{
     CameraParameters, FalloffParameters, LightKindParameters, LightParameters, ProjectionParameters,

@@ -1,8 +1,9 @@
 //! The model to be seen.
 
 use super::material::MaterialOptions;
+use super::parse::MOST;
 use crate::error::{Error, Result};
-use crate::io::{self, Loaded};
+use crate::io::{self, Limits, Loaded};
 use std::path::Path;
 
 /// Reads a model, chooses the variant asked for, and gives its materials what the options ask for.
@@ -16,17 +17,46 @@ use std::path::Path;
 /// ```
 ///
 /// # Errors
-/// The reader's, those of the maps and the material, and [`Error::Invalid`] where all triangles lie in one point.
+/// The reader's, those of the maps and the material, and [`Error::Invalid`] where all triangles lie in one point
+/// or the size is not between 1e-18 and 1e18 model units.
 pub fn load(path: &Path, options: &MaterialOptions) -> Result<Loaded> {
-    let mut loaded = io::load_model(path)?;
-    if loaded.scene.bounds().is_some_and(|bounds| bounds.diagonal() == 0.0) {
-        let why = "all its triangles lie in one point; there is nothing to see";
-        return Err(Error::invalid(path.display().to_string(), why));
+    load_within(path, options, &Limits::default())
+}
+
+/// Refuses a size that cannot be seen, model units.
+fn check_size(path: &Path, diagonal: f64) -> Result<()> {
+    let wrong = |why: String| Err(Error::invalid(path.display().to_string(), why));
+    if diagonal == 0.0 {
+        return wrong("all its triangles lie in one point; there is nothing to see".into());
+    }
+    if !(1.0 / MOST..=MOST).contains(&diagonal) {
+        return wrong(format!("it measures {diagonal:.1e} model units; scale it to between 1e-18 and 1e18"));
+    }
+    Ok(())
+}
+
+/// Reads a model as [`load`], within limits.
+///
+/// ```no_run
+/// use taotie::asset::Limits;
+/// use taotie::studio::{self, MaterialOptions};
+///
+/// let limits = Limits { memory: Some("2G".parse()?), ..Limits::default() };
+/// let scene = studio::load_within("vessel.glb".as_ref(), &MaterialOptions::default(), &limits)?.scene;
+/// # Ok::<(), taotie::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`load`] and [`io::load_model_within`].
+pub fn load_within(path: &Path, options: &MaterialOptions, limits: &Limits) -> Result<Loaded> {
+    let mut loaded = io::load_model_within(path, limits)?;
+    if let Some(bounds) = loaded.scene.bounds() {
+        check_size(path, bounds.diagonal())?;
     }
     if let Some(variant) = &options.variant {
         let chosen = loaded.variants.apply(variant, &mut loaded.scene);
         chosen.map_err(|error| error.within(path.display()))?;
     }
-    options.apply(&mut loaded.scene)?;
+    options.apply_within(&mut loaded.scene, limits)?;
     Ok(loaded)
 }

@@ -14,20 +14,29 @@
 
 use crate::error::{Error, Result};
 use crate::math::{Vec3, srgb};
+use crate::scene::Light;
 
-/// Reads a finite number.
+/// The largest magnitude of a number that is read. Sums and products of a few such numbers still fit single precision.
+pub const MOST: f64 = 1e18;
+
+/// Reads a finite number of at most [`MOST`], above 0 or below.
 ///
 /// ```
 /// assert_eq!(taotie::studio::parse::number(" 2.5 ")?, 2.5);
 /// assert!(taotie::studio::parse::number("inf").is_err());
+/// assert!(taotie::studio::parse::number("1e39").is_err());
 /// # Ok::<(), taotie::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] where it is none.
+/// [`Error::Invalid`] where it is none, or too large.
 pub fn number(text: &str) -> Result<f64> {
     let number = text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-    number.ok_or_else(|| Error::invalid("number", format!("`{text}` is not a number")))
+    match number {
+        Some(number) if number.abs() <= MOST => Ok(number),
+        Some(_) => Err(Error::invalid("number", format!("`{text}` is too large; at most 1e18 is read"))),
+        None => Err(Error::invalid("number", format!("`{text}` is not a number"))),
+    }
 }
 
 /// Reads finite numbers separated by commas.
@@ -66,7 +75,8 @@ pub fn vector(text: &str) -> Result<Vec3<f64>> {
     }
 }
 
-/// Reads a colour as CSS writes it, or one linear number for grey. Returns linear RGB.
+/// Reads a colour as CSS writes it, or one linear number for grey. Returns linear RGB, each from 0 to
+/// [`Light::MOST`].
 ///
 /// ```
 /// use taotie::math::Vec3;
@@ -78,17 +88,20 @@ pub fn vector(text: &str) -> Result<Vec3<f64>> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] where it is neither.
+/// [`Error::Invalid`] where it is neither, or out of range.
 pub fn color(text: &str) -> Result<Vec3> {
-    if let Ok(grey) = number(text) {
-        return Ok(Vec3::splat(grey as f32));
+    if text.trim().parse::<f64>().is_ok() {
+        let grey = Vec3::splat(number(text)? as f32);
+        let why = || format!("`{text}` is no colour; a linear grey lies between 0 and 1e12");
+        return if Light::is_strength(grey) { Ok(grey) } else { Err(Error::invalid("color", why())) };
     }
     let css = csscolorparser::parse(text).map_err(|_| {
         let advice = "write a CSS colour such as #d0c8b0 or a linear grey such as 0.5";
         Error::invalid("color", format!("`{text}` is no colour; {advice}"))
     })?;
     let linear = |v: f32| srgb::linear_from_srgb(f64::from(v)) as f32;
-    Ok(Vec3::new(linear(css.r), linear(css.g), linear(css.b)))
+    let color = Vec3::new(linear(css.r), linear(css.g), linear(css.b));
+    Ok(Vec3::from_array(color.to_array().map(|v| v.max(0.0))))
 }
 
 #[cfg(test)]
@@ -108,5 +121,9 @@ mod tests {
         assert!(why(color("mauve-ish").unwrap_err()).contains("`mauve-ish` is no colour"));
         assert!(why(vector("1,2").unwrap_err()).contains("not 2"));
         assert!(number("inf").is_err() && numbers("1,,2").is_err());
+        assert!(why(number("-1e39").unwrap_err()).contains("at most 1e18"));
+        assert!(why(color("-1").unwrap_err()).contains("between 0 and 1e12"));
+        assert!(why(color("1e13").unwrap_err()).contains("between 0 and 1e12"));
+        assert!(color("1e39").is_err() && color("nan").is_err());
     }
 }

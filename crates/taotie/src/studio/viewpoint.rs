@@ -1,6 +1,7 @@
 //! The viewpoint of an image.
 
 use super::motion::Motion;
+use super::parse::MOST;
 use crate::error::{Error, Result};
 use crate::math::{Mat4, Vec3};
 use crate::scene::{Bounds, Camera, Orbit, Scene, fitting_distance};
@@ -50,7 +51,8 @@ impl Default for CameraOptions {
 impl CameraOptions {
     fn check(&self) -> Result<()> {
         let numbers = [("azimuth", self.azimuth), ("elevation", self.elevation)];
-        if let Some((name, value)) = numbers.iter().find(|(_, value)| !value.is_finite()) {
+        let is_wrong = |value: f64| value.is_nan() || value.abs() > MOST;
+        if let Some((name, value)) = numbers.iter().find(|(_, value)| is_wrong(*value)) {
             return Err(Error::invalid(format!("{name} {value}"), "it must be a finite angle in radians"));
         }
         if !(self.fov_y > 0.0 && self.fov_y < PI) {
@@ -59,12 +61,15 @@ impl CameraOptions {
                 "it must lie between 0 and π radians",
             ));
         }
-        if let Some(distance) = self.distance.filter(|distance| !(*distance > 0.0 && distance.is_finite())) {
-            return Err(Error::invalid(format!("distance {distance}"), "it must be finite and above 0"));
+        if let Some(distance) = self.distance.filter(|distance| !(*distance > 0.0 && *distance <= MOST)) {
+            return Err(Error::invalid(
+                format!("distance {distance}"),
+                "it must be finite and above 0, at most 1e18",
+            ));
         }
         let target = self.target.unwrap_or_default();
-        if !target.to_array().iter().all(|v| v.is_finite()) {
-            return Err(Error::invalid("target", "its coordinates must be finite"));
+        if target.to_array().iter().any(|v| is_wrong(*v)) {
+            return Err(Error::invalid("target", "its coordinates must be finite, at most 1e18"));
         }
         Ok(())
     }
@@ -324,6 +329,9 @@ mod tests {
         assert!(why(CameraOptions { fov_y: 4.0, ..options() }, &ball()).contains("π"));
         assert!(why(CameraOptions { azimuth: f64::NAN, ..options() }, &ball()).contains("azimuth"));
         assert!(why(CameraOptions { distance: Some(0.0), ..options() }, &ball()).contains("distance"));
+        assert!(why(CameraOptions { distance: Some(1e39), ..options() }, &ball()).contains("at most 1e18"));
+        let far = Some(Vec3::splat(-1e39));
+        assert!(why(CameraOptions { target: far, ..options() }, &ball()).contains("target"));
         assert!(why(CameraOptions { name: Some("a".into()), ..options() }, &ball()).contains("no camera"));
     }
 }

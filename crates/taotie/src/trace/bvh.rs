@@ -188,6 +188,25 @@ mod tests {
     }
 
     #[test]
+    fn coordinates_that_overflow_lead_to_no_absent_child() {
+        for size in [1e20, 1e30, 1e37, 3e38] {
+            for count in [1, 7, 9, 65, 70] {
+                let mut state = 3;
+                let mut place = || (random_point(&mut state) - Vec3::splat(0.5)) * size;
+                let triangles: Vec<[Vec3; 3]> = (0..count).map(|_| [0; 3].map(|_| place())).collect();
+                let bvh = Bvh::build(&triangles);
+                for _ in 0..200 {
+                    for ray in [Ray::new(place(), place()), Ray::new(place(), place() * (1.0 / size))] {
+                        let found = bvh.nearest(&ray, f32::INFINITY);
+                        assert!(found.is_none_or(|hit| hit.triangle < count), "{size} {count}");
+                        bvh.occluded(&ray, f32::INFINITY, |hit| hit.triangle >= count);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
     fn empty_hits_nothing() {
         let ray = Ray::new(Vec3::default(), Vec3::new(0.0, 0.0, 1.0));
         assert!(Bvh::build(&[]).nearest(&ray, 1.0).is_none());

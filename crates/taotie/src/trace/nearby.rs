@@ -37,7 +37,8 @@ pub(super) fn closest(tree: &Tree, point: Vec3, reach: f32) -> Option<Closest> {
         if level > 0 {
             let first = waiting.len();
             let distances = squared_distances(&tree.levels[level - 1][node], point);
-            for (i, squared) in distances.into_iter().enumerate().filter(|(_, squared)| *squared <= limit) {
+            let present = distances.into_iter().take(tree.children(level, node));
+            for (i, squared) in present.enumerate().filter(|(_, squared)| *squared <= limit) {
                 waiting.push((squared, level - 1, node * WIDTH + i));
             }
             waiting[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
@@ -155,6 +156,25 @@ mod tests {
                 corners[0] * found.weights[0] + corners[1] * found.weights[1] + corners[2] * found.weights[2];
             assert!(((at - p).length() - found.distance).abs() < 1e-6);
             assert!(bvh.closest(p, found.distance * 0.99).is_none(), "beyond its reach");
+        }
+    }
+
+    #[test]
+    fn infinite_squared_distances_lead_to_no_absent_child() {
+        for size in [1e19, 1e20, 1e30, 1e37, f32::MAX] {
+            for count in [1, 7, 9, 65, 70] {
+                let at = |i: usize| size * ((i % 7) as f32 / 7.0);
+                let corners = |i| {
+                    [[0, 0, 0], [1, 0, 2], [0, 3, 1]]
+                        .map(|k: [usize; 3]| Vec3::from_array(k.map(|k| at(i + k))))
+                };
+                let triangles: Vec<[Vec3; 3]> = (0..count).map(corners).collect();
+                let bvh = Bvh::build(&triangles);
+                for point in [Vec3::splat(-size), Vec3::splat(size), Vec3::default()] {
+                    let found = bvh.closest(point, f32::INFINITY);
+                    assert!(found.is_none_or(|found| (found.triangle as usize) < count), "{size} {count}");
+                }
+            }
         }
     }
 

@@ -139,6 +139,7 @@ fn walk_packet<P: Pack>(
             continue;
         }
         let mut touched = touched::<P>(token, &bvh.tree.levels[level as usize - 1][node as usize], packet);
+        touched &= (1 << bvh.tree.children(level as usize, node as usize)) - 1;
         while touched != 0 {
             waiting[count] = (level - 1, node * WIDTH as u32 + touched.trailing_zeros());
             touched &= touched - 1;

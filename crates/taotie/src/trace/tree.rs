@@ -65,6 +65,21 @@ pub(super) struct Tree {
 }
 
 impl Tree {
+    /// Returns the number of children of a node of a level above the leaves, 1 the lowest; 1 to 8. Boxes of others hold
+    /// nothing, but rounding of huge coordinates may say otherwise, so walks never look at them.
+    pub fn children(&self, level: usize, node: usize) -> usize {
+        let below = match level {
+            0 | 1 => self.leaves.len(),
+            level => self.levels[level - 2].len(),
+        };
+        below.saturating_sub(node * WIDTH).min(WIDTH)
+    }
+
+    /// Returns the number of triangles of a leaf, 1 to 8. Slots of others hold nothing.
+    pub fn triangles(&self, leaf: usize) -> usize {
+        self.order.len().saturating_sub(leaf * WIDTH).min(WIDTH)
+    }
+
     /// Makes the tree of `count` triangles, at most 2^32.
     pub fn new(count: usize, corners: Corners<'_>) -> Self {
         let order = sorted(count, corners);

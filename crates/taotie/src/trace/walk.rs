@@ -64,13 +64,16 @@ pub(super) fn walk<P: Pack>(
         }
         if level == 0 {
             let leaf = &tree.leaves[node as usize];
-            span = meet_leaf::<P>(token, leaf, Cast { ray, span }, |met, span| {
-                meet(Met { slot: node as usize * WIDTH + met.slot, ..met }, span)
+            let present = tree.triangles(node as usize);
+            span = meet_leaf::<P>(token, leaf, Cast { ray, span }, |met, span| match met.slot < present {
+                true => meet(Met { slot: node as usize * WIDTH + met.slot, ..met }, span),
+                false => span,
             });
             continue;
         }
         let (mut hit, entries) =
             slabs.entries::<P>(token, &tree.levels[level as usize - 1][node as usize], span);
+        hit &= (1 << tree.children(level as usize, node as usize)) - 1;
         let first = waiting;
         while hit != 0 {
             let i = hit.trailing_zeros();

@@ -34,5 +34,6 @@ mod gltf_textures;
 mod gltf_validator;
 mod gltf_write;
 mod gltf_write_material;
+mod limits;
 mod mutations;
 mod scans;

@@ -28,6 +28,7 @@ mod fidelity;
 mod fill_rule;
 mod golden;
 mod ground;
+mod huge;
 mod normal_tangent;
 mod reference;
 mod reference_light;

@@ -87,6 +87,19 @@ impl ImagePair {
         Ok(Self { content, warnings })
     }
 
+    /// Returns the bytes that measuring two images of this size takes, beside their texels.
+    ///
+    /// ```
+    /// use taotie::comparison::diff::ImagePair;
+    ///
+    /// assert!(ImagePair::bytes([16_384, 16_384]) > 32 << 30);
+    /// ```
+    pub fn bytes([width, height]: [u32; 2]) -> u64 {
+        /// Colours of both, and what FLIP holds of each in double precision: colours, blurred colours, features.
+        const PIXEL: u64 = 2 * (12 + 24 + 24 + 16 + 8);
+        u64::from(width) * u64::from(height) * PIXEL
+    }
+
     /// Returns how many texels hold a normal in both; `None` for colours.
     pub fn shared_normals(&self) -> Option<usize> {
         let ImageContent::Normals([(a, _), (b, _)]) = &self.content else { return None };

@@ -1,9 +1,15 @@
 //! OpenEXR through the `exr` crate, which reads any channels: `image` wants red, green and blue.
 
+use super::super::limits::Bytes;
+use super::super::panics::caught;
+use super::super::reading::Reading;
 use super::limits::{Failure, check_size, credible};
 use crate::image::{Bitmap, Texels};
 use exr::block::reader::Reader;
-use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, Layer, ReadChannels, ReadLayers, read};
+use exr::meta::header::Header;
+use exr::prelude::{
+    AnyChannel, AnyChannels, Compression, FlatSamples, Image, Layer, ReadChannels, ReadLayers, read,
+};
 use std::io::Cursor;
 
 /// The most channels of one layer that are read.
@@ -12,37 +18,74 @@ const MAX_CHANNELS: usize = 64;
 /// The colour of the first layer without depth samples, as float. Luminance alone is repeated.
 ///
 /// The decoder (`exr` 1.74) has assertions that rare damage triggers, such as a block of a mip level that was not
-/// asked for; the panic is caught here and becomes an error. Its message still goes through the panic hook.
-pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap, Failure> {
-    let attempt = std::panic::catch_unwind(|| decode_or_panic(bytes));
-    attempt
-        .unwrap_or_else(|_| Err(Failure::Damaged("its blocks contradict its header; save it again".into())))
+/// asked for; the panic is caught here and becomes an error. So it runs on this thread alone: a panic on another could
+/// not be caught.
+pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
+    let damaged = || Failure::Damaged("its blocks contradict its header; save it again".into());
+    caught(|| decode_or_panic(bytes, reading)).unwrap_or_else(|| Err(damaged()))
 }
 
-fn decode_or_panic(bytes: &[u8]) -> Result<Bitmap, Failure> {
-    check_headers(bytes)?;
+fn decode_or_panic(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
+    check_headers(bytes, reading)?;
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()
         .first_valid_layer()
         .all_attributes()
+        .non_parallel()
         .from_buffered(Cursor::new(bytes))
         .map_err(failure)?;
     bitmap_from(&image)
 }
 
-/// Every layer's size, before anything is allocated for it.
-fn check_headers(bytes: &[u8]) -> Result<(), Failure> {
+/// Every layer's size and compression, before anything is allocated for it.
+fn check_headers(bytes: &[u8], reading: &Reading) -> Result<(), Failure> {
     let reader = Reader::read_from_buffered(Cursor::new(bytes), false).map_err(failure)?;
+    let mut deepest = 0;
     for header in reader.headers() {
         let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
         check_size(width, height, credible(bytes))?;
+        check_compression(header)?;
         if header.channels.list.len() > MAX_CHANNELS {
             return Err(Failure::TooLarge(format!("at most {MAX_CHANNELS} channels")));
         }
+        check_content(header, bytes)?;
+        deepest = deepest.max(room(header));
     }
-    Ok(())
+    match reading.take(deepest) {
+        true => Ok(()),
+        false => Err(Failure::TooLarge(format!("it needs about {} of memory", Bytes(deepest)))),
+    }
+}
+
+/// Returns the bytes that a layer takes while it is decoded, all its channels, and the texels made of it.
+fn room(header: &Header) -> u64 {
+    /// Float texels with their mip levels.
+    const TEXEL: u64 = 22;
+    let texels = header.layer_size.area() as u64;
+    texels * (TEXEL + header.channels.bytes_per_pixel as u64)
+}
+
+/// Refuses a layer of more bytes than compression can make of a file of this length.
+fn check_content(header: &Header, bytes: &[u8]) -> Result<(), Failure> {
+    /// Deflate comes to 1032 to 1, and PXR24 stores three bytes of four; other compressions come to less.
+    const MOST: u64 = 1500;
+    let content = header.layer_size.area() as u64 * header.channels.bytes_per_pixel as u64;
+    match content > MOST * bytes.len() as u64 {
+        true => Err(Failure::Damaged(format!("so few bytes cannot hold {}; save it again", Bytes(content)))),
+        false => Ok(()),
+    }
+}
+
+/// Refuses DWA: its decoder allocates as much as the file says, and the process ends where that is too much.
+fn check_compression(header: &Header) -> Result<(), Failure> {
+    match header.compression {
+        Compression::DWAA(_) | Compression::DWAB(_) => Err(Failure::Unsupported(
+            "OpenEXR's lossy compression DWAA or DWAB (ZIP and PIZ are read)".into(),
+        )),
+        _ => Ok(()),
+    }
 }
 
 fn bitmap_from(image: &Image<Layer<AnyChannels<FlatSamples>>>) -> Result<Bitmap, Failure> {
@@ -91,10 +134,13 @@ fn failure(error: exr::error::Error) -> Failure {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::limits::Limits;
     use super::*;
     use exr::prelude::{
         Blocks, Compression, Encoding, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage,
     };
+
+    use std::path::Path;
 
     const LOSSLESS: [Compression; 5] = [
         Compression::Uncompressed,
@@ -118,8 +164,12 @@ mod tests {
         bytes.into_inner()
     }
 
+    fn decoded(bytes: &[u8]) -> Result<Bitmap, Failure> {
+        decode(bytes, &Reading::new(Path::new("a.exr"), &Limits::default()))
+    }
+
     fn texels(bytes: &[u8]) -> Vec<[f32; 4]> {
-        match decode(bytes).ok().map(|b| b.texels().clone()) {
+        match decoded(bytes).ok().map(|b| b.texels().clone()) {
             Some(Texels::F32(texels)) => texels,
             _ => panic!("it decodes to float"),
         }
@@ -133,6 +183,33 @@ mod tests {
                 let (r, g, b, a) = color(Vec2(13, 5));
                 assert_eq!(texels[5 * 19 + 13], [r, g, b, a], "{compression:?} {blocks:?}");
             }
+        }
+    }
+
+    #[test]
+    fn many_channels_in_few_bytes_are_refused_before_they_are_decoded() {
+        let tight = Limits { memory: Some(Bytes(1 << 14)), ..Limits::default() };
+        let bytes = encoded(Compression::ZIP16, Blocks::ScanLines);
+        let needs = Reading::new(Path::new("a.exr"), &tight);
+        assert!(decode(&bytes, &needs).is_ok(), "19 × 17 texels of 38 bytes fit 16 KiB");
+        let tight = Limits { memory: Some(Bytes(1 << 13)), ..Limits::default() };
+        let needs = Reading::new(Path::new("a.exr"), &tight);
+        assert!(matches!(decode(&bytes, &needs), Err(Failure::TooLarge(_))));
+        assert!(needs.check().is_err());
+    }
+
+    #[test]
+    fn dwa_is_refused_before_it_is_decoded() {
+        for compression in [Compression::DWAA(None), Compression::DWAB(None)] {
+            let mut bytes = encoded(compression, Blocks::ScanLines);
+            match decoded(&bytes) {
+                Err(Failure::Unsupported(what)) => assert!(what.contains("DWAA"), "{what}"),
+                _ => panic!("{compression:?} is refused"),
+            }
+            // Whatever the counts in its blocks say.
+            let end = bytes.len();
+            bytes[end - end / 4..].fill(0x7f);
+            assert!(matches!(decoded(&bytes), Err(Failure::Unsupported(_))));
         }
     }
 
@@ -151,9 +228,9 @@ mod tests {
                     changed[below(bytes.len())] = below(256) as u8;
                     let at = below(bytes.len());
                     changed[at] ^= 1 << below(8);
-                    let _ = decode(&changed);
+                    let _ = decoded(&changed);
                 }
-                let _ = decode(&bytes[..below(bytes.len())]);
+                let _ = decoded(&bytes[..below(bytes.len())]);
             }
         }
     }

@@ -1,6 +1,8 @@
 //! KTX2 images of Basis Universal, ETC1S or UASTC, through the `basisu` crate: all that KHR_texture_basisu allows.
 
-use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, check_size, credible};
+use super::super::panics::caught;
+use super::super::reading::Reading;
+use super::limits::{Failure, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible};
 use crate::image::{Bitmap, Texels};
 use basisu::{DecodeFlags, Error, TargetFormat, Transcoder};
 
@@ -14,14 +16,16 @@ const ZSTANDARD: u32 = 2;
 ///
 /// The decoder (`basisu` 0.1) is a port of many thousand lines that index arrays; should damage make it panic, that is
 /// caught here and becomes an error.
-pub(super) fn decode(bytes: &[u8]) -> Result<Bitmap, Failure> {
+pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
     let (width, height) = check_header(bytes)?;
-    let attempt = std::panic::catch_unwind(|| {
+    // Unpacked blocks, at most a byte a texel, and the decoder's own texels.
+    check_room(reading, [width, height], TexelRoom { depth: 1, beside: 5 })?;
+    let attempt = caught(|| {
         let transcoder = Transcoder::new(bytes)?;
         let texels = transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE)?;
         Ok::<_, Error>((texels, if transcoder.has_alpha() { 4 } else { 3 }))
     });
-    let Ok(Ok((texels, channels))) = attempt else {
+    let Some(Ok((texels, channels))) = attempt else {
         return Err(Failure::Damaged("its blocks are damaged; save it again".into()));
     };
     let texels = Texels::U8(texels.as_chunks::<4>().0.to_vec());

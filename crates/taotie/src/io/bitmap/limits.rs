@@ -1,5 +1,7 @@
 //! The sizes of images that are believed, and the reasons why an image cannot be had.
 
+use super::super::limits::Bytes;
+use super::super::reading::Reading;
 use crate::error::Error;
 use crate::image::Bitmap;
 use std::path::Path;
@@ -46,6 +48,39 @@ fn one_line(text: &str) -> String {
 /// Returns the most texels that `bytes` may hold.
 pub(super) fn credible(bytes: &[u8]) -> u64 {
     (bytes.len() as u64).saturating_mul(MAX_TEXELS_PER_BYTE)
+}
+
+/// The memory of a texel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TexelRoom {
+    /// Bytes a channel: 1, 2 or 4.
+    pub depth: u64,
+    /// Bytes beside the texel while it is decoded.
+    pub beside: u64,
+}
+
+/// Refuses an image, of a size that was checked, that takes more pixels or memory than there may be. Counted are its
+/// texels, the mip levels that will be made of them, and what the decoder needs beside.
+pub(super) fn check_room(
+    reading: &Reading,
+    [width, height]: [u32; 2],
+    room: TexelRoom,
+) -> std::result::Result<(), Failure> {
+    let texels = u64::from(width) * u64::from(height);
+    let most = reading.limits().pixels;
+    if texels > most {
+        return Err(Failure::TooLarge(format!("{width}×{height}; at most {most} pixels: scale it down")));
+    }
+    // Four channels and their mip levels; those of normals are deeper, and deep sRGB becomes float.
+    let kept = match room.depth {
+        1 => 7,
+        _ => 22,
+    };
+    let need = texels * (kept + room.beside);
+    match reading.take(need) {
+        true => Ok(()),
+        false => Err(Failure::TooLarge(format!("{width}×{height} needs about {} of memory", Bytes(need)))),
+    }
 }
 
 /// Refuses sizes that cannot be drawn, and those of more than `credible` texels, which cannot be true.

@@ -1,6 +1,7 @@
 //! PNG row by row into texels, without a copy of the whole image in between.
 
-use super::limits::{Failure, check_size, credible};
+use super::super::reading::Reading;
+use super::limits::{Failure, TexelRoom, check_room, check_size, credible};
 use super::widen::widen;
 use crate::image::{Bitmap, Texels};
 use png::{BitDepth, ColorType, Decoder, DecodingError, Reader, Transformations};
@@ -10,7 +11,7 @@ type Rows<'a> = Reader<Cursor<&'a [u8]>>;
 
 /// Decodes a PNG; palettes, bits and transparent colours become samples of 8 or 16 bits. `None` for one that is
 /// interlaced.
-pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Option<Bitmap>, Failure> {
+pub(super) fn decode(bytes: &[u8], reading: &Reading) -> std::result::Result<Option<Bitmap>, Failure> {
     let mut decoder = Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(Transformations::EXPAND);
     decoder.set_ignore_text_chunk(true);
@@ -22,6 +23,8 @@ pub(super) fn decode(bytes: &[u8]) -> std::result::Result<Option<Bitmap>, Failur
     let (width, height) = rows.info().size();
     check_size(u64::from(width), u64::from(height), credible(bytes))?;
     let (color, depth) = rows.output_color_type();
+    let bytes_of_channel = if depth == BitDepth::Sixteen { 2 } else { 1 };
+    check_room(reading, [width, height], TexelRoom { depth: bytes_of_channel, beside: 0 })?;
     let channels = match color {
         ColorType::Grayscale => 1,
         ColorType::GrayscaleAlpha => 2,

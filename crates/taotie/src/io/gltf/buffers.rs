@@ -4,11 +4,10 @@ use super::meshopt::{self, Packed};
 use super::reason::{Reason, no_such};
 use super::uri;
 use crate::error::{Error, Result, Warnings};
-use crate::io::file;
+use crate::io::reading::Reading;
 use gltf::json::Root;
 use gltf::json::buffer::View;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// The most bytes that all compressed views unpack to, in multiples of the bytes of the buffers, and that many more.
 /// Several views may name the same packed bytes, so a limit for each alone would not bound their sum.
@@ -29,7 +28,7 @@ impl Buffers {
     /// # Errors
     /// Fails where a buffer cannot be read. [`Self::view`] reports a compressed view that is damaged.
     pub fn load(
-        path: &Path,
+        reading: &Reading,
         root: &Root,
         mut blob: Option<Vec<u8>>,
         warnings: &mut Warnings,
@@ -38,7 +37,7 @@ impl Buffers {
         for (i, buffer) in root.buffers.iter().enumerate() {
             let bytes = match &buffer.uri {
                 _ if meshopt::is_fallback(buffer) => None,
-                Some(name) => Some(load_buffer(path, name, i)?),
+                Some(name) => Some(load_buffer(reading, name, i)?),
                 None if i == 0 => blob.take(),
                 None => None,
             };
@@ -50,7 +49,13 @@ impl Buffers {
             buffers.push(bytes);
         }
         let mut buffers = Self { buffers, unpacked: BTreeMap::new() };
-        buffers.unpack(root);
+        if root.buffer_views.iter().any(|view| meshopt::of_view(view).is_some()) {
+            buffers.unpack(root, usize::try_from(reading.left()).unwrap_or(usize::MAX));
+        }
+        let unpacked = buffers.unpacked.values().flatten().map(Vec::len).sum::<usize>();
+        if !reading.take(unpacked as u64) {
+            reading.check()?;
+        }
         Ok(buffers)
     }
 
@@ -84,8 +89,9 @@ impl Buffers {
         Ok(&bytes[start as usize..end as usize])
     }
 
-    fn unpack(&mut self, root: &Root) {
-        let mut budget = MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * self.total_bytes();
+    /// Unpacks compressed views to at most `most` bytes.
+    fn unpack(&mut self, root: &Root, most: usize) {
+        let mut budget = most.min(MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * self.total_bytes());
         for (index, view) in root.buffer_views.iter().enumerate() {
             let Some(json) = meshopt::of_view(view) else { continue };
             let unpacked = Packed::read(json).and_then(|packed| {
@@ -100,12 +106,12 @@ impl Buffers {
 }
 
 /// Reads the buffer that a URI names.
-pub(super) fn load_buffer(path: &Path, name: &str, index: usize) -> Result<Vec<u8>> {
-    let wrong = |what: String| Err(Error::parse(path, format!("buffer {index}"), what));
+pub(super) fn load_buffer(reading: &Reading, name: &str, index: usize) -> Result<Vec<u8>> {
+    let wrong = |what: String| Err(Error::parse(reading.path(), format!("buffer {index}"), what));
     let short = uri::shortened(name);
-    match uri::locate(name, path.parent().unwrap_or(Path::new(""))) {
+    match uri::locate(name, reading) {
         Ok(uri::ByteSource::Data { bytes, .. }) => Ok(bytes),
-        Ok(uri::ByteSource::File(path)) if path.exists() => file::read(&path),
+        Ok(uri::ByteSource::File(path)) if path.exists() => reading.read(&path),
         Ok(uri::ByteSource::File(path)) => {
             wrong(format!("the file '{short}' is missing; put it at {}", path.display()))
         }

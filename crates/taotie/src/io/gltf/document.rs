@@ -9,14 +9,21 @@ use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
 use crate::error::{Error, Result, Warnings};
 use crate::io::json::broken;
-use crate::io::{file, xmp};
+use crate::io::reading::Reading;
+use crate::io::xmp;
 use gltf::json::{self, Root, Value};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Bytes that a byte of JSON takes while it is parsed: values, then types made of them.
+pub(super) const JSON: u64 = 16;
 
 /// A parsed file with its buffers.
 pub(super) struct Document {
     /// The file.
     pub path: PathBuf,
+    /// What may be taken and reached, and was taken.
+    pub reading: Arc<Reading>,
     /// Its JSON; nothing in it is checked beyond its types.
     pub root: Root,
     /// `GLB` or `glTF`.
@@ -30,33 +37,44 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Reads `path` and every buffer it names.
-    pub fn open(path: &Path, warnings: &mut Warnings) -> Result<Self> {
-        Self::of(path, file::read(path)?, warnings)
+    /// Reads the file and every buffer it names.
+    pub fn open(reading: &Arc<Reading>, warnings: &mut Warnings) -> Result<Self> {
+        let content = reading.read_own(reading.path())?;
+        Self::of(reading, content, warnings)
     }
 
-    /// Takes the content of `path`, and reads every buffer it names.
-    pub fn of(path: &Path, content: Vec<u8>, warnings: &mut Warnings) -> Result<Self> {
+    /// Takes the content of the file, and reads every buffer it names.
+    pub fn of(reading: &Arc<Reading>, content: Vec<u8>, warnings: &mut Warnings) -> Result<Self> {
+        let path = reading.path();
         let (text, blob) = split(path, content)?;
+        if !reading.take(text.len() as u64 * JSON) {
+            reading.check()?;
+        }
         let format = if blob.is_some() { "GLB" } else { "glTF" };
         let Parsed { root, animations, xmp } = parse(path, &text)?;
         check_extensions(path, &root, warnings)?;
-        let buffers = Buffers::load(path, &root, blob.filter(|b| !b.is_empty()), warnings)?;
+        check_nodes(reading, root.nodes.len() as u64)?;
+        let buffers = Buffers::load(reading, &root, blob.filter(|b| !b.is_empty()), warnings)?;
         #[cfg(feature = "draco")]
-        let supply = draco::supply(&root, &buffers, warnings);
+        let supply = draco::supply(&root, &buffers, reading, warnings);
         #[cfg(not(feature = "draco"))]
         let supply = Supply::new();
-        Ok(Self { path: path.to_path_buf(), root, format, animations, xmp, buffers, supply })
+        let reading = Arc::clone(reading);
+        Ok(Self {
+            path: reading.path().to_path_buf(),
+            reading,
+            root,
+            format,
+            animations,
+            xmp,
+            buffers,
+            supply,
+        })
     }
 
     /// An error at a place in this file.
     pub fn error(&self, at: impl Into<String>, what: impl Into<String>) -> Error {
         Error::parse(&self.path, at, what)
-    }
-
-    /// The folder that relative names start from.
-    pub fn folder(&self) -> &Path {
-        self.path.parent().unwrap_or(Path::new(""))
     }
 
     /// The bytes of a buffer view and its stride, where it has one.
@@ -74,6 +92,18 @@ impl Document {
     pub fn total_bytes(&self) -> usize {
         let supplied = self.supply.values().flatten().map(|supplied| supplied.bytes.len());
         self.buffers.total_bytes() + supplied.sum::<usize>()
+    }
+}
+
+/// Refuses a scene of too many nodes.
+fn check_nodes(reading: &Reading, count: u64) -> Result<()> {
+    let most = reading.limits().nodes;
+    match count > most {
+        true => Err(Error::limit(
+            format!("{}: {count} nodes", reading.path().display()),
+            format!("at most {most} are read; split the file"),
+        )),
+        false => Ok(()),
     }
 }
 
@@ -152,12 +182,14 @@ fn tidy_value(value: &mut Value) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::limits::Limits;
 
     fn error(bytes: &[u8]) -> String {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("m.gltf");
         std::fs::write(&path, bytes).unwrap();
-        match Document::open(&path, &mut Warnings::default()) {
+        let reading = Arc::new(Reading::new(&path, &Limits::default()));
+        match Document::open(&reading, &mut Warnings::default()) {
             Ok(_) => String::new(),
             Err(e) => e.to_string(),
         }

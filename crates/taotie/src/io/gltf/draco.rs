@@ -3,6 +3,8 @@
 //! Every packed primitive is unpacked when the file is opened. Its accessors take the unpacked elements in place of
 //! those in their buffer views, so that nothing else needs to know.
 
+use super::super::panics::caught;
+use super::super::reading::Reading;
 use super::buffers::Buffers;
 use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
@@ -25,11 +27,16 @@ const MAX_UNPACKED_OF_SMALL: u64 = 1 << 28;
 const TOO_MANY: &str = "the file unpacks to too many bytes";
 
 /// Unpacks every packed primitive of the file.
-pub(super) fn supply(root: &Root, buffers: &Buffers, warnings: &mut Warnings) -> Supply {
+pub(super) fn supply(root: &Root, buffers: &Buffers, reading: &Reading, warnings: &mut Warnings) -> Supply {
+    let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if primitives.all(|primitive| super::extensions::extension(primitive, NAME).is_none()) {
+        return Supply::new();
+    }
+    let usual = MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * buffers.total_bytes() as u64;
     let mut unpacker = Unpacker {
         root,
         buffers,
-        budget: MAX_UNPACKED_OF_SMALL + MAX_UNPACKED_PER_BYTE * buffers.total_bytes() as u64,
+        budget: usual.min(reading.left()),
         meshes: BTreeMap::new(),
         supply: Supply::new(),
     };
@@ -45,6 +52,8 @@ pub(super) fn supply(root: &Root, buffers: &Buffers, warnings: &mut Warnings) ->
             }
         }
     }
+    let unpacked: usize = unpacker.supply.values().flatten().map(|supplied| supplied.bytes.len()).sum();
+    reading.take(unpacked as u64);
     unpacker.supply
 }
 
@@ -123,18 +132,18 @@ fn decode(bytes: &[u8], budget: u64) -> Reason<Mesh> {
     let limits = DecodeLimits::default();
     let limits =
         limits.with_max_points(budget / 4).with_max_faces(budget / 12).with_max_decoded_bytes(budget);
-    let attempt = std::panic::catch_unwind(|| {
+    let attempt = caught(|| {
         let mut mesh = Mesh::new();
         MeshDecoder::new().decode(&mut DecoderBuffer::new(bytes).with_limits(limits), &mut mesh)?;
         Ok::<Mesh, draco_core::DracoError>(mesh)
     });
     match attempt {
-        Ok(Ok(mesh)) => Ok(mesh),
-        Ok(Err(error)) => {
+        Some(Ok(mesh)) => Ok(mesh),
+        Some(Err(error)) => {
             let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
             Err(format!("its stream cannot be read ({what}); save the model again"))
         }
-        Err(_) => Err("its stream contradicts itself; save the model again".into()),
+        None => Err("its stream contradicts itself; save the model again".into()),
     }
 }
 

@@ -4,8 +4,9 @@ use super::document::Document;
 use super::reason::{Reason, no_such};
 use super::uri;
 use crate::image::Bitmap;
-use crate::io::{decode_bitmap, file};
-use gltf::json::{Texture, Value};
+use crate::io::bitmap::decode_within;
+use gltf::json::{Image, Texture, Value};
+use std::collections::HashMap;
 
 /// Extensions that give a texture another image than its own, the one that is believed most first.
 const EXTENSIONS: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
@@ -31,6 +32,19 @@ fn extended(texture: &Texture) -> impl Iterator<Item = usize> {
     EXTENSIONS.into_iter().filter_map(source).map(|image| usize::try_from(image).unwrap_or(usize::MAX))
 }
 
+/// Returns for each image of the file the first that has the same source, so that each source is decoded once.
+pub(super) fn same_sources(document: &Document) -> Vec<usize> {
+    let mut firsts = HashMap::new();
+    let source = |image: &Image| match (image.buffer_view, &image.uri) {
+        (Some(view), _) => Some((Some(view.value()), None)),
+        (None, Some(uri)) => Some((None, Some(uri.clone()))),
+        (None, None) => None,
+    };
+    let images = document.root.images.iter().enumerate();
+    let first = |(i, image)| source(image).map_or(i, |source| *firsts.entry(source).or_insert(i));
+    images.map(first).collect()
+}
+
 /// The reason why an image cannot be had.
 pub(super) struct Unread {
     /// The reason in words.
@@ -47,20 +61,21 @@ impl From<String> for Unread {
 
 /// Reads and decodes image `index`, which exists.
 pub(super) fn read_image(document: &Document, index: usize) -> std::result::Result<Bitmap, Unread> {
-    let image = &document.root.images[index];
+    let (image, reading) = (&document.root.images[index], &document.reading);
     let name = image_name(document, index);
-    let decode =
-        |bytes: &[u8]| decode_bitmap(bytes, &name, &document.path).map_err(|e| Unread::from(e.to_string()));
+    let decode = |bytes: &[u8]| {
+        decode_within(bytes, &name, &document.path, reading).map_err(|e| Unread::from(e.to_string()))
+    };
     if let Some(view) = image.buffer_view {
         return decode(document.view(view.value())?.0);
     }
     let Some(address) = &image.uri else { return Err("it has neither uri nor bufferView".to_owned().into()) };
-    match uri::locate(address, document.folder()).map_err(|why| format!("'{name}': {why}"))? {
+    match uri::locate(address, reading).map_err(|why| format!("'{name}': {why}"))? {
         uri::ByteSource::Data { bytes, .. } => decode(&bytes),
         uri::ByteSource::File(path) if path.exists() => {
-            let bytes = file::read(&path).map_err(|e| e.to_string())?;
+            let bytes = reading.read(&path).map_err(|e| e.to_string())?;
             let file_name = path.file_name().unwrap_or_default().to_string_lossy();
-            decode_bitmap(&bytes, &file_name, &path).map_err(|e| e.to_string().into())
+            decode_within(&bytes, &file_name, &path, reading).map_err(|e| e.to_string().into())
         }
         uri::ByteSource::File(_) => {
             Err(Unread { why: format!("the file '{name}' is missing"), missing: Some(name) })

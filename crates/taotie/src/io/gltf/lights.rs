@@ -75,7 +75,7 @@ pub(super) fn lights(document: &Document, nodes: &Nodes, warnings: &mut Warnings
 /// Makes a light in candela for points and spots, lux for directions; not yet where its node stands.
 fn unplaced_light(light: &JsonLight) -> Result<Light, String> {
     let color = Vec3::from_array(light.color) * light.intensity;
-    if !color.is_finite() || color.to_array().iter().any(|v| *v < 0.0) {
+    if !Light::is_strength(color) {
         return Err(format!("its colour {:?} times {} is no light", light.color, light.intensity));
     }
     let (position, direction) = (Vec3::splat(0.0), Vec3::new(0.0, 0.0, -1.0));

@@ -4,7 +4,7 @@ use super::document::Document;
 use super::textures::{Slot, Textures};
 use crate::error::Warnings;
 use crate::image::Encoding;
-use crate::scene::{AlphaMode, GreenChannel, Material, NormalMap, NormalSpace};
+use crate::scene::{AlphaMode, GreenChannel, Light, Material, NormalMap, NormalSpace};
 use gltf::json;
 use gltf::json::validation::Checked;
 
@@ -114,9 +114,9 @@ impl MaterialReader<'_, '_> {
         self.clamped(name, value, 1.0)
     }
 
-    /// A value of at least 0.
+    /// A value of at least 0, at most [`Light::MOST`].
     pub fn positive(&mut self, name: &str, value: f32) -> f32 {
-        self.clamped(name, value, f32::MAX)
+        self.clamped(name, value, Light::MOST)
     }
 
     fn clamped(&mut self, name: &str, value: f32, most: f32) -> f32 {

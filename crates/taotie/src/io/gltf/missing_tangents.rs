@@ -2,15 +2,17 @@
 
 use super::accessor::Accessor;
 use super::document::Document;
-use super::primitives::most_elements;
+use super::primitives::{bytes_of, most_elements};
 use super::source::GltfSource;
 use super::triangles::{read_indices, triangulate};
 use super::vertices::{Vertices, attribute};
 use crate::error::{Result, Warnings};
+use crate::io::reading::Reading;
 use crate::mesh::{Mesh, repair};
 use crate::surface::{TangentMethod, with_tangents};
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
+use std::sync::Arc;
 
 /// The tangents of a primitive.
 pub(in crate::io) struct MissingTangents {
@@ -22,18 +24,19 @@ pub(in crate::io) struct MissingTangents {
     pub tangents: Vec<[f32; 4]>,
 }
 
-/// Finds the tangents of the primitives of a file that show one of `materials`, by their numbers, have normals and
+/// Finds the tangents of the primitives of the file of `reading` that show one of `materials`, by their numbers, have normals and
 /// uvs and no tangents. One whose vertices would have to be split has none, nor have those beyond what a file of its size
 /// may ask for.
 ///
 /// # Errors
-/// Those of reading the file.
+/// Those of reading the file; [`crate::Error::Limit`] where its meshes do not fit the memory.
 pub(in crate::io) fn missing_tangents(
     source: GltfSource<'_>,
+    reading: &Arc<Reading>,
     materials: &[usize],
 ) -> Result<Vec<MissingTangents>> {
-    let content = source.bytes()?.into_owned();
-    let document = Document::of(source.path(), content, &mut Warnings::default())?;
+    let content = source.bytes(reading)?.into_owned();
+    let document = Document::of(reading, content, &mut Warnings::default())?;
     let mut budget = most_elements(&document);
     let count = document.root.materials.len();
     let mut found = Vec::new();
@@ -48,6 +51,8 @@ pub(in crate::io) fn missing_tangents(
             }
         }
     }
+    // What did not fit is no primitive without tangents.
+    reading.check()?;
     Ok(found)
 }
 
@@ -61,8 +66,11 @@ fn tangents(document: &Document, primitive: &Primitive, budget: &mut usize) -> O
     let vertices = Vertices::open(document, primitive).ok()??;
     let indices = primitive.indices.map(|index| Accessor::open(document, index.value()));
     let indices = indices.transpose().ok()?;
-    let elements = vertices.count.checked_add(indices.as_ref().map_or(0, |indices| indices.count))?;
-    *budget = budget.checked_sub(elements)?;
+    let count = indices.as_ref().map_or(0, |indices| indices.count);
+    *budget = budget.checked_sub(vertices.count.checked_add(count)?)?;
+    if !document.reading.take(bytes_of(vertices.count, count)) {
+        return None;
+    }
     let triangles = triangulate(mode, &read_indices(indices.as_ref(), vertices.count).ok()?)?.list;
     let all: Vec<u32> = (0..vertices.count as u32).collect();
     let mut data = vertices.read(&all, "", &mut Warnings::default());

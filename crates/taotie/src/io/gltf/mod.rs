@@ -42,6 +42,7 @@ pub use source::GltfSource;
 
 use super::json::Json;
 use super::loaded::{Loaded, checked};
+use super::reading::Reading;
 use super::variants::Mapping;
 use super::variants::Variants;
 use crate::error::{Result, Warnings};
@@ -52,13 +53,14 @@ use crate::scene::{Instance, Material, Scene, SceneData};
 use document::Document;
 use meshes::Meshes;
 use nodes::Nodes;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 use textures::{Decoded, Textures};
 
 /// Reads a `.gltf` or `.glb` file with everything it names, at its finest level of detail.
-pub(super) fn read(path: &Path) -> Result<Loaded> {
+pub(super) fn read(reading: &Arc<Reading>) -> Result<Loaded> {
     let mut warnings = Warnings::default();
-    let document = Document::open(path, &mut warnings)?;
+    let document = Document::open(reading, &mut warnings)?;
     let shapes = Shapes::read(&document, 0, &mut warnings)?;
     let looks = Looks::read(&document, &mut warnings);
     shapes.loaded(&document, looks, warnings)
@@ -69,9 +71,9 @@ const MOST_LEVELS: usize = 64;
 
 /// Reads a file at all of its levels of detail, the finest first. What is noted of the file as a whole stands with the
 /// finest.
-pub(super) fn read_levels(path: &Path) -> Result<Vec<Loaded>> {
+pub(super) fn read_levels(reading: &Arc<Reading>) -> Result<Vec<Loaded>> {
     let mut warnings = Warnings::default();
-    let document = Document::open(path, &mut warnings)?;
+    let document = Document::open(reading, &mut warnings)?;
     let shapes = Shapes::read(&document, 0, &mut warnings)?;
     let count = shapes.nodes.levels;
     if count > MOST_LEVELS {
@@ -164,7 +166,7 @@ fn about(document: &Document, scene: Scene, warnings: Warnings) -> Loaded {
 fn files(document: &Document) -> Vec<PathBuf> {
     let buffers = document.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
     let images = document.root.images.iter().filter_map(|image| image.uri.as_deref());
-    buffers.chain(images).filter_map(|uri| uri::file(uri, document.folder())).collect()
+    buffers.chain(images).filter_map(|uri| uri::file(uri, &document.reading)).collect()
 }
 
 /// Says how the model moves: by a skin, by morph targets, or by animations alone.

@@ -19,6 +19,15 @@ const MAX_ELEMENTS_PER_BYTE: usize = 8;
 /// The number added to that, so that tiny files are free.
 const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
 
+/// Bytes of a vertex, with all that it may have, and of an index, while a mesh is made.
+const VERTEX: u64 = 80;
+const INDEX: u64 = 12;
+
+/// Returns the bytes of so many vertices and indices while a mesh is made.
+pub(super) fn bytes_of(vertices: usize, indices: usize) -> u64 {
+    vertices as u64 * VERTEX + indices as u64 * INDEX
+}
+
 /// Returns the most vertices and indices of all meshes of a file together.
 pub(super) fn most_elements(document: &Document) -> usize {
     MAX_ELEMENTS_OF_SMALL + MAX_ELEMENTS_PER_BYTE * document.total_bytes()
@@ -132,8 +141,19 @@ impl<'a> Primitives<'a> {
             Some(index) => Some(Accessor::open(self.document, index.value()).map_err(within)?),
             None => None,
         };
-        self.spend(accessor.as_ref().map_or(vertices, |a| a.count))?;
+        let indices = accessor.as_ref().map_or(vertices, |a| a.count);
+        self.spend(indices)?;
+        self.take(bytes_of(vertices, indices))?;
         Ok(read_indices(accessor.as_ref(), vertices).map_err(within)?)
+    }
+
+    /// Counts bytes that are about to be taken.
+    fn take(&self, bytes: u64) -> std::result::Result<(), Stop> {
+        let reading = &self.document.reading;
+        match reading.take(bytes) {
+            true => Ok(()),
+            false => reading.check().map_err(Stop::Everything),
+        }
     }
 
     fn spend(&mut self, elements: usize) -> std::result::Result<(), Stop> {

@@ -1,7 +1,7 @@
 //! The place that a glTF file is taken from.
 
 use crate::error::Result;
-use crate::io::file;
+use crate::io::reading::Reading;
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -26,10 +26,10 @@ impl<'a> GltfSource<'a> {
     /// Returns the bytes of the file itself.
     ///
     /// # Errors
-    /// [`crate::Error::Io`] where it cannot be read.
-    pub(super) fn bytes(self) -> Result<Cow<'a, [u8]>> {
+    /// [`crate::Error::Io`] where it cannot be read, [`crate::Error::Limit`] where it does not fit the memory.
+    pub(super) fn bytes(self, reading: &Reading) -> Result<Cow<'a, [u8]>> {
         match self {
-            Self::File(path) => file::read(path).map(Cow::Owned),
+            Self::File(path) => reading.read_own(path).map(Cow::Owned),
             Self::Glb(bytes) => Ok(Cow::Borrowed(bytes)),
         }
     }

@@ -1,7 +1,7 @@
 //! Texture slots, samplers and images, each image decoded once and kept once an encoding.
 
 use super::document::Document;
-use super::images::{image_name, read_image, sources};
+use super::images::{image_name, read_image, same_sources, sources};
 use super::reason::Reason;
 use super::samplers::sampler_from;
 use super::vertices::MAX_UV_SETS;
@@ -14,7 +14,7 @@ use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::texture::Info;
 use gltf::json::{Value, deserialize};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// A texture as a material names it.
 pub(super) struct Slot {
@@ -54,6 +54,10 @@ pub(super) struct Textures<'a> {
     document: &'a Document,
     /// The image and encoding that each texture of the scene is made from.
     requests: Vec<(usize, Encoding)>,
+    /// The place of each among them.
+    places: HashMap<(usize, Encoding), usize>,
+    /// For each image of the file the first that has the same bytes.
+    same: Vec<usize>,
     /// The images that may replace another, which is the key.
     substitutes: BTreeMap<usize, Vec<usize>>,
 }
@@ -72,7 +76,8 @@ pub(super) struct Decoded {
 impl<'a> Textures<'a> {
     /// No requests yet.
     pub fn new(document: &'a Document) -> Self {
-        Self { document, requests: Vec::new(), substitutes: BTreeMap::new() }
+        let same = same_sources(document);
+        Self { document, requests: Vec::new(), places: HashMap::new(), same, substitutes: BTreeMap::new() }
     }
 
     /// Registers a use of a texture; `None` with a warning where it has no image that can be read.
@@ -95,7 +100,8 @@ impl<'a> Textures<'a> {
         if slot.uv_set() >= MAX_UV_SETS {
             return Err(format!("it names uv set {}; at most {MAX_UV_SETS} are read", slot.uv_set()));
         }
-        let mut images = sources(self.document, slot.index)?;
+        let mut images: Vec<usize> =
+            sources(self.document, slot.index)?.into_iter().map(|image| self.same[image]).collect();
         let image = images.remove(0);
         self.substitutes.entry(image).or_insert(images);
         let root = &self.document.root;
@@ -104,8 +110,7 @@ impl<'a> Textures<'a> {
     }
 
     fn request(&mut self, slot: &Slot, request: (usize, Encoding), sampler: Sampler) -> TextureRef {
-        let known = self.requests.iter().position(|r| *r == request);
-        let texture = known.unwrap_or_else(|| {
+        let texture = *self.places.entry(request).or_insert_with(|| {
             self.requests.push(request);
             self.requests.len() - 1
         });
@@ -122,6 +127,11 @@ impl<'a> Textures<'a> {
         let places: Vec<_> = self.requests.iter().map(|r| kept(r).then(|| next.next()).flatten()).collect();
         materials.iter_mut().for_each(|m| renumber(m, &places));
         let requests: Vec<_> = self.requests.iter().filter(|r| kept(r)).copied().collect();
+        // An image under a second encoding is copied: counted as float, since 16-bit sRGB becomes that.
+        let mut seen = BTreeSet::new();
+        for (image, _) in requests.iter().filter(|(image, _)| !seen.insert(*image)) {
+            self.document.reading.take(22 * bitmaps[image].texels().len() as u64);
+        }
         decoded.names = requests.iter().map(|(image, _)| image_name(self.document, *image)).collect();
         decoded.textures = build_textures(&requests, bitmaps);
         decoded
@@ -167,8 +177,10 @@ impl<'a> Textures<'a> {
 /// One texture a request; a bitmap is copied only where it is needed under both encodings.
 fn build_textures(requests: &[(usize, Encoding)], mut bitmaps: BTreeMap<usize, Bitmap>) -> Vec<Texture> {
     let mut parts = Vec::with_capacity(requests.len());
+    let last: HashMap<usize, usize> =
+        requests.iter().enumerate().map(|(i, (image, _))| (*image, i)).collect();
     for (i, (image, encoding)) in requests.iter().enumerate() {
-        let again = requests[i + 1..].iter().any(|(later, _)| later == image);
+        let again = last[image] > i;
         let bitmap = if again { bitmaps.get(image).cloned() } else { bitmaps.remove(image) };
         parts.extend(bitmap.map(|b| (b, *encoding)));
     }

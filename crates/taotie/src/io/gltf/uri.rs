@@ -1,11 +1,12 @@
 //! Finds a buffer or image: in a data URI or in a file beside the model. The network is never asked.
 
 use super::reason::Reason;
+use crate::io::reading::Reading;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A decoder of Base64 that does not demand padding, which is often forgotten.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -29,8 +30,8 @@ pub(super) enum ByteSource {
     File(PathBuf),
 }
 
-/// Finds the source that `uri` names, seen from `folder`.
-pub(super) fn locate(uri: &str, folder: &Path) -> Reason<ByteSource> {
+/// Finds the source that `uri` names; a file has to lie in the model's folder, or be allowed elsewhere.
+pub(super) fn locate(uri: &str, reading: &Reading) -> Reason<ByteSource> {
     if let Some(data) = strip_scheme(uri, "data:") {
         return decode_data(data);
     }
@@ -42,17 +43,22 @@ pub(super) fn locate(uri: &str, folder: &Path) -> Reason<ByteSource> {
     }
     let decoded = percent_decode_str(uri).decode_utf8().map_err(|_| "it is not UTF-8")?;
     // Names written without encoding, or with the separators of Windows, are common.
-    let candidates = [decoded.as_ref(), uri, &decoded.replace('\\', "/")].map(|name| folder.join(name));
-    let found = candidates.iter().find(|path| path.exists()).unwrap_or(&candidates[0]);
-    Ok(ByteSource::File(found.clone()))
+    let candidates =
+        [decoded.as_ref(), uri, &decoded.replace('\\', "/")].map(|name| reading.folder().join(name));
+    let mut allowed = candidates.iter().filter(|path| reading.allows(path).is_ok());
+    if let Some(found) = allowed.find(|path| path.exists()) {
+        return Ok(ByteSource::File(found.clone()));
+    }
+    let refused = candidates.iter().find_map(|path| reading.allows(path).err());
+    refused.map_or_else(|| Ok(ByteSource::File(candidates[0].clone())), Err)
 }
 
-/// Returns the file that `uri` names, seen from `folder`, where it is there.
-pub(super) fn file(uri: &str, folder: &Path) -> Option<PathBuf> {
+/// Returns the file that `uri` names, where it is there and may be read.
+pub(super) fn file(uri: &str, reading: &Reading) -> Option<PathBuf> {
     if strip_scheme(uri, "data:").is_some() {
         return None;
     }
-    match locate(uri, folder) {
+    match locate(uri, reading) {
         Ok(ByteSource::File(path)) => path.is_file().then_some(path),
         _ => None,
     }
@@ -93,9 +99,15 @@ fn decode_data(data: &str) -> Reason<ByteSource> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::limits::Limits;
+    use std::path::Path;
+
+    fn of(folder: &Path) -> Reading {
+        Reading::new(&folder.join("m.gltf"), &Limits::default())
+    }
 
     fn data(uri: &str) -> Vec<u8> {
-        match locate(uri, Path::new("")).unwrap() {
+        match locate(uri, &of(Path::new(""))).unwrap() {
             ByteSource::Data { bytes, .. } => bytes,
             ByteSource::File(path) => panic!("{path:?}"),
         }
@@ -107,8 +119,8 @@ mod tests {
         assert_eq!(data("DATA:;base64,AQI="), [1, 2]);
         assert_eq!(data("data:;base64,AQI"), [1, 2]);
         assert_eq!(data("data:text/plain,a%20b"), b"a b");
-        assert!(locate("data:;base64,A*", Path::new("")).is_err());
-        assert!(locate("data:;base64", Path::new("")).is_err());
+        assert!(locate("data:;base64,A*", &of(Path::new(""))).is_err());
+        assert!(locate("data:;base64", &of(Path::new(""))).is_err());
     }
 
     #[test]
@@ -118,10 +130,10 @@ mod tests {
         let there = folder.path().join("a b/c%20d.bin");
         std::fs::write(&there, "").unwrap();
         for name in ["a%20b/c%2520d.bin", "a b/c%20d.bin"] {
-            assert_eq!(locate(name, folder.path()).unwrap(), ByteSource::File(there.clone()), "{name}");
+            assert_eq!(locate(name, &of(folder.path())).unwrap(), ByteSource::File(there.clone()), "{name}");
         }
         std::fs::write(folder.path().join("a b/e.bin"), "").unwrap();
-        let Ok(ByteSource::File(found)) = locate("a b\\e.bin", folder.path()) else { panic!("a file") };
+        let Ok(ByteSource::File(found)) = locate("a b\\e.bin", &of(folder.path())) else { panic!("a file") };
         assert!(found.exists());
     }
 
@@ -130,16 +142,32 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let there = folder.path().join("a b.bin");
         std::fs::write(&there, "").unwrap();
-        assert_eq!(file("a%20b.bin", folder.path()), Some(there));
+        assert_eq!(file("a%20b.bin", &of(folder.path())), Some(there));
         for uri in ["absent.bin", "data:,a%20b.bin", "file:///etc/passwd"] {
-            assert_eq!(file(uri, folder.path()), None, "{uri}");
+            assert_eq!(file(uri, &of(folder.path())), None, "{uri}");
         }
+    }
+
+    #[test]
+    fn files_outside_are_refused_by_name() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("m");
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(place.path().join("secret.bin"), "").unwrap();
+        for uri in ["../secret.bin", "%2e%2e/secret.bin", "..\\secret.bin", "a/../../secret.bin"] {
+            let why = locate(uri, &of(&folder)).unwrap_err();
+            assert!(why.contains("secret.bin") && why.contains("--allow-outside"), "{why}");
+            assert_eq!(file(uri, &of(&folder)), None);
+        }
+        let limits = Limits { allow_outside: true, ..Limits::default() };
+        let allowed = Reading::new(&folder.join("m.gltf"), &limits);
+        assert!(file("../secret.bin", &allowed).is_some());
     }
 
     #[test]
     fn nothing_is_fetched() {
         for uri in ["http://x/y.bin", "HTTPS://x", "file:///etc/passwd", "/etc/passwd", "C:\\x.bin"] {
-            assert!(locate(uri, Path::new("")).is_err(), "{uri}");
+            assert!(locate(uri, &of(Path::new(""))).is_err(), "{uri}");
         }
     }
 }

@@ -5,7 +5,8 @@ use super::textures::{ChannelReader, Textures, combine};
 use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
 use crate::scene::{
-    AlphaMode, Classic, GreenChannel, HeightMap, Material, NormalMap, NormalSpace, TextureRef, UvTransform,
+    AlphaMode, Classic, GreenChannel, HeightMap, Light, Material, NormalMap, NormalSpace, TextureRef,
+    UvTransform,
 };
 use crate::surface::{NormalMapKind, is_normal_map};
 
@@ -24,10 +25,10 @@ pub(super) fn material(mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnin
     let mut m = Material {
         metallic: mtl.metallic.unwrap_or(0.0).clamp(0.0, 1.0),
         classic: Classic {
-            ambient: mtl.ambient,
-            diffuse: mtl.diffuse,
-            specular: mtl.specular,
-            shininess: mtl.shininess.map(|s| s.max(0.0)),
+            ambient: mtl.ambient.map(bounded),
+            diffuse: mtl.diffuse.map(bounded),
+            specular: mtl.specular.map(bounded),
+            shininess: mtl.shininess.map(|s| s.clamp(0.0, Light::MOST)),
             slope: None,
         },
         ..neutral(&mtl.name)
@@ -42,6 +43,11 @@ pub(super) fn material(mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnin
     set_metallic_roughness(&mut m, mtl, textures, warnings);
     set_relief(&mut m, mtl, textures, warnings);
     m
+}
+
+/// Returns a colour whose channels are at most what light can be.
+fn bounded(color: [f32; 3]) -> [f32; 3] {
+    color.map(|v| v.min(Light::MOST))
 }
 
 /// Returns the roughness of a shininess s by α² = 2 / (s + 2), and α = roughness².
@@ -92,7 +98,7 @@ fn set_base_color(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings
         m.classic.diffuse = mtl.diffuse.map(|_| color);
     }
     let [r, g, b] = color;
-    m.base_color = [r, g, b, opacity];
+    m.base_color = [r, g, b, opacity].map(|v| v.min(Light::MOST));
     set_opacity_map(m, mtl, textures, warnings);
 }
 
@@ -135,10 +141,10 @@ fn is_cutout(bitmap: &Bitmap) -> bool {
 }
 
 fn set_emission(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warnings: &mut Warnings) {
-    m.emissive = mtl.emissive.unwrap_or([0.0; 3]);
+    m.emissive = bounded(mtl.emissive.unwrap_or([0.0; 3]));
     let Some(map) = &mtl.emissive_map else { return };
     if let Some(texture) = textures.plain(map, &mtl.folder, color_encoding(map), warnings) {
-        m.emissive = factor(mtl.emissive, "Ke", warnings);
+        m.emissive = bounded(factor(mtl.emissive, "Ke", warnings));
         m.emissive_texture = Some(texture_ref(texture, map));
     }
 }

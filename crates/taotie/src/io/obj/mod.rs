@@ -16,6 +16,7 @@ pub(super) use material::neutral;
 
 use super::loaded::{Loaded, checked};
 use super::locate;
+use super::reading::Reading;
 use super::text::{self, quote};
 use crate::error::{Result, Warnings};
 use crate::math::Mat4;
@@ -24,7 +25,6 @@ use crate::scene::{Instance, Material, Scene, SceneData};
 use mtl::Mtl;
 use parse::Obj;
 use std::collections::HashMap;
-use std::path::Path;
 use textures::Textures;
 
 /// The number of missing libraries or materials that are named one by one.
@@ -39,21 +39,22 @@ const NAMED: usize = 64;
 /// # Errors
 /// [`crate::Error::Io`] where the file cannot be read, [`crate::Error::Parse`] with the line of what cannot be used.
 /// Missing libraries, materials and textures are noted in the warnings.
-pub(super) fn read(path: &Path) -> Result<Loaded> {
+pub(super) fn read(reading: &Reading) -> Result<Loaded> {
+    let path = reading.path();
     let mut warnings = Warnings::default();
     let obj = parse::parse(path, &text::read_text(path)?, &mut warnings)?;
     let parts = build::build(&obj, &mut warnings)?;
     let mut loaded = Loaded::new(Scene::default(), warnings, "OBJ");
-    let scene = assemble(path.parent().unwrap_or(Path::new("")), &obj, parts, &mut loaded);
+    let scene = assemble(reading, &obj, parts, &mut loaded);
     loaded.scene = checked(path, scene)?;
     Ok(loaded)
 }
 
-fn assemble(folder: &Path, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Loaded) -> SceneData {
-    let library = library(folder, obj, loaded);
+fn assemble(reading: &Reading, obj: &Obj, parts: Vec<build::Part>, loaded: &mut Loaded) -> SceneData {
+    let library = library(reading, obj, loaded);
     let Loaded { warnings, mesh_names, .. } = loaded;
     let mut scene = SceneData::default();
-    let mut textures = Textures::new(folder);
+    let mut textures = Textures::new(reading);
     let mut material_of_name: HashMap<Option<usize>, usize> = HashMap::new();
     let mut unknown = 0;
     for build::Part { material, name, mesh } in parts {
@@ -98,20 +99,25 @@ fn note_unknown(name: &str, unknown: &mut usize, warnings: &mut Warnings) {
 }
 
 /// The materials of all libraries by name; of equal names, the last.
-fn library(folder: &Path, obj: &Obj, loaded: &mut Loaded) -> HashMap<String, Mtl> {
+fn library(reading: &Reading, obj: &Obj, loaded: &mut Loaded) -> HashMap<String, Mtl> {
     let Loaded { warnings, missing_files, files, .. } = loaded;
     let mut materials = HashMap::new();
     for names in obj.libraries.iter().take(NAMED) {
-        for name in library_files(names, folder) {
-            let text = match locate::find(&name, &[folder]) {
-                None => {
-                    warnings.note(format!("material library {} is not there", quote(&name)), 1);
+        for name in library_files(names, reading) {
+            let found = match locate::find(&name, &[reading.folder()], reading) {
+                Ok(Some(path)) => Ok(path),
+                Ok(None) => Err("is not there".to_owned()),
+                Err(why) => Err(format!("is left out: {why}")),
+            };
+            let text = match found {
+                Err(why) => {
+                    warnings.note(format!("material library {} {why}", quote(&name)), 1);
                     missing_files.push(name);
                     continue;
                 }
-                Some(path) => {
+                Ok(path) => {
                     files.push(path.clone());
-                    text::read_text(&path).map(|text| (path, text))
+                    reading.count_file(&path).and_then(|()| text::read_text(&path)).map(|text| (path, text))
                 }
             };
             match text {
@@ -130,9 +136,9 @@ fn library(folder: &Path, obj: &Obj, loaded: &mut Loaded) -> HashMap<String, Mtl
 
 /// The files behind one `mtllib`: a single name with spaces where there is such a file, else one a word, where a
 /// backslash keeps the space behind it.
-fn library_files(names: &str, folder: &Path) -> Vec<String> {
+fn library_files(names: &str, reading: &Reading) -> Vec<String> {
     let whole = names.trim().trim_matches('"');
-    if !whole.contains(char::is_whitespace) || locate::find(whole, &[folder]).is_some() {
+    if !whole.contains(char::is_whitespace) || locate::find(whole, &[reading.folder()], reading) != Ok(None) {
         return vec![whole.to_owned()];
     }
     let kept = whole.replace("\\ ", "\0");

@@ -1,7 +1,8 @@
 //! The images that MTL files name, each read once.
 
+use super::super::bitmap::read_map;
 use super::super::locate::find;
-use super::super::read_bitmap;
+use super::super::reading::Reading;
 use super::super::text::quote;
 use super::mtl::{Channel, Map};
 use crate::error::Warnings;
@@ -15,8 +16,8 @@ const NAMED: usize = 64;
 
 /// The textures of a scene as it is built.
 pub(super) struct Textures<'a> {
-    /// The folder of the OBJ file.
-    pub folder: &'a Path,
+    /// The reading of the OBJ file.
+    reading: &'a Reading,
     /// The textures that the materials will name by index.
     pub list: Vec<Texture>,
     /// The files that each texture was made from.
@@ -30,9 +31,9 @@ pub(super) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    pub(super) fn new(folder: &'a Path) -> Self {
+    pub(super) fn new(reading: &'a Reading) -> Self {
         Self {
-            folder,
+            reading,
             list: Vec::new(),
             names: Vec::new(),
             files: Vec::new(),
@@ -90,14 +91,18 @@ impl<'a> Textures<'a> {
         if self.missing.contains(&name) {
             return None;
         }
-        let why = match find(&map.file, &[folder, self.folder]) {
-            None => {
+        let why = match find(&map.file, &[folder, self.reading.folder()], self.reading) {
+            Ok(None) => {
                 self.missing_files.push(map.file.clone());
                 "it is not there".to_owned()
             }
-            Some(path) => {
+            Err(why) => {
+                self.missing_files.push(map.file.clone());
+                why
+            }
+            Ok(Some(path)) => {
                 self.files.push(path.clone());
-                match read_bitmap(&path) {
+                match read_map(&path, self.reading) {
                     Ok(bitmap) => return Some(bitmap),
                     Err(error) => error.to_string(),
                 }

@@ -16,6 +16,7 @@ mod vertices;
 use super::file;
 use super::loaded::{Loaded, checked};
 use super::obj::neutral;
+use super::reading::Reading;
 use crate::error::{Result, Warnings};
 use crate::math::Mat4;
 use crate::scene::{Instance, Scene, SceneData};
@@ -38,7 +39,8 @@ use std::path::Path;
 /// # Errors
 /// [`crate::Error::Io`] where the file cannot be read, [`crate::Error::Parse`] where its header or payload is wrong, and
 /// for point clouds, which cannot be drawn.
-pub(super) fn read(path: &Path) -> Result<Loaded> {
+pub(super) fn read(reading: &Reading) -> Result<Loaded> {
+    let path = reading.path();
     let mut warnings = Warnings::default();
     let mut bytes = file::read(path)?;
     let (header, start, line) = read_header(path, &mut bytes)?;
@@ -54,7 +56,7 @@ pub(super) fn read(path: &Path) -> Result<Loaded> {
     let mut loaded = Loaded::new(Scene::default(), warnings, "PLY");
     if has_uvs
         && let Some(name) = texture::name(&header, &mut loaded.warnings)
-        && let Some(texture) = texture::load(path, name, &mut loaded)
+        && let Some(texture) = texture::load(reading, name, &mut loaded)
     {
         material.base_color = [1.0; 4];
         material.base_color_texture = Some(texture::whole());

@@ -1,11 +1,12 @@
 //! The texture that a comment in the header names.
 
-use super::super::{Loaded, locate, read_bitmap};
+use super::super::bitmap::read_map;
+use super::super::reading::Reading;
+use super::super::{Loaded, locate};
 use crate::error::Warnings;
 use crate::image::{Encoding, Sampler, Texture};
 use crate::scene::{TextureRef, UvTransform};
 use ply_rs_bw::ply::Header;
-use std::path::Path;
 
 /// The file that the header names.
 pub(super) fn name<'a>(header: &'a Header, warnings: &mut Warnings) -> Option<&'a str> {
@@ -22,15 +23,19 @@ pub(super) fn whole() -> TextureRef {
 }
 
 /// Reads the file `name` beside the model; what cannot be had is noted.
-pub(super) fn load(path: &Path, name: &str, loaded: &mut Loaded) -> Option<Texture> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let Some(file) = locate::find(name, &[folder]) else {
-        loaded.warnings.note(format!("texture '{name}' is left out: it is not there"), 1);
-        loaded.missing_files.push(name.to_owned());
-        return None;
+pub(super) fn load(reading: &Reading, name: &str, loaded: &mut Loaded) -> Option<Texture> {
+    let file = locate::find(name, &[reading.folder()], reading);
+    let file = file.and_then(|file| file.ok_or_else(|| "it is not there".to_owned()));
+    let file = match file {
+        Ok(file) => file,
+        Err(why) => {
+            loaded.warnings.note(format!("texture '{name}' is left out: {why}"), 1);
+            loaded.missing_files.push(name.to_owned());
+            return None;
+        }
     };
     loaded.files.push(file.clone());
-    match read_bitmap(&file) {
+    match read_map(&file, reading) {
         Ok(bitmap) => {
             loaded.texture_names.push(name.to_owned());
             Some(Texture::new(bitmap, Encoding::Srgb))

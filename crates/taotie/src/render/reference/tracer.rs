@@ -48,6 +48,7 @@ impl<'t> Tracer<'t> {
         paths: &ReferenceSettings,
     ) -> Result<Self> {
         paths.check()?;
+        shot.check()?;
         let (settings, lighting) = (as_taken(shot.settings), shot.lighting);
         let (width, height) = (settings.width, settings.height);
         crate::image::Image::check_size(width, height)?;

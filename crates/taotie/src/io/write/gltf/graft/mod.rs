@@ -22,6 +22,7 @@ use crate::error::{Error, Result};
 use crate::image::{Sampler, Wrap};
 use crate::io::gltf::{GltfSource, RawGltf};
 use crate::io::json::Json;
+use crate::io::limits::Limits;
 use crate::io::write::FileBytes;
 use crate::io::xmp;
 use images::{Storage, Textured};
@@ -33,6 +34,8 @@ use std::path::Path;
 pub struct GltfGraft<'a> {
     /// The file.
     pub source: GltfSource<'a>,
+    /// The limits within which it is read.
+    pub limits: Limits,
     /// Its materials that are changed.
     pub materials: &'a [GraftedMaterial<'a>],
     /// A rights notice beside the file's own.
@@ -63,14 +66,14 @@ pub struct GraftedMaterial<'a> {
 /// that nothing names any more are left out. Geometry stays as it is packed, whatever [`GltfFormat::meshopt`] says.
 ///
 /// # Errors
-/// [`Error::Io`] and [`Error::Parse`] where the source cannot be read; else as
+/// [`Error::Io`] and [`Error::Parse`] where the source cannot be read, [`Error::Limit`] where that exceeds a limit; else as
 /// [`encode_gltf`](crate::io::encode_gltf).
 pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Result<Vec<FileBytes>> {
     let storage = match Container::of(path)? {
         Container::Glb => Storage::Inside,
         Container::Gltf => Storage::Beside(path),
     };
-    let mut raw = RawGltf::read(graft.source)?;
+    let mut raw = RawGltf::read(graft.source, &graft.limits)?;
     let own_images = edit::items(&raw.json, "images").len();
     let mut beside = Vec::new();
     for material in graft.materials {

@@ -15,7 +15,7 @@ pub(super) fn give(raw: &mut RawGltf, source: GltfSource<'_>, materials: &[usize
     if materials.is_empty() {
         return Ok(());
     }
-    for found in missing_tangents(source, materials)? {
+    for found in missing_tangents(source, raw.reading(), materials)? {
         let bytes = found.tangents.as_flattened().iter().copied().flat_map(f32::to_le_bytes).collect();
         let view = views::add(raw, bytes);
         for view in edit::items_mut(&mut raw.json, "bufferViews").skip(view) {

@@ -1,0 +1,33 @@
+//! The memory that a comparison takes, foreseen from its options.
+
+use super::look::samples_per_side;
+use super::options::ComparisonOptions;
+use crate::render::pixel_bytes;
+
+impl ComparisonOptions {
+    /// Returns the bytes that the images of a comparison take, beside the scenes.
+    ///
+    /// ```
+    /// use taotie::comparison::ComparisonOptions;
+    /// use taotie::render::RenderSettings;
+    ///
+    /// let small = ComparisonOptions::default();
+    /// let settings = RenderSettings { width: 16_384, height: 16_384, ..RenderSettings::default() };
+    /// let large = ComparisonOptions { settings, ..ComparisonOptions::default() };
+    /// assert!(large.image_bytes() > 100 * small.image_bytes());
+    /// ```
+    pub fn image_bytes(&self) -> u64 {
+        /// A sample of a look: light, output variables, and the truth there.
+        const SAMPLE: u64 = 96 + 32;
+        /// What a method keeps of a pixel: its normal, two angles, and for each shading the colours and FLIP.
+        const METHOD: u64 = 16 + 8;
+        const SHADING: u64 = 12 + 4;
+        /// Colours and features in double precision while FLIP and SSIM are measured, and the heat maps' codes.
+        const MEASURING: u64 = 160;
+        let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
+        let per_side = u64::from(samples_per_side(&self.settings));
+        let methods = self.methods.len() as u64 + 1;
+        let kept = methods * (METHOD + SHADING * self.shadings.len() as u64);
+        pixels * (SAMPLE * per_side * per_side + kept + MEASURING) + pixel_bytes(&self.settings)
+    }
+}

@@ -1,0 +1,160 @@
+//! The limits of what reading, and the work on what was read, may take and reach.
+
+use super::file::file_size;
+use super::system::free_memory;
+use crate::error::{Error, Result};
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+/// A number of bytes, written as 4G, 1.5GB, 800M.
+///
+/// ```
+/// use taotie::asset::Bytes;
+///
+/// let most: Bytes = "1.5GB".parse()?;
+/// assert_eq!(most, Bytes(3 << 29));
+/// assert_eq!(most.to_string(), "1.5 GiB");
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bytes(pub u64);
+
+impl FromStr for Bytes {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let wrong =
+            || Error::invalid(format!("`{text}`"), "it is no amount of memory; write it as 4G or 800M");
+        let upper = text.trim().to_ascii_uppercase();
+        let digits = upper.trim_end_matches("IB").trim_end_matches('B');
+        let (number, power) = match digits.char_indices().last() {
+            Some((at, 'K')) => (&digits[..at], 10),
+            Some((at, 'M')) => (&digits[..at], 20),
+            Some((at, 'G')) => (&digits[..at], 30),
+            Some((at, 'T')) => (&digits[..at], 40),
+            _ => (digits, 0),
+        };
+        let number: f64 = number.trim().parse().map_err(|_| wrong())?;
+        let bytes = number * (1u64 << power) as f64;
+        if bytes >= 1.0 && bytes.is_finite() { Ok(Self(bytes as u64)) } else { Err(wrong()) }
+    }
+}
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bytes = self.0 as f64;
+        match self.0 {
+            0..0x40_0000 => write!(f, "{:.0} KiB", bytes / 1024.0),
+            0x40_0000..0x4000_0000 => write!(f, "{:.0} MiB", bytes / f64::from(1 << 20)),
+            _ => write!(f, "{:.1} GiB", bytes / f64::from(1 << 30)),
+        }
+    }
+}
+
+/// The limits of what work may take of the machine, and of what a file may make it read.
+///
+/// ```
+/// use taotie::asset::{BakeOptions, Baker, Limits};
+///
+/// let limits = Limits { memory: Some("4G".parse()?), ..Limits::default() };
+/// let baker = Baker::new(BakeOptions::default()).with_limits(limits);
+/// assert_eq!(limits.or_free(), limits);
+/// # Ok::<(), taotie::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct Limits {
+    /// The most memory; `None` for what the machine has free.
+    pub memory: Option<Bytes>,
+    /// The most pixels of an image that is read; never more than 2²⁸, which is 16384 × 16384.
+    pub pixels: u64,
+    /// The most triangles of a model, over all instances.
+    pub triangles: u64,
+    /// The most nodes of a model.
+    pub nodes: u64,
+    /// `true` where files outside the model's folder are read too, when the model names them.
+    pub allow_outside: bool,
+}
+
+impl Default for Limits {
+    /// The machine's free memory, images of 16384 × 16384 pixels, 2³² − 2 triangles, 16 million nodes; nothing
+    /// outside the model's folder.
+    fn default() -> Self {
+        Self {
+            memory: None,
+            pixels: 1 << 28,
+            triangles: u32::MAX as u64 - 1,
+            nodes: 1 << 24,
+            allow_outside: false,
+        }
+    }
+}
+
+impl Limits {
+    /// Returns these limits with what the machine has free now where none is set; a machine that does not say sets none.
+    pub fn or_free(self) -> Self {
+        Self { memory: self.memory.or_else(|| free_memory().map(Bytes)), ..self }
+    }
+
+    /// Refuses work that needs more memory than there may be. `what` is the work.
+    ///
+    /// ```
+    /// use taotie::asset::{Bytes, Limits};
+    ///
+    /// let limits = Limits { memory: Some(Bytes(1 << 30)), ..Limits::default() };
+    /// assert!(limits.check("a small image", Bytes(1 << 20)).is_ok());
+    /// let error = limits.check("a poster", Bytes(3 << 30)).unwrap_err().to_string();
+    /// assert!(error.contains("a poster") && error.contains("3.0 GiB") && error.contains("1.0 GiB"));
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Limit`], with both figures.
+    pub fn check(&self, what: impl Into<String>, need: Bytes) -> Result<()> {
+        match self.memory {
+            Some(limit) if need > limit => Err(Error::limit(
+                what,
+                format!(
+                    "it needs about {need} of memory, the limit is {limit}; raise the memory limit (--memory-limit), free \
+                     memory, or ask for less"
+                ),
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a file that cannot even be read within the limit.
+    pub(crate) fn check_file(self, path: &Path) -> Result<()> {
+        // Reading says what is wrong with a file that has no size.
+        let Ok(size) = file_size(path).map(Bytes) else { return Ok(()) };
+        match self.memory {
+            Some(limit) if size > limit => Err(Error::limit(
+                path.display().to_string(),
+                format!(
+                    "the file has {size}, the limit is {limit}; raise the memory limit, free memory, or simplify the scan \
+                     first"
+                ),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_are_read_as_people_write_them() {
+        let read = |text: &str| text.parse::<Bytes>().map(|bytes| bytes.0).ok();
+        assert_eq!(read("4G"), Some(4 << 30));
+        assert_eq!(read("1.5 GiB"), Some(3 << 29));
+        assert_eq!(read("800mb"), Some(800 << 20));
+        assert_eq!(read("4096"), Some(4096));
+        for wrong in ["", "G", "-1G", "four", "0", "nan"] {
+            assert!(read(wrong).is_none(), "{wrong}");
+        }
+        assert_eq!(Bytes(3 << 29).to_string(), "1.5 GiB");
+    }
+}
