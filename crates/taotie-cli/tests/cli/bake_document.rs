@@ -218,6 +218,21 @@ fn images_of_the_file_that_stay_go_along() {
 }
 
 #[test]
+fn files_of_the_file_that_stays_are_not_written_over() {
+    let (place, low) = start();
+    place.write("low.glb", ship(&low));
+    baked(&place, "-o first.gltf --no-verify");
+    std::fs::rename(place.path("first.gltf"), place.path("other.gltf")).unwrap();
+    let before = ["first.bin", "first_wood_normal.png"].map(|name| place.read(name));
+    let line = "bake scan.obj --low other.gltf -o first.gltf --size 64 --no-verify";
+    let assert = place.taotie(line).assert().code(2);
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(said.contains("first.bin"), "{said}");
+    assert_eq!(["first.bin", "first_wood_normal.png"].map(|name| place.read(name)), before);
+    assert!(!place.path("first.gltf").exists());
+}
+
+#[test]
 fn what_cannot_be_kept_is_refused_before_the_bake() {
     let (place, low) = start();
     place.write("low.glb", ship(&low));
@@ -227,6 +242,10 @@ fn what_cannot_be_kept_is_refused_before_the_bake() {
     assert!(said.contains(&format!("{why}its file stays as it is, and levels of detail")), "{said}");
     let said = refused(&place, "--cage cage.obj");
     assert!(said.contains(&format!("{why}a cage is for one material")), "{said}");
+    let assert = place.taotie("bake scan.obj --low low.glb -o normal.png --size 64").assert().code(2);
+    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
+    assert!(said.contains(&format!("{why}maps alone are for one material")), "{said}");
+    assert!(!place.files().contains(&"normal.png".into()));
     let (said, _) = baked(&place, "-o out.glb --meshopt --no-verify");
     assert!(said.contains("meshes are not compressed: the low-poly mesh's file stays as it is"), "{said}");
 }

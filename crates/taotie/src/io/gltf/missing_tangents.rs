@@ -24,9 +24,9 @@ pub(in crate::io) struct MissingTangents {
     pub tangents: Vec<[f32; 4]>,
 }
 
-/// Finds the tangents of the primitives of the file of `reading` that show one of `materials`, by their numbers, have normals and
-/// uvs and no tangents. One whose vertices would have to be split has none, nor have those beyond what a file of its size
-/// may ask for.
+/// Finds the tangents of the primitives of the file of `reading` that show one of `materials`, by their numbers, have
+/// normals and uvs and no tangents. One whose vertices would have to be split has none, nor have those beyond what a file
+/// of its size may ask for.
 ///
 /// # Errors
 /// Those of reading the file; [`crate::Error::Limit`] where its meshes do not fit the memory.

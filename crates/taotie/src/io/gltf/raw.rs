@@ -64,7 +64,7 @@ impl RawGltf {
     /// itself, or is not there, or may not be read.
     ///
     /// # Errors
-    /// [`Error::Io`] where the file is there and cannot be read.
+    /// [`Error::Io`] where the file is there and cannot be read, [`Error::Limit`] where it does not fit the memory.
     pub fn file(&self, name: &str) -> Result<Option<Vec<u8>>> {
         match uri::locate(name, &self.reading) {
             Ok(ByteSource::File(path)) if path.is_file() => self.reading.read(&path).map(Some),
