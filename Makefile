@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables bless tools
+.PHONY: help test features test-slow faults bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables security fuzz bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -104,6 +104,15 @@ asset-table: ## Bakes every shared glTF model for docs/assets-table.md; MODELS="
 
 tables: ## Computes the tables of directional albedos anew
 	cargo run --release -p xtask -- tables
+
+security: ## Makes the tables of docs/security.md anew
+	cargo run --release -p xtask -- security
+
+# Findings go to crates/taotie-fuzz/findings, counts to its totals.json; FUZZ holds options, `make fuzz FUZZ=--help` lists them.
+TIME = 60
+fuzz: ## Damages files for TIME seconds and reads them: docs/security.md; MODELS=FOLDER takes further files
+	cargo run --release -p taotie-fuzz -- run --time $(TIME) --totals crates/taotie-fuzz/totals.json \
+		$(if $(MODELS),--models $(MODELS)) $(FUZZ)
 
 bless: ## Takes the pictures and outputs of today for right; look at the difference before you commit it
 	TAOTIE_BLESS=1 cargo test -p taotie --test render golden::

@@ -6,6 +6,7 @@
 mod as_printed;
 mod asset_table;
 mod computed;
+mod dependencies;
 mod errors;
 mod generated;
 mod help_pages;
@@ -50,6 +51,14 @@ enum Task {
         #[arg(long, value_name = "FOLDER")]
         environments: Option<PathBuf>,
     },
+    /// Whether `deny.toml` allows every dependency; exits with 1 where not.
+    Dependencies,
+    /// The tables of docs/security.md: crates that are not safe Rust alone, and what was fuzzed.
+    Security {
+        /// Write nothing; name the stale files and exit with 1.
+        #[arg(long)]
+        check: bool,
+    },
     /// The tables of directional albedos in crates/taotie/src/shade/dfg.
     Tables {
         /// Write nothing; name the stale files and exit with 1.
@@ -78,6 +87,8 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Task::Errors { check, environments } => {
             finish(&errors::generated(&root(), environments.as_deref())?, *check, "make errors")
         }
+        Task::Dependencies => refuse(&dependencies::faults(&root())?),
+        Task::Security { check } => finish(&dependencies::generated(&root())?, *check, "make security"),
         Task::Tables { check } => finish(&tables::generated(&root()), *check, "make tables"),
         Task::AssetTable(args) => bake_assets(args),
     }
@@ -96,6 +107,13 @@ fn bake_assets(args: &AssetTableArgs) -> Result<ExitCode> {
 /// The repository's root.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository").to_path_buf()
+}
+
+/// Names what is wrong.
+fn refuse(faults: &[String]) -> Result<ExitCode> {
+    let mut stderr = io::stderr().lock();
+    faults.iter().try_for_each(|fault| writeln!(stderr, "{fault}"))?;
+    Ok(ExitCode::from(u8::from(!faults.is_empty())))
 }
 
 /// Writes the stale files, or names them, and `remedy`, where `check` is set.

@@ -32,6 +32,7 @@ mod place;
 mod provenance;
 mod render;
 mod running;
+mod same_bits;
 mod sizes;
 mod unread;
 #[path = "../../../taotie/tests/common/validator.rs"]

@@ -1,5 +1,5 @@
 //! Sound small files of every format, damaged in fixed pseudo-random ways: a reader gives a result or an error, and
-//! never panics. `fuzz/` looks further.
+//! never panics. `crates/taotie-fuzz` looks further.
 
 use crate::damage::{Dice, damage};
 use std::io::Cursor;

@@ -1,0 +1,176 @@
+//! Many runs over all targets, on several cores, for a time or a number of runs.
+
+use crate::case::{Case, Number};
+use crate::corpus::Seed;
+use crate::finding::Finding;
+use crate::runner::{Runner, Slice};
+use crate::target::Target;
+use crate::totals::{Count, Totals};
+use crate::watch::FailedRun;
+use anyhow::Result;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, MutexGuard};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The time that the runs of one worker should take.
+const SLICE: Duration = Duration::from_secs(2);
+/// The runs of a target's first worker, and the most of one.
+const FIRST: u64 = 20;
+const MOST: u64 = 20_000;
+/// The runs of a reader to one of a path behind the readers.
+const PATHS: u64 = 50;
+
+/// When a campaign is over.
+#[derive(Debug, Clone, Copy)]
+pub enum End {
+    /// After so long.
+    At(Instant),
+    /// After so many runs of each reader, and a fiftieth of each path behind them.
+    Runs(u64),
+}
+
+/// A campaign.
+pub struct Campaign<'a> {
+    /// Starts workers.
+    pub runner: Runner,
+    /// The sound files, which are those of the workers.
+    pub seeds: &'a [Seed],
+    /// The targets.
+    pub targets: Vec<Target>,
+    /// The seed of all numbers.
+    pub seed: u64,
+    /// When it is over.
+    pub end: End,
+    /// The faults that are known and not told again.
+    pub known: &'a [Finding],
+    /// The run of each target that comes first.
+    pub first: BTreeMap<Target, u64>,
+}
+
+/// The yield of a campaign.
+#[derive(Debug, Default)]
+pub struct Harvest {
+    /// The counts.
+    pub totals: Totals,
+    /// The faults, each once.
+    pub findings: Vec<Finding>,
+}
+
+/// The state that threads share.
+#[derive(Default)]
+struct State {
+    harvest: Harvest,
+    /// The runs of each target that were given out.
+    given: BTreeMap<Target, u64>,
+}
+
+impl Campaign<'_> {
+    /// Runs on so many threads, each with one worker at a time.
+    ///
+    /// # Errors
+    /// The first of any thread: no worker can be started, or no file is of a target.
+    pub fn run(&self, threads: usize) -> Result<Harvest> {
+        let state = Mutex::new(State::default());
+        let results: Vec<Result<()>> = thread::scope(|scope| {
+            let all: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(|| self.work(&state))).collect();
+            let joined = all
+                .into_iter()
+                .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            joined.collect()
+        });
+        results.into_iter().collect::<Result<()>>()?;
+        Ok(state.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()).harvest)
+    }
+
+    /// Takes slices until the end.
+    fn work(&self, state: &Mutex<State>) -> Result<()> {
+        while let Some(slice) = self.take(state) {
+            self.finish(slice, state)?;
+        }
+        Ok(())
+    }
+
+    /// Runs a slice; where a run ends the worker, a new one goes on behind it.
+    fn finish(&self, mut slice: Slice, state: &Mutex<State>) -> Result<()> {
+        while !slice.runs.is_empty() && !self.is_over() {
+            let begin = Instant::now();
+            let seen = self.runner.slice(&slice)?;
+            let seconds = begin.elapsed().as_secs_f64();
+            let count = Count { runs: seen.runs, since_finding: seen.runs, findings: 0, seconds };
+            locked(state).harvest.totals.add(slice.target, count);
+            slice.runs.start = seen.last.map_or(slice.runs.end, |last| last + 1);
+            for failed in &seen.failures {
+                self.judge(slice.target, failed, state)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns `true` where the time is up.
+    fn is_over(&self) -> bool {
+        matches!(self.end, End::At(end) if Instant::now() >= end)
+    }
+
+    fn take(&self, state: &Mutex<State>) -> Option<Slice> {
+        self.next(&mut locked(state))
+    }
+
+    /// Chooses the target that had the least time, weighed, and gives out its next runs; `None` at the end.
+    fn next(&self, state: &mut State) -> Option<Slice> {
+        let open: Vec<Target> =
+            self.targets.iter().copied().filter(|target| self.left(*target, state) > 0).collect();
+        let spent = |target: &Target| state.harvest.totals.of(*target).seconds / weight(*target);
+        let given = |target: &Target| state.given.get(target).copied().unwrap_or_default();
+        let order = |a: &Target, b: &Target| spent(a).total_cmp(&spent(b)).then(given(a).cmp(&given(b)));
+        let target = open.into_iter().min_by(order)?;
+        let count = state.harvest.totals.of(target);
+        let fitting = if count.runs == 0 { FIRST } else { (count.rate() * SLICE.as_secs_f64()) as u64 };
+        let runs = fitting.clamp(1, MOST).min(self.left(target, state));
+        let given = state.given.entry(target).or_default();
+        let begin = self.first.get(&target).copied().unwrap_or_default() + *given;
+        *given += runs;
+        Some(Slice { target, seed: self.seed, runs: begin..begin + runs })
+    }
+
+    /// Returns the number of runs of a target that are still to be given out.
+    fn left(&self, target: Target, state: &State) -> u64 {
+        match self.end {
+            End::At(_) if self.is_over() => 0,
+            End::At(_) => u64::MAX,
+            End::Runs(runs) => {
+                let wanted = if target.is_path() { runs.div_ceil(PATHS) } else { runs };
+                wanted.saturating_sub(state.given.get(&target).copied().unwrap_or_default())
+            }
+        }
+    }
+
+    /// Makes a failure a finding, unless it is known.
+    fn judge(&self, target: Target, failed: &FailedRun, state: &Mutex<State>) -> Result<()> {
+        let known =
+            |finding: &Finding| finding.case.target == target && finding.failure.is_like(&failed.failure);
+        if self.known.iter().chain(&locked(state).harvest.findings).any(known) {
+            return Ok(());
+        }
+        let case = Case::of(target, Number { seed: self.seed, run: failed.run }, self.seeds)?;
+        let finding = Finding { case, failure: failed.failure.clone() };
+        let finding = finding.minimised(|case| self.runner.case(case))?;
+        let mut state = locked(state);
+        state.harvest.totals.add(target, Count { findings: 1, ..Count::default() });
+        state.harvest.findings.push(finding);
+        Ok(())
+    }
+}
+
+/// Returns the share of the time that a target gets: a bake goes through all the others.
+fn weight(target: Target) -> f64 {
+    match target {
+        Target::Bake => 6.0,
+        Target::Render | Target::Gltf | Target::Picture => 2.0,
+        _ => 1.0,
+    }
+}
+
+fn locked(state: &Mutex<State>) -> MutexGuard<'_, State> {
+    state.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+}

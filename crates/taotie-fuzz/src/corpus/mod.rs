@@ -1,0 +1,107 @@
+//! Sound files that damage begins with: made by code, of the library's tests, and of a folder that is given.
+
+mod folder;
+mod gltf;
+mod pictures;
+mod scans;
+mod texts;
+
+use anyhow::Result;
+use std::path::Path;
+
+/// A sound file.
+#[derive(Debug, Clone)]
+pub struct Seed {
+    /// Its name, by which findings know it; the extension tells which targets take it.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+    /// The files that it names.
+    pub beside: Vec<File>,
+}
+
+/// A file that another one names.
+#[derive(Debug, Clone)]
+pub struct File {
+    /// Its name without folder.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+impl Seed {
+    /// A file that names no other.
+    fn alone(name: &str, bytes: impl Into<Vec<u8>>) -> Self {
+        Self { name: name.to_owned(), bytes: bytes.into(), beside: Vec::new() }
+    }
+
+    /// The extension, in lower case.
+    pub fn extension(&self) -> String {
+        self.name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase()
+    }
+
+    /// The name without folders.
+    pub fn file_name(&self) -> &str {
+        self.name.rsplit('/').next().unwrap_or_default()
+    }
+}
+
+/// Returns all sound files: those made by code, and those below `folder`, always in the same order.
+///
+/// # Errors
+/// Where the folder cannot be read.
+pub fn seeds(folder: Option<&Path>) -> Result<Vec<Seed>> {
+    let mut seeds = scans::seeds();
+    seeds.extend(gltf::seeds());
+    seeds.extend(pictures::seeds()?);
+    seeds.extend(texts::seeds()?);
+    if let Some(folder) = folder {
+        seeds.extend(folder::seeds(folder)?);
+    }
+    Ok(seeds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::target::Target;
+    use clap::ValueEnum;
+    use taotie::asset::Packing;
+    use taotie::io::{decode_bitmap, load_model};
+    use taotie::shade::environment::Environment;
+    use taotie::studio::{LightSpec, MaterialFile};
+
+    /// A file that is refused from the start would hide all that lies behind its reader's first check.
+    #[test]
+    fn every_seed_is_sound() {
+        let folder = tempfile::tempdir().unwrap();
+        for seed in seeds(None).unwrap() {
+            let path = folder.path().join(&seed.name);
+            std::fs::write(&path, &seed.bytes).unwrap();
+            let result = match seed.extension().as_str() {
+                "gltf" | "glb" | "obj" | "ply" | "stl" => load_model(&path).map(drop),
+                "toml" => MaterialFile::choose(&path.to_string_lossy()).map(drop),
+                "provenance" => Packing { provenance: Some(path), ..Packing::default() }.check(),
+                "environment" => Environment::from_bytes(&seed.bytes).map(drop),
+                "light" => String::from_utf8_lossy(&seed.bytes)
+                    .lines()
+                    .try_for_each(|l| l.parse::<LightSpec>().map(drop)),
+                "mtl" | "options" => Ok(()),
+                _ => decode_bitmap(&seed.bytes, &seed.name, &path).map(drop),
+            };
+            result.unwrap_or_else(|error| panic!("{}: {error}", seed.name));
+        }
+    }
+
+    #[test]
+    fn every_target_has_seeds_and_every_seed_a_target_and_a_name_of_its_own() {
+        let seeds = seeds(None).unwrap();
+        for target in Target::value_variants() {
+            assert!(seeds.iter().any(|seed| target.takes(seed)), "{target:?}");
+        }
+        for seed in &seeds {
+            assert!(Target::value_variants().iter().any(|target| target.takes(seed)), "{}", seed.name);
+            assert_eq!(seeds.iter().filter(|other| other.name == seed.name).count(), 1, "{}", seed.name);
+        }
+    }
+}

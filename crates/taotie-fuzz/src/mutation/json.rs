@@ -1,0 +1,237 @@
+//! Changes of JSON: numbers, references, names, and how much of it there is.
+
+use super::document::Document;
+use fastrand::Rng;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// The most elements, or characters, of a value that is repeated.
+const MOST: usize = 1 << 16;
+/// The most values that are listed to choose one.
+const MOST_LISTED: usize = 4096;
+
+/// Names that glTF knows, one that leads out of the folder, and text that terminals take for commands.
+const NAMES: [&str; 22] = [
+    "",
+    "SCALAR",
+    "VEC2",
+    "VEC3",
+    "VEC4",
+    "MAT2",
+    "MAT4",
+    "POSITION",
+    "NORMAL",
+    "TANGENT",
+    "TEXCOORD_0",
+    "JOINTS_0",
+    "LINEAR",
+    "STEP",
+    "CUBICSPLINE",
+    "translation",
+    "rotation",
+    "weights",
+    "MASK",
+    "BLEND",
+    "../a.png",
+    "\u{1b}[31m\n",
+];
+
+/// Enumerations of glTF: component types, primitive modes, targets, filters, wraps.
+const CODES: [u64; 16] =
+    [5120, 5121, 5122, 5123, 5124, 5125, 5126, 5127, 34962, 34963, 9728, 9729, 9987, 10497, 33071, 33648];
+
+/// A change of JSON. `at` is a JSON pointer (RFC 6901); what it does not find is not there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum JsonChange {
+    /// Puts another value in the place of one.
+    Set {
+        /// Its place.
+        at: String,
+        /// The value.
+        value: Value,
+    },
+    /// Puts a copy of another value in the place of one.
+    Copy {
+        /// The place of the other.
+        from: String,
+        /// The place that is overwritten.
+        to: String,
+    },
+    /// Takes a value out.
+    Remove {
+        /// Its place.
+        at: String,
+    },
+    /// Repeats a text, or the elements of an array.
+    Repeat {
+        /// Its place.
+        at: String,
+        /// The number of times that it stands there then.
+        times: usize,
+    },
+    /// Puts arrays around a value.
+    Nest {
+        /// Its place.
+        at: String,
+        /// Their number.
+        depth: u8,
+    },
+}
+
+impl JsonChange {
+    /// Chooses a change; `None` where the file holds no JSON.
+    pub fn choose(rng: &mut Rng, bytes: &[u8]) -> Option<Self> {
+        let json = Document::of(bytes)?.json;
+        let mut places = Vec::new();
+        list(&json, String::new(), &mut places);
+        let at = rng.choice(&places)?.clone();
+        let old = json.pointer(&at)?;
+        Some(match rng.u8(..12) {
+            0 => Self::Remove { at },
+            1 => Self::Copy { from: rng.choice(&places)?.clone(), to: at },
+            2 if old.is_array() || old.is_string() => Self::Repeat { at, times: 1 << rng.u32(..17) },
+            3 => Self::Nest { at, depth: rng.u8(1..200) },
+            _ => Self::Set { value: other(rng, old), at },
+        })
+    }
+
+    /// Changes the JSON in `bytes`.
+    pub fn apply(&self, bytes: &mut Vec<u8>) {
+        let Some(mut document) = Document::of(bytes) else { return };
+        if self.change(&mut document.json).is_some() {
+            *bytes = document.bytes();
+        }
+    }
+
+    fn change(&self, json: &mut Value) -> Option<()> {
+        match self {
+            Self::Set { at, value } => *json.pointer_mut(at)? = value.clone(),
+            Self::Copy { from, to } => {
+                let copied = json.pointer(from)?.clone();
+                *json.pointer_mut(to)? = copied;
+            }
+            Self::Remove { at } => remove(json, at)?,
+            Self::Repeat { at, times } => repeat(json.pointer_mut(at)?, *times),
+            Self::Nest { at, depth } => {
+                let place = json.pointer_mut(at)?;
+                *place = (0..*depth).fold(place.take(), |inner, _| Value::Array(vec![inner]));
+            }
+        }
+        Some(())
+    }
+}
+
+/// Lists the places of all values below and including `json`.
+fn list(json: &Value, at: String, places: &mut Vec<String>) {
+    if places.len() >= MOST_LISTED {
+        return;
+    }
+    match json {
+        Value::Array(values) => {
+            values.iter().enumerate().for_each(|(i, value)| list(value, format!("{at}/{i}"), places));
+        }
+        Value::Object(members) => {
+            let key = |key: &str| key.replace('~', "~0").replace('/', "~1");
+            members.iter().for_each(|(name, value)| list(value, format!("{at}/{}", key(name)), places));
+        }
+        _ => {}
+    }
+    places.push(at);
+}
+
+/// Takes the value at `at` out of its array or object.
+fn remove(json: &mut Value, at: &str) -> Option<()> {
+    let (parent, key) = at.rsplit_once('/')?;
+    match json.pointer_mut(parent)? {
+        Value::Array(values) => {
+            let index = key.parse::<usize>().ok().filter(|index| *index < values.len())?;
+            values.remove(index);
+        }
+        Value::Object(members) => drop(members.remove(&key.replace("~1", "/").replace("~0", "~"))),
+        _ => {}
+    }
+    Some(())
+}
+
+/// Repeats a text, or the elements of an array, as often as it stays bearable.
+fn repeat(value: &mut Value, times: usize) {
+    let fitting = |length: usize| times.min(MOST / length.max(1));
+    match value {
+        Value::String(text) => *text = text.repeat(fitting(text.len())),
+        Value::Array(values) => {
+            let times = fitting(values.len());
+            *values = std::iter::repeat_n(values.clone(), times).flatten().collect();
+        }
+        _ => {}
+    }
+}
+
+/// Chooses a value to stand in the place of `old`: mostly of its kind.
+fn other(rng: &mut Rng, old: &Value) -> Value {
+    match old {
+        Value::Number(_) if rng.u8(..16) > 0 => number(rng, old),
+        Value::String(_) if rng.u8(..16) > 0 => json!(rng.choice(NAMES)),
+        Value::Bool(old) if rng.u8(..16) > 0 => json!(!old),
+        _ => match rng.u8(..5) {
+            0 => Value::Null,
+            1 => json!([]),
+            2 => json!({}),
+            3 => json!(rng.choice(NAMES)),
+            _ => number(rng, old),
+        },
+    }
+}
+
+/// Chooses a number: one that means something, near the old one, or at the end of some range.
+fn number(rng: &mut Rng, old: &Value) -> Value {
+    let was = old.as_u64().unwrap_or(1);
+    match rng.u8(..8) {
+        0 => json!(rng.choice(CODES)),
+        1 => json!(rng.u64(..17)),
+        2 => json!(was.wrapping_add(1)),
+        3 => json!(was.wrapping_sub(1)),
+        4 => json!(was.wrapping_mul(rng.u64(2..9))),
+        5 => json!(super::bytes::extreme(rng)),
+        6 => json!((super::bytes::extreme(rng) as i64).wrapping_neg()),
+        _ => {
+            // Numbers that every parser of JSON reads to the same bits.
+            let huge = [0.5, -0.5, 1e-22, -1e-22, 1e10, 1e19, 1e20, 1e37, 1e38, 1e39, 1e154, 1e308, -1e308];
+            json!(rng.choice(huge))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_change_does_what_it_says() {
+        let changed = |change: JsonChange| {
+            let mut bytes = br#"{"a":[1,2],"b":"xy","c/d":{"e":3}}"#.to_vec();
+            change.apply(&mut bytes);
+            serde_json::from_slice::<Value>(&bytes).unwrap()
+        };
+        let at = |at: &str| at.to_owned();
+        assert_eq!(changed(JsonChange::Set { at: at("/a/1"), value: json!(9) })["a"], json!([1, 9]));
+        assert_eq!(
+            changed(JsonChange::Copy { from: at("/b"), to: at("/c~1d/e") })["c/d"],
+            json!({ "e": "xy" })
+        );
+        assert_eq!(changed(JsonChange::Remove { at: at("/c~1d") }), json!({ "a": [1, 2], "b": "xy" }));
+        assert_eq!(changed(JsonChange::Remove { at: at("/a/0") })["a"], json!([2]));
+        assert_eq!(changed(JsonChange::Repeat { at: at("/b"), times: 3 })["b"], "xyxyxy");
+        assert_eq!(changed(JsonChange::Repeat { at: at("/a"), times: 2 })["a"], json!([1, 2, 1, 2]));
+        assert_eq!(changed(JsonChange::Nest { at: at("/b"), depth: 2 })["b"], json!([["xy"]]));
+        assert_eq!(changed(JsonChange::Remove { at: at("/z/0") })["b"], "xy", "what is not there");
+    }
+
+    #[test]
+    fn every_value_has_a_place() {
+        let (json, mut places) = (json!({ "a/b": [1, { "~": 2 }] }), Vec::new());
+        list(&json, String::new(), &mut places);
+        assert_eq!(places.len(), 5);
+        assert!(places.iter().all(|at| json.pointer(at).is_some()), "{places:?}");
+    }
+}

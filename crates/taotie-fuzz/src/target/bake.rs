@@ -1,0 +1,93 @@
+//! A small bake: read, bake, write, read back, prove.
+
+use super::Subject;
+use super::promises::{Held, error_is_told_well, is_consistent, limits};
+use fastrand::Rng;
+use std::path::Path;
+use taotie::asset::{BakeOptions, Baker, MeshSource, Packing, RayDistance, Scan, VerifyOptions};
+use taotie::bake::MapKind;
+use taotie::io::{GltfImages, load_levels};
+use taotie::mesh::Mesh;
+use taotie::names::Named;
+use taotie::scene::NormalSpace;
+use taotie::{Progress, Result};
+
+/// Bakes the file with options that its variant chooses. Whatever is written can be read again.
+pub fn bake(subject: &Subject<'_>) -> Held {
+    let mut rng = Rng::with_seed(subject.variant);
+    let options = options(&mut rng, subject.path);
+    let packing = packing(&mut rng);
+    let extension = if rng.bool() { "glb" } else { "gltf" };
+    let path = subject.path.with_file_name("out").join("asset").with_extension(extension);
+    match baked(options, subject.path, &path, &packing) {
+        Ok(()) => is_readable(&path),
+        Err(error) => error_is_told_well(&error),
+    }
+}
+
+/// Bakes, writes, and proves.
+fn baked(options: BakeOptions, from: &Path, to: &Path, packing: &Packing) -> Result<()> {
+    let scan = match &options.low {
+        Some(_) => Scan::from_mesh(Mesh::sphere(1.0, 16, 8), Progress::SILENT)?,
+        None => Scan::read(from, &limits(), Progress::SILENT)?,
+    };
+    let asset = Baker::new(options).with_limits(limits()).bake(&scan, Progress::SILENT)?;
+    let written = asset.write(to, packing, Progress::SILENT)?;
+    let few = VerifyOptions { points: 100, distance_points: 100, map: 16, view: 16 };
+    written.verify(scan, &few, Progress::SILENT).map(drop)
+}
+
+/// Reads every level of what was written.
+fn is_readable(path: &Path) -> Held {
+    match load_levels(path) {
+        Ok(levels) => levels.iter().try_for_each(is_consistent),
+        Err(error) => Err(format!("what was written cannot be read: {error}")),
+    }
+}
+
+/// Chooses options of a small bake of the scan `path`, or onto it.
+fn options(rng: &mut Rng, path: &Path) -> BakeOptions {
+    let triangles = rng.u32(4..200);
+    let onto = rng.u8(..4) == 0;
+    BakeOptions {
+        low: onto.then(|| MeshSource::File(path.to_path_buf())),
+        triangles,
+        lods: if triangles > 60 && rng.bool() { vec![triangles / 2] } else { Vec::new() },
+        keep_uvs: rng.u8(..4) == 0,
+        size: 16 << rng.u32(..3),
+        maps: maps(rng),
+        carry: rng.bool(),
+        space: if rng.u8(..8) == 0 { NormalSpace::Object } else { NormalSpace::Tangent },
+        side: rng.u32(1..3),
+        bits: if rng.bool() { 8 } else { 16 },
+        dilation: rng.bool().then_some(2),
+        ao_rays: 4,
+        ray_distance: if rng.u8(..4) == 0 { RayDistance::Uniform(0.1) } else { RayDistance::Auto },
+        ..BakeOptions::default()
+    }
+}
+
+/// Chooses maps, the normal map among them mostly.
+fn maps(rng: &mut Rng) -> Vec<MapKind> {
+    let all = MapKind::NAMES.iter().map(|(_, map)| *map);
+    let mut maps: Vec<MapKind> = all.filter(|map| *map != MapKind::Normal && rng.u8(..4) == 0).collect();
+    if maps.is_empty() || rng.u8(..8) > 0 {
+        maps.push(MapKind::Normal);
+    }
+    maps
+}
+
+/// Chooses a packing; KTX2 seldom, since it takes longest.
+fn packing(rng: &mut Rng) -> Packing {
+    let images = match rng.u8(..16) {
+        0 => GltfImages::Ktx2,
+        1..4 => GltfImages::WebP,
+        _ => GltfImages::Png,
+    };
+    Packing {
+        images,
+        jpeg: (rng.u8(..8) == 0).then_some(80),
+        meshopt: rng.u8(..4) == 0,
+        ..Packing::default()
+    }
+}

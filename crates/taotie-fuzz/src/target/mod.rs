@@ -1,0 +1,109 @@
+//! The targets: every reader, and the paths behind them.
+
+mod bake;
+mod promises;
+mod read;
+mod render;
+
+use crate::corpus::Seed;
+use clap::ValueEnum;
+use promises::Held;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A reader, or a path that begins with one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Target {
+    /// glTF and GLB: scene, animations, inspection.
+    Gltf,
+    /// OBJ.
+    Obj,
+    /// MTL, through an OBJ that names it.
+    Mtl,
+    /// PLY.
+    Ply,
+    /// STL.
+    Stl,
+    /// PNG, JPEG, WebP, OpenEXR, KTX2, Radiance HDR and TGA.
+    Picture,
+    /// Environments from OpenEXR and Radiance HDR.
+    Environment,
+    /// Environments as the cache keeps them.
+    Cache,
+    /// Materials in TOML.
+    Material,
+    /// XMP properties in JSON.
+    Provenance,
+    /// Options of a bake in JSON.
+    Options,
+    /// Light specifications, one a line.
+    Light,
+    /// Read, bake, write, read back, prove.
+    Bake,
+    /// Read and render.
+    Render,
+}
+
+/// A damaged file on disk.
+#[derive(Debug, Clone, Copy)]
+pub struct Subject<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// Its content.
+    pub bytes: &'a [u8],
+    /// The seed of the options with which it is treated.
+    pub variant: u64,
+}
+
+impl Target {
+    /// Returns `true` where files such as `seed` are read.
+    pub fn takes(self, seed: &Seed) -> bool {
+        let extensions: &[&str] = match self {
+            Self::Gltf => &["gltf", "glb"],
+            Self::Obj => &["obj"],
+            Self::Mtl => &["mtl"],
+            Self::Ply => &["ply"],
+            Self::Stl => &["stl"],
+            Self::Picture => &["png", "jpg", "jpeg", "webp", "exr", "ktx2", "hdr", "tga"],
+            Self::Environment => &["exr", "hdr"],
+            Self::Cache => &["environment"],
+            Self::Material => &["toml"],
+            Self::Provenance => &["provenance"],
+            Self::Options => &["options"],
+            Self::Light => &["light"],
+            Self::Bake | Self::Render => &["gltf", "glb", "obj", "ply", "stl"],
+        };
+        extensions.contains(&seed.extension().as_str())
+    }
+
+    /// Returns `true` for a path behind the readers, whose runs take milliseconds each.
+    pub fn is_path(self) -> bool {
+        matches!(self, Self::Bake | Self::Render)
+    }
+
+    /// Returns its name, as on the command line.
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
+    /// Reads a damaged file and treats it further.
+    ///
+    /// # Errors
+    /// The promise that was not kept. Panics are the caller's.
+    pub fn run(self, subject: &Subject<'_>) -> Held {
+        match self {
+            Self::Gltf | Self::Obj | Self::Ply | Self::Stl => read::model(subject.path),
+            Self::Mtl => read::materials(subject.path),
+            Self::Picture => read::picture(subject.path),
+            Self::Environment => read::environment(subject),
+            Self::Cache => read::cached(subject.bytes),
+            Self::Material => read::material(subject.path),
+            Self::Provenance => read::provenance(subject.path),
+            Self::Options => read::options(subject.bytes),
+            Self::Light => read::lights(subject.bytes),
+            Self::Bake => bake::bake(subject),
+            Self::Render => render::render(subject),
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! A small render.
+
+use super::Subject;
+use super::promises::{Held, either, load};
+use fastrand::Rng;
+use taotie::Result;
+use taotie::names::Named;
+use taotie::render::{Frame, RenderSettings, Shot};
+use taotie::scene::Scene;
+use taotie::shade::Shading;
+use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
+
+/// Pixels along each side.
+const SIDE: u32 = 16;
+
+/// Renders the file with settings that its variant chooses.
+pub fn render(subject: &Subject<'_>) -> Held {
+    let Some(loaded) = load(subject.path)? else { return Ok(()) };
+    match frame(&loaded.scene, &settings(&mut Rng::with_seed(subject.variant))) {
+        Ok(frame) if frame.color.pixels().as_flattened().iter().any(|v| v.is_nan()) => {
+            Err("a pixel that is no number".into())
+        }
+        rendered => either(rendered),
+    }
+}
+
+/// Renders the scene in its own light.
+fn frame(scene: &Scene, settings: &RenderSettings) -> Result<Frame> {
+    let framing = Framing { size: [SIDE; 2], all_around: false };
+    let viewpoint = Viewpoint::choose(&CameraOptions::default(), framing, scene)?;
+    let view = viewpoint.at(0.0);
+    let lighting = LightOptions::default().lighting(None, scene, view);
+    taotie::render::render(scene, &Shot { camera: &view.camera(), lighting: &lighting, settings })
+}
+
+/// Chooses settings.
+fn settings(rng: &mut Rng) -> RenderSettings {
+    let shading = rng.choice(Shading::NAMES).map_or(Shading::Ggx, |(_, shading)| *shading);
+    RenderSettings {
+        width: SIDE,
+        height: SIDE,
+        samples: if rng.bool() { 1 } else { 4 },
+        shading: if rng.bool() { shading } else { Shading::Ggx },
+        specular_aa: rng.bool(),
+        shadows: rng.bool(),
+        ground: rng.u8(..4) == 0,
+        aovs: rng.bool(),
+        ..RenderSettings::default()
+    }
+}

@@ -1,0 +1,125 @@
+//! The child process: runs cases one after another and tells how each ended.
+
+use crate::case::{Case, Number};
+use crate::corpus::Seed;
+use crate::failure::{Failure, FailureKind};
+use crate::memory;
+use crate::target::{Subject, Target};
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::io::{self, Write};
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
+use tempfile::TempDir;
+
+/// The news that a child tells, one line of JSON each.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum News {
+    /// A run begins.
+    Run(u64),
+    /// The run that began last failed, and the process lives on.
+    Failed(Failure),
+    /// All runs are over.
+    Done,
+}
+
+/// A child's work.
+pub struct Worker<'a> {
+    seeds: &'a [Seed],
+    /// Bytes that a run may allocate.
+    memory: usize,
+    /// The folders of seeds, each with the files that the seed names.
+    folders: HashMap<String, TempDir>,
+}
+
+/// Where the last panic happened.
+static PLACE: Mutex<String> = Mutex::new(String::new());
+
+impl<'a> Worker<'a> {
+    /// Bounds the process.
+    ///
+    /// # Errors
+    /// Where the system refuses.
+    pub fn new(seeds: &'a [Seed], memory: usize) -> Result<Self> {
+        memory::bound_process(memory as u64).context("the memory of the process cannot be bounded")?;
+        std::panic::set_hook(Box::new(|info| {
+            let place = info.location().map(|at| format!("{}:{}", at.file(), at.line())).unwrap_or_default();
+            *PLACE.lock().unwrap_or_else(|poisoned| poisoned.into_inner()) = place;
+        }));
+        Ok(Self { seeds, memory, folders: HashMap::new() })
+    }
+
+    /// Runs the cases of these numbers.
+    ///
+    /// # Errors
+    /// Where files cannot be written, or nobody listens.
+    pub fn runs(&mut self, target: Target, seed: u64, runs: Range<u64>) -> Result<()> {
+        for run in runs {
+            let case = Case::of(target, Number { seed, run }, self.seeds)?;
+            self.run(&case, run)?;
+        }
+        tell(&News::Done)
+    }
+
+    /// Runs one case.
+    ///
+    /// # Errors
+    /// As [`Self::runs`].
+    pub fn run_one(&mut self, case: &Case) -> Result<()> {
+        self.run(case, 0)?;
+        tell(&News::Done)
+    }
+
+    fn run(&mut self, case: &Case, run: u64) -> Result<()> {
+        let sound = case.sound(self.seeds)?;
+        let bytes = case.bytes(self.seeds)?;
+        let folder = self.folder(sound)?;
+        let path = folder.join(sound.file_name());
+        std::fs::write(&path, &bytes).with_context(|| path.display().to_string())?;
+        tell(&News::Run(run))?;
+        memory::allow(self.memory);
+        let subject = Subject { path: &path, bytes: &bytes, variant: case.variant };
+        let held = catch_unwind(AssertUnwindSafe(|| case.target.run(&subject)));
+        memory::allow(usize::MAX);
+        let failure = match held {
+            Ok(Ok(())) => return Ok(()),
+            Ok(Err(promise)) => Failure { kind: FailureKind::Promise, message: promise },
+            Err(panic) => Failure { kind: FailureKind::Panic, message: message(&*panic) },
+        };
+        let here = folder.display().to_string();
+        tell(&News::Failed(Failure { message: failure.message.replace(&here, ""), ..failure }))
+    }
+
+    /// The folder of a seed, with the files that it names and an empty folder for output.
+    fn folder(&mut self, seed: &Seed) -> Result<std::path::PathBuf> {
+        if let Some(folder) = self.folders.get(&seed.name) {
+            return Ok(folder.path().to_path_buf());
+        }
+        let folder = tempfile::tempdir()?;
+        for file in &seed.beside {
+            std::fs::write(folder.path().join(&file.name), &file.bytes)?;
+        }
+        std::fs::create_dir(folder.path().join("out"))?;
+        let path = folder.path().to_path_buf();
+        self.folders.insert(seed.name.clone(), folder);
+        Ok(path)
+    }
+}
+
+/// Returns the text of a panic and its place.
+fn message(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic without text");
+    let place = PLACE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+    format!("{text} at {place}")
+}
+
+/// Tells the parent.
+fn tell(news: &News) -> Result<()> {
+    let mut line = serde_json::to_string(news)?;
+    line.push('\n');
+    Ok(io::stdout().lock().write_all(line.as_bytes())?)
+}

@@ -1,4 +1,0 @@
-//! STL files.
-#![no_main]
-
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| taotie_fuzz::load("stl", bytes, &[]));
