@@ -34,7 +34,8 @@ pub struct BakeArgs {
     /// first, normals if not asked otherwise, in OUT, each other beside it, such as OUT.ao.png
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// The low-poly mesh; its UVs and triangles stay as they are. Made from the scan if not given
+    /// The low-poly mesh; its UVs and triangles stay as they are. So do meshes, materials, skins and animations of
+    /// glTF: each material gets maps of its own. Made from the scan if not given
     #[arg(long, value_name = "LOW")]
     pub low: Option<PathBuf>,
     /// Choose size and packing for a use; options that are given go before it

@@ -12,9 +12,7 @@ use crate::{Outcome, console, stop, studio};
 use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
-use taotie::asset::{
-    Baker, Limits, Proof, Report, Scan, ScanFile, ScanSize, Textures, VerifyOptions, Warning,
-};
+use taotie::asset::{Asset, Baker, Limits, Proof, Report, Scan, ScanFile, ScanSize, VerifyOptions, Warning};
 use taotie::io::FileSet;
 use taotie::{Progress, io};
 use taotie_report::bake_page;
@@ -63,7 +61,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     };
     report.stages = clock.done();
     if let Some(proof) = proved {
-        let page = tell(args, &mut report, &proof?, written.asset().textures())?;
+        let page = tell(args, &mut report, &proof?, written.asset())?;
         let [html, json] = args.reports();
         files.write_text(&html, &page)?;
         files.write_text(&json, &serde_json::to_string_pretty(&report)?)?;
@@ -76,7 +74,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
 fn protect(args: &BakeArgs, scan: &Scan, files: &FileSet) -> Result<()> {
     files.protect(scan.files())?;
     for model in [&args.low, &args.cage].into_iter().flatten() {
-        files.protect(io::load_model(model)?.files)?;
+        files.protect(io::load_model_within(model, &args.limits())?.files)?;
     }
     Ok(())
 }
@@ -91,11 +89,11 @@ fn check_memory(baker: &Baker, scan: ScanSize, limits: Limits) -> Result<()> {
 }
 
 /// Puts what was measured into the report; returns its page.
-fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, textures: &Textures) -> Result<String> {
+fn tell(args: &BakeArgs, report: &mut Report, proof: &Proof, asset: &Asset) -> Result<String> {
     console::say_warnings(&proof.warnings);
     report.warnings.extend(Warning::list(&proof.warnings));
     report.proof = Some(proof.figures.clone());
     report.required = proof.require(&args.require);
     report.files.extend(args.reports());
-    Ok(taotie_report::html(&bake_page::page(report, proof, textures)?))
+    Ok(taotie_report::html(&bake_page::page(report, proof, asset)?))
 }

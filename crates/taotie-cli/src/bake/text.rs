@@ -1,7 +1,7 @@
 //! A bake in plain words.
 
 use std::fmt::Write;
-use taotie::asset::{Figures, LevelFigures, MaterialFigures, Met, Report, ViewFigures};
+use taotie::asset::{Figures, LevelFigures, MaterialFigures, Met, PartFigures, Report, ViewFigures};
 use taotie::compare::Summary;
 use taotie::names::Named;
 use taotie_report::summary;
@@ -30,6 +30,7 @@ pub fn of(report: &Report) -> String {
             table.row(["in full material".into(), visual_difference(&figures.full_views)]);
         }
         levels(figures, &mut table);
+        figures.parts.iter().for_each(|part| table.row([part.material.clone(), of_part(part)]));
         if !figures.unseen.is_empty() {
             table.row(["not looked at".into(), figures.unseen.join("; ")]);
         }
@@ -113,11 +114,24 @@ fn levels(figures: &Figures, table: &mut Table) {
     }
 }
 
-fn of_level(figures: &LevelFigures) -> String {
-    let angles = match &figures.angles {
+/// Tells of the triangles of one material.
+fn of_part(figures: &PartFigures) -> String {
+    let (angles, missed) = (mean_and_p95(figures.angles.as_ref()), percent(figures.missed));
+    format!(
+        "{} triangles: normal error mean {angles}; ray missed at {missed} of the points",
+        figures.triangles
+    )
+}
+
+fn mean_and_p95(angles: Option<&Summary>) -> String {
+    match angles {
         Some(angles) => format!("{:.3}°, p95 {:.3}°", angles.mean, angles.p95),
         None => "could not be measured".into(),
-    };
+    }
+}
+
+fn of_level(figures: &LevelFigures) -> String {
+    let angles = mean_and_p95(figures.angles.as_ref());
     let no_hit = || format!("no hit at {} of the points; ", percent(figures.lost));
     let lost = if figures.lost > 0.0 { no_hit() } else { String::new() };
     format!(

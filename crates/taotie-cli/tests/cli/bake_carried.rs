@@ -4,9 +4,7 @@ use super::balls::{Ball, LOW, SCAN};
 use super::place::Place;
 use serde_json::{Value, json};
 use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-use taotie::io::{
-    GltfAsset, GltfDraft, GltfFormat, GltfLevel, Json, encode_png_bitmap, load_model, write_scene,
-};
+use taotie::io::{GltfFormat, encode_png_bitmap, load_model, write_scene};
 use taotie::math::{Mat4, Vec3};
 use taotie::mesh::Mesh;
 use taotie::scene::{AlphaMode, Clearcoat, Instance, Material, Scene, SceneData, TextureRef, UvTransform};
@@ -189,30 +187,6 @@ fn baked_colours_take_the_place_of_those_of_vertices() {
     let said = said(&place, "scan.obj --low low.obj --maps normal,albedo");
     assert!(said.contains("vertex colours are left out: albedo is baked in their place"), "{said}");
     assert!(mesh(&place, "out.glb").colors().is_empty());
-}
-
-#[test]
-fn a_low_poly_mesh_that_moves_is_refused() {
-    let place = Place::with("scan.obj", SCAN.obj());
-    place.write("low.obj", LOW.obj());
-    let low = mesh(&place, "low.obj");
-    let levels = [GltfLevel { mesh: &low, coverage: None }];
-    let asset = GltfAsset { levels: &levels, ..GltfAsset::default() };
-    let mut draft = GltfDraft::new(&asset, &GltfFormat::default()).unwrap();
-    let times = draft.bounded_floats(&[[0.0], [1.0]]);
-    let places = draft.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
-    let animations = json!([{
-        "samplers": [{ "input": times, "output": places }],
-        "channels": [{ "sampler": 0, "target": { "node": 0, "path": "translation" } }],
-    }]);
-    draft.put("", "animations", Json::of(&animations).unwrap()).unwrap();
-    place.write("low.glb", draft.encode_glb().unwrap());
-    let before = place.files();
-    let assert = place.taotie("bake scan.obj --low low.glb -o out.glb --size 64").assert().code(2);
-    let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
-    let why = "low.glb: a low-poly mesh with animations is not supported: an asset keeps no motion; save the mesh at rest";
-    assert!(said.contains(why), "{said}");
-    assert_eq!(place.files(), before);
 }
 
 #[test]

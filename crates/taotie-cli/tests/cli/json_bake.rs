@@ -83,6 +83,7 @@ enum AutoOr {
 #[serde(deny_unknown_fields)]
 struct Map {
     map: String,
+    material: Option<String>,
     file: Option<String>,
     bits: u8,
     black: Option<f64>,
@@ -118,10 +119,22 @@ struct Proof {
     full_views: Vec<View>,
     material: MaterialFigures,
     unseen: Vec<String>,
+    parts: Vec<Part>,
     fit: Option<Fit>,
     bytes_in: u64,
     bytes_out: u64,
     levels: Vec<Level>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Part {
+    material: String,
+    triangles: usize,
+    angles: Option<Spread>,
+    without_map: Option<Spread>,
+    missed: f64,
+    lost: f64,
 }
 
 #[derive(Deserialize)]
@@ -256,6 +269,7 @@ fn of_a_pair() {
     assert!(proof.rms < proof.hausdorff && proof.uv_use > 0.8);
     assert!(proof.material.color.is_none() && proof.full_views.is_empty(), "the scan has no material");
     assert_eq!(proof.unseen, ["colour and material, of which the scan says nothing", "heights"]);
+    assert!(proof.parts.is_empty() && normal.material.is_none(), "there is one material");
     let [level] = proof.levels.as_slice() else { panic!("there is one level") };
     assert_eq!((level.triangles, level.hausdorff, level.views.len()), (528, proof.hausdorff, 8));
     assert_eq!(proof.floor_8_bit, Some([0.17, 0.38]));

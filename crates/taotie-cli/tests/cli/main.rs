@@ -5,6 +5,7 @@
 mod arguments;
 mod bake;
 mod bake_carried;
+mod bake_document;
 mod bake_page;
 mod bake_pairs;
 mod balls;
@@ -13,6 +14,8 @@ mod compare_paper;
 mod diff;
 mod environment;
 mod examples;
+#[path = "../../../taotie/tests/common/glb.rs"]
+mod glb;
 mod help;
 mod inspect;
 mod interrupted;

@@ -5,10 +5,13 @@
 mod common;
 #[path = "../../../taotie/tests/common/files.rs"]
 mod files;
+#[path = "../../../taotie/tests/common/glb.rs"]
+mod glb;
 #[path = "../../../taotie/tests/common/validator.rs"]
 mod validator;
 
 mod bake_alpha;
+mod bake_documents;
 mod bake_materials;
 mod bake_properties;
 mod bake_scans;

@@ -12,7 +12,7 @@
 //! let mut report = Report::of(&written)?;
 //! let proof = written.verify(scan, &VerifyOptions::default(), quiet)?;
 //! report.proof = Some(proof.figures.clone());
-//! let page = taotie_report::bake_page::page(&report, &proof, written.asset().textures())?;
+//! let page = taotie_report::bake_page::page(&report, &proof, written.asset())?;
 //! io::write_text(Path::new("scan.report.html"), &taotie_report::html(&page))?;
 //! # Ok::<(), taotie::Error>(())
 //! ```
@@ -21,19 +21,20 @@ mod levels;
 mod material;
 mod misses;
 mod notices;
+mod parts;
 mod sections;
 mod views;
 
 use crate::{Fact, Page};
 use std::path::Path;
 use taotie::Result;
-use taotie::asset::{Figures, Proof, Report, Textures};
+use taotie::asset::{Asset, Figures, Proof, Report};
 
 /// Makes the page of a bake: verdict and warnings, facts, views of scan and asset, maps, and every figure.
 ///
 /// # Errors
 /// [`taotie::Error::Invalid`] where a picture has no pixels.
-pub fn page(report: &Report, proof: &Proof, textures: &Textures) -> Result<Page> {
+pub fn page(report: &Report, proof: &Proof, asset: &Asset) -> Result<Page> {
     let figures = &proof.figures;
     let title = Path::new(&report.high).file_name().unwrap_or_default().to_string_lossy();
     Ok(Page {
@@ -41,7 +42,7 @@ pub fn page(report: &Report, proof: &Proof, textures: &Textures) -> Result<Page>
         subtitle: "The scan, and the low-poly asset baked from it".into(),
         notices: notices::notices(report, figures),
         facts: facts(report, figures),
-        views: views::views(proof, textures)?.into_iter().chain(levels::worst_views(proof)?).collect(),
+        views: views::views(proof, asset)?.into_iter().chain(levels::worst_views(proof)?).collect(),
         sections: sections::sections(report, figures),
         footer: format!(
             "Made by taotie {}. All figures are in the .json file beside this page.",

@@ -1,6 +1,6 @@
 //! The tables, histogram and texts of a proof.
 
-use super::{levels, material};
+use super::{levels, material, parts};
 use crate::summary::figures;
 use crate::{Cell, Column, Section, Series, Tone};
 use taotie::asset::{BIN_WIDTH, FigureUnit, Figures, Met, Report, StageTime, ViewFigures};
@@ -15,6 +15,7 @@ pub fn sections(report: &Report, proof: &Figures) -> Vec<Section> {
     }
     sections.extend([normals(proof), histogram(proof), shape(proof)]);
     sections.extend(material::section(&proof.material));
+    sections.extend(parts::table(&proof.parts));
     sections.push(views(proof));
     sections.extend(levels::table(&proof.levels));
     sections.push(stages(report));

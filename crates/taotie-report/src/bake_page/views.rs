@@ -6,7 +6,7 @@ use crate::heat_map::HeatMap;
 use crate::sheet::Sheet;
 use crate::{Legend, Picture, View};
 use taotie::Result;
-use taotie::asset::{Proof, Textures, Views};
+use taotie::asset::{Asset, Proof, Textures, Views};
 use taotie::compare::ColorMap;
 use taotie::names::Named;
 
@@ -19,26 +19,36 @@ const TOP: f32 = 10.0;
 ///
 /// # Errors
 /// [`taotie::Error::Invalid`] where a picture has no pixels.
-pub fn views(proof: &Proof, textures: &Textures) -> Result<Vec<View>> {
+pub fn views(proof: &Proof, asset: &Asset) -> Result<Vec<View>> {
     let mut views = sides(&proof.views, &GREY)?;
     if let Some(full) = &proof.full_views {
         views.extend(sides(full, &FULL)?);
     }
-    views.extend(grouped(&maps(proof, textures)?));
+    views.extend(grouped(&maps(proof, asset)?));
     if let Some(field) = &proof.color_map {
         views.push(material::view(field)?);
     }
-    if let Some(texels) = &textures.misses {
-        views.push(View {
-            name: "missed rays".into(),
-            note:
-                "Texels with rays that missed the scan: amber used the scan's closest point, red had no hit."
-                    .into(),
-            pictures: vec![Picture::new("missed rays", "", &misses(texels))?],
-            legend: None,
-        });
+    for (material, textures) in asset.texture_sets() {
+        views.extend(missed_rays(material, textures)?);
     }
     Ok(views)
+}
+
+/// Makes the view of the rays that missed the scan; `None` where none did.
+fn missed_rays(material: &str, textures: &Textures) -> Result<Option<View>> {
+    let Some(texels) = &textures.misses else { return Ok(None) };
+    Ok(Some(View {
+        name: named(material, "missed rays"),
+        note: "Texels with rays that missed the scan: amber used the scan's closest point, red had no hit."
+            .into(),
+        pictures: vec![Picture::new("missed rays", "", &misses(texels))?],
+        legend: None,
+    }))
+}
+
+/// Returns a name, with that of its material before it where the asset has several.
+fn named(material: &str, name: &str) -> String {
+    if material.is_empty() { name.to_owned() } else { format!("{material}: {name}") }
 }
 
 /// How scan and asset look.
@@ -87,18 +97,21 @@ pub fn side(shots: &Views, i: usize, look: &Look) -> Result<View> {
     })
 }
 
-/// The map of errors, then the baked maps.
-fn maps(proof: &Proof, textures: &Textures) -> Result<Vec<Picture>> {
+/// The map of errors, then the baked maps of each material.
+fn maps(proof: &Proof, asset: &Asset) -> Result<Vec<Picture>> {
     let mut maps =
         vec![Picture::new("normal error", "", &HeatMap::of_angles(&proof.error_map, TOP).plain())?];
-    let inside = [("normal", &textures.normal), ("albedo", &textures.color), ("orm", &textures.orm)];
-    for (name, bitmap) in inside {
-        if let Some(bitmap) = bitmap {
-            maps.push(Picture::new(name, "", &Sheet::preview(bitmap, MAP))?);
+    for (material, textures) in asset.texture_sets() {
+        let inside = [("normal", &textures.normal), ("albedo", &textures.color), ("orm", &textures.orm)];
+        for (name, bitmap) in inside {
+            if let Some(bitmap) = bitmap {
+                maps.push(Picture::new(&named(material, name), "", &Sheet::preview(bitmap, MAP))?);
+            }
         }
-    }
-    for beside in &textures.beside {
-        maps.push(Picture::new(beside.map.name(), "", &Sheet::preview(&beside.bitmap, MAP))?);
+        for beside in &textures.beside {
+            let name = named(material, beside.map.name());
+            maps.push(Picture::new(&name, "", &Sheet::preview(&beside.bitmap, MAP))?);
+        }
     }
     Ok(maps)
 }

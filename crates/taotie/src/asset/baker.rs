@@ -3,8 +3,8 @@
 use super::given::GivenMesh;
 use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
-use super::made::{Asset, Made};
-use super::maps::{StoredMaps, bake_maps};
+use super::made::{Asset, Made, Part};
+use super::maps::bake_maps;
 use super::memory::Need;
 use super::notes;
 use super::options::BakeOptions;
@@ -15,7 +15,7 @@ use super::scan_size::ScanSize;
 use super::search::smallest;
 use super::search_course::Trial;
 use super::write::possible_files;
-use crate::bake::{Cage, MapKind};
+use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::io::{self, Bytes, Limits};
 use crate::mesh::Mesh;
@@ -63,7 +63,8 @@ impl Baker {
     }
 
     /// Returns every file that an asset at `path` may be written to, the model first, so that one can ask before the bake
-    /// whether they can be written, and whether any of them is one that was read.
+    /// whether they can be written, and whether any of them is one that was read. Files named after the materials of a
+    /// low-poly file are not among them, since that is not read yet.
     ///
     /// ```
     /// use std::path::{Path, PathBuf};
@@ -96,8 +97,9 @@ impl Baker {
         let (options, mut scan) = (Arc::clone(&self.options), scan.into());
         scan.limits.allow_outside |= self.limits.allow_outside;
         options.check()?;
-        self.need(scan.about.size.sorted()).check(self.limits_beside(&scan))?;
-        progress.apart(move |progress| bake(&options, &scan, progress))
+        let limits = self.limits_beside(&scan);
+        self.need(scan.about.size.sorted()).check(limits)?;
+        progress.apart(move |progress| bake(&options, &scan, limits, progress))
     }
 
     /// Returns the limits of a bake; what the scan holds already counts as free.
@@ -108,10 +110,9 @@ impl Baker {
     }
 }
 
-/// A low-poly mesh and its maps.
+/// Low-poly meshes and their maps.
 struct Lightened {
-    low: LowPoly,
-    maps: StoredMaps,
+    parts: Vec<Part>,
     size: [u32; 2],
     trials: Vec<Trial>,
 }
@@ -123,29 +124,37 @@ struct Subject<'a> {
     given: Option<GivenMesh>,
 }
 
-fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asset> {
+fn bake(asked: &BakeOptions, scan: &Scan, limits: Limits, progress: Progress<'_>) -> Result<Asset> {
     let about = Arc::clone(&scan.about);
     let mut warnings = about.warnings.clone();
     let mut given = given(asked, &scan.limits, &mut warnings, progress)?;
-    let plan = BakePlan::of(asked, &about.carried, given.as_ref().map(GivenMesh::look));
+    let materials = given.as_ref().map_or(1, GivenMesh::material_count);
+    Need { materials, ..Need::of(asked, about.size.sorted()) }.check(limits)?;
+    let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
+    let plan = BakePlan::of(asked, &about.carried, &looks);
     notes::unread_options(&plan.options, &mut warnings);
     plan.note(&mut warnings);
-    if let Some(given) = &mut given {
-        plan.fill(&about.carried, &mut given.material);
-    }
+    let materials = given.iter_mut().flat_map(GivenMesh::materials_mut);
+    materials.for_each(|material| plan.fill(&about.carried, material));
+    let document = given.as_mut().and_then(GivenMesh::take_document);
     let BakePlan { options, carried, left, .. } = plan;
     let subject = Subject { scan, given };
-    let Lightened { mut low, mut maps, size, trials } =
-        lightened(&options, subject, &mut warnings, progress)?;
-    low.material.alpha = alpha(&options, scan, &low);
-    warnings.absorb(std::mem::take(&mut maps.warnings));
-    let coarser = low::coarser(&low, &options.lods, &mut warnings, progress)?;
-    let pair = Pair { scan, low: &low };
-    let alpha_modes = match options.bakes(&[MapKind::Alpha]) {
-        true => alpha_modes(pair, &maps.cage, &coarser),
+    let Lightened { mut parts, size, trials } = lightened(&options, subject, &mut warnings, progress)?;
+    for part in &mut parts {
+        part.low.material.alpha = alpha(&options, scan, &part.low);
+        warnings.absorb(std::mem::take(&mut part.maps.warnings));
+    }
+    let coarser = low::coarser(&parts[0].low, &options.lods, &mut warnings, progress)?;
+    let alpha_modes = match options.bakes(&[MapKind::Alpha]) && has_several_modes(scan) {
+        true if document.is_some() => {
+            let is_blended = |part: &&Part| part.low.material.alpha == AlphaMode::Blend;
+            notes::blended(parts.iter().filter(is_blended).count(), &mut warnings);
+            Vec::new()
+        }
+        true => alpha_modes(scan, &parts[0], &coarser),
         false => Vec::new(),
     };
-    judgement::judge(pair, &maps.cage, &maps.counts, &mut warnings);
+    parts.iter().for_each(|part| judge(scan, part, &mut warnings));
     if options.inspect {
         progress.begin("inspect the scan")?;
         judgement::inspect(scan.mesh(), &mut warnings);
@@ -154,16 +163,27 @@ fn bake(asked: &BakeOptions, scan: &Scan, progress: Progress<'_>) -> Result<Asse
     Ok(Asset::new(Made {
         options,
         about,
-        low,
+        document,
+        parts,
         coarser,
         alpha_modes,
-        maps,
         size,
         trials,
         carried,
         left,
         warnings,
     }))
+}
+
+/// Notes what is wrong with a part, and with which.
+fn judge(scan: &Scan, part: &Part, warnings: &mut Warnings) {
+    let mut own = Warnings::default();
+    let Part { low, maps } = part;
+    judgement::judge(Pair { scan, low }, &maps.cage, &maps.counts, &mut own);
+    match low.label() {
+        "" => warnings.absorb(own),
+        label => own.iter().for_each(|(what, count)| warnings.note(format!("{label}: {what}"), count)),
+    }
 }
 
 /// Reads the low-poly mesh that the options name.
@@ -175,7 +195,7 @@ fn given(
 ) -> Result<Option<GivenMesh>> {
     let Some(source) = &options.low else { return Ok(None) };
     let reading = progress.begin("read the low-poly mesh")?;
-    let given = GivenMesh::read(source, limits, warnings)?;
+    let given = GivenMesh::read(options, source, limits, warnings)?;
     reading.at(1.0)?;
     Ok(Some(given))
 }
@@ -188,17 +208,19 @@ fn alpha(options: &BakeOptions, scan: &Scan, low: &LowPoly) -> AlphaMode {
     }
 }
 
-/// Returns the alpha mode of each triangle of each level, where the scan has several modes.
-fn alpha_modes(pair: Pair<'_>, cage: &Cage, coarser: &[Mesh]) -> Vec<Vec<AlphaMode>> {
-    let Pair { scan, low } = pair;
-    if scan.high.surface().alpha_modes().len() < 2 {
-        return Vec::new();
-    }
-    let of_level = |mesh: &Mesh| scan.high.alpha_modes(mesh, &cage.carried_over(&low.mesh, mesh));
-    std::iter::once(scan.high.alpha_modes(&low.mesh, cage)).chain(coarser.iter().map(of_level)).collect()
+/// Says whether triangles of the scan have several alpha modes.
+fn has_several_modes(scan: &Scan) -> bool {
+    scan.high.surface().alpha_modes().len() > 1
 }
 
-/// Returns the low-poly mesh with its maps; where an error is wanted the smallest that meets it.
+/// Returns the alpha mode of each triangle of each level of the only part.
+fn alpha_modes(scan: &Scan, Part { low, maps }: &Part, coarser: &[Mesh]) -> Vec<Vec<AlphaMode>> {
+    let of_level = |mesh: &Mesh| scan.high.alpha_modes(mesh, &maps.cage.carried_over(&low.mesh, mesh));
+    let finest = scan.high.alpha_modes(&low.mesh, &maps.cage);
+    std::iter::once(finest).chain(coarser.iter().map(of_level)).collect()
+}
+
+/// Returns the low-poly mesh with its maps, material by material; where an error is wanted the smallest that meets it.
 fn lightened(
     options: &BakeOptions,
     Subject { scan, given }: Subject<'_>,
@@ -209,17 +231,29 @@ fn lightened(
         let found = smallest(options, scan, most, progress)?;
         warnings.absorb(found.warnings);
         let size = [found.size; 2];
-        return Ok(Lightened { low: found.low, maps: found.maps, size, trials: found.trials });
+        let parts = vec![Part { low: found.low, maps: found.maps }];
+        return Ok(Lightened { parts, size, trials: found.trials });
     }
-    let low = match given {
-        Some(given) => LowPoly::given(given, options, warnings, progress)?,
+    let lows = match given {
+        Some(given) => {
+            let taken = given.taken(options, warnings)?.into_iter();
+            taken
+                .map(|taken| LowPoly::given(taken, options, warnings, progress))
+                .collect::<Result<Vec<_>>>()?
+        }
         None => {
             let simplified = low::simplified(scan, options.triangles, progress)?;
             low::note_simplified(&simplified, options.triangles, warnings);
-            LowPoly::made(scan, &simplified, options.size, progress)?
+            vec![LowPoly::made(scan, &simplified, options.size, progress)?]
         }
     };
     let size = options.map_size();
-    let maps = bake_maps(options, size, Pair { scan, low: &low }, progress)?;
-    Ok(Lightened { low, maps, size, trials: Vec::new() })
+    let part = |low: LowPoly| -> Result<Part> {
+        let baked = bake_maps(options, size, Pair { scan, low: &low }, progress);
+        let maps =
+            baked.map_err(|error| if low.label().is_empty() { error } else { error.within(low.label()) });
+        Ok(Part { maps: maps?, low })
+    };
+    let parts = lows.into_iter().map(part).collect::<Result<Vec<_>>>()?;
+    Ok(Lightened { parts, size, trials: Vec::new() })
 }

@@ -1,23 +1,32 @@
 //! The low-poly mesh that is given: read, with what stays of its material.
 
+use super::document::{self, Document, KeptMaterial, shown_materials};
 use super::kept_textures::{KeptTextures, note_samplers};
+use super::low_file::read;
 use super::options::{BakeOptions, MeshSource};
 use super::plan::LowLook;
-use super::scan::check_extent;
 use super::stripped::Stripped;
 use crate::bake::{self, MapKind};
-use crate::error::{Error, Result, Warnings};
-use crate::io::{self, Limits};
+use crate::error::{Result, Warnings};
+use crate::io::Limits;
 use crate::mesh::{Mesh, MeshData};
-use crate::scene::{AlphaMode, Material, Scene};
-use std::path::Path;
+use crate::scene::{AlphaMode, Instance, Material, Scene};
 
 /// A low-poly mesh as its file says.
 pub(super) struct GivenMesh {
     scene: Scene,
-    /// The first material, without what cannot stay.
-    pub material: Material,
+    /// One for each material that stays, at least one.
+    parts: Vec<GivenPart>,
+    document: Option<Document>,
+}
+
+/// The triangles of a low-poly mesh that show one material.
+struct GivenPart {
+    /// The material, without what cannot stay.
+    material: Material,
     stripped: Stripped,
+    /// The material of the file that is kept; `None` where all triangles show the first.
+    own: Option<KeptMaterial>,
 }
 
 /// The parts of a mesh that is given which go into the asset.
@@ -25,78 +34,126 @@ pub(super) struct Taken {
     pub mesh: Mesh,
     pub material: Material,
     pub kept: KeptTextures,
+    pub own: Option<KeptMaterial>,
 }
 
 impl GivenMesh {
     /// Reads a mesh, at rest.
     ///
     /// # Errors
-    /// Those of reading; [`Error::Unsupported`] for a mesh that moves, since no asset keeps that.
-    pub fn read(source: &MeshSource, limits: &Limits, warnings: &mut Warnings) -> Result<Self> {
-        let Read { scene, moving } = read(source, limits, warnings)?;
-        if let (MeshSource::File(path), Some(moving)) = (source, moving) {
-            return Err(moves(path, moving));
+    /// Those of reading; [`Error::Unsupported`](crate::Error::Unsupported) for what the asset could not keep of it.
+    pub fn read(
+        options: &BakeOptions,
+        source: &MeshSource,
+        limits: &Limits,
+        warnings: &mut Warnings,
+    ) -> Result<Self> {
+        let mut read = read(source, limits, warnings)?;
+        let document = document::kept(source, &mut read, options, warnings)?;
+        match document {
+            Some(document) => Self::of_document(document, read.scene),
+            None => Ok(Self::of_one(read.scene, warnings)),
         }
+    }
+
+    /// Makes all of a scene one mesh of its first material.
+    fn of_one(scene: Scene, warnings: &mut Warnings) -> Self {
         let used: Vec<usize> = scene.instances().iter().map(|instance| instance.material).collect();
         if used.iter().any(|material| *material != used[0]) {
             warnings.note("materials of the low-poly mesh made one, the first", 1);
         }
         let mut material = used.first().and_then(|m| scene.materials().get(*m)).cloned().unwrap_or_default();
         let stripped = Stripped::off(&mut material, &scene);
-        Ok(Self { scene, material, stripped })
+        Self { scene, parts: vec![GivenPart { material, stripped, own: None }], document: None }
     }
 
-    /// Returns its looks.
-    pub fn look(&self) -> LowLook<'_> {
-        let has_colors = self.scene.meshes().iter().any(|mesh| !mesh.colors().is_empty());
-        LowLook { material: &self.material, has_colors }
+    /// Takes the materials of a file that stays.
+    fn of_document(document: Document, scene: Scene) -> Result<Self> {
+        let numbers = shown_materials(&scene);
+        let labels = document::labels(&scene, &numbers);
+        let part = |(number, label): (usize, String)| GivenPart {
+            material: scene.materials()[number].clone(),
+            stripped: Stripped::default(),
+            own: Some(KeptMaterial { number, label, drops_colors: false }),
+        };
+        let parts: Vec<GivenPart> = labels.into_iter().map(part).collect();
+        let whole = match parts.len() {
+            1 => None,
+            _ => Some(bake::framed_low_poly_mesh(scene.clone())?),
+        };
+        Ok(Self { scene, parts, document: Some(Document { whole, ..document }) })
     }
 
-    /// Takes what stays: one mesh in world space, and the material without what is baked in its place. That and what
-    /// cannot stay is noted.
+    /// Returns the looks of each material.
+    pub fn looks(&self) -> Vec<LowLook<'_>> {
+        let meshes = self.scene.meshes();
+        let shows = |part: &GivenPart, instance: &Instance| {
+            part.own.as_ref().is_none_or(|own| own.number == instance.material)
+        };
+        let has_colors = |part: &GivenPart| {
+            let mut own = self.scene.instances().iter().filter(|instance| shows(part, instance));
+            own.any(|instance| !meshes[instance.mesh].colors().is_empty())
+        };
+        let parts = self.parts.iter();
+        parts.map(|part| LowLook { material: &part.material, has_colors: has_colors(part) }).collect()
+    }
+
+    /// Returns the number of materials that get maps of their own, at least 1.
+    pub fn material_count(&self) -> u64 {
+        self.parts.len() as u64
+    }
+
+    /// Returns its materials to be filled.
+    pub fn materials_mut(&mut self) -> impl Iterator<Item = &mut Material> {
+        self.parts.iter_mut().map(|part| &mut part.material)
+    }
+
+    /// Takes the file that stays.
+    pub fn take_document(&mut self) -> Option<Document> {
+        self.document.take()
+    }
+
+    /// Takes what stays of each part: one mesh in world space, and the material without what is baked in its place. That
+    /// and what cannot stay is noted.
     ///
     /// # Errors
     /// Those of [`bake::low_poly_mesh`].
-    pub fn taken(self, options: &BakeOptions, warnings: &mut Warnings) -> Result<Taken> {
-        let Self { scene, mut material, stripped } = self;
+    pub fn taken(self, options: &BakeOptions, warnings: &mut Warnings) -> Result<Vec<Taken>> {
+        let Self { scene, parts, .. } = self;
+        let mut scenes: Vec<Scene> = Vec::with_capacity(parts.len());
+        for part in &parts {
+            let mut own = scene.clone();
+            if let Some(kept) = &part.own {
+                own.edit(|scene| scene.instances.retain(|instance| instance.material == kept.number))?;
+            }
+            scenes.push(own);
+        }
+        // The only mesh is taken without a copy.
+        drop(scene);
+        let taken = parts.into_iter().zip(scenes).map(|(part, scene)| part.taken(scene, options, warnings));
+        taken.collect()
+    }
+}
+
+impl GivenPart {
+    fn taken(self, scene: Scene, options: &BakeOptions, warnings: &mut Warnings) -> Result<Taken> {
+        let Self { mut material, stripped, own } = self;
+        if let Some(own) = own {
+            let kept = KeptTextures::beside_roughness(&mut material, &scene, options, warnings);
+            leave_alpha(&mut material, options, warnings);
+            let mesh = bake::framed_low_poly_mesh(scene)?;
+            let drops_colors = !mesh.colors().is_empty() && options.bakes(&[MapKind::Albedo]);
+            let mesh = uncolored(mesh, options, warnings)?;
+            return Ok(Taken { mesh, material, kept, own: Some(KeptMaterial { drops_colors, ..own }) });
+        }
         let kept = KeptTextures::of(&material, &scene);
         stripped.note(options, warnings);
         note_samplers(&material, &scene, options, warnings);
         leave_relief(&material, options, warnings);
         leave_alpha(&mut material, options, warnings);
         let mesh = uncolored(bake::low_poly_mesh(scene)?, options, warnings)?;
-        Ok(Taken { mesh, material, kept })
+        Ok(Taken { mesh, material, kept, own: None })
     }
-}
-
-/// The content of a file with a mesh.
-pub(super) struct Read {
-    pub scene: Scene,
-    /// The way in which it moves, where it does.
-    pub moving: Option<&'static str>,
-}
-
-/// Reads a mesh that is given.
-pub(super) fn read(source: &MeshSource, limits: &Limits, warnings: &mut Warnings) -> Result<Read> {
-    match source {
-        MeshSource::Mesh(mesh) => {
-            let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
-            check_extent(&scene, "the low-poly mesh").map(|()| Read { scene, moving: None })
-        }
-        MeshSource::File(path) => {
-            let loaded = io::load_model_within(path, limits)?;
-            warnings.absorb(loaded.warnings);
-            check_extent(&loaded.scene, &path.display().to_string())?;
-            Ok(Read { scene: loaded.scene, moving: loaded.moving })
-        }
-    }
-}
-
-fn moves(path: &Path, moving: &str) -> Error {
-    Error::unsupported(
-        format!("{}: a low-poly mesh with {moving}", path.display()),
-        "an asset keeps no motion; save the mesh at rest without it, bake onto that, and give the maps to the moving one",
-    )
 }
 
 /// Leaves out the normal map, which is of other tangents.

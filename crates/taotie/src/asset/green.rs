@@ -1,6 +1,5 @@
 //! Maps with green down, for programs that read them so; the asset's own points up, as glTF demands.
 
-use super::made::Made;
 use super::packing::Packing;
 use super::textures::{Beside, Textures};
 use crate::bake::MapKind;
@@ -9,16 +8,16 @@ use crate::image::Bitmap;
 use crate::normal_map::green_turned;
 use crate::scene::{GreenChannel, NormalSpace};
 
-/// Returns the tangent-space maps with green down, where the packing asks for them.
+/// Returns the tangent-space maps of a material with green down, where the packing asks for them.
 ///
 /// # Errors
 /// [`Error::Invalid`] where it does, and no such map was baked.
-pub(super) fn turned(made: &Made, packing: &Packing) -> Result<Vec<Beside>> {
+pub(super) fn turned(space: NormalSpace, textures: &Textures, packing: &Packing) -> Result<Vec<Beside>> {
     if packing.green == GreenChannel::Up {
         return Ok(Vec::new());
     }
-    let is_tangent = made.options.space == NormalSpace::Tangent;
-    let turned: Vec<Beside> = tangent_maps(&made.maps.textures)
+    let is_tangent = space == NormalSpace::Tangent;
+    let turned: Vec<Beside> = tangent_maps(textures)
         .filter(|_| is_tangent)
         .map(|(map, bitmap)| Beside { map, bitmap: green_turned(bitmap), range: None })
         .collect();

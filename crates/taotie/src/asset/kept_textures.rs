@@ -1,7 +1,9 @@
 //! Textures of a low-poly mesh's material that stay in the asset.
 
+use super::notes::is_plain;
 use super::options::BakeOptions;
 use super::slots::SLOTS;
+use crate::bake::MapKind;
 use crate::error::Warnings;
 use crate::image::{Bitmap, Sampler, TexelFilter, Wrap};
 use crate::scene::{Material, Scene, TextureRef};
@@ -28,6 +30,30 @@ impl KeptTextures {
             // A texture that multiplies nothing shows nothing.
             emission: bitmap(&material.emissive_texture).filter(|_| material.emissive != [0.0; 3]),
         }
+    }
+
+    /// Takes the metalness that is to stand beside a baked roughness; a texture that cannot stay there is noted. All other
+    /// slots of a file that is kept stay in it.
+    pub fn beside_roughness(
+        material: &mut Material,
+        scene: &Scene,
+        options: &BakeOptions,
+        warnings: &mut Warnings,
+    ) -> Self {
+        let is_alone = options.bakes(&[MapKind::Roughness]) && !options.bakes(&[MapKind::MetallicRoughness]);
+        let Some(texture) = material.metallic_roughness_texture.filter(|_| is_alone) else {
+            return Self::default();
+        };
+        if is_plain(&texture) {
+            let bitmap = scene.textures()[texture.texture].bitmap().clone();
+            return Self { metallic_roughness: Some(bitmap), ..Self::default() };
+        }
+        warnings.note(
+            "the low-poly mesh's metalness is left out: its texture has uvs of its own, or a transform",
+            1,
+        );
+        material.metallic = 0.0;
+        Self::default()
     }
 }
 
@@ -63,7 +89,6 @@ fn leaves_map(scene: &Scene) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::MapKind;
     use crate::math::Vec2;
     use crate::mesh::Mesh;
     use crate::scene::UvTransform;

@@ -2,9 +2,10 @@
 
 use super::material_figures::MaterialFigures;
 use super::views::ViewFigures;
-use crate::bake::{TexturedMesh, Verifier};
-use crate::compare::Summary;
+use crate::bake::{MaterialError, TexturedMesh, Verifier};
+use crate::compare::{Field, Summary};
 use crate::error::Result;
+use crate::math::Vec3;
 
 /// Bins of the histogram.
 const BINS: usize = 50;
@@ -80,42 +81,149 @@ impl PointCounts {
     }
 }
 
-/// A level of detail with its normal map and without.
-pub(super) struct LevelSurface<'a> {
+/// The triangles of one material at a level of detail, with their normal map and without.
+pub(super) struct PartSurface<'a> {
     pub mapped: Verifier<'a>,
     pub plain: Verifier<'a>,
-    /// Its material, where that is compared.
+    /// Their material, where that is compared.
     pub material: Option<&'a TexturedMesh>,
 }
 
+/// A level of detail.
+pub(super) struct LevelSurface<'a> {
+    /// Its parts, by material.
+    pub parts: Vec<PartSurface<'a>>,
+    /// All of its triangles, from which distances are measured.
+    pub whole: Verifier<'a>,
+}
+
+/// The differences of the triangles of one material, point by point.
+pub(super) struct Measured {
+    pub angles: Field,
+    pub plain: Field,
+    pub missed: f64,
+    pub lost: f64,
+    material: Option<MaterialError>,
+}
+
+impl PartSurface<'_> {
+    fn measured(&self, points: usize) -> Result<Measured> {
+        let normal_error = self.mapped.normal_error(points)?;
+        Ok(Measured {
+            plain: self.plain.normal_error((points / 10).max(1))?.angles,
+            missed: normal_error.missed,
+            lost: normal_error.lost,
+            angles: normal_error.angles,
+            material: self.material.map(|own| self.mapped.material_error(own, points)).transpose()?,
+        })
+    }
+
+    /// Returns the area of its triangles, square model units.
+    fn area(&self) -> f64 {
+        let mesh = self.mapped.mesh;
+        let area = |t: usize| {
+            let [a, b, c] = mesh.corners(t).map(Vec3::to_f64);
+            (b - a).cross(c - a).length() * 0.5
+        };
+        (0..mesh.triangles().len()).map(area).sum()
+    }
+}
+
 impl LevelSurface<'_> {
-    /// Measures all but the views. `diagonal` is the scan's, model units.
+    /// Measures each part, at points that are spread evenly over the area of all.
     ///
     /// # Errors
     /// Those of [`Verifier::normal_error`].
-    pub fn figures(&self, points: PointCounts, diagonal: f64) -> Result<LevelFigures> {
-        let normal_error = self.mapped.normal_error(points.normals)?;
-        let plain = self.plain.normal_error(points.normals / 10)?;
-        let deviation = self.mapped.deviation(points.distances)?;
+    pub fn measured(&self, points: PointCounts) -> Result<Vec<Measured>> {
+        if let [only] = &self.parts[..] {
+            return Ok(vec![only.measured(points.normals)?]);
+        }
+        let areas: Vec<f64> = self.parts.iter().map(PartSurface::area).collect();
+        let all: f64 = areas.iter().sum();
+        let count = |area: f64| (points.normals as f64 * area / all).max(1.0) as usize;
+        self.parts.iter().zip(areas).map(|(part, area)| part.measured(count(area))).collect()
+    }
+
+    /// Returns all figures but those of the views. `diagonal` is the scan's, model units.
+    ///
+    /// # Errors
+    /// Those of [`Verifier::deviation`].
+    pub fn figures(&self, found: &[Measured], points: PointCounts, diagonal: f64) -> Result<LevelFigures> {
+        let angles = chained(found.iter().map(|part| &part.angles))?;
+        let plain = chained(found.iter().map(|part| &part.plain))?;
+        let deviation = self.whole.deviation(points.distances)?;
         Ok(LevelFigures {
-            triangles: self.mapped.mesh.triangles().len(),
-            angles: normal_error.angles.summary(),
-            histogram: normal_error.angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
-            without_map: plain.angles.summary(),
-            missed: normal_error.missed,
-            lost: normal_error.lost,
+            triangles: self.whole.mesh.triangles().len(),
+            angles: angles.summary(),
+            histogram: angles.histogram(BINS, (BINS as f64 * BIN_WIDTH) as f32),
+            without_map: plain.summary(),
+            missed: weighted(found, |part| part.missed),
+            lost: weighted(found, |part| part.lost),
             hausdorff: deviation.hausdorff(),
             hausdorff_of_diagonal: deviation.hausdorff() / diagonal,
             rms: deviation.rms(),
             rms_of_diagonal: deviation.rms() / diagonal,
-            material: self.material_figures(points.normals)?,
+            material: material_figures(found)?,
             views: Vec::new(),
             full_views: Vec::new(),
         })
     }
+}
 
-    fn material_figures(&self, points: usize) -> Result<MaterialFigures> {
-        let Some(material) = self.material else { return Ok(MaterialFigures::default()) };
-        Ok(MaterialFigures::of(&self.mapped.material_error(material, points)?))
+/// Returns the mean of a figure over the points of all parts.
+fn weighted(found: &[Measured], figure: impl Fn(&Measured) -> f64) -> f64 {
+    if let [only] = found {
+        return figure(only);
+    }
+    let points = |part: &Measured| part.angles.values().len() as f64;
+    let sum: f64 = found.iter().map(|part| figure(part) * points(part)).sum();
+    sum / found.iter().map(points).sum::<f64>()
+}
+
+fn material_figures(found: &[Measured]) -> Result<MaterialFigures> {
+    let errors: Option<Vec<&MaterialError>> = found.iter().map(|part| part.material.as_ref()).collect();
+    let Some(errors) = errors else { return Ok(MaterialFigures::default()) };
+    let all = |of: fn(&MaterialError) -> &Field| chained(errors.iter().map(|error| of(error)));
+    Ok(MaterialFigures::of(&MaterialError {
+        color: all(|error| &error.color)?,
+        metallic: all(|error| &error.metallic)?,
+        roughness: all(|error| &error.roughness)?,
+        emission: all(|error| &error.emission)?,
+        alpha: all(|error| &error.alpha)?,
+        not_finite: weighted(found, |part| part.material.as_ref().map_or(0.0, |error| error.not_finite)),
+    }))
+}
+
+/// Returns one row of the numbers of several fields.
+pub(super) fn chained<'a>(fields: impl Iterator<Item = &'a Field>) -> Result<Field> {
+    let values: Vec<f32> = fields.flat_map(|field| field.values()).copied().collect();
+    Field::new(values.len() as u32, 1, values)
+}
+
+/// Returns fields of one width, one below the other.
+pub(super) fn stacked(fields: &[Field]) -> Result<Field> {
+    let values: Vec<f32> = fields.iter().flat_map(Field::values).copied().collect();
+    let height = fields.iter().map(Field::height).sum();
+    Field::new(fields.first().map_or(0, Field::width), height, values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(angles: &[f32], missed: f64) -> Measured {
+        let row = |values: &[f32]| Field::new(values.len() as u32, 1, values.to_vec()).unwrap();
+        Measured { angles: row(angles), plain: row(&[1.0]), missed, lost: 0.0, material: None }
+    }
+
+    #[test]
+    fn parts_count_by_their_points() {
+        let found = [measured(&[1.0, 2.0, 3.0], 0.0), measured(&[10.0], 1.0)];
+        let all = chained(found.iter().map(|part| &part.angles)).unwrap();
+        assert_eq!((all.values().len(), all.summary().unwrap().mean), (4, 4.0));
+        assert_eq!(weighted(&found, |part| part.missed), 0.25);
+        let columns = [Field::new(1, 2, vec![1.0, 2.0]).unwrap(), Field::new(1, 1, vec![3.0]).unwrap()];
+        let stack = stacked(&columns).unwrap();
+        assert_eq!((stack.width(), stack.height(), stack.values()), (1, 3, &[1.0, 2.0, 3.0][..]));
     }
 }

@@ -1,6 +1,7 @@
 //! The low-poly mesh that is baked onto: given, or made from the scan.
 
-use super::given::{GivenMesh, Taken};
+use super::document::KeptMaterial;
+use super::given::Taken;
 use super::kept_textures::KeptTextures;
 use super::options::{BakeOptions, NEEDS_UVS, SQUARE};
 use super::scan::Scan;
@@ -19,6 +20,8 @@ pub(super) struct LowPoly {
     pub material: Material,
     /// Textures of its material that stay.
     pub kept: KeptTextures,
+    /// The material of the file that is kept; `None` where the asset is written anew.
+    pub own: Option<KeptMaterial>,
 }
 
 /// The origin of a low-poly mesh.
@@ -69,12 +72,12 @@ pub struct Simplification {
 impl LowPoly {
     /// Takes the mesh that is given, with uvs where it had none.
     pub fn given(
-        given: GivenMesh,
+        taken: Taken,
         options: &BakeOptions,
         warnings: &mut Warnings,
         progress: Progress<'_>,
     ) -> Result<Self> {
-        let Taken { mesh, material, kept } = given.taken(options, warnings)?;
+        let Taken { mesh, material, kept, own } = taken;
         let mut origin = Origin::default();
         let mesh = match mesh.uvs().is_empty() {
             false => mesh,
@@ -85,7 +88,7 @@ impl LowPoly {
             true => unwrapped(&mesh, options.size, &mut origin, progress)?,
         };
         note_uvs(&mesh, warnings);
-        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept })
+        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept, own })
     }
 
     /// Unwraps a simplified scan for maps of this size.
@@ -95,7 +98,13 @@ impl LowPoly {
         let mut origin = Origin { simplified: Some(simplification), islands: None };
         let mesh = unwrapped(&simplified.mesh, size, &mut origin, progress)?;
         let material = scan.about.carried.material.clone();
-        Ok(Self { mesh: framed(&mesh, progress)?, origin, material, kept: KeptTextures::default() })
+        let (mesh, kept) = (framed(&mesh, progress)?, KeptTextures::default());
+        Ok(Self { mesh, origin, material, kept, own: None })
+    }
+
+    /// Returns a word that tells its material from others of the asset; empty where it is alone.
+    pub fn label(&self) -> &str {
+        self.own.as_ref().map_or("", |own| &own.label)
     }
 }
 

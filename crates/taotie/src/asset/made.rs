@@ -1,5 +1,6 @@
 //! A baked asset.
 
+use super::document::Document;
 use super::low::{LowPoly, Origin};
 use super::maps::StoredMaps;
 use super::options::BakeOptions;
@@ -19,12 +20,14 @@ pub(super) struct Made {
     /// With the maps that the scan's material needed.
     pub options: Arc<BakeOptions>,
     pub about: Arc<About>,
-    pub low: LowPoly,
+    /// The low-poly file that stays as it is; `None` where the asset is one mesh of one material.
+    pub document: Option<Document>,
+    /// The triangles of each material with their maps, at least one.
+    pub parts: Vec<Part>,
     /// The levels of detail after the first.
     pub coarser: Vec<Mesh>,
-    /// The alpha mode of each triangle of each level, the finest first; empty where all have the material's.
+    /// The alpha mode of each triangle of each level, the finest first; empty where all have their material's.
     pub alpha_modes: Vec<Vec<AlphaMode>>,
-    pub maps: StoredMaps,
     /// Texels across and down.
     pub size: [u32; 2],
     pub trials: Vec<Trial>,
@@ -32,6 +35,20 @@ pub(super) struct Made {
     pub carried: Vec<Property>,
     pub left: Vec<Left>,
     pub warnings: Warnings,
+}
+
+/// The triangles of one material, and the maps that were baked for them.
+pub(super) struct Part {
+    pub low: LowPoly,
+    pub maps: StoredMaps,
+}
+
+impl Made {
+    /// Returns all triangles of the finest level.
+    pub fn mesh(&self) -> &Mesh {
+        let whole = self.document.as_ref().and_then(|document| document.whole.as_ref());
+        whole.unwrap_or(&self.parts[0].low.mesh)
+    }
 }
 
 /// A low-poly mesh with baked maps. Clones share all of it.
@@ -56,24 +73,30 @@ impl Asset {
         Self { made: Arc::new(made) }
     }
 
-    /// Returns the levels of detail, the finest first: with uvs, normals and tangents.
+    /// Returns the levels of detail, the finest first: with uvs, normals and tangents, all materials joined.
     pub fn levels(&self) -> impl Iterator<Item = &Mesh> {
-        std::iter::once(&self.made.low.mesh).chain(&self.made.coarser)
+        std::iter::once(self.made.mesh()).chain(&self.made.coarser)
     }
 
-    /// Returns the maps as they are stored.
+    /// Returns the maps as they are stored; those of the first material where there are several.
     pub fn textures(&self) -> &Textures {
-        &self.made.maps.textures
+        &self.made.parts[0].maps.textures
     }
 
-    /// Returns what became of the samples.
-    pub fn counts(&self) -> &BakeCounts {
-        &self.made.maps.counts
+    /// Returns the maps of each material, by its name in files; the name is empty where there is but one.
+    pub fn texture_sets(&self) -> impl Iterator<Item = (&str, &Textures)> {
+        self.made.parts.iter().map(|part| (part.low.label(), &part.maps.textures))
+    }
+
+    /// Returns what became of the samples, of all materials.
+    pub fn counts(&self) -> BakeCounts {
+        let counts = self.made.parts.iter().map(|part| part.maps.counts);
+        counts.fold(BakeCounts::default(), BakeCounts::and)
     }
 
     /// Returns where the low-poly mesh came from.
     pub fn origin(&self) -> &Origin {
-        &self.made.low.origin
+        &self.made.parts[0].low.origin
     }
 
     /// Returns how many texels the maps have across and down.

@@ -24,6 +24,8 @@ use std::path::{Path, PathBuf};
 pub struct MapNote {
     /// The kind of map.
     pub map: MapKind,
+    /// The name of its material in names of files, where the asset has several.
+    pub material: Option<String>,
     /// Its file; `None` inside of the asset.
     pub file: Option<PathBuf>,
     /// Bits a channel.
@@ -37,18 +39,27 @@ pub struct MapNote {
 }
 
 impl MapNote {
-    pub(super) fn inside((map, bitmap): (MapKind, &Bitmap)) -> Self {
-        Self { map, file: None, bits: bitmap.bits(), black: None, white: None, unit: "" }
+    /// Tells of a map in the asset. `label` is that of its material, as everywhere here; it may be empty.
+    pub(super) fn inside(label: &str, map: MapKind, bitmap: &Bitmap) -> Self {
+        let (material, bits) = (named(label), bitmap.bits());
+        Self { map, material, file: None, bits, black: None, white: None, unit: "" }
     }
 
-    pub(super) fn beside(beside: &Beside, path: &Path) -> Self {
+    /// Tells of a map in a file beside the model `path`.
+    pub(super) fn beside(beside: &Beside, label: &str, path: &Path) -> Self {
         Self {
             map: beside.map,
-            file: Some(beside.file(path)),
+            material: named(label),
+            file: Some(beside.file(label, path)),
             bits: beside.bitmap.bits(),
             black: beside.range.map(|range| range.black),
             white: beside.range.map(|range| range.white),
             unit: beside.range.map_or("", |range| range.unit),
         }
     }
+}
+
+/// Returns the label of a material that has one.
+fn named(label: &str) -> Option<String> {
+    (!label.is_empty()).then(|| label.to_owned())
 }

@@ -1,7 +1,7 @@
 //! The maps of one low-poly mesh: cage, projection, storing.
 
-use super::given::read;
 use super::judgement::{Pair, refuse_no_hit};
+use super::low_file::read;
 use super::options::{BakeOptions, MeshSource, RayDistance};
 use super::scan::Scan;
 use super::textures::Textures;

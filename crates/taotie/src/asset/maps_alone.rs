@@ -2,7 +2,7 @@
 
 use super::green;
 use super::kept_textures::KeptTextures;
-use super::made::Made;
+use super::made::{Made, Part};
 use super::map_note::MapNote;
 use super::map_numbers::{self, Meaning};
 use super::packing::Packing;
@@ -34,9 +34,14 @@ struct MapFile<'a> {
     path: PathBuf,
 }
 
+/// Returns the part of an asset that has but one, as [`check`] demands.
+fn only(made: &Made) -> &Part {
+    &made.parts[0]
+}
+
 /// Returns all textures. The first lies in `path` itself, the others beside it: `out.png`, `out.ao.png`.
 fn files<'a>(made: &'a Made, path: &Path) -> Vec<MapFile<'a>> {
-    let textures = &made.maps.textures;
+    let textures = &only(made).maps.textures;
     let mut files: Vec<MapFile<'a>> = Vec::new();
     for (map, bitmap) in textures.inside() {
         match files.iter_mut().find(|file| std::ptr::eq(file.bitmap, bitmap)) {
@@ -122,6 +127,7 @@ impl<'a> MapFile<'a> {
         let range = self.file_range();
         self.maps.iter().map(move |map| MapNote {
             map: *map,
+            material: None,
             file: Some(self.path.clone()),
             bits: self.bitmap.bits(),
             black: range.map(|range| range.black),
@@ -139,11 +145,12 @@ pub(super) fn notes(made: &Made, path: &Path) -> Vec<MapNote> {
 /// Returns all files.
 ///
 /// # Errors
-/// [`Error::Invalid`] for what maps alone cannot have: uvs that were made, levels of detail, and the packing of a model;
+/// [`Error::Invalid`] for what maps alone cannot have: several materials, uvs that were made, levels of detail, and the
+/// packing of a model;
 /// [`Error::Unsupported`] for maps of 16 bits as WebP.
 pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
     check(made, packing)?;
-    let turned = green::turned(made, packing)?;
+    let turned = green::turned(made.options.space, &only(made).maps.textures, packing)?;
     let encode = |file: MapFile<'_>| {
         let turned = turned.iter().find(|turned| file.holds(&[turned.map]));
         let bitmap = turned.map_or(file.bitmap, |turned| &turned.bitmap);
@@ -153,8 +160,12 @@ pub(super) fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec
 }
 
 fn check(made: &Made, packing: &Packing) -> Result<()> {
-    let origin = &made.low.origin;
+    let origin = &only(made).low.origin;
     let wrong = [
+        (
+            made.parts.len() > 1,
+            "they are for one material and the low-poly mesh has several; give a mesh of one",
+        ),
         (
             origin.islands.is_some(),
             "their uvs were made and no file holds them; give a low-poly mesh with uvs",
@@ -217,14 +228,15 @@ pub(super) fn unseen(made: &Made) -> Option<String> {
 /// Those of reading the files.
 pub(super) fn read_back(made: &Made, green: GreenChannel, path: &Path) -> Result<Loaded> {
     let none = KeptTextures::default();
-    let told = made.maps.textures.material(&made.low.material, &none);
+    let Part { low, maps } = only(made);
+    let told = maps.textures.material(&low.material, &none);
     let mut material = Material {
         base_color: told.base_color,
         metallic: told.metallic,
         roughness: told.roughness,
         occlusion_strength: told.occlusion_strength,
         emissive: told.emissive,
-        ..made.low.material.clone()
+        ..low.material.clone()
     };
     material.retain_textures(|_| false);
     let mut textures = Vec::new();
@@ -233,7 +245,7 @@ pub(super) fn read_back(made: &Made, green: GreenChannel, path: &Path) -> Result
         show(&file, textures.len(), (&mut material, made.options.space));
         textures.push(texture(&file, bitmap, green)?);
     }
-    let mut scene = Scene::of_mesh(made.low.mesh.clone(), Material::default())?;
+    let mut scene = Scene::of_mesh(low.mesh.clone(), Material::default())?;
     scene.edit(|scene| (scene.textures, scene.materials) = (textures, vec![material]))?;
     Ok(Loaded::new(scene, Warnings::default(), "PNG"))
 }

@@ -32,6 +32,10 @@ pub struct Need {
     pub texels: u64,
     /// Bytes a texel over all maps while they are made.
     pub texel_bytes: u64,
+    /// Bytes a texel over all maps as they are stored.
+    pub stored_bytes: u64,
+    /// Materials with maps of their own, at least 1; known where the low-poly mesh is read.
+    pub materials: u64,
 }
 
 impl Need {
@@ -42,6 +46,8 @@ impl Need {
             inspects: options.inspect,
             texels: options.map_size().map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
+            stored_bytes: maps(options, scan.carries).iter().count() as u64 * codes(options),
+            materials: 1,
         }
     }
 
@@ -58,8 +64,10 @@ impl Need {
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
         let inspecting = if self.inspects { INSPECTING } else { 0 };
         let beside = self.scan.triangles * SORTING.max(simplifying).max(inspecting);
+        // One material is baked after the other.
+        let stored = self.materials.saturating_sub(1).saturating_mul(self.texels * self.stored_bytes);
         let baking = self.scan.bytes() + beside.max(self.texels * self.texel_bytes);
-        Bytes(baking.max(self.scan.framing_bytes()) + REST)
+        Bytes(baking.saturating_add(stored).max(self.scan.framing_bytes()).saturating_add(REST))
     }
 
     /// Refuses what does not fit.
@@ -83,15 +91,23 @@ impl Need {
 
 /// Bytes a texel over all maps: floats while they are baked, codes afterwards, and what filling takes.
 fn texel_bytes(options: &BakeOptions, carries: Maps) -> u64 {
-    let carried = carries.iter().filter(|_| options.carry);
-    let maps: Maps = options.maps.iter().copied().chain(carried).collect();
     let floats = |map: MapKind| match map {
         MapKind::Normal | MapKind::Albedo | MapKind::Bent | MapKind::Emission => 12,
         MapKind::MetallicRoughness => 8,
         _ => 4,
     };
-    let codes = 4 * u64::from(options.bits / 8);
-    8 + maps.iter().map(|map| floats(map) + codes).sum::<u64>()
+    let codes = codes(options);
+    8 + maps(options, carries).iter().map(|map| floats(map) + codes).sum::<u64>()
+}
+
+/// Bytes a texel of a map that is stored, at most.
+fn codes(options: &BakeOptions) -> u64 {
+    4 * u64::from(options.bits / 8)
+}
+
+fn maps(options: &BakeOptions, carries: Maps) -> Maps {
+    let carried = carries.iter().filter(|_| options.carry);
+    options.maps.iter().copied().chain(carried).collect()
 }
 
 #[cfg(test)]
@@ -106,12 +122,20 @@ mod tests {
             inspects: true,
             texels: 1 << 22,
             texel_bytes: 20,
+            stored_bytes: 8,
+            materials: 1,
         };
         assert!(need.bytes() < Bytes(4 << 30), "{}", need.bytes());
         let error =
             need.check(Limits { memory: Some(Bytes(1 << 30)), ..Limits::default() }).unwrap_err().to_string();
         assert!(error.contains("20000000 triangles") && error.contains("1.0 GiB"), "{error}");
         assert!(need.check(Limits::default()).is_ok());
+        let several = Need { materials: 4, ..need };
+        assert_eq!(
+            several.bytes().0 - need.bytes().0,
+            3 * (8 << 22),
+            "maps of three are held beside those baked"
+        );
     }
 
     #[test]

@@ -41,6 +41,15 @@ pub(super) fn unread_options(options: &BakeOptions, warnings: &mut Warnings) {
     unread.iter().filter(|(_, is)| *is).for_each(|(what, _)| warnings.note(*what, 1));
 }
 
+/// Notes materials of a file that stays which are blended as a whole, since parts of the scan are.
+pub(super) fn blended(materials: usize, warnings: &mut Warnings) {
+    warnings.note(
+        "materials of the low-poly mesh that are blended as a whole, since parts of the scan are: viewers may draw \
+         their triangles in the wrong order",
+        materials,
+    );
+}
+
 /// Returns `true` where a texture is of uv set 0 and not moved by a transform.
 pub(super) fn is_plain(texture: &TextureRef) -> bool {
     texture.uv_set == 0 && texture.transform == UvTransform::default()

@@ -84,7 +84,8 @@ pub enum RayDistance {
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct BakeOptions {
-    /// The low-poly mesh; `None` simplifies the scan.
+    /// The low-poly mesh; `None` simplifies the scan. A file of several materials, or a glTF file of several meshes or one
+    /// that moves, stays as it is, and each of its materials gets maps of its own.
     pub low: Option<MeshSource>,
     /// Triangles of the low-poly mesh, at least 4; not read with `low` or `mean_error_deg`.
     pub triangles: u32,

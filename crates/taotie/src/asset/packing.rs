@@ -30,7 +30,7 @@ pub struct Packing {
     pub uastc_rdo: Option<u8>,
     /// The quality of the base colour as JPEG, 1 to 100; `None` packs it as `images` says.
     pub jpeg: Option<u8>,
-    /// Compresses geometry (EXT_meshopt_compression).
+    /// Compresses geometry (EXT_meshopt_compression), but not that of a low-poly file that stays as it is.
     pub meshopt: bool,
     /// A JSON file of XMP properties, such as `dc:title`, that the asset is to bear beside those of the scan. Where the
     /// scan has no copyright notice, `dc:rights` is the asset's.

@@ -67,8 +67,9 @@ pub(super) struct BakePlan {
 }
 
 impl BakePlan {
-    /// Decides for a scan and the low-poly mesh, where one is given.
-    pub fn of(asked: &BakeOptions, scan: &Carried, low: Option<LowLook<'_>>) -> Self {
+    /// Decides for a scan and the low-poly mesh, where one is given, in the looks of each of its materials. A property is
+    /// open where all of them leave it open.
+    pub fn of(asked: &BakeOptions, scan: &Carried, low: &[LowLook<'_>]) -> Self {
         let options = BakeOptions { maps: maps(asked, scan, low), ..asked.clone() };
         let notes = lacking(asked, scan);
         let mut plan = Self { options, carried: vec![], left: vec![], factors: vec![], notes };
@@ -109,9 +110,9 @@ impl BakePlan {
 }
 
 /// Returns the maps that are asked for, and those of what varies where the options carry it.
-fn maps(options: &BakeOptions, scan: &Carried, low: Option<LowLook<'_>>) -> Vec<MapKind> {
+fn maps(options: &BakeOptions, scan: &Carried, low: &[LowLook<'_>]) -> Vec<MapKind> {
     let mut maps = options.maps.clone();
-    let is_open = |property: &Property| options.carry && low.is_none_or(|low| low.is_free(*property));
+    let is_open = |property: &Property| options.carry && low.iter().all(|low| low.is_free(*property));
     let wanted = scan.varying().filter(is_open).filter_map(Property::map);
     // Occlusion by rays goes before that of a texture.
     let wanted = wanted.filter(|map| *map != MapKind::OcclusionMap || !options.bakes(&[MapKind::Occlusion]));
@@ -132,7 +133,8 @@ fn maps(options: &BakeOptions, scan: &Carried, low: Option<LowLook<'_>>) -> Vec<
 #[derive(Clone, Copy)]
 struct Pair<'a> {
     scan: &'a Carried,
-    low: Option<LowLook<'a>>,
+    /// One look for each material; empty where the mesh is made.
+    low: &'a [LowLook<'a>],
 }
 
 /// The fate of a property.
@@ -152,8 +154,8 @@ impl Pair<'_> {
         if !by_rays && map.is_some_and(|map| options.bakes(&[map])) {
             return Fate::Map;
         }
-        let is_free = self.low.is_none_or(|low| low.is_free(property));
-        if found.is_uniform && (self.is_same(property) || (is_free && (self.low.is_none() || options.carry)))
+        let is_free = self.low.iter().all(|low| low.is_free(property));
+        if found.is_uniform && (self.is_same(property) || (is_free && (self.low.is_empty() || options.carry)))
         {
             return Fate::Factor;
         }
@@ -173,8 +175,11 @@ impl Pair<'_> {
 
     /// Says whether the low-poly mesh has the same.
     fn is_same(&self, property: Property) -> bool {
-        let is_same = |low: LowLook| property.alone(low.material) == property.alone(&self.scan.material);
-        self.low.is_some_and(|low| is_same(low) && !(property == Property::BaseColor && low.has_colors))
+        let is_same = |low: &LowLook| {
+            property.alone(low.material) == property.alone(&self.scan.material)
+                && !(property == Property::BaseColor && low.has_colors)
+        };
+        !self.low.is_empty() && self.low.iter().all(is_same)
     }
 }
 
@@ -206,12 +211,12 @@ mod tests {
     }
 
     fn plan(options: &BakeOptions, scan: &Carried) -> BakePlan {
-        BakePlan::of(options, scan, None)
+        BakePlan::of(options, scan, &[])
     }
 
     fn onto(low: &Material, scan: &Carried) -> BakePlan {
         let low = LowLook { material: low, has_colors: false };
-        BakePlan::of(&BakeOptions::default(), scan, Some(low))
+        BakePlan::of(&BakeOptions::default(), scan, &[low])
     }
 
     fn said(plan: &BakePlan) -> String {
@@ -284,13 +289,26 @@ mod tests {
     }
 
     #[test]
+    fn what_one_material_says_stays_for_all() {
+        let (open, red) =
+            (Material::default(), Material { base_color: [1.0, 0.0, 0.0, 1.0], ..Material::default() });
+        let looks = [&open, &red].map(|material| LowLook { material, has_colors: false });
+        let scan = scan(Material::default(), &[Property::BaseColor]);
+        let plan = BakePlan::of(&BakeOptions::default(), &scan, &looks);
+        assert_eq!(plan.options.maps, [MapKind::Normal]);
+        assert!(said(&plan).contains("that of the low-poly mesh stays"));
+        let plan = BakePlan::of(&BakeOptions::default(), &scan, &looks[..1]);
+        assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Albedo]);
+    }
+
+    #[test]
     fn roughness_is_baked_beside_the_metalness_of_a_low_poly_mesh() {
         let brass = Material { metallic: 1.0, roughness: 0.3, ..Material::default() };
         let low = LowLook { material: &brass, has_colors: false };
         let scan = scan(Material::default(), &[Property::MetallicRoughness]);
         let stays = |maps: &[MapKind]| {
             let options = BakeOptions { maps: maps.to_vec(), ..BakeOptions::default() };
-            said(&BakePlan::of(&options, &scan, Some(low)))
+            said(&BakePlan::of(&options, &scan, &[low]))
         };
         let told = stays(&[MapKind::Roughness]);
         assert!(
@@ -316,6 +334,6 @@ mod tests {
         assert_eq!(plan.options.maps, [MapKind::Normal, MapKind::Alpha, MapKind::Albedo]);
         assert_eq!(said(&plan), "", "nobody asked for albedo");
         let options = BakeOptions { maps: vec![MapKind::Albedo], ..BakeOptions::default() };
-        assert!(said(&BakePlan::of(&options, &scan, None)).contains("the albedo map shows one value"));
+        assert!(said(&BakePlan::of(&options, &scan, &[])).contains("the albedo map shows one value"));
     }
 }

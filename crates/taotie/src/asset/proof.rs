@@ -1,24 +1,25 @@
 //! The proof: an asset as it was written, read back and held against the scan.
 
-use super::level_figures::{LevelFigures, LevelSurface, PointCounts};
-use super::made::Asset;
+use super::level_figures::{LevelFigures, Measured, PointCounts, chained, stacked};
+use super::made::{Asset, Made, Part};
+use super::map_note::MapNote;
 use super::map_numbers;
 use super::maps_alone;
 use super::material_figures::MaterialFigures;
+use super::part_figures::PartFigures;
 use super::scan::Scan;
+use super::shown::{Shown, ShownPart, Subject, normal_map};
 use super::unseen::unseen;
 use super::views::{self, Looks, ViewFigures, Views};
 use super::write::Written;
-use crate::bake::{Cage, Fit, MapKind, ShownNormals, TexturedMesh, Verifier, low_poly_mesh};
+use crate::bake::{Cage, Fit, MapKind, ShownNormals, low_poly_mesh};
 use crate::compare::{Field, Summary};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
 use crate::io::{self, GltfImages, Loaded};
-use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::{NormalSpace, Scene};
-use crate::surface::with_frames;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The options of a proof. Built by `Default` and struct update.
 ///
@@ -126,6 +127,8 @@ pub struct Figures {
     pub material: MaterialFigures,
     /// As `views`, in full material; empty where the scan says nothing of its material.
     pub full_views: Vec<ViewFigures>,
+    /// Of each material of the asset, where it has several.
+    pub parts: Vec<PartFigures>,
     /// What no figure and no image looks at.
     pub unseen: Vec<String>,
 }
@@ -174,7 +177,8 @@ impl From<Fit> for FitFigures {
 pub struct Proof {
     /// The figures.
     pub figures: Figures,
-    /// Angles between the normals of asset and scan at the texels of a map, degrees; NaN between UV islands.
+    /// Angles between the normals of asset and scan at the texels of a map, degrees; NaN between UV islands. Where there
+    /// are several materials their maps stand one below the other, in the order of [`Figures::parts`].
     pub error_map: Field,
     /// CIEDE2000 between the base colours of asset and scan at the same texels; `None` where the scan says nothing of its
     /// material.
@@ -214,60 +218,116 @@ impl Written {
         progress.begin("read back")?;
         let mut levels = self.levels_read_back()?;
         let loaded = levels.remove(0);
-        let object_map = match self.object_map() {
-            Some(path) => {
-                let codes = map_numbers::codes_of_normals(io::read_bitmap(&self.set.current(&path))?)?;
-                Some(Texture::new(codes, Encoding::Normal))
-            }
-            None => None,
-        };
-        let object_map = object_map.as_ref().map(|texture| self.object_normals(texture));
-        let shown = Shown::of(&loaded.scene, object_map, self.path())?;
-        if shown.normal.is_none() && self.asset.textures().normal.is_some() {
-            return Err(Error::invalid(
-                self.path().display().to_string(),
-                "read back, it shows no normal map",
-            ));
-        }
-        let made = &self.asset.made;
-        // Packing sorts vertices anew.
-        let cage = made.maps.cage.carried_over(&made.low.mesh, &shown.mesh);
-        let has_material = !self.is_alone() || maps_alone::has_material(made);
-        let subject = Subject { shown: &shown, cage: &cage, scan: &scan, has_material };
+        let object_maps = self.object_maps()?;
+        let object_maps = self.object_normals(&object_maps);
+        let subject = self.subject(&loaded.scene, &object_maps, &scan)?;
         progress.begin("measure normals")?;
         let mut figures = self.measure(&subject, options)?;
         progress.begin("map errors")?;
-        let size = within(made.size, options.map);
-        let error_map = subject.verifier(true).error_map(size)?;
-        let of_color = |material| subject.verifier(true).color_map(material, size);
-        let color_map = subject.material().map(of_color).transpose()?;
+        let surface = subject.surface();
+        let size = within(self.asset.made.size, options.map);
+        let errors =
+            surface.parts.iter().map(|part| part.mapped.error_map(size)).collect::<Result<Vec<_>>>()?;
+        let error_map = stacked(&errors)?;
+        let colors =
+            surface.parts.iter().filter_map(|part| Some(part.mapped.color_map(part.material?, size)));
+        let colors = colors.collect::<Result<Vec<_>>>()?;
+        let color_map = (!colors.is_empty()).then(|| stacked(&colors)).transpose()?;
         if !levels.is_empty() {
             progress.begin("measure levels")?;
         }
         let mut scenes: Vec<Scene> = levels.into_iter().map(|level| level.scene).collect();
         for scene in &scenes {
-            let shown = Shown::of(scene, object_map, self.path())?;
+            let shown = Shown::of(scene, object_maps[0], self.path())?;
             let cage = Cage::automatic(&shown.mesh, &scan.high);
-            let subject = Subject { shown: &shown, cage: &cage, scan: &scan, has_material };
-            figures.levels.push(subject.figures(PointCounts::from(options).quarter())?);
+            let parts = vec![ShownPart { shown, cage }];
+            let subject = Subject { parts, whole: None, scan: &scan, has_material: self.has_material() };
+            let (surface, points) = (subject.surface(), PointCounts::from(options).quarter());
+            let found = surface.measured(points)?;
+            figures.levels.push(surface.figures(&found, points, scan.mesh().diagonal())?);
         }
+        let levels = loaded.levels;
         scenes.insert(0, loaded.scene);
         let views = progress.begin("compare views")?;
         let scan = scan.into_scene()?;
         let maps: Vec<MapKind> = self.maps().iter().map(|note| note.map).collect();
         figures.unseen = unseen(&maps, self.asset.made.options.space, [&scan, &scenes[0]]);
-        figures.unseen.extend(maps_alone::unseen(made).filter(|_| self.is_alone()));
+        figures.unseen.extend(self.unseen_of_document(levels));
+        figures.unseen.extend(maps_alone::unseen(&self.asset.made).filter(|_| self.is_alone()));
         let mut looks = views::take(scan, scenes, options.view, views)?;
-        if !has_material {
+        if !self.has_material() {
             looks.full.clear();
         }
         Ok(Proof { color_map, warnings: loaded.warnings, ..Proof::new(figures, error_map, looks) })
     }
 
-    /// Reads all levels back, the finest first; maps alone onto the low-poly mesh. Maps are decoded and in memory once.
+    /// Says whether the files say what their material is.
+    fn has_material(&self) -> bool {
+        !self.is_alone() || maps_alone::has_material(&self.asset.made)
+    }
+
+    /// Returns what is measured of the asset as it was read back.
+    fn subject<'a>(
+        &self,
+        scene: &'a Scene,
+        object_maps: &[Option<ShownNormals<'a>>],
+        scan: &'a Scan,
+    ) -> Result<Subject<'a>> {
+        let parts = self.asset.made.parts.iter().zip(object_maps);
+        let parts = parts.map(|(part, map)| self.shown(part, scene, *map));
+        let parts = parts.collect::<Result<Vec<_>>>()?;
+        let whole = (parts.len() > 1).then(|| low_poly_mesh(scene.clone())).transpose()?;
+        Ok(Subject { parts, whole, scan, has_material: self.has_material() })
+    }
+
+    fn shown<'a>(
+        &self,
+        part: &Part,
+        scene: &'a Scene,
+        object_map: Option<ShownNormals<'a>>,
+    ) -> Result<ShownPart<'a>> {
+        let has_map = part.maps.textures.normal.is_some();
+        let shown = match &part.low.own {
+            Some(own) if !self.is_alone() => {
+                // A normal map of the low-poly mesh itself, which may have uvs of its own, is not judged.
+                let inside = has_map.then(|| normal_map(scene, own.number)).flatten();
+                let shown = Shown::of_material(scene, own.number, self.path())?;
+                Shown { normal: object_map.or(inside), ..shown }
+            }
+            _ => Shown::of(scene, object_map, self.path())?,
+        };
+        if shown.normal.is_none() && has_map {
+            let why = "read back, it shows no normal map";
+            return Err(Error::invalid(self.path().display().to_string(), why));
+        }
+        // Packing sorts vertices anew.
+        let cage = part.maps.cage.carried_over(&part.low.mesh, &shown.mesh);
+        Ok(ShownPart { shown, cage })
+    }
+
+    /// Returns what is not looked at of a file that stays as it is.
+    fn unseen_of_document(&self, levels: usize) -> Vec<String> {
+        let Some(document) = &self.asset.made.document else { return Vec::new() };
+        let moving = document
+            .moving
+            .map(|moving| format!("poses: the asset, which has {moving}, is compared at rest"));
+        let coarser = (levels > 1).then(|| "levels of detail of the low-poly mesh's own file".to_owned());
+        let keeps_relief =
+            |part: &Part| part.low.material.normal.is_some() && part.maps.textures.normal.is_none();
+        let relief = self.asset.made.parts.iter().any(keeps_relief);
+        let relief = relief.then(|| "the low-poly mesh's own normal map, which no figure counts".to_owned());
+        moving.into_iter().chain(coarser).chain(relief).collect()
+    }
+
+    /// Reads all levels back, the finest first; of a file that stays that alone; maps alone onto the low-poly mesh. Maps
+    /// are decoded and in memory once.
     fn levels_read_back(&self) -> Result<Vec<Loaded>> {
+        let made = &self.asset.made;
         if self.is_alone() {
-            return Ok(vec![maps_alone::read_back(&self.asset.made, self.packing.green, &self.current())?]);
+            return Ok(vec![maps_alone::read_back(made, self.packing.green, &self.current())?]);
+        }
+        if made.document.is_some() {
+            return Ok(vec![io::load_model(&self.current())?]);
         }
         let (levels, wanted) = (io::load_levels(&self.current())?, self.asset.levels().count());
         if levels.len() == wanted {
@@ -277,26 +337,47 @@ impl Written {
         Err(Error::invalid(self.path().display().to_string(), why))
     }
 
-    /// Returns a map in object space as it is looked up: as the textures that the file holds.
-    fn object_normals<'a>(&self, texture: &'a Texture) -> ShownNormals<'a> {
-        let sampler = io::gltf_sampler(self.asset.levels());
-        ShownNormals { texture, space: NormalSpace::Object, sampler }
+    /// Returns the maps in object space of all parts as they are looked up: as the textures that the file holds.
+    fn object_normals<'a>(&self, maps: &'a [Option<Texture>]) -> Vec<Option<ShownNormals<'a>>> {
+        let Made { parts, coarser, .. } = &*self.asset.made;
+        let shown = |(part, map): (&Part, &'a Option<Texture>)| {
+            let sampler = io::gltf_sampler(std::iter::once(&part.low.mesh).chain(coarser));
+            map.as_ref().map(|texture| ShownNormals { texture, space: NormalSpace::Object, sampler })
+        };
+        parts.iter().zip(maps).map(shown).collect()
     }
 
-    /// Returns the file of a normal map in object space, which stands beside the asset.
-    fn object_map(&self) -> Option<PathBuf> {
+    /// Reads the normal map in object space of each part, which stands beside the asset.
+    fn object_maps(&self) -> Result<Vec<Option<Texture>>> {
         let is_object = self.asset.made.options.space == NormalSpace::Object;
-        let mut normals = self.maps().into_iter().filter(|note| is_object && note.map == MapKind::Normal);
-        normals.next().and_then(|note| note.file)
+        let notes = self.maps();
+        let read = |part: &Part| {
+            let is_it = |note: &&MapNote| {
+                is_object
+                    && note.map == MapKind::Normal
+                    && note.material.as_deref().unwrap_or("") == part.low.label()
+            };
+            let file = notes.iter().find(is_it).and_then(|note| note.file.as_ref());
+            file.map(|path| self.read_normals(path)).transpose()
+        };
+        self.asset.made.parts.iter().map(read).collect()
+    }
+
+    fn read_normals(&self, path: &Path) -> Result<Texture> {
+        let codes = map_numbers::codes_of_normals(io::read_bitmap(&self.set.current(path))?)?;
+        Ok(Texture::new(codes, Encoding::Normal))
     }
 
     fn measure(&self, subject: &Subject<'_>, options: &VerifyOptions) -> Result<Figures> {
-        let finest = subject.figures(options.into())?;
-        let mapped = subject.verifier(true);
-        let diagonal = subject.scan.mesh().diagonal();
+        let (surface, diagonal) = (subject.surface(), subject.scan.mesh().diagonal());
+        let found = surface.measured(options.into())?;
+        let finest = surface.figures(&found, options.into(), diagonal)?;
         let Asset { made } = &self.asset;
-        let (counts, size) = (&made.maps.counts, made.size);
+        let (counts, size) = (self.asset.counts(), made.size);
         let part = |of: usize, all: usize| of as f64 / all.max(1) as f64;
+        let densities = surface.parts.iter().map(|part| part.mapped.density(size));
+        let densities = densities.collect::<Result<Vec<_>>>()?;
+        let texels = size.map(|side| side as usize).iter().product::<usize>() * made.parts.len();
         Ok(Figures {
             histogram: finest.histogram.clone(),
             angles: finest.angles,
@@ -310,10 +391,11 @@ impl Written {
             rms: finest.rms,
             rms_of_diagonal: finest.rms_of_diagonal,
             diagonal,
-            density: mapped.density(size)?.summary(),
-            uv_use: part(counts.texels, size.map(|side| side as usize).iter().product()),
+            density: chained(densities.iter())?.summary(),
+            uv_use: part(counts.texels, texels),
             views: Vec::new(),
-            fit: mapped.fit(options.points / 10, diagonal).map(FitFigures::from),
+            fit: subject.whole().fit(options.points / 10, diagonal).map(FitFigures::from),
+            parts: self.part_figures(subject, &found),
             bytes_in: made.about.bytes,
             bytes_out: self
                 .files
@@ -325,6 +407,16 @@ impl Written {
             unseen: Vec::new(),
             levels: vec![finest],
         })
+    }
+
+    /// Returns the figures of each material where there are several.
+    fn part_figures(&self, subject: &Subject<'_>, found: &[Measured]) -> Vec<PartFigures> {
+        let parts = self.asset.made.parts.iter().zip(&subject.parts).zip(found);
+        let parts = parts.filter(|((part, _), _)| !part.low.label().is_empty());
+        let figures = |((part, own), found): ((&Part, &ShownPart<'_>), &Measured)| {
+            PartFigures::of(part.low.label(), own.shown.mesh.triangles().len(), found)
+        };
+        parts.map(figures).collect()
     }
 
     /// Returns `true` where the file holds normals in 8 bits. KTX2 packs them smaller still, and WebP has no more.
@@ -381,63 +473,5 @@ fn check(options: &VerifyOptions) -> Result<()> {
         VerifyOptions { map: 0, .. } => wrong("the map of errors", "give at least one texel"),
         VerifyOptions { view: 0..11, .. } => wrong("pictures from all sides", "give at least 11 pixels"),
         _ => Ok(()),
-    }
-}
-
-/// A level of an asset as a viewer shows it.
-struct Shown<'a> {
-    mesh: Mesh,
-    normal: Option<ShownNormals<'a>>,
-    /// The same triangles with all that the file says of their material.
-    material: TexturedMesh,
-}
-
-impl<'a> Shown<'a> {
-    fn of(scene: &'a Scene, object_map: Option<ShownNormals<'a>>, path: &Path) -> Result<Self> {
-        let Some(first) = scene.instances().first() else {
-            return Err(Error::invalid(path.display().to_string(), "read back, it has no triangles"));
-        };
-        let map = scene.materials()[first.material].normal.as_ref();
-        let inside = map.map(|map| ShownNormals {
-            texture: &scene.textures()[map.texture.texture],
-            space: NormalSpace::Tangent,
-            sampler: map.texture.sampler,
-        });
-        let normal = object_map.or(inside);
-        let material = TexturedMesh::new(scene.clone())?;
-        // Triangles of several alpha modes are several meshes, whose order is that of the material's.
-        let joined = match scene.instances() {
-            [_] => low_poly_mesh(scene.clone())?,
-            _ => material.mesh().clone(),
-        };
-        let mesh = with_frames(&joined, 0, None)?.0.into_owned();
-        Ok(Self { mesh, normal, material })
-    }
-}
-
-/// The surfaces that are measured, and the means.
-struct Subject<'a> {
-    shown: &'a Shown<'a>,
-    cage: &'a Cage,
-    scan: &'a Scan,
-    /// `true` where the files say what their material is.
-    has_material: bool,
-}
-
-impl<'a> Subject<'a> {
-    fn verifier(&self, mapped: bool) -> Verifier<'a> {
-        let normal = self.shown.normal.filter(|_| mapped);
-        Verifier { mesh: &self.shown.mesh, normal, cage: self.cage, scan: &self.scan.high }
-    }
-
-    /// Returns the material that is compared; `None` where the scan says nothing of its own.
-    fn material(&self) -> Option<&'a TexturedMesh> {
-        (self.has_material && !self.scan.about.is_plain).then_some(&self.shown.material)
-    }
-
-    fn figures(&self, points: PointCounts) -> Result<LevelFigures> {
-        let (mapped, plain) = (self.verifier(true), self.verifier(false));
-        let surface = LevelSurface { mapped, plain, material: self.material() };
-        surface.figures(points, self.scan.mesh().diagonal())
     }
 }

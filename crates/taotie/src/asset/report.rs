@@ -139,7 +139,7 @@ impl Report {
             high_sha256: made.about.sha256()?,
             high_triangles: made.about.size.triangles as usize,
             low: made.options.low.as_ref().and_then(MeshSource::path),
-            origin: made.low.origin.clone(),
+            origin: asset.origin().clone(),
             triangles: asset.levels().map(|mesh| mesh.triangles().len()).collect(),
             size: made.size,
             parameters: Parameters::new(&made.options, &written.packing),

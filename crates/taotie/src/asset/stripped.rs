@@ -114,7 +114,7 @@ mod tests {
         let all = SLOTS.iter().map(|slot| Found { property: slot.property, is_uniform: false, part: 1.0 });
         let scan = Carried { found: all.collect(), ..Carried::default() };
         let low = LowLook { material, has_colors: false };
-        BakePlan::of(&BakeOptions::default(), &scan, Some(low)).options.maps
+        BakePlan::of(&BakeOptions::default(), &scan, &[low]).options.maps
     }
 
     fn said(stripped: &Stripped, options: &BakeOptions) -> Vec<String> {

@@ -213,15 +213,16 @@ impl Textures {
 }
 
 impl Beside {
-    /// Returns the name of the map's file beside an asset, such as `scan.height.png` beside `scan.glb`.
-    fn extension(&self) -> String {
-        format!("{}.png", self.map.name())
+    /// Returns the map's file beside the model `path`, such as `scan.height.png` beside `scan.glb`; named after the
+    /// material where `label` is not empty.
+    pub(super) fn file(&self, label: &str, path: &Path) -> PathBuf {
+        path.with_extension(labeled(label, &format!("{}.png", self.map.name())))
     }
+}
 
-    /// Returns the map's file beside the model `path`.
-    pub(super) fn file(&self, path: &Path) -> PathBuf {
-        path.with_extension(self.extension())
-    }
+/// Returns a name behind the label of its material, where that has one.
+pub(super) fn labeled(label: &str, name: &str) -> String {
+    if label.is_empty() { name.to_owned() } else { format!("{label}.{name}") }
 }
 
 /// Returns the maps that textures of an asset hold. What rays found goes before what a texture says.

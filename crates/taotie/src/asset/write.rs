@@ -1,17 +1,23 @@
 //! An asset into files.
 
+use super::document::Document;
 use super::green;
-use super::made::{Asset, Made};
+use super::kept_textures::KeptTextures;
+use super::made::{Asset, Made, Part};
 use super::map_note::MapNote;
 use super::maps_alone;
 use super::options::BakeOptions;
 use super::packing::Packing;
 use super::provenance;
-use super::textures::Beside;
+use super::textures::{Beside, Textures, labeled};
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::Encoding;
-use crate::io::{self, FileBytes, FileSet, GltfAsset, GltfImage, GltfImages, GltfLevel, GltfMaterial, Json};
+use crate::io::{
+    self, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel,
+    GltfMaterial, GraftedMaterial, Json,
+};
+use crate::mesh::Mesh;
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
@@ -93,7 +99,8 @@ impl Asset {
     }
 }
 
-/// Returns every file that an asset at `path` may be written to, the model first.
+/// Returns every file that an asset at `path` may be written to, the model first; but for those that are named after
+/// materials of a low-poly file, which is not read yet.
 pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packing) -> Vec<PathBuf> {
     if maps_alone::is_alone(path) {
         return maps_alone::possible_files(path);
@@ -104,43 +111,137 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
 
 /// Returns all files, the model first.
 fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
-    let textures = &made.maps.textures;
     let xmp = provenance::packet(made, packing)?;
     let rights = io::xmp_rights(&xmp);
-    let meshes: Vec<_> = std::iter::once(&made.low.mesh).chain(&made.coarser).collect();
+    let sets = made.parts.iter().map(|part| BesideMaps::of(made, part, packing));
+    let sets = sets.collect::<Result<Vec<_>>>()?;
+    let extras = extras(&sets, path);
+    let about = About {
+        copyright: made.about.copyright.as_deref().or(rights.as_deref()),
+        xmp: &xmp,
+        extras: extras.as_ref(),
+    };
+    let target = Target { path, format: &packing.format() };
+    let mut files = match &made.document {
+        Some(document) => grafted(made, document, &about, target)?,
+        None => anew(made, &about, target)?,
+    };
+    for set in &sets {
+        for beside in set.all() {
+            let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
+            files.push(FileBytes { path: beside.file(set.label, path), bytes });
+        }
+    }
+    Ok(files)
+}
+
+/// Returns the files of an asset of one mesh and one material, the model first.
+fn anew(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBytes>> {
+    let Part { low, maps } = &made.parts[0];
+    let meshes: Vec<_> = std::iter::once(&low.mesh).chain(&made.coarser).collect();
     let levels: Vec<GltfLevel> = meshes
         .iter()
         .zip(coverages(meshes.len()))
         .map(|(mesh, coverage)| GltfLevel { mesh, coverage: Some(coverage) })
         .collect();
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let turned = green::turned(made, packing)?;
-    let is_turned = |beside: &Beside| turned.iter().any(|turned| turned.map == beside.map);
-    let beside: Vec<&Beside> =
-        textures.beside.iter().filter(|beside| !is_turned(beside)).chain(&turned).collect();
-    let extras = extras(&beside, path);
+    let name = target.path.file_stem().unwrap_or_default().to_string_lossy();
     let model = GltfAsset {
         name: &name,
         levels: &levels,
-        material: textures.material(&made.low.material, &made.low.kept),
+        material: maps.textures.material(&low.material, &low.kept),
         alpha_modes: &made.alpha_modes,
-        copyright: made.about.copyright.as_deref().or(rights.as_deref()),
-        xmp: Some(&xmp),
-        extras: extras.as_ref(),
+        copyright: about.copyright,
+        xmp: Some(about.xmp),
+        extras: about.extras,
     };
-    let mut files = io::encode_gltf(path, &model, &packing.format())?;
-    for beside in beside {
-        let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
-        files.push(FileBytes { path: beside.file(path), bytes });
+    io::encode_gltf(target.path, &model, target.format)
+}
+
+/// Returns the files of the low-poly file `document` with what was baked for its materials, the model first.
+fn grafted(
+    made: &Made,
+    document: &Document,
+    about: &About<'_>,
+    target: Target<'_>,
+) -> Result<Vec<FileBytes>> {
+    // Textures of the file that stay are in it already.
+    let none = KeptTextures::default();
+    let mut materials = Vec::with_capacity(made.parts.len());
+    for Part { low, maps } in &made.parts {
+        let Some(own) = &low.own else { continue };
+        materials.push(GraftedMaterial {
+            number: own.number,
+            label: &own.label,
+            material: maps.textures.material(&low.material, &none),
+            is_repeated: leaves_map(&low.mesh),
+            drops_colors: own.drops_colors,
+        });
     }
-    Ok(files)
+    let graft = GltfGraft {
+        source: document.source.gltf(),
+        limits: document.limits,
+        materials: &materials,
+        copyright: about.copyright,
+        xmp: Some(about.xmp),
+        extras: about.extras,
+    };
+    io::encode_graft(target.path, &graft, target.format)
+}
+
+/// Says whether any vertex has a uv outside of the map.
+fn leaves_map(mesh: &Mesh) -> bool {
+    let is_inside = |v: f32| (0.0..=1.0).contains(&v);
+    mesh.uvs().first().is_some_and(|uvs| uvs.iter().any(|uv| !(is_inside(uv.x) && is_inside(uv.y))))
+}
+
+/// A model's file, and how it is packed.
+#[derive(Clone, Copy)]
+struct Target<'a> {
+    path: &'a Path,
+    format: &'a GltfFormat,
+}
+
+/// The statements of an asset about itself.
+struct About<'a> {
+    copyright: Option<&'a str>,
+    xmp: &'a Json,
+    extras: Option<&'a Json>,
+}
+
+/// The maps of a material that stand in files beside the model.
+struct BesideMaps<'a> {
+    label: &'a str,
+    kept: Vec<&'a Beside>,
+    /// Those with green down.
+    turned: Vec<Beside>,
+}
+
+impl<'a> BesideMaps<'a> {
+    fn of(made: &Made, part: &'a Part, packing: &Packing) -> Result<Self> {
+        let textures = &part.maps.textures;
+        let turned = green::turned(made.options.space, textures, packing)?;
+        let is_turned = |beside: &&Beside| turned.iter().any(|turned| turned.map == beside.map);
+        let kept = textures.beside.iter().filter(|beside| !is_turned(beside)).collect();
+        Ok(Self { label: part.low.label(), kept, turned })
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Beside> {
+        self.kept.iter().copied().chain(&self.turned)
+    }
 }
 
 /// Notes what is not packed as was asked for, and an asset that is larger than its scan.
 fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     let mut warnings = Warnings::default();
-    let material = made.maps.textures.material(&made.low.material, &made.low.kept);
-    let has_alpha = has_alpha(&material);
+    let mut materials = Vec::with_capacity(made.parts.len());
+    for Part { low, maps } in &made.parts {
+        materials.push(maps.textures.material(&low.material, &low.kept));
+    }
+    let has_alpha = materials.iter().any(has_alpha);
+    warnings.note(
+        "meshes are not compressed: the low-poly mesh's file stays as it is",
+        usize::from(made.document.is_some() && packing.meshopt),
+    );
     warnings.note(
         "the base colour's texture has alpha, which KTX2 is not written with: it is PNG",
         usize::from(has_alpha && packing.images == GltfImages::Ktx2),
@@ -149,7 +250,7 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
         "the base colour's texture has alpha, which JPEG does not hold: it is not JPEG",
         usize::from(has_alpha && packing.jpeg.is_some()),
     );
-    warnings.absorb(unpacked(&material, packing));
+    warnings.absorb(unpacked(&materials, packing));
     let (of_scan, all) = (made.about.bytes, files.iter().map(|file| file.bytes.len() as u64).sum::<u64>());
     warnings.note(
         format!("the asset is larger than its scan: {all} bytes, {of_scan} of the scan; take smaller maps, or pack it"),
@@ -175,12 +276,14 @@ fn has_lossy(material: &GltfMaterial<'_>, packing: &Packing) -> bool {
 }
 
 /// Returns notes of a packing of textures that the asset does not have.
-fn unpacked(material: &GltfMaterial<'_>, packing: &Packing) -> Warnings {
+fn unpacked(materials: &[GltfMaterial<'_>], packing: &Packing) -> Warnings {
     let mut warnings = Warnings::default();
-    let has_color = material.base_color_map.is_some();
-    let others =
-        [material.metallic_roughness_map, material.occlusion_map, material.normal_map, material.emissive_map];
-    let has_any = has_color || others.iter().any(Option::is_some);
+    let has_color = materials.iter().any(|material| material.base_color_map.is_some());
+    let has_other = |material: &GltfMaterial<'_>| {
+        let GltfMaterial { metallic_roughness_map, occlusion_map, normal_map, emissive_map, .. } = material;
+        [metallic_roughness_map, occlusion_map, normal_map, emissive_map].iter().any(|map| map.is_some())
+    };
+    let has_any = has_color || materials.iter().any(has_other);
     warnings.note(
         "the asset has no base colour texture, which alone would be JPEG",
         usize::from(packing.jpeg.is_some() && !has_color),
@@ -189,7 +292,7 @@ fn unpacked(material: &GltfMaterial<'_>, packing: &Packing) -> Warnings {
         "the asset has no textures; its packing as WebP or KTX2 is not read",
         usize::from(packing.images != GltfImages::Png && !has_any),
     );
-    let unread = has_any && !has_lossy(material, packing);
+    let unread = has_any && !materials.iter().any(|material| has_lossy(material, packing));
     warnings.note(
         "no texture of the asset is lossy WebP: normals are lossless; the quality is not read",
         usize::from(packing.webp_quality.is_some() && unread),
@@ -209,14 +312,15 @@ fn coverages(count: usize) -> Vec<f32> {
 }
 
 /// Returns the asset's notes on the files beside it; `None` where there are none.
-fn extras(beside: &[&Beside], path: &Path) -> Option<Json> {
-    let entry = |beside: &&Beside| {
-        let note = MapNote::beside(beside, path);
+fn extras(sets: &[BesideMaps<'_>], path: &Path) -> Option<Json> {
+    let entry = |label: &str, beside: &Beside| {
+        let note = MapNote::beside(beside, label, path);
         let name = note.file?.file_name()?.to_string_lossy().into_owned();
         let about = json!({ "file": name, "black": note.black, "white": note.white, "unit": note.unit });
-        Some((note.map.name().to_owned(), about))
+        Some((labeled(label, note.map.name()), about))
     };
-    let maps: serde_json::Map<String, Value> = beside.iter().filter_map(entry).collect();
+    let entries = sets.iter().flat_map(|set| set.all().filter_map(|beside| entry(set.label, beside)));
+    let maps: serde_json::Map<String, Value> = entries.collect();
     (!maps.is_empty()).then(|| Json(json!({ "maps": maps })))
 }
 
@@ -246,14 +350,18 @@ impl Written {
         self.set.current(self.path())
     }
 
-    /// Returns what each map is and where.
+    /// Returns what each map is and where, material by material.
     pub fn maps(&self) -> Vec<MapNote> {
         if self.is_alone() {
             return maps_alone::notes(&self.asset.made, self.path());
         }
-        let textures = self.asset.textures();
-        let beside = textures.beside.iter().map(|beside| MapNote::beside(beside, self.path()));
-        textures.inside().map(MapNote::inside).chain(self.turned_normal()).chain(beside).collect()
+        self.asset.texture_sets().flat_map(|(label, textures)| self.maps_of(label, textures)).collect()
+    }
+
+    fn maps_of(&self, label: &str, textures: &Textures) -> Vec<MapNote> {
+        let beside = textures.beside.iter().map(|beside| MapNote::beside(beside, label, self.path()));
+        let inside = textures.inside().map(|(map, bitmap)| MapNote::inside(label, map, bitmap));
+        inside.chain(self.turned_normal(label, textures)).chain(beside).collect()
     }
 
     /// Returns `true` where maps were written without a model.
@@ -262,11 +370,10 @@ impl Written {
     }
 
     /// Returns the note on the normal map with green down.
-    fn turned_normal(&self) -> Option<MapNote> {
-        let normal = self.asset.textures().normal.as_ref();
-        let normal = normal.filter(|_| self.packing.green == GreenChannel::Down)?;
-        let file = Some(self.path().with_extension("normal.png"));
-        Some(MapNote { file, ..MapNote::inside((MapKind::Normal, normal)) })
+    fn turned_normal(&self, label: &str, textures: &Textures) -> Option<MapNote> {
+        let normal = textures.normal.as_ref().filter(|_| self.packing.green == GreenChannel::Down)?;
+        let file = Some(self.path().with_extension(labeled(label, "normal.png")));
+        Some(MapNote { file, ..MapNote::inside(label, MapKind::Normal, normal) })
     }
 }
 
@@ -284,7 +391,7 @@ mod tests {
         let color = GltfMaterial { base_color_map: map(), ..GltfMaterial::default() };
         let small = Packing { images: GltfImages::WebP, jpeg: Some(85), ..Packing::default() };
         let count =
-            |material: &GltfMaterial<'_>, packing: &Packing| unpacked(material, packing).iter().count();
+            |material: &GltfMaterial<'_>, packing: &Packing| unpacked(&[*material], packing).iter().count();
         assert_eq!([&bare, &normal, &color].map(|material| count(material, &small)), [2, 1, 0]);
         assert_eq!(count(&bare, &Packing::default()), 0);
         let glowing = GltfMaterial { emissive_map: map(), ..GltfMaterial::default() };

@@ -5,6 +5,7 @@ use crate::math::{Mat4, Vec2, Vec3};
 use crate::mesh::{Mesh, MeshData};
 use crate::scene::{Instance, Scene};
 use crate::surface;
+use std::collections::BTreeSet;
 
 /// The arrays of vertices that are kept where meshes are moved or joined, beside positions, normals and colours.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +23,20 @@ pub(super) struct Keep {
 pub fn low_poly_mesh(scene: Scene) -> Result<Mesh> {
     let mut scene = scene.into_data();
     joined(&mut scene.meshes, &scene.instances, Keep { uv_sets: 1, tangents: false })
+}
+
+/// Returns the low-poly mesh of a scene as viewers shade each of its meshes: all instances as one mesh in world space,
+/// with normals, and with the tangents that each mesh has in its own space: the file's, else MikkTSpace's of uv set 0.
+///
+/// # Errors
+/// As [`low_poly_mesh`]; [`crate::Error::Invalid`] where a mesh has no uvs.
+pub fn framed_low_poly_mesh(scene: Scene) -> Result<Mesh> {
+    let mut scene = scene.into_data();
+    let shown: BTreeSet<usize> = scene.instances.iter().map(|instance| instance.mesh).collect();
+    for mesh in shown {
+        scene.meshes[mesh] = surface::with_frames(&scene.meshes[mesh], 0, None)?.0.into_owned();
+    }
+    joined(&mut scene.meshes, &scene.instances, Keep { uv_sets: 1, tangents: true })
 }
 
 /// Returns one mesh of all instances, world space, with normals. That of a single instance that is not moved is taken

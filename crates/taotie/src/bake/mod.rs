@@ -43,7 +43,7 @@ pub use baked_maps::{BakedMaps, TexelStatus};
 pub use cage::Cage;
 pub use coverage::{Coverage, TexelGrid};
 pub use faults::Faults;
-pub use joined::low_poly_mesh;
+pub use joined::{framed_low_poly_mesh, low_poly_mesh};
 pub use levels::{DetailLevel, levels};
 pub use mapped_normal::MappedNormal;
 pub use maps::{MapKind, Maps};

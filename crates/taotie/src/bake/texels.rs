@@ -84,7 +84,9 @@ pub struct BakeCounts {
 }
 
 impl BakeCounts {
-    fn and(self, o: Self) -> Self {
+    /// Returns the sum of both.
+    #[must_use]
+    pub fn and(self, o: Self) -> Self {
         Self {
             samples: self.samples + o.samples,
             missed: self.missed + o.missed,

@@ -23,7 +23,7 @@ mod variants;
 mod write;
 mod xmp;
 
-pub use gltf::SUPPORTED as GLTF_EXTENSIONS;
+pub use gltf::{GltfSource, SUPPORTED as GLTF_EXTENSIONS};
 
 pub use bitmap::{decode_bitmap, read_bitmap, read_bitmap_within};
 pub use cache::cache_folder;
@@ -37,9 +37,10 @@ pub use system::free_memory;
 pub use variants::Variants;
 pub use write::{
     AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, FileSet, GltfAsset, GltfDraft, GltfFormat,
-    GltfImage, GltfImages, GltfLevel, GltfMaterial, ImageFormat, PngColor, PngImage, PngSamples, Stopper,
-    WrittenScene, encode_glb, encode_gltf, encode_png, encode_png_bitmap, encode_webp_bitmap, gltf_files,
-    gltf_sampler, write_bytes, write_gltf, write_image, write_png, write_png_bitmap, write_scene, write_text,
+    GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial, GraftedMaterial, ImageFormat, PngColor,
+    PngImage, PngSamples, Stopper, WrittenScene, encode_glb, encode_gltf, encode_graft, encode_png,
+    encode_png_bitmap, encode_scene, encode_webp_bitmap, gltf_files, gltf_sampler, write_bytes, write_gltf,
+    write_image, write_png, write_png_bitmap, write_scene, write_text,
 };
 #[cfg(feature = "exr")]
 pub use write::{ExrLayer, encode_exr, write_exr};

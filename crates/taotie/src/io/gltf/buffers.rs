@@ -105,7 +105,8 @@ impl Buffers {
     }
 }
 
-fn load_buffer(reading: &Reading, name: &str, index: usize) -> Result<Vec<u8>> {
+/// Reads the buffer that a URI names.
+pub(super) fn load_buffer(reading: &Reading, name: &str, index: usize) -> Result<Vec<u8>> {
     let wrong = |what: String| Err(Error::parse(reading.path(), format!("buffer {index}"), what));
     let short = uri::shortened(name);
     match uri::locate(name, reading) {

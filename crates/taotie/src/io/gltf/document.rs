@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Bytes that a byte of JSON takes while it is parsed: values, then types made of them.
-const JSON: u64 = 16;
+pub(super) const JSON: u64 = 16;
 
 /// A parsed file with its buffers.
 pub(super) struct Document {
@@ -39,8 +39,14 @@ pub(super) struct Document {
 impl Document {
     /// Reads the file and every buffer it names.
     pub fn open(reading: &Arc<Reading>, warnings: &mut Warnings) -> Result<Self> {
+        let content = reading.read_own(reading.path())?;
+        Self::of(reading, content, warnings)
+    }
+
+    /// Takes the content of the file, and reads every buffer it names.
+    pub fn of(reading: &Arc<Reading>, content: Vec<u8>, warnings: &mut Warnings) -> Result<Self> {
         let path = reading.path();
-        let (text, blob) = split(path, reading.read_own(path)?)?;
+        let (text, blob) = split(path, content)?;
         if !reading.take(text.len() as u64 * JSON) {
             reading.check()?;
         }

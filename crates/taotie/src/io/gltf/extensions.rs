@@ -29,6 +29,11 @@ pub const SUPPORTED: [&str; 16] = [
 /// the channels of KHR_animation_pointer are left out with a separate warning.
 const WITHOUT_EFFECT: [&str; 4] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod"];
 
+/// Says whether an extension is understood, or changes nothing.
+pub(in crate::io) fn is_known(name: &str) -> bool {
+    SUPPORTED.contains(&name) || WITHOUT_EFFECT.contains(&name)
+}
+
 /// The JSON of an extension that the parser does not know.
 pub(super) fn extension<'a>(primitive: &'a Primitive, name: &str) -> Option<&'a Value> {
     primitive.extensions.as_ref()?.others.get(name)
@@ -47,8 +52,7 @@ fn lacking(name: &str) -> Option<(&'static str, &'static str)> {
 
 /// Refuses a file that requires extensions that are not understood, and notes those that it merely uses.
 pub(super) fn check_extensions(path: &Path, root: &Root, warnings: &mut Warnings) -> Result<()> {
-    let known =
-        |name: &&String| SUPPORTED.contains(&name.as_str()) || WITHOUT_EFFECT.contains(&name.as_str());
+    let known = |name: &&String| is_known(name);
     if let Some(name) = root.extensions_required.iter().find(|name| !known(name)) {
         return Err(Error::unsupported(
             format!("{}: the required extension {name}", path.display()),

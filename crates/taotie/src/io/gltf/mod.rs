@@ -20,10 +20,13 @@ mod lights;
 mod materials;
 mod meshes;
 mod meshopt;
+mod missing_tangents;
 mod nodes;
 mod primitives;
+mod raw;
 mod reason;
 mod samplers;
+mod source;
 mod supplied;
 mod textures;
 mod triangles;
@@ -32,6 +35,10 @@ mod variants;
 mod vertices;
 
 pub use extensions::SUPPORTED;
+pub(super) use extensions::is_known;
+pub(super) use missing_tangents::missing_tangents;
+pub(super) use raw::RawGltf;
+pub use source::GltfSource;
 
 use super::json::Json;
 use super::loaded::{Loaded, checked};

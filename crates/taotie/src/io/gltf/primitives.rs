@@ -23,6 +23,16 @@ const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
 const VERTEX: u64 = 80;
 const INDEX: u64 = 12;
 
+/// Returns the bytes of so many vertices and indices while a mesh is made.
+pub(super) fn bytes_of(vertices: usize, indices: usize) -> u64 {
+    vertices as u64 * VERTEX + indices as u64 * INDEX
+}
+
+/// Returns the most vertices and indices of all meshes of a file together.
+pub(super) fn most_elements(document: &Document) -> usize {
+    MAX_ELEMENTS_OF_SMALL + MAX_ELEMENTS_PER_BYTE * document.total_bytes()
+}
+
 /// The warning for primitives that are not drawn.
 pub(super) const NOT_TRIANGLES: &str = "primitives of points or lines; only triangles are drawn";
 
@@ -56,7 +66,7 @@ pub(super) struct Primitives<'a> {
 impl<'a> Primitives<'a> {
     /// Reads from `document`.
     pub fn new(document: &'a Document, warnings: &'a mut Warnings) -> Self {
-        let budget = MAX_ELEMENTS_OF_SMALL + MAX_ELEMENTS_PER_BYTE * document.total_bytes();
+        let budget = most_elements(document);
         Self { document, warnings, moves: !document.animations.is_empty(), budget }
     }
 
@@ -133,7 +143,7 @@ impl<'a> Primitives<'a> {
         };
         let indices = accessor.as_ref().map_or(vertices, |a| a.count);
         self.spend(indices)?;
-        self.take(vertices as u64 * VERTEX + indices as u64 * INDEX)?;
+        self.take(bytes_of(vertices, indices))?;
         Ok(read_indices(accessor.as_ref(), vertices).map_err(within)?)
     }
 

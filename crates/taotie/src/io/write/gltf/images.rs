@@ -52,6 +52,11 @@ impl Encoded<'_> {
         self.slots.contains(&slot)
     }
 
+    /// Returns the slots that show it.
+    pub fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+
     /// Returns the meaning of its texels, which all slots share.
     fn encoding(&self) -> Encoding {
         self.slots[0].encoding()
@@ -77,7 +82,13 @@ impl Encoded<'_> {
         }
     }
 
-    fn role(&self) -> &'static str {
+    /// Returns its media type.
+    pub fn mime_type(&self) -> &'static str {
+        self.packing.mime_type()
+    }
+
+    /// Returns a word for what it shows.
+    pub fn role(&self) -> &'static str {
         match self.slots[..] {
             [Slot::MetallicRoughness, Slot::Occlusion] => "orm",
             [Slot::BaseColor, ..] => "color",
@@ -89,7 +100,7 @@ impl Encoded<'_> {
     }
 
     /// The texture that shows image `source`.
-    fn texture(&self, source: usize) -> Value {
+    pub fn texture(&self, source: usize) -> Value {
         match self.extension() {
             None => json!({ "sampler": 0, "source": source }),
             Some(name) => json!({ "sampler": 0, "extensions": { name: { "source": source } } }),
@@ -97,7 +108,7 @@ impl Encoded<'_> {
     }
 
     /// The extension of its texture; a file that is there already is shown as any program can.
-    fn extension(&self) -> Option<&'static str> {
+    pub fn extension(&self) -> Option<&'static str> {
         self.bytes().and(self.packing.extension())
     }
 }
@@ -167,7 +178,7 @@ fn entry(draft: &mut GltfDraft, image: &Encoded, storage: &ImageStorage) -> Valu
     match (image.bytes(), storage) {
         (Some(bytes), ImageStorage::Inside) => {
             let view = draft.view(bytes);
-            json!({ "name": image.role(), "bufferView": view, "mimeType": image.packing.mime_type() })
+            json!({ "name": image.role(), "bufferView": view, "mimeType": image.mime_type() })
         }
         (Some(_), ImageStorage::Beside(stem)) => json!({ "uri": uri(&image.file_name(stem)) }),
         (None, _) => json!({ "uri": uri(&image.file_name("")) }),

@@ -4,6 +4,7 @@
 mod container;
 mod draft;
 mod format;
+mod graft;
 mod image_packing;
 mod images;
 mod ktx;
@@ -22,10 +23,11 @@ mod webp;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
+pub use graft::{GltfGraft, GraftedMaterial, encode_graft};
 pub use image_packing::encode_webp_bitmap;
 pub use material::GltfMaterial;
 pub use samplers::gltf_sampler;
-pub use scene::{WrittenScene, write_scene};
+pub use scene::{WrittenScene, encode_scene, write_scene};
 pub use slots::GltfImage;
 
 use super::{FileBytes, FileSet};

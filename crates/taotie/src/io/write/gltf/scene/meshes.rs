@@ -50,6 +50,21 @@ impl Writer<'_> {
         Ok(())
     }
 
+    /// Gives meshes, and the nodes that show them, the names of the scene's meshes.
+    pub(super) fn name_meshes(&mut self, names: &[String]) {
+        let scene = self.scene;
+        let seen = |instance: &&Instance| !scene.meshes()[instance.mesh].triangles().is_empty();
+        let nodes = self.nodes.iter_mut().filter(|node| node.get("mesh").is_some());
+        for (node, instance) in nodes.zip(scene.instances().iter().filter(seen)) {
+            let Some(name) = names.get(instance.mesh).filter(|name| !name.is_empty()) else { continue };
+            node["name"] = name.as_str().into();
+            let mesh = node["mesh"].as_u64().unwrap_or_default();
+            if let Some(mesh) = self.draft.json.pointer_mut(&format!("/meshes/{mesh}")) {
+                mesh["name"] = name.as_str().into();
+            }
+        }
+    }
+
     fn shape(&mut self, mesh: &Mesh) -> Result<Shape> {
         self.note(
             "meshes without normals, which glTF shows in facets",

@@ -53,15 +53,7 @@ pub struct WrittenScene {
 /// no 32-bit float holds, [`Error::Limit`] for a GLB of 4 GiB or more, [`Error::Io`] where a file cannot be written.
 pub fn write_scene(path: &Path, scene: &Scene, format: &GltfFormat) -> Result<WrittenScene> {
     let container = Container::of(path)?;
-    if scene.triangle_count() == 0 {
-        return Err(Error::invalid("the scene to write", "it shows no triangle"));
-    }
-    let mut writer = Writer::new(scene, *format);
-    writer.meshes()?;
-    writer.lights()?;
-    writer.cameras()?;
-    let materials: Vec<Value> = scene.materials().iter().map(|material| writer.material(material)).collect();
-    let images = writer.encoded_images()?;
+    let Begun { mut writer, materials, images } = Begun::of(scene, format)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     writer.add_textures(&images, (container == Container::Gltf).then_some(&*stem));
     let (draft, warnings) = writer.finish(materials);
@@ -71,4 +63,41 @@ pub fn write_scene(path: &Path, scene: &Scene, format: &GltfFormat) -> Result<Wr
     };
     FileSet::one(|set| set.write_files(&files, Progress::SILENT))?;
     Ok(WrittenScene { files: files.into_iter().map(|file| file.path).collect(), warnings })
+}
+
+/// Returns the GLB that [`write_scene`] would write, with uncompressed geometry and PNG textures. Meshes and the nodes that
+/// show them have the names of `names`, one a mesh of the scene; missing ones are none. Adds notes on what glTF cannot
+/// express to `warnings`.
+///
+/// # Errors
+/// As [`write_scene`].
+pub fn encode_scene(scene: &Scene, names: &[String], warnings: &mut Warnings) -> Result<Vec<u8>> {
+    let Begun { mut writer, materials, images } = Begun::of(scene, &GltfFormat::default())?;
+    writer.name_meshes(names);
+    writer.add_textures(&images, None);
+    let (draft, notes) = writer.finish(materials);
+    warnings.absorb(notes);
+    draft.encode_glb()
+}
+
+/// A scene of which all but the textures is written.
+struct Begun<'a> {
+    writer: Writer<'a>,
+    materials: Vec<Value>,
+    images: Vec<textures::Image>,
+}
+
+impl<'a> Begun<'a> {
+    fn of(scene: &'a Scene, format: &GltfFormat) -> Result<Self> {
+        if scene.triangle_count() == 0 {
+            return Err(Error::invalid("the scene to write", "it shows no triangle"));
+        }
+        let mut writer = Writer::new(scene, *format);
+        writer.meshes()?;
+        writer.lights()?;
+        writer.cameras()?;
+        let materials = scene.materials().iter().map(|material| writer.material(material)).collect();
+        let images = writer.encoded_images()?;
+        Ok(Self { writer, materials, images })
+    }
 }

@@ -1,0 +1,74 @@
+//! A glTF file as it stands: its JSON with all that nobody here reads, and the bytes of its buffers.
+
+use super::buffers::load_buffer;
+use super::container::split;
+use super::document::JSON;
+use super::source::GltfSource;
+use super::uri::{self, ByteSource};
+use crate::error::{Error, Result};
+use crate::io::json::broken;
+use crate::io::limits::Limits;
+use crate::io::reading::Reading;
+use serde_json::Value;
+use std::sync::Arc;
+
+/// A glTF file as it stands.
+pub(in crate::io) struct RawGltf {
+    /// Its JSON, an object; nothing in it is checked.
+    pub json: Value,
+    /// The bytes of each buffer; `None` for one that has none, which compressed views unpack to.
+    pub buffers: Vec<Option<Vec<u8>>>,
+    reading: Arc<Reading>,
+}
+
+impl RawGltf {
+    /// Reads a file and its buffers.
+    ///
+    /// # Errors
+    /// [`Error::Io`] and [`Error::Parse`] where it cannot be read, [`Error::Limit`] where a limit is exceeded.
+    pub fn read(source: GltfSource<'_>, limits: &Limits) -> Result<Self> {
+        let path = source.path();
+        let reading = Arc::new(Reading::new(path, limits));
+        let (text, mut blob) = split(path, source.bytes(&reading)?.into_owned())?;
+        if !reading.take(text.len() as u64 * JSON) {
+            reading.check()?;
+        }
+        let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
+        let json: Value = serde_json::from_slice(text).map_err(|e| broken(path, &e))?;
+        if !json.is_object() {
+            return Err(Error::parse(path, "JSON", "it is no object; is this glTF 2.0?"));
+        }
+        let declared = json.get("buffers").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+        let mut buffers = Vec::with_capacity(declared.len());
+        for (i, buffer) in declared.iter().enumerate() {
+            buffers.push(match buffer.get("uri").and_then(Value::as_str) {
+                Some(name) => Some(load_buffer(&reading, name, i)?),
+                None if i == 0 => blob.take(),
+                None => None,
+            });
+        }
+        Ok(Self { json, buffers, reading })
+    }
+
+    /// Returns what may be taken and reached, and was taken.
+    pub fn reading(&self) -> &Arc<Reading> {
+        &self.reading
+    }
+
+    /// Returns an error at a place of the file.
+    pub fn error(&self, at: impl Into<String>, what: impl Into<String>) -> Error {
+        Error::parse(self.reading.path(), at, what)
+    }
+
+    /// Returns the bytes of the file beside the document that `name`, a URI, leads to; `None` where it holds its bytes
+    /// itself, or is not there, or may not be read.
+    ///
+    /// # Errors
+    /// [`Error::Io`] where the file is there and cannot be read, [`Error::Limit`] where it does not fit the memory.
+    pub fn file(&self, name: &str) -> Result<Option<Vec<u8>>> {
+        match uri::locate(name, &self.reading) {
+            Ok(ByteSource::File(path)) if path.is_file() => self.reading.read(&path).map(Some),
+            _ => Ok(None),
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! The place that a glTF file is taken from.
+
+use crate::error::Result;
+use crate::io::reading::Reading;
+use std::borrow::Cow;
+use std::path::Path;
+
+/// The place that a glTF file is taken from.
+#[derive(Debug, Clone, Copy)]
+pub enum GltfSource<'a> {
+    /// A file, `.gltf` or `.glb`.
+    File(&'a Path),
+    /// The bytes of a GLB, which names no files.
+    Glb(&'a [u8]),
+}
+
+impl<'a> GltfSource<'a> {
+    /// Returns its path, that of no file for bytes.
+    pub(super) fn path(self) -> &'a Path {
+        match self {
+            Self::File(path) => path,
+            Self::Glb(_) => Path::new("a.glb"),
+        }
+    }
+
+    /// Returns the bytes of the file itself.
+    ///
+    /// # Errors
+    /// [`crate::Error::Io`] where it cannot be read, [`crate::Error::Limit`] where it does not fit the memory.
+    pub(super) fn bytes(self, reading: &Reading) -> Result<Cow<'a, [u8]>> {
+        match self {
+            Self::File(path) => reading.read_own(path).map(Cow::Owned),
+            Self::Glb(bytes) => Ok(Cow::Borrowed(bytes)),
+        }
+    }
+}

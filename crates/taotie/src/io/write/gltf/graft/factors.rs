@@ -1,0 +1,183 @@
+//! A material of a document: what was baked replaces what it says, all else stays as it is written.
+
+use super::super::layers::{self, Emission, STRENGTH};
+use super::super::material::GltfMaterial;
+use super::super::number::short;
+use super::super::slots::Slot;
+use super::edit::{member, remove};
+use crate::scene::AlphaMode;
+use serde_json::{Value, json};
+
+/// The member with the core's factors.
+const PBR: &str = "pbrMetallicRoughness";
+
+/// Makes a material of the document say the factors of another, where it says otherwise, and adds the layers that it has
+/// not.
+pub(super) fn graft(json: &mut Value, material: &GltfMaterial) {
+    let mut pbr = json.get(PBR).cloned().unwrap_or_else(|| json!({}));
+    set_color(&mut pbr, material.base_color);
+    set_factor(&mut pbr, "metallicFactor", material.metallic);
+    set_factor(&mut pbr, "roughnessFactor", material.roughness);
+    if pbr != json!({}) {
+        *member(json, PBR) = pbr;
+    }
+    graft_emission(json, material.emissive);
+    if alpha(json) != material.alpha {
+        ["alphaMode", "alphaCutoff"].into_iter().for_each(|name| remove(json, name));
+        layers::say_alpha(json, material.alpha);
+    }
+    for (name, layer) in material.layers.into_iter().flat_map(layers::factors) {
+        if extension(json, name).is_none() {
+            *member(member(json, "extensions"), name) = layer;
+        }
+    }
+}
+
+/// Puts a texture, by its number, into a slot. It shows uv set 0, not moved.
+pub(super) fn put_texture(json: &mut Value, slot: Slot, texture: usize, material: &GltfMaterial) {
+    let info = json!({ "index": texture });
+    match slot {
+        Slot::BaseColor => *member(member(json, PBR), "baseColorTexture") = info,
+        Slot::MetallicRoughness => {
+            *member(member(json, PBR), "metallicRoughnessTexture") = info;
+        }
+        Slot::Occlusion => {
+            let strength = short(material.occlusion_strength);
+            *member(json, "occlusionTexture") = json!({ "index": texture, "strength": strength });
+        }
+        Slot::Normal => {
+            let scale = short(material.normal_scale);
+            *member(json, "normalTexture") = json!({ "index": texture, "scale": scale });
+        }
+        Slot::Emissive => *member(json, "emissiveTexture") = info,
+    }
+}
+
+/// Returns the names of the extensions that a material uses.
+pub(super) fn extensions(json: &Value) -> Vec<String> {
+    let extensions = json.get("extensions").and_then(Value::as_object);
+    extensions.into_iter().flat_map(|extensions| extensions.keys().cloned()).collect()
+}
+
+fn extension<'a>(json: &'a Value, name: &str) -> Option<&'a Value> {
+    json.get("extensions")?.get(name)
+}
+
+/// Returns numbers as a reader takes them, `unsaid` where they are not said.
+fn numbers<const N: usize>(of: &Value, name: &str, unsaid: f32) -> [f32; N] {
+    let number = |i: usize| of.get(name)?.get(i)?.as_f64();
+    std::array::from_fn(|i| number(i).map_or(unsaid, |v| v as f32))
+}
+
+fn set_color(pbr: &mut Value, color: [f32; 4]) {
+    if numbers::<4>(pbr, "baseColorFactor", 1.0) != color {
+        *member(pbr, "baseColorFactor") = json!(color.map(short));
+    }
+}
+
+fn set_factor(pbr: &mut Value, name: &str, value: f32) {
+    let said = pbr.get(name).and_then(Value::as_f64).map_or(1.0, |v| v as f32);
+    if said != value {
+        *member(pbr, name) = short(value).into();
+    }
+}
+
+/// Makes a material emit a radiance.
+fn graft_emission(json: &mut Value, radiance: [f32; 3]) {
+    let strength = extension(json, STRENGTH).and_then(|e| e.get("emissiveStrength")).and_then(Value::as_f64);
+    let strength = strength.map_or(1.0, |v| v as f32);
+    if numbers::<3>(json, "emissiveFactor", 0.0).map(|v| v * strength) == radiance {
+        return;
+    }
+    let emission = Emission::of(radiance);
+    *member(json, "emissiveFactor") = json!(emission.color);
+    match emission.extension() {
+        Some(extension) => *member(member(json, "extensions"), STRENGTH) = extension,
+        None => drop_extension(json, STRENGTH),
+    }
+}
+
+fn drop_extension(json: &mut Value, name: &str) {
+    let Some(extensions) = json.get_mut("extensions") else { return };
+    remove(extensions, name);
+    if *extensions == json!({}) {
+        remove(json, "extensions");
+    }
+}
+
+fn alpha(json: &Value) -> AlphaMode {
+    match json.get("alphaMode").and_then(Value::as_str) {
+        Some("BLEND") => AlphaMode::Blend,
+        Some("MASK") => {
+            let cutoff = json.get("alphaCutoff").and_then(Value::as_f64);
+            AlphaMode::Mask(cutoff.map_or(0.5, |v| v as f32))
+        }
+        _ => AlphaMode::Opaque,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A material as an artist's program writes it, and the same as a reader has it.
+    fn brass() -> (Value, GltfMaterial<'static>) {
+        let json = json!({
+            "name": "brass", "extras": { "id": 7 }, "alphaMode": "MASK", "emissiveFactor": [0.5, 0.25, 0.0],
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [0.8, 0.6, 0.2, 1.0], "roughnessFactor": 0.3,
+                "baseColorTexture": { "index": 1, "texCoord": 1 },
+            },
+            "extensions": { STRENGTH: { "emissiveStrength": 4.0 } },
+        });
+        let material = GltfMaterial {
+            base_color: [0.8, 0.6, 0.2, 1.0],
+            metallic: 1.0,
+            roughness: 0.3,
+            emissive: [2.0, 1.0, 0.0],
+            alpha: AlphaMode::Mask(0.5),
+            ..GltfMaterial::default()
+        };
+        (json, material)
+    }
+
+    #[test]
+    fn what_is_the_same_is_not_touched() {
+        let (mut json, material) = brass();
+        let before = json.clone();
+        graft(&mut json, &material);
+        assert_eq!(json, before);
+    }
+
+    #[test]
+    fn what_nothing_says_is_not_made() {
+        let mut json = json!({});
+        let unsaid = GltfMaterial { metallic: 1.0, ..GltfMaterial::default() };
+        graft(&mut json, &unsaid);
+        assert_eq!(json, json!({}));
+    }
+
+    #[test]
+    fn what_was_baked_replaces_what_it_said() {
+        let (mut json, material) = brass();
+        let baked = GltfMaterial {
+            base_color: [1.0; 4],
+            emissive: [1.0; 3],
+            alpha: AlphaMode::Opaque,
+            normal_scale: 1.0,
+            ..material
+        };
+        graft(&mut json, &baked);
+        put_texture(&mut json, Slot::BaseColor, 5, &baked);
+        put_texture(&mut json, Slot::Normal, 6, &baked);
+        let expected = json!({
+            "name": "brass", "extras": { "id": 7 }, "emissiveFactor": [1.0, 1.0, 1.0],
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [1.0, 1.0, 1.0, 1.0], "roughnessFactor": 0.3,
+                "baseColorTexture": { "index": 5 },
+            },
+            "normalTexture": { "index": 6, "scale": 1.0 },
+        });
+        assert_eq!(json, expected);
+    }
+}

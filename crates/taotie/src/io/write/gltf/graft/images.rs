@@ -1,0 +1,99 @@
+//! The images of a document: new ones for what was baked, and its own into the new file or beside it.
+
+use super::super::images::Encoded;
+use super::super::uri::uri;
+use super::edit;
+use super::views;
+use crate::error::Result;
+use crate::io::gltf::RawGltf;
+use crate::io::write::FileBytes;
+use serde_json::json;
+use std::path::Path;
+
+/// The storage of images.
+#[derive(Clone, Copy)]
+pub(super) enum Storage<'a> {
+    /// In the document's buffer.
+    Inside,
+    /// In files beside this model.
+    Beside(&'a Path),
+}
+
+/// The common properties of the new textures of a material.
+pub(super) struct Textured<'a> {
+    pub storage: Storage<'a>,
+    /// A word that tells its images from those of other materials.
+    pub label: &'a str,
+    /// The number of the sampler.
+    pub sampler: usize,
+}
+
+/// Adds an image and a texture of it. Returns the texture's number.
+pub(super) fn add(raw: &mut RawGltf, image: &Encoded, of: &Textured) -> usize {
+    let Textured { storage, label, sampler } = *of;
+    let json = match (image.bytes(), storage) {
+        (Some(bytes), Storage::Inside) => {
+            let view = views::add(raw, bytes.to_vec());
+            let name = labeled(label, image.role());
+            json!({ "name": name, "bufferView": view, "mimeType": image.mime_type() })
+        }
+        (Some(_), Storage::Beside(path)) => json!({ "uri": uri(&image.file_name(&stem(path, label))) }),
+        (None, _) => json!({ "uri": uri(&image.file_name("")) }),
+    };
+    let source = edit::push(&mut raw.json, "images", json);
+    let mut texture = image.texture(source);
+    *edit::member(&mut texture, "sampler") = sampler.into();
+    edit::push(&mut raw.json, "textures", texture)
+}
+
+/// Returns the beginning of the names of files beside a model: its own, and the label of a material.
+pub(super) fn stem(path: &Path, label: &str) -> String {
+    labeled(&path.file_stem().unwrap_or_default().to_string_lossy(), label)
+}
+
+fn labeled(first: &str, second: &str) -> String {
+    let parts = [first, second].into_iter().filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join("_")
+}
+
+/// Takes those of the first `count` images along that lie in files beside the source: into the document, or as files
+/// beside the new one, which it returns. One that is not there, or is of no known kind, goes on to be named.
+///
+/// # Errors
+/// [`crate::Error::Io`] where a file cannot be read.
+pub(super) fn take_along(raw: &mut RawGltf, count: usize, storage: Storage) -> Result<Vec<FileBytes>> {
+    let mut files = Vec::new();
+    for i in 0..count {
+        let name = edit::items(&raw.json, "images").get(i).and_then(|image| image.get("uri")?.as_str());
+        let Some(bytes) = name.map(|name| raw.file(name)).transpose()?.flatten() else { continue };
+        let Some((mime_type, extension)) = kind(&bytes) else { continue };
+        let said = match storage {
+            Storage::Inside => {
+                let view = views::add(raw, bytes);
+                vec![("bufferView", json!(view)), ("mimeType", json!(mime_type))]
+            }
+            Storage::Beside(path) => {
+                let name = format!("{}.{extension}", stem(path, &format!("image{i}")));
+                let said = json!(uri(&name));
+                files.push(FileBytes { path: path.with_file_name(name), bytes });
+                vec![("uri", said)]
+            }
+        };
+        for image in edit::items_mut(&mut raw.json, "images").skip(i).take(1) {
+            edit::remove(image, "uri");
+            said.iter().for_each(|(name, value)| *edit::member(image, name) = value.clone());
+        }
+    }
+    Ok(files)
+}
+
+/// Returns the media type and the extension of an image's bytes.
+fn kind(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => Some(("image/png", "png")),
+        [0xff, 0xd8, 0xff, ..] => Some(("image/jpeg", "jpg")),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some(("image/webp", "webp")),
+        [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => Some(("image/ktx2", "ktx2")),
+        _ => None,
+    }
+}

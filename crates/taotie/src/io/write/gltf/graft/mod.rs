@@ -1,0 +1,184 @@
+//! Baked textures grafted onto the materials of a glTF file, all else of which stays: nodes, skins, morph targets,
+//! animations, cameras, names, extras, and accessors to the last bit. Primitives without tangents that show a normal map
+//! get them, where that splits no vertex.
+
+mod edit;
+mod factors;
+mod images;
+mod primitives;
+mod prune;
+mod spans;
+mod tangents;
+mod views;
+
+use super::Container;
+use super::container::{self, Head};
+use super::format::GltfFormat;
+use super::images::encode;
+use super::material::GltfMaterial;
+use super::samplers;
+use super::uri::uri;
+use crate::error::{Error, Result};
+use crate::image::{Sampler, Wrap};
+use crate::io::gltf::{GltfSource, RawGltf};
+use crate::io::json::Json;
+use crate::io::limits::Limits;
+use crate::io::write::FileBytes;
+use crate::io::xmp;
+use images::{Storage, Textured};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// A glTF file, and what is grafted onto it.
+#[derive(Debug, Clone, Copy)]
+pub struct GltfGraft<'a> {
+    /// The file.
+    pub source: GltfSource<'a>,
+    /// The limits within which it is read.
+    pub limits: Limits,
+    /// Its materials that are changed.
+    pub materials: &'a [GraftedMaterial<'a>],
+    /// A rights notice beside the file's own.
+    pub copyright: Option<&'a str>,
+    /// An XMP packet for the whole asset, in place of the file's own.
+    pub xmp: Option<&'a Json>,
+    /// Further members of `asset.extras`.
+    pub extras: Option<&'a Json>,
+}
+
+/// A material of a file, and what was baked for it.
+#[derive(Debug, Clone, Copy)]
+pub struct GraftedMaterial<'a> {
+    /// Its number in the file; the number after the last is glTF's default, of triangles that name none.
+    pub number: usize,
+    /// A word in the names of its images that tells it from other materials; may be empty where it is alone.
+    pub label: &'a str,
+    /// Its factors, and the textures that are new. A slot without one stays as it is in the file, as do its name, layers
+    /// that it has, and whether it is seen from both sides.
+    pub material: GltfMaterial<'a>,
+    /// `true` where its uvs leave [0, 1], so that textures are repeated.
+    pub is_repeated: bool,
+    /// `true` where colours of vertices go, which would be multiplied with what was baked.
+    pub drops_colors: bool,
+}
+
+/// Returns the files of a model with grafted materials, `path` first: a GLB, or a `.gltf` with its files beside it. Images
+/// that nothing names any more are left out. Geometry stays as it is packed, whatever [`GltfFormat::meshopt`] says.
+///
+/// # Errors
+/// [`Error::Io`] and [`Error::Parse`] where the source cannot be read, [`Error::Limit`] where that exceeds a limit; else as
+/// [`encode_gltf`](crate::io::encode_gltf).
+pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Result<Vec<FileBytes>> {
+    let storage = match Container::of(path)? {
+        Container::Glb => Storage::Inside,
+        Container::Gltf => Storage::Beside(path),
+    };
+    let mut raw = RawGltf::read(graft.source, &graft.limits)?;
+    let own_images = edit::items(&raw.json, "images").len();
+    let mut beside = Vec::new();
+    for material in graft.materials {
+        beside.extend(graft_material(&mut raw, material, format, storage)?);
+    }
+    let mapped = graft.materials.iter().filter(|grafted| grafted.material.normal_map.is_some());
+    let mapped: Vec<usize> = mapped.map(|grafted| grafted.number).collect();
+    tangents::give(&mut raw, graft.source, &mapped)?;
+    say_about(&mut raw.json, graft);
+    let own_images = prune::prune(&mut raw.json, own_images);
+    beside.extend(images::take_along(&mut raw, own_images, storage)?);
+    let bytes = views::joined(&mut raw)?;
+    let mut files = match storage {
+        Storage::Inside => vec![FileBytes { path: path.to_path_buf(), bytes: glb(&raw.json, &bytes)? }],
+        Storage::Beside(_) => gltf(path, raw.json, bytes)?,
+    };
+    files.extend(beside);
+    Ok(files)
+}
+
+/// Returns the files of new images beside the model.
+fn graft_material(
+    raw: &mut RawGltf,
+    grafted: &GraftedMaterial,
+    format: &GltfFormat,
+    storage: Storage,
+) -> Result<Vec<FileBytes>> {
+    let GraftedMaterial { number, label, ref material, .. } = *grafted;
+    material.check()?;
+    primitives::give_default(&mut raw.json, number);
+    if number >= edit::items(&raw.json, "materials").len() {
+        return Err(raw.error(format!("material {number}"), "it is not there any more; bake again"));
+    }
+    let encoded = encode(material, format)?;
+    let sampler = if encoded.is_empty() { 0 } else { add_sampler(&mut raw.json, grafted.is_repeated) };
+    let mut json = raw.json["materials"][number].take();
+    factors::graft(&mut json, material);
+    for image in &encoded {
+        let texture = images::add(raw, image, &Textured { storage, label, sampler });
+        image.slots().iter().for_each(|slot| factors::put_texture(&mut json, *slot, texture, material));
+        if let Some(name) = image.extension() {
+            edit::name(&mut raw.json, "extensionsUsed", name);
+            edit::name(&mut raw.json, "extensionsRequired", name);
+        }
+    }
+    factors::extensions(&json).iter().for_each(|name| edit::name(&mut raw.json, "extensionsUsed", name));
+    raw.json["materials"][number] = json;
+    if grafted.drops_colors {
+        primitives::drop_colors(&mut raw.json, number);
+    }
+    let Storage::Beside(path) = storage else { return Ok(Vec::new()) };
+    let labeled = path.with_file_name(format!("{}.gltf", images::stem(path, label)));
+    Ok(encoded.into_iter().filter_map(|image| image.into_file(&labeled)).collect())
+}
+
+/// Returns the number of the sampler of new textures: trilinear, and clamped or repeated.
+fn add_sampler(json: &mut Value, is_repeated: bool) -> usize {
+    let wrap = if is_repeated { Wrap::Repeat } else { Wrap::Clamp };
+    let sampler = samplers::json(&Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() });
+    let known = edit::items(json, "samplers").iter().position(|known| *known == sampler);
+    known.unwrap_or_else(|| edit::push(json, "samplers", sampler))
+}
+
+/// Says of the whole asset who made it, of what, and whose it is.
+fn say_about(json: &mut Value, graft: &GltfGraft) {
+    let asset = edit::member(json, "asset");
+    *edit::member(asset, "generator") = concat!("taotie ", env!("CARGO_PKG_VERSION")).into();
+    if let Some(copyright) = graft.copyright {
+        let own = asset.get("copyright").and_then(Value::as_str).filter(|own| *own != copyright);
+        let both = own.map_or_else(|| copyright.to_owned(), |own| format!("{own}; {copyright}"));
+        *edit::member(asset, "copyright") = both.into();
+    }
+    let extras = graft.extras.and_then(|extras| extras.0.as_object());
+    for (name, value) in extras.into_iter().flatten() {
+        *edit::member(edit::member(asset, "extras"), name) = value.clone();
+    }
+    if let Some(packet) = graft.xmp {
+        let extension = edit::member(edit::member(json, "extensions"), xmp::EXTENSION);
+        let number = edit::push(extension, "packets", packet.0.clone());
+        let asset = edit::member(json, "asset");
+        let named = json!({ "packet": number });
+        *edit::member(edit::member(asset, "extensions"), xmp::EXTENSION) = named;
+        edit::name(json, "extensionsUsed", xmp::EXTENSION);
+    }
+}
+
+fn text(json: &Value) -> Result<Vec<u8>> {
+    serde_json::to_vec(json).map_err(|e| Error::invalid("glTF document", e.to_string()))
+}
+
+fn glb(json: &Value, binary: &[u8]) -> Result<Vec<u8>> {
+    let head = Head::new(text(json)?, binary.len())?;
+    let mut bytes = Vec::new();
+    container::write(&mut bytes, &head, binary)
+        .map_err(|e| Error::invalid("glTF document", e.to_string()))?;
+    Ok(bytes)
+}
+
+/// Returns the document, and its buffer beside it.
+fn gltf(path: &Path, mut json: Value, bytes: Vec<u8>) -> Result<Vec<FileBytes>> {
+    let name = format!("{}.bin", images::stem(path, ""));
+    for buffer in edit::items_mut(&mut json, "buffers").take(1) {
+        *edit::member(buffer, "uri") = uri(&name).into();
+    }
+    let document = FileBytes { path: path.to_path_buf(), bytes: text(&json)? };
+    let numbers = FileBytes { path: path.with_file_name(name), bytes };
+    Ok(std::iter::once(document).chain((!numbers.bytes.is_empty()).then_some(numbers)).collect())
+}

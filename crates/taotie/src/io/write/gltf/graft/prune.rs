@@ -1,0 +1,104 @@
+//! Textures, images and views that nothing names any more, dropped.
+
+use super::edit;
+use crate::io::gltf::is_known;
+use serde_json::{Map, Value};
+use std::collections::BTreeSet;
+
+/// Drops them, and returns how many of the first `count` images are left. Where the document uses an extension that nobody
+/// here knows, which may name anything, all stays.
+pub(super) fn prune(json: &mut Value, count: usize) -> usize {
+    let knows = |name: &Value| name.as_str().is_some_and(is_known);
+    if !edit::items(json, "extensionsUsed").iter().all(knows) {
+        return count;
+    }
+    drop_unnamed(json, "textures", each_texture);
+    let kept = drop_unnamed(json, "images", each_image);
+    drop_unnamed(json, "bufferViews", each_view);
+    kept.into_iter().filter(|image| *image < count as u64).count()
+}
+
+/// Visits all numbers of things of one kind that a document names.
+type Visit = fn(&mut Value, &mut dyn FnMut(&mut Value));
+
+/// Drops the items of a list that nothing names, and renumbers the others; returns their old numbers.
+fn drop_unnamed(json: &mut Value, list: &str, each: Visit) -> Vec<u64> {
+    let mut named = BTreeSet::new();
+    each(json, &mut |number| named.extend(number.as_u64()));
+    let items = edit::taken(json, list);
+    let kept: Vec<u64> = (0..items.len() as u64).filter(|i| named.contains(i)).collect();
+    each(json, &mut |number| {
+        if let Some(old) = number.as_u64() {
+            // A number of nothing goes on to be one.
+            *number = kept.binary_search(&old).unwrap_or(kept.len()).into();
+        }
+    });
+    let is_kept = |(i, _): &(usize, Value)| kept.binary_search(&(*i as u64)).is_ok();
+    let items: Vec<Value> = items.into_iter().enumerate().filter(is_kept).map(|(_, item)| item).collect();
+    if !items.is_empty() {
+        json[list] = Value::Array(items);
+    }
+    kept
+}
+
+/// Visits the textures of materials: `index` of members such as `normalTexture`.
+fn each_texture(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    let mut of = |members: &mut Map<String, Value>| {
+        let slots = members.iter_mut().filter(|(name, _)| name.ends_with("Texture"));
+        slots.filter_map(|(_, slot)| slot.get_mut("index")).for_each(&mut *visit);
+    };
+    edit::items_mut(json, "materials").for_each(|material| edit::each_object(material, &mut of));
+}
+
+/// Visits the images of textures.
+fn each_image(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    let mut of = |members: &mut Map<String, Value>| {
+        members.get_mut("source").into_iter().for_each(&mut *visit);
+    };
+    edit::items_mut(json, "textures").for_each(|texture| edit::each_object(texture, &mut of));
+}
+
+/// Visits the views of accessors, images and all else.
+fn each_view(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
+    let mut of = |members: &mut Map<String, Value>| {
+        members.get_mut("bufferView").into_iter().for_each(&mut *visit);
+    };
+    edit::each_object(json, &mut of);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn what_nothing_names_goes() {
+        let mut json = json!({
+            "extensionsUsed": ["KHR_materials_sheen"],
+            "materials": [
+                { "normalTexture": { "index": 2 } },
+                { "extensions": { "KHR_materials_sheen": { "sheenColorTexture": { "index": 3 } } } },
+            ],
+            "textures": [{ "source": 0 }, { "source": 1 }, { "source": 1 }, { "source": 2 }],
+            "images": [{ "bufferView": 0 }, { "bufferView": 2 }, { "uri": "a.png" }],
+            "accessors": [{ "bufferView": 3, "sparse": { "values": { "bufferView": 4 } } }],
+            "bufferViews": ["dead", "dead", "image", "numbers", "sparse"],
+        });
+        assert_eq!(prune(&mut json, 2), 1, "of the first two the second is left");
+        assert_eq!(json["textures"], json!([{ "source": 0 }, { "source": 1 }]));
+        assert_eq!(json["images"], json!([{ "bufferView": 0 }, { "uri": "a.png" }]));
+        assert_eq!(json["bufferViews"], json!(["image", "numbers", "sparse"]));
+        assert_eq!(json["accessors"][0]["sparse"]["values"]["bufferView"], 2);
+        assert_eq!(json["materials"][0]["normalTexture"]["index"], 0);
+        let sheen = "/materials/1/extensions/KHR_materials_sheen/sheenColorTexture/index";
+        assert_eq!(json.pointer(sheen), Some(&json!(1)));
+    }
+
+    #[test]
+    fn an_unknown_extension_keeps_all() {
+        let before = json!({ "extensionsUsed": ["EXT_nobody"], "images": [{}], "bufferViews": [{}] });
+        let mut json = before.clone();
+        assert_eq!(prune(&mut json, 1), 1);
+        assert_eq!(json, before);
+    }
+}
