@@ -5,7 +5,7 @@
 //! badly; [`super::Angles`] has both.
 
 use crate::math::Lane;
-use crate::math::poly::{self, horner};
+use crate::math::poly::horner;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// The smallest α: a roughness of 0 would be a mirror, whose highlight of a point light has no finite radiance.
@@ -61,7 +61,7 @@ pub fn d_beckmann<L: Lane>(n_dot_h: L, sin2_h: L, slope: L) -> L {
     let cos2 = (n_dot_h * n_dot_h).max(slope.lit(MIN_COS2));
     let m = slope.max(slope.lit(MIN_ALPHA));
     let m2 = m * m;
-    poly::exp(-(sin2_h / (m2 * cos2))) / (m2 * cos2 * cos2 * m.lit(PI))
+    (-(sin2_h / (m2 * cos2))).exp() / (m2 * cos2 * cos2 * m.lit(PI))
 }
 
 /// Trowbridge–Reitz (GGX) normal distribution, D(h), in sr⁻¹.
@@ -88,7 +88,7 @@ pub fn d_ggx<L: Lane>(n_dot_h: L, sin2_h: L, alpha: L) -> L {
 #[inline(always)]
 pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
     let scale = (shininess + shininess.lit(2.0)) * shininess.lit(0.5 * FRAC_1_PI);
-    scale * poly::pow(n_dot_h, shininess)
+    scale * n_dot_h.pow(shininess)
 }
 
 /// The divergence of the facets of a GGX surface: 1 − ∫ D(m) (n·m)² dm, one less the length of their mean normal.
