@@ -14,7 +14,7 @@ pub const MIN_ALPHA: f64 = 1e-3;
 /// The smallest (n·h)² that [`d_beckmann`] divides by; the exponential there is zero long before.
 const MIN_COS2: f64 = 1e-6;
 
-/// α = roughness², at least [`MIN_ALPHA`].
+/// α = roughness², at least 1e-3 ([`MIN_ALPHA`]).
 ///
 /// `roughness` in [0, 1].
 /// Source: Burley 2012, §5.4, as in glTF 2.0, appendix B.

@@ -1,0 +1,54 @@
+//! Formulas that call one another.
+
+use crate::graph::Graph;
+use crate::outline::{Function, with_calls};
+use crate::vectors::with_vectors;
+
+/// A formula as a function: its graph, and what a reader needs to know of it.
+#[derive(Debug, Clone)]
+pub struct Formula {
+    /// Its name in the shader.
+    pub name: String,
+    /// The name of its result where it is called, as the field writes it: `d`, `alpha`.
+    pub symbol: &'static str,
+    /// What it computes, with units and source, line by line.
+    pub doc: &'static str,
+    /// The structure that it returns, whose fields are the outputs; `None` for a number or a vector.
+    pub structure: Option<&'static str>,
+    /// What it does.
+    pub graph: Graph,
+}
+
+/// Formulas, each of which calls only those before it.
+#[derive(Debug, Clone, Default)]
+pub struct Program {
+    /// The formulas; a call names one by its place here.
+    pub formulas: Vec<Formula>,
+}
+
+impl Program {
+    /// Adds a recorded formula: with vectors for equal channels, and calls of the formulas that stand here already.
+    pub(crate) fn add(&mut self, mut formula: Formula) {
+        formula.graph = with_vectors(&formula.graph);
+        for (number, function) in self.formulas.iter().enumerate() {
+            formula.graph = with_calls(&formula.graph, Function { number, body: &function.graph });
+        }
+        self.formulas.push(formula);
+    }
+
+    /// The formula of this name.
+    pub fn find(&self, name: &str) -> Option<&Formula> {
+        self.formulas.iter().find(|formula| formula.name == name)
+    }
+
+    /// The formulas of these names and all that they call, in the order of the program.
+    pub(crate) fn needed(&self, names: &[&str]) -> Vec<&Formula> {
+        let mut needed: Vec<bool> =
+            self.formulas.iter().map(|formula| names.contains(&formula.name.as_str())).collect();
+        for (at, formula) in self.formulas.iter().enumerate().rev() {
+            let used = needed[at];
+            formula.graph.called().for_each(|function| needed[function] |= used);
+        }
+        self.formulas.iter().zip(needed).filter_map(|(formula, needed)| needed.then_some(formula)).collect()
+    }
+}
