@@ -100,7 +100,7 @@ fn model(shading: Shading) -> Formula {
 }
 
 /// The material sample `s` as parameters, in the order of the structure's fields.
-fn material(scope: Scope<'_>) -> MaterialSample<Recorded<'_>> {
+pub(crate) fn material(scope: Scope<'_>) -> MaterialSample<Recorded<'_>> {
     MaterialSample {
         base_color: scope.vector("s.base_color"),
         metallic: scope.number("s.metallic"),
@@ -117,7 +117,7 @@ fn material(scope: Scope<'_>) -> MaterialSample<Recorded<'_>> {
 }
 
 /// The angles `a` as parameters, in the order of the structure's fields.
-fn given_angles(scope: Scope<'_>) -> Angles<Recorded<'_>> {
+pub(crate) fn given_angles(scope: Scope<'_>) -> Angles<Recorded<'_>> {
     Angles {
         n_dot_l: scope.number("a.n_dot_l"),
         n_dot_v: scope.number("a.n_dot_v"),
