@@ -131,6 +131,7 @@ pub struct Parameter {
 #[derive(Debug, Clone, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
+    kinds: Vec<Kind>,
     known: FxHashMap<Node, Id>,
     parameters: Vec<Parameter>,
     pub(crate) outputs: Vec<Id>,
@@ -149,6 +150,7 @@ impl Graph {
         }
         let id = Id(self.nodes.len());
         self.known.insert(node.clone(), id);
+        self.kinds.push(self.kind_of(&node));
         self.nodes.push(node);
         id
     }
@@ -207,7 +209,12 @@ impl Graph {
 
     /// The type of a node's value.
     pub(crate) fn kind(&self, id: Id) -> Kind {
-        match self.node(id) {
+        self.kinds[id.0]
+    }
+
+    /// The type that a node's operands give it.
+    fn kind_of(&self, node: &Node) -> Kind {
+        match node {
             Node::Parameter(number) => self.parameters[*number].kind,
             Node::Constant(_) | Node::Component(..) | Node::Dot(..) => Kind::Number,
             Node::Vector(_) | Node::Swizzle(..) | Node::Cross(..) => Kind::Vector,

@@ -63,7 +63,7 @@ impl<'g> Names<'g> {
                 Some(label) if label.ends_with("squared_length") => label.replacen("squared_", "", 1),
                 _ => "root".into(),
             },
-            Node::Unary(Unary::Exp | Unary::Exp2, _) => "power".into(),
+            Node::Unary(Unary::Exp | Unary::Exp2, _) => "exponential".into(),
             Node::Unary(Unary::Not, _) => "condition".into(),
             Node::Select(_) => "chosen".into(),
             Node::Vector(_) => "vector".into(),

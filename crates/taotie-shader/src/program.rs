@@ -1,7 +1,8 @@
 //! Formulas that call one another.
 
-use crate::graph::Graph;
+use crate::graph::{Graph, Kind};
 use crate::outline::{Function, with_calls};
+use crate::structures::layout;
 use crate::vectors::with_vectors;
 
 /// A formula as a function: its graph, and what a reader needs to know of it.
@@ -19,6 +20,19 @@ pub struct Formula {
     pub graph: Graph,
 }
 
+/// A formula that returns a number or a vector.
+pub(crate) fn part(name: &str, symbol: &'static str, doc: &'static str, graph: Graph) -> Formula {
+    Formula { name: name.into(), symbol, doc, structure: None, graph }
+}
+
+impl Formula {
+    /// Says whether it takes and returns no structure, so that other formulas can call it.
+    fn is_flat(&self) -> bool {
+        let takes_structure = self.graph.parameters().iter().any(|parameter| parameter.path.contains('.'));
+        !takes_structure && self.structure.is_none()
+    }
+}
+
 /// Formulas, each of which calls only those before it.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
@@ -29,8 +43,14 @@ pub struct Program {
 impl Program {
     /// Adds a recorded formula: with vectors for equal channels, and calls of the formulas that stand here already.
     pub(crate) fn add(&mut self, mut formula: Formula) {
-        formula.graph = with_vectors(&formula.graph);
-        for (number, function) in self.formulas.iter().enumerate() {
+        let kinds = match formula.structure {
+            Some(structure) => layout(structure),
+            None if formula.graph.outputs().len() == 3 => vec![Kind::Vector],
+            None => vec![Kind::Number; formula.graph.outputs().len()],
+        };
+        formula.graph = with_vectors(&formula.graph, &kinds);
+        for (number, function) in self.formulas.iter().enumerate().filter(|(_, function)| function.is_flat())
+        {
             formula.graph = with_calls(&formula.graph, Function { number, body: &function.graph });
         }
         self.formulas.push(formula);

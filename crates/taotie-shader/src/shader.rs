@@ -3,7 +3,8 @@
 use crate::body::body;
 use crate::graph::{Binary, Kind, Node, Parameter};
 use crate::language::Language;
-use crate::library::{library, model_name};
+use crate::library::library;
+use crate::models::model_name;
 use crate::program::{Formula, Program};
 use crate::structures::{STRUCTURES, Structure, field_doc, field_name};
 use taotie::names::Named;
@@ -22,14 +23,31 @@ use taotie::shade::Shading;
 /// assert!(text.contains("fn distribution_ggx(n_dot_h: f32, sin2_h: f32, alpha: f32) -> f32 {"));
 /// ```
 pub fn shader(shading: Shading, language: Language) -> String {
-    let (program, name) = (library(), model_name(shading));
-    let formulas = program.needed(&["angles", &name]);
-    let mut pieces = vec![header(shading)];
-    pieces.extend(STRUCTURES.iter().map(|structure| written_structure(structure, language)));
+    let name = model_name(shading);
+    let functions = functions(&["angles", &name], language);
+    [header(shading), functions, whole(&name, language)].join("\n")
+}
+
+/// The source text of formulas of the [`library()`] by their names, with the structures and functions that they need.
+///
+/// A name that the library does not have adds nothing.
+pub fn functions(names: &[&str], language: Language) -> String {
+    let program = library();
+    let formulas = program.needed(names);
+    let structures =
+        STRUCTURES.iter().filter(|structure| formulas.iter().any(|f| has_structure(f, structure)));
+    let mut pieces: Vec<String> =
+        structures.map(|structure| written_structure(structure, language)).collect();
     pieces.extend(formulas.iter().any(|formula| has_power(formula)).then(|| language.power()));
     pieces.extend(formulas.iter().map(|formula| function(formula, &program, language)));
-    pieces.push(whole(&name, language));
     pieces.join("\n")
+}
+
+/// Says whether a formula takes or returns a structure.
+fn has_structure(formula: &Formula, structure: &Structure) -> bool {
+    let is_field = |path: &str| path.split_once('.').is_some_and(|(name, _)| name == structure.argument);
+    formula.structure == Some(structure.name)
+        || formula.graph.parameters().iter().any(|parameter| is_field(parameter.path))
 }
 
 fn header(shading: Shading) -> String {

@@ -1,39 +1,67 @@
 //! The structures that shaders pass on, as `taotie::shade` has them.
 
-use crate::graph::Parameter;
-use crate::library::{given_angles, material};
-use crate::recorder::record;
+use crate::graph::{Kind, Parameter};
+use crate::inputs;
+use crate::recorder::{Scope, record};
 
-/// A structure: the argument that is one, its type, and what it is.
+/// A structure: the argument that is one, its type, what it is, and what declares its fields.
 pub(crate) struct Structure {
     pub(crate) argument: &'static str,
     pub(crate) name: &'static str,
     pub(crate) doc: &'static str,
+    declare: fn(Scope<'_>),
 }
 
 /// All structures.
-pub(crate) const STRUCTURES: [Structure; 2] = [
+pub(crate) const STRUCTURES: [Structure; 5] = [
     Structure {
         argument: "s",
         name: "MaterialSample",
         doc: "A material sample: the parameters of a surface at a point.",
+        declare: |scope| _ = inputs::material(scope),
     },
-    Structure { argument: "a", name: "Angles", doc: "The cosines that reflectance depends on." },
+    Structure {
+        argument: "a",
+        name: "Angles",
+        doc: "The cosines that reflectance depends on.",
+        declare: |scope| _ = inputs::angles(scope),
+    },
+    Structure {
+        argument: "c",
+        name: "Compensation",
+        doc: "The compensation that makes a microfacet model keep its energy, at one n·v.",
+        declare: |scope| _ = inputs::compensation(scope),
+    },
+    Structure {
+        argument: "dfg",
+        name: "Dfg",
+        doc: "The total reflection of a lobe, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.",
+        declare: |scope| _ = inputs::dfg(scope),
+    },
+    Structure {
+        argument: "w",
+        name: "EnvironmentWeights",
+        doc: "The reflection of light that comes from all around, as weights of two radiances, linear RGB.",
+        declare: |scope| _ = inputs::weights(scope),
+    },
 ];
 
 impl Structure {
     /// The fields, as parameters of a formula that takes the structure.
     pub(crate) fn fields(&self) -> Vec<Parameter> {
         let graph = record(|scope| {
-            if self.argument == "s" {
-                material(scope);
-            } else {
-                given_angles(scope);
-            }
+            (self.declare)(scope);
             Vec::new()
         });
         graph.parameters().to_vec()
     }
+}
+
+/// The types of a structure's fields.
+pub(crate) fn layout(name: &str) -> Vec<Kind> {
+    let structure = STRUCTURES.iter().find(|structure| structure.name == name);
+    let fields = structure.map(Structure::fields).unwrap_or_default();
+    fields.iter().map(|field| field.kind).collect()
 }
 
 /// The name of a field in a path, `roughness` of `s.roughness`.
@@ -62,6 +90,16 @@ pub(crate) fn field_doc(path: &str) -> &'static str {
         "a.sin2_h" => "sin² of the angle between n and h, [0, 1], from |n × h|²",
         "a.v_dot_h" => "v·h = l·h, [5e-7, 1].",
         "a.r_dot_v" => "r·v, [−1, 1].",
+        "c.gain" => "Multiplies the highlight, linear RGB, at least 1.",
+        "c.transmitted" => {
+            "The share of light that the highlight leaves to the diffuse reflection below, [0, 1]."
+        }
+        "dfg.scale" => "∫ D V (1 − (1 − v·h)⁵) n·l dl, [0, 1].",
+        "dfg.bias" => "∫ D V (1 − v·h)⁵ n·l dl, [0, 1].",
+        "dfg.edge" => "∫ D V v·h (1 − v·h)⁶ n·l dl, [0, 0.06].",
+        "dfg.diffuse_edge" => "∫ (1 − v·h)⁵ n·l / π dl, [0, 1]: Schlick's rise over a diffuse reflection.",
+        "w.specular" => "The weight of the radiance that the highlight gathers.",
+        "w.diffuse" => "The weight of the mean radiance over the hemisphere, which is the irradiance over π.",
         _ => "",
     }
 }

@@ -7,22 +7,21 @@
 use crate::graph::{Binary, Graph, Id, Kind, Node, Unary};
 use rustc_hash::FxHashMap;
 
-/// The recording with vectors; a formula of three outputs has one, the vector of these.
-pub(crate) fn with_vectors(recorded: &Graph) -> Graph {
+/// The recording with vectors, and outputs of these types: three numbers become one vector.
+pub(crate) fn with_vectors(recorded: &Graph, outputs: &[Kind]) -> Graph {
     let mut packer = Packer {
         recorded,
         packed: Graph::of(recorded.parameters()),
         numbers: FxHashMap::default(),
         triples: FxHashMap::default(),
     };
-    let outputs = match recorded.outputs()[..] {
-        [x, y, z] => {
-            let vector = packer.triple([x, y, z]);
-            vec![packer.widened(vector)]
-        }
-        ref numbers => numbers.iter().map(|number| packer.number(*number)).collect(),
-    };
-    packer.packed.outputs = outputs;
+    let mut rest = recorded.outputs();
+    for kind in outputs {
+        let (own, others) = rest.split_at(kind.numbers().min(rest.len()));
+        rest = others;
+        let output = packer.output(own);
+        packer.packed.outputs.extend(output);
+    }
     packer.packed.pruned()
 }
 
@@ -39,6 +38,18 @@ struct Packer<'r> {
 }
 
 impl Packer<'_> {
+    /// The packed output of one recorded number or of three.
+    fn output(&mut self, numbers: &[Id]) -> Option<Id> {
+        match *numbers {
+            [x, y, z] => {
+                let vector = self.triple([x, y, z]);
+                Some(self.widened(vector))
+            }
+            [number] => Some(self.number(number)),
+            _ => None,
+        }
+    }
+
     /// The packed node of one recorded node.
     fn number(&mut self, id: Id) -> Id {
         if let Some(known) = self.numbers.get(&id) {

@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
 use taotie::names::Named;
 use taotie::shade::Shading;
-use taotie_shader::{Language, library, shader};
+use taotie_shader::{Language, functions, library, shader};
 
 const WGSL_HOST: &str = "
 @group(0) @binding(0) var<uniform> sample_here: MaterialSample;
@@ -76,6 +76,20 @@ fn glsl_is_valid() {
     }
 }
 
+#[test]
+fn all_functions_of_the_library_are_valid_side_by_side() {
+    let program = library();
+    let names: Vec<&str> = program.formulas.iter().map(|formula| formula.name.as_str()).collect();
+    let text = functions(&names, Language::Wgsl);
+    let module = wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}\n{text}", e.emit_to_string(&text)));
+    validated(&module, &text);
+    assert!(module.functions.len() >= names.len(), "{} functions", module.functions.len());
+    let text = format!("#version 450\n{}\nvoid main() {{}}\n", functions(&names, Language::GlslEs));
+    let module = glsl::Frontend::default().parse(&glsl::Options::from(ShaderStage::Fragment), &text);
+    let module = module.unwrap_or_else(|errors| panic!("{}\n{text}", errors.emit_to_string(&text)));
+    validated(&module, &text);
+}
+
 /// The lines of each function between its braces.
 fn bodies(text: &str) -> Vec<Vec<&str>> {
     let lines: Vec<&str> = text.lines().collect();
@@ -143,7 +157,8 @@ fn fields_of_structures_are_documented() {
     let paths = program.formulas.iter().flat_map(|formula| formula.graph.parameters());
     let fields: Vec<&str> =
         paths.filter_map(|parameter| parameter.path.split_once('.')).map(|p| p.1).collect();
-    let text = shader(Shading::Ggx, Language::GlslEs);
+    let names: Vec<&str> = program.formulas.iter().map(|formula| formula.name.as_str()).collect();
+    let text = functions(&names, Language::GlslEs);
     let lines: Vec<&str> = text.lines().collect();
     for field in fields {
         let ending = format!(" {field};");

@@ -1,14 +1,11 @@
-//! Recorded formulas play back to the bit what the formulas themselves compute.
+//! The models in all directions and at the ends of their ranges, and what their graphs are made of.
 
-#[path = "../../taotie/tests/common/random.rs"]
-mod random;
-
-use random::Random;
+use crate::random::Random;
 use std::path::{Path, PathBuf};
 use taotie::math::{Lane, Vec3};
 use taotie::names::Named;
 use taotie::shade::{Angles, MaterialSample, Shading, reflect};
-use taotie_shader::{EvaluateError, Graph, Kind, Node, evaluate, library, model_name, record};
+use taotie_shader::{EvaluateError, Graph, Node, evaluate, library, model_name};
 
 /// The numbers of a material sample, and of the angles.
 const MATERIAL: usize = 20;
@@ -107,16 +104,6 @@ fn graphs_have_the_bits_of_the_formulas_in_single_precision() {
     }
 }
 
-#[test]
-fn nothing_is_written_twice() {
-    let graph = record(|scope| {
-        let (x, y) = (scope.number("x"), scope.number("y"));
-        vec![(x + y) * (x + y) + x.lit(2.0) / x.lit(2.0)]
-    });
-    let twice = graph.nodes().iter().enumerate().any(|(i, node)| graph.nodes()[..i].contains(node));
-    assert!(!twice && graph.nodes().len() == 7, "{:?}", graph.nodes());
-}
-
 /// The names of the functions that a formula calls.
 fn called(graph: &Graph) -> Vec<String> {
     let program = library();
@@ -145,18 +132,6 @@ fn models_call_their_parts_and_work_on_vectors() {
     let has = |test: fn(&Node) -> bool| angles.nodes().iter().any(test);
     assert!(has(|node| matches!(node, Node::Cross(..))) && has(|node| matches!(node, Node::Dot(..))));
     assert!(!has(|node| matches!(node, Node::Component(..))), "{angles:?}");
-}
-
-#[test]
-fn inputs_are_counted() {
-    let program = library();
-    let graph = record(|scope| vec![scope.vector("v").length(), scope.number("x")]);
-    assert_eq!(graph.parameters().iter().map(|p| p.kind).collect::<Vec<_>>(), [Kind::Vector, Kind::Number]);
-    assert_eq!(evaluate(&graph, &program, &[3.0, 0.0, 4.0, 7.0]), Ok(vec![5.0, 7.0]));
-    let wrong = EvaluateError::Inputs { expected: 4, found: 3 };
-    assert_eq!(evaluate(&graph, &program, &[3.0, 0.0, 4.0]), Err(wrong));
-    let empty = record(|_| Vec::new());
-    assert!(evaluate::<f64>(&empty, &program, &[]).is_err(), "constants have no type without inputs");
 }
 
 /// The text of all Rust files below a folder.
