@@ -113,14 +113,17 @@ const COAT_FRESNEL: &str = "Schlick's reflectance of the clearcoat, [0.04, 1].
 
 const COAT_LOBE: &str = "The reflection of a clearcoat that covers everything: f · n·l, colourless.
 f = D_ggx V_smith F_schlick
+`roughness` in [0, 1]; the angles are those of the clearcoat's normal.
 Source: KHR_materials_clearcoat.";
 
 const CHARLIE: &str = "The \"Charlie\" distribution of inverted Gaussian-like fibres, D(h), in sr⁻¹.
 D(h) = (2 + 1/α) sin^(1/α) θ_h / (2π), α = roughness²
+`sin2_h` in [0, 1]; `roughness` in [0, 1], taken as at least 0.07.
 Source: Estevez and Kulla 2017, \"Production Friendly Microfacet Sheen BRDF\", eq. 2.";
 
 const NEUBELT: &str = "The visibility of sheen, V in sr⁻¹.
 V = 1 / (4 (n·l + n·v − n·l n·v)), at most 1
+Both cosines in (0, 1].
 Source: Neubelt and Pettineo 2013, \"Crafting a Next-Gen Material Pipeline for The Order: 1886\", after Ashikhmin.";
 
 const ANISOTROPIC: &str = "D V, sr⁻¹, for unit `v` and `l`.
@@ -130,11 +133,13 @@ Source: Heitz 2014, eq. 85 and 86, height-correlated by eq. 99.";
 
 const OCCLUSION: &str = "Lobes narrower than the hemisphere are occluded less seen along the normal and more at grazing angles:
 (n·v + o)^(2^(−16 r − 1)) − 1 + o, kept in [0, 1]; r the roughness.
+All in [0, 1].
 Source: Lagarde and de Rousiers 2014, \"Moving Frostbite to PBR\", listing 26, with the roughness in α's place.";
 
 const DIVERGENCE: &str =
     "The divergence of the facets of a GGX surface: 1 − ∫ D(m) (n·m)² dm, one less the length of their mean normal.
-α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, rising.";
+α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, rising.
+`alpha` in [1e-3, 1].";
 
 const ALPHA_SQUARED: &str = "The α² of the GGX surface whose facets diverge this much; 1 for 1/3 and beyond.
 With r² = 3 · divergence, α/r is a fraction of two polynomials, within 6e-5.";
@@ -146,20 +151,25 @@ const WIDENED: &str = "The roughness of a GGX lobe that shows `roughness` and th
 Source: Toksvig 2005, \"Mipmapping Normal Maps\", for the length as a measure; Mardia and Jupp 2000";
 
 const INVERSE_SQUARE: &str = "The falloff of a point light.
-E = I · 1/d²";
+E = I · 1/d²
+`distance_squared` d² at least 0, in squared model units, taken as at least 1e-12.";
 
 const WINDOW: &str = "The window that fades a light to zero at its range
 w = max(min(1 − (d/range)⁴, 1), 0)
+`distance_squared` d² at least 0, in squared model units; `range` above 0, in model units.
 Source: glTF extension KHR_lights_punctual, \"Range Property\".";
 
 const CONE: &str = "The share of a spot light's intensity that leaves at an angle to its axis.
 a = clamp((cos θ − cos outer) / max(10⁻³, cos inner − cos outer), 0, 1), squared
+`cos_inner` ≥ `cos_outer`, the cosines of the angles from the axis where the light begins to fade and ends.
 Source: glTF extension KHR_lights_punctual, \"Inner and Outer Cone Angles\": the reference code squares.";
 
 const DIELECTRIC: &str = "Fresnel reflectance of a dielectric for unpolarised light, exact.
 `eta` = index behind over index before the surface, above 0. 1 beyond the critical angle.
+`cos_theta` in [0, 1], taken as at least 1e-6
 Source: Born and Wolf, Principles of Optics, §1.5.2, eq. 21a.";
 
 const CONDUCTOR: &str =
     "Fresnel reflectance of a conductor with the complex index η + ik for unpolarised light, exact.
+`cos_theta` in [0, 1]; `eta` above 0, `k` at least 0, both relative to the medium before the surface.
 Source: Born and Wolf, Principles of Optics, §14.2 (13.4 in older editions).";

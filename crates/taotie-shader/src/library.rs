@@ -88,30 +88,38 @@ fn ggx(scope: Scope<'_>) -> Vec<Recorded<'_>> {
 
 const FRESNEL: &str = "Schlick with Lazányi's correction for metals.
 F = F_schlick(v·h) − a · v·h (1 − v·h)⁶, kept in [0, 1]
+`f0` linear RGB in [0, 1]; `f90` in [0, 1], 1 for metals;
 Source: Kutz, Hašan and Edmondson 2021 (F82-tint), as in the OpenPBR Surface specification.";
 
 const ALPHA: &str = "α = roughness², at least 1e-3
+`roughness` in [0, 1].
 Source: Burley 2012, §5.4, as in glTF 2.0, appendix B.";
 
 const CAVITY: &str = "Masking of V-shaped grooves.
 G = min(1, 2 n·h n·v / v·h, 2 n·h n·l / v·h)
+`n_dot_l`, `n_dot_v`, `n_dot_h` in [0, 1]; `v_dot_h` in (0, 1].
 Source: Cook and Torrance 1982, §4, after Torrance and Sparrow 1967; Guo and Wang 2025, eq. 8.";
 
 const SMITH: &str = "Height-correlated Smith masking of GGX, as V = G / (4 n·l n·v).
 V = 0.5 / (n·l √((n·v)²(1 − α²) + α²) + n·v √((n·l)²(1 − α²) + α²))
+`n_dot_l` in [0, 1], `n_dot_v` in (0, 1]; `alpha` in [1e-3, 1].
 Source: Heitz 2014, eq. 99; the form of Lagarde and de Rousiers 2014, listing 2.";
 
 const SCHLICK: &str = "Schlick's rational stand-in for Smith's masking of one direction.
 g(x) = x / (k + (1 − k) x)
+`cosine` x in [0, 1]; `k` in (0, 1].
 Source: Schlick 1994, eq. 19, with the k of Karis 2013.";
 
 const K_FOR_LIGHTS: &str = "k = (roughness + 1)²/8
+`roughness` in [0, 1]; k in [1/8, 1/2].
 Source: Karis 2013, eq. 4.";
 
 const BECKMANN: &str = "Beckmann's normal distribution, D(h), in sr⁻¹.
 D(h) = exp(−tan²θ_h / m²) / (π m² cos⁴θ_h), that is exp(((n·h)² − 1)/(m² (n·h)²)) / (π m² (n·h)⁴)
+`n_dot_h` and `sin2_h` in [0, 1]; `slope` m above 0, taken as at least 1e-3.
 Source: Cook and Torrance 1982, eq. 5 with today's 1/π; Walter et al. 2007, eq. 25.";
 
 const GGX: &str = "Trowbridge–Reitz (GGX) normal distribution, D(h), in sr⁻¹.
 D(h) = α² / (π ((n·h)² (α² − 1) + 1)²), computed as α² / (π ((n·h)² α² + sin²θ_h)²)
+`n_dot_h` and `sin2_h` in [0, 1]; `alpha` in [1e-3, 1].
 Source: Walter et al. 2007, eq. 33.";

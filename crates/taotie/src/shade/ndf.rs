@@ -68,7 +68,7 @@ pub fn d_beckmann<L: Lane>(n_dot_h: L, sin2_h: L, slope: L) -> L {
 ///
 /// D(h) = α² / (π ((n·h)² (α² − 1) + 1)²), computed as α² / (π ((n·h)² α² + sin²θ_h)²)
 ///
-/// `n_dot_h` and `sin2_h` in [0, 1]; `alpha` in [[`MIN_ALPHA`], 1].
+/// `n_dot_h` and `sin2_h` in [0, 1]; `alpha` in [1e-3, 1].
 /// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws::shade::ndf_is_normalised`).
 /// Source: Walter et al. 2007, eq. 33.
 #[inline(always)]
@@ -96,7 +96,7 @@ pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
 /// α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, rising. Computed as r²/3 with r/α a fraction of
 /// two polynomials, within 1.5e-4 of it.
 ///
-/// `alpha` in [[`MIN_ALPHA`], 1].
+/// `alpha` in [1e-3, 1].
 /// Law: the integral (`oracle::light::divergence_of_ggx`).
 #[inline(always)]
 pub fn divergence_ggx<L: Lane>(alpha: L) -> L {
