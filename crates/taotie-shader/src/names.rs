@@ -22,22 +22,30 @@ impl<'g> Names<'g> {
     pub(crate) fn give(&mut self, id: Id) -> String {
         let wish = match self.wished.get(&id) {
             Some(wish) => wish.to_string(),
-            None => self.suggested(id),
+            None => self.unlike_fields(self.suggested(id)),
         };
-        let own = self.wished.contains_key(&id);
-        let numbered = (2..).map(|number| format!("{wish}_{number}"));
-        let mut names = std::iter::once(wish.clone()).chain(numbered);
-        let name = names.find(|name| !self.is_taken(name, own)).unwrap_or(wish);
+        let mut name = wish.clone();
+        for number in 2.. {
+            if !self.is_taken(&name) {
+                break;
+            }
+            name = format!("{wish}_{number}");
+        }
         self.given.insert(id, name.clone());
         name
     }
 
-    fn is_taken(&self, name: &str, is_wish: bool) -> bool {
-        let argument = |path: &str| path.split('.').next() == Some(name);
+    fn is_taken(&self, name: &str) -> bool {
+        let is_argument = |path: &str| path.split('.').next() == Some(name);
         self.given.values().any(|given| given == name)
-            || (!is_wish && self.wished.values().any(|wish| *wish == name))
-            || self.graph.parameters().iter().any(|parameter| argument(parameter.path))
+            || self.graph.parameters().iter().any(|parameter| is_argument(parameter.path))
             || self.program.find(name).is_some()
+    }
+
+    /// The name, with `raw_` where it is that of a field, which is made of the value.
+    fn unlike_fields(&self, name: String) -> String {
+        let is_field = self.wished.values().any(|wish| *wish == name);
+        if is_field { format!("raw_{name}") } else { name }
     }
 
     /// The name of a value that has one.
@@ -60,7 +68,7 @@ impl<'g> Names<'g> {
             Node::Dot(a, b) => self.between([*a, *b], "_dot_", "cosine"),
             Node::Cross(a, b) => self.between([*a, *b], "_cross_", "perpendicular"),
             Node::Unary(Unary::Sqrt, a) => match self.label(*a) {
-                Some(label) if label.ends_with("squared_length") => label.replacen("squared_", "", 1),
+                Some(label) if label.contains("squared_length") => label.replacen("squared_", "", 1),
                 _ => "root".into(),
             },
             Node::Unary(Unary::Exp | Unary::Exp2, _) => "exponential".into(),

@@ -139,6 +139,21 @@ fn distribution_ggx(n_dot_h: f32, sin2_h: f32, alpha: f32) -> f32 {
 }
 
 #[test]
+fn a_model_reads_like_its_definition() {
+    let text = shader(Shading::Ggx, Language::Wgsl);
+    let expected = "fn reflect_ggx(s: MaterialSample, a: Angles) -> vec3f {
+    let f = fresnel(s.f0, s.f90, s.f82_drop, a.v_dot_h);
+    let alpha = alpha_from_roughness(s.roughness);
+    let d = distribution_ggx(a.n_dot_h, a.sin2_h, alpha);
+    let v = visibility_smith_ggx(a.n_dot_l, a.n_dot_v, alpha);
+    let sum = (1.0 - f) * (s.base_color * ((1.0 - s.metallic) * 0.31830987)) + f * (d * v);
+    return select(vec3f(0.0), sum * a.n_dot_l, 0.0 < a.n_dot_l);
+}
+";
+    assert!(text.contains(expected), "{text}");
+}
+
+#[test]
 fn a_shader_holds_what_its_model_needs_and_no_more() {
     let text = shader(Shading::Lambert, Language::Wgsl);
     assert!(text.contains("fn angles(") && text.contains("fn reflect_lambert("), "{text}");
