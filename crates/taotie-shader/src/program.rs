@@ -36,8 +36,7 @@ impl Formula {
 /// Formulas, each of which calls only those before it.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
-    /// The formulas; a call names one by its place here.
-    pub formulas: Vec<Formula>,
+    pub(crate) formulas: Vec<Formula>,
 }
 
 impl Program {
@@ -54,6 +53,11 @@ impl Program {
             formula.graph = with_calls(&formula.graph, Function { number, body: &function.graph });
         }
         self.formulas.push(formula);
+    }
+
+    /// The formulas; a call names one by its place here.
+    pub fn formulas(&self) -> &[Formula] {
+        &self.formulas
     }
 
     /// The formula of this name.

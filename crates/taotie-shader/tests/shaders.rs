@@ -79,7 +79,7 @@ fn glsl_is_valid() {
 #[test]
 fn all_functions_of_the_library_are_valid_side_by_side() {
     let program = library();
-    let names: Vec<&str> = program.formulas.iter().map(|formula| formula.name.as_str()).collect();
+    let names: Vec<&str> = program.formulas().iter().map(|formula| formula.name.as_str()).collect();
     let text = functions(&names, Language::Wgsl);
     let module = wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}\n{text}", e.emit_to_string(&text)));
     validated(&module, &text);
@@ -169,10 +169,10 @@ fn a_shader_holds_what_its_model_needs_and_no_more() {
 #[test]
 fn fields_of_structures_are_documented() {
     let program = library();
-    let paths = program.formulas.iter().flat_map(|formula| formula.graph.parameters());
+    let paths = program.formulas().iter().flat_map(|formula| formula.graph.parameters());
     let fields: Vec<&str> =
         paths.filter_map(|parameter| parameter.path.split_once('.')).map(|p| p.1).collect();
-    let names: Vec<&str> = program.formulas.iter().map(|formula| formula.name.as_str()).collect();
+    let names: Vec<&str> = program.formulas().iter().map(|formula| formula.name.as_str()).collect();
     let text = functions(&names, Language::GlslEs);
     let lines: Vec<&str> = text.lines().collect();
     for field in fields {

@@ -108,7 +108,7 @@ fn graphs_have_the_bits_of_the_formulas_in_single_precision() {
 fn called(graph: &Graph) -> Vec<String> {
     let program = library();
     let name = |node: &Node| match node {
-        Node::Call(call) => Some(program.formulas[call.function].name.clone()),
+        Node::Call(call) => Some(program.formulas()[call.function].name.clone()),
         _ => None,
     };
     graph.nodes().iter().filter_map(name).collect()
@@ -149,7 +149,7 @@ fn documentation_stands_where_the_formula_does() {
     let text = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../taotie/src/shade"));
     // A sentence may run over two lines there.
     let text = text.replace("\n/// ", " ").replace("\n    /// ", " ");
-    for formula in library().formulas {
+    for formula in library().formulas() {
         assert!(!formula.doc.is_empty(), "{}", formula.name);
         for line in formula.doc.lines() {
             assert!(text.contains(line), "{}: not in taotie's source: {line}", formula.name);

@@ -150,7 +150,7 @@ fn inputs(random: &mut Random, graph: &Graph) -> Vec<f64> {
 #[test]
 fn every_formula_has_its_own_bits() {
     let (program, mut random) = (library(), Random(23));
-    for formula in &program.formulas {
+    for formula in program.formulas() {
         for _ in 0..100 {
             let x = inputs(&mut random, &formula.graph);
             let found = evaluate(&formula.graph, &program, &x).expect("the graph is sound");
