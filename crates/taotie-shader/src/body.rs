@@ -43,7 +43,7 @@ fn wishes(formula: &Formula) -> BTreeMap<Id, &'static str> {
     formula.graph.outputs().iter().copied().zip(names).collect()
 }
 
-/// How often each node is used; as an output too.
+/// The count of uses of each node; an output is one.
 fn uses(graph: &Graph) -> Vec<usize> {
     let mut uses = vec![0; graph.nodes().len()];
     let operands = graph.nodes().iter().flat_map(Node::operands);
@@ -57,13 +57,13 @@ struct Writer<'g> {
     language: Language,
     names: Names<'g>,
     uses: Vec<usize>,
-    /// What stands for each node: its name or its expression.
+    /// The text of each node: its name or its expression.
     phrases: Vec<Phrase>,
     lines: String,
 }
 
 impl Writer<'_> {
-    /// What stands for a node; a line that names it is written where it needs a name.
+    /// The text of a node; writes a line that names it where it needs a name.
     fn written(&mut self, id: Id) -> Phrase {
         let phrase = self.expression(id);
         if !self.needs_name(id, &phrase) {

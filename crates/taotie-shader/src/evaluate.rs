@@ -4,7 +4,7 @@ use crate::graph::{Binary, Graph, Id, Node, Unary};
 use crate::program::Program;
 use taotie::math::{Lane, Mask};
 
-/// Why a graph has no value.
+/// The reason why a graph has no value.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EvaluateError {
     /// Another count of inputs than of parameters, or none at all, which leaves constants without a type.

@@ -172,12 +172,12 @@ impl Graph {
         &self.nodes[id.0]
     }
 
-    /// What the graph is given, in order.
+    /// The parameters, in order.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
 
-    /// What the graph computes.
+    /// The nodes that are the graph's results, in order.
     pub fn outputs(&self) -> &[Id] {
         &self.outputs
     }

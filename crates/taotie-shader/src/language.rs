@@ -1,4 +1,4 @@
-//! How the languages write things.
+//! The syntax of the languages.
 
 use crate::graph::Kind;
 
@@ -11,7 +11,7 @@ pub enum Language {
     GlslEs,
 }
 
-/// How tightly a piece of text holds together.
+/// The precedence of the operator that an expression was made by; later ones bind more tightly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Tightness {
     Comparison,

@@ -1,4 +1,4 @@
-//! What layers, lights and antialiasing are made of.
+//! The parts of layers, lights and antialiasing.
 
 use crate::inputs;
 use crate::program::{Formula, part};

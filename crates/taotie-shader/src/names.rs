@@ -9,7 +9,7 @@ pub(crate) struct Names<'g> {
     graph: &'g Graph,
     program: &'g Program,
     given: BTreeMap<Id, String>,
-    /// What a structure's fields are called, for the outputs that become these.
+    /// The names of a structure's fields, for the outputs that become these.
     wished: BTreeMap<Id, &'static str>,
 }
 

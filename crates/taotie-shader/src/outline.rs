@@ -76,7 +76,7 @@ fn shape(node: &Node) -> Node {
     node.with(|_| Id(0))
 }
 
-/// What stands in the parameters' places; numbers widened to vectors where the function takes these.
+/// The values in the parameters' places; numbers widened to vectors where the function takes these.
 fn arguments(graph: &mut Graph, body: &Graph, bound: &FxHashMap<Id, Id>) -> Option<Vec<Id>> {
     let mut arguments = Vec::new();
     for (number, parameter) in body.parameters().iter().enumerate() {

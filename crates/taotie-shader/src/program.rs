@@ -12,11 +12,11 @@ pub struct Formula {
     pub name: String,
     /// The name of its result where it is called, as the field writes it: `d`, `alpha`.
     pub symbol: &'static str,
-    /// What it computes, with units and source, line by line.
+    /// Its documentation: meaning, formula, ranges, units and source, line by line.
     pub doc: &'static str,
     /// The structure that it returns, whose fields are the outputs; `None` for a number or a vector.
     pub structure: Option<&'static str>,
-    /// What it does.
+    /// Its expression graph.
     pub graph: Graph,
 }
 

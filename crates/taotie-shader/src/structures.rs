@@ -69,7 +69,7 @@ pub(crate) fn field_name(path: &'static str) -> &'static str {
     path.split_once('.').map_or(path, |(_, field)| field)
 }
 
-/// What a field holds, with range and unit.
+/// The meaning of a field, with range and unit.
 pub(crate) fn field_doc(path: &str) -> &'static str {
     match path {
         "s.base_color" => "ρ, linear RGB in [0, 1]; diffuse colour of `lambert`, `ggx` and `ggx-printed`.",

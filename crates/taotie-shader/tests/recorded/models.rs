@@ -53,14 +53,14 @@ fn vectors<L: Lane>(x: &[L; 9]) -> Angles<L> {
     Angles::new(n, v, l)
 }
 
-/// What the formulas themselves give: the angles, and the light of each model.
+/// The results of the formulas themselves: the angles, and the light of each model.
 fn direct<L: Lane>(directions: &[L; 9], x: &[L; MATERIAL]) -> ([L; ANGLES], Vec<[L; 3]>) {
     let a = vectors(directions);
     let lit = Shading::NAMES.iter().map(|(_, shading)| reflect(*shading, &material(x), &a).to_array());
     (angles(&a), lit.collect())
 }
 
-/// What the recorded graphs give for the same.
+/// The results of the recorded graphs for the same.
 fn played<L: Lane>(directions: &[L; 9], x: &[L; MATERIAL]) -> ([L; ANGLES], Vec<[L; 3]>) {
     let program = library();
     let graph = |name: &str| &program.find(name).unwrap_or_else(|| panic!("{name} is missing")).graph;

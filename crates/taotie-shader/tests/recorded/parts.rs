@@ -71,7 +71,7 @@ fn vectors<L: Lane>(vectors: &[Vec3<L>]) -> Vec<L> {
     vectors.iter().flat_map(|vector| vector.to_array()).collect()
 }
 
-/// What the formula of this name itself gives.
+/// The result of the formula of this name itself.
 fn direct<L: Lane>(name: &str, numbers: &[L]) -> Vec<L> {
     let mut x = Inputs(numbers.iter());
     if let Some(model) = name.strip_prefix("environment_weights_") {

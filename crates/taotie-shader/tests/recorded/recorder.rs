@@ -1,4 +1,4 @@
-//! What a recording holds, and what it runs on.
+//! The content of recordings, and their inputs.
 
 use taotie::math::{Dual, Lane};
 use taotie::shade::ndf::{d_beckmann, d_ggx};

@@ -138,7 +138,7 @@ fn difference(shading: Shading, x: &[f64; INPUTS], by: usize, step: f64) -> [f64
     std::array::from_fn(|i| (far_below[i] - far_above[i] + 8.0 * (above[i] - below[i])) / (12.0 * step))
 }
 
-/// How many derivatives were compared, and how many of these are not zero.
+/// The counts of derivatives: all, those at smooth points, and of these the ones that are not zero.
 #[derive(Default)]
 struct Tally {
     points: usize,
