@@ -55,8 +55,8 @@ impl Packer<'_> {
         if let Some(known) = self.numbers.get(&id) {
             return *known;
         }
-        let packed = match self.scalar_product(id) {
-            Some(product) => product,
+        let packed = match self.of_vectors(id) {
+            Some(number) => number,
             None => {
                 let recorded = self.recorded;
                 let node = recorded.node(id).with(|operand| self.number(operand));
@@ -65,6 +65,27 @@ impl Packer<'_> {
         };
         self.numbers.insert(id, packed);
         packed
+    }
+
+    /// The number that is made of vectors where `id` is made of all their components.
+    fn of_vectors(&mut self, id: Id) -> Option<Id> {
+        match self.scalar_product(id) {
+            None => self.largest_component(id),
+            product => product,
+        }
+    }
+
+    /// The largest component of a vector, if `id` is the largest of three numbers that are one.
+    fn largest_component(&mut self, id: Id) -> Option<Id> {
+        let (first_two, z) = self.operands(Binary::Max, id)?;
+        let (x, y) = self.operands(Binary::Max, first_two)?;
+        let vector = self.triple([x, y, z]);
+        if !self.is_whole(vector) {
+            return None;
+        }
+        let [x, y, z] = [0, 1, 2].map(|which| self.packed.add(Node::Component(vector, which)));
+        let first_two = self.packed.add(Node::Binary(Binary::Max, x, y));
+        Some(self.packed.add(Node::Binary(Binary::Max, first_two, z)))
     }
 
     /// The scalar product that `id` is, if it is the sum of three products of vectors' components.

@@ -154,6 +154,13 @@ fn a_model_reads_like_its_definition() {
 }
 
 #[test]
+fn channels_stay_together() {
+    let text = functions(&["compensation"], Language::Wgsl);
+    assert!(text.contains("max(max(product.x, product.y), product.z)"), "{text}");
+    assert!(!text.contains("f0.x") && text.contains(") -> Compensation {"), "{text}");
+}
+
+#[test]
 fn a_shader_holds_what_its_model_needs_and_no_more() {
     let text = shader(Shading::Lambert, Language::Wgsl);
     assert!(text.contains("fn angles(") && text.contains("fn reflect_lambert("), "{text}");
