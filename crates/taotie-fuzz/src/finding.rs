@@ -108,7 +108,7 @@ mod tests {
             let failure = Failure { kind: FailureKind::Panic, message: "index 12".into() };
             Ok(case.mutations.contains(&guilty).then_some(failure))
         };
-        assert_eq!(finding().minimised(fails).unwrap().case.mutations, [guilty.clone()]);
+        assert_eq!(finding().minimised(fails).unwrap().case.mutations, std::slice::from_ref(&guilty));
         let other = |_: &Case| Ok(Some(Failure { kind: FailureKind::Time, message: String::new() }));
         assert_eq!(finding().minimised(other).unwrap(), finding());
     }

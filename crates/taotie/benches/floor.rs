@@ -385,6 +385,21 @@ impl Lane for Counted {
         count(2);
         Self(Lane::max(self.0, other.0))
     }
+    fn exp(self) -> Self {
+        poly::exp(self)
+    }
+    fn exp2(self) -> Self {
+        poly::exp2(self)
+    }
+    fn ln(self) -> Self {
+        poly::ln(self)
+    }
+    fn log2(self) -> Self {
+        poly::log2(self)
+    }
+    fn pow(self, exponent: Self) -> Self {
+        poly::pow(self, exponent)
+    }
 }
 
 fn counts() -> [u64; 3] {

@@ -6,7 +6,7 @@ use crate::options::{self, fraction, positive};
 use crate::studio::{Green, Space};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use taotie::asset::{BakeOptions, Baker, Limits, MeshSource, Packing, RayDistance, Requirement};
 use taotie::bake::MapKind;
 use taotie::io::{FileSet, GltfImages};
@@ -103,8 +103,8 @@ pub struct BakeArgs {
     /// Write textures as WebP instead of PNG, lossless
     #[arg(long, help_heading = "File")]
     pub webp: bool,
-    /// Write base colour and emission as lossy WebP of this quality, 1 to 100. Roughness, metallic and occlusion are then
-    /// at most 2 of 255 off; normals and alpha stay lossless
+    /// Write base colour and emission as lossy WebP of this quality, 1 to 100. All other textures stay lossless, and
+    /// alpha too
     #[arg(long, value_name = "QUALITY", value_parser = clap::value_parser!(u8).range(1..=100), help_heading = "File")]
     pub webp_quality: Option<u8>,
     /// Write the base colour as JPEG of this quality, 1 to 100. All other textures stay as they are: they are numbers
@@ -207,11 +207,13 @@ impl BakeArgs {
             );
         }
         self.check_alone()?;
-        let same = |path: &PathBuf| {
+        let same = |path: &Path| {
             path.canonicalize().ok().is_some_and(|p| Some(p) == self.output.canonicalize().ok())
         };
-        if [Some(&self.high), self.low.as_ref(), self.cage.as_ref()].into_iter().flatten().any(same) {
-            bail!("{}: it would overwrite an input of the bake; choose another name", self.output.display());
+        let mut inputs = [Some(&self.high), self.low.as_ref(), self.cage.as_ref()].into_iter().flatten();
+        if let Some(input) = inputs.find(|input| same(input)) {
+            let (output, input) = (self.output.display(), input.display());
+            bail!("{output}: it would be written over {input}, which is read; give another name or folder");
         }
         let made = (self.low.is_none() && self.error.is_none()).then_some(self.triangles());
         let levels: Vec<u32> = made.into_iter().chain(self.lods()).collect();

@@ -88,8 +88,11 @@ fn refusals() {
         ("scan.obj -o out.obj", "out.obj: assets are written as .glb or .gltf"),
         ("scan.obj -o out", "out: assets are written as .glb or .gltf"),
         ("scan.obj -o absent/out.glb", "absent: there is no such folder; make it first"),
-        ("scan.glb -o scan.glb", "scan.glb: it would overwrite an input of the bake; choose another name"),
-        ("scan.obj --low scan.glb -o scan.glb", "scan.glb: it would overwrite an input of the bake"),
+        (
+            "scan.glb -o scan.glb",
+            "scan.glb: it would be written over scan.glb, which is read; give another name",
+        ),
+        ("scan.obj --low scan.glb -o scan.glb", "scan.glb: it would be written over scan.glb, which is read"),
         (
             "scan.obj -o out.glb --lods 100,200",
             "--lods: a level of 200 triangles follows one of 100; each must have fewer",

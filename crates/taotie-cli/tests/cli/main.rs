@@ -21,6 +21,7 @@ mod inspect;
 mod interrupted;
 mod json;
 mod json_bake;
+mod json_compare;
 mod kept;
 mod limits;
 mod maps_alone;

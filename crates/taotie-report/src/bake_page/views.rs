@@ -105,7 +105,7 @@ fn maps(proof: &Proof, asset: &Asset) -> Result<Vec<Picture>> {
         let inside = [("normal", &textures.normal), ("albedo", &textures.color), ("orm", &textures.orm)];
         for (name, bitmap) in inside {
             if let Some(bitmap) = bitmap {
-                maps.push(Picture::new(&named(material, name), "", &Sheet::preview(bitmap, MAP))?);
+                maps.push(Picture::new(named(material, name), "", &Sheet::preview(bitmap, MAP))?);
             }
         }
         for beside in &textures.beside {

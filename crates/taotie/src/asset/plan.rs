@@ -207,7 +207,7 @@ mod tests {
         let uniform = uniform.map(|property| Found { property, is_uniform: true, part: 1.0 });
         let varying = varying.iter().map(|p| Found { property: *p, is_uniform: false, part: 0.25 });
         let found = uniform.chain(varying).collect();
-        Carried { material, found, ..Carried::default() }
+        Carried { material, found }
     }
 
     fn plan(options: &BakeOptions, scan: &Carried) -> BakePlan {

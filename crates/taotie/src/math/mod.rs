@@ -1,8 +1,10 @@
 //! Numbers, vectors, matrices and frames, each formula written once over the number type [`Lane`].
 
 mod column;
+mod dual;
 mod lane;
 mod mat;
+mod numbers;
 mod pack;
 #[cfg(feature = "serde")]
 mod serial;
@@ -17,6 +19,7 @@ pub mod sequence;
 pub mod srgb;
 
 pub use column::{Aligned, BATCH, COLUMN, Column, Quads, Words};
+pub use dual::Dual;
 pub use lane::{Lane, Mask};
 pub use mat::Mat4;
 pub use pack::{MOST_LANES, Pack};

@@ -75,9 +75,8 @@ pub fn environment_weights<L: Lane>(
 /// Source: Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", listing 26, with the roughness in α's place.
 #[inline(always)]
 pub fn specular_occlusion<L: Lane>(n_dot_v: L, occlusion: L, roughness: L) -> L {
-    use crate::math::poly;
     let one = n_dot_v.lit(1.0);
-    let exponent = poly::exp2(-(roughness * one.lit(16.0)) - one);
-    let power = poly::pow((n_dot_v + occlusion).max(one.lit(1e-6)), exponent);
+    let exponent = (-(roughness * one.lit(16.0)) - one).exp2();
+    let power = (n_dot_v + occlusion).max(one.lit(1e-6)).pow(exponent);
     (power - one + occlusion).clamp(0.0, 1.0)
 }

@@ -5,7 +5,7 @@
 //! badly; [`super::Angles`] has both.
 
 use crate::math::Lane;
-use crate::math::poly::{self, horner};
+use crate::math::poly::horner;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// The smallest α: a roughness of 0 would be a mirror, whose highlight of a point light has no finite radiance.
@@ -14,7 +14,7 @@ pub const MIN_ALPHA: f64 = 1e-3;
 /// The smallest (n·h)² that [`d_beckmann`] divides by; the exponential there is zero long before.
 const MIN_COS2: f64 = 1e-6;
 
-/// α = roughness², at least [`MIN_ALPHA`].
+/// α = roughness², at least 1e-3 ([`MIN_ALPHA`]).
 ///
 /// `roughness` in [0, 1].
 /// Source: Burley 2012, §5.4, as in glTF 2.0, appendix B.
@@ -61,14 +61,14 @@ pub fn d_beckmann<L: Lane>(n_dot_h: L, sin2_h: L, slope: L) -> L {
     let cos2 = (n_dot_h * n_dot_h).max(slope.lit(MIN_COS2));
     let m = slope.max(slope.lit(MIN_ALPHA));
     let m2 = m * m;
-    poly::exp(-(sin2_h / (m2 * cos2))) / (m2 * cos2 * cos2 * m.lit(PI))
+    (-(sin2_h / (m2 * cos2))).exp() / (m2 * cos2 * cos2 * m.lit(PI))
 }
 
 /// Trowbridge–Reitz (GGX) normal distribution, D(h), in sr⁻¹.
 ///
 /// D(h) = α² / (π ((n·h)² (α² − 1) + 1)²), computed as α² / (π ((n·h)² α² + sin²θ_h)²)
 ///
-/// `n_dot_h` and `sin2_h` in [0, 1]; `alpha` in [[`MIN_ALPHA`], 1].
+/// `n_dot_h` and `sin2_h` in [0, 1]; `alpha` in [1e-3, 1].
 /// Law: ∫ D(h) (n·h) dh = 1 over the hemisphere (`laws::shade::ndf_is_normalised`).
 /// Source: Walter et al. 2007, eq. 33.
 #[inline(always)]
@@ -88,7 +88,7 @@ pub fn d_ggx<L: Lane>(n_dot_h: L, sin2_h: L, alpha: L) -> L {
 #[inline(always)]
 pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
     let scale = (shininess + shininess.lit(2.0)) * shininess.lit(0.5 * FRAC_1_PI);
-    scale * poly::pow(n_dot_h, shininess)
+    scale * n_dot_h.pow(shininess)
 }
 
 /// The divergence of the facets of a GGX surface: 1 − ∫ D(m) (n·m)² dm, one less the length of their mean normal.
@@ -96,7 +96,7 @@ pub fn d_blinn<L: Lane>(n_dot_h: L, shininess: L) -> L {
 /// α²/k (artanh(√k)/√k − 1) with k = 1 − α²: 0 at α = 0, 1/3 at α = 1, rising. Computed as r²/3 with r/α a fraction of
 /// two polynomials, within 1.5e-4 of it.
 ///
-/// `alpha` in [[`MIN_ALPHA`], 1].
+/// `alpha` in [1e-3, 1].
 /// Law: the integral (`oracle::light::divergence_of_ggx`).
 #[inline(always)]
 pub fn divergence_ggx<L: Lane>(alpha: L) -> L {

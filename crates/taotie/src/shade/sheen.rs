@@ -1,6 +1,6 @@
 //! Sheen, the reflection of fibres that stand on a surface, as of velvet.
 
-use crate::math::{Lane, poly};
+use crate::math::Lane;
 use std::f64::consts::FRAC_1_PI;
 
 /// The least roughness of sheen: a sharper one would be seen edge-on only.
@@ -17,7 +17,7 @@ pub fn d_charlie<L: Lane>(sin2_h: L, roughness: L) -> L {
     let one = sin2_h.lit(1.0);
     let kept = roughness.max(one.lit(MIN_ROUGHNESS));
     let inverse = one / (kept * kept);
-    let sine = poly::pow(sin2_h.max(one.lit(1e-30)), inverse * one.lit(0.5));
+    let sine = sin2_h.max(one.lit(1e-30)).pow(inverse * one.lit(0.5));
     (inverse + one.lit(2.0)) * sine * one.lit(0.5 * FRAC_1_PI)
 }
 

@@ -288,7 +288,7 @@ mod tests {
     fn what_is_wrong_is_told_with_its_place() {
         assert!(refused("roughness = 0.5\nshinyness = 3").starts_with("a/m.toml: line 2: unknown field"));
         assert_eq!(refused("roughness = 2"), "a/m.toml: roughness: it must lie between 0 and 1");
-        assert_eq!(refused("slope = 0.0"), "a/m.toml: slope: it must be above 0");
+        assert_eq!(refused("slope = 0.0"), "a/m.toml: slope: it must be above 0, and at most 1e9");
         assert_eq!(
             refused("f0 = [0, 0, -1]"),
             "a/m.toml: f0: its numbers must be 0 or more, and at most 1e12"

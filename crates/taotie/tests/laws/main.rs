@@ -27,6 +27,7 @@ mod energy;
 mod environment;
 mod facets;
 mod film;
+mod gradients;
 mod lane;
 mod made_meshes;
 mod maps;

@@ -517,7 +517,7 @@ mod tests {
         let (files, path) = (FileSet::new(), folder.path().join("a"));
         fs::write(&path, "before").unwrap();
         files.write_text(&path, "after").unwrap();
-        assert_eq!(files.files(), [path.clone()]);
+        assert_eq!(files.files(), std::slice::from_ref(&path));
         assert_eq!(fs::read_to_string(files.current(&path)).unwrap(), "after");
         assert_eq!(fs::read_to_string(&path).unwrap(), "before");
         files.commit().unwrap();

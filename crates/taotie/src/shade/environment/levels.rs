@@ -1,7 +1,7 @@
 //! The light of an environment at some roughnesses, and at all by going between them.
 
 use super::octahedron::{Octahedron, place_of};
-use crate::math::{Lane, Vec3, poly, scalar};
+use crate::math::{Lane, Vec3, scalar};
 
 /// The light at one roughness.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +51,7 @@ impl<L: Lane> Between<L> {
     #[inline(always)]
     pub(super) fn of(roughness: L) -> Self {
         let one = roughness.lit(1.0);
-        let octaves = poly::log2((roughness * roughness * one.lit(1.0 / DENSE_FROM)).max(one.lit(1e-9)));
+        let octaves = (roughness * roughness * one.lit(1.0 / DENSE_FROM)).max(one.lit(1e-9)).log2();
         let sparse = octaves.lt(one.lit(0.0));
         let to_octave = L::select(sparse, one.lit(SPARSE_TO_OCTAVE), one.lit(DENSE_TO_OCTAVE));
         let position = octaves * to_octave + one.lit(f64::from(SPARSE.0));
@@ -59,7 +59,7 @@ impl<L: Lane> Between<L> {
         let below = position.floor();
         // 1/α falls from one level to the next by `step`, of which `left` to the roughness.
         let step = L::select(sparse, one.lit(SPARSE.1), one.lit(DENSE_STEP));
-        let left = poly::exp2((one - (position - below)) / to_octave);
+        let left = ((one - (position - below)) / to_octave).exp2();
         Self { below, share: (step - left) / (step - one) }
     }
 }

@@ -1,6 +1,6 @@
 //! Lambert, Phong and Blinn-Phong. All are called for n·l > 0.
 
-use crate::math::{Lane, Vec3, poly};
+use crate::math::{Lane, Vec3};
 use crate::shade::{Angles, MaterialSample};
 use std::f64::consts::FRAC_1_PI;
 
@@ -25,7 +25,7 @@ pub(super) fn lambert<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> 
 /// Source: Phong 1975; Guo and Wang 2025, eq. 1, 3 and §1.2.
 #[inline(always)]
 pub(super) fn phong<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
-    s.diffuse * a.n_dot_l + s.specular * poly::pow(a.r_dot_v, s.shininess)
+    s.diffuse * a.n_dot_l + s.specular * a.r_dot_v.pow(s.shininess)
 }
 
 /// Blinn-Phong with energy normalisation.
@@ -39,7 +39,7 @@ pub(super) fn phong<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
 #[inline(always)]
 pub(super) fn blinn_phong<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
     let scale = normalisation(s.shininess);
-    let lobe = poly::pow(a.n_dot_h, s.shininess);
+    let lobe = a.n_dot_h.pow(s.shininess);
     (s.diffuse * scale.lit(FRAC_1_PI) + s.specular * (scale * lobe)) * a.n_dot_l
 }
 
@@ -51,7 +51,7 @@ pub(super) fn blinn_phong<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3
 /// Source: Blinn 1977; the article's first formula.
 #[inline(always)]
 pub(super) fn blinn_phong_classic<L: Lane>(s: &MaterialSample<L>, a: &Angles<L>) -> Vec3<L> {
-    s.diffuse * a.n_dot_l + s.specular * poly::pow(a.n_dot_h, s.shininess)
+    s.diffuse * a.n_dot_l + s.specular * a.n_dot_h.pow(s.shininess)
 }
 
 /// (s + 8)/(8π).

@@ -34,8 +34,8 @@ impl fmt::Display for GltfImages {
 pub struct GltfFormat {
     /// The packing of textures.
     pub images: GltfImages,
-    /// The quality, 1 to 100, of base colour and emission as lossy WebP; `None` loses nothing. Roughness, metallic and
-    /// occlusion are then nearly lossless, at most 2 of 255 off. Normals and alpha always are lossless. For WebP only.
+    /// The quality, 1 to 100, of base colour and emission as lossy WebP; `None` loses nothing. Normals,
+    /// roughness, metallic, occlusion and alpha always are lossless. For WebP only.
     pub webp_quality: Option<u8>,
     /// The rate–distortion optimisation of UASTC, 1 to 64: blocks repeat what earlier ones hold where Zstandard then saves
     /// enough. The mean square error of a block rises by its square at most, of 255². Normals are left out. For KTX2 only.

@@ -36,15 +36,12 @@ impl From<GltfImages> for ImagePacking {
 
 impl ImagePacking {
     /// Returns the packing of an image of some meaning: colours may lose what is asked for, normals nothing more than
-    /// the format costs. Other numbers are nearly lossless in WebP, since its losses blur their channels together.
+    /// the format costs. Other numbers are lossless in WebP, since its losses blur their channels together.
     pub fn new(format: &GltfFormat, encoding: Encoding) -> Self {
         match (format.images, encoding) {
-            (images, Encoding::Normal) => images.into(),
+            (images, Encoding::Normal) | (images @ GltfImages::WebP, Encoding::Linear) => images.into(),
             (GltfImages::WebP, Encoding::Srgb) => {
                 Self::WebP(format.webp_quality.map_or(WebPLoss::Lossless, WebPLoss::Quality))
-            }
-            (GltfImages::WebP, Encoding::Linear) => {
-                Self::WebP(format.webp_quality.map_or(WebPLoss::Lossless, |_| WebPLoss::NearLossless))
             }
             (GltfImages::Ktx2, _) => Self::Ktx2(format.uastc_rdo.unwrap_or(0)),
             (GltfImages::Png, _) => Self::Png,

@@ -8,8 +8,6 @@ use crate::error::{Error, Result};
 pub(super) enum WebPLoss {
     /// None.
     Lossless,
-    /// At most 2 of 255 in each channel, where texels differ from their neighbours.
-    NearLossless,
     /// That of a quality, 1 to 100; alpha loses nothing.
     Quality(u8),
 }
@@ -44,15 +42,10 @@ pub(super) fn encode(image: &WebPImage<'_>, loss: WebPLoss) -> Result<Vec<u8>> {
 /// Returns libwebp's options. Colours under clear texels stay, since lookups between texels read them.
 #[cfg(feature = "webp")]
 fn config(loss: WebPLoss) -> webpx::EncoderConfig {
-    /// Rounds to multiples of 4 at most: libwebp's bits of loss are 5 less a twentieth of this.
-    const NEAR_LOSSLESS: u8 = 60;
     /// The search that takes longest.
     const SEARCH: u8 = 6;
     match loss {
         WebPLoss::Lossless => webpx::EncoderConfig::new_lossless().exact(true),
-        WebPLoss::NearLossless => {
-            webpx::EncoderConfig::new_lossless().near_lossless(NEAR_LOSSLESS).exact(true)
-        }
         WebPLoss::Quality(quality) => {
             webpx::EncoderConfig::new().quality(quality.into()).method(SEARCH).sharp_yuv(true).exact(true)
         }

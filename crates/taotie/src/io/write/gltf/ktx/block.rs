@@ -64,7 +64,7 @@ impl Block {
     pub fn refitted(&self, texels: &Texels) -> Option<Self> {
         match self {
             Self::Solid(_) => None,
-            Self::Line(line, fit) => Some(Self::Line(*line, fit.refitted(texels, (line.steps, line.range))?)),
+            Self::Line(line, fit) => Some(Self::Line(line, fit.refitted(texels, (line.steps, line.range))?)),
             Self::Planes(planes) => planes.refitted(texels).map(Self::Planes),
         }
     }

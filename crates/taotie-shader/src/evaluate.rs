@@ -1,0 +1,224 @@
+//! Plays a graph: its values for given inputs, on any machine.
+
+use crate::graph::{Binary, Graph, Id, Node, Unary};
+use crate::program::Program;
+use taotie::math::{Lane, Mask};
+
+/// The reason why a graph has no value.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum EvaluateError {
+    /// Another count of inputs than of parameters, or none at all, which leaves constants without a type.
+    #[error("the graph takes {expected} numbers, and at least one; {found} were given")]
+    Inputs {
+        /// The numbers that its parameters hold, three for a vector.
+        expected: usize,
+        /// Those that were given.
+        found: usize,
+    },
+    /// An operation on values that it does not take.
+    #[error("node {0} has operands that it does not take")]
+    Kind(usize),
+    /// A call of a function that the program does not have.
+    #[error("the program has no function {0}")]
+    Function(usize),
+}
+
+type Result<T> = std::result::Result<T, EvaluateError>;
+
+/// The value of a node.
+#[derive(Debug, Clone, Copy)]
+enum Value<L: Lane> {
+    Number(L),
+    Vector([L; 3]),
+    Truth(L::Mask),
+}
+
+/// The outputs of `graph`, number by number, for the numbers of its parameters; the functions that it calls are those of
+/// `program`.
+///
+/// The operations are those of `L`, in the graph's order: in `f64` the result has the bits of the formula that was
+/// recorded.
+///
+/// # Errors
+/// Where the inputs are not as many as the parameters' numbers, or the graph is not of this program.
+pub fn evaluate<L: Lane>(graph: &Graph, program: &Program, inputs: &[L]) -> Result<Vec<L>> {
+    let (given, like) = parameters(graph, inputs)?;
+    let mut player = Player { program, given, like, values: Vec::with_capacity(graph.nodes().len()) };
+    for node in graph.nodes() {
+        let value = player.play(node)?;
+        player.values.push(value);
+    }
+    let mut numbers = Vec::new();
+    for output in graph.outputs() {
+        match player.values[output.0] {
+            Value::Number(number) => numbers.push(number),
+            Value::Vector(vector) => numbers.extend(vector),
+            Value::Truth(_) => return Err(EvaluateError::Kind(output.0)),
+        }
+    }
+    Ok(numbers)
+}
+
+/// The inputs as the values of the parameters, and one of them.
+fn parameters<L: Lane>(graph: &Graph, inputs: &[L]) -> Result<(Vec<Value<L>>, L)> {
+    let expected = graph.parameters().iter().map(|parameter| parameter.kind.numbers()).sum();
+    let wrong = EvaluateError::Inputs { expected, found: inputs.len() };
+    let Some(like) = inputs.first().filter(|_| expected == inputs.len()) else { return Err(wrong) };
+    let mut rest = inputs;
+    let values = graph.parameters().iter().map(|parameter| {
+        let (own, others) = rest.split_at(parameter.kind.numbers());
+        rest = others;
+        match own {
+            [x, y, z] => Value::Vector([*x, *y, *z]),
+            _ => Value::Number(own[0]),
+        }
+    });
+    Ok((values.collect(), *like))
+}
+
+struct Player<'p, L: Lane> {
+    program: &'p Program,
+    given: Vec<Value<L>>,
+    /// Any number, of which constants are made.
+    like: L,
+    values: Vec<Value<L>>,
+}
+
+impl<L: Lane> Player<'_, L> {
+    fn play(&self, node: &Node) -> Result<Value<L>> {
+        let wrong = EvaluateError::Kind(self.values.len());
+        let value = match node {
+            Node::Parameter(number) => self.given.get(*number).copied(),
+            Node::Constant(bits) => Some(Value::Number(self.like.lit(f64::from_bits(*bits)))),
+            Node::Unary(operation, a) => unary(*operation, self.value(*a)),
+            Node::Binary(operation, a, b) => binary(*operation, self.value(*a), self.value(*b)),
+            Node::Select(operands) => select(operands.map(|operand| self.value(operand))),
+            Node::Component(a, which) => self.vector(*a).map(|vector| Value::Number(vector[*which])),
+            Node::Vector(parts) => self.joined(*parts),
+            Node::Swizzle(a, which) => self.vector(*a).map(|vector| Value::Vector(which.map(|i| vector[i]))),
+            Node::Dot(a, b) => self.vectors(*a, *b).map(|[a, b]| Value::Number(dot(a, b))),
+            Node::Cross(a, b) => self.vectors(*a, *b).map(|[a, b]| Value::Vector(cross(a, b))),
+            Node::Call(call) => return self.call(call.function, &call.arguments),
+        };
+        value.ok_or(wrong)
+    }
+
+    fn value(&self, id: Id) -> Value<L> {
+        self.values[id.0]
+    }
+
+    fn vector(&self, id: Id) -> Option<[L; 3]> {
+        match self.value(id) {
+            Value::Vector(vector) => Some(vector),
+            _ => None,
+        }
+    }
+
+    fn vectors(&self, a: Id, b: Id) -> Option<[[L; 3]; 2]> {
+        Some([self.vector(a)?, self.vector(b)?])
+    }
+
+    fn joined(&self, parts: [Id; 3]) -> Option<Value<L>> {
+        match parts.map(|part| self.value(part)) {
+            [Value::Number(x), Value::Number(y), Value::Number(z)] => Some(Value::Vector([x, y, z])),
+            _ => None,
+        }
+    }
+
+    fn call(&self, function: usize, arguments: &[Id]) -> Result<Value<L>> {
+        let formula = self.program.formulas.get(function).ok_or(EvaluateError::Function(function))?;
+        let mut inputs = Vec::new();
+        for argument in arguments {
+            match self.value(*argument) {
+                Value::Number(number) => inputs.push(number),
+                Value::Vector(vector) => inputs.extend(vector),
+                Value::Truth(_) => return Err(EvaluateError::Kind(self.values.len())),
+            }
+        }
+        match evaluate(&formula.graph, self.program, &inputs)?[..] {
+            [number] => Ok(Value::Number(number)),
+            [x, y, z] => Ok(Value::Vector([x, y, z])),
+            _ => Err(EvaluateError::Kind(self.values.len())),
+        }
+    }
+}
+
+fn dot<L: Lane>(a: [L; 3], b: [L; 3]) -> L {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i])
+}
+
+fn unary<L: Lane>(operation: Unary, operand: Value<L>) -> Option<Value<L>> {
+    let of = |x: L| match operation {
+        Unary::Negate => Some(-x),
+        Unary::Sqrt => Some(x.sqrt()),
+        Unary::Abs => Some(x.abs()),
+        Unary::Floor => Some(x.floor()),
+        Unary::Exp => Some(x.exp()),
+        Unary::Exp2 => Some(x.exp2()),
+        Unary::Ln => Some(x.ln()),
+        Unary::Log2 => Some(x.log2()),
+        Unary::Mantissa => Some(x.frexp().0),
+        Unary::Exponent => Some(x.frexp().1),
+        Unary::Not => None,
+    };
+    match operand {
+        Value::Number(x) => of(x).map(Value::Number),
+        Value::Vector([x, y, z]) => Some(Value::Vector([of(x)?, of(y)?, of(z)?])),
+        Value::Truth(mask) => (operation == Unary::Not).then(|| Value::Truth(mask.not())),
+    }
+}
+
+fn binary<L: Lane>(operation: Binary, a: Value<L>, b: Value<L>) -> Option<Value<L>> {
+    let (a, b) = match (a, b) {
+        (Value::Truth(a), Value::Truth(b)) => return truths(operation, a, b).map(Value::Truth),
+        (Value::Number(a), Value::Number(b)) if matches!(operation, Binary::Less | Binary::AtMost) => {
+            let truth = if operation == Binary::Less { a.lt(b) } else { a.le(b) };
+            return Some(Value::Truth(truth));
+        }
+        (Value::Number(a), Value::Number(b)) => return arithmetic(operation, a, b).map(Value::Number),
+        (Value::Vector(a), Value::Vector(b)) => (a, b),
+        (Value::Vector(a), Value::Number(b)) => (a, [b; 3]),
+        (Value::Number(a), Value::Vector(b)) => ([a; 3], b),
+        _ => return None,
+    };
+    let of = |i: usize| arithmetic(operation, a[i], b[i]);
+    Some(Value::Vector([of(0)?, of(1)?, of(2)?]))
+}
+
+fn arithmetic<L: Lane>(operation: Binary, a: L, b: L) -> Option<L> {
+    match operation {
+        Binary::Add => Some(a + b),
+        Binary::Subtract => Some(a - b),
+        Binary::Multiply => Some(a * b),
+        Binary::Divide => Some(a / b),
+        Binary::Min => Some(a.min(b)),
+        Binary::Max => Some(a.max(b)),
+        Binary::Power => Some(a.pow(b)),
+        Binary::Scale => Some(a.ldexp(b)),
+        Binary::Less | Binary::AtMost | Binary::And | Binary::Or => None,
+    }
+}
+
+fn truths<M: Mask>(operation: Binary, a: M, b: M) -> Option<M> {
+    match operation {
+        Binary::And => Some(a.and(b)),
+        Binary::Or => Some(a.or(b)),
+        _ => None,
+    }
+}
+
+fn select<L: Lane>(operands: [Value<L>; 3]) -> Option<Value<L>> {
+    match operands {
+        [Value::Truth(mask), Value::Number(a), Value::Number(b)] => {
+            Some(Value::Number(L::select(mask, a, b)))
+        }
+        [Value::Truth(mask), Value::Vector(a), Value::Vector(b)] => {
+            Some(Value::Vector([0, 1, 2].map(|i| L::select(mask, a[i], b[i]))))
+        }
+        _ => None,
+    }
+}

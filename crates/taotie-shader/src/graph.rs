@@ -1,0 +1,266 @@
+//! Expression graphs: operations that each stand once, however often they are used.
+
+use rustc_hash::FxHashMap;
+
+/// The place of a node in its [`Graph`]; operands stand before what they are used in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Id(pub(crate) usize);
+
+/// The type of a node's value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// One number.
+    Number,
+    /// Three numbers.
+    Vector,
+    /// True or false.
+    Truth,
+}
+
+impl Kind {
+    /// The numbers that a value of this type holds.
+    pub(crate) fn numbers(self) -> usize {
+        if self == Self::Vector { 3 } else { 1 }
+    }
+}
+
+/// An operation of one operand; of each component of a vector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Unary {
+    /// −x.
+    Negate,
+    /// The opposite truth.
+    Not,
+    /// √x.
+    Sqrt,
+    /// |x|.
+    Abs,
+    /// The largest integer not above x.
+    Floor,
+    /// e^x.
+    Exp,
+    /// 2^x.
+    Exp2,
+    /// The natural logarithm.
+    Ln,
+    /// The logarithm to base 2.
+    Log2,
+    /// m of x = m · 2^e, in [0.5, 1).
+    Mantissa,
+    /// e of x = m · 2^e.
+    Exponent,
+}
+
+/// An operation of two operands; of each component of vectors, a number counting as three equal ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Binary {
+    /// a + b.
+    Add,
+    /// a − b.
+    Subtract,
+    /// a b.
+    Multiply,
+    /// a / b.
+    Divide,
+    /// The smaller.
+    Min,
+    /// The larger.
+    Max,
+    /// a^b.
+    Power,
+    /// a · 2^b for an integral b.
+    Scale,
+    /// a < b.
+    Less,
+    /// a ≤ b.
+    AtMost,
+    /// Both.
+    And,
+    /// Either.
+    Or,
+}
+
+/// An operation with its operands, or where a value comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// The parameter of this number.
+    Parameter(usize),
+    /// A constant, by the bits of its `f64`.
+    Constant(u64),
+    /// An operation of one operand.
+    Unary(Unary, Id),
+    /// An operation of two operands.
+    Binary(Binary, Id, Id),
+    /// Where the first is true the second, else the third.
+    Select([Id; 3]),
+    /// A component of a vector: 0, 1 or 2.
+    Component(Id, usize),
+    /// A vector of three numbers.
+    Vector([Id; 3]),
+    /// A vector made of components of another.
+    Swizzle(Id, [usize; 3]),
+    /// The scalar product of two vectors.
+    Dot(Id, Id),
+    /// The vector product.
+    Cross(Id, Id),
+    /// The result of a function of the same program.
+    Call(Call),
+}
+
+/// A call of a function: its number in the program, the type of its result, and its arguments.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Call {
+    /// The number of the function in its program.
+    pub function: usize,
+    /// The type of the result.
+    pub result: Kind,
+    /// A value for each parameter.
+    pub arguments: Vec<Id>,
+}
+
+/// A value that a graph is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Parameter {
+    /// Its name, or a structure's and a field's with a dot between: `s.roughness`.
+    pub path: &'static str,
+    /// Number or vector.
+    pub kind: Kind,
+}
+
+/// An expression graph: nodes in the order of their use, no two alike.
+#[derive(Debug, Clone, Default)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    kinds: Vec<Kind>,
+    known: FxHashMap<Node, Id>,
+    parameters: Vec<Parameter>,
+    pub(crate) outputs: Vec<Id>,
+}
+
+impl Graph {
+    /// An empty graph of these parameters.
+    pub(crate) fn of(parameters: &[Parameter]) -> Self {
+        Self { parameters: parameters.to_vec(), ..Self::default() }
+    }
+
+    /// The node, which is added unless it stands there already.
+    pub(crate) fn add(&mut self, node: Node) -> Id {
+        if let Some(known) = self.known.get(&node) {
+            return *known;
+        }
+        let id = Id(self.nodes.len());
+        self.known.insert(node.clone(), id);
+        self.kinds.push(self.kind_of(&node));
+        self.nodes.push(node);
+        id
+    }
+
+    /// A new parameter.
+    pub(crate) fn declare(&mut self, parameter: Parameter) -> Id {
+        let number = self.parameters.len();
+        self.parameters.push(parameter);
+        self.add(Node::Parameter(number))
+    }
+
+    /// All nodes, operands first.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The node of `id`.
+    pub(crate) fn node(&self, id: Id) -> &Node {
+        &self.nodes[id.0]
+    }
+
+    /// The parameters, in order.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The nodes that are the graph's results, in order.
+    pub fn outputs(&self) -> &[Id] {
+        &self.outputs
+    }
+
+    /// The numbers of the functions that it calls.
+    pub(crate) fn called(&self) -> impl Iterator<Item = usize> {
+        self.nodes.iter().filter_map(|node| match node {
+            Node::Call(call) => Some(call.function),
+            _ => None,
+        })
+    }
+
+    /// A copy without what no output needs.
+    pub(crate) fn pruned(&self) -> Self {
+        let mut needed = vec![false; self.nodes.len()];
+        self.outputs.iter().for_each(|output| needed[output.0] = true);
+        for (at, node) in self.nodes.iter().enumerate().rev() {
+            let used = needed[at];
+            node.operands().iter().for_each(|operand| needed[operand.0] |= used);
+        }
+        let mut pruned = Self::of(&self.parameters);
+        let mut moved = vec![Id(0); self.nodes.len()];
+        for (at, node) in self.nodes.iter().enumerate().filter(|(at, _)| needed[*at]) {
+            moved[at] = pruned.add(node.with(|operand| moved[operand.0]));
+        }
+        pruned.outputs = self.outputs.iter().map(|output| moved[output.0]).collect();
+        pruned
+    }
+
+    /// The type of a node's value.
+    pub(crate) fn kind(&self, id: Id) -> Kind {
+        self.kinds[id.0]
+    }
+
+    /// The type that a node's operands give it.
+    fn kind_of(&self, node: &Node) -> Kind {
+        match node {
+            Node::Parameter(number) => self.parameters[*number].kind,
+            Node::Constant(_) | Node::Component(..) | Node::Dot(..) => Kind::Number,
+            Node::Vector(_) | Node::Swizzle(..) | Node::Cross(..) => Kind::Vector,
+            Node::Unary(Unary::Not, _) => Kind::Truth,
+            Node::Binary(Binary::Less | Binary::AtMost | Binary::And | Binary::Or, ..) => Kind::Truth,
+            Node::Unary(_, operand) | Node::Select([_, operand, _]) => self.kind(*operand),
+            Node::Binary(_, a, b) if self.kind(*a) == Kind::Number => self.kind(*b),
+            Node::Binary(..) => Kind::Vector,
+            Node::Call(call) => call.result,
+        }
+    }
+}
+
+impl Node {
+    /// The constant `value`.
+    pub(crate) fn constant(value: f64) -> Self {
+        Self::Constant(value.to_bits())
+    }
+
+    /// The nodes that this one is made of, in order.
+    pub(crate) fn operands(&self) -> Vec<Id> {
+        match self {
+            Self::Parameter(_) | Self::Constant(_) => Vec::new(),
+            Self::Unary(_, a) | Self::Component(a, _) | Self::Swizzle(a, _) => vec![*a],
+            Self::Binary(_, a, b) | Self::Dot(a, b) | Self::Cross(a, b) => vec![*a, *b],
+            Self::Select(operands) | Self::Vector(operands) => operands.to_vec(),
+            Self::Call(call) => call.arguments.clone(),
+        }
+    }
+
+    /// The same operation of other operands.
+    pub(crate) fn with(&self, mut other: impl FnMut(Id) -> Id) -> Self {
+        match self {
+            Self::Parameter(_) | Self::Constant(_) => self.clone(),
+            Self::Unary(operation, a) => Self::Unary(*operation, other(*a)),
+            Self::Binary(operation, a, b) => Self::Binary(*operation, other(*a), other(*b)),
+            Self::Select(operands) => Self::Select(operands.map(other)),
+            Self::Component(a, which) => Self::Component(other(*a), *which),
+            Self::Vector(operands) => Self::Vector(operands.map(other)),
+            Self::Swizzle(a, which) => Self::Swizzle(other(*a), *which),
+            Self::Dot(a, b) => Self::Dot(other(*a), other(*b)),
+            Self::Cross(a, b) => Self::Cross(other(*a), other(*b)),
+            Self::Call(call) => {
+                let arguments = call.arguments.iter().map(|argument| other(*argument)).collect();
+                Self::Call(Call { arguments, ..call.clone() })
+            }
+        }
+    }
+}

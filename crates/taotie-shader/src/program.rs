@@ -1,0 +1,78 @@
+//! Formulas that call one another.
+
+use crate::graph::{Graph, Kind};
+use crate::outline::{Function, with_calls};
+use crate::structures::layout;
+use crate::vectors::with_vectors;
+
+/// A formula as a function: its graph, and what a reader needs to know of it.
+#[derive(Debug, Clone)]
+pub struct Formula {
+    /// Its name in the shader.
+    pub name: String,
+    /// The name of its result where it is called, as the field writes it: `d`, `alpha`.
+    pub symbol: &'static str,
+    /// Its documentation: meaning, formula, ranges, units and source, line by line.
+    pub doc: &'static str,
+    /// The structure that it returns, whose fields are the outputs; `None` for a number or a vector.
+    pub structure: Option<&'static str>,
+    /// Its expression graph.
+    pub graph: Graph,
+}
+
+/// A formula that returns a number or a vector.
+pub(crate) fn part(name: &str, symbol: &'static str, doc: &'static str, graph: Graph) -> Formula {
+    Formula { name: name.into(), symbol, doc, structure: None, graph }
+}
+
+impl Formula {
+    /// Says whether it takes and returns no structure, so that other formulas can call it.
+    fn is_flat(&self) -> bool {
+        let takes_structure = self.graph.parameters().iter().any(|parameter| parameter.path.contains('.'));
+        !takes_structure && self.structure.is_none()
+    }
+}
+
+/// Formulas, each of which calls only those before it.
+#[derive(Debug, Clone, Default)]
+pub struct Program {
+    pub(crate) formulas: Vec<Formula>,
+}
+
+impl Program {
+    /// Adds a recorded formula: with vectors for equal channels, and calls of the formulas that stand here already.
+    pub(crate) fn add(&mut self, mut formula: Formula) {
+        let kinds = match formula.structure {
+            Some(structure) => layout(structure),
+            None if formula.graph.outputs().len() == 3 => vec![Kind::Vector],
+            None => vec![Kind::Number; formula.graph.outputs().len()],
+        };
+        formula.graph = with_vectors(&formula.graph, &kinds);
+        for (number, function) in self.formulas.iter().enumerate().filter(|(_, function)| function.is_flat())
+        {
+            formula.graph = with_calls(&formula.graph, Function { number, body: &function.graph });
+        }
+        self.formulas.push(formula);
+    }
+
+    /// The formulas; a call names one by its place here.
+    pub fn formulas(&self) -> &[Formula] {
+        &self.formulas
+    }
+
+    /// The formula of this name.
+    pub fn find(&self, name: &str) -> Option<&Formula> {
+        self.formulas.iter().find(|formula| formula.name == name)
+    }
+
+    /// The formulas of these names and all that they call, in the order of the program.
+    pub(crate) fn needed(&self, names: &[&str]) -> Vec<&Formula> {
+        let mut needed: Vec<bool> =
+            self.formulas.iter().map(|formula| names.contains(&formula.name.as_str())).collect();
+        for (at, formula) in self.formulas.iter().enumerate().rev() {
+            let used = needed[at];
+            formula.graph.called().for_each(|function| needed[function] |= used);
+        }
+        self.formulas.iter().zip(needed).filter_map(|(formula, needed)| needed.then_some(formula)).collect()
+    }
+}

@@ -1,0 +1,105 @@
+//! The structures that shaders pass on, as `taotie::shade` has them.
+
+use crate::graph::{Kind, Parameter};
+use crate::inputs;
+use crate::recorder::{Scope, record};
+
+/// A structure: the argument that is one, its type, what it is, and what declares its fields.
+pub(crate) struct Structure {
+    pub(crate) argument: &'static str,
+    pub(crate) name: &'static str,
+    pub(crate) doc: &'static str,
+    declare: fn(Scope<'_>),
+}
+
+/// All structures.
+pub(crate) const STRUCTURES: [Structure; 5] = [
+    Structure {
+        argument: "s",
+        name: "MaterialSample",
+        doc: "A material sample: the parameters of a surface at a point.",
+        declare: |scope| _ = inputs::material(scope),
+    },
+    Structure {
+        argument: "a",
+        name: "Angles",
+        doc: "The cosines that reflectance depends on.",
+        declare: |scope| _ = inputs::angles(scope),
+    },
+    Structure {
+        argument: "c",
+        name: "Compensation",
+        doc: "The compensation that makes a microfacet model keep its energy, at one n·v.",
+        declare: |scope| _ = inputs::compensation(scope),
+    },
+    Structure {
+        argument: "dfg",
+        name: "Dfg",
+        doc: "The total reflection of a lobe, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.",
+        declare: |scope| _ = inputs::dfg(scope),
+    },
+    Structure {
+        argument: "w",
+        name: "EnvironmentWeights",
+        doc: "The reflection of light that comes from all around, as weights of two radiances, linear RGB.",
+        declare: |scope| _ = inputs::weights(scope),
+    },
+];
+
+impl Structure {
+    /// The fields, as parameters of a formula that takes the structure.
+    pub(crate) fn fields(&self) -> Vec<Parameter> {
+        let graph = record(|scope| {
+            (self.declare)(scope);
+            Vec::new()
+        });
+        graph.parameters().to_vec()
+    }
+}
+
+/// The types of a structure's fields.
+pub(crate) fn layout(name: &str) -> Vec<Kind> {
+    let structure = STRUCTURES.iter().find(|structure| structure.name == name);
+    let fields = structure.map(Structure::fields).unwrap_or_default();
+    fields.iter().map(|field| field.kind).collect()
+}
+
+/// The name of a field in a path, `roughness` of `s.roughness`.
+pub(crate) fn field_name(path: &'static str) -> &'static str {
+    path.split_once('.').map_or(path, |(_, field)| field)
+}
+
+/// The meaning of a field, with range and unit.
+pub(crate) fn field_doc(path: &str) -> &'static str {
+    match path {
+        "s.base_color" => "ρ, linear RGB in [0, 1]; diffuse colour of `lambert`, `ggx` and `ggx-printed`.",
+        "s.metallic" => "[0, 1]; 1 has no diffuse part in `ggx`.",
+        "s.roughness" => "The roughness as artists set it, [0, 1]; α is its square",
+        "s.f0" => {
+            "Reflectance at normal incidence, linear RGB in [0, 1], the mix by `metallic` already done."
+        }
+        "s.f90" => "Reflectance at grazing incidence, [0, 1]; 1 but for dielectrics made weaker.",
+        "s.f82_drop" => "Lazányi coefficient of the reflectance at 82°",
+        "s.diffuse" => "k_d or C_diff of the classic models and of Cook-Torrance, linear RGB in [0, 1].",
+        "s.specular" => "k_s or C_spec of the classic models and of Cook-Torrance, linear RGB in [0, 1].",
+        "s.shininess" => "Exponent of Phong and Blinn-Phong, at least 0.",
+        "s.slope" => "Beckmann's rms slope m of Cook-Torrance, above 0.",
+        "a.n_dot_l" => "n·l, [−1, 1]; models are dark where it is not above 0.",
+        "a.n_dot_v" => "n·v, clamped to [1e-4, 1].",
+        "a.n_dot_h" => "n·h, [0, 1].",
+        "a.sin2_h" => "sin² of the angle between n and h, [0, 1], from |n × h|²",
+        "a.v_dot_h" => "v·h = l·h, [5e-7, 1].",
+        "a.r_dot_v" => "r·v, [−1, 1].",
+        "c.gain" => "Multiplies the highlight, linear RGB, at least 1.",
+        "c.transmitted" => {
+            "The share of light that the highlight leaves to the diffuse reflection below, [0, 1]."
+        }
+        "dfg.scale" => "∫ D V (1 − (1 − v·h)⁵) n·l dl, [0, 1].",
+        "dfg.bias" => "∫ D V (1 − v·h)⁵ n·l dl, [0, 1].",
+        "dfg.edge" => "∫ D V v·h (1 − v·h)⁶ n·l dl, [0, 0.06].",
+        "dfg.diffuse_edge" => "∫ (1 − v·h)⁵ n·l / π dl, [0, 1]: Schlick's rise over a diffuse reflection.",
+        "w.specular" => "The weight of the radiance that the highlight gathers.",
+        "w.diffuse" => "The weight of the mean radiance over the hemisphere, which is the irradiance over π.",
+        _ => "",
+    }
+}

@@ -1,0 +1,238 @@
+//! Finds the vectors in a recording, which is made of numbers.
+//!
+//! A formula treats the three channels of a colour alike, so its recording holds each operation three times. Here three
+//! nodes of one shape become one of vectors; sums of three products become scalar products, and differences of turned
+//! products vector products. Each operation that remains does what the three did: no value changes.
+
+use crate::graph::{Binary, Graph, Id, Kind, Node, Unary};
+use rustc_hash::FxHashMap;
+
+/// The recording with vectors, and outputs of these types: three numbers become one vector.
+pub(crate) fn with_vectors(recorded: &Graph, outputs: &[Kind]) -> Graph {
+    let mut packer = Packer {
+        recorded,
+        packed: Graph::of(recorded.parameters()),
+        numbers: FxHashMap::default(),
+        triples: FxHashMap::default(),
+    };
+    let mut rest = recorded.outputs();
+    for kind in outputs {
+        let (own, others) = rest.split_at(kind.numbers().min(rest.len()));
+        rest = others;
+        let output = packer.output(own);
+        packer.packed.outputs.extend(output);
+    }
+    packer.packed.pruned()
+}
+
+/// y, z, x.
+const NEXT: [usize; 3] = [1, 2, 0];
+/// z, x, y.
+const AFTER_NEXT: [usize; 3] = [2, 0, 1];
+
+struct Packer<'r> {
+    recorded: &'r Graph,
+    packed: Graph,
+    numbers: FxHashMap<Id, Id>,
+    triples: FxHashMap<[Id; 3], Id>,
+}
+
+impl Packer<'_> {
+    /// The packed output of one recorded number or of three.
+    fn output(&mut self, numbers: &[Id]) -> Option<Id> {
+        match *numbers {
+            [x, y, z] => {
+                let vector = self.triple([x, y, z]);
+                Some(self.widened(vector))
+            }
+            [number] => Some(self.number(number)),
+            _ => None,
+        }
+    }
+
+    /// The packed node of one recorded node.
+    fn number(&mut self, id: Id) -> Id {
+        if let Some(known) = self.numbers.get(&id) {
+            return *known;
+        }
+        let packed = match self.of_vectors(id) {
+            Some(number) => number,
+            None => {
+                let recorded = self.recorded;
+                let node = recorded.node(id).with(|operand| self.number(operand));
+                self.packed.add(node)
+            }
+        };
+        self.numbers.insert(id, packed);
+        packed
+    }
+
+    /// The number that is made of vectors where `id` is made of all their components.
+    fn of_vectors(&mut self, id: Id) -> Option<Id> {
+        match self.scalar_product(id) {
+            None => self.largest_component(id),
+            product => product,
+        }
+    }
+
+    /// The largest component of a vector, if `id` is the largest of three numbers that are one.
+    fn largest_component(&mut self, id: Id) -> Option<Id> {
+        let (first_two, z) = self.operands(Binary::Max, id)?;
+        let (x, y) = self.operands(Binary::Max, first_two)?;
+        let vector = self.triple([x, y, z]);
+        if !self.is_whole(vector) {
+            return None;
+        }
+        let [x, y, z] = [0, 1, 2].map(|which| self.packed.add(Node::Component(vector, which)));
+        let first_two = self.packed.add(Node::Binary(Binary::Max, x, y));
+        Some(self.packed.add(Node::Binary(Binary::Max, first_two, z)))
+    }
+
+    /// The scalar product that `id` is, if it is the sum of three products of vectors' components.
+    fn scalar_product(&mut self, id: Id) -> Option<Id> {
+        let (first_two, third) = self.operands(Binary::Add, id)?;
+        let (first, second) = self.operands(Binary::Add, first_two)?;
+        let [x, y, z] = [first, second, third].map(|product| self.operands(Binary::Multiply, product));
+        let ((x, y), z) = (x.zip(y)?, z?);
+        let (a, b) = (self.triple([x.0, y.0, z.0]), self.triple([x.1, y.1, z.1]));
+        (self.is_whole(a) && self.is_whole(b)).then(|| self.packed.add(Node::Dot(a, b)))
+    }
+
+    /// The operands of `id` if it is this operation.
+    fn operands(&self, operation: Binary, id: Id) -> Option<(Id, Id)> {
+        match self.recorded.node(id) {
+            Node::Binary(found, a, b) if *found == operation => Some((*a, *b)),
+            _ => None,
+        }
+    }
+
+    /// Says whether a packed node is a vector by itself and not three numbers put together.
+    fn is_whole(&self, id: Id) -> bool {
+        self.packed.kind(id) == Kind::Vector && !matches!(self.packed.node(id), Node::Vector(_))
+    }
+
+    /// The packed node of three recorded numbers: a vector, or one number where they are the same.
+    fn triple(&mut self, parts: [Id; 3]) -> Id {
+        if parts[0] == parts[1] && parts[1] == parts[2] {
+            return self.number(parts[0]);
+        }
+        if let Some(known) = self.triples.get(&parts) {
+            return *known;
+        }
+        let packed = match self.alike(parts) {
+            Some(vector) => vector,
+            None => {
+                let numbers = parts.map(|part| self.number(part));
+                self.packed.add(Node::Vector(numbers))
+            }
+        };
+        self.triples.insert(parts, packed);
+        packed
+    }
+
+    /// One operation of vectors for three operations of numbers, if they are alike.
+    fn alike(&mut self, parts: [Id; 3]) -> Option<Id> {
+        let recorded = self.recorded;
+        match parts.map(|part| recorded.node(part)) {
+            [Node::Component(a, i), Node::Component(b, j), Node::Component(c, k)] if a == b && b == c => {
+                let vector = self.number(*a);
+                Some(self.swizzled(vector, [*i, *j, *k]))
+            }
+            [Node::Unary(one, a), Node::Unary(two, b), Node::Unary(three, c)]
+                if one == two && two == three =>
+            {
+                self.unary(*one, [*a, *b, *c])
+            }
+            [Node::Binary(one, a, d), Node::Binary(two, b, e), Node::Binary(three, c, f)]
+                if one == two && two == three =>
+            {
+                self.binary(*one, [[*a, *b, *c], [*d, *e, *f]])
+            }
+            [Node::Select([m, a, d]), Node::Select([n, b, e]), Node::Select([o, c, f])]
+                if m == n && n == o =>
+            {
+                let mask = self.number(*m);
+                let [a, b] = [[*a, *b, *c], [*d, *e, *f]].map(|parts| self.triple(parts));
+                let (a, b) = (self.widened(a), self.widened(b));
+                Some(self.packed.add(Node::Select([mask, a, b])))
+            }
+            _ => None,
+        }
+    }
+
+    fn unary(&mut self, operation: Unary, parts: [Id; 3]) -> Option<Id> {
+        let operand = self.triple(parts);
+        let (operand, turn) = self.unturned(operand);
+        let plain = operation != Unary::Not && self.is_whole(operand);
+        plain.then(|| {
+            let vector = self.packed.add(Node::Unary(operation, operand));
+            self.swizzled(vector, turn)
+        })
+    }
+
+    /// A power is left to numbers, since its bounds are those of a function.
+    fn binary(&mut self, operation: Binary, operands: [[Id; 3]; 2]) -> Option<Id> {
+        use Binary::{Add, Divide, Max, Min, Multiply, Subtract};
+        if ![Add, Subtract, Multiply, Divide, Min, Max].contains(&operation) {
+            return None;
+        }
+        let [a, b] = operands.map(|parts| self.triple(parts));
+        let numbers = [a, b].map(|id| self.packed.kind(id) == Kind::Number);
+        if !(numbers[0] || self.is_whole(a)) || !(numbers[1] || self.is_whole(b)) {
+            return None;
+        }
+        if let Some(product) = self.vector_product(operation, a, b) {
+            return Some(product);
+        }
+        let ((flat_a, turn_a), (flat_b, turn_b)) = (self.unturned(a), self.unturned(b));
+        let turn = match numbers {
+            [true, _] => turn_b,
+            [_, true] => turn_a,
+            _ if turn_a == turn_b => turn_a,
+            _ => return Some(self.packed.add(Node::Binary(operation, a, b))),
+        };
+        let vector = self.packed.add(Node::Binary(operation, flat_a, flat_b));
+        Some(self.swizzled(vector, turn))
+    }
+
+    /// a × b for a.yzx b.zxy − a.zxy b.yzx.
+    fn vector_product(&mut self, operation: Binary, left: Id, right: Id) -> Option<Id> {
+        if operation != Binary::Subtract {
+            return None;
+        }
+        let (a, b) = self.turned_product(left, [NEXT, AFTER_NEXT])?;
+        let turned = self.turned_product(right, [AFTER_NEXT, NEXT])?;
+        ((a, b) == turned).then(|| self.packed.add(Node::Cross(a, b)))
+    }
+
+    /// a and b of the product of these, turned like this.
+    fn turned_product(&self, id: Id, turns: [[usize; 3]; 2]) -> Option<(Id, Id)> {
+        match self.packed.node(id) {
+            Node::Binary(Binary::Multiply, a, b) => {
+                let [(a, turn_a), (b, turn_b)] = [*a, *b].map(|factor| self.unturned(factor));
+                ([turn_a, turn_b] == turns).then_some((a, b))
+            }
+            _ => None,
+        }
+    }
+
+    /// The vector that `id` is a turned copy of, and how it is turned.
+    fn unturned(&self, id: Id) -> (Id, [usize; 3]) {
+        match self.packed.node(id) {
+            Node::Swizzle(vector, turn) => (*vector, *turn),
+            _ => (id, [0, 1, 2]),
+        }
+    }
+
+    fn swizzled(&mut self, vector: Id, turn: [usize; 3]) -> Id {
+        if turn == [0, 1, 2] { vector } else { self.packed.add(Node::Swizzle(vector, turn)) }
+    }
+
+    /// The vector, or that of three equal numbers.
+    fn widened(&mut self, id: Id) -> Id {
+        match self.packed.kind(id) {
+            Kind::Number => self.packed.add(Node::Vector([id; 3])),
+            _ => id,
+        }
+    }
+}

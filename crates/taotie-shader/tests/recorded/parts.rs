@@ -1,0 +1,165 @@
+//! Every formula of the library plays back to the bit what the formula itself computes.
+
+use crate::random::Random;
+use taotie::math::{Lane, Vec3};
+use taotie::names::Named;
+use taotie::shade::dfg::Dfg;
+use taotie::shade::{
+    Angles, AnisotropicLobe, Compensation, MaterialSample, Shading, SubPixelVariance, coat_fresnel,
+    coat_lobe, compensation, curvature_variance, environment_weights, fresnel, lights, masking, ndf, reflect,
+    sheen, specular_occlusion,
+};
+use taotie_shader::{Graph, Kind, evaluate, library};
+
+/// Numbers that are taken one after the other.
+struct Inputs<'x, L>(std::slice::Iter<'x, L>);
+
+impl<L: Lane> Inputs<'_, L> {
+    fn number(&mut self) -> L {
+        *self.0.next().expect("there are enough numbers")
+    }
+
+    fn vector(&mut self) -> Vec3<L> {
+        let [x, y, z] = [self.number(), self.number(), self.number()];
+        Vec3::new(x, y, z)
+    }
+
+    fn angles(&mut self) -> Angles<L> {
+        Angles {
+            n_dot_l: self.number(),
+            n_dot_v: self.number(),
+            n_dot_h: self.number(),
+            sin2_h: self.number(),
+            v_dot_h: self.number(),
+            r_dot_v: self.number(),
+        }
+    }
+
+    fn material(&mut self) -> MaterialSample<L> {
+        MaterialSample {
+            base_color: self.vector(),
+            metallic: self.number(),
+            roughness: self.number(),
+            f0: self.vector(),
+            f90: self.number(),
+            f82_drop: self.vector(),
+            diffuse: self.vector(),
+            specular: self.vector(),
+            shininess: self.number(),
+            slope: self.number(),
+            compensation: None,
+        }
+    }
+
+    fn dfg(&mut self) -> Dfg<L> {
+        let [scale, bias, edge, diffuse_edge] = std::array::from_fn(|_| self.number());
+        Dfg { scale, bias, edge, diffuse_edge }
+    }
+
+    fn anisotropic(&mut self) -> AnisotropicLobe<L> {
+        let (tangent, bitangent) = (self.vector(), self.vector());
+        AnisotropicLobe { tangent, bitangent, along: self.number(), across: self.number() }
+    }
+}
+
+fn shading(name: &str) -> Shading {
+    let named = |shading: &str| shading.replace('-', "_") == name;
+    Shading::NAMES.iter().find(|(shading, _)| named(shading)).expect("the model has this name").1
+}
+
+fn vectors<L: Lane>(vectors: &[Vec3<L>]) -> Vec<L> {
+    vectors.iter().flat_map(|vector| vector.to_array()).collect()
+}
+
+/// The result of the formula of this name itself.
+fn direct<L: Lane>(name: &str, numbers: &[L]) -> Vec<L> {
+    let mut x = Inputs(numbers.iter());
+    if let Some(model) = name.strip_prefix("environment_weights_") {
+        let weights = environment_weights(shading(model), &x.material(), &x.dfg());
+        return vectors(&[weights.specular, weights.diffuse]);
+    }
+    if let Some(model) = name.strip_prefix("reflect_") {
+        let (mut s, a) = (x.material(), x.angles());
+        let single = model.strip_suffix("_compensated");
+        s.compensation = single.map(|_| Compensation { gain: x.vector(), transmitted: x.number() });
+        return vectors(&[reflect(shading(single.unwrap_or(model)), &s, &a)]);
+    }
+    structured(name, &mut x).unwrap_or_else(|| vec![number(name, &mut x)])
+}
+
+/// The formulas of vectors.
+fn structured<L: Lane>(name: &str, x: &mut Inputs<'_, L>) -> Option<Vec<L>> {
+    match name {
+        "fresnel" => Some(vectors(&[fresnel::f_f82(x.vector(), x.number(), x.vector(), x.number())])),
+        "compensation" => {
+            let c = compensation(&x.dfg(), x.vector(), x.number(), x.vector());
+            Some([vectors(&[c.gain]), vec![c.transmitted]].concat())
+        }
+        "angles" => {
+            let a = Angles::new(x.vector(), x.vector(), x.vector());
+            Some(vec![a.n_dot_l, a.n_dot_v, a.n_dot_h, a.sin2_h, a.v_dot_h, a.r_dot_v])
+        }
+        "anisotropic_lobe" => {
+            let lobe = x.anisotropic();
+            Some(vec![lobe.lobe(&x.angles(), x.vector(), x.vector())])
+        }
+        "curvature_variance" => Some(vec![curvature_variance(x.vector(), x.vector())]),
+        "coat_lobe" => Some(vec![coat_lobe(x.number(), &x.angles())]),
+        "widened_roughness" => {
+            let roughness = x.number();
+            let variance = SubPixelVariance { curvature: x.number(), normal_variance: x.number() };
+            Some(vec![variance.widened(roughness)])
+        }
+        _ => None,
+    }
+}
+
+/// The formulas of numbers.
+fn number<L: Lane>(name: &str, x: &mut Inputs<'_, L>) -> L {
+    match name {
+        "pow5" => fresnel::pow5(x.number()),
+        "alpha_from_roughness" => ndf::alpha_from_roughness(x.number()),
+        "masking_v_cavity" => masking::g_v_cavity(x.number(), x.number(), x.number(), x.number()),
+        "visibility_smith_ggx" => masking::v_smith_ggx(x.number(), x.number(), x.number()),
+        "masking_schlick" => masking::g1_schlick_ggx(x.number(), x.number()),
+        "masking_k_for_lights" => masking::k_for_lights(x.number()),
+        "distribution_beckmann" => ndf::d_beckmann(x.number(), x.number(), x.number()),
+        "distribution_ggx" => ndf::d_ggx(x.number(), x.number(), x.number()),
+        "coat_fresnel" => coat_fresnel(x.number()),
+        "distribution_charlie" => sheen::d_charlie(x.number(), x.number()),
+        "visibility_neubelt" => sheen::v_neubelt(x.number(), x.number()),
+        "specular_occlusion" => specular_occlusion(x.number(), x.number(), x.number()),
+        "divergence_ggx" => ndf::divergence_ggx(x.number()),
+        "alpha_squared_from_divergence_ggx" => ndf::alpha_squared_from_divergence_ggx(x.number()),
+        "inverse_square" => lights::inverse_square(x.number()),
+        "range_window" => lights::range_window(x.number(), x.number()),
+        "spot_cone" => lights::spot_cone(x.number(), x.number(), x.number()),
+        "fresnel_dielectric" => fresnel::f_dielectric(x.number(), x.number()),
+        "fresnel_conductor" => fresnel::f_conductor(x.number(), x.number(), x.number()),
+        _ => panic!("{name} has no counterpart here: add it"),
+    }
+}
+
+/// A random number for each number of the parameters.
+fn inputs(random: &mut Random, graph: &Graph) -> Vec<f64> {
+    let count = |kind| if kind == Kind::Vector { 3 } else { 1 };
+    let all = graph.parameters().iter().map(|parameter| count(parameter.kind)).sum();
+    (0..all).map(|_| 0.02 + 0.96 * random.next()).collect()
+}
+
+#[test]
+fn every_formula_has_its_own_bits() {
+    let (program, mut random) = (library(), Random(23));
+    for formula in program.formulas() {
+        for _ in 0..100 {
+            let x = inputs(&mut random, &formula.graph);
+            let found = evaluate(&formula.graph, &program, &x).expect("the graph is sound");
+            let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&found), bits(&direct(&formula.name, &x)), "{} of {x:?}", formula.name);
+            let x: Vec<f32> = x.iter().map(|x| *x as f32).collect();
+            let found = evaluate(&formula.graph, &program, &x).expect("the graph is sound");
+            let bits = |numbers: &[f32]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&found), bits(&direct(&formula.name, &x)), "{} of {x:?}", formula.name);
+        }
+    }
+}
