@@ -92,7 +92,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),
     };
     if stop::is_ending() {
-        return stop::wait();
+        stop::wait();
     }
     match result {
         Ok(Outcome::Fine) => ExitCode::SUCCESS,

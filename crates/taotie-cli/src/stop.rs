@@ -1,10 +1,8 @@
 //! Signals that end the command: what it was to write is as it was before, and nothing temporary is left.
 
 use crate::console;
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
-use std::time::Duration;
 use taotie::io::{FileSet, Stopper};
 
 /// The sets of files that are being written. A signal can reach nothing but what is global.
@@ -33,10 +31,11 @@ pub fn is_ending() -> bool {
     ENDING.load(Ordering::SeqCst)
 }
 
-/// Waits for the end by a signal.
-pub fn wait() -> ExitCode {
-    std::thread::sleep(Duration::from_secs(1));
-    ExitCode::from(130)
+/// Waits for the end by a signal, whose thread ends the process with the signal's own code.
+pub fn wait() -> ! {
+    loop {
+        std::thread::park();
+    }
 }
 
 /// Ends the process with this code.
@@ -62,10 +61,9 @@ mod signals {
         // A file above the limit is an error of writing, and not the end of the process.
         flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         let is_ending = Arc::new(AtomicBool::new(false));
-        let mut wanted = vec![SIGINT, SIGTERM];
-        if !outlives_terminal() {
-            wanted.push(SIGHUP);
-        }
+        let ignored = ignored();
+        let is_heard = |signal: &i32| (ignored >> (signal - 1)) & 1 == 0;
+        let wanted: Vec<i32> = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(is_heard).collect();
         for signal in &wanted {
             flag::register_conditional_shutdown(*signal, 128 + signal, Arc::clone(&is_ending))?;
         }
@@ -85,12 +83,12 @@ mod signals {
         std::thread::Builder::new().spawn(wait).map(drop)
     }
 
-    /// Says whether the process is to outlive its terminal, as `nohup` asks for. Only Linux tells without unsafe code.
-    fn outlives_terminal() -> bool {
+    /// Returns the signals that the process is to ignore, as `nohup` and shells in the background ask for: bit `n − 1`
+    /// for signal `n`. Only Linux tells without unsafe code.
+    fn ignored() -> u64 {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-        let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
-        (ignored >> (SIGHUP - 1)) & 1 == 1
+        ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
     }
 }
 

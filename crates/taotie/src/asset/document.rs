@@ -5,6 +5,7 @@ use super::options::{BakeOptions, MeshSource, RayDistance};
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
 use crate::io::{self, GltfFormat, GltfGraft, GltfSource, Limits};
+use crate::math::{Mat4, Vec3};
 use crate::mesh::Mesh;
 use crate::scene::{NormalSpace, Scene};
 use crate::surface::with_normals;
@@ -74,7 +75,8 @@ pub(super) fn kept(
 ) -> Result<Option<Document>> {
     let MeshSource::File(path) = source else { return Ok(None) };
     let shape = Shape::of(read);
-    if shape.is_plain() || (!read.is_gltf && !shape.becomes_gltf(options)) {
+    let is_one = shape.is_plain() && !(options.keep_uvs && shape.turns);
+    if is_one || (!read.is_gltf && !shape.becomes_gltf(options)) {
         return Ok(None);
     }
     if let Some((what, why)) = shape.hindrance(options) {
@@ -149,6 +151,8 @@ struct Shape {
     materials: usize,
     instances: usize,
     uvs: Uvs,
+    /// `true` where some node is turned or scaled.
+    turns: bool,
 }
 
 impl Shape {
@@ -162,7 +166,8 @@ impl Shape {
             _ if with == instances => Uvs::All,
             _ => Uvs::Some,
         };
-        Self { moving, materials: shown_materials(scene).len(), instances, uvs }
+        let turns = scene.instances().iter().any(|instance| turns(instance.world_from_object));
+        Self { moving, materials: shown_materials(scene).len(), instances, uvs, turns }
     }
 
     /// Says whether one mesh of one material loses nothing.
@@ -175,6 +180,12 @@ impl Shape {
         options.keep_uvs && self.materials == 1
     }
 
+    /// Says whether viewers go on to show the meshes through nodes of their own.
+    fn keeps_nodes(&self, options: &BakeOptions) -> bool {
+        let stays = !self.is_plain() && self.uvs == Uvs::All && options.lods.is_empty();
+        options.keep_uvs || stays
+    }
+
     /// Says whether a file of another format is made glTF, so that its materials stay.
     fn becomes_gltf(&self, options: &BakeOptions) -> bool {
         let is_caged = matches!(options.ray_distance, RayDistance::Cage(_));
@@ -185,6 +196,7 @@ impl Shape {
     fn hindrance(&self, options: &BakeOptions) -> Option<(String, &'static str)> {
         let what = match self.moving {
             Some(moving) => format!("a low-poly mesh with {moving}"),
+            None if self.materials == 1 => format!("a low-poly mesh of {} parts", self.instances),
             None => format!("a low-poly mesh of {} materials", self.materials),
         };
         let (moves, several) = (self.moving.is_some(), self.materials > 1);
@@ -193,7 +205,7 @@ impl Shape {
                 moves && self.uvs != Uvs::All,
                 "some of it has no uvs, and making them would break its motion; unwrap it",
             ),
-            (several && self.uvs == Uvs::Some, "some of it has no uvs; unwrap all of it, or none"),
+            (self.uvs == Uvs::Some, "some of it has no uvs; unwrap all of it, or none"),
             (
                 (moves || several && self.uvs == Uvs::All) && !options.lods.is_empty(),
                 "its file stays as it is, and levels of detail would need one of their own; leave them out",
@@ -210,6 +222,11 @@ impl Shape {
                 moves && options.space == NormalSpace::Object,
                 "normals in object space do not follow its motion; bake them in tangent space",
             ),
+            (
+                self.turns && options.space == NormalSpace::Object && self.keeps_nodes(options),
+                "its nodes are turned or scaled, and normals in object space would be so twice; apply their transforms, or \
+                 bake tangent space",
+            ),
         ];
         hindrances.into_iter().find(|(is, _)| *is).map(|(_, why)| (what, why))
     }
@@ -223,11 +240,22 @@ pub(super) fn labels(scene: &Scene, numbers: &BTreeSet<usize>) -> BTreeMap<usize
     let mut taken = BTreeSet::new();
     let label = |number: &usize| {
         let name = scene.materials().get(*number).map_or("", |material| material.name.as_str());
-        let word = word(name);
-        let free = !word.is_empty() && taken.insert(word.to_lowercase());
-        (*number, if free { word } else { format!("{word}{number}") })
+        let mut label = word(name);
+        if label.is_empty() || taken.contains(&label.to_lowercase()) {
+            label.push_str(&number.to_string());
+        }
+        while !taken.insert(label.to_lowercase()) {
+            label.push('_');
+        }
+        (*number, label)
     };
     numbers.iter().map(label).collect()
+}
+
+/// Says whether a transform does more than move.
+fn turns(world_from_object: Mat4) -> bool {
+    let axes = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+    axes.into_iter().any(|axis| world_from_object.transform_vector(axis) != axis)
 }
 
 /// Returns the name without what the name of a file cannot hold everywhere.
@@ -239,7 +267,6 @@ fn word(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Mat4;
     use crate::mesh::MeshData;
     use crate::scene::{Instance, Material, SceneData};
 
@@ -286,6 +313,22 @@ mod tests {
         assert_eq!(hindrance(&file(&["a", "b"], &[false, false]), &plain), "", "they are made one");
         assert!(hindrance(&moving, &object).contains("object space"));
         assert_eq!(hindrance(&two, &object), "");
+        assert!(hindrance(&file(&["a", "a"], &[true, false]), &plain).contains("no uvs"));
+    }
+
+    #[test]
+    fn object_space_of_turned_nodes_is_refused_where_they_stay() {
+        let object = BakeOptions { space: NormalSpace::Object, ..BakeOptions::default() };
+        let turned = |names: &[&str]| {
+            let mut read = file(names, &vec![true; names.len()]);
+            let turn = Mat4::rotation_about(Vec3::new(1.0, 0.0, 0.0), -1.5);
+            read.scene.edit(|scene| scene.instances[0].world_from_object = turn).unwrap();
+            read
+        };
+        assert!(hindrance(&turned(&["a", "b"]), &object).contains("turned or scaled"));
+        assert_eq!(hindrance(&turned(&["a"]), &object), "", "it is written anew");
+        let alone = BakeOptions { keep_uvs: true, ..object };
+        assert!(hindrance(&turned(&["a"]), &alone).contains("turned or scaled"));
     }
 
     #[test]
@@ -296,5 +339,7 @@ mod tests {
         };
         assert_eq!(of(&["wood"]), [""]);
         assert_eq!(of(&["old wood", "old/wood", "", "Brass"]), ["old_wood", "old_wood1", "2", "Brass"]);
+        assert_eq!(of(&["a", "a", "a1"]), ["a", "a1", "a12"]);
+        assert_eq!(of(&["", "x", "0"]), ["0", "x", "02"]);
     }
 }

@@ -11,7 +11,7 @@ use super::textures::{Beside, Range};
 use crate::bake::MapKind;
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Bitmap, Encoding, Sampler, Texture};
-use crate::io::{self, FileBytes, GltfImages, Loaded};
+use crate::io::{self, FileBytes, GltfImages, Limits, Loaded};
 use crate::names::Named;
 use crate::normal_map::green_turned;
 use crate::scene::{GreenChannel, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform};
@@ -241,7 +241,7 @@ pub(super) fn read_back(made: &Made, green: GreenChannel, path: &Path) -> Result
     material.retain_textures(|_| false);
     let mut textures = Vec::new();
     for file in files(made, path) {
-        let bitmap = io::read_bitmap(&file.path)?;
+        let bitmap = io::read_bitmap_within(&file.path, &Limits::of_own_files())?;
         show(&file, textures.len(), (&mut material, made.options.space));
         textures.push(texture(&file, bitmap, green)?);
     }

@@ -16,7 +16,7 @@ use crate::bake::{Cage, Fit, MapKind, ShownNormals, low_poly_mesh};
 use crate::compare::{Field, Summary};
 use crate::error::{Error, Result, Warnings};
 use crate::image::{Encoding, Texture};
-use crate::io::{self, GltfImages, Loaded};
+use crate::io::{self, GltfImages, Limits, Loaded};
 use crate::progress::Progress;
 use crate::scene::{NormalSpace, Scene};
 use std::path::Path;
@@ -327,9 +327,10 @@ impl Written {
             return Ok(vec![maps_alone::read_back(made, self.packing.green, &self.current())?]);
         }
         if made.document.is_some() {
-            return Ok(vec![io::load_model(&self.current())?]);
+            return Ok(vec![io::load_model_within(&self.current(), &Limits::of_own_files())?]);
         }
-        let (levels, wanted) = (io::load_levels(&self.current())?, self.asset.levels().count());
+        let levels = io::load_levels_within(&self.current(), &Limits::of_own_files())?;
+        let wanted = self.asset.levels().count();
         if levels.len() == wanted {
             return Ok(levels);
         }
@@ -364,7 +365,8 @@ impl Written {
     }
 
     fn read_normals(&self, path: &Path) -> Result<Texture> {
-        let codes = map_numbers::codes_of_normals(io::read_bitmap(&self.set.current(path))?)?;
+        let codes = io::read_bitmap_within(&self.set.current(path), &Limits::of_own_files())?;
+        let codes = map_numbers::codes_of_normals(codes)?;
         Ok(Texture::new(codes, Encoding::Normal))
     }
 

@@ -98,6 +98,11 @@ impl Limits {
         Self { memory: self.memory.or_else(|| free_memory().map(Bytes)), ..self }
     }
 
+    /// Returns the limits of reading a file that was just written: none but those of the formats.
+    pub(crate) fn of_own_files() -> Self {
+        Self { memory: Some(Bytes(u64::MAX)), ..Self::default() }
+    }
+
     /// Refuses work that needs more memory than there may be. `what` is the work.
     ///
     /// ```

@@ -100,14 +100,22 @@ pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
 /// # Errors
 /// As [`load_model`], of any level; [`Error::Parse`] where a file has more than 64 levels.
 pub fn load_levels(path: &Path) -> Result<Vec<Loaded>> {
+    load_levels_within(path, &Limits::default())
+}
+
+/// Reads a model at all of its levels of detail as [`load_levels`] does, within limits.
+///
+/// # Errors
+/// As [`load_levels`] and [`load_model_within`].
+pub fn load_levels_within(path: &Path, limits: &Limits) -> Result<Vec<Loaded>> {
     match format_of(path)? {
         Format::Gltf => {
-            let reading = Arc::new(Reading::new(path, &Limits::default()));
+            let reading = Arc::new(Reading::new(path, limits));
             let levels = gltf::read_levels(&reading);
             reading.check()?;
             levels
         }
-        _ => Ok(vec![load_model(path)?]),
+        _ => Ok(vec![load_model_within(path, limits)?]),
     }
 }
 

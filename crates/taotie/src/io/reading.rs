@@ -4,7 +4,7 @@ use super::file;
 use super::limits::{Bytes, Limits};
 use super::system::free_memory;
 use crate::error::{Error, Result};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, Path, PathBuf, Prefix};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -125,17 +125,28 @@ impl Reading {
 /// Says whether a path, which starts with `folder` or is absolute, leaves it: by its words, or by links. Nothing is
 /// asked of the system about a path that leaves it by its words.
 fn is_outside(path: &Path, folder: &Path) -> bool {
-    if let Ok(inner) = path.strip_prefix(folder)
-        && leaves(inner)
-    {
+    let inner = inside(path, folder);
+    if names_network(path) && inner.is_none() || inner.is_some_and(leaves) {
         return true;
     }
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     match (path.canonicalize(), here.canonicalize()) {
         (Ok(path), Ok(folder)) => !path.starts_with(folder),
         // What is not there cannot be read either, unless it is absolute and no business of the model's.
-        _ => path.strip_prefix(folder).is_err(),
+        _ => inner.is_none(),
     }
+}
+
+/// Returns the rest of a path that starts with a folder; an empty one stands for the current folder.
+fn inside<'a>(path: &'a Path, folder: &Path) -> Option<&'a Path> {
+    let is_elsewhere = folder.as_os_str().is_empty() && path.is_absolute();
+    if is_elsewhere { None } else { path.strip_prefix(folder).ok() }
+}
+
+/// Says whether a path names a share of the network or a device, as paths of Windows can: asking for it would reach out.
+fn names_network(path: &Path) -> bool {
+    let Some(Component::Prefix(prefix)) = path.components().next() else { return false };
+    matches!(prefix.kind(), Prefix::UNC(..) | Prefix::VerbatimUNC(..) | Prefix::DeviceNS(_))
 }
 
 /// Says whether a relative path climbs above its start, or is no relative path.
@@ -184,6 +195,15 @@ mod tests {
             assert!(reading(place.path(), limits).read(path).is_ok(), "{}", path.display());
         }
         assert!(ours.allows(&folder.join("../absent.bin")).is_err(), "whether it is there is not told");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_absolute_path_is_not_inside_the_current_folder_by_its_words() {
+        assert_eq!(inside(Path::new("/p/a.png"), Path::new("")), None);
+        assert_eq!(inside(Path::new("a.png"), Path::new("")), Some(Path::new("a.png")));
+        let here = std::env::current_dir().unwrap().join("Cargo.toml");
+        assert!(!is_outside(&here, Path::new("")) && is_outside(Path::new("/etc/hosts"), Path::new("")));
     }
 
     #[cfg(unix)]

@@ -160,7 +160,7 @@ impl FileSet {
     pub fn current(&self, path: &Path) -> PathBuf {
         let state = lock(&self.state);
         let name = path.file_name().unwrap_or_default();
-        let mut held = state.folders.iter().filter(|staging| staging.folder() == folder_of(path));
+        let mut held = state.folders.iter().filter(|staging| staging.is_of(folder_of(path)));
         let held = held.find(|staging| staging.holds(name));
         held.map_or_else(|| path.to_path_buf(), |staging| staging.new_path(name))
     }
@@ -293,7 +293,7 @@ impl State {
     }
 
     fn staging(&mut self, folder: &Path) -> io::Result<&mut Staging> {
-        let known = self.folders.iter().position(|staging| staging.folder() == folder);
+        let known = self.folders.iter().position(|staging| staging.is_of(folder));
         let index = match known {
             Some(index) => index,
             None => {
@@ -509,6 +509,16 @@ mod tests {
         assert!(matches!(files.write_text(&made.join("c"), "c"), Err(Error::Cancelled)));
         assert!(matches!(files.commit(), Err(Error::Cancelled)));
         assert_eq!(count(&folder), 0);
+    }
+
+    #[test]
+    fn a_folder_may_be_spelled_in_two_ways() {
+        let place = tempfile::tempdir().unwrap();
+        let files = FileSet::new();
+        files.write_text(&place.path().join("a.txt"), "a").unwrap();
+        files.write_text(&place.path().join("./b.txt"), "b").unwrap();
+        files.commit().unwrap();
+        assert_eq!(fs::read_dir(place.path()).unwrap().count(), 2);
     }
 
     #[test]

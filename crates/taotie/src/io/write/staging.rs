@@ -9,9 +9,10 @@
 use crate::error::{Error, Result};
 use same_file::is_same_file;
 use std::ffi::{OsStr, OsString};
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 const PREFIX: &str = ".taotie-";
 const SUFFIX: &str = ".part";
@@ -31,6 +32,8 @@ pub(super) struct Staging {
     names: Vec<OsString>,
     /// The number of them, from the last on, that are in their places.
     put: usize,
+    /// `true` where a file that stood in a place before is here alone: then the folder stays.
+    keeps: bool,
 }
 
 impl Staging {
@@ -56,7 +59,7 @@ impl Staging {
         match furnished(place.path()) {
             Ok(lock) => {
                 let (folder, place) = (folder.to_path_buf(), place.keep());
-                Ok(Some(Self { folder, place, lock, names: Vec::new(), put: 0 }))
+                Ok(Some(Self { folder, place, lock, names: Vec::new(), put: 0, keeps: false }))
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(error),
@@ -66,6 +69,11 @@ impl Staging {
     /// Returns the folder that the files are for.
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// Says whether the files are for a folder, however it is spelled.
+    pub fn is_of(&self, folder: &Path) -> bool {
+        self.folder == folder || is_same_file(&self.folder, folder).unwrap_or(false)
     }
 
     /// Returns the place of a file that is not in its own yet.
@@ -118,18 +126,19 @@ impl Staging {
         Ok(())
     }
 
-    /// Puts back what stood there before.
-    pub fn put_back(&self) {
+    /// Puts back what stood there before. What cannot be put back stays in the hidden folder, from which the next run
+    /// puts it back.
+    pub fn put_back(&mut self) {
         let _ = fs::remove_file(self.place.join(WHOLE));
         for (index, name) in self.names.iter().rev().enumerate() {
             let (target, old) = (self.folder.join(name), self.old_path(name));
             let was_put = index < self.put;
-            // What cannot be put back is beyond help; the first error is told.
-            let _ = match fs::symlink_metadata(&old).is_ok() {
+            let done = match fs::symlink_metadata(&old).is_ok() {
                 true if was_put || fs::symlink_metadata(&target).is_err() => fs::rename(&old, &target),
                 false if was_put => fs::remove_file(&target),
                 _ => Ok(()),
             };
+            self.keeps |= done.is_err();
         }
     }
 
@@ -151,7 +160,9 @@ fn furnished(place: &Path) -> io::Result<File> {
 
 impl Drop for Staging {
     fn drop(&mut self) {
-        remove(&self.place);
+        if !self.keeps {
+            remove(&self.place);
+        }
         let _ = self.lock.unlock();
     }
 }
@@ -172,7 +183,7 @@ pub(super) fn exchange(folders: &mut [Staging]) -> Result<()> {
     let marked = kept.and_then(|()| folders.iter().try_for_each(Staging::mark));
     let put = marked.and_then(|()| folders.iter_mut().rev().try_for_each(Staging::put_new));
     if put.is_err() {
-        folders.iter().for_each(Staging::put_back);
+        folders.iter_mut().for_each(Staging::put_back);
     }
     put
 }
@@ -182,10 +193,20 @@ pub(super) fn sync(folder: &Path) {
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }
 
-/// Waits until no other process renames files in a folder. `None` where the system cannot lock folders.
+/// Waits until no other process renames files in a folder, five seconds at most: renaming takes far less, and a program
+/// that runs this one may hold a lock of the folder itself. `None` where the system cannot lock folders.
 fn turn(folder: &Path) -> Option<File> {
+    const TRIES: u32 = 500;
+    const PAUSE: Duration = Duration::from_millis(10);
     let file = File::open(folder).ok()?;
-    file.lock().ok().map(|()| file)
+    for _ in 0..TRIES {
+        match file.try_lock() {
+            Ok(()) => return Some(file),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(PAUSE),
+            Err(TryLockError::Error(_)) => return None,
+        }
+    }
+    None
 }
 
 /// Removes what processes have left that died while they wrote into a folder.
@@ -213,6 +234,7 @@ fn clear(folder: &Path, place: &Path) {
     }
     let _turn = turn(folder);
     let is_whole = place.join(WHOLE).exists();
+    let mut is_done = true;
     let (from, old) = (place.join(if is_whole { NEW } else { OLD }), place.join(OLD));
     for entry in fs::read_dir(&from).into_iter().flatten().flatten() {
         let target = folder.join(entry.file_name());
@@ -220,10 +242,13 @@ fn clear(folder: &Path, place: &Path) {
         // Only what was to be replaced is: not a file that has come to stand there since.
         let is_replaced = is_whole && is_same_file(&target, old.join(entry.file_name())).unwrap_or(false);
         if is_free || is_replaced {
-            let _ = fs::rename(entry.path(), &target);
+            is_done &= fs::rename(entry.path(), &target).is_ok();
         }
     }
-    remove(place);
+    // What could not be moved is tried again by the next run.
+    if is_done {
+        remove(place);
+    }
 }
 
 #[cfg(test)]

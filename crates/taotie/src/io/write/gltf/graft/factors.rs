@@ -89,6 +89,11 @@ fn graft_emission(json: &mut Value, radiance: [f32; 3]) {
     if numbers::<3>(json, "emissiveFactor", 0.0).map(|v| v * strength) == radiance {
         return;
     }
+    let was_dark = numbers::<3>(json, "emissiveFactor", 0.0) == [0.0; 3];
+    if was_dark {
+        // A texture that nothing showed would scale what is new.
+        remove(json, "emissiveTexture");
+    }
     let emission = Emission::of(radiance);
     *member(json, "emissiveFactor") = json!(emission.color);
     match emission.extension() {

@@ -15,7 +15,24 @@ pub(super) fn prune(json: &mut Value, count: usize) -> usize {
     drop_unnamed(json, "textures", each_texture);
     let kept = drop_unnamed(json, "images", each_image);
     drop_unnamed(json, "bufferViews", each_view);
+    for name in ["KHR_texture_basisu", "EXT_texture_webp"] {
+        drop_unused(json, name);
+    }
     kept.into_iter().filter(|image| *image < count as u64).count()
+}
+
+/// Drops the name of an extension of textures that none has any more.
+fn drop_unused(json: &mut Value, name: &str) {
+    let has_it = |texture: &Value| texture.pointer(&format!("/extensions/{name}")).is_some();
+    if edit::items(json, "textures").iter().any(has_it) {
+        return;
+    }
+    for list in ["extensionsUsed", "extensionsRequired"] {
+        let names: Vec<Value> = edit::taken(json, list).into_iter().filter(|known| known != name).collect();
+        if !names.is_empty() {
+            json[list] = Value::Array(names);
+        }
+    }
 }
 
 /// Visits all numbers of things of one kind that a document names.
@@ -70,6 +87,23 @@ fn each_view(json: &mut Value, visit: &mut dyn FnMut(&mut Value)) {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn extensions_of_textures_go_with_the_last_of_them() {
+        let file = |extensions: Value| {
+            json!({
+                "extensionsUsed": ["EXT_texture_webp"], "extensionsRequired": ["EXT_texture_webp"],
+                "materials": [{ "normalTexture": { "index": 0 } }],
+                "textures": [{ "source": 0, "extensions": extensions }], "images": [{}],
+            })
+        };
+        let mut png = file(json!({}));
+        prune(&mut png, 1);
+        assert!(png.get("extensionsUsed").is_none() && png.get("extensionsRequired").is_none());
+        let mut webp = file(json!({ "EXT_texture_webp": { "source": 0 } }));
+        prune(&mut webp, 1);
+        assert_eq!(webp["extensionsRequired"], json!(["EXT_texture_webp"]));
+    }
 
     #[test]
     fn what_nothing_names_goes() {
