@@ -61,9 +61,10 @@ mod signals {
         // A file above the limit is an error of writing, and not the end of the process.
         flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
         let is_ending = Arc::new(AtomicBool::new(false));
-        let ignored = ignored();
-        let is_heard = |signal: &i32| (ignored >> (signal - 1)) & 1 == 0;
-        let wanted: Vec<i32> = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(is_heard).collect();
+        let mut wanted = vec![SIGINT, SIGTERM];
+        if !outlives_terminal() {
+            wanted.push(SIGHUP);
+        }
         for signal in &wanted {
             flag::register_conditional_shutdown(*signal, 128 + signal, Arc::clone(&is_ending))?;
         }
@@ -83,12 +84,12 @@ mod signals {
         std::thread::Builder::new().spawn(wait).map(drop)
     }
 
-    /// Returns the signals that the process is to ignore, as `nohup` and shells in the background ask for: bit `n − 1`
-    /// for signal `n`. Only Linux tells without unsafe code.
-    fn ignored() -> u64 {
+    /// Says whether the process is to outlive its terminal, as `nohup` asks for. Only Linux tells without unsafe code.
+    fn outlives_terminal() -> bool {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-        ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+        let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+        (ignored >> (SIGHUP - 1)) & 1 == 1
     }
 }
 

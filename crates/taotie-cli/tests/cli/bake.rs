@@ -425,20 +425,6 @@ fn a_level_that_is_no_coarser_is_told() {
 }
 
 #[test]
-fn threads_change_no_bit() {
-    let place = Place::with("scan.obj", SCAN.obj());
-    let line = "bake scan.obj -o out.glb --triangles 900 --size 128 --maps normal,ao,height --json --threads";
-    let run = |threads: u32| {
-        let mut report = place.json(&format!("{line} {threads}"));
-        report["stages"] = Value::Null;
-        (report, ["out.glb", "out.height.png"].map(|name| place.read(name)))
-    };
-    let (one, three) = (run(1), run(3));
-    assert_eq!(one.0, three.0);
-    assert!(one.1 == three.1, "the files differ");
-}
-
-#[test]
 fn a_low_poly_mesh_without_uvs_is_unwrapped() {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", Ball { uv: None, ..LOW }.obj());

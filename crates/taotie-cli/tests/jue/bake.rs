@@ -21,6 +21,7 @@ fn scan(mesh: Mesh) -> Scan {
 const SIZE: u32 = 4096;
 
 #[test]
+#[ignore = "bakes a million triangles at 4096², which takes half a minute"]
 fn a_million_triangles_on_two_thousand_show_the_relief_that_the_formulas_say() {
     // The normals of the displaced mesh come from the relief's formulas, not from its facets.
     let truth = jue::displaced_mesh(jue::FINEST);
