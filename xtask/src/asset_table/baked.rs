@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 /// Beginnings of warnings that the list of what is left out holds already.
 const TOLD_ALREADY: &str = "left out: the scan's ";
 /// What warnings of something lost say.
-const WORDS: [&str; 3] = ["ignored", "left out", "lost"];
+const WORDS: [&str; 4] = ["ignored", "left out", "lost", "baked at rest"];
 
 /// What is told of a bake.
 #[derive(Debug, PartialEq)]
