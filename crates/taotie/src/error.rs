@@ -1,12 +1,15 @@
 //! The errors, sorted by who can correct them, and the notes that count what was corrected without an error.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// The result of anything that touches what a user wrote.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// An error, sorted by who can mend it. Its text says where, what was wrong and what to do.
+/// An error, sorted by who can mend it. Its text says where, what was wrong and what to do, in one line: control
+/// characters, as names in files may have, are shown as `\u{fffd}`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -14,7 +17,7 @@ pub enum Error {
     ///
     /// The text already holds what the system said, so this error has no [`source`](std::error::Error::source):
     /// neither who prints the text alone nor who prints the whole chain loses or repeats it.
-    #[error("{}: {cause}", path.display())]
+    #[error("{}: {}", plain(path.display()), plain(cause))]
     Io {
         /// The file or folder concerned.
         path: PathBuf,
@@ -22,7 +25,7 @@ pub enum Error {
         cause: std::io::Error,
     },
     /// A file does not hold what its format demands: the file needs attention.
-    #[error("{}: {at}: {what}", path.display())]
+    #[error("{}: {}: {}", plain(path.display()), plain(at), plain(what))]
     Parse {
         /// The file concerned.
         path: PathBuf,
@@ -32,7 +35,7 @@ pub enum Error {
         what: String,
     },
     /// A value is outside what the call allows: the caller needs attention.
-    #[error("{what}: {why}")]
+    #[error("{}: {}", plain(what), plain(why))]
     Invalid {
         /// The value or argument.
         what: String,
@@ -40,7 +43,7 @@ pub enum Error {
         why: String,
     },
     /// A file is sound but asks for something this program does not do.
-    #[error("{what} is not supported: {why}")]
+    #[error("{} is not supported: {}", plain(what), plain(why))]
     Unsupported {
         /// The feature asked for.
         what: String,
@@ -48,7 +51,7 @@ pub enum Error {
         why: String,
     },
     /// The request is sound but larger than this program takes.
-    #[error("{what} is too large: {why}")]
+    #[error("{} is too large: {}", plain(what), plain(why))]
     Limit {
         /// The thing that is too large.
         what: String,
@@ -113,7 +116,18 @@ impl Error {
     }
 }
 
-/// Things that were wrong but could still be drawn, each counted once a kind, in order of first sight.
+/// Returns a text in one line: control characters are replaced.
+fn plain(text: impl Display) -> String {
+    one_line(text.to_string()).into_owned()
+}
+
+fn one_line<'a>(text: impl Into<Cow<'a, str>>) -> Cow<'a, str> {
+    let text = text.into();
+    if text.contains(char::is_control) { text.replace(char::is_control, "\u{fffd}").into() } else { text }
+}
+
+/// Things that were wrong but could still be drawn, each counted once a kind, in order of first sight. Each is one line,
+/// as the text of an [`Error`] is.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Warnings {
     entries: Vec<(String, usize)>,
@@ -127,7 +141,7 @@ impl Warnings {
         if count == 0 {
             return;
         }
-        let what = what.into();
+        let what = one_line(what.into()).into_owned();
         match self.places.get(&what) {
             Some(place) => self.entries[*place].1 += count,
             None => {
@@ -152,5 +166,30 @@ impl Warnings {
     /// Says whether nothing was noted.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_one_line_whatever_a_file_names() {
+        let (name, plain) = ("\u{1b}[31m\nx", "\u{fffd}[31m\u{fffd}x");
+        let cause = std::io::Error::other(name);
+        let errors = [
+            Error::io(name, cause),
+            Error::parse(name, name, name),
+            Error::invalid(name, name),
+            Error::unsupported(name, name),
+            Error::limit(name, name),
+        ];
+        for error in errors {
+            let text = error.to_string();
+            assert!(text.contains(plain) && !text.contains(char::is_control), "{text:?}");
+        }
+        let mut warnings = Warnings::default();
+        warnings.note(name, 1);
+        assert!(warnings.iter().all(|(what, count)| what == plain && count == 1));
     }
 }

@@ -117,7 +117,7 @@ impl Reading {
         }
         Err(format!(
             "{} lies outside the model's folder and is not read; allow it by --allow-outside",
-            path.display().to_string().escape_debug()
+            path.display()
         ))
     }
 }

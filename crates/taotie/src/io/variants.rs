@@ -48,8 +48,7 @@ impl Variants {
         match self.names.is_empty() {
             true => "the file has no variants".into(),
             false => {
-                let names = self.names.join(", ").replace(char::is_control, "\u{fffd}");
-                format!("the file has no such variant; it has: {names}")
+                format!("the file has no such variant; it has: {}", self.names.join(", "))
             }
         }
     }

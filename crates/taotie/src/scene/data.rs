@@ -45,12 +45,9 @@ impl SceneData {
             self.check_instance(&format_args!("instance {i}"), instance)?;
         }
         for (i, material) in self.materials.iter().enumerate() {
-            material.check(self.textures.len()).map_err(|why| {
-                Error::invalid(
-                    format!("material {i} '{}'", material.name.replace(char::is_control, "\u{fffd}")),
-                    why,
-                )
-            })?;
+            material
+                .check(self.textures.len())
+                .map_err(|why| Error::invalid(format!("material {i} '{}'", material.name), why))?;
         }
         let unplaced = self.cameras.iter().position(|camera| !camera.world_from_view.is_finite());
         unplaced.map_or(Ok(()), |i| Err(Error::invalid(format!("the transform of camera {i}"), NOT_FINITE)))

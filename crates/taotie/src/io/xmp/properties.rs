@@ -28,9 +28,8 @@ impl XmpProperties {
             let why = "XMP properties are a JSON object, such as {\"dc:title\": \"…\"}";
             return Err(Error::invalid(path.display().to_string(), why));
         };
-        checked(given).map_err(|Fault { property, why }| {
-            Error::invalid(format!("{}: {}", path.display(), plain(&property)), plain(&why))
-        })
+        checked(given)
+            .map_err(|Fault { property, why }| Error::invalid(format!("{}: {property}", path.display()), why))
     }
 
     /// Returns a packet with these properties, which go before its own; contexts are joined.
@@ -142,11 +141,6 @@ impl Prefixes {
         }
         members.get("@type").and_then(Value::as_str).map_or(Ok(()), |kind| self.check(kind))
     }
-}
-
-/// Returns text of a file as one line without control characters.
-fn plain(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 #[cfg(test)]
