@@ -3,9 +3,10 @@
 //! The crate is layered; a module imports only from lower layers and never from a sibling:
 //!
 //! ```text
-//! L5   asset          comparison
-//! L4   normal_map     studio         inspection
-//! L3   render          bake           io
+//! L6   asset          comparison
+//! L5   normal_map     studio         inspection
+//! L4   render          bake           io
+//! L3   pixel
 //! L2   surface  shade  scene  raster  trace  film  compare
 //! L1   image           mesh
 //! L0   math         error  names  progress  parallel
@@ -45,6 +46,7 @@ pub mod mesh;
 pub mod names;
 pub mod normal_map;
 mod parallel;
+pub mod pixel;
 pub mod progress;
 pub mod raster;
 pub mod render;

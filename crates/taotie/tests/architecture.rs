@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// Every module at the top of the crate with its layer. A module imports from lower layers only: those of one layer
 /// never see each other.
-const LAYERS: [(&str, u32); 22] = [
+const LAYERS: [(&str, u32); 23] = [
     // Everybody's ground: `math` too reports errors and has values chosen by name.
     ("error", 0),
     ("names", 1),
@@ -34,14 +34,15 @@ const LAYERS: [(&str, u32); 22] = [
     ("trace", 4),
     ("film", 4),
     ("compare", 4),
-    ("render", 5),
-    ("bake", 5),
-    ("io", 5),
-    ("normal_map", 6),
-    ("studio", 6),
-    ("inspection", 6),
-    ("asset", 7),
-    ("comparison", 7),
+    ("pixel", 5),
+    ("render", 6),
+    ("bake", 6),
+    ("io", 6),
+    ("normal_map", 7),
+    ("studio", 7),
+    ("inspection", 7),
+    ("asset", 8),
+    ("comparison", 8),
 ];
 
 /// The names that the crate's root gives again, and the module that they come from.

@@ -3,12 +3,12 @@
 use super::batch::{Batch, Lanes};
 use super::columns::{Column, get3};
 use super::draw::Draw;
-use super::model::{is_cook_torrance, takes_layers};
 use super::settings::RenderSettings;
 use crate::math::{Pack, Vec3, Words, dispatch_pack};
+use crate::pixel::{coat_albedo, is_cook_torrance, lobe_slope, sheen_albedo, takes_layers};
 use crate::scene::Material;
 use crate::shade::dfg::{self, Dfg, TablePosition};
-use crate::shade::{COAT_F0, Energy, Shading, ndf};
+use crate::shade::{Energy, Shading};
 use fearless_simd::Level;
 
 /// Fills `batch.dfg` and the albedos of the layers.
@@ -45,7 +45,10 @@ impl Places {
             let at: Lanes<'_, P> = batch.lanes(token, i);
             let n_dot_v = at.load3(&batch.n).dot(at.load3(&batch.v));
             let place = match is_cook_torrance(shading) {
-                true => TablePosition::of_cook_torrance(n_dot_v, slope(at, material)),
+                true => {
+                    let slope = lobe_slope(&at.uniforms(material), &at.values());
+                    TablePosition::of_cook_torrance(n_dot_v, slope)
+                }
                 false => TablePosition::of_ggx(n_dot_v, at.load(&batch.roughness)),
             };
             place.node.store_words(&mut self.node[i..]);
@@ -59,8 +62,7 @@ impl Places {
 pub(super) fn look_up_coat(material: &Material, batch: &mut Batch, i: usize, v: Vec3) {
     if material.clearcoat.is_some() {
         let cosine = get3(&batch.layers.coat_n, i).dot(v);
-        let albedo = dfg::of_ggx(cosine, batch.layers.coat_roughness[i]);
-        batch.layers.coat_albedo[i] = COAT_F0 as f32 * albedo.scale + albedo.bias;
+        batch.layers.coat_albedo[i] = coat_albedo(&dfg::of_ggx(cosine, batch.layers.coat_roughness[i]));
     }
 }
 
@@ -69,30 +71,6 @@ fn look_up_layers(material: &Material, batch: &mut Batch, i: usize) {
     look_up_coat(material, batch, i, v);
     if material.sheen.is_some() {
         let cosine = get3(&batch.n, i).dot(v);
-        // Edge-on the lobe sends back more than arrives; nothing negative may be left for what lies below.
-        batch.layers.sheen_albedo[i] = dfg::of_sheen(cosine, batch.layers.sheen_roughness[i]).min(1.0);
-    }
-}
-
-/// Beckmann's slope of the fragments.
-#[inline(always)]
-fn slope<P: Pack>(at: Lanes<'_, P>, material: &Material) -> P {
-    match material.classic.slope {
-        Some(slope) => (at.splat(slope * slope) + at.load(&at.batch.variance)).sqrt(),
-        None => at.load(&at.batch.roughness).squared(),
-    }
-}
-
-/// The roughness of the GGX lobe that comes nearest to the model's highlight, [0, 1], of the fragments.
-#[inline(always)]
-pub(super) fn lobe_roughness<P: Pack>(at: Lanes<'_, P>, shading: Shading, material: &Material) -> P {
-    match (shading, material.classic.shininess) {
-        (Shading::CookTorrance | Shading::CookTorrancePrinted, _) => {
-            slope(at, material).sqrt().min(at.splat(1.0))
-        }
-        (Shading::Ggx | Shading::GgxPrinted | Shading::Lambert, _) | (_, None) => {
-            at.load(&at.batch.roughness)
-        }
-        (_, Some(shininess)) => at.splat(ndf::alpha_from_shininess(shininess).sqrt()),
+        batch.layers.sheen_albedo[i] = sheen_albedo(dfg::of_sheen(cosine, batch.layers.sheen_roughness[i]));
     }
 }

@@ -264,12 +264,6 @@ impl<P: Pack> Lanes<'_, P> {
         splat3(self.token, value)
     }
 
-    /// A colour of the material for all fragments.
-    #[inline(always)]
-    pub(super) fn everywhere(&self, rgb: [f32; 3]) -> Vec3<P> {
-        self.splat3(Vec3::from_array(rgb))
-    }
-
     /// The directional albedos of the fragments' lobe.
     #[inline(always)]
     pub(super) fn dfg(&self) -> Dfg<P> {

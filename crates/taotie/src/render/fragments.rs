@@ -8,6 +8,7 @@ use super::lookups::{Coordinates, Lookups, TextureUse};
 use super::shadows::SmoothTriangle;
 use super::view::Eye;
 use crate::math::{Aligned, Mask, Pack, Vec3, dispatch_pack, poly, scalar};
+use crate::pixel::{anisotropy_turn, height_derivative, height_step, occluded};
 use crate::scene::{Clearcoat, HeightMap, TextureRef};
 use crate::shade::SubPixelVariance;
 use fearless_simd::Level;
@@ -89,14 +90,15 @@ impl Interpolation<'_> {
             let heights = [1.0, -1.0].map(|side| {
                 let mut out = [Column::ZERO; 4];
                 let shift = |i: usize| {
-                    let step = side * texels[i] / size[axis];
+                    let step = side * height_step(texels[i], size[axis]);
                     if axis == 0 { [step, 0.0] } else { [0.0, step] }
                 };
                 lookups.read_shifted(used, *len, shift, out.each_mut());
                 out[0]
             });
             for i in 0..*len {
-                derivative[i] = (heights[0][i] - heights[1][i]) / (2.0 * (texels[i] / size[axis]));
+                let step = height_step(texels[i], size[axis]);
+                derivative[i] = height_derivative(heights[0][i], heights[1][i], step);
             }
         }
         derivatives
@@ -138,7 +140,7 @@ impl Interpolation<'_> {
         }
         if material.occlusion_texture.is_some() && material.occlusion_strength != 1.0 {
             for occlusion in &mut batch.occlusion[..len] {
-                *occlusion = 1.0 + material.occlusion_strength * (*occlusion - 1.0);
+                *occlusion = occluded(*occlusion, material.occlusion_strength);
             }
         }
         let Batch { roughness, curvature, normal_variance, .. } = batch;
@@ -185,10 +187,11 @@ impl Interpolation<'_> {
             let factors = [1.0, 1.0, anisotropy.strength, 1.0];
             reader.read(&anisotropy.texture, [spare, spare2, &mut layers.anisotropy, spare3], factors);
             for i in 0..len {
-                let (x, y) = (2.0 * spare[i] - 1.0, 2.0 * spare2[i] - 1.0);
-                let [x, y] = if has_texture { [x, y] } else { [1.0, 0.0] };
-                layers.anisotropy_turn[0][i] = cos * x - sin * y;
-                layers.anisotropy_turn[1][i] = sin * x + cos * y;
+                let turn =
+                    if has_texture { anisotropy_turn([cos, sin], [spare[i], spare2[i]]) } else { [cos, sin] };
+                for (column, value) in layers.anisotropy_turn.iter_mut().zip(turn) {
+                    column[i] = value;
+                }
             }
         }
     }

@@ -1,12 +1,12 @@
 //! A shadow catcher: the ground under an object, of which nothing is seen but how much darker the object makes it.
 
-use super::light_source::LightSource;
 use super::rays::CameraRays;
 use super::settings::{EnvironmentLight, Lighting};
 use super::tree::Casters;
 use crate::math::Vec3;
 use crate::math::sequence::Sequence;
 use crate::parallel;
+use crate::pixel::{Incidence, LightSource};
 use crate::raster::{TILE_SIZE, Tile};
 use crate::scene::Bounds;
 use crate::shade::sampling::{cosine_direction, cosine_pdf};
@@ -108,7 +108,7 @@ impl Ground {
 
 /// The lights over the ground.
 struct Lights {
-    sources: Vec<LightSource>,
+    sources: Vec<LightSource<f32>>,
     /// Directions to the environment, each with its irradiance.
     sky: Vec<(Vec3, f32)>,
 }
@@ -134,7 +134,7 @@ impl Lights {
             }
         };
         for source in &self.sources {
-            let (l, irradiance) = source.incidence::<f32>((), point);
+            let Incidence { l, irradiance } = source.incidence(point);
             add(luminance(irradiance) * l.y.max(0.0), source.ray_from(point), source.ray_limit());
         }
         for (direction, irradiance) in &self.sky {

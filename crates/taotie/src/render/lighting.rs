@@ -3,10 +3,8 @@
 use super::batch::{Batch, Lanes};
 use super::columns::store3;
 use super::draw::Draw;
-use super::light_source::LightSource;
-use super::model::Model;
-use super::point::ShadingPoint;
 use crate::math::{Pack, Vec3, dispatch_pack};
+use crate::pixel::{Incidence, LightSource, Model};
 use crate::scene::Material;
 use crate::shade::Shading;
 use fearless_simd::Level;
@@ -15,7 +13,7 @@ use fearless_simd::Level;
 #[derive(Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub shading: Shading,
-    pub sources: &'a [LightSource],
+    pub sources: &'a [LightSource<f32>],
     pub ambient: Vec3,
     pub shadows: bool,
     /// `true` where `batch.environment_radiance` is filled.
@@ -74,15 +72,14 @@ fn lit_pack<P: Pack>(
     material: &Material,
 ) -> Vec3<P> {
     let batch = at.batch;
-    let surface: ShadingPoint<P> = ShadingPoint::new(at, model, material);
+    let surface = at.surface_point(model, material);
     let position = at.load3(&batch.position);
-    let ambient = at.splat3(illumination.ambient) * at.load(&batch.occlusion);
-    let mut radiance = surface.emitted + surface.ambient.mul_elements(ambient);
+    let mut radiance = surface.own(at.splat3(illumination.ambient));
     if illumination.has_environment {
-        radiance += surface.reflect_environment(at);
+        radiance += surface.reflect_environment(&at.environment(), &at.dfg());
     }
     for (index, source) in illumination.sources.iter().enumerate() {
-        let (l, irradiance) = source.incidence(at.token, position);
+        let Incidence { l, irradiance } = source.map(|value| at.splat(value)).incidence(position);
         let mut reflected = surface.reflect(l).mul_elements(irradiance);
         if illumination.shadows {
             reflected = reflected * at.load(&batch.visibility[index]);

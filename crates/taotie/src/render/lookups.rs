@@ -1,7 +1,8 @@
 //! Textures of a batch: where they are read, and what is there.
 
 use crate::image::{Lookup, LookupPoints, Sampler, Texture};
-use crate::math::{Column, Pack, dispatch_pack, poly};
+use crate::math::{Column, Pack, dispatch_pack};
+use crate::pixel::{log2_texels, turned_uv};
 use crate::scene::{Scene, TextureRef, UvTransform};
 use fearless_simd::Level;
 
@@ -128,28 +129,16 @@ impl Lookups {
         let transform = &used.texture.transform;
         let width = P::splat(token, used.image.width() as f32);
         let height = P::splat(token, used.image.height() as f32);
-        let [offset_u, offset_v] = transform.offset;
-        let (offset_u, offset_v) = (P::splat(token, offset_u), P::splat(token, offset_v));
+        let [offset_u, offset_v] = transform.offset.map(|offset| P::splat(token, offset));
+        let linear = transform.linear.map(|row| row.map(|value| P::splat(token, value)));
+        let load = |columns: &[Column; 2], i| columns.each_ref().map(|column| P::load(token, &column[i..]));
         for i in (0..len).step_by(P::LANES) {
-            let [u, v] = turned::<P>(token, transform, &set.uv, i);
+            let [u, v] = turned_uv(linear, load(&set.uv, i));
             (u + offset_u).store(&mut self.uv[0][i..]);
             (v + offset_v).store(&mut self.uv[1][i..]);
-            let [du, dv] = turned::<P>(token, transform, &set.d_x, i);
-            let across = (du * width).squared() + (dv * height).squared();
-            let [du, dv] = turned::<P>(token, transform, &set.d_y, i);
-            let down = (du * width).squared() + (dv * height).squared();
-            let texels = across.max(down).clamp(1e-30, 1e30);
-            (poly::log2(texels) * P::splat(token, 0.5)).store(&mut self.lod[i..]);
+            let d_x = turned_uv(linear, load(&set.d_x, i));
+            let d_y = turned_uv(linear, load(&set.d_y, i));
+            log2_texels(d_x, d_y, [width, height]).store(&mut self.lod[i..]);
         }
     }
-}
-
-/// The linear part of the transform.
-#[inline(always)]
-fn turned<P: Pack>(token: P::Token, transform: &UvTransform, uv: &[Column; 2], i: usize) -> [P; 2] {
-    let [[a, b], [c, d]] = transform.linear;
-    let (u, v) = (P::load(token, &uv[0][i..]), P::load(token, &uv[1][i..]));
-    let across = P::splat(token, a) * u + P::splat(token, b) * v;
-    let down = P::splat(token, c) * u + P::splat(token, d) * v;
-    [across, down]
 }

@@ -1,16 +1,17 @@
-//! A point of a surface with everything that its reflection depends on.
+//! Fragments of a batch as the pixel program takes them.
 
 use super::albedos;
 use super::batch::{Batch, Lanes};
 use super::draw::Draw;
-use super::layers::{Coat, Sheen, Terminator};
-use super::material_sample::material_sample;
-use super::model::{Model, takes_albedos};
 use super::normals::shade_normals;
 use super::settings::RenderSettings;
 use crate::math::{Pack, Vec3};
+use crate::pixel::{
+    Anisotropic, Coat, EnvironmentTexels, Frame, Geometry, MaterialPoint, MaterialUniforms, MaterialValues,
+    Model, PointLayers, Sheen, SurfacePoint, takes_albedos, takes_compensation,
+};
 use crate::scene::Material;
-use crate::shade::{self, Angles, AnisotropicLobe, MaterialSample, Shading};
+use crate::shade::AnisotropicLobe;
 use fearless_simd::Level;
 
 /// Fills what points of a surface need beside interpolated and looked up values: the shading normals and the
@@ -22,88 +23,114 @@ pub(super) fn complete(level: Level, settings: &RenderSettings, draw: &Draw<'_>,
     }
 }
 
-/// Shading points: a pack of fragments, or one, with all that their reflection depends on.
-pub(super) struct ShadingPoint<L> {
-    pub shading: Shading,
-    pub sample: MaterialSample<L>,
-    /// k_a, linear RGB.
-    pub ambient: Vec3<L>,
-    /// Emitted radiance that arrives at the viewer, linear RGB.
-    pub emitted: Vec3<L>,
-    /// The shading normal, unit, world space.
-    pub n: Vec3<L>,
-    /// The direction to the viewer: unit, world space.
-    pub v: Vec3<L>,
-    terminator: Terminator<L>,
-    pub anisotropic: Option<AnisotropicLobe<L>>,
-    pub coat: Option<Coat<L>>,
-    pub sheen: Option<Sheen<L>>,
-}
-
-impl<P: Pack> ShadingPoint<P> {
-    /// The fragments of `batch` from `i` on.
+impl<P: Pack> Lanes<'_, P> {
+    /// The interpolated geometry.
     #[inline(always)]
-    pub(super) fn new(at: Lanes<'_, P>, Model { shading, layered }: Model, material: &Material) -> Self {
-        let batch = at.batch;
-        let (sample, ambient) = material_sample(at, shading, material);
-        let (n, v) = (at.load3(&batch.n), at.load3(&batch.v));
-        let is_anisotropic = layered && material.anisotropy.is_some();
-        let anisotropic = is_anisotropic.then(|| {
-            let tangent = at.load3(&batch.layers.anisotropy_direction);
-            let strength = at.load(&batch.layers.anisotropy);
-            AnisotropicLobe::new(tangent, n.cross(tangent), sample.roughness, strength)
-        });
-        let coat = (layered && material.clearcoat.is_some()).then(|| Coat::new(at));
-        let sheen = (layered && material.sheen.is_some()).then(|| Sheen::new(at));
-        let emitted = at.load3(&batch.emissive);
-        let emitted = coat.as_ref().map_or(emitted, |coat| emitted * coat.kept);
-        let terminator = Terminator::new(at);
-        Self { shading, sample, ambient, emitted, n, v, terminator, anisotropic, coat, sheen }
-    }
-
-    /// Radiance to the viewer per unit of irradiance on a plane that faces the light in direction `l` (unit, world
-    /// space), linear RGB: f · n·l.
-    #[inline(always)]
-    pub(super) fn reflect(&self, l: Vec3<P>) -> Vec3<P> {
-        let reflected = self.reflect_bare(l);
-        match &self.coat {
-            Some(coat) => coat.over(reflected, self.v, l),
-            None => reflected,
+    pub(super) fn geometry(&self) -> Geometry<P> {
+        let batch = self.batch;
+        Geometry {
+            n_geom: self.load3(&batch.n_geom),
+            normal: self.load3(&batch.normal),
+            tangent: self.load3(&batch.tangent),
+            handedness: self.load(&batch.handedness),
+            facing: self.load(&batch.facing),
+            v: self.load3(&batch.v),
         }
     }
 
-    /// Does what [`Self::reflect`] does, without the clearcoat.
+    /// The directions, where shading normals are there.
     #[inline(always)]
-    pub(super) fn reflect_bare(&self, l: Vec3<P>) -> Vec3<P> {
-        let angles = Angles::new(self.n, self.v, l);
-        let mut reflected = match &self.anisotropic {
-            Some(lobe) => shade::reflect_anisotropic(&self.sample, lobe, &angles, [self.v, l]),
-            None => shade::reflect(self.shading, &self.sample, &angles),
+    pub(super) fn frame(&self) -> Frame<P> {
+        let batch = self.batch;
+        Frame {
+            n: self.load3(&batch.n),
+            smooth: self.load3(&batch.smooth),
+            squared_slope: self.load(&batch.bump),
+            v: self.load3(&batch.v),
+        }
+    }
+
+    /// The material's factors.
+    #[inline(always)]
+    pub(super) fn uniforms(&self, material: &Material) -> MaterialUniforms<P> {
+        MaterialUniforms::new(material).map(|factor| self.splat(factor))
+    }
+
+    /// The material's values.
+    #[inline(always)]
+    pub(super) fn values(&self) -> MaterialValues<P> {
+        let batch = self.batch;
+        MaterialValues {
+            tint: self.load3(&batch.tint),
+            metallic: self.load(&batch.metallic),
+            roughness: self.load(&batch.roughness),
+            specular: self.load(&batch.specular),
+            specular_color: self.load3(&batch.specular_color),
+            occlusion: self.load(&batch.occlusion),
+            emissive: self.load3(&batch.emissive),
+            variance: self.load(&batch.variance),
+        }
+    }
+
+    /// The anisotropy, where the material has one.
+    #[inline(always)]
+    pub(super) fn anisotropic(&self) -> Anisotropic<P> {
+        let layers = &self.batch.layers;
+        Anisotropic {
+            direction: self.load3(&layers.anisotropy_direction),
+            strength: self.load(&layers.anisotropy),
+            roughness: self.load(&self.batch.roughness),
+        }
+    }
+
+    /// All that reflection depends on.
+    #[inline(always)]
+    pub(super) fn surface_point(
+        &self,
+        Model { shading, layered }: Model,
+        material: &Material,
+    ) -> SurfacePoint<P> {
+        let frame = self.frame();
+        let compensated = self.batch.compensated && takes_compensation(shading);
+        let dfg = compensated.then(|| self.dfg());
+        let point = MaterialPoint::new(shading, &self.uniforms(material), &self.values(), dfg);
+        let layers = match layered {
+            true => self.layers(material, frame.n),
+            false => PointLayers { anisotropic: None, coat: None, sheen: None },
         };
-        if let Some(sheen) = &self.sheen {
-            reflected = sheen.over(reflected, &angles);
-        }
-        reflected * self.terminator.share(l)
+        SurfacePoint { shading, material: point, frame, layers }
     }
 
-    /// Radiance to the viewer of what the environment sends, linear RGB; `batch.environment_radiance` and its tables
-    /// must be filled.
     #[inline(always)]
-    pub(super) fn reflect_environment(&self, at: Lanes<'_, P>) -> Vec3<P> {
-        let batch = at.batch;
-        let weights = shade::environment_weights(self.shading, &self.sample, &at.dfg());
-        let occlusion = at.load(&batch.occlusion);
-        let mean = at.load3(&batch.environment_radiance.mean) * occlusion;
-        let n_dot_v = self.n.dot(self.v).clamp(0.0, 1.0);
-        let seen = shade::specular_occlusion(n_dot_v, occlusion, self.sample.roughness);
-        let gathered = at.load3(&batch.environment_radiance.specular) * seen;
-        let mut radiance = weights.specular.mul_elements(gathered) + weights.diffuse.mul_elements(mean);
-        if let Some(sheen) = &self.sheen {
-            radiance = sheen.over_mean(radiance, mean);
+    fn layers(&self, material: &Material, n: Vec3<P>) -> PointLayers<P> {
+        let layers = &self.batch.layers;
+        PointLayers {
+            anisotropic: material.anisotropy.is_some().then(|| {
+                let Anisotropic { direction, strength, roughness } = self.anisotropic();
+                AnisotropicLobe::new(direction, n.cross(direction), roughness, strength)
+            }),
+            coat: material.clearcoat.is_some().then(|| Coat {
+                n: self.load3(&layers.coat_n),
+                factor: self.load(&layers.coat),
+                roughness: self.load(&layers.coat_roughness),
+                albedo: self.load(&layers.coat_albedo),
+            }),
+            sheen: material.sheen.is_some().then(|| Sheen {
+                color: self.load3(&layers.sheen_color),
+                roughness: self.load(&layers.sheen_roughness),
+                albedo: self.load(&layers.sheen_albedo),
+            }),
         }
-        match &self.coat {
-            Some(coat) => coat.over_environment(radiance, at.load3(&batch.environment_radiance.coat)),
-            None => radiance,
+    }
+
+    /// The environment's light, where it was looked up.
+    #[inline(always)]
+    pub(super) fn environment(&self) -> EnvironmentTexels<P> {
+        let radiance = &self.batch.environment_radiance;
+        EnvironmentTexels {
+            specular: self.load3(&radiance.specular),
+            mean: self.load3(&radiance.mean),
+            coat: self.load3(&radiance.coat),
         }
     }
 }

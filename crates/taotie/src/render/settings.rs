@@ -1,8 +1,9 @@
 //! Settings of an image.
 
 use crate::error::{self, Error};
-use crate::math::{Lane, SimdLevel, Vec3, scalar};
+use crate::math::{SimdLevel, Vec3, scalar};
 use crate::names::Named;
+use crate::pixel::Turn;
 use crate::scene::{Camera, Light};
 use crate::shade::environment::Environment;
 use crate::shade::{Energy, Shading};
@@ -92,6 +93,17 @@ impl Default for RenderSettings {
     }
 }
 
+impl RenderSettings {
+    /// The settings as the model takes them: models as printed in the paper take no corrections.
+    ///
+    /// This is the one place that asks whether an image's model is as printed.
+    pub(super) fn as_taken(&self) -> Self {
+        let corrected = !self.shading.is_printed();
+        let grazing_normals = if corrected { self.grazing_normals } else { GrazingNormals::Keep };
+        Self { specular_aa: self.specular_aa && corrected, grazing_normals, ..self.clone() }
+    }
+}
+
 /// An image to render: from where, in what light, and how.
 #[derive(Debug, Clone, Copy)]
 pub struct Shot<'a> {
@@ -141,29 +153,8 @@ impl EnvironmentLight {
     }
 
     /// Both of these for many directions.
-    pub(super) fn turn(&self) -> Turn {
-        Turn { sin: scalar::sin(self.rotation), cos: scalar::cos(self.rotation) }
-    }
-}
-
-/// A rotation about +y, ready for use: x' = x cos + z sin, z' = z cos − x sin takes the environment to the world.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Turn {
-    sin: f64,
-    cos: f64,
-}
-
-impl Turn {
-    #[inline(always)]
-    pub(super) fn to_environment<L: Lane>(self, world: Vec3<L>) -> Vec3<L> {
-        let (sin, cos) = (world.x.lit(self.sin), world.x.lit(self.cos));
-        Vec3::new(world.x * cos - world.z * sin, world.y, world.z * cos + world.x * sin)
-    }
-
-    #[inline(always)]
-    pub(super) fn to_world<L: Lane>(self, direction: Vec3<L>) -> Vec3<L> {
-        let (sin, cos) = (direction.x.lit(self.sin), direction.x.lit(self.cos));
-        Vec3::new(direction.x * cos + direction.z * sin, direction.y, direction.z * cos - direction.x * sin)
+    pub(super) fn turn(&self) -> Turn<f32> {
+        Turn { sin: scalar::sin(self.rotation) as f32, cos: scalar::cos(self.rotation) as f32 }
     }
 }
 

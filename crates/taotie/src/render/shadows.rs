@@ -2,14 +2,14 @@
 
 use super::batch::{BATCH, Batch};
 use super::columns::get3;
-use super::light_source::LightSource;
 use super::tree::Casters;
 use crate::math::Vec3;
+use crate::pixel::LightSource;
 
 /// Fills `batch.visibility`. `origins` are the points that rays leave from.
 pub(super) fn trace_shadows(
     casters: Casters<'_>,
-    sources: &[LightSource],
+    sources: &[LightSource<f32>],
     origins: &[Vec3; BATCH],
     batch: &mut Batch,
 ) {

@@ -7,9 +7,7 @@ use super::environment_lookup::{self, EnvironmentQuery};
 use super::geometry::Projected;
 use super::grouping::Grouping;
 use super::interpolate::{Interpolation, Screen};
-use super::light_source::LightSource;
 use super::lighting::{Illumination, light};
-use super::model::{as_taken, takes_roughness};
 use super::point::complete;
 use super::prepare::Ready;
 use super::resolve::Resolve;
@@ -20,6 +18,7 @@ use super::view::View;
 use super::visible_sample::VisibleSample;
 use crate::error::Result;
 use crate::math::Vec3;
+use crate::pixel::{LightSource, takes_roughness};
 use crate::raster::{self, SamplePattern, TILE_PIXELS, TILE_SIZE, Tile, TilePlane, TileSample, Viewport};
 use fearless_simd::Level;
 
@@ -30,7 +29,7 @@ pub struct Stages<'p> {
     projected: Projected,
     view: View,
     viewport: Viewport,
-    sources: Vec<LightSource>,
+    sources: Vec<LightSource<f32>>,
     ambient: Vec3,
     environment: Option<EnvironmentLight>,
     /// The settings, as the model takes them.
@@ -56,7 +55,7 @@ impl<'p> Stages<'p> {
     /// As [`super::Pass::new`].
     pub(super) fn new(ready: Ready<'p>, shot: &Shot<'_>, mut projected: Projected) -> Result<Self> {
         shot.check()?;
-        let settings = as_taken(shot.settings);
+        let settings = shot.settings.as_taken();
         let (width, height) = (settings.width, settings.height);
         // Checks the size before anything is made of it.
         crate::image::Image::check_size(width, height)?;

@@ -1,14 +1,15 @@
 //! The environment as paths see it.
 
-use super::super::settings::{EnvironmentLight, Turn};
+use super::super::settings::EnvironmentLight;
 use crate::math::Vec3;
+use crate::pixel::Turn;
 use crate::shade::environment::EnvironmentSample;
 
 /// The environment in world space.
 #[derive(Clone, Copy)]
 pub(super) struct WorldEnvironment<'t> {
     light: &'t EnvironmentLight,
-    turn: Turn,
+    turn: Turn<f32>,
     /// `true` where it is seen wherever nothing stands before it.
     pub visible: bool,
 }

@@ -3,12 +3,10 @@
 
 use super::super::batch::{Batch, Lanes};
 use super::super::columns::{Column, Column3, ZERO, ZERO3, store3};
-use super::super::light_source::LightSource;
-use super::super::model::Model;
-use super::super::point::ShadingPoint;
 use super::groove::{Groove, Grooves};
 use super::scatter::Scatter;
 use crate::math::{Pack, Vec3, dispatch_eight};
+use crate::pixel::{Incidence, LightSource, Model, SurfacePoint};
 use crate::scene::Material;
 use crate::shade::Shading;
 use fearless_simd::Level;
@@ -19,7 +17,7 @@ pub(super) struct BsdfQuery<'t> {
     pub depth: u32,
     pub shading: Shading,
     pub material: &'t Material,
-    pub sources: &'t [LightSource],
+    pub sources: &'t [LightSource<f32>],
     pub ambient: Vec3,
     /// `true` where light behind the shading normal is shadowed.
     pub shadows: bool,
@@ -79,7 +77,7 @@ fn all_packs<P: Pack>(token: P::Token, query: &BsdfQuery<'_>, batch: &Batch, bsd
     for i in batch.packs::<P>() {
         let at: Lanes<'_, P> = batch.lanes(token, i);
         let seen: Seen<P> = Seen::new(at, query, bsdf);
-        store3(own(at, query, &seen.surface), &mut bsdf.own, i);
+        store3(seen.surface.own(at.splat3(query.ambient)), &mut bsdf.own, i);
         let scatter = Scatter::new(&seen.surface, seen.from, seen.groove.as_ref());
         let [u, v, w] = &bsdf.u;
         let onward = scatter.direction([at.load(u), at.load(v), at.load(w)]);
@@ -87,10 +85,13 @@ fn all_packs<P: Pack>(token: P::Token, query: &BsdfQuery<'_>, batch: &Batch, bsd
         let position = at.load3(&batch.position);
         // One loop over all directions, so that reflection is compiled once.
         for request in query.requests() {
-            let (l, irradiance) = match request {
-                Request::Light(number) => query.sources[number].incidence(token, position),
-                Request::Sky => (at.load3(&bsdf.to_sky), at.splat3(ONE)),
-                Request::Onward => (onward, at.splat3(ONE)),
+            let unit = |l| Incidence { l, irradiance: at.splat3(ONE) };
+            let Incidence { l, irradiance } = match request {
+                Request::Light(number) => {
+                    query.sources[number].map(|value| at.splat(value)).incidence(position)
+                }
+                Request::Sky => unit(at.load3(&bsdf.to_sky)),
+                Request::Onward => unit(onward),
             };
             let shadowed = query.shadows || !matches!(request, Request::Light(_));
             let reflected = seen.reflected(l, shadowed).mul_elements(irradiance);
@@ -152,16 +153,9 @@ impl BsdfBatch {
 
 const ONE: Vec3 = Vec3::new(1.0, 1.0, 1.0);
 
-/// Emission and reflected ambient light.
-#[inline(always)]
-fn own<P: Pack>(at: Lanes<'_, P>, query: &BsdfQuery<'_>, surface: &ShadingPoint<P>) -> Vec3<P> {
-    let ambient = at.splat3(query.ambient) * at.load(&at.batch.occlusion);
-    surface.emitted + surface.ambient.mul_elements(ambient)
-}
-
 /// Points of a surface as a viewer sees them.
 struct Seen<P> {
-    surface: ShadingPoint<P>,
+    surface: SurfacePoint<P>,
     /// The true direction to the viewer.
     from: Vec3<P>,
     groove: Option<Groove<P>>,
@@ -171,9 +165,9 @@ impl<P: Pack> Seen<P> {
     #[inline(always)]
     fn new(at: Lanes<'_, P>, query: &BsdfQuery<'_>, bsdf: &BsdfBatch) -> Self {
         let model = Model::new(query.shading, query.material);
-        let surface = ShadingPoint::new(at, model, query.material);
+        let surface = at.surface_point(model, query.material);
         if !query.grooved {
-            return Self { from: surface.v, surface, groove: None };
+            return Self { from: surface.frame.v, surface, groove: None };
         }
         let groove = Groove::new(at, &bsdf.grooves, &surface);
         Self { surface, from: at.load3(&bsdf.grooves.v), groove: Some(groove) }
@@ -184,7 +178,7 @@ impl<P: Pack> Seen<P> {
     fn reflected(&self, l: Vec3<P>, shadowed: bool) -> Vec3<P> {
         let Some(groove) = &self.groove else { return self.reflected_flat(l, shadowed) };
         let reflected = groove.reflect(&self.surface, l);
-        match &self.surface.coat {
+        match &self.surface.layers.coat {
             Some(coat) => coat.over(reflected, self.from, l),
             None => reflected,
         }
@@ -197,6 +191,6 @@ impl<P: Pack> Seen<P> {
             return reflected;
         }
         let zero = l.x.lit(0.0);
-        Vec3::select(zero.lt(self.surface.n.dot(l)), reflected, Vec3::splat(zero))
+        Vec3::select(zero.lt(self.surface.frame.n.dot(l)), reflected, Vec3::splat(zero))
     }
 }

@@ -4,12 +4,11 @@ use super::super::albedos;
 use super::super::batch::{Batch, Lanes};
 use super::super::columns::{Column, Column3, get3, set3};
 use super::super::draw::Draw;
-use super::super::model::takes_albedos;
 use super::super::normals::shade_normals;
-use super::super::point::ShadingPoint;
 use super::super::settings::{GrazingNormals, RenderSettings};
 use super::settings::{NormalMapping, ReferenceSettings};
 use crate::math::{Pack, Vec3};
+use crate::pixel::{SurfacePoint, takes_albedos};
 use crate::shade::Facets;
 use fearless_simd::Level;
 
@@ -70,14 +69,14 @@ pub(super) struct Groove<P> {
 
 impl<P: Pack> Groove<P> {
     #[inline(always)]
-    pub(super) fn new(at: Lanes<'_, P>, grooves: &Grooves, surface: &ShadingPoint<P>) -> Self {
-        let facets = Facets::new(at.load3(&at.batch.smooth), surface.n);
+    pub(super) fn new(at: Lanes<'_, P>, grooves: &Grooves, surface: &SurfacePoint<P>) -> Self {
+        let facets = Facets::new(at.load3(&at.batch.smooth), surface.frame.n);
         Self { facets, u: at.load(&grooves.u) }
     }
 
     /// Radiance to the viewer per unit of irradiance from `l`, without clearcoat.
     #[inline(always)]
-    pub(super) fn reflect(&self, surface: &ShadingPoint<P>, l: Vec3<P>) -> Vec3<P> {
+    pub(super) fn reflect(&self, surface: &SurfacePoint<P>, l: Vec3<P>) -> Vec3<P> {
         let zero = l.x.lit(0.0);
         let mut sum = Vec3::splat(zero);
         for (way, share) in self.facets.ways(l) {

@@ -5,7 +5,7 @@
 //! light directly: from every point, spot and directional light by a shadow ray, and from the environment in two ways
 //! that are weighed against each other: towards where it is bright, and where the surface reflects much ([`evaluate`]).
 //! Then it goes on in the second direction. Reflection is
-//! [`ShadingPoint::reflect`](super::point::ShadingPoint::reflect), so that every named model works, physical or not.
+//! [`SurfacePoint::reflect`](crate::pixel::SurfacePoint::reflect), so that every named model works, physical or not.
 //! Textures are read at their finest level, since a pixel's many paths average them.
 //!
 //! The following is the same as in the rasteriser, so that direct light is equal: interpolation, normals, the origins

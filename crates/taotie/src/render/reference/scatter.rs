@@ -1,9 +1,8 @@
 //! Chooses where a surface sends paths: as its base reflects, or as its clearcoat does.
 
-use super::super::layers::Coat;
-use super::super::point::ShadingPoint;
 use super::groove::Groove;
 use crate::math::{Lane, Pack, Vec3};
+use crate::pixel::{Coat, SurfacePoint};
 use crate::shade::coat_fresnel;
 use crate::shade::ndf::alpha_from_roughness;
 use crate::shade::sampling::{Lobes, ggx_visible_normal, ggx_visible_pdf, mirrored, raised};
@@ -36,21 +35,21 @@ struct ShadingFrame<L> {
 impl<'s, P: Pack> Scatter<'s, P> {
     /// Makes the distribution; `v` is where the viewer truly is; the surface may be seen in the mirror of its groove.
     #[inline(always)]
-    pub(super) fn new(surface: &ShadingPoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
-        let n = surface.n.normalize_or(surface.v);
-        let t = match &surface.anisotropic {
+    pub(super) fn new(surface: &SurfacePoint<P>, v: Vec3<P>, groove: Option<&'s Groove<P>>) -> Self {
+        let n = surface.frame.n.normalize_or(surface.frame.v);
+        let t = match &surface.layers.anisotropic {
             Some(lobe) => lobe.tangent,
             None => n.any_perpendicular(),
         };
-        let base = ShadingFrame::new(n, t, surface.v);
-        let mut lobes = Lobes::of(surface.shading, &surface.sample, base.v.z);
-        if let Some(lobe) = &surface.anisotropic {
+        let base = ShadingFrame::new(n, t, surface.frame.v);
+        let mut lobes = Lobes::of(surface.shading, &surface.material.sample, base.v.z);
+        if let Some(lobe) = &surface.layers.anisotropic {
             lobes.alpha = [lobe.along, lobe.across];
         }
-        if surface.sheen.is_some() {
+        if surface.layers.sheen.is_some() {
             lobes.glossy = lobes.glossy * n.x.lit(0.5);
         }
-        let coat = surface.coat.as_ref().map(|coat| CoatLobe::new(coat, v, surface));
+        let coat = surface.layers.coat.as_ref().map(|coat| CoatLobe::new(coat, v, surface));
         Self { base, lobes, coat, groove }
     }
 
@@ -87,10 +86,10 @@ impl<'s, P: Pack> Scatter<'s, P> {
 
 impl<P: Pack> CoatLobe<P> {
     #[inline(always)]
-    fn new(coat: &Coat<P>, v: Vec3<P>, surface: &ShadingPoint<P>) -> Self {
+    fn new(coat: &Coat<P>, v: Vec3<P>, surface: &SurfacePoint<P>) -> Self {
         let frame = ShadingFrame::new(coat.n, coat.n.any_perpendicular(), v);
         let reflected = coat.factor * coat_fresnel(frame.v.z.clamp(0.0, 1.0));
-        let Vec3 { x, y, z } = surface.sample.base_color + surface.sample.f0;
+        let Vec3 { x, y, z } = surface.material.sample.base_color + surface.material.sample.f0;
         let below = (x + y + z) * x.lit(1.0 / 3.0);
         let share = (reflected / (reflected + below).max(x.lit(1e-6))).clamp(0.1, 0.9);
         Self { frame, alpha: alpha_from_roughness(coat.roughness), share }

@@ -2,8 +2,6 @@
 
 use super::super::draw::{Draw, Draws};
 use super::super::ground::Ground;
-use super::super::light_source::LightSource;
-use super::super::model::as_taken;
 use super::super::prepare::Ready;
 use super::super::rays::CameraRays;
 use super::super::settings::{RenderSettings, Shot};
@@ -14,6 +12,7 @@ use super::settings::ReferenceSettings;
 use super::surfaces::Sight;
 use crate::error::Result;
 use crate::math::Vec3;
+use crate::pixel::LightSource;
 use fearless_simd::Level;
 
 /// The state shared by all paths of an image.
@@ -22,7 +21,7 @@ pub(super) struct Tracer<'t> {
     pub sight: Sight<'t>,
     pub view: View,
     pub camera: CameraRays,
-    pub sources: Vec<LightSource>,
+    pub sources: Vec<LightSource<f32>>,
     pub ambient: Vec3,
     pub ground: Option<Ground>,
     pub environment: Option<WorldEnvironment<'t>>,
@@ -49,7 +48,7 @@ impl<'t> Tracer<'t> {
     ) -> Result<Self> {
         paths.check()?;
         shot.check()?;
-        let (settings, lighting) = (as_taken(shot.settings), shot.lighting);
+        let (settings, lighting) = (shot.settings.as_taken(), shot.lighting);
         let (width, height) = (settings.width, settings.height);
         crate::image::Image::check_size(width, height)?;
         let camera = CameraRays::new(shot.camera, [width, height]);

@@ -1,0 +1,221 @@
+//! The material sample of a point, in every model's terms.
+
+use super::model::{is_cook_torrance, takes_compensation, takes_fresnel};
+use crate::math::{Lane, Vec3};
+use crate::scene::Material;
+use crate::shade::dfg::Dfg;
+use crate::shade::{self, MaterialSample, Shading, fresnel, ndf};
+
+/// The least α that shininess and slope are made from.
+const LEAST_ALPHA: f64 = 0.02;
+
+/// The factors of a material, the same at all points. What is `None` is not authored and follows from the
+/// metallic-roughness values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialUniforms<L> {
+    /// Multiplies [`MaterialValues::tint`], linear RGB.
+    pub base_color: Vec3<L>,
+    /// Reflectance at normal incidence, linear RGB.
+    pub f0: Option<Vec3<L>>,
+    /// Reflectance at 82°, linear RGB.
+    pub f82: Option<Vec3<L>>,
+    /// F0 of the dielectric part, ((η − 1)/(η + 1))²; 1 for the index 0, which means total reflection.
+    pub dielectric_f0: L,
+    /// k_a, linear RGB; multiplies the tint.
+    pub ambient: Option<Vec3<L>>,
+    /// k_d, linear RGB; multiplies the tint.
+    pub diffuse: Option<Vec3<L>>,
+    /// k_s, linear RGB.
+    pub specular: Option<Vec3<L>>,
+    /// Beckmann's rms slope, above 0.
+    pub slope: Option<L>,
+    /// Phong and Blinn-Phong exponent, at least 0.
+    pub shininess: Option<L>,
+}
+
+impl MaterialUniforms<f32> {
+    /// The factors of a scene's material.
+    pub fn new(material: &Material) -> Self {
+        let [r, g, b, _] = material.base_color;
+        let ratio = (material.ior - 1.0) / (material.ior + 1.0);
+        let classic = &material.classic;
+        Self {
+            base_color: Vec3::new(r, g, b),
+            f0: material.f0.map(Vec3::from_array),
+            f82: material.f82.map(Vec3::from_array),
+            dielectric_f0: ratio * ratio,
+            ambient: classic.ambient.map(Vec3::from_array),
+            diffuse: classic.diffuse.map(Vec3::from_array),
+            specular: classic.specular.map(Vec3::from_array),
+            slope: classic.slope,
+            shininess: classic.shininess,
+        }
+    }
+
+    /// The same factors as other numbers.
+    #[inline(always)]
+    pub fn map<L>(&self, f: impl Fn(f32) -> L) -> MaterialUniforms<L> {
+        let vector = |vector: Vec3| vector.map(&f);
+        MaterialUniforms {
+            base_color: vector(self.base_color),
+            f0: self.f0.map(vector),
+            f82: self.f82.map(vector),
+            dielectric_f0: f(self.dielectric_f0),
+            ambient: self.ambient.map(vector),
+            diffuse: self.diffuse.map(vector),
+            specular: self.specular.map(vector),
+            slope: self.slope.map(&f),
+            shininess: self.shininess.map(&f),
+        }
+    }
+}
+
+/// The values of a material at a point: textures and vertex colours with their factors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialValues<L> {
+    /// Base colour texture times vertex colour, linear RGB.
+    pub tint: Vec3<L>,
+    /// [0, 1].
+    pub metallic: L,
+    /// The roughness as artists set it, widened by what hides within the pixel, [0, 1].
+    pub roughness: L,
+    /// The strength of a dielectric's reflection, [0, 1].
+    pub specular: L,
+    /// Multiplies the dielectric's F0, linear RGB, at least 0.
+    pub specular_color: Vec3<L>,
+    /// The share of the hemisphere that is open, [0, 1].
+    pub occlusion: L,
+    /// Emitted radiance, linear RGB.
+    pub emissive: Vec3<L>,
+    /// What hides within the pixel: [`shade::SubPixelVariance::variance`].
+    pub variance: L,
+}
+
+/// The material at a point, in every model's terms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialPoint<L> {
+    /// What reflectance depends on.
+    pub sample: MaterialSample<L>,
+    /// k_a, linear RGB.
+    pub ambient: Vec3<L>,
+    /// Emitted radiance, linear RGB.
+    pub emissive: Vec3<L>,
+    /// The share of the hemisphere that is open, [0, 1].
+    pub occlusion: L,
+}
+
+impl<L: Lane> MaterialPoint<L> {
+    /// Makes the material of factors and values. `dfg`, the directional albedos of the lobe, adds the light that
+    /// scatters several times, where the model has a form of it.
+    #[inline(always)]
+    pub fn new(
+        shading: Shading,
+        uniforms: &MaterialUniforms<L>,
+        values: &MaterialValues<L>,
+        dfg: Option<Dfg<L>>,
+    ) -> Self {
+        let MaterialValues { tint, metallic, roughness, .. } = *values;
+        let one = metallic.lit(1.0);
+        let base_color = tint.mul_elements(uniforms.base_color);
+        let (f0, f90) = match uniforms.f0 {
+            Some(f0) => (f0, one),
+            None => normal_and_grazing(uniforms, values, base_color),
+        };
+        let f82_drop = match uniforms.f82 {
+            Some(f82) => fresnel::f82_drop(f0, f82),
+            None => Vec3::splat(one.lit(0.0)),
+        };
+        let diffuse = match uniforms.diffuse {
+            Some(diffuse) => diffuse.mul_elements(tint),
+            None => base_color * (one - metallic),
+        };
+        let specular = match uniforms.specular {
+            Some(specular) => specular,
+            None if takes_fresnel(shading) => Vec3::splat(one),
+            None => f0,
+        };
+        let (slope, shininess) = classic_widths(uniforms, values);
+        let ambient = match uniforms.ambient {
+            Some(ambient) => ambient.mul_elements(tint),
+            None => diffuse + f0,
+        };
+        let dfg = dfg.filter(|_| takes_compensation(shading));
+        let compensation = dfg.map(|dfg| shade::compensation(&dfg, f0, f90, f82_drop));
+        let sample = MaterialSample {
+            base_color,
+            metallic,
+            roughness,
+            f0,
+            f90,
+            f82_drop,
+            diffuse,
+            specular,
+            shininess,
+            slope,
+            compensation,
+        };
+        Self { sample, ambient, emissive: values.emissive, occlusion: values.occlusion }
+    }
+}
+
+/// Returns F0 and F90: a dielectric's by its index of refraction and its specular strength and colour, a metal's by
+/// its base colour.
+///
+/// Source: glTF 2.0, appendix B; KHR_materials_ior; KHR_materials_specular.
+#[inline(always)]
+fn normal_and_grazing<L: Lane>(
+    uniforms: &MaterialUniforms<L>,
+    values: &MaterialValues<L>,
+    base_color: Vec3<L>,
+) -> (Vec3<L>, L) {
+    let MaterialValues { metallic, specular: strength, specular_color, .. } = *values;
+    let one = metallic.lit(1.0);
+    let tinted = specular_color * uniforms.dielectric_f0;
+    let dielectric = Vec3::new(tinted.x.min(one), tinted.y.min(one), tinted.z.min(one)) * strength;
+    let f0 = dielectric * (one - metallic) + base_color * metallic;
+    (f0, strength * (one - metallic) + metallic)
+}
+
+/// Beckmann's slope and the exponent of the Phong family: as authored, widened by what hides within the pixel, or from
+/// the roughness, which is widened already.
+#[inline(always)]
+fn classic_widths<L: Lane>(uniforms: &MaterialUniforms<L>, values: &MaterialValues<L>) -> (L, L) {
+    let MaterialValues { roughness, variance, .. } = *values;
+    let alpha = (roughness * roughness).max(roughness.lit(LEAST_ALPHA));
+    let widened = |alpha: L| (alpha * alpha + variance).sqrt();
+    let slope = uniforms.slope.map_or(alpha, widened);
+    let shininess = match uniforms.shininess {
+        Some(authored) => {
+            let wide = ndf::shininess_from_alpha(widened(ndf::alpha_from_shininess(authored)));
+            L::select(variance.lit(0.0).lt(variance), wide, authored)
+        }
+        None => ndf::shininess_from_alpha(alpha),
+    };
+    (slope, shininess)
+}
+
+/// Beckmann's slope by which the tables of `cook-torrance` are read, at least 0.
+#[inline(always)]
+pub fn lobe_slope<L: Lane>(uniforms: &MaterialUniforms<L>, values: &MaterialValues<L>) -> L {
+    match uniforms.slope {
+        Some(slope) => (slope * slope + values.variance).sqrt(),
+        None => values.roughness.squared(),
+    }
+}
+
+/// The roughness of the GGX lobe that comes nearest to the model's highlight, [0, 1].
+#[inline(always)]
+pub fn lobe_roughness<L: Lane>(
+    shading: Shading,
+    uniforms: &MaterialUniforms<L>,
+    values: &MaterialValues<L>,
+) -> L {
+    match (shading, uniforms.shininess) {
+        _ if is_cook_torrance(shading) => {
+            let slope = lobe_slope(uniforms, values);
+            slope.sqrt().min(slope.lit(1.0))
+        }
+        (Shading::Ggx | Shading::GgxPrinted | Shading::Lambert, _) | (_, None) => values.roughness,
+        (_, Some(shininess)) => ndf::alpha_from_shininess(shininess).sqrt(),
+    }
+}

@@ -1,0 +1,37 @@
+//! The pixel program: all that happens between interpolated values and the radiance that leaves a point, written once
+//! over [`Lane`](crate::math::Lane).
+//!
+//! Each stage takes numbers and returns numbers. Between stages a backend fetches what the next one needs: texels,
+//! entries of tables, the environment's light, shadows.
+//!
+//! ```text
+//! Geometry, texels of normals    -> normal      -> Frame
+//! texels                         -> textured    -> MaterialValues, LayerValues
+//! Frame, values, tables          -> SurfacePoint::new
+//! SurfacePoint, directions       -> SurfacePoint::reflect, ::own
+//! SurfacePoint                   -> highlight, coat_highlight      (where the environment is looked up)
+//! SurfacePoint, environment      -> SurfacePoint::reflect_environment
+//! ```
+//!
+//! `render` runs it on packs, `render::reference` on paths, a recorder makes shaders of it. [`Model`] and the `Option`s
+//! of the uniforms say which parts a surface has; they are known before any pixel.
+
+mod environment;
+mod frame;
+mod geometry;
+mod layers;
+mod light;
+mod material;
+mod model;
+mod surface_point;
+mod textured;
+
+pub use environment::{Anisotropic, EnvironmentTexels, Highlight, Turn, coat_highlight, highlight};
+pub use frame::{Frame, anisotropy_direction, coat_normal};
+pub use geometry::{Geometry, MappedNormal};
+pub use layers::{Coat, Sheen, Terminator, coat_albedo, sheen_albedo};
+pub use light::{Cone, Falloff, Incidence, LightSource, Place};
+pub use material::{MaterialPoint, MaterialUniforms, MaterialValues, lobe_roughness, lobe_slope};
+pub use model::{Model, is_cook_torrance, takes_albedos, takes_compensation, takes_layers, takes_roughness};
+pub use surface_point::{PointLayers, SurfacePoint};
+pub use textured::{anisotropy_turn, height_derivative, height_step, log2_texels, occluded, turned_uv};
