@@ -11,14 +11,14 @@ use crate::shade::dfg::{self, Dfg, TablePosition};
 use crate::shade::{Energy, Shading};
 use fearless_simd::Level;
 
-/// Fills `batch.dfg` and the albedos of the layers.
+/// Fills `batch.albedos.dfg` and the albedos of the layers.
 pub(super) fn look_up(level: Level, settings: &RenderSettings, draw: &Draw<'_>, batch: &mut Batch) {
     let shading = settings.shading;
-    batch.compensated = settings.energy == Energy::Compensated;
+    batch.albedos.compensated = settings.energy == Energy::Compensated;
     let mut places = Places { node: Words::ZERO, across: Column::ZERO, down: Column::ZERO };
     dispatch_pack!(level, P, token => places.find::<P>(token, shading, draw.material, batch));
     let shares = places.across.iter().zip(places.down.iter());
-    let entries = batch.dfg[..batch.len].iter_mut().zip(places.node.iter().zip(shares));
+    let entries = batch.albedos.dfg[..batch.len].iter_mut().zip(places.node.iter().zip(shares));
     if is_cook_torrance(shading) {
         entries.for_each(|(dfg, (node, (x, y)))| *dfg = Dfg::of_cook_torrance_at(*node, [*x, *y]));
     } else {
@@ -43,13 +43,13 @@ impl Places {
     fn find<P: Pack>(&mut self, token: P::Token, shading: Shading, material: &Material, batch: &Batch) {
         for i in batch.packs::<P>() {
             let at: Lanes<'_, P> = batch.lanes(token, i);
-            let n_dot_v = at.load3(&batch.n).dot(at.load3(&batch.v));
+            let n_dot_v = at.load3(&batch.frame.n).dot(at.load3(&batch.geometry.v));
             let place = match is_cook_torrance(shading) {
                 true => {
                     let slope = lobe_slope(&at.uniforms(material), &at.values());
                     TablePosition::of_cook_torrance(n_dot_v, slope)
                 }
-                false => TablePosition::of_ggx(n_dot_v, at.load(&batch.roughness)),
+                false => TablePosition::of_ggx(n_dot_v, at.load(&batch.material.roughness)),
             };
             place.node.store_words(&mut self.node[i..]);
             place.across.store(&mut self.across[i..]);
@@ -67,10 +67,10 @@ pub(super) fn look_up_coat(material: &Material, batch: &mut Batch, i: usize, v: 
 }
 
 fn look_up_layers(material: &Material, batch: &mut Batch, i: usize) {
-    let v = get3(&batch.v, i);
+    let v = get3(&batch.geometry.v, i);
     look_up_coat(material, batch, i, v);
     if material.sheen.is_some() {
-        let cosine = get3(&batch.n, i).dot(v);
+        let cosine = get3(&batch.frame.n, i).dot(v);
         batch.layers.sheen_albedo[i] = sheen_albedo(dfg::of_sheen(cosine, batch.layers.sheen_roughness[i]));
     }
 }

@@ -8,86 +8,126 @@ use crate::math::{MOST_LANES, Pack, Quads, Vec3};
 use crate::shade::dfg::Dfg;
 use crate::shade::environment::{EnvironmentLookup, LookupDirections};
 
-/// Fragments of one draw between interpolation and film, those of a triangle together. Entries from `len` on hold what
-/// packs leave there, which only packs read.
+/// Fragments of one draw between interpolation and film, those of a triangle together. Each stage has columns of its
+/// own, which it fills for those behind it. Entries from `len` on hold what packs leave there, which only packs read.
 #[derive(Debug, Clone)]
 pub struct Batch {
     pub(super) len: usize,
-    pub(super) runs: Vec<Run>,
-    /// Places on the screen, pixels from the tile's corner; of the rasteriser's fragments.
-    pub(super) place: [Column; 2],
-    /// Barycentric weights of the three corners, and their changes a sample to the right and down.
-    pub(super) weights: Column3,
-    pub(super) d_x: Column3,
-    pub(super) d_y: Column3,
-    pub(super) corners: VertexAttributes,
-    /// The uv sets, as many as the mesh has.
-    pub(super) uv_sets: Vec<UvSet>,
-    /// Vertex colours, where the mesh has some.
-    pub(super) color: [Column; 4],
-    /// The variance within a pixel that is added to α²: by the curvature of the smooth surface, and by the normal map.
-    pub(super) curvature: Column,
-    pub(super) normal_variance: Column,
-    pub(super) lookups: Lookups,
-    /// The first triangle of the draw whose constants fill the columns that no texture does; none while they may hold
-    /// anything.
-    pub(super) constants_of: Option<u32>,
-    /// Columns for the channels of textures that nothing needs.
-    pub(super) spare: [Column; 3],
-    /// The position, world space.
-    pub(super) position: Column3,
-    /// The geometric normal: unit, world space, on the side of the face that is seen.
-    pub(super) n_geom: Column3,
-    /// The interpolated normal, not normalised; object space for `bump-printed`, else world space.
-    pub(super) normal: Column3,
-    /// The interpolated tangent, not normalised, world space.
-    pub(super) tangent: Column3,
-    pub(super) handedness: Column,
-    /// The side that is seen: 1 for the front, −1 for the back.
-    pub(super) facing: Column,
+    pub(super) points: Points,
+    pub(super) geometry: GeometryColumns,
+    pub(super) texels: TexelColumns,
+    pub(super) material: MaterialColumns,
+    pub(super) layers: Layers,
+    pub(super) frame: FrameColumns,
+    pub(super) albedos: Albedos,
+    pub(super) environment: EnvironmentColumns,
+    pub(super) lit: Lit,
     /// `true` where the normal turns to a viewer behind the surface even where the material is single-sided.
     pub(super) both_sides: bool,
+}
+
+/// Points of triangles, and what their corners hold there.
+#[derive(Debug, Clone)]
+pub(super) struct Points {
+    pub runs: Vec<Run>,
+    /// Places on the screen, pixels from the tile's corner; of the rasteriser's fragments.
+    pub place: [Column; 2],
+    /// Barycentric weights of the three corners, and their changes a sample to the right and down.
+    pub weights: Column3,
+    pub d_x: Column3,
+    pub d_y: Column3,
+    pub corners: VertexAttributes,
+    /// The uv sets, as many as the mesh has.
+    pub uv_sets: Vec<UvSet>,
+    /// Vertex colours, where the mesh has some.
+    pub color: [Column; 4],
+}
+
+/// The columns of [`crate::pixel::Geometry`], and what is interpolated beside it.
+#[derive(Debug, Clone)]
+pub(super) struct GeometryColumns {
+    /// The position, world space.
+    pub position: Column3,
+    pub n_geom: Column3,
+    pub normal: Column3,
+    pub tangent: Column3,
+    pub handedness: Column,
+    pub facing: Column,
+    pub v: Column3,
+    /// The derivatives of the position by the uv of a height map, model units.
+    pub dp_du: Column3,
+    pub dp_dv: Column3,
+    /// The variance within a pixel that the curvature of the smooth surface adds to α².
+    pub curvature: Column,
+}
+
+/// Texels that normals are made of, and the memory in which textures are read.
+#[derive(Debug, Clone)]
+pub(super) struct TexelColumns {
+    pub lookups: Lookups,
+    /// Columns for the channels of textures that nothing needs.
+    pub spare: [Column; 3],
+    /// The first triangle of the draw whose constants fill the columns that no texture does; none while they may hold
+    /// anything.
+    pub constants_of: Option<u32>,
     /// The normal map's stored vector, each component in [0, 1].
-    pub(super) map: Column3,
-    pub(super) dp_du: Column3,
-    pub(super) dp_dv: Column3,
+    pub map: Column3,
     /// Height derivatives in model units a uv unit; for `bump-printed` the first holds half the grey difference.
-    pub(super) dh_du: Column,
-    pub(super) dh_dv: Column,
-    /// Base colour texture times vertex colour.
-    pub(super) tint: Column3,
-    pub(super) alpha: Column,
-    pub(super) metallic: Column,
-    pub(super) roughness: Column,
-    pub(super) occlusion: Column,
-    pub(super) emissive: Column3,
-    /// Strength of a dielectric's reflection, and the colour that its F0 is multiplied by.
-    pub(super) specular: Column,
-    pub(super) specular_color: Column3,
-    /// The sum of `curvature` and `normal_variance`.
-    pub(super) variance: Column,
-    pub(super) layers: Layers,
-    /// Unit: the normal before any map, on the side that `n` is on.
-    pub(super) smooth: Column3,
-    /// Squared slope that a map adds, for the softened terminator.
-    pub(super) bump: Column,
-    /// Directional albedos of the lobe: scale, bias, edge, diffuse edge; valid once they were looked up.
-    pub(super) dfg: Quads,
+    pub dh_du: Column,
+    pub dh_dv: Column,
+    /// The variance within a pixel that the normal map adds to α².
+    pub normal_variance: Column,
+}
+
+/// The columns of [`crate::pixel::MaterialValues`], and alpha.
+#[derive(Debug, Clone)]
+pub(super) struct MaterialColumns {
+    pub tint: Column3,
+    pub alpha: Column,
+    pub metallic: Column,
+    pub roughness: Column,
+    pub occlusion: Column,
+    pub emissive: Column3,
+    pub specular: Column,
+    pub specular_color: Column3,
+    /// The sum of curvature and variance of the normal map.
+    pub variance: Column,
+}
+
+/// The columns of [`crate::pixel::Frame`].
+#[derive(Debug, Clone)]
+pub(super) struct FrameColumns {
+    pub n: Column3,
+    pub smooth: Column3,
+    pub squared_slope: Column,
+}
+
+/// The directional albedos of the lobe.
+#[derive(Debug, Clone)]
+pub(super) struct Albedos {
+    /// Scale, bias, edge, diffuse edge; valid once they were looked up.
+    pub dfg: Quads,
     /// `true` where light that scatters several times is added.
-    pub(super) compensated: bool,
-    pub(super) environment_radiance: EnvironmentRadiance,
-    pub(super) lookup_directions: LookupDirections,
-    pub(super) environment_lookup: EnvironmentLookup,
-    /// Unit to viewer, world space.
-    pub(super) v: Column3,
-    /// The shading normal: unit but for `bump-printed`.
-    pub(super) n: Column3,
+    pub compensated: bool,
+}
+
+/// The columns of [`crate::pixel::EnvironmentTexels`], and where they are looked up.
+#[derive(Debug, Clone)]
+pub(super) struct EnvironmentColumns {
+    pub radiance: EnvironmentRadiance,
+    pub directions: LookupDirections,
+    pub lookup: EnvironmentLookup,
+}
+
+/// The results of lighting.
+#[derive(Debug, Clone)]
+pub(super) struct Lit {
     /// Base colour with its factor.
-    pub(super) albedo: Column3,
+    pub albedo: Column3,
     /// The radiance that leaves towards the viewer, linear RGB.
-    pub(super) radiance: Column3,
+    pub radiance: Column3,
     /// The visibility of each light: 1 where it is seen and 0 where it is not.
-    pub(super) visibility: Vec<Column>,
+    pub visibility: Vec<Column>,
 }
 
 /// The layers over or in the surface; filled where the material has them.
@@ -126,40 +166,48 @@ impl Batch {
     pub(super) fn new(lights: usize) -> Box<Self> {
         Box::new(Self {
             len: 0,
-            runs: Vec::new(),
-            place: [ZERO; 2],
-            weights: ZERO3,
-            d_x: ZERO3,
-            d_y: ZERO3,
-            corners: VertexAttributes::ZERO,
-            uv_sets: Vec::new(),
-            color: [ZERO; 4],
-            curvature: ZERO,
-            normal_variance: ZERO,
-            lookups: Lookups::default(),
-            constants_of: None,
-            spare: [ZERO; 3],
-            position: ZERO3,
-            n_geom: ZERO3,
-            normal: ZERO3,
-            tangent: ZERO3,
-            handedness: ZERO,
-            facing: ZERO,
-            both_sides: false,
-            map: ZERO3,
-            dp_du: ZERO3,
-            dp_dv: ZERO3,
-            dh_du: ZERO,
-            dh_dv: ZERO,
-            tint: ZERO3,
-            alpha: ZERO,
-            metallic: ZERO,
-            roughness: ZERO,
-            occlusion: ZERO,
-            emissive: ZERO3,
-            specular: ZERO,
-            specular_color: ZERO3,
-            variance: ZERO,
+            points: Points {
+                runs: Vec::new(),
+                place: [ZERO; 2],
+                weights: ZERO3,
+                d_x: ZERO3,
+                d_y: ZERO3,
+                corners: VertexAttributes::ZERO,
+                uv_sets: Vec::new(),
+                color: [ZERO; 4],
+            },
+            geometry: GeometryColumns {
+                position: ZERO3,
+                n_geom: ZERO3,
+                normal: ZERO3,
+                tangent: ZERO3,
+                handedness: ZERO,
+                facing: ZERO,
+                v: ZERO3,
+                dp_du: ZERO3,
+                dp_dv: ZERO3,
+                curvature: ZERO,
+            },
+            texels: TexelColumns {
+                lookups: Lookups::default(),
+                spare: [ZERO; 3],
+                constants_of: None,
+                map: ZERO3,
+                dh_du: ZERO,
+                dh_dv: ZERO,
+                normal_variance: ZERO,
+            },
+            material: MaterialColumns {
+                tint: ZERO3,
+                alpha: ZERO,
+                metallic: ZERO,
+                roughness: ZERO,
+                occlusion: ZERO,
+                emissive: ZERO3,
+                specular: ZERO,
+                specular_color: ZERO3,
+                variance: ZERO,
+            },
             layers: Layers {
                 coat: ZERO,
                 coat_roughness: ZERO,
@@ -173,30 +221,27 @@ impl Batch {
                 anisotropy_turn: [ZERO; 2],
                 anisotropy_direction: ZERO3,
             },
-            smooth: ZERO3,
-            bump: ZERO,
-            dfg: Quads::ZERO,
-            compensated: false,
-            environment_radiance: EnvironmentRadiance { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
-            lookup_directions: LookupDirections::default(),
-            environment_lookup: EnvironmentLookup::default(),
-            v: ZERO3,
-            n: ZERO3,
-            albedo: ZERO3,
-            radiance: ZERO3,
-            visibility: vec![Column::ONE; lights],
+            frame: FrameColumns { n: ZERO3, smooth: ZERO3, squared_slope: ZERO },
+            albedos: Albedos { dfg: Quads::ZERO, compensated: false },
+            environment: EnvironmentColumns {
+                radiance: EnvironmentRadiance { specular: ZERO3, mean: ZERO3, coat: ZERO3 },
+                directions: LookupDirections::default(),
+                lookup: EnvironmentLookup::default(),
+            },
+            lit: Lit { albedo: ZERO3, radiance: ZERO3, visibility: vec![Column::ONE; lights] },
+            both_sides: false,
         })
     }
 
     /// Begins with an image's tile: makes room for the visibility of so many lights, and forgets earlier materials.
     pub(super) fn begin(&mut self, lights: usize) {
-        self.visibility.resize(lights, Column::ONE);
-        self.constants_of = None;
+        self.lit.visibility.resize(lights, Column::ONE);
+        self.texels.constants_of = None;
     }
 
     /// Texture coordinates of an entry in the first set; zero where the mesh has none.
     pub(super) fn first_uv(&self, i: usize) -> [f32; 2] {
-        self.uv_sets.first().map_or([0.0; 2], |set| [set.uv[0][i], set.uv[1][i]])
+        self.points.uv_sets.first().map_or([0.0; 2], |set| [set.uv[0][i], set.uv[1][i]])
     }
 
     /// The number of fragments.
@@ -267,7 +312,7 @@ impl<P: Pack> Lanes<'_, P> {
     /// The directional albedos of the fragments' lobe.
     #[inline(always)]
     pub(super) fn dfg(&self) -> Dfg<P> {
-        let [scale, bias, edge, diffuse_edge] = P::load_pixels(self.token, &self.batch.dfg[self.i..]);
+        let [scale, bias, edge, diffuse_edge] = P::load_pixels(self.token, &self.batch.albedos.dfg[self.i..]);
         Dfg { scale, bias, edge, diffuse_edge }
     }
 }

@@ -1,6 +1,6 @@
 //! The light of the environment at each fragment.
 
-use super::batch::{Batch, Lanes};
+use super::batch::{Batch, EnvironmentColumns, Lanes};
 use super::columns::store3;
 use super::draw::Draw;
 use super::settings::EnvironmentLight;
@@ -18,30 +18,30 @@ pub(super) struct EnvironmentQuery<'l> {
     pub shading: Shading,
 }
 
-/// Fills `batch.environment_radiance`.
+/// Fills `batch.environment.radiance`.
 pub(super) fn look_up(level: Level, query: EnvironmentQuery<'_>, draw: &Draw<'_>, batch: &mut Batch) {
     let light = query.light;
     let (environment, len) = (&light.environment, batch.len);
     dispatch_pack!(level, P, token => normals::<P>(token, light, batch));
-    let Batch { environment_lookup, lookup_directions, environment_radiance, .. } = batch;
-    let request = LookupRequest { directions: lookup_directions, len, factor: light.intensity };
-    environment.look_up_mean(level, environment_lookup, request, &mut environment_radiance.mean);
+    let EnvironmentColumns { lookup, directions, radiance } = &mut batch.environment;
+    let request = LookupRequest { directions, len, factor: light.intensity };
+    environment.look_up_mean(level, lookup, request, &mut radiance.mean);
     dispatch_pack!(level, P, token => mirrored::<P>(token, query, draw.material, batch));
-    let Batch { environment_lookup, lookup_directions, environment_radiance, .. } = batch;
+    let EnvironmentColumns { lookup, directions, radiance } = &mut batch.environment;
     environment.look_up(
         level,
-        environment_lookup,
-        LookupRequest { directions: lookup_directions, len, factor: light.intensity },
-        &mut environment_radiance.specular,
+        lookup,
+        LookupRequest { directions, len, factor: light.intensity },
+        &mut radiance.specular,
     );
     if draw.material.clearcoat.is_some() {
         dispatch_pack!(level, P, token => coat::<P>(token, light, batch));
-        let Batch { environment_lookup, lookup_directions, environment_radiance, .. } = batch;
+        let EnvironmentColumns { lookup, directions, radiance } = &mut batch.environment;
         environment.look_up(
             level,
-            environment_lookup,
-            LookupRequest { directions: lookup_directions, len, factor: light.intensity },
-            &mut environment_radiance.coat,
+            lookup,
+            LookupRequest { directions, len, factor: light.intensity },
+            &mut radiance.coat,
         );
     }
 }
@@ -50,10 +50,10 @@ pub(super) fn look_up(level: Level, query: EnvironmentQuery<'_>, draw: &Draw<'_>
 fn normals<P: Pack>(token: P::Token, light: &EnvironmentLight, batch: &mut Batch) {
     let turn = light.turn().map(|value| P::splat(token, value));
     for i in batch.packs::<P>() {
-        let n = batch.lanes::<P>(token, i).load3(&batch.n);
+        let n = batch.lanes::<P>(token, i).load3(&batch.frame.n);
         let [u, v] = Environment::place_of(turn.to_environment(n));
-        u.store(&mut batch.lookup_directions.place[0][i..]);
-        v.store(&mut batch.lookup_directions.place[1][i..]);
+        u.store(&mut batch.environment.directions.place[0][i..]);
+        v.store(&mut batch.environment.directions.place[1][i..]);
     }
 }
 
@@ -65,7 +65,7 @@ fn mirrored<P: Pack>(token: P::Token, query: EnvironmentQuery<'_>, material: &Ma
         let roughness = lobe_roughness(query.shading, &at.uniforms(material), &at.values());
         let anisotropic = material.anisotropy.is_some().then(|| at.anisotropic());
         let highlight = highlight(&at.frame(), roughness, anisotropic.as_ref());
-        set(highlight, turn, i, &mut batch.lookup_directions);
+        set(highlight, turn, i, &mut batch.environment.directions);
     }
 }
 
@@ -75,8 +75,8 @@ fn coat<P: Pack>(token: P::Token, light: &EnvironmentLight, batch: &mut Batch) {
     for i in batch.packs::<P>() {
         let at: Lanes<'_, P> = batch.lanes(token, i);
         let n = at.load3(&batch.layers.coat_n);
-        let highlight = coat_highlight(n, at.load3(&batch.v), at.load(&batch.layers.coat_roughness));
-        set(highlight, turn, i, &mut batch.lookup_directions);
+        let highlight = coat_highlight(n, at.load3(&batch.geometry.v), at.load(&batch.layers.coat_roughness));
+        set(highlight, turn, i, &mut batch.environment.directions);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Makes fragments from interpolated vertices and textures.
 
-use super::batch::{BATCH, Batch};
+use super::batch::{BATCH, Batch, Points, TexelColumns};
 use super::columns::{Column, get3, load};
 use super::draw::NormalSource;
 use super::interpolate::Interpolation;
@@ -17,27 +17,28 @@ impl Interpolation<'_> {
     /// Makes fragments of points whose runs and weights are there: interpolates, and reads textures.
     pub(super) fn fill(&self, eye: Option<Eye>, batch: &mut Batch) {
         self.interpolate(eye, batch);
-        batch.lookups.forget();
+        batch.texels.lookups.forget();
         self.normal_inputs(batch);
-        let fresh = batch.constants_of != Some(self.draw.first_triangle);
+        let fresh = batch.texels.constants_of != Some(self.draw.first_triangle);
         self.colors_and_widths(batch, fresh);
         self.specular(batch, fresh);
         self.layers(batch);
-        batch.constants_of = Some(self.draw.first_triangle);
+        batch.texels.constants_of = Some(self.draw.first_triangle);
     }
 
     /// The origins of rays, at the height `offset` above the surface, model units.
     pub(super) fn origins(&self, offset: f32, batch: &Batch) -> [Vec3; BATCH] {
         let (draw, mut origins) = (self.draw, [Vec3::default(); BATCH]);
-        for run in &batch.runs {
+        for run in &batch.points.runs {
             let vertices = draw.vertices(run.triangle);
             let corners = vertices.map(|v| draw.positions[v as usize]);
             let normals = vertices.map(|v| draw.normals[v as usize]);
             for (i, origin) in origins.iter_mut().enumerate().take(run.end).skip(run.start) {
-                let smooth = SmoothTriangle { corners, normals: normals.map(|n| n * batch.facing[i]) };
-                let weights = get3(&batch.weights, i).to_array();
-                let offset = get3(&batch.n_geom, i) * offset;
-                *origin = smooth.shadow_origin(get3(&batch.position, i), weights, offset);
+                let smooth =
+                    SmoothTriangle { corners, normals: normals.map(|n| n * batch.geometry.facing[i]) };
+                let weights = get3(&batch.points.weights, i).to_array();
+                let offset = get3(&batch.geometry.n_geom, i) * offset;
+                *origin = smooth.shadow_origin(get3(&batch.geometry.position, i), weights, offset);
             }
         }
         origins
@@ -47,10 +48,10 @@ impl Interpolation<'_> {
     fn normal_inputs(&self, batch: &mut Batch) {
         let len = batch.len;
         match &self.draw.normal_source {
-            NormalSource::Facet | NormalSource::Smooth => batch.normal_variance.fill(0.0),
+            NormalSource::Facet | NormalSource::Smooth => batch.texels.normal_variance.fill(0.0),
             NormalSource::ObjectMap(map) | NormalSource::TangentMap(map) => {
-                let Batch { map: [x, y, z], normal_variance, lookups, uv_sets, .. } = batch;
-                let at = Coordinates { sets: uv_sets, len };
+                let TexelColumns { map: [x, y, z], normal_variance, lookups, .. } = &mut batch.texels;
+                let at = Coordinates { sets: &batch.points.uv_sets, len };
                 lookups.read(self.texture(&map.texture), at, [x, y, z, normal_variance]);
                 let squared = if self.specular_aa { map.scale * map.scale } else { 0.0 };
                 if squared != 1.0 {
@@ -58,28 +59,28 @@ impl Interpolation<'_> {
                 }
             }
             NormalSource::Bump(map, factor) => {
-                batch.normal_variance.fill(0.0);
-                [batch.dh_du, batch.dh_dv] = self.height_derivatives(map, batch);
-                scale(&mut batch.dh_du, *factor, len);
-                scale(&mut batch.dh_dv, *factor, len);
+                batch.texels.normal_variance.fill(0.0);
+                [batch.texels.dh_du, batch.texels.dh_dv] = self.height_derivatives(map, batch);
+                scale(&mut batch.texels.dh_du, *factor, len);
+                scale(&mut batch.texels.dh_dv, *factor, len);
             }
             NormalSource::BumpPrinted(map, _) => {
                 // The paper's g: half the difference of the grey levels (0 to 255) of the two neighbours along u.
-                batch.normal_variance.fill(0.0);
+                batch.texels.normal_variance.fill(0.0);
                 let width = self.scene.textures()[map.texture.texture].width() as f32;
-                [batch.dh_du, _] = self.height_derivatives(map, batch);
-                scale(&mut batch.dh_du, 255.0 / width, len);
+                [batch.texels.dh_du, _] = self.height_derivatives(map, batch);
+                scale(&mut batch.texels.dh_du, 255.0 / width, len);
             }
         }
         for i in 0..len {
-            batch.variance[i] = batch.curvature[i] + batch.normal_variance[i];
+            batch.material.variance[i] = batch.geometry.curvature[i] + batch.texels.normal_variance[i];
         }
     }
 
     /// Computes ∂h/∂u and ∂h/∂v by central differences one texel of the level in use to each side.
     fn height_derivatives(&self, map: &HeightMap, batch: &mut Batch) -> [Column; 2] {
         let texture = &self.scene.textures()[map.texture.texture];
-        let Batch { lookups, uv_sets, len, .. } = batch;
+        let Batch { texels: TexelColumns { lookups, .. }, points: Points { uv_sets, .. }, len, .. } = batch;
         let used = self.texture(&map.texture);
         lookups.locate(used, Coordinates { sets: uv_sets, len: *len });
         let last = (texture.levels() - 1) as f32;
@@ -108,42 +109,54 @@ impl Interpolation<'_> {
     fn colors_and_widths(&self, batch: &mut Batch, fresh: bool) {
         let (material, len) = (self.draw.material, batch.len);
         let colored = !self.draw.mesh.colors().is_empty();
-        let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
+        let TexelColumns { lookups, spare: [spare, spare2, spare3], .. } = &mut batch.texels;
         let mut reader = TextureReader {
             interpolation: self,
             lookups,
-            at: Coordinates { sets: uv_sets, len },
+            at: Coordinates { sets: &batch.points.uv_sets, len },
             fresh: fresh || colored,
         };
-        let [r, g, b] = &mut batch.tint;
+        let [r, g, b] = &mut batch.material.tint;
         let factors = [1.0, 1.0, 1.0, material.base_color[3]];
-        reader.read(&material.base_color_texture, [r, g, b, &mut batch.alpha], factors);
+        reader.read(&material.base_color_texture, [r, g, b, &mut batch.material.alpha], factors);
         reader.fresh = fresh;
-        let ([r, g, b], [red, green, blue]) = (&mut batch.emissive, material.emissive);
+        let ([r, g, b], [red, green, blue]) = (&mut batch.material.emissive, material.emissive);
         reader.read(&material.emissive_texture, [r, g, b, spare], [red, green, blue, 1.0]);
-        let packed = [&mut batch.occlusion, &mut batch.roughness, &mut batch.metallic, spare];
+        let packed = [
+            &mut batch.material.occlusion,
+            &mut batch.material.roughness,
+            &mut batch.material.metallic,
+            spare,
+        ];
         let factors = [1.0, material.roughness, material.metallic, 1.0];
         reader.read(&material.metallic_roughness_texture, packed, factors);
         if material.metallic_roughness_texture.is_none() {
             // What is hidden in a pixel widened it.
-            batch.roughness.fill(material.roughness);
+            batch.material.roughness.fill(material.roughness);
         }
         // Files often pack occlusion into the red channel of the same texture.
         if material.occlusion_texture != material.metallic_roughness_texture {
             reader.fresh = true;
-            reader.read(&material.occlusion_texture, [&mut batch.occlusion, spare, spare2, spare3], [1.0; 4]);
+            reader.read(
+                &material.occlusion_texture,
+                [&mut batch.material.occlusion, spare, spare2, spare3],
+                [1.0; 4],
+            );
         }
         if colored {
-            for (column, color) in batch.tint.iter_mut().chain([&mut batch.alpha]).zip(&batch.color) {
+            for (column, color) in
+                batch.material.tint.iter_mut().chain([&mut batch.material.alpha]).zip(&batch.points.color)
+            {
                 multiply(column, color, len);
             }
         }
         if material.occlusion_texture.is_some() && material.occlusion_strength != 1.0 {
-            for occlusion in &mut batch.occlusion[..len] {
+            for occlusion in &mut batch.material.occlusion[..len] {
                 *occlusion = occluded(*occlusion, material.occlusion_strength);
             }
         }
-        let Batch { roughness, curvature, normal_variance, .. } = batch;
+        let roughness = &mut batch.material.roughness;
+        let (curvature, normal_variance) = (&batch.geometry.curvature, &batch.texels.normal_variance);
         if self.takes_roughness {
             Unseen { curvature, normal_variance, len }.widen(self.level, roughness);
         }
@@ -152,12 +165,16 @@ impl Interpolation<'_> {
     /// Fills strength and colour of a dielectric's reflection.
     fn specular(&self, batch: &mut Batch, fresh: bool) {
         let (specular, len) = (&self.draw.material.specular, batch.len);
-        let Batch { lookups, uv_sets, spare: [spare, spare2, spare3], .. } = batch;
-        let mut reader =
-            TextureReader { interpolation: self, lookups, at: Coordinates { sets: uv_sets, len }, fresh };
+        let TexelColumns { lookups, spare: [spare, spare2, spare3], .. } = &mut batch.texels;
+        let mut reader = TextureReader {
+            interpolation: self,
+            lookups,
+            at: Coordinates { sets: &batch.points.uv_sets, len },
+            fresh,
+        };
         let factors = [1.0, 1.0, 1.0, specular.factor];
-        reader.read(&specular.factor_texture, [spare, spare2, spare3, &mut batch.specular], factors);
-        let ([r, g, b], [red, green, blue]) = (&mut batch.specular_color, specular.color);
+        reader.read(&specular.factor_texture, [spare, spare2, spare3, &mut batch.material.specular], factors);
+        let ([r, g, b], [red, green, blue]) = (&mut batch.material.specular_color, specular.color);
         reader.read(&specular.color_texture, [r, g, b, spare], [red, green, blue, 1.0]);
     }
 
@@ -166,11 +183,12 @@ impl Interpolation<'_> {
         if let Some(coat) = &material.clearcoat {
             self.coat(coat, batch);
         }
-        let Batch { lookups, uv_sets, layers, spare: [spare, spare2, spare3], .. } = batch;
+        let TexelColumns { lookups, spare: [spare, spare2, spare3], .. } = &mut batch.texels;
+        let layers = &mut batch.layers;
         let mut reader = TextureReader {
             interpolation: self,
             lookups,
-            at: Coordinates { sets: uv_sets, len },
+            at: Coordinates { sets: &batch.points.uv_sets, len },
             fresh: true,
         };
         if let Some(sheen) = &material.sheen {
@@ -202,11 +220,12 @@ impl Interpolation<'_> {
 
     fn coat(&self, coat: &Clearcoat, batch: &mut Batch) {
         let len = batch.len;
-        let Batch { lookups, uv_sets, layers, curvature, spare: [spare, spare2, spare3], .. } = batch;
+        let TexelColumns { lookups, spare: [spare, spare2, spare3], .. } = &mut batch.texels;
+        let (layers, curvature) = (&mut batch.layers, &batch.geometry.curvature);
         let mut reader = TextureReader {
             interpolation: self,
             lookups,
-            at: Coordinates { sets: uv_sets, len },
+            at: Coordinates { sets: &batch.points.uv_sets, len },
             fresh: true,
         };
         let factors = [coat.factor, 1.0, 1.0, 1.0];

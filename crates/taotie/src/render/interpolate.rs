@@ -1,6 +1,6 @@
 //! Interpolation of vertices to fragments: what corners hold, at points of their triangles.
 
-use super::batch::Batch;
+use super::batch::{Batch, Points};
 use super::columns::{load, load3, splat3, store3};
 use super::corners::Run;
 use super::draw::{Draw, NormalSource};
@@ -29,7 +29,7 @@ pub(super) struct Screen<'p> {
     pub viewport: &'p Viewport,
     /// The draw's vertices in clip space.
     pub clip: &'p [[f32; 4]],
-    /// The origin of `batch.place`, pixels from the image's top left corner.
+    /// The origin of `batch.points.place`, pixels from the image's top left corner.
     pub origin: [f64; 2],
 }
 
@@ -39,17 +39,17 @@ impl Interpolation<'_> {
         dispatch_pack!(self.level, P, token => self.weigh_packs::<P>(token, screen, batch));
     }
 
-    /// Fills what follows from the corners and the weights. `eye` is where they are seen from; without one `batch.v`
+    /// Fills what follows from the corners and the weights. `eye` is where they are seen from; without one `batch.geometry.v`
     /// must be filled.
     pub(super) fn interpolate(&self, eye: Option<Eye>, batch: &mut Batch) {
         let sets = self.draw.mesh.uvs().len();
-        batch.uv_sets.resize_with(sets, UvSet::default);
+        batch.points.uv_sets.resize_with(sets, UvSet::default);
         dispatch_pack!(self.level, P, token => self.interpolate_packs::<P>(token, eye, batch));
     }
 
     #[inline(always)]
     fn weigh_packs<P: Pack>(&self, token: P::Token, screen: &Screen<'_>, batch: &mut Batch) {
-        let Batch { len, runs, corners, place: [x, y], weights, d_x, d_y, .. } = batch;
+        let Batch { len, points: Points { runs, corners, place: [x, y], weights, d_x, d_y, .. }, .. } = batch;
         for run in runs.iter().copied() {
             let clip = self.draw.vertices(run.triangle).map(|v| screen.clip[v as usize]);
             let triangle = PerspectiveTriangle::new(clip, screen.viewport, screen.origin);
@@ -88,9 +88,9 @@ impl Interpolation<'_> {
     /// Writes vectors of the corners for all fragments.
     #[inline(always)]
     fn write_vectors<P: Pack>(&self, token: P::Token, values: &[Vec3], batch: &mut Batch) {
-        for run in batch.runs.iter().copied() {
+        for run in batch.points.runs.iter().copied() {
             let corners = self.draw.vertices(run.triangle).map(|v| values[v as usize].to_array());
-            batch.corners.write_differences::<P, 3>(token, run, corners);
+            batch.points.corners.write_differences::<P, 3>(token, run, corners);
         }
     }
 
@@ -102,23 +102,23 @@ impl Interpolation<'_> {
         let up: Vec3<P> = splat3(token, Vec3::new(0.0, 0.0, 1.0));
         let (zero, one) = (P::splat(token, 0.0), P::splat(token, 1.0));
         for i in batch.packs::<P>() {
-            let corners = &batch.corners;
+            let corners = &batch.points.corners;
             let (to_second, to_third) =
                 (corners.written3::<P>(token, 1, i), corners.written3::<P>(token, 2, i));
             let n_front = to_second.cross(to_third).normalize_or(up) * sign;
-            let position = corners.at3::<P>(token, &batch.weights, i);
+            let position = corners.at3::<P>(token, &batch.points.weights, i);
             let v = match eye {
                 Some(Eye::Point(eye)) => (splat3(token, eye) - position).normalize_or(n_front),
                 Some(Eye::Direction(direction)) => splat3(token, direction),
-                None => load3(token, &batch.v, i),
+                None => load3(token, &batch.geometry.v, i),
             };
             let facing = P::select(n_front.dot(v).lt(zero), -one, one);
-            store3(position, &mut batch.position, i);
+            store3(position, &mut batch.geometry.position, i);
             if eye.is_some() {
-                store3(v, &mut batch.v, i);
+                store3(v, &mut batch.geometry.v, i);
             }
-            store3(n_front * facing, &mut batch.n_geom, i);
-            facing.store(&mut batch.facing[i..]);
+            store3(n_front * facing, &mut batch.geometry.n_geom, i);
+            facing.store(&mut batch.geometry.facing[i..]);
         }
     }
 
@@ -131,17 +131,25 @@ impl Interpolation<'_> {
         for i in batch.packs::<P>() {
             let mut bent = P::splat(token, 0.0);
             if bends {
-                let d_x = batch.corners.change3::<P>(token, &batch.d_x, i);
-                let d_y = batch.corners.change3::<P>(token, &batch.d_y, i);
+                let d_x = batch.points.corners.change3::<P>(token, &batch.points.d_x, i);
+                let d_y = batch.points.corners.change3::<P>(token, &batch.points.d_y, i);
                 bent = curvature_variance(d_x, d_y);
             }
-            bent.store(&mut batch.curvature[i..]);
-            store3(batch.corners.at3::<P>(token, &batch.weights, i), &mut batch.normal, i);
+            bent.store(&mut batch.geometry.curvature[i..]);
+            store3(
+                batch.points.corners.at3::<P>(token, &batch.points.weights, i),
+                &mut batch.geometry.normal,
+                i,
+            );
         }
         if let NormalSource::BumpPrinted(..) = draw.normal_source {
             self.write_vectors::<P>(token, draw.mesh.normals(), batch);
             for i in batch.packs::<P>() {
-                store3(batch.corners.at3::<P>(token, &batch.weights, i), &mut batch.normal, i);
+                store3(
+                    batch.points.corners.at3::<P>(token, &batch.points.weights, i),
+                    &mut batch.geometry.normal,
+                    i,
+                );
             }
         }
     }
@@ -153,39 +161,43 @@ impl Interpolation<'_> {
             return;
         };
         let uvs = &self.draw.mesh.uvs()[map.texture.uv_set];
-        for Run { triangle, start, end } in batch.runs.iter().copied() {
+        for Run { triangle, start, end } in batch.points.runs.iter().copied() {
             let vertices = self.draw.vertices(triangle);
             let uvs = vertices.map(|v| map.texture.transform.apply(uvs[v as usize]));
             let corners = vertices.map(|v| self.draw.positions[v as usize]);
             let zero = (Vec3::default(), Vec3::default());
             let (dp_du, dp_dv) = surface::uv_derivatives(corners, uvs).map_or(zero, |d| (d.dp_du, d.dp_dv));
             for i in (start..end).step_by(P::LANES) {
-                store3::<P>(splat3(token, dp_du), &mut batch.dp_du, i);
-                store3::<P>(splat3(token, dp_dv), &mut batch.dp_dv, i);
+                store3::<P>(splat3(token, dp_du), &mut batch.geometry.dp_du, i);
+                store3::<P>(splat3(token, dp_dv), &mut batch.geometry.dp_dv, i);
             }
         }
     }
 
     #[inline(always)]
     fn tangents<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
-        for run in batch.runs.iter().copied() {
+        for run in batch.points.runs.iter().copied() {
             let mut corners = self.draw.vertices(run.triangle).map(|v| self.draw.tangents[v as usize]);
             // The first corner's handedness serves the whole triangle.
             let [[_, _, _, handedness], ..] = corners;
             for corner in &mut corners {
                 corner[3] = handedness;
             }
-            batch.corners.write_differences::<P, 4>(token, run, corners);
+            batch.points.corners.write_differences::<P, 4>(token, run, corners);
         }
         for i in batch.packs::<P>() {
-            store3(batch.corners.at3::<P>(token, &batch.weights, i), &mut batch.tangent, i);
-            batch.corners.written::<P>(token, 0, 3, i).store(&mut batch.handedness[i..]);
+            store3(
+                batch.points.corners.at3::<P>(token, &batch.points.weights, i),
+                &mut batch.geometry.tangent,
+                i,
+            );
+            batch.points.corners.written::<P>(token, 0, 3, i).store(&mut batch.geometry.handedness[i..]);
         }
     }
 
     #[inline(always)]
     fn uvs<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
-        let Batch { len, runs, corners, weights, d_x, d_y, uv_sets, .. } = batch;
+        let Batch { len, points: Points { runs, corners, weights, d_x, d_y, uv_sets, .. }, .. } = batch;
         for (set, uvs) in uv_sets.iter_mut().zip(self.draw.mesh.uvs()) {
             for run in runs.iter().copied() {
                 let numbers =
@@ -204,14 +216,14 @@ impl Interpolation<'_> {
 
     #[inline(always)]
     fn colors<P: Pack>(&self, token: P::Token, batch: &mut Batch) {
-        for run in batch.runs.iter().copied() {
+        for run in batch.points.runs.iter().copied() {
             let corners = self.draw.vertices(run.triangle).map(|v| self.draw.mesh.colors()[v as usize]);
-            batch.corners.write_differences::<P, 4>(token, run, corners);
+            batch.points.corners.write_differences::<P, 4>(token, run, corners);
         }
         for i in batch.packs::<P>() {
             for channel in 0..4 {
-                let at = batch.corners.at::<P>(token, &batch.weights, channel, i);
-                at.store(&mut batch.color[channel][i..]);
+                let at = batch.points.corners.at::<P>(token, &batch.points.weights, channel, i);
+                at.store(&mut batch.points.color[channel][i..]);
             }
         }
     }

@@ -16,7 +16,7 @@ pub(super) struct Illumination<'a> {
     pub sources: &'a [LightSource<f32>],
     pub ambient: Vec3,
     pub shadows: bool,
-    /// `true` where `batch.environment_radiance` is filled.
+    /// `true` where `batch.environment.radiance` is filled.
     pub has_environment: bool,
 }
 
@@ -26,7 +26,7 @@ const COOK_TORRANCE: u8 = 0;
 const PLAIN_GGX: u8 = 1;
 const ANY: u8 = 2;
 
-/// Fills `batch.radiance` and `batch.albedo`.
+/// Fills `batch.lit.radiance` and `batch.lit.albedo`.
 pub(super) fn light(level: Level, illumination: &Illumination<'_>, draw: &Draw<'_>, batch: &mut Batch) {
     match Model::new(illumination.shading, draw.material) {
         Model { shading: Shading::CookTorrance, .. } => {
@@ -54,13 +54,13 @@ fn all_packs<P: Pack, const MODEL: u8>(
     for i in batch.packs::<P>() {
         let [r, g, b, _] = draw.material.base_color;
         let at: Lanes<'_, P> = batch.lanes(token, i);
-        let albedo = at.load3(&batch.tint).mul_elements(at.splat3(Vec3::new(r, g, b)));
+        let albedo = at.load3(&batch.material.tint).mul_elements(at.splat3(Vec3::new(r, g, b)));
         let radiance = match draw.material.unlit {
             true => albedo,
             false => lit_pack(at, illumination, model, draw.material),
         };
-        store3(albedo, &mut batch.albedo, i);
-        store3(radiance, &mut batch.radiance, i);
+        store3(albedo, &mut batch.lit.albedo, i);
+        store3(radiance, &mut batch.lit.radiance, i);
     }
 }
 
@@ -73,7 +73,7 @@ fn lit_pack<P: Pack>(
 ) -> Vec3<P> {
     let batch = at.batch;
     let surface = at.surface_point(model, material);
-    let position = at.load3(&batch.position);
+    let position = at.load3(&batch.geometry.position);
     let mut radiance = surface.own(at.splat3(illumination.ambient));
     if illumination.has_environment {
         radiance += surface.reflect_environment(&at.environment(), &at.dfg());
@@ -82,7 +82,7 @@ fn lit_pack<P: Pack>(
         let Incidence { l, irradiance } = source.map(|value| at.splat(value)).incidence(position);
         let mut reflected = surface.reflect(l).mul_elements(irradiance);
         if illumination.shadows {
-            reflected = reflected * at.load(&batch.visibility[index]);
+            reflected = reflected * at.load(&batch.lit.visibility[index]);
         }
         radiance += reflected;
     }

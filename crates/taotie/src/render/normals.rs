@@ -9,7 +9,7 @@ use crate::pixel::{Frame, Geometry, MappedNormal, anisotropy_direction, coat_nor
 use crate::scene::{GreenChannel, NormalMap};
 use fearless_simd::Level;
 
-/// Fills `batch.n`, `batch.smooth` and `batch.bump`, and the directions of the layers.
+/// Fills `batch.frame.n`, `batch.frame.smooth` and `batch.frame.squared_slope`, and the directions of the layers.
 pub(super) fn shade_normals(level: Level, draw: &Draw<'_>, grazing: GrazingNormals, batch: &mut Batch) {
     dispatch_pack!(level, P, token => all_packs::<P>(token, draw, grazing, batch));
 }
@@ -21,14 +21,14 @@ fn all_packs<P: Pack>(token: P::Token, draw: &Draw<'_>, grazing: GrazingNormals,
         let at: Lanes<'_, P> = batch.lanes(token, i);
         let geometry = at.geometry();
         let frame = Frame::new(&geometry, front_normal(at, &geometry, draw), side(at, draw), softened);
-        frame.squared_slope.store(&mut batch.bump[i..]);
-        store3(frame.n, &mut batch.n, i);
-        store3(frame.smooth, &mut batch.smooth, i);
+        frame.squared_slope.store(&mut batch.frame.squared_slope[i..]);
+        store3(frame.n, &mut batch.frame.n, i);
+        store3(frame.smooth, &mut batch.frame.smooth, i);
         shade_layers::<P>(token, draw, batch, i);
     }
 }
 
-/// The clearcoat's normal, and the direction of anisotropy, where `batch.n` and `batch.smooth` are there.
+/// The clearcoat's normal, and the direction of anisotropy, where `batch.frame.n` and `batch.frame.smooth` are there.
 #[inline(always)]
 fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i: usize) {
     if draw.material.clearcoat.is_some() {
@@ -41,7 +41,7 @@ fn shade_layers<P: Pack>(token: P::Token, draw: &Draw<'_>, batch: &mut Batch, i:
         let at: Lanes<'_, P> = batch.lanes(token, i);
         let [cos, sin] = &batch.layers.anisotropy_turn;
         let turn = [at.load(cos), at.load(sin)];
-        let direction = anisotropy_direction(&at.geometry(), at.load3(&batch.n), turn);
+        let direction = anisotropy_direction(&at.geometry(), at.load3(&batch.frame.n), turn);
         store3(direction, &mut batch.layers.anisotropy_direction, i);
     }
 }
@@ -67,15 +67,19 @@ fn front_normal<P: Pack>(at: Lanes<'_, P>, geometry: &Geometry<P>, draw: &Draw<'
         NormalSource::Facet => geometry.facet(),
         NormalSource::Smooth => geometry.smooth(),
         NormalSource::Bump(..) => geometry.bumped(
-            [at.load3(&batch.dp_du), at.load3(&batch.dp_dv)],
-            [at.load(&batch.dh_du), at.load(&batch.dh_dv)],
+            [at.load3(&batch.geometry.dp_du), at.load3(&batch.geometry.dp_dv)],
+            [at.load(&batch.texels.dh_du), at.load(&batch.texels.dh_dv)],
         ),
         NormalSource::BumpPrinted(_, factor) => {
             let matrix = normal_matrix(at, draw);
-            geometry.bumped_as_printed(at.splat(*factor), at.load(&batch.dh_du), matrix)
+            geometry.bumped_as_printed(at.splat(*factor), at.load(&batch.texels.dh_du), matrix)
         }
-        NormalSource::ObjectMap(_) => Geometry::object_mapped(at.load3(&batch.map), normal_matrix(at, draw)),
-        NormalSource::TangentMap(map) => geometry.tangent_mapped(mapped(at, map, at.load3(&batch.map))),
+        NormalSource::ObjectMap(_) => {
+            Geometry::object_mapped(at.load3(&batch.texels.map), normal_matrix(at, draw))
+        }
+        NormalSource::TangentMap(map) => {
+            geometry.tangent_mapped(mapped(at, map, at.load3(&batch.texels.map)))
+        }
     }
 }
 
@@ -98,5 +102,5 @@ fn mapped<P: Pack>(at: Lanes<'_, P>, map: &NormalMap, stored: Vec3<P>) -> Mapped
 #[inline(always)]
 fn side<P: Pack>(at: Lanes<'_, P>, draw: &Draw<'_>) -> P {
     let turns = draw.material.double_sided || at.batch.both_sides;
-    if turns { at.load(&at.batch.facing) } else { at.splat(1.0) }
+    if turns { at.load(&at.batch.geometry.facing) } else { at.splat(1.0) }
 }

@@ -29,12 +29,12 @@ impl<P: Pack> Lanes<'_, P> {
     pub(super) fn geometry(&self) -> Geometry<P> {
         let batch = self.batch;
         Geometry {
-            n_geom: self.load3(&batch.n_geom),
-            normal: self.load3(&batch.normal),
-            tangent: self.load3(&batch.tangent),
-            handedness: self.load(&batch.handedness),
-            facing: self.load(&batch.facing),
-            v: self.load3(&batch.v),
+            n_geom: self.load3(&batch.geometry.n_geom),
+            normal: self.load3(&batch.geometry.normal),
+            tangent: self.load3(&batch.geometry.tangent),
+            handedness: self.load(&batch.geometry.handedness),
+            facing: self.load(&batch.geometry.facing),
+            v: self.load3(&batch.geometry.v),
         }
     }
 
@@ -43,10 +43,10 @@ impl<P: Pack> Lanes<'_, P> {
     pub(super) fn frame(&self) -> Frame<P> {
         let batch = self.batch;
         Frame {
-            n: self.load3(&batch.n),
-            smooth: self.load3(&batch.smooth),
-            squared_slope: self.load(&batch.bump),
-            v: self.load3(&batch.v),
+            n: self.load3(&batch.frame.n),
+            smooth: self.load3(&batch.frame.smooth),
+            squared_slope: self.load(&batch.frame.squared_slope),
+            v: self.load3(&batch.geometry.v),
         }
     }
 
@@ -61,14 +61,14 @@ impl<P: Pack> Lanes<'_, P> {
     pub(super) fn values(&self) -> MaterialValues<P> {
         let batch = self.batch;
         MaterialValues {
-            tint: self.load3(&batch.tint),
-            metallic: self.load(&batch.metallic),
-            roughness: self.load(&batch.roughness),
-            specular: self.load(&batch.specular),
-            specular_color: self.load3(&batch.specular_color),
-            occlusion: self.load(&batch.occlusion),
-            emissive: self.load3(&batch.emissive),
-            variance: self.load(&batch.variance),
+            tint: self.load3(&batch.material.tint),
+            metallic: self.load(&batch.material.metallic),
+            roughness: self.load(&batch.material.roughness),
+            specular: self.load(&batch.material.specular),
+            specular_color: self.load3(&batch.material.specular_color),
+            occlusion: self.load(&batch.material.occlusion),
+            emissive: self.load3(&batch.material.emissive),
+            variance: self.load(&batch.material.variance),
         }
     }
 
@@ -79,7 +79,7 @@ impl<P: Pack> Lanes<'_, P> {
         Anisotropic {
             direction: self.load3(&layers.anisotropy_direction),
             strength: self.load(&layers.anisotropy),
-            roughness: self.load(&self.batch.roughness),
+            roughness: self.load(&self.batch.material.roughness),
         }
     }
 
@@ -91,7 +91,7 @@ impl<P: Pack> Lanes<'_, P> {
         material: &Material,
     ) -> SurfacePoint<P> {
         let frame = self.frame();
-        let compensated = self.batch.compensated && takes_compensation(shading);
+        let compensated = self.batch.albedos.compensated && takes_compensation(shading);
         let dfg = compensated.then(|| self.dfg());
         let point = MaterialPoint::new(shading, &self.uniforms(material), &self.values(), dfg);
         let layers = match layered {
@@ -126,7 +126,7 @@ impl<P: Pack> Lanes<'_, P> {
     /// The environment's light, where it was looked up.
     #[inline(always)]
     pub(super) fn environment(&self) -> EnvironmentTexels<P> {
-        let radiance = &self.batch.environment_radiance;
+        let radiance = &self.batch.environment.radiance;
         EnvironmentTexels {
             specular: self.load3(&radiance.specular),
             mean: self.load3(&radiance.mean),

@@ -52,7 +52,7 @@ impl Resolve {
         let weight = self.weight;
         for (i, sample) in samples.iter().enumerate() {
             let sum = &mut self.color[sample.pixel as usize];
-            let [r, g, b] = get3(&batch.radiance, i).to_array();
+            let [r, g, b] = get3(&batch.lit.radiance, i).to_array();
             *sum = [sum[0] + r * weight, sum[1] + g * weight, sum[2] + b * weight, sum[3] + weight];
         }
     }
@@ -61,8 +61,8 @@ impl Resolve {
     pub(super) fn keep(&mut self, samples: &[VisibleSample], mode: AlphaMode, batch: &Batch) {
         self.layers.extend(samples.iter().enumerate().map(|(i, sample)| Shaded {
             sample: *sample,
-            radiance: get3(&batch.radiance, i),
-            coverage: coverage(mode, batch.alpha[i]),
+            radiance: get3(&batch.lit.radiance, i),
+            coverage: coverage(mode, batch.material.alpha[i]),
         }));
     }
 
@@ -101,17 +101,18 @@ impl Resolve {
         if normals.is_empty() {
             return;
         }
-        for (i, sample) in samples.iter().enumerate().filter(|(i, _)| coverage(mode, batch.alpha[*i]) >= 0.5)
+        for (i, sample) in
+            samples.iter().enumerate().filter(|(i, _)| coverage(mode, batch.material.alpha[*i]) >= 0.5)
         {
             let pixel = sample.pixel as usize;
-            let distance = view.depth(get3(&batch.position, i));
+            let distance = view.depth(get3(&batch.geometry.position, i));
             if depth[pixel][3] != 0.0 && depth[pixel][0] <= distance {
                 continue;
             }
             let with_one = |v: Vec3| [v.x, v.y, v.z, 1.0];
-            normals[pixel] = with_one(get3(&batch.n, i));
+            normals[pixel] = with_one(get3(&batch.frame.n, i));
             depth[pixel] = [distance, distance, distance, 1.0];
-            albedo[pixel] = with_one(get3(&batch.albedo, i));
+            albedo[pixel] = with_one(get3(&batch.lit.albedo, i));
             let [u, v] = batch.first_uv(i);
             uv[pixel] = [u, v, 0.0, 1.0];
             let id = sample.triangle as f32;

@@ -6,7 +6,7 @@ use super::tree::Casters;
 use crate::math::Vec3;
 use crate::pixel::LightSource;
 
-/// Fills `batch.visibility`. `origins` are the points that rays leave from.
+/// Fills `batch.lit.visibility`. `origins` are the points that rays leave from.
 pub(super) fn trace_shadows(
     casters: Casters<'_>,
     sources: &[LightSource<f32>],
@@ -16,9 +16,9 @@ pub(super) fn trace_shadows(
     for (light, source) in sources.iter().enumerate() {
         for (i, origin) in origins.iter().enumerate().take(batch.len) {
             let to_light = source.ray_from(*origin);
-            let faces = get3(&batch.n, i).dot(to_light) > 0.0;
+            let faces = get3(&batch.frame.n, i).dot(to_light) > 0.0;
             let seen = faces && casters.sees(*origin, to_light, source.ray_limit());
-            batch.visibility[light][i] = f32::from(u8::from(seen));
+            batch.lit.visibility[light][i] = f32::from(u8::from(seen));
         }
     }
 }

@@ -265,13 +265,13 @@ impl<'p> Stages<'p> {
 /// Empties `batch` and fills in the places of visible samples, seen at `offset` within their pixels.
 fn place(visible: &[VisibleSample], offset: [f32; 2], batch: &mut Batch) {
     batch.len = visible.len();
-    batch.runs.clear();
+    batch.points.runs.clear();
     for (i, sample) in visible.iter().enumerate() {
-        batch.place[0][i] = (sample.pixel % TILE_SIZE) as f32 + offset[0];
-        batch.place[1][i] = (sample.pixel / TILE_SIZE) as f32 + offset[1];
-        match batch.runs.last_mut() {
+        batch.points.place[0][i] = (sample.pixel % TILE_SIZE) as f32 + offset[0];
+        batch.points.place[1][i] = (sample.pixel / TILE_SIZE) as f32 + offset[1];
+        match batch.points.runs.last_mut() {
             Some(run) if run.triangle == sample.triangle => run.end = i + 1,
-            _ => batch.runs.push(Run { triangle: sample.triangle, start: i, end: i + 1 }),
+            _ => batch.points.runs.push(Run { triangle: sample.triangle, start: i, end: i + 1 }),
         }
     }
 }

@@ -82,7 +82,7 @@ fn all_packs<P: Pack>(token: P::Token, query: &BsdfQuery<'_>, batch: &Batch, bsd
         let [u, v, w] = &bsdf.u;
         let onward = scatter.direction([at.load(u), at.load(v), at.load(w)]);
         store3(onward, &mut bsdf.onward, i);
-        let position = at.load3(&batch.position);
+        let position = at.load3(&batch.geometry.position);
         // One loop over all directions, so that reflection is compiled once.
         for request in query.requests() {
             let unit = |l| Incidence { l, irradiance: at.splat3(ONE) };

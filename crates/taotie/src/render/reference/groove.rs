@@ -37,14 +37,14 @@ impl Grooves {
     ) {
         shade_normals(level, draw, GrazingNormals::Keep, batch);
         for i in batch.entries() {
-            let facets = Facets::new(get3(&batch.smooth, i), get3(&batch.n, i));
-            let v = get3(&batch.v, i);
+            let facets = Facets::new(get3(&batch.frame.smooth, i), get3(&batch.frame.n, i));
+            let v = get3(&batch.geometry.v, i);
             set3(&mut self.v, i, v);
-            set3(&mut batch.n, i, facets.p);
+            set3(&mut batch.frame.n, i, facets.p);
             let share = facets.share_of_mirror(v);
             let u = self.u[i];
             self.u[i] = if u < share {
-                set3(&mut batch.v, i, facets.mirrored(v));
+                set3(&mut batch.geometry.v, i, facets.mirrored(v));
                 u / share
             } else {
                 (u - share) / (1.0 - share)
@@ -70,7 +70,7 @@ pub(super) struct Groove<P> {
 impl<P: Pack> Groove<P> {
     #[inline(always)]
     pub(super) fn new(at: Lanes<'_, P>, grooves: &Grooves, surface: &SurfacePoint<P>) -> Self {
-        let facets = Facets::new(at.load3(&at.batch.smooth), surface.frame.n);
+        let facets = Facets::new(at.load3(&at.batch.frame.smooth), surface.frame.n);
         Self { facets, u: at.load(&grooves.u) }
     }
 

@@ -102,14 +102,14 @@ impl Tracer<'_> {
     /// The output variables of entry `i`, in the order of [`TilePixels::aovs`].
     fn seen(&self, batch: &Batch, i: usize, triangle: u32) -> [[f32; 4]; 5] {
         let with_one = |v: Vec3| [v.x, v.y, v.z, 1.0];
-        let depth = self.view.depth(get3(&batch.position, i));
+        let depth = self.view.depth(get3(&batch.geometry.position, i));
         let draw = self.draws.of(triangle);
         let [r, g, b, _] = draw.material.base_color;
         let [u, v] = batch.first_uv(i);
         [
-            with_one(get3(&batch.n, i)),
+            with_one(get3(&batch.frame.n, i)),
             with_one(Vec3::splat(depth)),
-            with_one(get3(&batch.tint, i).mul_elements(Vec3::new(r, g, b))),
+            with_one(get3(&batch.material.tint, i).mul_elements(Vec3::new(r, g, b))),
             [u, v, 0.0, 1.0],
             with_one(Vec3::splat(triangle as f32)),
         ]

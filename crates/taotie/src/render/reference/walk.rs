@@ -225,11 +225,11 @@ impl Tracer<'_> {
         let batch = &mut work.batch;
         batch.len = stop.intersections.len();
         batch.both_sides = stop.depth > 0;
-        batch.runs.clear();
+        batch.points.runs.clear();
         for (i, (index, intersection)) in stop.intersections.iter().enumerate() {
-            batch.runs.push(Run { triangle: intersection.triangle, start: i, end: i + 1 });
-            set3(&mut batch.weights, i, Vec3::from_array(intersection.weights));
-            set3(&mut batch.v, i, -paths[*index as usize].direction);
+            batch.points.runs.push(Run { triangle: intersection.triangle, start: i, end: i + 1 });
+            set3(&mut batch.points.weights, i, Vec3::from_array(intersection.weights));
+            set3(&mut batch.geometry.v, i, -paths[*index as usize].direction);
         }
         let eye = (stop.depth == 0).then_some(self.view.eye);
         interpolation.fill(eye, batch);
@@ -323,7 +323,7 @@ impl Tracer<'_> {
         path.direction = get3(&work.bsdf.onward, i);
         path.limit = f32::INFINITY;
         path.pdf = pdf;
-        path.below = get3(&work.batch.n_geom, i).dot(path.direction) < 0.0;
+        path.below = get3(&work.batch.geometry.n_geom, i).dot(path.direction) < 0.0;
         true
     }
 }
@@ -333,7 +333,7 @@ fn show_color(stop: &Stop<'_>, paths: &mut [Path], work: &PathScratch) {
     let [r, g, b, _] = stop.draw.material.base_color;
     for (i, (index, _)) in stop.intersections.iter().enumerate() {
         let path = &mut paths[*index as usize];
-        let color = get3(&work.batch.tint, i).mul_elements(Vec3::new(r, g, b));
+        let color = get3(&work.batch.material.tint, i).mul_elements(Vec3::new(r, g, b));
         path.light += path.throughput.mul_elements(color);
     }
 }
