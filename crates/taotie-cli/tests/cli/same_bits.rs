@@ -1,5 +1,5 @@
 //! Every file that a command writes has the same bytes with any number of threads and at every SIMD level. Only times
-//! differ: in JSON they are named `milliseconds`, and a page keeps them in one table.
+//! differ: a document has one list of them, and a page one table.
 
 use super::balls::{Ball, SCAN};
 use super::place::Place;
@@ -59,10 +59,10 @@ fn files(lines: &[String]) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
-/// A file without the times in it: in JSON the lines of milliseconds, on the page of a bake the table of them.
+/// A file without the times in it.
 fn without_times(name: &str, bytes: Vec<u8>) -> Vec<u8> {
     match name.rsplit('.').next() {
-        Some("json") => without_lines(&text(bytes), "\"milliseconds\": "),
+        Some("json") => without_list(&text(bytes)).into_bytes(),
         Some("html") => without_table(&text(bytes)).into_bytes(),
         _ => bytes,
     }
@@ -72,10 +72,15 @@ fn text(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).expect("it is text")
 }
 
-fn without_lines(text: &str, part: &str) -> Vec<u8> {
-    let kept: Vec<&str> = text.lines().filter(|line| !line.contains(part)).collect();
-    assert!(kept.len() > 20, "a document of one line would not be compared at all: {text}");
-    kept.join("\n").into_bytes()
+/// A document without its list of times: `stages` of a bake, `times` of a comparison.
+fn without_list(document: &str) -> String {
+    let lists = ["\n  \"stages\": [\n", "\n  \"times\": [\n"];
+    let parts = lists.iter().find_map(|list| document.split_once(list));
+    let (before, rest) = parts.unwrap_or_else(|| panic!("no list of times: {document}"));
+    let (times, after) = rest.split_once("\n  ]").expect("the list ends");
+    let is_timed = |part: &str| part.contains("milliseconds");
+    assert!(is_timed(times) && !is_timed(before) && !is_timed(after), "{document}");
+    format!("{before}{after}")
 }
 
 /// A page without the rows of its table of times, where it has one.
