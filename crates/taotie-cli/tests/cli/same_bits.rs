@@ -108,7 +108,8 @@ fn ways() -> Vec<String> {
     THREADS.iter().flat_map(with).collect()
 }
 
-/// A bake takes the fastest level of the machine; its levels of detail, maps, page and JSON are all looked at.
+/// A bake takes the fastest level of the machine, at which its parts have the bits of every other: a law of rays, and
+/// tests of vertex normals and mip levels. Its levels of detail, maps, page and JSON are all looked at.
 #[test]
 fn a_bake_writes_the_same_bytes_with_any_number_of_threads() {
     let bake = "bake scan.obj -o out.gltf --triangles 600 --lods 200 --size 64 --maps auto,ao,height,bent";
