@@ -2,10 +2,11 @@
 //! differ: a document has one list of them, and a page one table.
 
 use super::balls::{Ball, SCAN};
+use super::pictures::write_square;
 use super::place::Place;
 use std::collections::BTreeMap;
 use taotie::image::Encoding;
-use taotie::io::{PngColor, PngImage, PngSamples, write_png};
+use taotie::io::PngSamples;
 use taotie::math::SimdLevel;
 use taotie::names::Named;
 
@@ -29,14 +30,7 @@ fn textured() -> Place {
 
 fn write_texture(place: &Place, name: &str, texel: impl Fn(u32, u32) -> [u8; 3]) {
     let samples: Vec<u8> = (0..SIDE * SIDE).flat_map(|i| texel(i % SIDE, i / SIDE)).collect();
-    let image = PngImage {
-        width: SIDE,
-        height: SIDE,
-        color: PngColor::Rgb,
-        samples: PngSamples::U8(&samples),
-        encoding: Encoding::Linear,
-    };
-    write_png(&place.path(name), &image).expect("the folder can be written to");
+    write_square(&place.path(name), PngSamples::U8(&samples), Encoding::Linear);
 }
 
 /// Runs commands in a new folder and gives all files that lie there afterwards, without times.
