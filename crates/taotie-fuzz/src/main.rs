@@ -13,6 +13,7 @@ mod failure;
 mod finding;
 mod memory;
 mod mutation;
+mod patience;
 mod runner;
 mod target;
 mod totals;
@@ -25,6 +26,7 @@ use case::Case;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use corpus::Seed;
 use finding::Finding;
+use patience::Patience;
 use runner::Runner;
 use std::io::{self, Read, Write};
 use std::num::NonZero;
@@ -121,7 +123,7 @@ struct Bounds {
     /// Memory that a run may allocate.
     #[arg(long, default_value = "512M")]
     memory: Bytes,
-    /// Seconds that a run may take.
+    /// Seconds of processor time that a run may take; by the clock thirty times as many.
     #[arg(long, default_value_t = 10)]
     patience: u64,
 }
@@ -174,7 +176,7 @@ fn work(task: Task) -> Result<bool> {
 
 impl Bounds {
     fn runner(&self) -> Runner {
-        let patience = Duration::from_secs(self.patience);
+        let patience = Patience::of(Duration::from_secs(self.patience));
         Runner { models: self.models.clone(), memory: self.memory, patience }
     }
 }

@@ -2,13 +2,13 @@
 
 use crate::case::Case;
 use crate::failure::Failure;
+use crate::patience::Patience;
 use crate::target::Target;
 use crate::watch::{Seen, watch};
 use anyhow::Result;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::process::Command;
-use std::time::Duration;
 use taotie::asset::Bytes;
 
 /// Starts and bounds workers.
@@ -19,7 +19,7 @@ pub struct Runner {
     /// The memory that a run may allocate.
     pub memory: Bytes,
     /// The time that a run may take.
-    pub patience: Duration,
+    pub patience: Patience,
 }
 
 /// Runs of one target.

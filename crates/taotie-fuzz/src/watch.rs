@@ -1,16 +1,21 @@
 //! The parent of a worker: listens, and ends it where a run takes too long.
 
 use crate::failure::{Failure, FailureKind};
+use crate::patience::{Patience, Silence};
 use crate::worker::News;
 use anyhow::{Context, Result};
 use std::io::{BufRead, BufReader, Read, Write};
-use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 /// The most bytes of a worker's last words that are kept.
 const WORDS: usize = 2000;
+/// The time without news after which a worker is looked at.
+const TICK: Duration = Duration::from_millis(50);
+/// The number of times that a worker is started anew which does not come to its first run.
+const ANEW: usize = 2;
 
 /// The course of a worker.
 #[derive(Debug, Default)]
@@ -32,33 +37,31 @@ pub struct FailedRun {
     pub failure: Failure,
 }
 
-/// Starts a worker with `input` on its stdin, and listens until it ends or tells nothing for as long as `patience`.
+/// Starts a worker with `input` on its stdin, and listens until it ends or tells nothing beyond `patience`.
+///
+/// One that falls silent or is killed before its first run is started anew, twice at most: no file has done that.
 ///
 /// # Errors
 /// Where it cannot be started, or ends before any run.
-pub fn watch(mut command: Command, input: &str, patience: Duration) -> Result<Seen> {
+pub fn watch(mut command: Command, input: &str, patience: Patience) -> Result<Seen> {
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().context("a worker cannot be started")?;
-    if let Some(mut stdin) = child.stdin.take() {
-        stdin.write_all(input.as_bytes())?;
-    }
-    let words = last_words(&mut child);
-    let (seen, end) = listen(&mut child, patience);
-    if end == End::Silent {
-        child.kill()?;
-    }
-    let status = child.wait()?;
-    let words = words.and_then(|words| words.join().ok()).unwrap_or_default();
-    let failure = match end {
-        End::Done => return Ok(seen),
-        End::Silent => Failure { kind: FailureKind::Time, message: format!("no end within {patience:?}") },
-        End::Gone if words.contains("memory allocation of") => {
-            Failure { kind: FailureKind::Memory, message: words }
+    let mut life = Life::of(&mut command, input, patience)?;
+    for _ in 0..ANEW {
+        if life.never_began() {
+            life = Life::of(&mut command, input, patience)?;
         }
-        End::Gone => Failure { kind: FailureKind::Abort, message: format!("{status}: {words}") },
-    };
-    let run = seen.last.with_context(|| format!("a worker ended before any run: {}", failure.message))?;
-    Ok(Seen { failures: seen.failures.into_iter().chain([FailedRun { run, failure }]).collect(), ..seen })
+    }
+    life.told(patience)
+}
+
+/// The life of a worker.
+#[derive(Debug)]
+struct Life {
+    seen: Seen,
+    end: End,
+    status: ExitStatus,
+    /// The end of what it said on stderr.
+    words: String,
 }
 
 /// The end of listening.
@@ -72,8 +75,75 @@ enum End {
     Gone,
 }
 
+impl Life {
+    /// Starts a worker and waits for its end.
+    fn of(command: &mut Command, input: &str, patience: Patience) -> Result<Self> {
+        let mut child = command.spawn().context("a worker cannot be started")?;
+        if let Some(mut stdin) = child.stdin.take() {
+            // A worker that ends before it has read all tells so by its end.
+            let _ = stdin.write_all(input.as_bytes());
+        }
+        let words = last_words(&mut child);
+        let (seen, end) = listen(&mut child, patience);
+        if end == End::Silent {
+            child.kill()?;
+        }
+        let status = child.wait()?;
+        let words = words.and_then(|words| words.join().ok()).unwrap_or_default();
+        Ok(Self { seen, end, status, words })
+    }
+
+    /// Says whether the worker fell silent or was killed before its first run.
+    fn never_began(&self) -> bool {
+        // Only a process that a signal ended has no exit code.
+        let is_killed = self.end == End::Gone && self.status.code().is_none();
+        self.seen.last.is_none() && (is_killed || self.end == End::Silent)
+    }
+
+    /// The course of the worker, with the failure that ended it.
+    fn told(self, patience: Patience) -> Result<Seen> {
+        let Self { seen, end, status, words } = self;
+        let failure = match end {
+            End::Done => return Ok(seen),
+            End::Silent => Failure { kind: FailureKind::Time, message: format!("no end within {patience}") },
+            End::Gone if words.contains("memory allocation of") => {
+                Failure { kind: FailureKind::Memory, message: words }
+            }
+            End::Gone => Failure { kind: FailureKind::Abort, message: format!("{status}: {words}") },
+        };
+        let run = seen.last.with_context(|| format!("a worker ended before any run: {}", failure.message))?;
+        let failures = seen.failures.into_iter().chain([FailedRun { run, failure }]).collect();
+        Ok(Seen { failures, ..seen })
+    }
+}
+
 /// Listens to a worker's stdout.
-fn listen(child: &mut Child, patience: Duration) -> (Seen, End) {
+fn listen(child: &mut Child, patience: Patience) -> (Seen, End) {
+    let news = news(child);
+    let mut seen = Seen::default();
+    let mut silence = None;
+    loop {
+        match news.recv_timeout(TICK) {
+            Ok(News::Run(run)) => (seen.runs, seen.last) = (seen.runs + 1, Some(run)),
+            Ok(News::Failed(failure)) => {
+                seen.failures.push(FailedRun { run: seen.last.unwrap_or_default(), failure });
+            }
+            Ok(News::Done) => return (seen, End::Done),
+            Err(RecvTimeoutError::Disconnected) => return (seen, End::Gone),
+            Err(RecvTimeoutError::Timeout) => {
+                let silence = silence.get_or_insert_with(|| Silence::of(child.id()));
+                if silence.outlasts(patience) {
+                    return (seen, End::Silent);
+                }
+                continue;
+            }
+        }
+        silence = None;
+    }
+}
+
+/// The news that a worker tells on its stdout, read on a thread of its own.
+fn news(child: &mut Child) -> Receiver<News> {
     let (sender, receiver) = mpsc::channel();
     if let Some(stdout) = child.stdout.take() {
         thread::spawn(move || {
@@ -84,18 +154,7 @@ fn listen(child: &mut Child, patience: Duration) -> (Seen, End) {
                 .try_for_each(|news| sender.send(news));
         });
     }
-    let mut seen = Seen::default();
-    loop {
-        match receiver.recv_timeout(patience) {
-            Ok(News::Run(run)) => (seen.runs, seen.last) = (seen.runs + 1, Some(run)),
-            Ok(News::Failed(failure)) => {
-                seen.failures.push(FailedRun { run: seen.last.unwrap_or_default(), failure });
-            }
-            Ok(News::Done) => return (seen, End::Done),
-            Err(RecvTimeoutError::Timeout) => return (seen, End::Silent),
-            Err(RecvTimeoutError::Disconnected) => return (seen, End::Gone),
-        }
-    }
+    receiver
 }
 
 /// Collects the end of what a worker says on stderr.
@@ -114,11 +173,28 @@ fn last_words(child: &mut Child) -> Option<JoinHandle<String>> {
 mod tests {
     use super::*;
 
+    /// A time that no shell here takes.
+    const LONG: Duration = Duration::from_secs(60);
+    /// The patience that a shell wears out by work alone.
+    const WORK: Patience = Patience { processor: Duration::from_millis(300), clock: LONG };
+    /// The patience that a shell wears out by sleep.
+    const SLEEP: Patience = Patience { processor: LONG, clock: Duration::from_secs(1) };
+
     /// Watches a shell in the place of a worker.
-    fn seen(script: &str) -> Result<Seen> {
+    fn seen(script: &str, patience: Patience) -> Result<Seen> {
         let mut command = Command::new("sh");
         command.args(["-c", script]);
-        watch(command, "", Duration::from_millis(500))
+        watch(command, "", patience)
+    }
+
+    /// Watches a shell that writes a line into a file, which is its `$0`, whenever it starts; and counts the starts.
+    fn starts(script: &str, patience: Patience) -> (usize, Result<Seen>) {
+        let place = tempfile::tempdir().unwrap();
+        let file = place.path().join("starts");
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("echo >> \"$0\"; {script}")]).arg(&file);
+        let seen = watch(command, "", patience);
+        (std::fs::read_to_string(&file).unwrap().lines().count(), seen)
     }
 
     fn kinds(seen: &Seen) -> Vec<(u64, FailureKind)> {
@@ -128,26 +204,51 @@ mod tests {
     #[test]
     fn a_worker_that_tells_of_all_its_runs_is_heard() {
         let told = r#"echo '{"run":4}'; echo '{"failed":{"kind":"panic","message":"a"}}'; echo '{"run":5}'; echo '"done"'"#;
-        let seen = seen(told).unwrap();
+        let seen = seen(told, WORK).unwrap();
         assert_eq!((seen.runs, seen.last), (2, Some(5)));
         assert_eq!(kinds(&seen), [(4, FailureKind::Panic)]);
     }
 
     #[test]
     fn a_worker_that_ends_or_hangs_in_a_run_is_a_failure_of_it() {
-        let after = |rest: &str| kinds(&seen(&format!("echo '{{\"run\":7}}'; {rest}")).unwrap());
-        assert_eq!(after("exit 3"), [(7, FailureKind::Abort)]);
-        assert_eq!(after("kill -9 $$"), [(7, FailureKind::Abort)]);
+        let after =
+            |rest: &str, patience| kinds(&seen(&format!("echo '{{\"run\":7}}'; {rest}"), patience).unwrap());
+        assert_eq!(after("exit 3", WORK), [(7, FailureKind::Abort)]);
+        assert_eq!(after("kill -9 $$", WORK), [(7, FailureKind::Abort)]);
         assert_eq!(
-            after("echo 'memory allocation of 9 bytes failed' >&2; exit 3"),
+            after("echo 'memory allocation of 9 bytes failed' >&2; exit 3", WORK),
             [(7, FailureKind::Memory)]
         );
-        assert_eq!(after("exec sleep 60"), [(7, FailureKind::Time)]);
+        assert_eq!(after("while :; do :; done", WORK), [(7, FailureKind::Time)]);
+        assert_eq!(after("exec sleep 60", SLEEP), [(7, FailureKind::Time)]);
+    }
+
+    /// A worker that waits for a processor uses none, as one that sleeps.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_worker_that_waits_is_no_failure() {
+        let seen = seen(r#"echo '{"run":7}'; sleep 1; echo '"done"'"#, WORK).unwrap();
+        assert_eq!((kinds(&seen), seen.runs), (vec![], 1));
     }
 
     #[test]
     fn a_worker_that_does_not_begin_is_an_error() {
-        let error = seen("echo 'no such folder' >&2; exit 2").unwrap_err();
+        let (starts, told) = starts("echo 'no such folder' >&2; exit 2", WORK);
+        let error = told.unwrap_err();
         assert!(error.to_string().contains("no such folder"), "{error}");
+        assert_eq!(starts, 1, "it says why itself");
+    }
+
+    #[test]
+    fn a_worker_that_is_killed_or_silent_before_its_first_run_is_started_anew_twice() {
+        let third =
+            |end: &str| format!(r#"[ $(wc -l < "$0") -gt 2 ] || {end}; echo '{{"run":7}}'; echo '"done"'"#);
+        for (end, patience) in [("kill -9 $$", WORK), ("exec sleep 60", SLEEP)] {
+            let (starts, told) = starts(&third(end), patience);
+            assert_eq!((starts, told.unwrap().runs), (3, 1), "{end}");
+        }
+        let (starts, told) = starts("kill -9 $$", WORK);
+        assert_eq!(starts, 3);
+        assert!(told.unwrap_err().to_string().contains("before any run"));
     }
 }

@@ -8,12 +8,11 @@ use taotie_shader::{Language, shader};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let model = arguments.next().unwrap_or_else(|| "ggx".into());
-    let (_, shading) =
-        Shading::NAMES.iter().find(|(name, _)| *name == model).ok_or("no model has this name")?;
+    let shading = Shading::from_name(&model)?;
     let language = match arguments.next().as_deref() {
         None | Some("wgsl") => Language::Wgsl,
         Some("glsl-es") => Language::GlslEs,
         Some(other) => return Err(format!("{other}: the languages are wgsl and glsl-es").into()),
     };
-    Ok(std::io::stdout().write_all(shader(*shading, language).as_bytes())?)
+    Ok(std::io::stdout().write_all(shader(shading, language).as_bytes())?)
 }

@@ -4,7 +4,7 @@ use crate::graph::{Binary, Call, Graph, Id, Kind, Node, Unary};
 use crate::language::{Language, Phrase, Tightness};
 use crate::names::Names;
 use crate::program::{Formula, Program};
-use crate::structures::{STRUCTURES, field_name};
+use crate::structures::{field_name, fields};
 use std::collections::BTreeMap;
 
 /// The longest expression that stands within another.
@@ -37,8 +37,7 @@ pub(crate) fn body(formula: &Formula, program: &Program, language: Language) -> 
 
 /// The names of the fields that the outputs become.
 fn wishes(formula: &Formula) -> BTreeMap<Id, &'static str> {
-    let structure = STRUCTURES.iter().find(|structure| formula.structure == Some(structure.name));
-    let fields = structure.map(|structure| structure.fields()).unwrap_or_default();
+    let fields = formula.structure.map(fields).unwrap_or_default();
     let names = fields.iter().map(|field| field_name(field.path));
     formula.graph.outputs().iter().copied().zip(names).collect()
 }
@@ -187,13 +186,13 @@ impl Writer<'_> {
     /// `clamp` for the smaller of a constant and of the larger of another and a value.
     fn clamped(&self, [a, high]: [Id; 2]) -> Option<Phrase> {
         let (value, low) = self.lower_bound(a)?;
-        self.is_constant(high).then(|| self.bounded("clamp", &[value, low, high]))
+        self.graph.is_constant(high).then(|| self.bounded("clamp", &[value, low, high]))
     }
 
     /// The value and the constant of which `id` is the larger, where nothing else uses that.
     fn lower_bound(&self, id: Id) -> Option<(Id, Id)> {
         match self.graph.node(id) {
-            Node::Binary(Binary::Max, value, low) if self.uses[id.0] == 1 && self.is_constant(*low) => {
+            Node::Binary(Binary::Max, value, low) if self.uses[id.0] == 1 && self.graph.is_constant(*low) => {
                 Some((*value, *low))
             }
             _ => None,
@@ -203,13 +202,9 @@ impl Writer<'_> {
     /// Says whether a node is only the inner half of a `clamp`.
     fn is_clamped(&self, id: Id) -> bool {
         let outer = |node: &Node| match node {
-            Node::Binary(Binary::Min, a, high) => *a == id && self.is_constant(*high),
+            Node::Binary(Binary::Min, a, high) => *a == id && self.graph.is_constant(*high),
             _ => false,
         };
         self.lower_bound(id).is_some() && self.graph.nodes().iter().any(outer)
-    }
-
-    fn is_constant(&self, id: Id) -> bool {
-        matches!(self.graph.node(id), Node::Constant(_))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::graph::{Binary, Graph, Id, Node, Unary};
 use crate::program::Program;
-use taotie::math::{Lane, Mask};
+use taotie::math::{Lane, Mask, Vec3};
 
 /// The reason why a graph has no value.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -96,8 +96,8 @@ impl<L: Lane> Player<'_, L> {
             Node::Component(a, which) => self.vector(*a).map(|vector| Value::Number(vector[*which])),
             Node::Vector(parts) => self.joined(*parts),
             Node::Swizzle(a, which) => self.vector(*a).map(|vector| Value::Vector(which.map(|i| vector[i]))),
-            Node::Dot(a, b) => self.vectors(*a, *b).map(|[a, b]| Value::Number(dot(a, b))),
-            Node::Cross(a, b) => self.vectors(*a, *b).map(|[a, b]| Value::Vector(cross(a, b))),
+            Node::Dot(a, b) => self.vectors(*a, *b).map(|[a, b]| Value::Number(a.dot(b))),
+            Node::Cross(a, b) => self.vectors(*a, *b).map(|[a, b]| Value::Vector(a.cross(b).to_array())),
             Node::Call(call) => return self.call(call.function, &call.arguments),
         };
         value.ok_or(wrong)
@@ -114,8 +114,8 @@ impl<L: Lane> Player<'_, L> {
         }
     }
 
-    fn vectors(&self, a: Id, b: Id) -> Option<[[L; 3]; 2]> {
-        Some([self.vector(a)?, self.vector(b)?])
+    fn vectors(&self, a: Id, b: Id) -> Option<[Vec3<L>; 2]> {
+        Some([self.vector(a)?, self.vector(b)?].map(Vec3::from_array))
     }
 
     fn joined(&self, parts: [Id; 3]) -> Option<Value<L>> {
@@ -141,14 +141,6 @@ impl<L: Lane> Player<'_, L> {
             _ => Err(EvaluateError::Kind(self.values.len())),
         }
     }
-}
-
-fn dot<L: Lane>(a: [L; 3], b: [L; 3]) -> L {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
-    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i])
 }
 
 fn unary<L: Lane>(operation: Unary, operand: Value<L>) -> Option<Value<L>> {

@@ -172,6 +172,11 @@ impl Graph {
         &self.nodes[id.0]
     }
 
+    /// Says whether the node of `id` is a constant.
+    pub(crate) fn is_constant(&self, id: Id) -> bool {
+        matches!(self.node(id), Node::Constant(_))
+    }
+
     /// The parameters, in order.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters

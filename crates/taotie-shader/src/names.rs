@@ -83,7 +83,7 @@ impl<'g> Names<'g> {
         let word = match operation {
             Binary::Multiply if a == b => return self.about(a, "", "_squared", "square"),
             Binary::Subtract if self.is_one(a) => return self.about(b, "one_minus_", "", "complement"),
-            Binary::Min | Binary::Max if self.is_constant(b) => return self.bounded(a),
+            Binary::Min | Binary::Max if self.graph.is_constant(b) => return self.bounded(a),
             Binary::Add => "sum",
             Binary::Subtract => "difference",
             Binary::Multiply => "product",
@@ -115,9 +115,5 @@ impl<'g> Names<'g> {
 
     fn is_one(&self, id: Id) -> bool {
         *self.graph.node(id) == Node::constant(1.0)
-    }
-
-    fn is_constant(&self, id: Id) -> bool {
-        matches!(self.graph.node(id), Node::Constant(_))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::graph::{Graph, Kind};
 use crate::outline::{Function, with_calls};
-use crate::structures::layout;
+use crate::structures::fields;
 use crate::vectors::with_vectors;
 
 /// A formula as a function: its graph, and what a reader needs to know of it.
@@ -43,7 +43,7 @@ impl Program {
     /// Adds a recorded formula: with vectors for equal channels, and calls of the formulas that stand here already.
     pub(crate) fn add(&mut self, mut formula: Formula) {
         let kinds = match formula.structure {
-            Some(structure) => layout(structure),
+            Some(structure) => fields(structure).iter().map(|field| field.kind).collect(),
             None if formula.graph.outputs().len() == 3 => vec![Kind::Vector],
             None => vec![Kind::Number; formula.graph.outputs().len()],
         };

@@ -1,6 +1,6 @@
 //! The structures that shaders pass on, as `taotie::shade` has them.
 
-use crate::graph::{Kind, Parameter};
+use crate::graph::Parameter;
 use crate::inputs;
 use crate::recorder::{Scope, record};
 
@@ -57,11 +57,10 @@ impl Structure {
     }
 }
 
-/// The types of a structure's fields.
-pub(crate) fn layout(name: &str) -> Vec<Kind> {
+/// The fields of the structure of this name, as parameters.
+pub(crate) fn fields(name: &str) -> Vec<Parameter> {
     let structure = STRUCTURES.iter().find(|structure| structure.name == name);
-    let fields = structure.map(Structure::fields).unwrap_or_default();
-    fields.iter().map(|field| field.kind).collect()
+    structure.map(Structure::fields).unwrap_or_default()
 }
 
 /// The name of a field in a path, `roughness` of `s.roughness`.

@@ -173,20 +173,25 @@ fn a_shader_holds_what_its_model_needs_and_no_more() {
     }
 }
 
+/// The fields of all structures of a GLSL text, each with the line before it.
+fn fields(text: &str) -> Vec<[&str; 2]> {
+    let lines: Vec<&str> = text.lines().collect();
+    let structures = lines.split(|line| *line == "};").filter_map(|lines| {
+        let opening = lines.iter().rposition(|line| line.starts_with("struct "))?;
+        Some(lines[opening..].windows(2).filter(|pair| pair[1].ends_with(';')))
+    });
+    structures.flatten().map(|pair| [pair[0], pair[1]]).collect()
+}
+
 #[test]
 fn fields_of_structures_are_documented() {
     let program = library();
-    let paths = program.formulas().iter().flat_map(|formula| formula.graph.parameters());
-    let fields: Vec<&str> =
-        paths.filter_map(|parameter| parameter.path.split_once('.')).map(|p| p.1).collect();
     let names: Vec<&str> = program.formulas().iter().map(|formula| formula.name.as_str()).collect();
     let text = functions(&names, Language::GlslEs);
-    let lines: Vec<&str> = text.lines().collect();
-    for field in fields {
-        let ending = format!(" {field};");
-        let at = lines.iter().position(|line| line.starts_with("    ") && line.ends_with(&ending));
-        let before =
-            at.and_then(|at| lines.get(at - 1)).unwrap_or_else(|| panic!("{field} is missing: {text}"));
-        assert!(before.starts_with("    // ") && before.len() > 8, "{field}: {before}");
+    let fields = fields(&text);
+    // MaterialSample, Angles, Compensation, Dfg, EnvironmentWeights.
+    assert_eq!(fields.len(), 10 + 6 + 2 + 4 + 2, "{fields:#?}");
+    for [doc, field] in fields {
+        assert!(doc.starts_with("    // ") && doc.len() > 8, "{field}: {doc}");
     }
 }

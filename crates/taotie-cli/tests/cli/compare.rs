@@ -1,9 +1,10 @@
 //! What `taotie compare` measures, writes and refuses.
 
+use super::pictures::write_square;
 use super::place::Place;
 use serde_json::Value;
 use taotie::image::Encoding;
-use taotie::io::{PngColor, PngImage, PngSamples, write_png};
+use taotie::io::PngSamples;
 use taotie::math::scalar;
 
 /// A square of side 2 that faces +z, its uvs upright, with the maps of `square.mtl`.
@@ -18,14 +19,7 @@ const FRONT: &str = "--orbit 0,0 --size 64x64";
 fn write_map(place: &Place, name: &str, side: u32, texel: impl Fn(u32, u32) -> [f64; 3]) {
     let code = |v: f64| (v * 65535.0 + 0.5) as u16;
     let samples: Vec<u16> = (0..side * side).flat_map(|i| texel(i % side, i / side).map(code)).collect();
-    let image = PngImage {
-        width: side,
-        height: side,
-        color: PngColor::Rgb,
-        samples: PngSamples::U16(&samples),
-        encoding: Encoding::Linear,
-    };
-    write_png(&place.path(name), &image).expect("the folder can be written to");
+    write_square(&place.path(name), PngSamples::U16(&samples), Encoding::Linear);
 }
 
 /// A square whose normal map tilts all of it by `degrees` towards +x, and a flat one as the truth.

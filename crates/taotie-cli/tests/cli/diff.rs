@@ -1,11 +1,12 @@
 //! What `taotie diff` says, and how it ends.
 
 use super::models::{Green, TRIANGLE, write_ball, write_relief};
+use super::pictures::write_square;
 use super::place::Place;
 use serde_json::{Value, json};
 use snapbox::str;
 use taotie::image::{Encoding, Texels};
-use taotie::io::{ExrLayer, PngColor, PngImage, PngSamples, read_bitmap, write_exr, write_png};
+use taotie::io::{ExrLayer, PngSamples, read_bitmap, write_exr};
 
 /// Writes a picture of `side`² pixels with a gradient, moved `shift` pixels to the right.
 fn write_gradient(place: &Place, name: &str, side: u32, shift: u32) {
@@ -14,14 +15,7 @@ fn write_gradient(place: &Place, name: &str, side: u32, shift: u32) {
         [(x * 255 / side) as u8, (y * 255 / side) as u8, ((x / 4 + y / 4) % 2 * 200) as u8]
     };
     let samples: Vec<u8> = (0..side * side).flat_map(code).collect();
-    let image = PngImage {
-        width: side,
-        height: side,
-        color: PngColor::Rgb,
-        samples: PngSamples::U8(&samples),
-        encoding: Encoding::Srgb,
-    };
-    write_png(&place.path(name), &image).expect("the folder can be written to");
+    write_square(&place.path(name), PngSamples::U8(&samples), Encoding::Srgb);
 }
 
 fn gradients() -> Place {

@@ -2,13 +2,14 @@
 
 use super::balls::{LOW, SCAN};
 use super::models::{Green, moving_square, write_ball, write_relief};
+use super::pictures::write_square;
 use super::place::Place;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use taotie::image::{Encoding, Texels};
 use taotie::io::{
-    ExrLayer, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, PngColor, PngImage, PngSamples, load_model,
-    read_bitmap, write_exr, write_gltf, write_png,
+    ExrLayer, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, PngSamples, load_model, read_bitmap, write_exr,
+    write_gltf,
 };
 use taotie::mesh::Mesh;
 
@@ -48,13 +49,7 @@ fn pictures(place: &Place) {
 
 /// Writes a square picture in 16 bits: heights, or colours where there are three numbers a pixel.
 fn write_deep(place: &Place, name: &str, samples: &[u16]) {
-    let (color, pixels) = match samples.len().is_multiple_of(3) {
-        true => (PngColor::Rgb, samples.len() / 3),
-        false => (PngColor::Grey, samples.len()),
-    };
-    let (side, samples) = (pixels.isqrt() as u32, PngSamples::U16(samples));
-    let image = PngImage { width: side, height: side, color, samples, encoding: Encoding::Linear };
-    write_png(&place.path(name), &image).expect("the folder can be written to");
+    write_square(&place.path(name), PngSamples::U16(samples), Encoding::Linear);
 }
 
 /// Writes a square with a normal map, a base colour, and an animation that walks.

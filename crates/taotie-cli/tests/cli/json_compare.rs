@@ -22,7 +22,15 @@ struct CompareReport {
     skipped: Vec<SkippedMethod>,
     points: Vec<Point>,
     notes: Vec<String>,
+    times: Vec<MethodTime>,
     warnings: Vec<Counted>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MethodTime {
+    method: String,
+    milliseconds: f64,
 }
 
 #[derive(Deserialize)]
@@ -39,7 +47,6 @@ struct Compared {
 struct ComparedMethod {
     method: String,
     what: String,
-    milliseconds: f64,
     normals: String,
     error: Option<AngularError>,
     pictures: Vec<ComparedPicture>,
@@ -108,7 +115,7 @@ struct PointNormal {
 fn of_compare() {
     let line = "compare a.gltf --method smooth,bump,tangent-normal --points 3 --size 48x32 --baseline phong -o out --json";
     let report: CompareReport = parse(line);
-    assert_eq!((report.schema, report.kind.as_str()), (2, "taotie compare"));
+    assert_eq!((report.schema, report.kind.as_str()), (3, "taotie compare"));
     assert_eq!(report.parameters["baseline"], "phong");
     assert_eq!((report.subject.model.as_str(), report.subject.triangles), ("a.gltf", 2));
     assert_eq!((report.against.as_str(), report.unmatched), ("smooth", 0.0));
@@ -129,6 +136,9 @@ fn of_compare() {
     assert!(all.mean > 0.0 && all.median <= all.p95 && all.p95 <= all.max);
     assert_eq!(error.histogram.iter().sum::<u64>(), all.count as u64);
     assert_eq!(report.skipped[0].method, "bump");
+    let timed: Vec<&str> = report.times.iter().map(|time| time.method.as_str()).collect();
+    assert_eq!(timed, ["smooth", "tangent-normal"]);
+    assert!(report.times.iter().all(|time| time.milliseconds > 0.0));
     assert_eq!(report.points.len(), 3);
     assert!(report.points.iter().all(|point| point.normals.len() == 2));
 }

@@ -2,12 +2,11 @@
 
 use super::balls::{Ball, LOW, SCAN};
 use super::models::{Green, write_relief};
+use super::pictures::write_square;
 use super::place::Place;
 use std::collections::BTreeMap;
 use taotie::image::Encoding;
-use taotie::io::{
-    GltfAsset, GltfFormat, GltfLevel, PngColor, PngImage, PngSamples, load_model, write_gltf, write_png,
-};
+use taotie::io::{GltfAsset, GltfFormat, GltfLevel, PngSamples, load_model, write_gltf};
 
 /// A scan that says its colour.
 const TEXTURED: Ball = Ball { uv: Some(|u, v| [u, v]), ..SCAN };
@@ -36,9 +35,7 @@ fn over(place: &Place, line: &str, [written, read]: [&str; 2]) {
 
 fn write_picture(place: &Place, name: &str, level: u8) {
     let samples = [level; 3 * 16 * 16];
-    let (color, encoding) = (PngColor::Rgb, Encoding::Srgb);
-    let image = PngImage { width: 16, height: 16, color, samples: PngSamples::U8(&samples), encoding };
-    write_png(&place.path(name), &image).expect("the folder can be written to");
+    write_square(&place.path(name), PngSamples::U8(&samples), Encoding::Srgb);
 }
 
 /// A vase with a material library and a texture.

@@ -2,11 +2,12 @@
 //! none rules the terminal.
 
 use super::models::TRIANGLE;
+use super::pictures::write_square;
 use super::place::Place;
 use std::fmt::Write;
 use std::time::Duration;
 use taotie::image::Encoding;
-use taotie::io::{PngColor, PngImage, PngSamples, write_png};
+use taotie::io::PngSamples;
 
 /// What a run that is refused says.
 #[track_caller]
@@ -71,10 +72,7 @@ fn pictures_larger_than_the_memory_are_refused_before_they_are_begun() {
 fn files_larger_than_the_memory_are_refused_from_their_headers() {
     let place = Place::with("a.obj", TRIANGLE);
     let samples = vec![0; 2048 * 2048];
-    let samples = PngSamples::U8(&samples);
-    let image =
-        PngImage { width: 2048, height: 2048, color: PngColor::Grey, samples, encoding: Encoding::Linear };
-    write_png(&place.path("black.png"), &image).unwrap();
+    write_square(&place.path("black.png"), PngSamples::U8(&samples), Encoding::Linear);
     for line in [
         "diff black.png black.png --memory-limit 20M",
         "diff black.png black.png --memory-limit 200M",

@@ -29,6 +29,7 @@ mod models;
 mod motion;
 mod normals;
 mod packed;
+mod pictures;
 mod place;
 mod provenance;
 mod render;

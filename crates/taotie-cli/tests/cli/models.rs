@@ -1,11 +1,12 @@
 //! Small models and textures for the tests.
 
+use super::pictures::write_square;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 use std::path::Path;
 use taotie::image::Encoding;
-use taotie::io::{PngColor, PngImage, PngSamples, write_png};
+use taotie::io::PngSamples;
 use taotie::math::{Vec3, scalar};
 
 /// One triangle.
@@ -189,12 +190,5 @@ fn write_normals(path: &Path, normal: impl Fn(u32, u32) -> Vec3<f64>) {
     let encode = |v: f64| ((v * 0.5 + 0.5) * 255.0).round() as u8;
     let texels = (0..SIDE * SIDE).flat_map(|i| normal(i % SIDE, i / SIDE).normalize().to_array().map(encode));
     let samples: Vec<u8> = texels.collect();
-    let image = PngImage {
-        width: SIDE,
-        height: SIDE,
-        color: PngColor::Rgb,
-        samples: PngSamples::U8(&samples),
-        encoding: Encoding::Linear,
-    };
-    write_png(path, &image).expect("the folder can be written to");
+    write_square(path, PngSamples::U8(&samples), Encoding::Linear);
 }

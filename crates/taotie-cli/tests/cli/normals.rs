@@ -1,11 +1,12 @@
 //! What `taotie normals` writes and says.
 
 use super::models::{Green, square_json, write_ball, write_relief};
+use super::pictures::write_square;
 use super::place::Place;
 use serde_json::json;
 use snapbox::str;
 use taotie::image::{Bitmap, Encoding, Texels};
-use taotie::io::{PngColor, PngImage, PngSamples, read_bitmap, write_png};
+use taotie::io::{PngSamples, read_bitmap};
 
 /// Uv of a square's corners, whose positions are (0, 0), (1, 0), (1, 1) and (0, 1).
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
@@ -14,14 +15,7 @@ const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1
 /// Writes a ramp of 16-bit heights that rises by `step` a texel to the right.
 fn write_ramp(place: &Place, name: &str, step: u16) {
     let samples: Vec<u16> = (0..32 * 32).map(|i| (i % 32) as u16 * step).collect();
-    let image = PngImage {
-        width: 32,
-        height: 32,
-        color: PngColor::Grey,
-        samples: PngSamples::U16(&samples),
-        encoding: Encoding::Linear,
-    };
-    write_png(&place.path(name), &image).expect("the folder can be written to");
+    write_square(&place.path(name), PngSamples::U16(&samples), Encoding::Linear);
 }
 
 fn place_with_relief(green: Green) -> Place {

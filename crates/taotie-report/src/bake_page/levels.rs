@@ -1,5 +1,6 @@
 //! Levels of detail: a table of their figures, and the view from which each differs most from the scan.
 
+use super::normal_errors::{cells, columns};
 use super::views::{GREY, side};
 use crate::{Cell, Column, Section, View};
 use taotie::Result;
@@ -7,15 +8,7 @@ use taotie::asset::{LevelFigures, Proof, ViewFigures, Views};
 
 /// Makes the table of all levels; `None` where there is one alone.
 pub fn table(levels: &[LevelFigures]) -> Option<Section> {
-    let columns = vec![
-        Column::numbers("level", ""),
-        Column::numbers("triangles", ""),
-        Column::numbers("normal error, mean", "°"),
-        Column::numbers("95 %", "°"),
-        Column::numbers("max", "°"),
-        Column::numbers("without map, mean", "°"),
-        Column::numbers("points with a missed ray", "%"),
-        Column::numbers("points with no hit", "%"),
+    let further = [
         Column::numbers("shape error, largest", "% of the diagonal"),
         Column::numbers("colour error, mean", "ΔE00"),
         Column::numbers("FLIP", ""),
@@ -26,28 +19,20 @@ pub fn table(levels: &[LevelFigures]) -> Option<Section> {
         note: "Each level as it was written and read back, against the scan. All show the maps that were baked for \
                level 0, the finest. FLIP and SSIM are means of all grey views."
             .into(),
-        columns,
+        columns: columns(Column::numbers("level", "")).into_iter().chain(further).collect(),
         rows: levels.iter().enumerate().map(row).collect(),
     })
 }
 
 fn row((level, figures): (usize, &LevelFigures)) -> Vec<Cell> {
-    let degrees = |value: Option<f64>| Cell::Number { value, digits: 3 };
-    let angles = figures.angles.as_ref();
-    vec![
-        Cell::number(level as f64, 0),
-        Cell::number(figures.triangles as f64, 0),
-        degrees(angles.map(|angles| angles.mean)),
-        degrees(angles.map(|angles| angles.p95)),
-        degrees(angles.map(|angles| angles.max)),
-        degrees(figures.without_map.as_ref().map(|angles| angles.mean)),
-        Cell::number(figures.missed * 100.0, 3),
-        Cell::number(figures.lost * 100.0, 3),
+    let color = figures.material.color.as_ref();
+    let further = [
         Cell::number(figures.hausdorff_of_diagonal * 100.0, 4),
-        Cell::Number { value: figures.material.color.as_ref().map(|color| color.mean), digits: 3 },
+        Cell::Number { value: color.map(|color| color.mean), digits: 3 },
         mean(&figures.views, |view| view.flip),
         mean(&figures.views, |view| view.ssim),
-    ]
+    ];
+    cells(Cell::number(level as f64, 0), figures).into_iter().chain(further).collect()
 }
 
 fn mean(views: &[ViewFigures], of: fn(&ViewFigures) -> f64) -> Cell {

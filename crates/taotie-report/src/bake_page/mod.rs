@@ -20,6 +20,7 @@
 mod levels;
 mod material;
 mod misses;
+mod normal_errors;
 mod notices;
 mod parts;
 mod sections;

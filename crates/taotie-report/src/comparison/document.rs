@@ -4,12 +4,12 @@ use super::Options;
 use serde::Serialize;
 use serde_json::{Value, json};
 use taotie::comparison::{
-    Comparison, CountedWarning, MethodReport, PointReport, Rules, SkippedMethod, SubjectReport,
+    Comparison, CountedWarning, MethodReport, MethodTime, PointReport, Rules, SkippedMethod, SubjectReport,
 };
 use taotie::{Error, Result};
 
 /// Version of `report.json`.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// The content of `report.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -39,6 +39,8 @@ pub struct Document {
     pub points: Vec<PointReport>,
     /// Notes on maps that were derived from others.
     pub notes: Vec<String>,
+    /// The duration of each of `methods`: all that differs from run to run.
+    pub times: Vec<MethodTime>,
     /// Whatever could not be drawn as asked, counted.
     pub warnings: Vec<CountedWarning>,
 }
@@ -67,6 +69,7 @@ impl Document {
             skipped: report.skipped,
             points: report.points,
             notes: report.notes,
+            times: report.times,
             warnings: report.warnings,
         })
     }

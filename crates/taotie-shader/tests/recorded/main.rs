@@ -4,5 +4,6 @@
 mod random;
 
 mod models;
+mod numbers;
 mod parts;
 mod recorder;

@@ -1,36 +1,16 @@
 //! The models in all directions and at the ends of their ranges, and what their graphs are made of.
 
+use crate::numbers::{Inputs, bits, cosines};
 use crate::random::Random;
+use std::fmt::Debug;
 use std::path::{Path, PathBuf};
-use taotie::math::{Lane, Vec3};
+use taotie::math::Lane;
 use taotie::names::Named;
-use taotie::shade::{Angles, MaterialSample, Shading, reflect};
-use taotie_shader::{EvaluateError, Graph, Node, evaluate, library, model_name};
+use taotie::shade::{Angles, Shading, reflect};
+use taotie_shader::{Graph, Node, Program, evaluate, library, model_name};
 
-/// The numbers of a material sample, and of the angles.
+/// The count of numbers of a material sample.
 const MATERIAL: usize = 20;
-const ANGLES: usize = 6;
-
-fn material<L: Lane>(x: &[L]) -> MaterialSample<L> {
-    let vector = |at: usize| Vec3::new(x[at], x[at + 1], x[at + 2]);
-    MaterialSample {
-        base_color: vector(0),
-        metallic: x[3],
-        roughness: x[4],
-        f0: vector(5),
-        f90: x[8],
-        f82_drop: vector(9),
-        diffuse: vector(12),
-        specular: vector(15),
-        shininess: x[18],
-        slope: x[19],
-        compensation: None,
-    }
-}
-
-fn angles<L: Lane>(a: &Angles<L>) -> [L; ANGLES] {
-    [a.n_dot_l, a.n_dot_v, a.n_dot_h, a.sin2_h, a.v_dot_h, a.r_dot_v]
-}
 
 /// n, v, l of all directions and a material; every eighth at the ends of its ranges.
 fn inputs(random: &mut Random, i: usize) -> ([f64; 9], [f64; MATERIAL]) {
@@ -48,65 +28,53 @@ fn inputs(random: &mut Random, i: usize) -> ([f64; 9], [f64; MATERIAL]) {
     (std::array::from_fn(|k| directions[k]), x)
 }
 
-fn vectors<L: Lane>(x: &[L; 9]) -> Angles<L> {
-    let [n, v, l] = [0, 3, 6].map(|at| Vec3::new(x[at], x[at + 1], x[at + 2]));
-    Angles::new(n, v, l)
+/// The angles, and the light of each model, by the formulas themselves.
+fn direct<L: Lane>(directions: &[L; 9], x: &[L; MATERIAL]) -> Vec<L> {
+    let mut nvl = Inputs::of(directions);
+    let a = Angles::new(nvl.vector(), nvl.vector(), nvl.vector());
+    let s = Inputs::of(x).material();
+    let lit = Shading::NAMES.iter().flat_map(|(_, shading)| reflect(*shading, &s, &a).to_array());
+    cosines(&a).into_iter().chain(lit).collect()
 }
 
-/// The results of the formulas themselves: the angles, and the light of each model.
-fn direct<L: Lane>(directions: &[L; 9], x: &[L; MATERIAL]) -> ([L; ANGLES], Vec<[L; 3]>) {
-    let a = vectors(directions);
-    let lit = Shading::NAMES.iter().map(|(_, shading)| reflect(*shading, &material(x), &a).to_array());
-    (angles(&a), lit.collect())
+/// The same by the recorded graphs.
+fn played<L: Lane>(program: &Program, directions: &[L; 9], x: &[L; MATERIAL]) -> Vec<L> {
+    let play = |name: &str, inputs: &[L]| {
+        let formula = program.find(name).unwrap_or_else(|| panic!("{name} is missing"));
+        evaluate(&formula.graph, program, inputs).expect("the graph is sound")
+    };
+    let angles = play("angles", directions);
+    let inputs = [&x[..], &angles].concat();
+    let lit = Shading::NAMES.iter().flat_map(|(_, shading)| play(&model_name(*shading), &inputs));
+    angles.iter().copied().chain(lit).collect()
 }
 
-/// The results of the recorded graphs for the same.
-fn played<L: Lane>(directions: &[L; 9], x: &[L; MATERIAL]) -> ([L; ANGLES], Vec<[L; 3]>) {
-    let program = library();
-    let graph = |name: &str| &program.find(name).unwrap_or_else(|| panic!("{name} is missing")).graph;
-    let a: [L; ANGLES] = to_array(evaluate(graph("angles"), &program, directions));
-    let inputs = [&x[..], &a].concat();
-    let lit = Shading::NAMES
-        .iter()
-        .map(|(_, shading)| to_array(evaluate(graph(&model_name(*shading)), &program, &inputs)));
-    (a, lit.collect())
-}
-
-fn to_array<L, const N: usize>(numbers: Result<Vec<L>, EvaluateError>) -> [L; N] {
-    let numbers = numbers.expect("the graph is sound");
-    numbers.try_into().unwrap_or_else(|numbers: Vec<L>| panic!("{} outputs for {N}", numbers.len()))
+/// Holds the graphs against the formulas.
+fn check<L: Lane + Into<f64> + Debug>(program: &Program, directions: &[L; 9], x: &[L; MATERIAL]) {
+    let (expected, found) = (direct(directions, x), played(program, directions, x));
+    assert_eq!(bits(&found), bits(&expected), "{directions:?}, {x:?}: {found:?} for {expected:?}");
 }
 
 #[test]
 fn graphs_have_the_bits_of_the_formulas_in_double_precision() {
-    let mut random = Random(17);
+    let (program, mut random) = (library(), Random(17));
     for i in 0..300 {
         let (directions, x) = inputs(&mut random, i);
-        let (expected, found) = (direct(&directions, &x), played(&directions, &x));
-        let bits = |(a, lit): &([f64; ANGLES], Vec<[f64; 3]>)| {
-            a.iter().chain(lit.iter().flatten()).map(|number| number.to_bits()).collect::<Vec<_>>()
-        };
-        assert_eq!(bits(&found), bits(&expected), "case {i}: {found:?} for {expected:?}");
+        check(&program, &directions, &x);
     }
 }
 
 #[test]
 fn graphs_have_the_bits_of_the_formulas_in_single_precision() {
-    let mut random = Random(18);
+    let (program, mut random) = (library(), Random(18));
     for i in 0..300 {
         let (directions, x) = inputs(&mut random, i);
-        let (directions, x) = (directions.map(|d| d as f32), x.map(|x| x as f32));
-        let (expected, found) = (direct(&directions, &x), played(&directions, &x));
-        let bits = |(a, lit): &([f32; ANGLES], Vec<[f32; 3]>)| {
-            a.iter().chain(lit.iter().flatten()).map(|number| number.to_bits()).collect::<Vec<_>>()
-        };
-        assert_eq!(bits(&found), bits(&expected), "case {i}: {found:?} for {expected:?}");
+        check(&program, &directions.map(|d| d as f32), &x.map(|x| x as f32));
     }
 }
 
 /// The names of the functions that a formula calls.
-fn called(graph: &Graph) -> Vec<String> {
-    let program = library();
+fn called(program: &Program, graph: &Graph) -> Vec<String> {
     let name = |node: &Node| match node {
         Node::Call(call) => Some(program.formulas()[call.function].name.clone()),
         _ => None,
@@ -118,7 +86,7 @@ fn called(graph: &Graph) -> Vec<String> {
 fn models_call_their_parts_and_work_on_vectors() {
     let program = library();
     let of = |shading| {
-        let mut names = called(&program.find(&model_name(shading)).expect("it is there").graph);
+        let mut names = called(&program, &program.find(&model_name(shading)).expect("it is there").graph);
         names.sort();
         names
     };
@@ -127,7 +95,7 @@ fn models_call_their_parts_and_work_on_vectors() {
         of(Shading::Ggx),
         ["alpha_from_roughness", "distribution_ggx", "fresnel", "visibility_smith_ggx"]
     );
-    assert_eq!(called(&program.find("fresnel").expect("it is there").graph), ["pow5"]);
+    assert_eq!(called(&program, &program.find("fresnel").expect("it is there").graph), ["pow5"]);
     let angles = &program.find("angles").expect("it is there").graph;
     let has = |test: fn(&Node) -> bool| angles.nodes().iter().any(test);
     assert!(has(|node| matches!(node, Node::Cross(..))) && has(|node| matches!(node, Node::Dot(..))));

@@ -1,70 +1,19 @@
 //! Every formula of the library plays back to the bit what the formula itself computes.
 
+use crate::numbers::{Inputs, bits, cosines};
 use crate::random::Random;
+use std::fmt::Debug;
 use taotie::math::{Lane, Vec3};
 use taotie::names::Named;
-use taotie::shade::dfg::Dfg;
 use taotie::shade::{
-    Angles, AnisotropicLobe, Compensation, MaterialSample, Shading, SubPixelVariance, coat_fresnel,
-    coat_lobe, compensation, curvature_variance, environment_weights, fresnel, lights, masking, ndf, reflect,
-    sheen, specular_occlusion,
+    Angles, Compensation, Shading, SubPixelVariance, coat_fresnel, coat_lobe, compensation,
+    curvature_variance, environment_weights, fresnel, lights, masking, ndf, reflect, sheen,
+    specular_occlusion,
 };
-use taotie_shader::{Graph, Kind, evaluate, library};
-
-/// Numbers that are taken one after the other.
-struct Inputs<'x, L>(std::slice::Iter<'x, L>);
-
-impl<L: Lane> Inputs<'_, L> {
-    fn number(&mut self) -> L {
-        *self.0.next().expect("there are enough numbers")
-    }
-
-    fn vector(&mut self) -> Vec3<L> {
-        let [x, y, z] = [self.number(), self.number(), self.number()];
-        Vec3::new(x, y, z)
-    }
-
-    fn angles(&mut self) -> Angles<L> {
-        Angles {
-            n_dot_l: self.number(),
-            n_dot_v: self.number(),
-            n_dot_h: self.number(),
-            sin2_h: self.number(),
-            v_dot_h: self.number(),
-            r_dot_v: self.number(),
-        }
-    }
-
-    fn material(&mut self) -> MaterialSample<L> {
-        MaterialSample {
-            base_color: self.vector(),
-            metallic: self.number(),
-            roughness: self.number(),
-            f0: self.vector(),
-            f90: self.number(),
-            f82_drop: self.vector(),
-            diffuse: self.vector(),
-            specular: self.vector(),
-            shininess: self.number(),
-            slope: self.number(),
-            compensation: None,
-        }
-    }
-
-    fn dfg(&mut self) -> Dfg<L> {
-        let [scale, bias, edge, diffuse_edge] = std::array::from_fn(|_| self.number());
-        Dfg { scale, bias, edge, diffuse_edge }
-    }
-
-    fn anisotropic(&mut self) -> AnisotropicLobe<L> {
-        let (tangent, bitangent) = (self.vector(), self.vector());
-        AnisotropicLobe { tangent, bitangent, along: self.number(), across: self.number() }
-    }
-}
+use taotie_shader::{Formula, Graph, Kind, Program, evaluate, library};
 
 fn shading(name: &str) -> Shading {
-    let named = |shading: &str| shading.replace('-', "_") == name;
-    Shading::NAMES.iter().find(|(shading, _)| named(shading)).expect("the model has this name").1
+    Shading::from_name(&name.replace('_', "-")).expect("the model has this name")
 }
 
 fn vectors<L: Lane>(vectors: &[Vec3<L>]) -> Vec<L> {
@@ -73,7 +22,7 @@ fn vectors<L: Lane>(vectors: &[Vec3<L>]) -> Vec<L> {
 
 /// The result of the formula of this name itself.
 fn direct<L: Lane>(name: &str, numbers: &[L]) -> Vec<L> {
-    let mut x = Inputs(numbers.iter());
+    let mut x = Inputs::of(numbers);
     if let Some(model) = name.strip_prefix("environment_weights_") {
         let weights = environment_weights(shading(model), &x.material(), &x.dfg());
         return vectors(&[weights.specular, weights.diffuse]);
@@ -95,10 +44,7 @@ fn structured<L: Lane>(name: &str, x: &mut Inputs<'_, L>) -> Option<Vec<L>> {
             let c = compensation(&x.dfg(), x.vector(), x.number(), x.vector());
             Some([vectors(&[c.gain]), vec![c.transmitted]].concat())
         }
-        "angles" => {
-            let a = Angles::new(x.vector(), x.vector(), x.vector());
-            Some(vec![a.n_dot_l, a.n_dot_v, a.n_dot_h, a.sin2_h, a.v_dot_h, a.r_dot_v])
-        }
+        "angles" => Some(cosines(&Angles::new(x.vector(), x.vector(), x.vector())).to_vec()),
         "anisotropic_lobe" => {
             let lobe = x.anisotropic();
             Some(vec![lobe.lobe(&x.angles(), x.vector(), x.vector())])
@@ -147,19 +93,20 @@ fn inputs(random: &mut Random, graph: &Graph) -> Vec<f64> {
     (0..all).map(|_| 0.02 + 0.96 * random.next()).collect()
 }
 
+/// Holds a formula's graph against the formula itself.
+fn check<L: Lane + Into<f64> + Debug>(formula: &Formula, program: &Program, x: &[L]) {
+    let found = evaluate(&formula.graph, program, x).expect("the graph is sound");
+    assert_eq!(bits(&found), bits(&direct(&formula.name, x)), "{} of {x:?}", formula.name);
+}
+
 #[test]
 fn every_formula_has_its_own_bits() {
     let (program, mut random) = (library(), Random(23));
     for formula in program.formulas() {
         for _ in 0..100 {
             let x = inputs(&mut random, &formula.graph);
-            let found = evaluate(&formula.graph, &program, &x).expect("the graph is sound");
-            let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
-            assert_eq!(bits(&found), bits(&direct(&formula.name, &x)), "{} of {x:?}", formula.name);
-            let x: Vec<f32> = x.iter().map(|x| *x as f32).collect();
-            let found = evaluate(&formula.graph, &program, &x).expect("the graph is sound");
-            let bits = |numbers: &[f32]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
-            assert_eq!(bits(&found), bits(&direct(&formula.name, &x)), "{} of {x:?}", formula.name);
+            check(formula, &program, &x);
+            check(formula, &program, &x.iter().map(|x| *x as f32).collect::<Vec<_>>());
         }
     }
 }

@@ -44,8 +44,8 @@ pub use method::Method;
 pub use options::ComparisonOptions;
 pub use parameters::Parameters;
 pub use report::{
-    CountedWarning, ErrorReport, HISTOGRAM_BINS, MethodReport, ModelReport, PictureFigures, PictureReport,
-    PointNormal, PointReport, Report,
+    CountedWarning, ErrorReport, HISTOGRAM_BINS, MethodReport, MethodTime, ModelReport, PictureFigures,
+    PictureReport, PointNormal, PointReport, Report,
 };
 pub use rules::Rules;
 pub use sample_points::SamplePoints;

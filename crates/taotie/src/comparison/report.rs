@@ -56,8 +56,31 @@ pub struct Report {
     pub points: Vec<PointReport>,
     /// Notes on maps that were derived from others.
     pub notes: Vec<String>,
+    /// The duration of each of `methods`: all that differs from run to run.
+    pub times: Vec<MethodTime>,
     /// Whatever could not be drawn as asked, counted.
     pub warnings: Vec<CountedWarning>,
+}
+
+/// A method that is done, and how long all its images took.
+///
+/// ```
+/// use taotie::comparison::{MethodTime, Report};
+///
+/// /// Returns the name of the slowest method.
+/// fn slowest(report: &Report) -> Option<&str> {
+///     let slowest = report.times.iter().max_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
+///     slowest.map(|time: &MethodTime| time.method.as_str())
+/// }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MethodTime {
+    /// Its name with the factor, or `reference`.
+    pub method: String,
+    /// The time from scene to all its images.
+    pub milliseconds: f64,
 }
 
 /// A kind of warning.
@@ -100,8 +123,6 @@ pub struct MethodReport {
     pub method: String,
     /// A description in a few words.
     pub what: String,
-    /// Time for all its images.
-    pub milliseconds: f64,
     /// The name of the file for its normals as an image.
     pub normals: String,
     /// Angular error; absent for what the others are compared with.
@@ -268,6 +289,7 @@ impl Comparison {
             skipped: self.skipped.clone(),
             points: self.points.iter().map(|pixel| point_report(*pixel, self)).collect(),
             notes: self.notes.clone(),
+            times: self.surfaces.iter().map(method_time).collect(),
             warnings: self.warnings.iter().map(warning).collect(),
         }
     }
@@ -287,6 +309,10 @@ impl MethodReport {
     }
 }
 
+fn method_time(surface: &RenderedSurface) -> MethodTime {
+    MethodTime { method: surface.id(), milliseconds: surface.milliseconds }
+}
+
 fn method_report(surface: &RenderedSurface) -> MethodReport {
     let differences = surface.difference.iter().flat_map(|difference| &difference.pictures);
     let differences = differences.map(Some).chain(std::iter::repeat(None));
@@ -294,7 +320,6 @@ fn method_report(surface: &RenderedSurface) -> MethodReport {
     MethodReport {
         method: surface.id(),
         what: surface.describe(),
-        milliseconds: surface.milliseconds,
         normals: surface.file_name("normals"),
         error: surface.difference.as_ref().map(|difference| error_report(surface, difference)),
         pictures: pictures.map(|((shading, _), d)| picture_report(surface, *shading, d)).collect(),

@@ -32,6 +32,7 @@ mod lane;
 mod made_meshes;
 mod maps;
 mod names;
+mod rays;
 mod sampling;
 mod shade;
 mod simplify;

@@ -1,0 +1,107 @@
+//! Rays have the same bits at every SIMD level, whether they go alone or side by side. A bake takes the machine's fastest
+//! level, on which it depends through rays, vertex normals and mip levels alone.
+
+use crate::random::Random;
+use taotie::math::{SimdLevel, Vec3};
+use taotie::trace::{Bvh, Hit, PacketView, Ray, RayInterval, RayPacket};
+
+/// A point of a cube around the origin.
+fn point(random: &mut Random, side: f64) -> Vec3 {
+    (random.vector() * side).to_f32()
+}
+
+/// Triangles strewn over a cube.
+fn triangles(random: &mut Random) -> Vec<[Vec3; 3]> {
+    let mut triangle = || {
+        let corner = point(random, 4.0);
+        [corner, corner + point(random, 0.8), corner + point(random, 0.8)]
+    };
+    (0..2000).map(|_| triangle()).collect()
+}
+
+/// A hit to the bit: triangle, distance and weights.
+fn bits(hit: Hit) -> [u32; 5] {
+    let [a, b, c] = hit.weights.map(f32::to_bits);
+    [hit.triangle, hit.distance.to_bits(), a, b, c]
+}
+
+/// The answers to a ray that goes alone.
+fn alone(bvh: &Bvh, ray: &Ray) -> ([Option<[u32; 5]>; 2], bool) {
+    let interval = RayInterval { from: 0.0, center: 1.0, to: 2.0 };
+    let around = bvh.nearest_to(ray, interval, |hit| (hit.triangle % 2 == 1).then_some(()));
+    let hits = [bvh.nearest(ray, 2.0), around.map(|(hit, ())| hit)];
+    (hits.map(|hit| hit.map(bits)), bvh.occluded(ray, 1.0, |hit| hit.triangle % 3 == 0))
+}
+
+/// Rays that run side by side through a square, each with its column and row.
+struct Beam {
+    rays: Vec<Ray>,
+    places: Vec<[f32; 2]>,
+    view: PacketView,
+}
+
+impl Beam {
+    fn new(random: &mut Random) -> Self {
+        let (origin, depth) =
+            (point(random, 3.0), (Vec3::new(0.2, 0.3, 2.0) + point(random, 1.0)).normalize());
+        let column = depth.any_perpendicular();
+        let row = depth.cross(column);
+        let places: Vec<[f32; 2]> = (0..200).map(|_| [random.next() as f32, random.next() as f32]).collect();
+        let ray = |[x, y]: &[f32; 2]| Ray::new(origin + column * *x + row * *y, depth + point(random, 0.02));
+        let rays = places.iter().map(ray).collect();
+        let view = PacketView { origin, axes: [column, row, depth], slack: [0.1; 2], depths: [0.0, 4.0] };
+        Self { rays, places, view }
+    }
+
+    /// All that the rays meet, in an order of its own.
+    fn met(&self, bvh: &Bvh) -> Vec<(usize, [u32; 5])> {
+        let packet = RayPacket::new(&self.rays, &self.places, self.view).expect("they run side by side");
+        let mut met = Vec::new();
+        bvh.meet_all(&packet, |ray, hit| {
+            met.push((ray, bits(hit)));
+            true
+        });
+        met.sort_unstable();
+        met
+    }
+}
+
+/// The tree whose rays are traced at a level of this machine.
+fn tree(triangles: &[[Vec3; 3]], simd: SimdLevel) -> Bvh {
+    Bvh::build(triangles).with_simd(simd).expect("the machine has the level")
+}
+
+#[test]
+fn rays_alone_have_the_same_bits_at_every_level() {
+    let mut random = Random(31);
+    let triangles = triangles(&mut random);
+    let rays: Vec<Ray> =
+        (0..1000).map(|_| Ray::new(point(&mut random, 4.0), random.unit().to_f32())).collect();
+    let at = |simd| {
+        let bvh = tree(&triangles, simd);
+        rays.iter().map(|ray| alone(&bvh, ray)).collect::<Vec<_>>()
+    };
+    let expected = at(SimdLevel::Scalar);
+    let answered = expected.iter().filter(|(hits, _)| hits.iter().all(Option::is_some)).count();
+    assert!(answered > 100, "{answered} rays hit something");
+    for simd in SimdLevel::available() {
+        assert!(at(simd) == expected, "{simd:?}");
+    }
+}
+
+#[test]
+fn rays_side_by_side_have_the_same_bits_at_every_level() {
+    let mut random = Random(37);
+    let triangles = triangles(&mut random);
+    let beams: Vec<Beam> = (0..20).map(|_| Beam::new(&mut random)).collect();
+    let at = |simd| {
+        let bvh = tree(&triangles, simd);
+        beams.iter().map(|beam| beam.met(&bvh)).collect::<Vec<_>>()
+    };
+    let expected = at(SimdLevel::Scalar);
+    let met = expected.iter().flatten().count();
+    assert!(met > 500, "{met} hits");
+    for simd in SimdLevel::available() {
+        assert!(at(simd) == expected, "{simd:?}");
+    }
+}
