@@ -10,7 +10,7 @@ use taotie::mesh::Mesh;
 use taotie::surface::with_frames;
 
 /// A folder with the scan, and the low-poly mesh that fits it.
-fn start() -> (Place, Mesh) {
+pub fn start() -> (Place, Mesh) {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", LOW.obj());
     let low = load_model(&place.path("low.obj")).unwrap().scene.meshes()[0].clone();
@@ -23,7 +23,7 @@ fn draft(low: &Mesh) -> GltfDraft {
     GltfDraft::new(&GltfAsset { levels: &levels, ..GltfAsset::default() }, &GltfFormat::default()).unwrap()
 }
 
-fn put(draft: &mut GltfDraft, name: &str, value: &Value) {
+pub fn put(draft: &mut GltfDraft, name: &str, value: &Value) {
     draft.put("", name, Json::of(value).unwrap()).unwrap();
 }
 
@@ -62,7 +62,12 @@ fn primitive(draft: &mut GltfDraft, low: &Mesh, material: usize, x: f32) -> Valu
 const BARE: usize = 1;
 
 /// A ship of three materials on two nodes, and a camera; the ball cut into three.
-fn ship(low: &Mesh) -> Vec<u8> {
+pub fn ship(low: &Mesh) -> Vec<u8> {
+    ship_draft(low).encode_glb().unwrap()
+}
+
+/// Returns the same to be changed.
+pub fn ship_draft(low: &Mesh) -> GltfDraft {
     let mut draft = draft(low);
     let [wood, iron, cloth] = [0, 1, 2].map(|material| {
         let x = if material == 2 { -2.0 } else { 0.0 };
@@ -100,7 +105,7 @@ fn ship(low: &Mesh) -> Vec<u8> {
             { "name": "cloth", "doubleSided": true, "extras": { "weave": "twill" } },
         ]),
     );
-    draft.encode_glb().unwrap()
+    draft
 }
 
 /// What a bake of the scan onto a file says on stderr, and its report.

@@ -71,10 +71,10 @@ impl GivenMesh {
     fn of_document(document: Document, scene: Scene) -> Result<Self> {
         let numbers = shown_materials(&scene);
         let labels = document::labels(&scene, &numbers);
-        let part = |(number, label): (usize, String)| GivenPart {
-            material: scene.materials()[number].clone(),
-            stripped: Stripped::default(),
-            own: Some(KeptMaterial { number, label, drops_colors: false }),
+        let part = |(number, label): (usize, String)| {
+            let material = scene.materials()[number].clone();
+            let own = KeptMaterial { number, label, said: material.clone(), drops_colors: false };
+            GivenPart { material, stripped: Stripped::default(), own: Some(own) }
         };
         let parts: Vec<GivenPart> = labels.into_iter().map(part).collect();
         let whole = match parts.len() {

@@ -173,6 +173,7 @@ fn grafted(
             number: own.number,
             label: &own.label,
             material: maps.textures.material(&low.material, &none),
+            said: &own.said,
             is_repeated: leaves_map(&low.mesh),
             drops_colors: own.drops_colors,
         });

@@ -5,15 +5,15 @@ use super::super::material::GltfMaterial;
 use super::super::number::short;
 use super::super::slots::Slot;
 use super::edit::{member, remove};
-use crate::scene::AlphaMode;
+use crate::scene::{AlphaMode, Material};
 use serde_json::{Value, json};
 
 /// The member with the core's factors.
 const PBR: &str = "pbrMetallicRoughness";
 
-/// Makes a material of the document say the factors of another, where it says otherwise, and adds the layers that it has
-/// not.
-pub(super) fn graft(json: &mut Value, material: &GltfMaterial) {
+/// Makes a material of the document say the factors of another, where it says otherwise. Layers that are others than those
+/// of `said`, the material as the document was read, stand in place of what it says of them, textures included.
+pub(super) fn graft(json: &mut Value, material: &GltfMaterial, said: &Material) {
     let mut pbr = json.get(PBR).cloned().unwrap_or_else(|| json!({}));
     set_color(&mut pbr, material.base_color);
     set_factor(&mut pbr, "metallicFactor", material.metallic);
@@ -26,10 +26,10 @@ pub(super) fn graft(json: &mut Value, material: &GltfMaterial) {
         ["alphaMode", "alphaCutoff"].into_iter().for_each(|name| remove(json, name));
         layers::say_alpha(json, material.alpha);
     }
-    for (name, layer) in material.layers.into_iter().flat_map(layers::factors) {
-        if extension(json, name).is_none() {
-            *member(member(json, "extensions"), name) = layer;
-        }
+    let known = layers::factors(said);
+    let layers = material.layers.into_iter().flat_map(layers::factors);
+    for (name, layer) in layers.filter(|layer| !known.contains(layer)) {
+        *member(member(json, "extensions"), name) = layer;
     }
 }
 
@@ -124,6 +124,7 @@ fn alpha(json: &Value) -> AlphaMode {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Clearcoat;
 
     /// A material as an artist's program writes it, and the same as a reader has it.
     fn brass() -> (Value, GltfMaterial<'static>) {
@@ -150,15 +151,44 @@ mod tests {
     fn what_is_the_same_is_not_touched() {
         let (mut json, material) = brass();
         let before = json.clone();
-        graft(&mut json, &material);
+        graft(&mut json, &material, &Material::default());
         assert_eq!(json, before);
+    }
+
+    #[test]
+    fn layers_stand_in_place_of_those_that_are_switched_off() {
+        let coated = |factor: f32| {
+            let coat = Clearcoat {
+                factor,
+                factor_texture: None,
+                roughness: 0.25,
+                roughness_texture: None,
+                normal: None,
+            };
+            Material { clearcoat: Some(coat), ior: 1.25, ..Material::default() }
+        };
+        let off =
+            json!({ layers::CLEARCOAT: { "clearcoatTexture": { "index": 0 } }, "KHR_materials_ior": {} });
+        let grafted = |said: &Material, own: &Material| {
+            let mut json = json!({ "extensions": off });
+            graft(
+                &mut json,
+                &GltfMaterial { metallic: 1.0, layers: Some(own), ..GltfMaterial::default() },
+                said,
+            );
+            json["extensions"].clone()
+        };
+        let coat = json!({ "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25 });
+        let on = json!({ layers::CLEARCOAT: coat, "KHR_materials_ior": { "ior": 1.25 } });
+        assert_eq!(grafted(&Material::default(), &coated(0.5)), on);
+        assert_eq!(grafted(&coated(0.5), &coated(0.5)), off, "its own are not touched");
     }
 
     #[test]
     fn what_nothing_says_is_not_made() {
         let mut json = json!({});
         let unsaid = GltfMaterial { metallic: 1.0, ..GltfMaterial::default() };
-        graft(&mut json, &unsaid);
+        graft(&mut json, &unsaid, &Material::default());
         assert_eq!(json, json!({}));
     }
 
@@ -172,7 +202,7 @@ mod tests {
             normal_scale: 1.0,
             ..material
         };
-        graft(&mut json, &baked);
+        graft(&mut json, &baked, &Material::default());
         put_texture(&mut json, Slot::BaseColor, 5, &baked);
         put_texture(&mut json, Slot::Normal, 6, &baked);
         let expected = json!({

@@ -25,6 +25,7 @@ use crate::io::json::Json;
 use crate::io::limits::Limits;
 use crate::io::write::FileBytes;
 use crate::io::xmp;
+use crate::scene::Material;
 use images::{Storage, Textured};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -53,9 +54,11 @@ pub struct GraftedMaterial<'a> {
     pub number: usize,
     /// A word in the names of its images that tells it from other materials; may be empty where it is alone.
     pub label: &'a str,
-    /// Its factors, and the textures that are new. A slot without one stays as it is in the file, as do its name, layers
-    /// that it has, and whether it is seen from both sides.
+    /// Its factors and layers, and the textures that are new. A slot without one stays as it is in the file, as do its
+    /// name, and whether it is seen from both sides.
     pub material: GltfMaterial<'a>,
+    /// The material as it was read from the file. Layers that are the same in `material` stay as they are in the file.
+    pub said: &'a Material,
     /// `true` where its uvs leave [0, 1], so that textures are repeated.
     pub is_repeated: bool,
     /// `true` where colours of vertices go, which would be multiplied with what was baked.
@@ -110,7 +113,7 @@ fn graft_material(
     let encoded = encode(material, format)?;
     let sampler = if encoded.is_empty() { 0 } else { add_sampler(&mut raw.json, grafted.is_repeated) };
     let mut json = raw.json["materials"][number].take();
-    factors::graft(&mut json, material);
+    factors::graft(&mut json, material, grafted.said);
     for image in &encoded {
         let texture = images::add(raw, image, &Textured { storage, label, sampler });
         image.slots().iter().for_each(|slot| factors::put_texture(&mut json, *slot, texture, material));

@@ -1,0 +1,58 @@
+//! `taotie bake` onto the materials of a glTF file that stays, whose extensions would hide what is baked, or be hidden.
+
+use super::bake_document::{put, ship_draft, start};
+use super::glb::Glb;
+use super::place::Place;
+use super::validator::assert_valid;
+use serde_json::{Value, json};
+use taotie::io::{GltfFormat, load_model, write_scene};
+use taotie::scene::{Clearcoat, Material};
+
+/// Writes a ship whose three materials have this extension.
+fn write_ship(place: &Place, low: &taotie::mesh::Mesh, name: &str, extension: &Value) {
+    let mut draft = ship_draft(low);
+    let material = |number: usize| json!({ "name": format!("m{number}"), "extensions": { name: extension } });
+    put(&mut draft, "materials", &json!([0, 1, 2].map(material)));
+    put(&mut draft, "extensionsUsed", &json!([name]));
+    place.write("low.glb", draft.encode_glb().unwrap());
+}
+
+/// Writes the scan with a material as `scan.glb`.
+fn write_scan(place: &Place, material: Material) {
+    let mut scene = load_model(&place.path("scan.obj")).unwrap().scene;
+    scene.edit(|scene| scene.materials = vec![material]).unwrap();
+    write_scene(&place.path("scan.glb"), &scene, &GltfFormat::default()).unwrap();
+}
+
+/// Returns the report of a bake.
+fn report(place: &Place, line: &str) -> Value {
+    place.json(&format!("bake {line} --low low.glb -o out.glb --size 64 --no-verify --json"))
+}
+
+#[test]
+fn a_layer_of_the_scan_stands_where_the_file_has_it_switched_off() {
+    let (place, low) = start();
+    let coat = Clearcoat {
+        factor: 0.75,
+        factor_texture: None,
+        roughness: 0.5,
+        roughness_texture: None,
+        normal: None,
+    };
+    write_scan(&place, Material { clearcoat: Some(coat), ..Material::default() });
+    let name = "KHR_materials_clearcoat";
+    for off in [json!({}), json!({ "clearcoatFactor": 0, "clearcoatRoughnessFactor": 0.5 })] {
+        write_ship(&place, &low, name, &off);
+        let report = report(&place, "scan.glb");
+        assert_eq!((&report["carried"], &report["left"]), (&json!(["clearcoat"]), &json!([])));
+        let materials = load_model(&place.path("out.glb")).unwrap().scene.materials().to_vec();
+        assert!(materials.len() == 3 && materials.iter().all(|m| m.clearcoat == Some(coat)), "{materials:?}");
+        assert_valid(&place.path("out.glb"));
+    }
+    // One of its own stays, and that is told.
+    write_ship(&place, &low, name, &json!({ "clearcoatFactor": 0.25 }));
+    let report = report(&place, "scan.glb");
+    assert_eq!((&report["carried"], &report["left"][0]["what"]), (&json!([]), &json!("clearcoat")));
+    let json = Glb::read(&place.read("out.glb")).json;
+    assert_eq!(json["materials"][0]["extensions"][name], json!({ "clearcoatFactor": 0.25 }));
+}
