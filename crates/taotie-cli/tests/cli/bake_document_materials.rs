@@ -56,3 +56,47 @@ fn a_layer_of_the_scan_stands_where_the_file_has_it_switched_off() {
     let json = Glb::read(&place.read("out.glb")).json;
     assert_eq!(json["materials"][0]["extensions"][name], json!({ "clearcoatFactor": 0.25 }));
 }
+
+/// Returns how often a report warns of this.
+fn told(report: &Value, what: &str) -> u64 {
+    let warnings = report["warnings"].as_array().expect("there is a list");
+    let text = |warning: &Value| warning["what"].as_str().is_some_and(|text| text.contains(what));
+    warnings.iter().filter(|warning| text(warning)).map(|warning| warning["count"].as_u64().unwrap()).sum()
+}
+
+#[test]
+fn colours_and_gloss_that_would_hide_what_is_baked_go() {
+    let (place, low) = start();
+    let name = "KHR_materials_pbrSpecularGlossiness";
+    write_ship(&place, &low, name, &json!({ "diffuseFactor": [1.0, 0.0, 0.0, 1.0] }));
+    let after = |maps: &str| {
+        let report = report(&place, &format!("scan.obj --maps {maps}"));
+        (
+            told(&report, &format!("{name} of the low-poly mesh's materials is left out")),
+            Glb::read(&place.read("out.glb")).json,
+        )
+    };
+    let (count, json) = after("normal");
+    assert_eq!((count, &json["extensionsUsed"][0]), (0, &json!(name)), "normals are shown with it");
+    assert_eq!(json["materials"][2]["extensions"][name]["diffuseFactor"], json!([1.0, 0.0, 0.0, 1.0]));
+    let (count, json) = after("normal,albedo");
+    assert_eq!(count, 3);
+    assert!(!json.to_string().contains(name), "{json}");
+    assert_valid(&place.path("out.glb"));
+}
+
+#[test]
+fn maps_that_an_unlit_material_does_not_show_are_told() {
+    let (place, low) = start();
+    write_ship(&place, &low, "KHR_materials_unlit", &json!({}));
+    let count = |maps: &str| {
+        let report = report(&place, &format!("scan.obj --maps {maps}"));
+        let unlit = load_model(&place.path("out.glb")).unwrap().scene.materials().iter().all(|m| m.unlit);
+        assert!(unlit, "the look of the file stays");
+        told(
+            &report,
+            "materials are unlit (KHR_materials_unlit): of their maps viewers show the base colour alone",
+        )
+    };
+    assert_eq!(["normal,albedo", "albedo"].map(count), [3, 0]);
+}

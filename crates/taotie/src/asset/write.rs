@@ -14,8 +14,8 @@ use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::Encoding;
 use crate::io::{
-    self, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel,
-    GltfMaterial, GraftedMaterial, Json,
+    self, EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages,
+    GltfLevel, GltfMaterial, GraftedMaterial, Json,
 };
 use crate::mesh::Mesh;
 use crate::names::Named;
@@ -85,15 +85,16 @@ impl Asset {
         let (asset, packed, path) = (self.clone(), packing.clone(), path.to_path_buf());
         let is_alone = maps_alone::is_alone(&path);
         let encode = move |_: Progress<'_>| match is_alone {
-            true => maps_alone::encoded(&asset.made, &path, &packed),
+            true => maps_alone::encoded(&asset.made, &path, &packed).map(EncodedModel::from),
             false => encoded(&asset.made, &path, &packed),
         };
-        let files = progress.part(0.0, 0.8).apart(encode)?;
+        let EncodedModel { files, warnings: left_out } = progress.part(0.0, 0.8).apart(encode)?;
         set.write_files(&files, progress.part(0.8, 1.0))?;
-        let warnings = match is_alone {
+        let mut warnings = match is_alone {
             true => maps_alone::warnings(&self.made),
             false => notes(&self.made, packing, &files),
         };
+        warnings.absorb(left_out);
         let files = files.into_iter().map(|file| file.path).collect();
         Ok(Written { asset: self.clone(), packing: packing.clone(), files, set: set.clone(), warnings })
     }
@@ -110,7 +111,7 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
 }
 
 /// Returns all files, the model first.
-fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
+fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> {
     let xmp = provenance::packet(made, packing)?;
     let rights = io::xmp_rights(&xmp);
     let sets = made.parts.iter().map(|part| BesideMaps::of(made, part, packing));
@@ -122,17 +123,17 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         extras: extras.as_ref(),
     };
     let target = Target { path, format: &packing.format() };
-    let mut files = match &made.document {
+    let mut model = match &made.document {
         Some(document) => grafted(made, document, &about, target)?,
-        None => anew(made, &about, target)?,
+        None => anew(made, &about, target)?.into(),
     };
     for set in &sets {
         for beside in set.all() {
             let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
-            files.push(FileBytes { path: beside.file(set.label, path), bytes });
+            model.files.push(FileBytes { path: beside.file(set.label, path), bytes });
         }
     }
-    Ok(files)
+    Ok(model)
 }
 
 /// Returns the files of an asset of one mesh and one material, the model first.
@@ -158,12 +159,7 @@ fn anew(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBy
 }
 
 /// Returns the files of the low-poly file `document` with what was baked for its materials, the model first.
-fn grafted(
-    made: &Made,
-    document: &Document,
-    about: &About<'_>,
-    target: Target<'_>,
-) -> Result<Vec<FileBytes>> {
+fn grafted(made: &Made, document: &Document, about: &About<'_>, target: Target<'_>) -> Result<EncodedModel> {
     // Textures of the file that stay are in it already.
     let none = KeptTextures::default();
     let mut materials = Vec::with_capacity(made.parts.len());
@@ -240,6 +236,10 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     }
     let has_alpha = materials.iter().any(has_alpha);
     warnings.note(
+        "materials are unlit (KHR_materials_unlit): of their maps viewers show the base colour alone",
+        materials.iter().filter(|material| hides_maps(material)).count(),
+    );
+    warnings.note(
         "meshes are not compressed: the low-poly mesh's file stays as it is",
         usize::from(made.document.is_some() && packing.meshopt),
     );
@@ -264,6 +264,14 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
 fn has_alpha(material: &GltfMaterial<'_>) -> bool {
     let has = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
     material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
+}
+
+/// Says whether a material without light has textures that nothing shows.
+fn hides_maps(material: &GltfMaterial<'_>) -> bool {
+    let GltfMaterial { metallic_roughness_map, occlusion_map, normal_map, emissive_map, layers, .. } =
+        material;
+    let hidden = [metallic_roughness_map, occlusion_map, normal_map, emissive_map];
+    layers.is_some_and(|layers| layers.unlit) && hidden.iter().any(|map| map.is_some())
 }
 
 /// Says whether there is a texture that may lose more: neither normals, nor a base colour that is packed otherwise.

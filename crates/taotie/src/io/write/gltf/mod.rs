@@ -23,7 +23,7 @@ mod webp;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
-pub use graft::{GltfGraft, GraftedMaterial, encode_graft};
+pub use graft::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft};
 pub use image_packing::encode_webp_bitmap;
 pub use material::GltfMaterial;
 pub use samplers::gltf_sampler;

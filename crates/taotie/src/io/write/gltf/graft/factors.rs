@@ -4,12 +4,32 @@ use super::super::layers::{self, Emission, STRENGTH};
 use super::super::material::GltfMaterial;
 use super::super::number::short;
 use super::super::slots::Slot;
-use super::edit::{member, remove};
+use super::edit::{items, member, remove};
 use crate::scene::{AlphaMode, Material};
 use serde_json::{Value, json};
 
 /// The member with the core's factors.
 const PBR: &str = "pbrMetallicRoughness";
+
+/// The extension of colours and gloss that viewers show in place of the core's factors and textures.
+pub(super) const GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+
+/// Returns the number of materials that have that extension.
+pub(super) fn count_glossy(document: &Value) -> usize {
+    items(document, "materials").iter().filter(|material| extension(material, GLOSSINESS).is_some()).count()
+}
+
+/// Returns the core's factors and textures of a material; null where it says none.
+pub(super) fn core(json: &Value) -> Value {
+    json.get(PBR).cloned().unwrap_or_default()
+}
+
+/// Removes the extension of colours and gloss from a material that says others in the core than `before`.
+pub(super) fn uncover(json: &mut Value, before: &Value) {
+    if core(json) != *before {
+        drop_extension(json, GLOSSINESS);
+    }
+}
 
 /// Makes a material of the document say the factors of another, where it says otherwise. Layers that are others than those
 /// of `said`, the material as the document was read, stand in place of what it says of them, textures included.
@@ -182,6 +202,22 @@ mod tests {
         let on = json!({ layers::CLEARCOAT: coat, "KHR_materials_ior": { "ior": 1.25 } });
         assert_eq!(grafted(&Material::default(), &coated(0.5)), on);
         assert_eq!(grafted(&coated(0.5), &coated(0.5)), off, "its own are not touched");
+    }
+
+    #[test]
+    fn what_would_hide_the_core_goes_where_that_is_new() {
+        let glossy = json!({ "extensions": { GLOSSINESS: {} } });
+        let left = |slot: Slot| {
+            let mut json = glossy.clone();
+            let (core, material) = (core(&json), GltfMaterial::default());
+            put_texture(&mut json, slot, 0, &material);
+            uncover(&mut json, &core);
+            count_glossy(&json!({ "materials": [json] }))
+        };
+        assert_eq!(
+            [Slot::BaseColor, Slot::MetallicRoughness, Slot::Normal, Slot::Occlusion].map(left),
+            [0, 0, 1, 1]
+        );
     }
 
     #[test]

@@ -18,7 +18,7 @@ use super::images::encode;
 use super::material::GltfMaterial;
 use super::samplers;
 use super::uri::uri;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Warnings};
 use crate::image::{Sampler, Wrap};
 use crate::io::gltf::{GltfSource, RawGltf};
 use crate::io::json::Json;
@@ -65,23 +65,44 @@ pub struct GraftedMaterial<'a> {
     pub drops_colors: bool,
 }
 
+/// The files of a model, and what is not in them as it was.
+#[derive(Debug, Clone, Default)]
+pub struct EncodedModel {
+    /// The files, the model first.
+    pub files: Vec<FileBytes>,
+    /// What was left out.
+    pub warnings: Warnings,
+}
+
+impl From<Vec<FileBytes>> for EncodedModel {
+    fn from(files: Vec<FileBytes>) -> Self {
+        Self { files, warnings: Warnings::default() }
+    }
+}
+
 /// Returns the files of a model with grafted materials, `path` first: a GLB, or a `.gltf` with its files beside it. Images
-/// that nothing names any more are left out. Geometry stays as it is packed, whatever [`GltfFormat::meshopt`] says.
+/// that nothing names any more are left out. Geometry stays as it is packed, whatever [`GltfFormat::meshopt`] says. A
+/// material loses KHR_materials_pbrSpecularGlossiness where what is grafted would be hidden by it, which is counted.
 ///
 /// # Errors
 /// [`Error::Io`] and [`Error::Parse`] where the source cannot be read, [`Error::Limit`] where that exceeds a limit; else as
 /// [`encode_gltf`](crate::io::encode_gltf).
-pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Result<Vec<FileBytes>> {
+pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Result<EncodedModel> {
     let storage = match Container::of(path)? {
         Container::Glb => Storage::Inside,
         Container::Gltf => Storage::Beside(path),
     };
     let mut raw = RawGltf::read(graft.source, &graft.limits)?;
     let own_images = edit::items(&raw.json, "images").len();
-    let mut beside = Vec::new();
+    let (mut beside, mut warnings) = (Vec::new(), Warnings::default());
+    let glossy = factors::count_glossy(&raw.json);
     for material in graft.materials {
         beside.extend(graft_material(&mut raw, material, format, storage)?);
     }
+    warnings.note(
+        format!("{} of the low-poly mesh's materials is left out: viewers would show it in place of what is baked", factors::GLOSSINESS),
+        glossy - factors::count_glossy(&raw.json),
+    );
     let mapped = graft.materials.iter().filter(|grafted| grafted.material.normal_map.is_some());
     let mapped: Vec<usize> = mapped.map(|grafted| grafted.number).collect();
     tangents::give(&mut raw, graft.source, &mapped)?;
@@ -94,7 +115,7 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
         Storage::Beside(_) => gltf(path, raw.json, bytes)?,
     };
     files.extend(beside);
-    Ok(files)
+    Ok(EncodedModel { files, warnings })
 }
 
 /// Returns the files of new images beside the model.
@@ -113,6 +134,7 @@ fn graft_material(
     let encoded = encode(material, format)?;
     let sampler = if encoded.is_empty() { 0 } else { add_sampler(&mut raw.json, grafted.is_repeated) };
     let mut json = raw.json["materials"][number].take();
+    let core = factors::core(&json);
     factors::graft(&mut json, material, grafted.said);
     for image in &encoded {
         let texture = images::add(raw, image, &Textured { storage, label, sampler });
@@ -122,6 +144,7 @@ fn graft_material(
             edit::name(&mut raw.json, "extensionsRequired", name);
         }
     }
+    factors::uncover(&mut json, &core);
     factors::extensions(&json).iter().for_each(|name| edit::name(&mut raw.json, "extensionsUsed", name));
     raw.json["materials"][number] = json;
     if grafted.drops_colors {
