@@ -5,8 +5,9 @@ use super::glb::{Glb, assert_same};
 use super::place::Place;
 use super::validator::assert_valid;
 use serde_json::{Value, json};
-use taotie::io::{GltfAsset, GltfDraft, GltfFormat, GltfLevel, Json, load_model};
-use taotie::mesh::Mesh;
+use taotie::io::{GltfAsset, GltfDraft, GltfFormat, GltfLevel, Json, load_model, read_bitmap};
+use taotie::math::Vec3;
+use taotie::mesh::{Mesh, MeshData};
 use taotie::surface::with_frames;
 
 /// A folder with the scan, and the low-poly mesh that fits it.
@@ -333,4 +334,26 @@ fn an_animation_stays() {
     assert_eq!(report["proof"]["parts"], json!([]), "it has one material");
     assert_eq!(load_model(&place.path("out.glb")).unwrap().rig.unwrap().animations()[0].name, "drift");
     assert!(refused(&place, "--space object").contains("normals in object space do not follow its motion"));
+}
+
+#[test]
+fn maps_alone_fit_the_file_as_its_model_does() {
+    let (place, low) = start();
+    // A ball of half the height, which two nodes stretch, one of them turned round.
+    let MeshData { positions, normals, uvs, triangles, .. } = low.into_data();
+    let flat = positions.iter().map(|p| Vec3::new(p.x, p.y * 0.5, p.z)).collect();
+    let normal = |n: &Vec3| Vec3::new(n.x, n.y * 2.0, n.z).to_f64().normalize_or(n.to_f64()).to_f32();
+    let normals = normals.iter().map(normal).collect();
+    let data = MeshData { positions: flat, normals, uvs, triangles, ..MeshData::default() };
+    let mut draft = draft(&Mesh::new(data).unwrap());
+    let stretched =
+        |turn: f64| json!({ "mesh": 0, "scale": [1.0, 2.0, 1.0], "rotation": [0.0, turn, 0.0, 1.0 - turn] });
+    put(&mut draft, "nodes", &json!([stretched(0.0), stretched(1.0)]));
+    put(&mut draft, "scenes", &json!([{ "nodes": [0, 1] }]));
+    place.write("low.glb", draft.encode_glb().unwrap());
+    baked(&place, "-o out.glb --maps normal --no-verify");
+    baked(&place, "-o out.png --maps normal --no-verify");
+    let textures = load_model(&place.path("out.glb")).unwrap().scene.textures().to_vec();
+    assert_eq!(textures.len(), 1);
+    assert!(*textures[0].bitmap() == read_bitmap(&place.path("out.png")).unwrap());
 }
