@@ -289,7 +289,8 @@ mod tests {
             ..SceneData::default()
         });
         let (scene, limits) = (scene.unwrap(), Limits::default());
-        Read { scene, moving: None, is_gltf: true, has_xmp: false, names: Vec::new(), limits }
+        let (names, files) = (Vec::new(), Vec::new());
+        Read { scene, moving: None, is_gltf: true, has_xmp: false, names, limits, files }
     }
 
     fn hindrance(read: &Read, options: &BakeOptions) -> String {

@@ -2,13 +2,12 @@
 
 use super::document::{self, Document, KeptMaterial, shown_materials};
 use super::kept_textures::{KeptTextures, note_samplers};
-use super::low_file::read;
+use super::low_file::Read;
 use super::options::{BakeOptions, MeshSource};
 use super::plan::LowLook;
 use super::stripped::Stripped;
 use crate::bake::{self, MapKind};
 use crate::error::{Result, Warnings};
-use crate::io::Limits;
 use crate::mesh::{Mesh, MeshData};
 use crate::scene::{AlphaMode, Instance, Material, Scene};
 
@@ -38,17 +37,17 @@ pub(super) struct Taken {
 }
 
 impl GivenMesh {
-    /// Reads a mesh, at rest.
+    /// Takes a mesh that was read, at rest.
     ///
     /// # Errors
-    /// Those of reading; [`Error::Unsupported`](crate::Error::Unsupported) for what the asset could not keep of it.
-    pub fn read(
+    /// [`Error::Unsupported`](crate::Error::Unsupported) for what the asset could not keep of it; those of writing it
+    /// anew.
+    pub fn of(
         options: &BakeOptions,
         source: &MeshSource,
-        limits: &Limits,
+        mut read: Read,
         warnings: &mut Warnings,
     ) -> Result<Self> {
-        let mut read = read(source, limits, warnings)?;
         let document = document::kept(source, &mut read, options, warnings)?;
         match document {
             Some(document) => Self::of_document(document, read.scene),

@@ -81,7 +81,7 @@ impl Asset {
         progress: Progress<'_>,
     ) -> Result<Written> {
         let progress = progress.begin("write")?;
-        set.protect(&self.made.about.files)?;
+        set.protect(self.made.about.files.iter().chain(&self.made.low_files).chain(&packing.provenance))?;
         let (asset, packed, path) = (self.clone(), packing.clone(), path.to_path_buf());
         let is_alone = maps_alone::is_alone(&path);
         let encode = move |_: Progress<'_>| match is_alone {
