@@ -17,7 +17,6 @@ use crate::io::{
     self, EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages,
     GltfLevel, GltfMaterial, GraftedMaterial, Json,
 };
-use crate::mesh::Mesh;
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
@@ -170,7 +169,7 @@ fn grafted(made: &Made, document: &Document, about: &About<'_>, target: Target<'
             label: &own.label,
             material: maps.textures.material(&low.material, &none),
             said: &own.said,
-            is_repeated: leaves_map(&low.mesh),
+            sampler: io::gltf_sampler([&low.mesh]),
             drops_colors: own.drops_colors,
         });
     }
@@ -183,12 +182,6 @@ fn grafted(made: &Made, document: &Document, about: &About<'_>, target: Target<'
         extras: about.extras,
     };
     io::encode_graft(target.path, &graft, target.format)
-}
-
-/// Says whether any vertex has a uv outside of the map.
-fn leaves_map(mesh: &Mesh) -> bool {
-    let is_inside = |v: f32| (0.0..=1.0).contains(&v);
-    mesh.uvs().first().is_some_and(|uvs| uvs.iter().any(|uv| !(is_inside(uv.x) && is_inside(uv.y))))
 }
 
 /// A model's file, and how it is packed.

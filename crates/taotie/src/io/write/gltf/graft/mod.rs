@@ -19,7 +19,7 @@ use super::material::GltfMaterial;
 use super::samplers;
 use super::uri::uri;
 use crate::error::{Error, Result, Warnings};
-use crate::image::{Sampler, Wrap};
+use crate::image::Sampler;
 use crate::io::gltf::{GltfSource, RawGltf};
 use crate::io::json::Json;
 use crate::io::limits::Limits;
@@ -59,8 +59,8 @@ pub struct GraftedMaterial<'a> {
     pub material: GltfMaterial<'a>,
     /// The material as it was read from the file. Layers that are the same in `material` stay as they are in the file.
     pub said: &'a Material,
-    /// `true` where its uvs leave [0, 1], so that textures are repeated.
-    pub is_repeated: bool,
+    /// The sampler of the new textures, such as [`gltf_sampler`](crate::io::gltf_sampler) makes.
+    pub sampler: Sampler,
     /// `true` where colours of vertices go, which would be multiplied with what was baked.
     pub drops_colors: bool,
 }
@@ -132,7 +132,7 @@ fn graft_material(
         return Err(raw.error(format!("material {number}"), "it is not there any more; bake again"));
     }
     let encoded = encode(material, format)?;
-    let sampler = if encoded.is_empty() { 0 } else { add_sampler(&mut raw.json, grafted.is_repeated) };
+    let sampler = if encoded.is_empty() { 0 } else { add_sampler(&mut raw.json, &grafted.sampler) };
     let mut json = raw.json["materials"][number].take();
     let core = factors::core(&json);
     factors::graft(&mut json, material, grafted.said);
@@ -155,10 +155,9 @@ fn graft_material(
     Ok(encoded.into_iter().filter_map(|image| image.into_file(&labeled)).collect())
 }
 
-/// Returns the number of the sampler of new textures: trilinear, and clamped or repeated.
-fn add_sampler(json: &mut Value, is_repeated: bool) -> usize {
-    let wrap = if is_repeated { Wrap::Repeat } else { Wrap::Clamp };
-    let sampler = samplers::json(&Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() });
+/// Returns the number of a sampler among the document's, to which it is added where it is not there.
+fn add_sampler(json: &mut Value, sampler: &Sampler) -> usize {
+    let sampler = samplers::json(sampler);
     let known = edit::items(json, "samplers").iter().position(|known| *known == sampler);
     known.unwrap_or_else(|| edit::push(json, "samplers", sampler))
 }
