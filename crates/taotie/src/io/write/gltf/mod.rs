@@ -3,6 +3,7 @@
 
 mod container;
 mod draft;
+mod edit;
 mod format;
 mod graft;
 mod image_packing;

@@ -1,15 +1,12 @@
 //! A material of a document: what was baked replaces what it says, all else stays as it is written.
 
+use super::super::edit::{items, member, remove};
 use super::super::layers::{self, Emission, STRENGTH};
 use super::super::material::GltfMaterial;
+use super::super::material_json::PBR;
 use super::super::number::short;
-use super::super::slots::Slot;
-use super::edit::{items, member, remove};
 use crate::scene::{AlphaMode, Material};
 use serde_json::{Value, json};
-
-/// The member with the core's factors.
-const PBR: &str = "pbrMetallicRoughness";
 
 /// The extension of colours and gloss that viewers show in place of the core's factors and textures.
 pub(super) const GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
@@ -50,26 +47,6 @@ pub(super) fn graft(json: &mut Value, material: &GltfMaterial, said: &Material) 
     let layers = material.layers.into_iter().flat_map(layers::factors);
     for (name, layer) in layers.filter(|layer| !known.contains(layer)) {
         *member(member(json, "extensions"), name) = layer;
-    }
-}
-
-/// Puts a texture, by its number, into a slot. It shows uv set 0, not moved.
-pub(super) fn put_texture(json: &mut Value, slot: Slot, texture: usize, material: &GltfMaterial) {
-    let info = json!({ "index": texture });
-    match slot {
-        Slot::BaseColor => *member(member(json, PBR), "baseColorTexture") = info,
-        Slot::MetallicRoughness => {
-            *member(member(json, PBR), "metallicRoughnessTexture") = info;
-        }
-        Slot::Occlusion => {
-            let strength = short(material.occlusion_strength);
-            *member(json, "occlusionTexture") = json!({ "index": texture, "strength": strength });
-        }
-        Slot::Normal => {
-            let scale = short(material.normal_scale);
-            *member(json, "normalTexture") = json!({ "index": texture, "scale": scale });
-        }
-        Slot::Emissive => *member(json, "emissiveTexture") = info,
     }
 }
 
@@ -143,6 +120,8 @@ fn alpha(json: &Value) -> AlphaMode {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::material_json::put_texture;
+    use super::super::super::slots::Slot;
     use super::*;
     use crate::scene::Clearcoat;
 

@@ -2,7 +2,6 @@
 //! animations, cameras, names, extras, and accessors to the last bit. Primitives without tangents that show a normal map
 //! get them, where that splits no vertex.
 
-mod edit;
 mod factors;
 mod images;
 mod primitives;
@@ -13,9 +12,11 @@ mod views;
 
 use super::Container;
 use super::container::{self, Head};
+use super::edit;
 use super::format::GltfFormat;
 use super::images::encode;
 use super::material::GltfMaterial;
+use super::material_json::put_texture;
 use super::samplers;
 use super::uri::uri;
 use crate::error::{Error, Result, Warnings};
@@ -138,7 +139,7 @@ fn graft_material(
     factors::graft(&mut json, material, grafted.said);
     for image in &encoded {
         let texture = images::add(raw, image, &Textured { storage, label, sampler });
-        image.slots().iter().for_each(|slot| factors::put_texture(&mut json, *slot, texture, material));
+        image.slots().iter().for_each(|slot| put_texture(&mut json, *slot, texture, material));
         if let Some(name) = image.extension() {
             edit::name(&mut raw.json, "extensionsUsed", name);
             edit::name(&mut raw.json, "extensionsRequired", name);

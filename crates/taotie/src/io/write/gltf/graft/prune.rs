@@ -1,6 +1,6 @@
 //! Textures, images and views that nothing names any more, dropped.
 
-use super::edit;
+use super::super::edit;
 use super::factors::GLOSSINESS;
 use crate::io::gltf::is_known;
 use serde_json::{Map, Value};
