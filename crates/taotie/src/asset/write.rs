@@ -48,8 +48,8 @@ pub struct Written {
 impl Asset {
     /// Writes the asset as `.glb`, or as `.gltf` with its files beside it. Maps that glTF has no place for are written
     /// beside either, such as `scan.height.png`. A path that ends with `.png`, `.webp` or `.exr` gets maps alone: the first
-    /// in that file, all others beside it, such as `out.ao.png`, with green as the packing says. All files appear together at the end; a write that fails or is
-    /// cancelled leaves none. The same asset gives the same bytes.
+    /// in that file, all others beside it, such as `out.ao.png`, with green as the packing says. All files appear together
+    /// at the end; a write that fails or is cancelled leaves none. The same asset gives the same bytes.
     ///
     /// The listener hears the stage `write`.
     ///

@@ -1,15 +1,13 @@
 //! Images: those that a texture shows, the places of their bytes, and their decoding.
 
 use super::document::Document;
+use super::extensions::OF_TEXTURES;
 use super::reason::{Reason, no_such};
 use super::uri;
 use crate::image::Bitmap;
 use crate::io::bitmap::decode_within;
 use gltf::json::{Image, Texture, Value};
 use std::collections::HashMap;
-
-/// Extensions that give a texture another image than its own, the one that is believed most first.
-const EXTENSIONS: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
 
 /// Returns the images of a texture, the one to be shown first. The others are there for programs that cannot read it,
 /// so they replace it where it is damaged or missing.
@@ -29,7 +27,7 @@ pub(super) fn sources(document: &Document, index: usize) -> Reason<Vec<usize>> {
 fn extended(texture: &Texture) -> impl Iterator<Item = usize> {
     let extensions = texture.extensions.as_ref();
     let source = move |name: &str| extensions?.others.get(name)?.get("source").and_then(Value::as_u64);
-    EXTENSIONS.into_iter().filter_map(source).map(|image| usize::try_from(image).unwrap_or(usize::MAX))
+    OF_TEXTURES.into_iter().filter_map(source).map(|image| usize::try_from(image).unwrap_or(usize::MAX))
 }
 
 /// Returns for each image of the file the first that has the same source, so that each source is decoded once.

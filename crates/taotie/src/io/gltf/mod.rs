@@ -35,7 +35,7 @@ mod variants;
 mod vertices;
 
 pub use extensions::SUPPORTED;
-pub(super) use extensions::is_known;
+pub(super) use extensions::{OF_TEXTURES, is_known};
 pub(super) use missing_tangents::missing_tangents;
 pub(super) use raw::RawGltf;
 pub use source::GltfSource;

@@ -2,7 +2,7 @@
 
 use super::super::edit;
 use super::factors::GLOSSINESS;
-use crate::io::gltf::is_known;
+use crate::io::gltf::{OF_TEXTURES, is_known};
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ pub(super) fn prune(json: &mut Value, count: usize) -> usize {
     drop_unnamed(json, "textures", each_texture);
     let kept = drop_unnamed(json, "images", each_image);
     drop_unnamed(json, "bufferViews", each_view);
-    for name in ["KHR_texture_basisu", "EXT_texture_webp"] {
+    for name in OF_TEXTURES {
         drop_unused(json, "textures", name);
     }
     kept.into_iter().filter(|image| *image < count as u64).count()
