@@ -33,14 +33,17 @@ fn extended(texture: &Texture) -> impl Iterator<Item = usize> {
 /// Returns for each image of the file the first that has the same source, so that each source is decoded once.
 pub(super) fn same_sources(document: &Document) -> Vec<usize> {
     let mut firsts = HashMap::new();
-    let source = |image: &Image| match (image.buffer_view, &image.uri) {
-        (Some(view), _) => Some((Some(view.value()), None)),
-        (None, Some(uri)) => Some((None, Some(uri.clone()))),
-        (None, None) => None,
-    };
     let images = document.root.images.iter().enumerate();
     let first = |(i, image)| source(image).map_or(i, |source| *firsts.entry(source).or_insert(i));
     images.map(first).collect()
+}
+
+/// Returns the view or the URI that an image names.
+fn source(image: &Image) -> Option<(Option<usize>, Option<&str>)> {
+    match (image.buffer_view, &image.uri) {
+        (Some(view), _) => Some((Some(view.value()), None)),
+        (None, uri) => uri.as_deref().map(|uri| (None, Some(uri))),
+    }
 }
 
 /// The reason why an image cannot be had.

@@ -22,6 +22,7 @@ mod meshes;
 mod meshopt;
 mod missing_tangents;
 mod nodes;
+mod parsed_size;
 mod primitives;
 mod raw;
 mod reason;
