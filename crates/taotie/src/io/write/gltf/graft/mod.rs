@@ -100,10 +100,9 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
     for material in graft.materials {
         beside.extend(graft_material(&mut raw, material, format, storage)?);
     }
-    warnings.note(
-        format!("{} of the low-poly mesh's materials is left out: viewers would show it in place of what is baked", factors::GLOSSINESS),
-        glossy - factors::count_glossy(&raw.json),
-    );
+    let what = format!("{} of the low-poly mesh's materials is left out", factors::GLOSSINESS);
+    let uncovered = glossy - factors::count_glossy(&raw.json);
+    warnings.note(format!("{what}: viewers would show it and not what is baked"), uncovered);
     let mapped = graft.materials.iter().filter(|grafted| grafted.material.normal_map.is_some());
     let mapped: Vec<usize> = mapped.map(|grafted| grafted.number).collect();
     tangents::give(&mut raw, graft.source, &mapped)?;
