@@ -71,7 +71,7 @@ pub struct GraftedMaterial<'a> {
 pub struct EncodedModel {
     /// The files, the model first.
     pub files: Vec<FileBytes>,
-    /// What was left out.
+    /// The warnings of what was left out.
     pub warnings: Warnings,
 }
 
