@@ -9,7 +9,7 @@
 struct Header {
     width: u64,
     height: u64,
-    /// How many samples each component has across and down in a block of the file, 1 to 4.
+    /// The samples of each component across and down in a block of the file, 1 to 4.
     samplings: Vec<[u64; 2]>,
     /// `true` where all coefficients are kept.
     keeps_all: bool,
