@@ -284,6 +284,35 @@ fn an_asset_is_proved_before_it_is_in_its_place() {
     assert_eq!(again.figures.bytes_out, proof.figures.bytes_out);
 }
 
+#[test]
+fn files_of_the_low_poly_mesh_are_not_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let [path, buffer] = ["low.gltf", "low.bin"].map(|name| folder.path().join(name));
+    let levels = [GltfLevel { mesh: &Mesh::sphere(1.0, 24, 12), coverage: None }];
+    let low = GltfAsset { levels: &levels, ..GltfAsset::default() };
+    write_gltf(&path, &low, &GltfFormat::default()).unwrap();
+    let before = std::fs::read(&buffer).unwrap();
+    let source = Some(MeshSource::File(path.clone()));
+    let baker = Baker::new(BakeOptions { low: source, size: 32, ..options() });
+    let is_refused = |error: Error| error.to_string().contains("which is read");
+    // Known beforehand, it is refused as soon as the mesh is read.
+    let files = FileSet::new();
+    files.claim(&buffer).unwrap();
+    let heard = Mutex::new(Vec::new());
+    let listener = |stage: &'static str, _: f64| {
+        heard.lock().unwrap().push(stage);
+        true
+    };
+    let early = baker.clone().with_files(&files).bake(small(), Progress::new(&listener));
+    assert!(is_refused(early.unwrap_err()));
+    let heard = heard.into_inner().unwrap();
+    assert!(heard.contains(&"read the low-poly mesh") && !heard.contains(&"tangents"), "{heard:?}");
+    let asset = baker.bake(small(), Progress::SILENT).unwrap();
+    assert!(is_refused(asset.write(&path, &Packing::default(), Progress::SILENT).unwrap_err()));
+    assert_eq!(std::fs::read(&buffer).unwrap(), before);
+    assert_eq!(names(folder.path()), ["low.bin", "low.gltf"]);
+}
+
 /// Reads nothing, bakes and writes.
 fn job(mesh: &Mesh, options: &BakeOptions, folder: &Path, progress: Progress<'_>) -> Result<Written> {
     let scan = Scan::from_mesh(mesh.clone(), progress)?;

@@ -12,9 +12,9 @@ use crate::{Outcome, console, stop, studio};
 use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
-use taotie::asset::{Asset, Baker, Limits, Proof, Report, Scan, ScanFile, ScanSize, VerifyOptions, Warning};
+use taotie::Progress;
+use taotie::asset::{Asset, Baker, Limits, Proof, Report, ScanFile, ScanSize, VerifyOptions, Warning};
 use taotie::io::FileSet;
-use taotie::{Progress, io};
 use taotie_report::bake_page;
 
 /// Runs the subcommand.
@@ -42,14 +42,14 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     };
     let progress = Progress::new(&listener);
     let limits = args.limits();
-    let baker = Baker::new(args.options()).with_limits(limits);
+    let baker = Baker::new(args.options()).with_limits(limits).with_files(files);
     let file = ScanFile::read(&args.high, &limits, progress)?;
     check_memory(&baker, file.size(), limits)?;
     if let Some(schedule) = Schedule::of(baker.options(), file.size(), args.is_packed()) {
         clock.expect(schedule);
     }
+    files.protect(file.files())?;
     let scan = file.sort(progress)?;
-    protect(args, &scan, files)?;
     let asset = baker.bake(&scan, progress)?;
     console::say_warnings(asset.warnings());
     let written = asset.write_in(files, &args.output, &args.packing(), progress)?;
@@ -68,15 +68,6 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     }
     files.commit()?;
     Ok(report)
-}
-
-/// Keeps every file that is read from being written over: those of the scan, of the low-poly mesh and of the cage.
-fn protect(args: &BakeArgs, scan: &Scan, files: &FileSet) -> Result<()> {
-    files.protect(scan.files())?;
-    for model in [&args.low, &args.cage].into_iter().flatten() {
-        files.protect(io::load_model_within(model, &args.limits())?.files)?;
-    }
-    Ok(())
 }
 
 /// Says how much memory the bake of a scan needs before it begins.

@@ -5,12 +5,13 @@ use super::glb::{Glb, assert_same};
 use super::place::Place;
 use super::validator::assert_valid;
 use serde_json::{Value, json};
-use taotie::io::{GltfAsset, GltfDraft, GltfFormat, GltfLevel, Json, load_model};
-use taotie::mesh::Mesh;
+use taotie::io::{GltfAsset, GltfDraft, GltfFormat, GltfLevel, Json, load_model, read_bitmap};
+use taotie::math::Vec3;
+use taotie::mesh::{Mesh, MeshData};
 use taotie::surface::with_frames;
 
 /// A folder with the scan, and the low-poly mesh that fits it.
-fn start() -> (Place, Mesh) {
+pub fn start() -> (Place, Mesh) {
     let place = Place::with("scan.obj", SCAN.obj());
     place.write("low.obj", LOW.obj());
     let low = load_model(&place.path("low.obj")).unwrap().scene.meshes()[0].clone();
@@ -23,7 +24,7 @@ fn draft(low: &Mesh) -> GltfDraft {
     GltfDraft::new(&GltfAsset { levels: &levels, ..GltfAsset::default() }, &GltfFormat::default()).unwrap()
 }
 
-fn put(draft: &mut GltfDraft, name: &str, value: &Value) {
+pub fn put(draft: &mut GltfDraft, name: &str, value: &Value) {
     draft.put("", name, Json::of(value).unwrap()).unwrap();
 }
 
@@ -62,7 +63,12 @@ fn primitive(draft: &mut GltfDraft, low: &Mesh, material: usize, x: f32) -> Valu
 const BARE: usize = 1;
 
 /// A ship of three materials on two nodes, and a camera; the ball cut into three.
-fn ship(low: &Mesh) -> Vec<u8> {
+pub fn ship(low: &Mesh) -> Vec<u8> {
+    ship_draft(low).encode_glb().unwrap()
+}
+
+/// Returns the same to be changed.
+pub fn ship_draft(low: &Mesh) -> GltfDraft {
     let mut draft = draft(low);
     let [wood, iron, cloth] = [0, 1, 2].map(|material| {
         let x = if material == 2 { -2.0 } else { 0.0 };
@@ -100,7 +106,7 @@ fn ship(low: &Mesh) -> Vec<u8> {
             { "name": "cloth", "doubleSided": true, "extras": { "weave": "twill" } },
         ]),
     );
-    draft.encode_glb().unwrap()
+    draft
 }
 
 /// What a bake of the scan onto a file says on stderr, and its report.
@@ -328,4 +334,26 @@ fn an_animation_stays() {
     assert_eq!(report["proof"]["parts"], json!([]), "it has one material");
     assert_eq!(load_model(&place.path("out.glb")).unwrap().rig.unwrap().animations()[0].name, "drift");
     assert!(refused(&place, "--space object").contains("normals in object space do not follow its motion"));
+}
+
+#[test]
+fn maps_alone_fit_the_file_as_its_model_does() {
+    let (place, low) = start();
+    // A ball of half the height, which two nodes stretch, one of them turned round.
+    let MeshData { positions, normals, uvs, triangles, .. } = low.into_data();
+    let flat = positions.iter().map(|p| Vec3::new(p.x, p.y * 0.5, p.z)).collect();
+    let normal = |n: &Vec3| Vec3::new(n.x, n.y * 2.0, n.z).to_f64().normalize_or(n.to_f64()).to_f32();
+    let normals = normals.iter().map(normal).collect();
+    let data = MeshData { positions: flat, normals, uvs, triangles, ..MeshData::default() };
+    let mut draft = draft(&Mesh::new(data).unwrap());
+    let stretched =
+        |turn: f64| json!({ "mesh": 0, "scale": [1.0, 2.0, 1.0], "rotation": [0.0, turn, 0.0, 1.0 - turn] });
+    put(&mut draft, "nodes", &json!([stretched(0.0), stretched(1.0)]));
+    put(&mut draft, "scenes", &json!([{ "nodes": [0, 1] }]));
+    place.write("low.glb", draft.encode_glb().unwrap());
+    baked(&place, "-o out.glb --maps normal --no-verify");
+    baked(&place, "-o out.png --maps normal --no-verify");
+    let textures = load_model(&place.path("out.glb")).unwrap().scene.textures().to_vec();
+    assert_eq!(textures.len(), 1);
+    assert!(*textures[0].bitmap() == read_bitmap(&place.path("out.png")).unwrap());
 }

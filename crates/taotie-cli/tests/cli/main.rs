@@ -6,6 +6,7 @@ mod arguments;
 mod bake;
 mod bake_carried;
 mod bake_document;
+mod bake_document_materials;
 mod bake_page;
 mod bake_pairs;
 mod balls;

@@ -1,10 +1,11 @@
 //! From a scan to an asset.
 
 use super::given::GivenMesh;
+use super::inputs::Inputs;
 use super::judgement::{self, Pair};
 use super::low::{self, LowPoly};
 use super::made::{Asset, Made, Part};
-use super::maps::bake_maps;
+use super::maps::{Recipe, bake_maps};
 use super::memory::Need;
 use super::notes;
 use super::options::BakeOptions;
@@ -17,7 +18,7 @@ use super::search_course::Trial;
 use super::write::possible_files;
 use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
-use crate::io::{self, Bytes, Limits};
+use crate::io::{self, Bytes, FileSet, Limits};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use crate::scene::AlphaMode;
@@ -44,17 +45,41 @@ use std::sync::Arc;
 pub struct Baker {
     options: Arc<BakeOptions>,
     limits: Limits,
+    files: Option<FileSet>,
 }
 
 impl Baker {
     /// Bakes as `options` say, with the memory that the machine has free.
     pub fn new(options: BakeOptions) -> Self {
-        Self { options: Arc::new(options), limits: Limits::default() }
+        Self { options: Arc::new(options), ..Self::default() }
     }
 
     /// Bakes within these limits.
     pub fn with_limits(self, limits: Limits) -> Self {
         Self { limits, ..self }
+    }
+
+    /// Bakes for a set of files: what the scan, the low-poly mesh and the cage were read from is refused among those that
+    /// the set will write, before the work begins. Without it [`Asset::write`] refuses them after.
+    ///
+    /// ```
+    /// use taotie::Progress;
+    /// use taotie::asset::{Baker, Scan};
+    /// use taotie::io::FileSet;
+    ///
+    /// let folder = tempfile::tempdir().unwrap();
+    /// let path = folder.path().join("ball.obj");
+    /// std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    /// let scan = Scan::read(&path, &Default::default(), Progress::SILENT)?;
+    ///
+    /// let files = FileSet::new();
+    /// files.claim(&path)?;
+    /// let error = Baker::default().with_files(&files).bake(&scan, Progress::SILENT).unwrap_err();
+    /// assert!(error.to_string().contains("is read"));
+    /// # Ok::<(), taotie::Error>(())
+    /// ```
+    pub fn with_files(self, files: &FileSet) -> Self {
+        Self { files: Some(files.clone()), ..self }
     }
 
     /// Returns what is baked, and how.
@@ -99,7 +124,17 @@ impl Baker {
         options.check()?;
         let limits = self.limits_beside(&scan);
         self.need(scan.about.size.sorted()).check(limits)?;
-        progress.apart(move |progress| bake(&options, &scan, limits, progress))
+        self.protect(scan.files())?;
+        let (asked, reading) = (Arc::clone(&options), scan.limits);
+        let inputs = progress.apart(move |progress| Inputs::read(&asked, &reading, progress))?;
+        // By this thread: one that goes on after a cancel would keep the set.
+        self.protect(&inputs.files)?;
+        progress.apart(move |progress| bake(&options, Sources { scan, inputs, limits }, progress))
+    }
+
+    /// Keeps files that were read from being written over.
+    fn protect(&self, read: &[PathBuf]) -> Result<()> {
+        self.files.as_ref().map_or(Ok(()), |files| files.protect(read))
     }
 
     /// Returns the limits of a bake; what the scan holds already counts as free.
@@ -117,6 +152,14 @@ struct Lightened {
     trials: Vec<Trial>,
 }
 
+/// All that a bake begins with, read.
+struct Sources {
+    scan: Scan,
+    inputs: Inputs,
+    /// The limits of the bake itself.
+    limits: Limits,
+}
+
 /// The surfaces that a bake begins with.
 struct Subject<'a> {
     scan: &'a Scan,
@@ -124,10 +167,12 @@ struct Subject<'a> {
     given: Option<GivenMesh>,
 }
 
-fn bake(asked: &BakeOptions, scan: &Scan, limits: Limits, progress: Progress<'_>) -> Result<Asset> {
-    let about = Arc::clone(&scan.about);
+fn bake(asked: &BakeOptions, sources: Sources, progress: Progress<'_>) -> Result<Asset> {
+    let Sources { scan, inputs, limits } = sources;
+    let Inputs { mut given, rays, files: low_files, warnings: of_inputs } = inputs;
+    let (scan, about) = (&scan, Arc::clone(&scan.about));
     let mut warnings = about.warnings.clone();
-    let mut given = given(asked, &scan.limits, &mut warnings, progress)?;
+    warnings.absorb(of_inputs);
     let materials = given.as_ref().map_or(1, GivenMesh::material_count);
     Need { materials, ..Need::of(asked, about.size.sorted()) }.check(limits)?;
     let looks = given.as_ref().map_or_else(Vec::new, GivenMesh::looks);
@@ -138,11 +183,10 @@ fn bake(asked: &BakeOptions, scan: &Scan, limits: Limits, progress: Progress<'_>
     materials.for_each(|material| plan.fill(&about.carried, material));
     let document = given.as_mut().and_then(GivenMesh::take_document);
     let BakePlan { options, carried, left, .. } = plan;
-    let subject = Subject { scan, given };
-    let Lightened { mut parts, size, trials } = lightened(&options, subject, &mut warnings, progress)?;
+    let (subject, recipe) = (Subject { scan, given }, Recipe { options: &options, rays: &rays });
+    let Lightened { mut parts, size, trials } = lightened(recipe, subject, &mut warnings, progress)?;
     for part in &mut parts {
         part.low.material.alpha = alpha(&options, scan, &part.low);
-        warnings.absorb(std::mem::take(&mut part.maps.warnings));
     }
     let coarser = low::coarser(&parts[0].low, &options.lods, &mut warnings, progress)?;
     let alpha_modes = match options.bakes(&[MapKind::Alpha]) && has_several_modes(scan) {
@@ -163,6 +207,7 @@ fn bake(asked: &BakeOptions, scan: &Scan, limits: Limits, progress: Progress<'_>
     Ok(Asset::new(Made {
         options,
         about,
+        low_files,
         document,
         parts,
         coarser,
@@ -184,20 +229,6 @@ fn judge(scan: &Scan, part: &Part, warnings: &mut Warnings) {
         "" => warnings.absorb(own),
         label => own.iter().for_each(|(what, count)| warnings.note(format!("{label}: {what}"), count)),
     }
-}
-
-/// Reads the low-poly mesh that the options name.
-fn given(
-    options: &BakeOptions,
-    limits: &Limits,
-    warnings: &mut Warnings,
-    progress: Progress<'_>,
-) -> Result<Option<GivenMesh>> {
-    let Some(source) = &options.low else { return Ok(None) };
-    let reading = progress.begin("read the low-poly mesh")?;
-    let given = GivenMesh::read(options, source, limits, warnings)?;
-    reading.at(1.0)?;
-    Ok(Some(given))
 }
 
 /// Returns the treatment of alpha: that of the scan where its alpha is baked, else the low-poly mesh's own.
@@ -222,13 +253,14 @@ fn alpha_modes(scan: &Scan, Part { low, maps }: &Part, coarser: &[Mesh]) -> Vec<
 
 /// Returns the low-poly mesh with its maps, material by material; where an error is wanted the smallest that meets it.
 fn lightened(
-    options: &BakeOptions,
+    recipe: Recipe<'_>,
     Subject { scan, given }: Subject<'_>,
     warnings: &mut Warnings,
     progress: Progress<'_>,
 ) -> Result<Lightened> {
+    let options = recipe.options;
     if let Some(most) = options.mean_error_deg {
-        let found = smallest(options, scan, most, progress)?;
+        let found = smallest(recipe, scan, most, progress)?;
         warnings.absorb(found.warnings);
         let size = [found.size; 2];
         let parts = vec![Part { low: found.low, maps: found.maps }];
@@ -249,7 +281,7 @@ fn lightened(
     };
     let size = options.map_size();
     let part = |low: LowPoly| -> Result<Part> {
-        let baked = bake_maps(options, size, Pair { scan, low: &low }, progress);
+        let baked = bake_maps(recipe, size, Pair { scan, low: &low }, progress);
         let maps =
             baked.map_err(|error| if low.label().is_empty() { error } else { error.within(low.label()) });
         Ok(Part { maps: maps?, low })

@@ -2,7 +2,6 @@
 
 use super::property::Property;
 use crate::bake::{MapKind, Maps};
-use crate::math::Mat4;
 use crate::mesh::Mesh;
 use crate::scene::{AlphaMode, Instance, Material, Scene};
 
@@ -116,16 +115,8 @@ fn areas(scene: &Scene, parts: &[Part], properties: &[Property]) -> Vec<f64> {
     if parts.iter().all(has_all) {
         return vec![1.0; parts.len()];
     }
-    let area = |instance: &Instance| area(&scene.meshes()[instance.mesh], &instance.world_from_object);
+    let area = |instance: &Instance| scene.meshes()[instance.mesh].area(&instance.world_from_object);
     scene.instances().iter().map(area).collect()
-}
-
-fn area(mesh: &Mesh, world: &Mat4) -> f64 {
-    let area = |triangle: usize| {
-        let [a, b, c] = mesh.corners(triangle).map(|corner| world.transform_point(corner.to_f64()));
-        (b - a).cross(c - a).length() * 0.5
-    };
-    (0..mesh.triangles().len()).map(area).sum()
 }
 
 /// Returns a material with all that is uniform. It has the name of the parts' material where they show one alone.
@@ -145,7 +136,7 @@ fn material(parts: &[Part], found: &[Found]) -> Material {
 mod tests {
     use super::*;
     use crate::image::{Bitmap, Encoding, Sampler, Texels, Texture};
-    use crate::math::Vec3;
+    use crate::math::{Mat4, Vec3};
     use crate::mesh::MeshData;
     use crate::scene::{Anisotropy, Clearcoat, SceneData, TextureRef, UvTransform};
 

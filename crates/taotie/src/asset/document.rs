@@ -7,7 +7,7 @@ use crate::error::{Error, Result, Warnings};
 use crate::io::{self, GltfFormat, GltfGraft, GltfSource, Limits};
 use crate::math::{Mat4, Vec3};
 use crate::mesh::Mesh;
-use crate::scene::{NormalSpace, Scene};
+use crate::scene::{Material, NormalSpace, Scene};
 use crate::surface::with_normals;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -51,6 +51,8 @@ pub(super) struct KeptMaterial {
     pub number: usize,
     /// A word that tells it from the file's other materials, fit for the name of a file; empty where it is the only one.
     pub label: String,
+    /// The material as the file says it.
+    pub said: Material,
     /// `true` where colours of vertices go.
     pub drops_colors: bool,
 }
@@ -268,7 +270,7 @@ fn word(name: &str) -> String {
 mod tests {
     use super::*;
     use crate::mesh::MeshData;
-    use crate::scene::{Instance, Material, SceneData};
+    use crate::scene::{Instance, SceneData};
 
     /// A file of one ball for each material, with uvs where it is said.
     fn file(names: &[&str], uvs: &[bool]) -> Read {
@@ -287,7 +289,8 @@ mod tests {
             ..SceneData::default()
         });
         let (scene, limits) = (scene.unwrap(), Limits::default());
-        Read { scene, moving: None, is_gltf: true, has_xmp: false, names: Vec::new(), limits }
+        let (names, files) = (Vec::new(), Vec::new());
+        Read { scene, moving: None, is_gltf: true, has_xmp: false, names, limits, files }
     }
 
     fn hindrance(read: &Read, options: &BakeOptions) -> String {

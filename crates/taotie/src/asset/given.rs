@@ -2,13 +2,12 @@
 
 use super::document::{self, Document, KeptMaterial, shown_materials};
 use super::kept_textures::{KeptTextures, note_samplers};
-use super::low_file::read;
+use super::low_file::Read;
 use super::options::{BakeOptions, MeshSource};
 use super::plan::LowLook;
 use super::stripped::Stripped;
 use crate::bake::{self, MapKind};
 use crate::error::{Result, Warnings};
-use crate::io::Limits;
 use crate::mesh::{Mesh, MeshData};
 use crate::scene::{AlphaMode, Instance, Material, Scene};
 
@@ -38,17 +37,17 @@ pub(super) struct Taken {
 }
 
 impl GivenMesh {
-    /// Reads a mesh, at rest.
+    /// Takes a mesh that was read, at rest.
     ///
     /// # Errors
-    /// Those of reading; [`Error::Unsupported`](crate::Error::Unsupported) for what the asset could not keep of it.
-    pub fn read(
+    /// [`Error::Unsupported`](crate::Error::Unsupported) for what the asset could not keep of it; those of writing it
+    /// anew.
+    pub fn of(
         options: &BakeOptions,
         source: &MeshSource,
-        limits: &Limits,
+        mut read: Read,
         warnings: &mut Warnings,
     ) -> Result<Self> {
-        let mut read = read(source, limits, warnings)?;
         let document = document::kept(source, &mut read, options, warnings)?;
         match document {
             Some(document) => Self::of_document(document, read.scene),
@@ -71,10 +70,10 @@ impl GivenMesh {
     fn of_document(document: Document, scene: Scene) -> Result<Self> {
         let numbers = shown_materials(&scene);
         let labels = document::labels(&scene, &numbers);
-        let part = |(number, label): (usize, String)| GivenPart {
-            material: scene.materials()[number].clone(),
-            stripped: Stripped::default(),
-            own: Some(KeptMaterial { number, label, drops_colors: false }),
+        let part = |(number, label): (usize, String)| {
+            let material = scene.materials()[number].clone();
+            let own = KeptMaterial { number, label, said: material.clone(), drops_colors: false };
+            GivenPart { material, stripped: Stripped::default(), own: Some(own) }
         };
         let parts: Vec<GivenPart> = labels.into_iter().map(part).collect();
         let whole = match parts.len() {
@@ -151,9 +150,17 @@ impl GivenPart {
         note_samplers(&material, &scene, options, warnings);
         leave_relief(&material, options, warnings);
         leave_alpha(&mut material, options, warnings);
-        let mesh = uncolored(bake::low_poly_mesh(scene)?, options, warnings)?;
+        let mesh = uncolored(joined(scene, options)?, options, warnings)?;
         Ok(Taken { mesh, material, kept, own: None })
     }
+}
+
+/// Returns all of a scene as one mesh. Maps alone are for the file that it is from, so its meshes have the tangents that
+/// viewers of that give them; else the mesh is written anew, with tangents of its own.
+fn joined(scene: Scene, options: &BakeOptions) -> Result<Mesh> {
+    let has_uvs = |instance: &Instance| !scene.meshes()[instance.mesh].uvs().is_empty();
+    let is_for_file = options.keep_uvs && scene.instances().iter().all(has_uvs);
+    if is_for_file { bake::framed_low_poly_mesh(scene) } else { bake::low_poly_mesh(scene) }
 }
 
 /// Leaves out the normal map, which is of other tangents.
@@ -181,4 +188,32 @@ fn uncolored(mesh: Mesh, options: &BakeOptions, warnings: &mut Warnings) -> Resu
     }
     warnings.note("the low-poly mesh's vertex colours are left out: albedo is baked in their place", 1);
     Mesh::new(MeshData { colors: Vec::new(), ..mesh.into_data() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Mat4, Vec3};
+
+    /// Returns the mesh that a ball, stretched in its file, is taken as.
+    fn taken(keep_uvs: bool, ball: &MeshData) -> (Scene, Mesh) {
+        let mut scene = Scene::of_mesh(Mesh::new(ball.clone()).unwrap(), Material::default()).unwrap();
+        let stretched = Mat4::scale(Vec3::new(1.0, 3.0, 1.0));
+        scene.edit(|scene| scene.instances[0].world_from_object = stretched).unwrap();
+        let mut warnings = Warnings::default();
+        let given = GivenMesh::of_one(scene.clone(), &mut warnings);
+        let options = BakeOptions { keep_uvs, ..BakeOptions::default() };
+        (scene, given.taken(&options, &mut warnings).unwrap().remove(0).mesh)
+    }
+
+    #[test]
+    fn maps_alone_have_the_frames_of_the_file() {
+        let ball = MeshData { tangents: Vec::new(), ..Mesh::sphere(1.0, 8, 4).into_data() };
+        let (scene, mesh) = taken(true, &ball);
+        let own = bake::framed_low_poly_mesh(scene).unwrap();
+        assert!(!own.tangents().is_empty() && mesh.tangents() == own.tangents());
+        assert!(taken(false, &ball).1.tangents().is_empty(), "a mesh that is written anew gets its own");
+        let bare = MeshData { uvs: Vec::new(), ..ball };
+        assert!(taken(true, &bare).1.uvs().is_empty(), "the lack of uvs is told where maps need them");
+    }
 }

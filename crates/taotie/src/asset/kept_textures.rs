@@ -6,6 +6,7 @@ use super::slots::SLOTS;
 use crate::bake::MapKind;
 use crate::error::Warnings;
 use crate::image::{Bitmap, Sampler, TexelFilter, Wrap};
+use crate::io;
 use crate::scene::{Material, Scene, TextureRef};
 
 /// Textures of a low-poly mesh's material that stay where nothing is baked in their place.
@@ -64,26 +65,19 @@ pub(super) fn note_samplers(
     options: &BakeOptions,
     warnings: &mut Warnings,
 ) {
-    let leaves_map = leaves_map(scene);
+    let asset = io::gltf_sampler(scene.meshes());
     for slot in SLOTS.iter().filter(|slot| slot.property.is_textured(material) && !slot.is_baked(options)) {
-        let other = slot.texture(material).is_some_and(|texture| differs(&texture.sampler, leaves_map));
+        let other = slot.texture(material).is_some_and(|texture| differs(&texture.sampler, &asset));
         let texture = format!("the low-poly mesh's {} texture", slot.name);
         let why = "its file mirrors it, clamps it, or does not smooth it";
         warnings.note(format!("{texture} is repeated and smoothed in the asset: {why}"), usize::from(other));
     }
 }
 
-/// Says whether a texture looks otherwise where it is repeated and smoothed; `leaves_map` where uvs are outside of it.
-fn differs(sampler: &Sampler, leaves_map: bool) -> bool {
-    let is_rough = [sampler.magnify, sampler.minify].contains(&TexelFilter::Nearest);
-    is_rough || (leaves_map && [sampler.wrap_u, sampler.wrap_v] != [Wrap::Repeat; 2])
-}
-
-/// Says whether any vertex has a uv outside of the map.
-fn leaves_map(scene: &Scene) -> bool {
-    let is_inside = |v: f32| (0.0..=1.0).contains(&v);
-    let mut uvs = scene.meshes().iter().filter_map(|mesh| mesh.uvs().first()).flatten();
-    uvs.any(|uv| !(is_inside(uv.x) && is_inside(uv.y)))
+/// Says whether a texture looks otherwise by the sampler of the asset, which smooths; that clamps where no uv shows it.
+fn differs(own: &Sampler, asset: &Sampler) -> bool {
+    let is_rough = [own.magnify, own.minify].contains(&TexelFilter::Nearest);
+    is_rough || (asset.wrap_u == Wrap::Repeat && [own.wrap_u, own.wrap_v] != [Wrap::Repeat; 2])
 }
 
 #[cfg(test)]

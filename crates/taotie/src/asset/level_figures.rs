@@ -5,7 +5,7 @@ use super::views::ViewFigures;
 use crate::bake::{MaterialError, TexturedMesh, Verifier};
 use crate::compare::{Field, Summary};
 use crate::error::Result;
-use crate::math::Vec3;
+use crate::math::Mat4;
 
 /// Bins of the histogram.
 const BINS: usize = 50;
@@ -117,16 +117,6 @@ impl PartSurface<'_> {
             material: self.material.map(|own| self.mapped.material_error(own, points)).transpose()?,
         })
     }
-
-    /// Returns the area of its triangles, square model units.
-    fn area(&self) -> f64 {
-        let mesh = self.mapped.mesh;
-        let area = |t: usize| {
-            let [a, b, c] = mesh.corners(t).map(Vec3::to_f64);
-            (b - a).cross(c - a).length() * 0.5
-        };
-        (0..mesh.triangles().len()).map(area).sum()
-    }
 }
 
 impl LevelSurface<'_> {
@@ -138,7 +128,7 @@ impl LevelSurface<'_> {
         if let [only] = &self.parts[..] {
             return Ok(vec![only.measured(points.normals)?]);
         }
-        let areas: Vec<f64> = self.parts.iter().map(PartSurface::area).collect();
+        let areas: Vec<f64> = self.parts.iter().map(|part| part.mapped.mesh.area(&Mat4::IDENTITY)).collect();
         let all: f64 = areas.iter().sum();
         let count = |area: f64| (points.normals as f64 * area / all).max(1.0) as usize;
         self.parts.iter().zip(areas).map(|(part, area)| part.measured(count(area))).collect()

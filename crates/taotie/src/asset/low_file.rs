@@ -1,11 +1,12 @@
 //! The mesh that a caller brings, as its file says.
 
 use super::options::MeshSource;
-use super::scan::check_extent;
+use super::scan::{all_files, check_extent};
 use crate::error::{Result, Warnings};
 use crate::io::{self, Limits};
 use crate::mesh::Mesh;
 use crate::scene::{Material, Scene};
+use std::path::PathBuf;
 
 /// The content of a file with a mesh.
 pub(super) struct Read {
@@ -20,6 +21,8 @@ pub(super) struct Read {
     pub names: Vec<String>,
     /// The limits within which it was read.
     pub limits: Limits,
+    /// All files that it was read from, its own first; none in memory.
+    pub files: Vec<PathBuf>,
 }
 
 /// Reads a mesh that is given.
@@ -29,15 +32,17 @@ pub(super) fn read(source: &MeshSource, limits: &Limits, warnings: &mut Warnings
         MeshSource::Mesh(mesh) => {
             let scene = Scene::of_mesh(Mesh::clone(mesh), Material::default())?;
             check_extent(&scene, "the low-poly mesh")?;
-            Ok(Read { scene, moving: None, is_gltf: false, has_xmp: false, names: Vec::new(), limits })
+            let (names, files) = (Vec::new(), Vec::new());
+            Ok(Read { scene, moving: None, is_gltf: false, has_xmp: false, names, limits, files })
         }
         MeshSource::File(path) => {
-            let loaded = io::load_model_within(path, &limits)?;
+            let mut loaded = io::load_model_within(path, &limits)?;
             warnings.absorb(loaded.warnings);
             check_extent(&loaded.scene, &path.display().to_string())?;
             let is_gltf = ["glTF", "GLB"].contains(&loaded.format);
             let (moving, has_xmp) = (loaded.moving, !loaded.xmp.is_empty());
-            Ok(Read { scene: loaded.scene, moving, is_gltf, has_xmp, names: loaded.mesh_names, limits })
+            let (names, files) = (loaded.mesh_names, all_files(path, &mut loaded.files));
+            Ok(Read { scene: loaded.scene, moving, is_gltf, has_xmp, names, limits, files })
         }
     }
 }

@@ -13,6 +13,7 @@ use crate::bake::BakeCounts;
 use crate::error::Warnings;
 use crate::mesh::Mesh;
 use crate::scene::AlphaMode;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// All that a bake made.
@@ -20,6 +21,8 @@ pub(super) struct Made {
     /// With the maps that the scan's material needed.
     pub options: Arc<BakeOptions>,
     pub about: Arc<About>,
+    /// The files that the low-poly mesh and the cage were read from.
+    pub low_files: Vec<PathBuf>,
     /// The low-poly file that stays as it is; `None` where the asset is one mesh of one material.
     pub document: Option<Document>,
     /// The triangles of each material with their maps, at least one.

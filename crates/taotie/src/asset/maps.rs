@@ -1,12 +1,12 @@
 //! The maps of one low-poly mesh: cage, projection, storing.
 
+use super::inputs::{CageMesh, Rays};
 use super::judgement::{Pair, refuse_no_hit};
-use super::low_file::read;
-use super::options::{BakeOptions, MeshSource, RayDistance};
+use super::options::{BakeOptions, MeshSource};
 use super::scan::Scan;
 use super::textures::Textures;
 use crate::bake::{self, BakeCounts, BakeInput, BakeSettings, Baked, Cage, Maps};
-use crate::error::{Error, Result, Warnings};
+use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 
@@ -17,21 +17,25 @@ pub(super) struct StoredMaps {
     pub counts: BakeCounts,
     /// The cage from which the scan was looked for.
     pub cage: Cage,
-    /// The faults of the cage's file.
-    pub warnings: Warnings,
+}
+
+/// The options of a bake, with the cage that they name.
+#[derive(Clone, Copy)]
+pub(super) struct Recipe<'a> {
+    pub options: &'a BakeOptions,
+    pub rays: &'a Rays,
 }
 
 /// Bakes the maps that are asked for, of this size.
 pub(super) fn bake_maps(
-    options: &BakeOptions,
+    Recipe { options, rays }: Recipe<'_>,
     size: [u32; 2],
     pair: Pair<'_>,
     progress: Progress<'_>,
 ) -> Result<StoredMaps> {
     let Pair { scan, low } = pair;
     progress.begin("measure the gap")?;
-    let mut warnings = Warnings::default();
-    let cage = cage(&options.ray_distance, &low.mesh, scan, &mut warnings)?;
+    let cage = cage(rays, &low.mesh, scan)?;
     let settings = BakeSettings {
         size,
         side: options.side,
@@ -47,16 +51,15 @@ pub(super) fn bake_maps(
     refuse_no_hit(pair, &cage, &counts)?;
     progress.begin("store")?;
     let textures = Textures::new(&maps, options, low)?;
-    Ok(StoredMaps { textures, counts, cage, warnings })
+    Ok(StoredMaps { textures, counts, cage })
 }
 
-fn cage(distance: &RayDistance, low: &Mesh, scan: &Scan, warnings: &mut Warnings) -> Result<Cage> {
-    match distance {
-        RayDistance::Auto => Ok(Cage::automatic(low, &scan.high)),
-        RayDistance::Uniform(distance) => Cage::uniform(low, *distance as f32),
-        RayDistance::Cage(source) => {
-            let mesh = bake::low_poly_mesh(read(source, &scan.limits, warnings)?.scene)?;
-            Cage::from_mesh(low, &mesh).map_err(|error| of_file(source, error))
+fn cage(rays: &Rays, low: &Mesh, scan: &Scan) -> Result<Cage> {
+    match rays {
+        Rays::Auto => Ok(Cage::automatic(low, &scan.high)),
+        Rays::Uniform(distance) => Cage::uniform(low, *distance as f32),
+        Rays::Cage(CageMesh { mesh, source }) => {
+            Cage::from_mesh(low, mesh).map_err(|error| of_file(source, error))
         }
     }
 }

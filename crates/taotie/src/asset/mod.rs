@@ -29,6 +29,7 @@ mod figure;
 mod given;
 mod green;
 mod hash;
+mod inputs;
 mod judgement;
 mod kept_textures;
 mod level_figures;

@@ -244,7 +244,7 @@ impl About {
 }
 
 /// Returns a model's file and all others that it was read from, each once.
-fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
+pub(super) fn all_files(path: &Path, others: &mut Vec<PathBuf>) -> Vec<PathBuf> {
     others.sort();
     others.dedup();
     let others = others.iter().filter(|other| *other != path).cloned();

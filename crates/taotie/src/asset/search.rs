@@ -2,8 +2,7 @@
 
 use super::judgement::Pair;
 use super::low::{self, LowPoly};
-use super::maps::{StoredMaps, bake_maps};
-use super::options::BakeOptions;
+use super::maps::{Recipe, StoredMaps, bake_maps};
 use super::scan::Scan;
 use super::search_course::{Candidate, Course, Trial, Weight};
 use crate::bake::{ShownNormals, Simplified, Verifier};
@@ -37,15 +36,10 @@ pub(super) struct Found {
 ///
 /// # Errors
 /// [`Error::Invalid`] where none comes within `most` degrees, with the nearest that was found.
-pub(super) fn smallest(
-    options: &BakeOptions,
-    scan: &Scan,
-    most: f64,
-    progress: Progress<'_>,
-) -> Result<Found> {
+pub(super) fn smallest(recipe: Recipe<'_>, scan: &Scan, most: f64, progress: Progress<'_>) -> Result<Found> {
     let total = scan.mesh().triangles().len();
     let (candidates, mut course) = (candidates(total), Course::default());
-    let mut search = Search { options, scan, known: BTreeMap::new(), best: None };
+    let mut search = Search { recipe, scan, known: BTreeMap::new(), best: None };
     while let Some(candidate) = course.next(&candidates) {
         let (tried, mean_angle) = search.tried(candidate, progress)?;
         let weight = (mean_angle <= most).then(|| tried.weight()).transpose()?;
@@ -61,7 +55,7 @@ pub(super) fn smallest(
 
 /// The candidates as they are made.
 struct Search<'a> {
-    options: &'a BakeOptions,
+    recipe: Recipe<'a>,
     scan: &'a Scan,
     /// Maps of several sizes are tried on the same triangles.
     known: BTreeMap<u32, Simplified>,
@@ -86,7 +80,7 @@ impl Search<'_> {
         };
         let low = LowPoly::made(self.scan, simplified, size, progress)?;
         let pair = Pair { scan: self.scan, low: &low };
-        let maps = bake_maps(self.options, [size; 2], pair, progress)?;
+        let maps = bake_maps(self.recipe, [size; 2], pair, progress)?;
         let mean_angle = mean_angle(pair, &maps)?;
         Ok((Tried { low, maps, candidate }, mean_angle))
     }

@@ -14,10 +14,9 @@ use crate::bake::MapKind;
 use crate::error::{Result, Warnings};
 use crate::image::Encoding;
 use crate::io::{
-    self, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel,
-    GltfMaterial, GraftedMaterial, Json,
+    self, EncodedModel, FileBytes, FileSet, GltfAsset, GltfFormat, GltfGraft, GltfImage, GltfImages,
+    GltfLevel, GltfMaterial, GraftedMaterial, Json,
 };
-use crate::mesh::Mesh;
 use crate::names::Named;
 use crate::progress::Progress;
 use crate::scene::{AlphaMode, GreenChannel};
@@ -49,8 +48,8 @@ pub struct Written {
 impl Asset {
     /// Writes the asset as `.glb`, or as `.gltf` with its files beside it. Maps that glTF has no place for are written
     /// beside either, such as `scan.height.png`. A path that ends with `.png`, `.webp` or `.exr` gets maps alone: the first
-    /// in that file, all others beside it, such as `out.ao.png`, with green as the packing says. All files appear together at the end; a write that fails or is
-    /// cancelled leaves none. The same asset gives the same bytes.
+    /// in that file, all others beside it, such as `out.ao.png`, with green as the packing says. All files appear together
+    /// at the end; a write that fails or is cancelled leaves none. The same asset gives the same bytes.
     ///
     /// The listener hears the stage `write`.
     ///
@@ -81,19 +80,20 @@ impl Asset {
         progress: Progress<'_>,
     ) -> Result<Written> {
         let progress = progress.begin("write")?;
-        set.protect(&self.made.about.files)?;
+        set.protect(self.made.about.files.iter().chain(&self.made.low_files).chain(&packing.provenance))?;
         let (asset, packed, path) = (self.clone(), packing.clone(), path.to_path_buf());
         let is_alone = maps_alone::is_alone(&path);
         let encode = move |_: Progress<'_>| match is_alone {
-            true => maps_alone::encoded(&asset.made, &path, &packed),
+            true => maps_alone::encoded(&asset.made, &path, &packed).map(EncodedModel::from),
             false => encoded(&asset.made, &path, &packed),
         };
-        let files = progress.part(0.0, 0.8).apart(encode)?;
+        let EncodedModel { files, warnings: left_out } = progress.part(0.0, 0.8).apart(encode)?;
         set.write_files(&files, progress.part(0.8, 1.0))?;
-        let warnings = match is_alone {
+        let mut warnings = match is_alone {
             true => maps_alone::warnings(&self.made),
             false => notes(&self.made, packing, &files),
         };
+        warnings.absorb(left_out);
         let files = files.into_iter().map(|file| file.path).collect();
         Ok(Written { asset: self.clone(), packing: packing.clone(), files, set: set.clone(), warnings })
     }
@@ -110,7 +110,7 @@ pub(super) fn possible_files(path: &Path, options: &BakeOptions, packing: &Packi
 }
 
 /// Returns all files, the model first.
-fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>> {
+fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<EncodedModel> {
     let xmp = provenance::packet(made, packing)?;
     let rights = io::xmp_rights(&xmp);
     let sets = made.parts.iter().map(|part| BesideMaps::of(made, part, packing));
@@ -122,17 +122,17 @@ fn encoded(made: &Made, path: &Path, packing: &Packing) -> Result<Vec<FileBytes>
         extras: extras.as_ref(),
     };
     let target = Target { path, format: &packing.format() };
-    let mut files = match &made.document {
+    let mut model = match &made.document {
         Some(document) => grafted(made, document, &about, target)?,
-        None => anew(made, &about, target)?,
+        None => anew(made, &about, target)?.into(),
     };
     for set in &sets {
         for beside in set.all() {
             let bytes = io::encode_png_bitmap(&beside.bitmap, Encoding::Linear)?;
-            files.push(FileBytes { path: beside.file(set.label, path), bytes });
+            model.files.push(FileBytes { path: beside.file(set.label, path), bytes });
         }
     }
-    Ok(files)
+    Ok(model)
 }
 
 /// Returns the files of an asset of one mesh and one material, the model first.
@@ -158,12 +158,7 @@ fn anew(made: &Made, about: &About<'_>, target: Target<'_>) -> Result<Vec<FileBy
 }
 
 /// Returns the files of the low-poly file `document` with what was baked for its materials, the model first.
-fn grafted(
-    made: &Made,
-    document: &Document,
-    about: &About<'_>,
-    target: Target<'_>,
-) -> Result<Vec<FileBytes>> {
+fn grafted(made: &Made, document: &Document, about: &About<'_>, target: Target<'_>) -> Result<EncodedModel> {
     // Textures of the file that stay are in it already.
     let none = KeptTextures::default();
     let mut materials = Vec::with_capacity(made.parts.len());
@@ -173,7 +168,8 @@ fn grafted(
             number: own.number,
             label: &own.label,
             material: maps.textures.material(&low.material, &none),
-            is_repeated: leaves_map(&low.mesh),
+            said: &own.said,
+            sampler: io::gltf_sampler([&low.mesh]),
             drops_colors: own.drops_colors,
         });
     }
@@ -186,12 +182,6 @@ fn grafted(
         extras: about.extras,
     };
     io::encode_graft(target.path, &graft, target.format)
-}
-
-/// Says whether any vertex has a uv outside of the map.
-fn leaves_map(mesh: &Mesh) -> bool {
-    let is_inside = |v: f32| (0.0..=1.0).contains(&v);
-    mesh.uvs().first().is_some_and(|uvs| uvs.iter().any(|uv| !(is_inside(uv.x) && is_inside(uv.y))))
 }
 
 /// A model's file, and how it is packed.
@@ -239,6 +229,10 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
     }
     let has_alpha = materials.iter().any(has_alpha);
     warnings.note(
+        "materials are unlit (KHR_materials_unlit): of their maps viewers show the base colour alone",
+        materials.iter().filter(|material| hides_maps(material)).count(),
+    );
+    warnings.note(
         "meshes are not compressed: the low-poly mesh's file stays as it is",
         usize::from(made.document.is_some() && packing.meshopt),
     );
@@ -263,6 +257,14 @@ fn notes(made: &Made, packing: &Packing, files: &[FileBytes]) -> Warnings {
 fn has_alpha(material: &GltfMaterial<'_>) -> bool {
     let has = |image| matches!(image, GltfImage::Bitmap(bitmap) if matches!(bitmap.channels(), 2 | 4));
     material.alpha != AlphaMode::Opaque && material.base_color_map.is_some_and(has)
+}
+
+/// Says whether a material without light has textures that nothing shows.
+fn hides_maps(material: &GltfMaterial<'_>) -> bool {
+    let GltfMaterial { metallic_roughness_map, occlusion_map, normal_map, emissive_map, layers, .. } =
+        material;
+    let hidden = [metallic_roughness_map, occlusion_map, normal_map, emissive_map];
+    layers.is_some_and(|layers| layers.unlit) && hidden.iter().any(|map| map.is_some())
 }
 
 /// Says whether there is a texture that may lose more: neither normals, nor a base colour that is packed otherwise.

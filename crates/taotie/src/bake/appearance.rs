@@ -90,7 +90,7 @@ impl Appearance {
         }
         let read = self.textures.iter().zip(is_read);
         let of = |(texture, is_read): (&Texture, bool)| {
-            (is_read && has_alpha(texture)).then(|| premultiplied(texture)).transpose()
+            (is_read && texture.bitmap().has_alpha()).then(|| premultiplied(texture)).transpose()
         };
         Ok(Self { premultiplied: read.map(of).collect::<Result<_>>()?, ..self })
     }
@@ -173,13 +173,6 @@ impl Appearance {
     fn texture<'a>(&'a self, mesh: &'a Mesh, used: &'a TextureRef) -> TextureOnMesh<'a> {
         TextureOnMesh { mesh, texture: &self.textures[used.texture], used }
     }
-}
-
-/// Says whether a texture is not fully there somewhere.
-fn has_alpha(texture: &Texture) -> bool {
-    let bitmap = texture.bitmap();
-    let has_channel = matches!(bitmap.channels(), 2 | 4);
-    has_channel && (0..bitmap.texels().len()).any(|i| bitmap.stored(i)[3] < 1.0)
 }
 
 fn rgb([r, g, b, _]: [f32; 4]) -> Vec3 {

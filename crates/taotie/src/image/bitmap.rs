@@ -103,6 +103,11 @@ impl Bitmap {
         }
     }
 
+    /// Says whether some texel is not fully there: whether the file held alpha, and it is below one anywhere.
+    pub fn has_alpha(&self) -> bool {
+        matches!(self.channels, 2 | 4) && (0..self.texels.len()).any(|i| self.stored(i)[3] < 1.0)
+    }
+
     /// Bits a channel: 8, 16 or 32.
     pub fn bits(&self) -> u8 {
         match self.texels {
@@ -110,5 +115,20 @@ impl Bitmap {
             Texels::U16(_) => 16,
             Texels::F32(_) => 32,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alpha_counts_where_the_file_held_it() {
+        let has = |channels: u8, alpha: u8| {
+            let texels = Texels::U8(vec![[0, 0, 0, 255], [0, 0, 0, alpha]]);
+            Bitmap::new(2, 1, channels, texels).unwrap().has_alpha()
+        };
+        assert_eq!([1, 2, 3, 4].map(|channels| has(channels, 254)), [false, true, false, true]);
+        assert_eq!([2, 4].map(|channels| has(channels, 255)), [false; 2]);
     }
 }

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "exr")]
 mod exr;
+mod jpeg;
 #[cfg(feature = "basis")]
 mod ktx;
 mod limits;
@@ -13,7 +14,9 @@ use super::reading::Reading;
 use crate::error::{Error, Result};
 use crate::image::{Bitmap, Texels};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
-use limits::{Failure, MAX_TEXELS, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible};
+use limits::{
+    Failure, KEPT_OF_8_BITS, MAX_TEXELS, MAX_TEXELS_OF_PLAIN, TexelRoom, check_room, check_size, credible,
+};
 use std::io::Cursor;
 use std::path::Path;
 use widen::expand;
@@ -129,8 +132,16 @@ fn decode(bytes: &[u8], format: ImageFormat, reading: &Reading) -> std::result::
     check_size(u64::from(width), u64::from(height), credible)?;
     let color = decoder.color_type();
     let depth = u64::from(color.bytes_per_pixel() / color.channel_count());
-    // The decoder's own image lies beside the texels that are made of it, and some copy it once more.
-    let beside = 2 * u64::from(color.bytes_per_pixel());
+    let (texels, own) = (u64::from(width) * u64::from(height), u64::from(color.bytes_per_pixel()));
+    let beside = match format {
+        ImageFormat::Jpeg => {
+            let room =
+                jpeg::room(bytes, own).ok_or_else(|| Failure::Damaged("it has no sound header".into()))?;
+            room.saturating_sub(KEPT_OF_8_BITS * texels)
+        }
+        // The decoder's own image lies beside the texels that are made of it, and some copy it once more.
+        _ => 2 * own * texels,
+    };
     check_room(reading, [width, height], TexelRoom { depth, beside })?;
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(MAX_TEXELS * 16);

@@ -36,9 +36,9 @@ pub use stopwatch::Stopwatch;
 pub use system::free_memory;
 pub use variants::Variants;
 pub use write::{
-    AnimatedImage, AnimationFormat, AnimationSpec, FileBytes, FileSet, GltfAsset, GltfDraft, GltfFormat,
-    GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial, GraftedMaterial, ImageFormat, PngColor,
-    PngImage, PngSamples, Stopper, WrittenScene, encode_glb, encode_gltf, encode_graft, encode_png,
+    AnimatedImage, AnimationFormat, AnimationSpec, EncodedModel, FileBytes, FileSet, GltfAsset, GltfDraft,
+    GltfFormat, GltfGraft, GltfImage, GltfImages, GltfLevel, GltfMaterial, GraftedMaterial, ImageFormat,
+    PngColor, PngImage, PngSamples, Stopper, WrittenScene, encode_glb, encode_gltf, encode_graft, encode_png,
     encode_png_bitmap, encode_scene, encode_webp_bitmap, gltf_files, gltf_sampler, write_bytes, write_gltf,
     write_image, write_png, write_png_bitmap, write_scene, write_text,
 };

@@ -12,7 +12,7 @@ pub(crate) use point::{blend, each};
 pub(crate) use repair::repair;
 
 use crate::error::{Error, Result};
-use crate::math::{Vec2, Vec3};
+use crate::math::{Mat4, Vec2, Vec3};
 use crate::parallel;
 use std::sync::Arc;
 
@@ -135,6 +135,16 @@ impl Mesh {
             positions().fold(first, |a, p| Vec3::new(of(a.x, p.x), of(a.y, p.y), of(a.z, p.z)))
         };
         (pick(f64::max) - pick(f64::min)).length()
+    }
+
+    /// The area of its triangles where a transform puts them, square units of the world.
+    pub fn area(&self, world_from_object: &Mat4) -> f64 {
+        let area = |triangle: usize| {
+            let corners = self.corners(triangle);
+            let [a, b, c] = corners.map(|corner| world_from_object.transform_point(corner.to_f64()));
+            (b - a).cross(c - a).length() * 0.5
+        };
+        (0..self.data.triangles.len()).map(area).sum()
     }
 
     /// The number of triangles that have no area, to the last bit.

@@ -3,6 +3,8 @@
 
 use crate::gltf::{one_primitive, triangle};
 use base64::Engine;
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder};
 use std::path::{Path, PathBuf};
 use taotie::Error;
 use taotie::asset::{Bytes, Limits};
@@ -91,6 +93,22 @@ fn an_image_alone_is_foreseen_too() {
     let error = read(Limits { pixels: 1 << 20, ..Limits::default() }).unwrap_err().to_string();
     assert!(error.contains("2048×2048; at most 1048576 pixels"), "{error}");
     assert!(read(Limits::default()).is_ok());
+}
+
+/// The decoder's own pixels lie where mip levels will.
+#[test]
+fn a_jpeg_of_one_scan_takes_no_more_than_its_texels() {
+    let (side, folder) = (1024u32, tempfile::tempdir().unwrap());
+    let path = folder.path().join("grey.jpg");
+    let mut bytes = Vec::new();
+    let encoder = JpegEncoder::new(&mut bytes);
+    encoder.write_image(&vec![128; (side * side * 3) as usize], side, side, ExtendedColorType::Rgb8).unwrap();
+    write_bytes(&path, &bytes).unwrap();
+    let reads = |memory: u64| {
+        read_bitmap_within(&path, &Limits { memory: Some(Bytes(memory)), ..Limits::default() }).is_ok()
+    };
+    let foreseen = u64::from(side * side) * 7 + bytes.len() as u64;
+    assert!(reads(foreseen) && !reads(foreseen - 1));
 }
 
 #[test]

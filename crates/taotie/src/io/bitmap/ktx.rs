@@ -19,7 +19,8 @@ const ZSTANDARD: u32 = 2;
 pub(super) fn decode(bytes: &[u8], reading: &Reading) -> Result<Bitmap, Failure> {
     let (width, height) = check_header(bytes)?;
     // Unpacked blocks, at most a byte a texel, and the decoder's own texels.
-    check_room(reading, [width, height], TexelRoom { depth: 1, beside: 5 })?;
+    let beside = 5 * u64::from(width) * u64::from(height);
+    check_room(reading, [width, height], TexelRoom { depth: 1, beside })?;
     let attempt = caught(|| {
         let transcoder = Transcoder::new(bytes)?;
         let texels = transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE)?;

@@ -50,12 +50,17 @@ pub(super) fn credible(bytes: &[u8]) -> u64 {
     (bytes.len() as u64).saturating_mul(MAX_TEXELS_PER_BYTE)
 }
 
-/// The memory of a texel.
+/// The bytes a texel of 8 bits: of four channels, and of their mip levels or of the decoder's own pixels, which go before.
+pub(super) const KEPT_OF_8_BITS: u64 = 7;
+/// The bytes of a deeper one: those of normals are deeper, and deep sRGB becomes float.
+const KEPT_OF_DEEPER: u64 = 22;
+
+/// The memory of an image's texels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TexelRoom {
     /// Bytes a channel: 1, 2 or 4.
     pub depth: u64,
-    /// Bytes beside the texel while it is decoded.
+    /// Bytes beside the texels while they are decoded.
     pub beside: u64,
 }
 
@@ -71,12 +76,8 @@ pub(super) fn check_room(
     if texels > most {
         return Err(Failure::TooLarge(format!("{width}×{height}; at most {most} pixels: scale it down")));
     }
-    // Four channels and their mip levels; those of normals are deeper, and deep sRGB becomes float.
-    let kept = match room.depth {
-        1 => 7,
-        _ => 22,
-    };
-    let need = texels * (kept + room.beside);
+    let kept = if room.depth == 1 { KEPT_OF_8_BITS } else { KEPT_OF_DEEPER };
+    let need = texels * kept + room.beside;
     match reading.take(need) {
         true => Ok(()),
         false => Err(Failure::TooLarge(format!("{width}×{height} needs about {} of memory", Bytes(need)))),

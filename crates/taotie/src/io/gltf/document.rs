@@ -5,6 +5,7 @@ use super::container::split;
 #[cfg(feature = "draco")]
 use super::draco;
 use super::extensions::check_extensions;
+use super::parsed_size::parsed_size;
 use super::reason::{Reason, no_such};
 use super::supplied::{Supplied, Supply};
 use crate::error::{Error, Result, Warnings};
@@ -14,9 +15,6 @@ use crate::io::xmp;
 use gltf::json::{self, Root, Value};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Bytes that a byte of JSON takes while it is parsed: values, then types made of them.
-pub(super) const JSON: u64 = 16;
 
 /// A parsed file with its buffers.
 pub(super) struct Document {
@@ -47,11 +45,13 @@ impl Document {
     pub fn of(reading: &Arc<Reading>, content: Vec<u8>, warnings: &mut Warnings) -> Result<Self> {
         let path = reading.path();
         let (text, blob) = split(path, content)?;
-        if !reading.take(text.len() as u64 * JSON) {
+        if !reading.take(parsed_size(&text, blob.is_some())) {
             reading.check()?;
         }
         let format = if blob.is_some() { "GLB" } else { "glTF" };
         let Parsed { root, animations, xmp } = parse(path, &text)?;
+        // Its place is counted for what data URIs hold.
+        drop(text);
         check_extensions(path, &root, warnings)?;
         check_nodes(reading, root.nodes.len() as u64)?;
         let buffers = Buffers::load(reading, &root, blob.filter(|b| !b.is_empty()), warnings)?;

@@ -25,6 +25,9 @@ pub const SUPPORTED: [&str; 16] = [
     "KHR_draco_mesh_compression",
 ];
 
+/// Extensions that give a texture another image than its own, the one that is believed most first.
+pub(in crate::io) const OF_TEXTURES: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
+
 /// Extensions that do not change an image with the default materials: of levels of detail the finest is drawn, and
 /// the channels of KHR_animation_pointer are left out with a separate warning.
 const WITHOUT_EFFECT: [&str; 4] = ["KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer", "MSFT_lod"];

@@ -1,15 +1,13 @@
 //! Images: those that a texture shows, the places of their bytes, and their decoding.
 
 use super::document::Document;
+use super::extensions::OF_TEXTURES;
 use super::reason::{Reason, no_such};
 use super::uri;
 use crate::image::Bitmap;
 use crate::io::bitmap::decode_within;
 use gltf::json::{Image, Texture, Value};
 use std::collections::HashMap;
-
-/// Extensions that give a texture another image than its own, the one that is believed most first.
-const EXTENSIONS: [&str; 2] = ["EXT_texture_webp", "KHR_texture_basisu"];
 
 /// Returns the images of a texture, the one to be shown first. The others are there for programs that cannot read it,
 /// so they replace it where it is damaged or missing.
@@ -29,20 +27,23 @@ pub(super) fn sources(document: &Document, index: usize) -> Reason<Vec<usize>> {
 fn extended(texture: &Texture) -> impl Iterator<Item = usize> {
     let extensions = texture.extensions.as_ref();
     let source = move |name: &str| extensions?.others.get(name)?.get("source").and_then(Value::as_u64);
-    EXTENSIONS.into_iter().filter_map(source).map(|image| usize::try_from(image).unwrap_or(usize::MAX))
+    OF_TEXTURES.into_iter().filter_map(source).map(|image| usize::try_from(image).unwrap_or(usize::MAX))
 }
 
 /// Returns for each image of the file the first that has the same source, so that each source is decoded once.
 pub(super) fn same_sources(document: &Document) -> Vec<usize> {
     let mut firsts = HashMap::new();
-    let source = |image: &Image| match (image.buffer_view, &image.uri) {
-        (Some(view), _) => Some((Some(view.value()), None)),
-        (None, Some(uri)) => Some((None, Some(uri.clone()))),
-        (None, None) => None,
-    };
     let images = document.root.images.iter().enumerate();
     let first = |(i, image)| source(image).map_or(i, |source| *firsts.entry(source).or_insert(i));
     images.map(first).collect()
+}
+
+/// Returns the view or the URI that an image names.
+fn source(image: &Image) -> Option<(Option<usize>, Option<&str>)> {
+    match (image.buffer_view, &image.uri) {
+        (Some(view), _) => Some((Some(view.value()), None)),
+        (None, uri) => uri.as_deref().map(|uri| (None, Some(uri))),
+    }
 }
 
 /// The reason why an image cannot be had.

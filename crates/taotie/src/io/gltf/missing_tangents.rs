@@ -2,6 +2,7 @@
 
 use super::accessor::Accessor;
 use super::document::Document;
+use super::extensions::extension;
 use super::primitives::{bytes_of, most_elements};
 use super::source::GltfSource;
 use super::triangles::{read_indices, triangulate};
@@ -58,8 +59,11 @@ pub(in crate::io) fn missing_tangents(
 
 fn tangents(document: &Document, primitive: &Primitive, budget: &mut usize) -> Option<Vec<[f32; 4]>> {
     let has = |semantic: Semantic| attribute(primitive, semantic).is_some();
-    let is_packed = primitive.extensions.as_ref().is_some_and(|e| e.others.contains_key(DRACO));
-    if is_packed || has(Semantic::Tangents) || !has(Semantic::Normals) || !has(Semantic::TexCoords(0)) {
+    if extension(primitive, DRACO).is_some()
+        || has(Semantic::Tangents)
+        || !has(Semantic::Normals)
+        || !has(Semantic::TexCoords(0))
+    {
         return None;
     }
     let Checked::Valid(mode) = primitive.mode else { return None };

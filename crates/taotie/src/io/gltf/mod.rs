@@ -22,6 +22,7 @@ mod meshes;
 mod meshopt;
 mod missing_tangents;
 mod nodes;
+mod parsed_size;
 mod primitives;
 mod raw;
 mod reason;
@@ -35,7 +36,7 @@ mod variants;
 mod vertices;
 
 pub use extensions::SUPPORTED;
-pub(super) use extensions::is_known;
+pub(super) use extensions::{OF_TEXTURES, is_known};
 pub(super) use missing_tangents::missing_tangents;
 pub(super) use raw::RawGltf;
 pub use source::GltfSource;

@@ -2,7 +2,7 @@
 
 use super::buffers::load_buffer;
 use super::container::split;
-use super::document::JSON;
+use super::parsed_size::parsed_size;
 use super::source::GltfSource;
 use super::uri::{self, ByteSource};
 use crate::error::{Error, Result};
@@ -10,6 +10,7 @@ use crate::io::json::broken;
 use crate::io::limits::Limits;
 use crate::io::reading::Reading;
 use serde_json::Value;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A glTF file as it stands.
@@ -30,14 +31,10 @@ impl RawGltf {
         let path = source.path();
         let reading = Arc::new(Reading::new(path, limits));
         let (text, mut blob) = split(path, source.bytes(&reading)?.into_owned())?;
-        if !reading.take(text.len() as u64 * JSON) {
+        if !reading.take(parsed_size(&text, blob.is_some())) {
             reading.check()?;
         }
-        let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
-        let json: Value = serde_json::from_slice(text).map_err(|e| broken(path, &e))?;
-        if !json.is_object() {
-            return Err(Error::parse(path, "JSON", "it is no object; is this glTF 2.0?"));
-        }
+        let json = parse(path, text)?;
         let declared = json.get("buffers").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
         let mut buffers = Vec::with_capacity(declared.len());
         for (i, buffer) in declared.iter().enumerate() {
@@ -70,5 +67,15 @@ impl RawGltf {
             Ok(ByteSource::File(path)) if path.is_file() => self.reading.read(&path).map(Some),
             _ => Ok(None),
         }
+    }
+}
+
+/// Parses the JSON of a document, whose text goes.
+fn parse(path: &Path, text: Vec<u8>) -> Result<Value> {
+    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&text);
+    let json: Value = serde_json::from_slice(text).map_err(|e| broken(path, &e))?;
+    match json.is_object() {
+        true => Ok(json),
+        false => Err(Error::parse(path, "JSON", "it is no object; is this glTF 2.0?")),
     }
 }

@@ -88,12 +88,24 @@ fn decode_data(data: &str) -> Reason<ByteSource> {
     let mut parts = header.split(';');
     let media_type = parts.next().unwrap_or_default().to_ascii_lowercase();
     let bytes = if parts.any(|p| p.trim().eq_ignore_ascii_case("base64")) {
-        let body: Vec<u8> = percent_decode_str(body).filter(|b| !b.is_ascii_whitespace()).collect();
-        BASE64.decode(body).map_err(|e| format!("its base64 is damaged: {e}"))?
+        let is_plain = |byte: u8| byte != b'%' && !byte.is_ascii_whitespace();
+        let decoded = match body.bytes().all(is_plain) {
+            true => BASE64.decode(body),
+            false => BASE64.decode(unescaped(body, |byte| !byte.is_ascii_whitespace())),
+        };
+        decoded.map_err(|e| format!("its base64 is damaged: {e}"))?
     } else {
-        percent_decode_str(body).collect()
+        unescaped(body, |_| true)
     };
     Ok(ByteSource::Data { media_type, bytes })
+}
+
+/// Returns the bytes that a text with percent signs stands for, but for those that are not wanted. It takes no more memory
+/// than the text.
+fn unescaped(text: &str, is_wanted: impl Fn(u8) -> bool) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(text.len());
+    bytes.extend(percent_decode_str(text).filter(|byte| is_wanted(*byte)));
+    bytes
 }
 
 #[cfg(test)]
@@ -118,6 +130,7 @@ mod tests {
         assert_eq!(data("data:application/octet-stream;base64,AQID"), [1, 2, 3]);
         assert_eq!(data("DATA:;base64,AQI="), [1, 2]);
         assert_eq!(data("data:;base64,AQI"), [1, 2]);
+        assert_eq!(data("data:;base64,A%51 I\n="), [1, 2]);
         assert_eq!(data("data:text/plain,a%20b"), b"a b");
         assert!(locate("data:;base64,A*", &of(Path::new(""))).is_err());
         assert!(locate("data:;base64", &of(Path::new(""))).is_err());

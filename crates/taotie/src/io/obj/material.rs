@@ -113,7 +113,7 @@ fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warning
     let colored = mtl.diffuse_map.as_ref().filter(|_| m.base_color_texture.is_some());
     let index = textures.keyed(key, &names([colored, Some(map)]), |textures| {
         let opacity = textures.bitmap(map, &mtl.folder, warnings)?;
-        let channel = map.channel.unwrap_or(Channel::Stored(if has_alpha(&opacity) { 3 } else { 0 }));
+        let channel = map.channel.unwrap_or(Channel::Stored(if opacity.has_alpha() { 3 } else { 0 }));
         let color = colored.and_then(|map| textures.bitmap(map, &mtl.folder, warnings));
         // Float pictures are linear in the file already.
         let is_float = color.as_ref().is_some_and(|b| b.bits() == 32);
@@ -127,10 +127,6 @@ fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warning
     let cutout = m.alpha == AlphaMode::Opaque && is_cutout(textures.list[texture].bitmap());
     m.alpha = if cutout { AlphaMode::Mask(0.5) } else { AlphaMode::Blend };
     m.base_color_texture = Some(texture_ref(texture, colored.unwrap_or(map)));
-}
-
-fn has_alpha(bitmap: &Bitmap) -> bool {
-    matches!(bitmap.channels(), 2 | 4) && (0..bitmap.texels().len()).any(|i| bitmap.stored(i)[3] < 1.0)
 }
 
 /// Says whether at least 95 in 100 texels are fully there or fully away.

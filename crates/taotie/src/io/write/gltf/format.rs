@@ -14,8 +14,8 @@ pub enum GltfImages {
     /// to 8. Programs that do not know the extension cannot read the file.
     WebP,
     /// KTX2 of UASTC blocks with mip levels (KHR_texture_basisu), each under Zstandard: less than a byte a texel in the
-    /// file, a byte on graphics cards, and lossy; 16 bits are rounded to 8, and sides must be multiples of 4. Images with alpha that is read are
-    /// PNG. Programs that do not know the extension cannot read the file.
+    /// file, a byte on graphics cards, and lossy; 16 bits are rounded to 8, and sides must be multiples of 4. Images with
+    /// alpha that is read are PNG. Programs that do not know the extension cannot read the file.
     Ktx2,
 }
 

@@ -1,5 +1,6 @@
 //! The JSON of a material whose images are encoded.
 
+use super::edit::member;
 use super::images::Encoded;
 use super::layers::{self, Emission};
 use super::material::GltfMaterial;
@@ -7,32 +8,24 @@ use super::number::short;
 use super::slots::Slot;
 use serde_json::{Value, json};
 
+/// The member with the core's factors.
+pub(super) const PBR: &str = "pbrMetallicRoughness";
+
 /// Returns the JSON of the material; texture `i` shows image `i`.
 pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
-    let texture = |slot: Slot| images.iter().position(|image| image.serves(slot));
-    let mut pbr = json!({
-        "baseColorFactor": material.base_color.map(short),
-        "metallicFactor": short(material.metallic),
-        "roughnessFactor": short(material.roughness),
+    let mut json = json!({
+        "doubleSided": material.double_sided,
+        PBR: {
+            "baseColorFactor": material.base_color.map(short),
+            "metallicFactor": short(material.metallic),
+            "roughnessFactor": short(material.roughness),
+        },
     });
-    let mut json = json!({ "doubleSided": material.double_sided });
     if !material.name.is_empty() {
         json["name"] = material.name.into();
     }
-    if let Some(index) = texture(Slot::BaseColor) {
-        pbr["baseColorTexture"] = json!({ "index": index });
-    }
-    if let Some(index) = texture(Slot::MetallicRoughness) {
-        pbr["metallicRoughnessTexture"] = json!({ "index": index });
-    }
-    if let Some(index) = texture(Slot::Occlusion) {
-        json["occlusionTexture"] = json!({ "index": index, "strength": short(material.occlusion_strength) });
-    }
-    if let Some(index) = texture(Slot::Normal) {
-        json["normalTexture"] = json!({ "index": index, "scale": short(material.normal_scale) });
-    }
-    if let Some(index) = texture(Slot::Emissive) {
-        json["emissiveTexture"] = json!({ "index": index });
+    for (texture, image) in images.iter().enumerate() {
+        image.slots().iter().for_each(|slot| put_texture(&mut json, *slot, texture, material));
     }
     if material.emissive != [0.0; 3] {
         json["emissiveFactor"] = json!(Emission::of(material.emissive).color);
@@ -41,8 +34,27 @@ pub(super) fn json(material: &GltfMaterial, images: &[Encoded]) -> Value {
     for (name, extension) in extensions(material) {
         json["extensions"][name] = extension;
     }
-    json["pbrMetallicRoughness"] = pbr;
     json
+}
+
+/// Puts a texture, by its number, into a slot of a material. It shows uv set 0, not moved.
+pub(super) fn put_texture(json: &mut Value, slot: Slot, texture: usize, material: &GltfMaterial) {
+    let info = json!({ "index": texture });
+    match slot {
+        Slot::BaseColor => *member(member(json, PBR), "baseColorTexture") = info,
+        Slot::MetallicRoughness => {
+            *member(member(json, PBR), "metallicRoughnessTexture") = info;
+        }
+        Slot::Occlusion => {
+            let strength = short(material.occlusion_strength);
+            *member(json, "occlusionTexture") = json!({ "index": texture, "strength": strength });
+        }
+        Slot::Normal => {
+            let scale = short(material.normal_scale);
+            *member(json, "normalTexture") = json!({ "index": texture, "scale": scale });
+        }
+        Slot::Emissive => *member(json, "emissiveTexture") = info,
+    }
 }
 
 /// Returns the material's extensions: emission beyond 1, and layers.

@@ -3,6 +3,7 @@
 
 mod container;
 mod draft;
+mod edit;
 mod format;
 mod graft;
 mod image_packing;
@@ -23,7 +24,7 @@ mod webp;
 
 pub use draft::GltfDraft;
 pub use format::{GltfFormat, GltfImages};
-pub use graft::{GltfGraft, GraftedMaterial, encode_graft};
+pub use graft::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft};
 pub use image_packing::encode_webp_bitmap;
 pub use material::GltfMaterial;
 pub use samplers::gltf_sampler;
@@ -93,8 +94,8 @@ pub fn write_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result
 ///
 /// # Errors
 /// [`Error::Unsupported`] for another extension and for float textures, [`Error::Invalid`] for a model that glTF cannot
-/// express: no level, a level without triangles, textures on a mesh without uvs, factors or a quality out of range; [`Error::Limit`]
-/// for a GLB of 4 GiB or more.
+/// express: no level, a level without triangles, textures on a mesh without uvs, factors or a quality out of range;
+/// [`Error::Limit`] for a GLB of 4 GiB or more.
 pub fn encode_gltf(path: &Path, asset: &GltfAsset, format: &GltfFormat) -> Result<Vec<FileBytes>> {
     match Container::of(path)? {
         Container::Glb => Ok(vec![FileBytes { path: path.to_path_buf(), bytes: encode_glb(asset, format)? }]),

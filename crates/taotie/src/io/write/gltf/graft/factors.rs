@@ -1,19 +1,36 @@
 //! A material of a document: what was baked replaces what it says, all else stays as it is written.
 
+use super::super::edit::{items, member, remove};
 use super::super::layers::{self, Emission, STRENGTH};
 use super::super::material::GltfMaterial;
+use super::super::material_json::PBR;
 use super::super::number::short;
-use super::super::slots::Slot;
-use super::edit::{member, remove};
-use crate::scene::AlphaMode;
+use crate::scene::{AlphaMode, Material};
 use serde_json::{Value, json};
 
-/// The member with the core's factors.
-const PBR: &str = "pbrMetallicRoughness";
+/// The extension of colours and gloss that viewers show in place of the core's factors and textures.
+pub(super) const GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
-/// Makes a material of the document say the factors of another, where it says otherwise, and adds the layers that it has
-/// not.
-pub(super) fn graft(json: &mut Value, material: &GltfMaterial) {
+/// Returns the number of materials that have that extension.
+pub(super) fn count_glossy(document: &Value) -> usize {
+    items(document, "materials").iter().filter(|material| extension(material, GLOSSINESS).is_some()).count()
+}
+
+/// Returns the core's factors and textures of a material; null where it says none.
+pub(super) fn core(json: &Value) -> Value {
+    json.get(PBR).cloned().unwrap_or_default()
+}
+
+/// Removes the extension of colours and gloss from a material that says others in the core than `before`.
+pub(super) fn uncover(json: &mut Value, before: &Value) {
+    if core(json) != *before {
+        drop_extension(json, GLOSSINESS);
+    }
+}
+
+/// Makes a material of the document say the factors of another, where it says otherwise. Layers that are others than those
+/// of `said`, the material as the document was read, stand in place of what it says of them, textures included.
+pub(super) fn graft(json: &mut Value, material: &GltfMaterial, said: &Material) {
     let mut pbr = json.get(PBR).cloned().unwrap_or_else(|| json!({}));
     set_color(&mut pbr, material.base_color);
     set_factor(&mut pbr, "metallicFactor", material.metallic);
@@ -26,30 +43,10 @@ pub(super) fn graft(json: &mut Value, material: &GltfMaterial) {
         ["alphaMode", "alphaCutoff"].into_iter().for_each(|name| remove(json, name));
         layers::say_alpha(json, material.alpha);
     }
-    for (name, layer) in material.layers.into_iter().flat_map(layers::factors) {
-        if extension(json, name).is_none() {
-            *member(member(json, "extensions"), name) = layer;
-        }
-    }
-}
-
-/// Puts a texture, by its number, into a slot. It shows uv set 0, not moved.
-pub(super) fn put_texture(json: &mut Value, slot: Slot, texture: usize, material: &GltfMaterial) {
-    let info = json!({ "index": texture });
-    match slot {
-        Slot::BaseColor => *member(member(json, PBR), "baseColorTexture") = info,
-        Slot::MetallicRoughness => {
-            *member(member(json, PBR), "metallicRoughnessTexture") = info;
-        }
-        Slot::Occlusion => {
-            let strength = short(material.occlusion_strength);
-            *member(json, "occlusionTexture") = json!({ "index": texture, "strength": strength });
-        }
-        Slot::Normal => {
-            let scale = short(material.normal_scale);
-            *member(json, "normalTexture") = json!({ "index": texture, "scale": scale });
-        }
-        Slot::Emissive => *member(json, "emissiveTexture") = info,
+    let known = layers::factors(said);
+    let layers = material.layers.into_iter().flat_map(layers::factors);
+    for (name, layer) in layers.filter(|layer| !known.contains(layer)) {
+        *member(member(json, "extensions"), name) = layer;
     }
 }
 
@@ -123,7 +120,10 @@ fn alpha(json: &Value) -> AlphaMode {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::material_json::put_texture;
+    use super::super::super::slots::Slot;
     use super::*;
+    use crate::scene::Clearcoat;
 
     /// A material as an artist's program writes it, and the same as a reader has it.
     fn brass() -> (Value, GltfMaterial<'static>) {
@@ -150,15 +150,60 @@ mod tests {
     fn what_is_the_same_is_not_touched() {
         let (mut json, material) = brass();
         let before = json.clone();
-        graft(&mut json, &material);
+        graft(&mut json, &material, &Material::default());
         assert_eq!(json, before);
+    }
+
+    #[test]
+    fn layers_stand_in_place_of_those_that_are_switched_off() {
+        let coated = |factor: f32| {
+            let coat = Clearcoat {
+                factor,
+                factor_texture: None,
+                roughness: 0.25,
+                roughness_texture: None,
+                normal: None,
+            };
+            Material { clearcoat: Some(coat), ior: 1.25, ..Material::default() }
+        };
+        let off =
+            json!({ layers::CLEARCOAT: { "clearcoatTexture": { "index": 0 } }, "KHR_materials_ior": {} });
+        let grafted = |said: &Material, own: &Material| {
+            let mut json = json!({ "extensions": off });
+            graft(
+                &mut json,
+                &GltfMaterial { metallic: 1.0, layers: Some(own), ..GltfMaterial::default() },
+                said,
+            );
+            json["extensions"].clone()
+        };
+        let coat = json!({ "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25 });
+        let on = json!({ layers::CLEARCOAT: coat, "KHR_materials_ior": { "ior": 1.25 } });
+        assert_eq!(grafted(&Material::default(), &coated(0.5)), on);
+        assert_eq!(grafted(&coated(0.5), &coated(0.5)), off, "its own are not touched");
+    }
+
+    #[test]
+    fn what_would_hide_the_core_goes_where_that_is_new() {
+        let glossy = json!({ "extensions": { GLOSSINESS: {} } });
+        let left = |slot: Slot| {
+            let mut json = glossy.clone();
+            let (core, material) = (core(&json), GltfMaterial::default());
+            put_texture(&mut json, slot, 0, &material);
+            uncover(&mut json, &core);
+            count_glossy(&json!({ "materials": [json] }))
+        };
+        assert_eq!(
+            [Slot::BaseColor, Slot::MetallicRoughness, Slot::Normal, Slot::Occlusion].map(left),
+            [0, 0, 1, 1]
+        );
     }
 
     #[test]
     fn what_nothing_says_is_not_made() {
         let mut json = json!({});
         let unsaid = GltfMaterial { metallic: 1.0, ..GltfMaterial::default() };
-        graft(&mut json, &unsaid);
+        graft(&mut json, &unsaid, &Material::default());
         assert_eq!(json, json!({}));
     }
 
@@ -172,7 +217,7 @@ mod tests {
             normal_scale: 1.0,
             ..material
         };
-        graft(&mut json, &baked);
+        graft(&mut json, &baked, &Material::default());
         put_texture(&mut json, Slot::BaseColor, 5, &baked);
         put_texture(&mut json, Slot::Normal, 6, &baked);
         let expected = json!({

@@ -1,8 +1,8 @@
 //! The images of a document: new ones for what was baked, and its own into the new file or beside it.
 
+use super::super::edit;
 use super::super::images::Encoded;
 use super::super::uri::uri;
-use super::edit;
 use super::views;
 use crate::error::Result;
 use crate::io::gltf::RawGltf;

@@ -2,7 +2,6 @@
 //! animations, cameras, names, extras, and accessors to the last bit. Primitives without tangents that show a normal map
 //! get them, where that splits no vertex.
 
-mod edit;
 mod factors;
 mod images;
 mod primitives;
@@ -13,18 +12,21 @@ mod views;
 
 use super::Container;
 use super::container::{self, Head};
+use super::edit;
 use super::format::GltfFormat;
 use super::images::encode;
 use super::material::GltfMaterial;
+use super::material_json::put_texture;
 use super::samplers;
 use super::uri::uri;
-use crate::error::{Error, Result};
-use crate::image::{Sampler, Wrap};
+use crate::error::{Error, Result, Warnings};
+use crate::image::Sampler;
 use crate::io::gltf::{GltfSource, RawGltf};
 use crate::io::json::Json;
 use crate::io::limits::Limits;
 use crate::io::write::FileBytes;
 use crate::io::xmp;
+use crate::scene::Material;
 use images::{Storage, Textured};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -53,32 +55,54 @@ pub struct GraftedMaterial<'a> {
     pub number: usize,
     /// A word in the names of its images that tells it from other materials; may be empty where it is alone.
     pub label: &'a str,
-    /// Its factors, and the textures that are new. A slot without one stays as it is in the file, as do its name, layers
-    /// that it has, and whether it is seen from both sides.
+    /// Its factors and layers, and the textures that are new. A slot without one stays as it is in the file, as do its
+    /// name, and whether it is seen from both sides.
     pub material: GltfMaterial<'a>,
-    /// `true` where its uvs leave [0, 1], so that textures are repeated.
-    pub is_repeated: bool,
+    /// The material as it was read from the file. Layers that are the same in `material` stay as they are in the file.
+    pub said: &'a Material,
+    /// The sampler of the new textures, such as [`gltf_sampler`](crate::io::gltf_sampler) makes.
+    pub sampler: Sampler,
     /// `true` where colours of vertices go, which would be multiplied with what was baked.
     pub drops_colors: bool,
 }
 
+/// The files of a model, and what is not in them as it was.
+#[derive(Debug, Clone, Default)]
+pub struct EncodedModel {
+    /// The files, the model first.
+    pub files: Vec<FileBytes>,
+    /// The warnings of what was left out.
+    pub warnings: Warnings,
+}
+
+impl From<Vec<FileBytes>> for EncodedModel {
+    fn from(files: Vec<FileBytes>) -> Self {
+        Self { files, warnings: Warnings::default() }
+    }
+}
+
 /// Returns the files of a model with grafted materials, `path` first: a GLB, or a `.gltf` with its files beside it. Images
-/// that nothing names any more are left out. Geometry stays as it is packed, whatever [`GltfFormat::meshopt`] says.
+/// that nothing names any more are left out. Geometry stays as it is packed, whatever [`GltfFormat::meshopt`] says. A
+/// material loses KHR_materials_pbrSpecularGlossiness where what is grafted would be hidden by it, which is counted.
 ///
 /// # Errors
 /// [`Error::Io`] and [`Error::Parse`] where the source cannot be read, [`Error::Limit`] where that exceeds a limit; else as
 /// [`encode_gltf`](crate::io::encode_gltf).
-pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Result<Vec<FileBytes>> {
+pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Result<EncodedModel> {
     let storage = match Container::of(path)? {
         Container::Glb => Storage::Inside,
         Container::Gltf => Storage::Beside(path),
     };
     let mut raw = RawGltf::read(graft.source, &graft.limits)?;
     let own_images = edit::items(&raw.json, "images").len();
-    let mut beside = Vec::new();
+    let (mut beside, mut warnings) = (Vec::new(), Warnings::default());
+    let glossy = factors::count_glossy(&raw.json);
     for material in graft.materials {
         beside.extend(graft_material(&mut raw, material, format, storage)?);
     }
+    let what = format!("{} of the low-poly mesh's materials is left out", factors::GLOSSINESS);
+    let uncovered = glossy - factors::count_glossy(&raw.json);
+    warnings.note(format!("{what}: viewers would show it and not what is baked"), uncovered);
     let mapped = graft.materials.iter().filter(|grafted| grafted.material.normal_map.is_some());
     let mapped: Vec<usize> = mapped.map(|grafted| grafted.number).collect();
     tangents::give(&mut raw, graft.source, &mapped)?;
@@ -91,7 +115,7 @@ pub fn encode_graft(path: &Path, graft: &GltfGraft, format: &GltfFormat) -> Resu
         Storage::Beside(_) => gltf(path, raw.json, bytes)?,
     };
     files.extend(beside);
-    Ok(files)
+    Ok(EncodedModel { files, warnings })
 }
 
 /// Returns the files of new images beside the model.
@@ -108,17 +132,19 @@ fn graft_material(
         return Err(raw.error(format!("material {number}"), "it is not there any more; bake again"));
     }
     let encoded = encode(material, format)?;
-    let sampler = if encoded.is_empty() { 0 } else { add_sampler(&mut raw.json, grafted.is_repeated) };
+    let sampler = if encoded.is_empty() { 0 } else { add_sampler(&mut raw.json, &grafted.sampler) };
     let mut json = raw.json["materials"][number].take();
-    factors::graft(&mut json, material);
+    let core = factors::core(&json);
+    factors::graft(&mut json, material, grafted.said);
     for image in &encoded {
         let texture = images::add(raw, image, &Textured { storage, label, sampler });
-        image.slots().iter().for_each(|slot| factors::put_texture(&mut json, *slot, texture, material));
+        image.slots().iter().for_each(|slot| put_texture(&mut json, *slot, texture, material));
         if let Some(name) = image.extension() {
             edit::name(&mut raw.json, "extensionsUsed", name);
             edit::name(&mut raw.json, "extensionsRequired", name);
         }
     }
+    factors::uncover(&mut json, &core);
     factors::extensions(&json).iter().for_each(|name| edit::name(&mut raw.json, "extensionsUsed", name));
     raw.json["materials"][number] = json;
     if grafted.drops_colors {
@@ -129,10 +155,9 @@ fn graft_material(
     Ok(encoded.into_iter().filter_map(|image| image.into_file(&labeled)).collect())
 }
 
-/// Returns the number of the sampler of new textures: trilinear, and clamped or repeated.
-fn add_sampler(json: &mut Value, is_repeated: bool) -> usize {
-    let wrap = if is_repeated { Wrap::Repeat } else { Wrap::Clamp };
-    let sampler = samplers::json(&Sampler { wrap_u: wrap, wrap_v: wrap, ..Sampler::default() });
+/// Returns the number of a sampler among the document's, to which it is added where it is not there.
+fn add_sampler(json: &mut Value, sampler: &Sampler) -> usize {
+    let sampler = samplers::json(sampler);
     let known = edit::items(json, "samplers").iter().position(|known| *known == sampler);
     known.unwrap_or_else(|| edit::push(json, "samplers", sampler))
 }

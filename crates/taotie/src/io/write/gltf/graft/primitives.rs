@@ -1,6 +1,6 @@
 //! The primitives of a document that show a material.
 
-use super::edit::{self, items, items_mut};
+use super::super::edit::{self, items, items_mut};
 use serde_json::{Value, json};
 
 /// Makes glTF's default material one of the file's, where `number` is that after its last, and gives it to all triangles

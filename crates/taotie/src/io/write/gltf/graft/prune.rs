@@ -1,13 +1,15 @@
 //! Textures, images and views that nothing names any more, dropped.
 
-use super::edit;
-use crate::io::gltf::is_known;
+use super::super::edit;
+use super::factors::GLOSSINESS;
+use crate::io::gltf::{OF_TEXTURES, is_known};
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
 /// Drops them, and returns how many of the first `count` images are left. Where the document uses an extension that nobody
 /// here knows, which may name anything, all stays.
 pub(super) fn prune(json: &mut Value, count: usize) -> usize {
+    drop_unused(json, "materials", GLOSSINESS);
     let knows = |name: &Value| name.as_str().is_some_and(is_known);
     if !edit::items(json, "extensionsUsed").iter().all(knows) {
         return count;
@@ -15,16 +17,16 @@ pub(super) fn prune(json: &mut Value, count: usize) -> usize {
     drop_unnamed(json, "textures", each_texture);
     let kept = drop_unnamed(json, "images", each_image);
     drop_unnamed(json, "bufferViews", each_view);
-    for name in ["KHR_texture_basisu", "EXT_texture_webp"] {
-        drop_unused(json, name);
+    for name in OF_TEXTURES {
+        drop_unused(json, "textures", name);
     }
     kept.into_iter().filter(|image| *image < count as u64).count()
 }
 
-/// Drops the name of an extension of textures that none has any more.
-fn drop_unused(json: &mut Value, name: &str) {
-    let has_it = |texture: &Value| texture.pointer(&format!("/extensions/{name}")).is_some();
-    if edit::items(json, "textures").iter().any(has_it) {
+/// Drops the name of an extension that no item of `holders`, such as `textures`, has any more.
+fn drop_unused(json: &mut Value, holders: &str, name: &str) {
+    let has_it = |holder: &Value| holder.pointer(&format!("/extensions/{name}")).is_some();
+    if edit::items(json, holders).iter().any(has_it) {
         return;
     }
     for list in ["extensionsUsed", "extensionsRequired"] {
@@ -103,6 +105,21 @@ mod tests {
         let mut webp = file(json!({ "EXT_texture_webp": { "source": 0 } }));
         prune(&mut webp, 1);
         assert_eq!(webp["extensionsRequired"], json!(["EXT_texture_webp"]));
+    }
+
+    #[test]
+    fn what_only_colours_and_gloss_named_goes_with_them() {
+        let file = |material: Value| {
+            json!({
+                "extensionsUsed": [GLOSSINESS], "materials": [material],
+                "textures": [{ "source": 0 }], "images": [{}],
+            })
+        };
+        let mut glossy = file(json!({ "extensions": { GLOSSINESS: { "diffuseTexture": { "index": 0 } } } }));
+        assert_eq!((prune(&mut glossy, 1), &glossy["extensionsUsed"]), (1, &json!([GLOSSINESS])));
+        let mut plain = file(json!({}));
+        assert_eq!(prune(&mut plain, 1), 0);
+        assert!(plain.get("extensionsUsed").is_none() && plain.get("textures").is_none(), "{plain}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Tangents for primitives that have none and show a new normal map, where no vertex needs to be split for them.
 
-use super::edit;
+use super::super::edit;
 use super::views;
 use crate::error::Result;
 use crate::io::gltf::{GltfSource, RawGltf, missing_tangents};

@@ -1,6 +1,6 @@
 //! The views of a document: new ones, and the bytes of all of them moved into one buffer.
 
-use super::edit;
+use super::super::edit;
 use super::spans::{Range, Spans};
 use crate::error::Result;
 use crate::io::gltf::RawGltf;

@@ -1,0 +1,102 @@
+//! `taotie bake` onto the materials of a glTF file that stays, whose extensions would hide what is baked, or be hidden.
+
+use super::bake_document::{put, ship_draft, start};
+use super::glb::Glb;
+use super::place::Place;
+use super::validator::assert_valid;
+use serde_json::{Value, json};
+use taotie::io::{GltfFormat, load_model, write_scene};
+use taotie::scene::{Clearcoat, Material};
+
+/// Writes a ship whose three materials have this extension.
+fn write_ship(place: &Place, low: &taotie::mesh::Mesh, name: &str, extension: &Value) {
+    let mut draft = ship_draft(low);
+    let material = |number: usize| json!({ "name": format!("m{number}"), "extensions": { name: extension } });
+    put(&mut draft, "materials", &json!([0, 1, 2].map(material)));
+    put(&mut draft, "extensionsUsed", &json!([name]));
+    place.write("low.glb", draft.encode_glb().unwrap());
+}
+
+/// Writes the scan with a material as `scan.glb`.
+fn write_scan(place: &Place, material: Material) {
+    let mut scene = load_model(&place.path("scan.obj")).unwrap().scene;
+    scene.edit(|scene| scene.materials = vec![material]).unwrap();
+    write_scene(&place.path("scan.glb"), &scene, &GltfFormat::default()).unwrap();
+}
+
+/// Returns the report of a bake.
+fn report(place: &Place, line: &str) -> Value {
+    place.json(&format!("bake {line} --low low.glb -o out.glb --size 64 --no-verify --json"))
+}
+
+#[test]
+fn a_layer_of_the_scan_stands_where_the_file_has_it_switched_off() {
+    let (place, low) = start();
+    let coat = Clearcoat {
+        factor: 0.75,
+        factor_texture: None,
+        roughness: 0.5,
+        roughness_texture: None,
+        normal: None,
+    };
+    write_scan(&place, Material { clearcoat: Some(coat), ..Material::default() });
+    let name = "KHR_materials_clearcoat";
+    for off in [json!({}), json!({ "clearcoatFactor": 0, "clearcoatRoughnessFactor": 0.5 })] {
+        write_ship(&place, &low, name, &off);
+        let report = report(&place, "scan.glb");
+        assert_eq!((&report["carried"], &report["left"]), (&json!(["clearcoat"]), &json!([])));
+        let materials = load_model(&place.path("out.glb")).unwrap().scene.materials().to_vec();
+        assert!(materials.len() == 3 && materials.iter().all(|m| m.clearcoat == Some(coat)), "{materials:?}");
+        assert_valid(&place.path("out.glb"));
+    }
+    // One of its own stays, and that is told.
+    write_ship(&place, &low, name, &json!({ "clearcoatFactor": 0.25 }));
+    let report = report(&place, "scan.glb");
+    assert_eq!((&report["carried"], &report["left"][0]["what"]), (&json!([]), &json!("clearcoat")));
+    let json = Glb::read(&place.read("out.glb")).json;
+    assert_eq!(json["materials"][0]["extensions"][name], json!({ "clearcoatFactor": 0.25 }));
+}
+
+/// Returns how often a report warns of this.
+fn told(report: &Value, what: &str) -> u64 {
+    let warnings = report["warnings"].as_array().expect("there is a list");
+    let text = |warning: &Value| warning["what"].as_str().is_some_and(|text| text.contains(what));
+    warnings.iter().filter(|warning| text(warning)).map(|warning| warning["count"].as_u64().unwrap()).sum()
+}
+
+#[test]
+fn colours_and_gloss_that_would_hide_what_is_baked_go() {
+    let (place, low) = start();
+    let name = "KHR_materials_pbrSpecularGlossiness";
+    write_ship(&place, &low, name, &json!({ "diffuseFactor": [1.0, 0.0, 0.0, 1.0] }));
+    let after = |maps: &str| {
+        let report = report(&place, &format!("scan.obj --maps {maps}"));
+        (
+            told(&report, &format!("{name} of the low-poly mesh's materials is left out")),
+            Glb::read(&place.read("out.glb")).json,
+        )
+    };
+    let (count, json) = after("normal");
+    assert_eq!((count, &json["extensionsUsed"][0]), (0, &json!(name)), "normals are shown with it");
+    assert_eq!(json["materials"][2]["extensions"][name]["diffuseFactor"], json!([1.0, 0.0, 0.0, 1.0]));
+    let (count, json) = after("normal,albedo");
+    assert_eq!(count, 3);
+    assert!(!json.to_string().contains(name), "{json}");
+    assert_valid(&place.path("out.glb"));
+}
+
+#[test]
+fn maps_that_an_unlit_material_does_not_show_are_told() {
+    let (place, low) = start();
+    write_ship(&place, &low, "KHR_materials_unlit", &json!({}));
+    let count = |maps: &str| {
+        let report = report(&place, &format!("scan.obj --maps {maps}"));
+        let unlit = load_model(&place.path("out.glb")).unwrap().scene.materials().iter().all(|m| m.unlit);
+        assert!(unlit, "the look of the file stays");
+        told(
+            &report,
+            "materials are unlit (KHR_materials_unlit): of their maps viewers show the base colour alone",
+        )
+    };
+    assert_eq!(["normal,albedo", "albedo"].map(count), [3, 0]);
+}

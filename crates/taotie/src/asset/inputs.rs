@@ -1,0 +1,112 @@
+//! The inputs of a bake beside the scan: the low-poly mesh and the cage. They are read before the work begins.
+
+use super::given::GivenMesh;
+use super::low_file::{self, Read};
+use super::options::{BakeOptions, MeshSource, RayDistance};
+use crate::bake;
+use crate::error::{Result, Warnings};
+use crate::io::Limits;
+use crate::mesh::Mesh;
+use crate::progress::Progress;
+use std::path::PathBuf;
+
+/// The inputs of a bake beside the scan.
+pub(super) struct Inputs {
+    /// The low-poly mesh that is given; `None` where it is to be made.
+    pub given: Option<GivenMesh>,
+    pub rays: Rays,
+    /// The files that they were read from.
+    pub files: Vec<PathBuf>,
+    /// The faults of these files.
+    pub warnings: Warnings,
+}
+
+/// The lengths of projection rays, with the cage that the options name.
+pub(super) enum Rays {
+    /// As far as the meshes lie apart.
+    Auto,
+    /// One length, model units.
+    Uniform(f64),
+    Cage(CageMesh),
+}
+
+/// The mesh of a cage.
+pub(super) struct CageMesh {
+    pub mesh: Mesh,
+    pub source: MeshSource,
+}
+
+/// A way to read meshes that counts their files and faults.
+struct Reader<'a> {
+    limits: &'a Limits,
+    files: Vec<PathBuf>,
+    warnings: Warnings,
+}
+
+impl Inputs {
+    /// Reads what the options name.
+    ///
+    /// # Errors
+    /// Those of [`GivenMesh::of`], and of reading.
+    pub fn read(options: &BakeOptions, limits: &Limits, progress: Progress<'_>) -> Result<Self> {
+        let mut reader = Reader { limits, files: Vec::new(), warnings: Warnings::default() };
+        let given = match &options.low {
+            Some(source) => {
+                let reading = progress.begin("read the low-poly mesh")?;
+                let read = reader.read(source)?;
+                let given = GivenMesh::of(options, source, read, &mut reader.warnings)?;
+                reading.at(1.0)?;
+                Some(given)
+            }
+            None => None,
+        };
+        let rays = reader.rays(&options.ray_distance)?;
+        let Reader { files, warnings, .. } = reader;
+        Ok(Self { given, rays, files, warnings })
+    }
+}
+
+impl Reader<'_> {
+    fn read(&mut self, source: &MeshSource) -> Result<Read> {
+        let mut read = low_file::read(source, self.limits, &mut self.warnings)?;
+        self.files.append(&mut read.files);
+        Ok(read)
+    }
+
+    fn rays(&mut self, distance: &RayDistance) -> Result<Rays> {
+        Ok(match distance {
+            RayDistance::Auto => Rays::Auto,
+            RayDistance::Uniform(distance) => Rays::Uniform(*distance),
+            RayDistance::Cage(source) => {
+                let mesh = bake::low_poly_mesh(self.read(source)?.scene)?;
+                Rays::Cage(CageMesh { mesh, source: source.clone() })
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::{GltfAsset, GltfFormat, GltfLevel, write_gltf};
+
+    #[test]
+    fn every_file_of_low_poly_mesh_and_cage_is_known() {
+        let folder = tempfile::tempdir().unwrap();
+        let levels = [GltfLevel { mesh: &Mesh::sphere(1.0, 8, 4), coverage: None }];
+        let asset = GltfAsset { levels: &levels, ..GltfAsset::default() };
+        let [low, cage] = ["low.gltf", "cage.gltf"].map(|name| {
+            let path = folder.path().join(name);
+            write_gltf(&path, &asset, &GltfFormat::default()).unwrap();
+            MeshSource::File(path)
+        });
+        let options =
+            BakeOptions { low: Some(low), ray_distance: RayDistance::Cage(cage), ..BakeOptions::default() };
+        let inputs = Inputs::read(&options, &Limits::default(), Progress::SILENT).unwrap();
+        let names: Vec<_> = inputs.files.iter().filter_map(|file| file.file_name()?.to_str()).collect();
+        assert_eq!(names, ["low.gltf", "low.bin", "cage.gltf", "cage.bin"]);
+        assert!(inputs.given.is_some() && matches!(inputs.rays, Rays::Cage(_)));
+        let none = Inputs::read(&BakeOptions::default(), &Limits::default(), Progress::SILENT).unwrap();
+        assert!(none.given.is_none() && none.files.is_empty());
+    }
+}
