@@ -47,8 +47,15 @@ pub(super) struct Leaf {
 }
 
 impl Leaf {
+    #[inline]
     pub fn triangle(&self, i: usize) -> [Vec3; 3] {
-        self.corners.map(|axes| Vec3::from_array(axes.map(|v| v[i])))
+        // Written out: closures over arrays of arrays are not inlined where optimisation is moderate.
+        let [a, b, c] = &self.corners;
+        [
+            Vec3::new(a[0][i], a[1][i], a[2][i]),
+            Vec3::new(b[0][i], b[1][i], b[2][i]),
+            Vec3::new(c[0][i], c[1][i], c[2][i]),
+        ]
     }
 }
 

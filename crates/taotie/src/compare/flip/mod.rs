@@ -70,10 +70,26 @@ fn seen(picture: &DisplayImage, pixels_per_degree: f64) -> Seen {
     let [achromatic, red_green, blue_yellow] = [plane(|c| c.x), plane(|c| c.y), plane(|c| c.z)];
     let features = features::strengths(&plane(|c| (c.x + 16.0) / 116.0), pixels_per_degree);
     let blurred = spatial::blurred([achromatic, red_green, blue_yellow], pixels_per_degree);
-    let pixel =
-        |i: usize| SeenPixel { lab: color::hunt_lab_from_opponent(blurred[i]), features: features[i] };
-    let pixels = parallel::collect(blurred.len(), pixel);
+    let lab = perceived(&blurred, picture.width as usize);
+    let pixel = |i: usize| SeenPixel { lab: lab[i], features: features[i] };
+    let pixels = parallel::collect(lab.len(), pixel);
     Seen { width: picture.width, height: picture.height, pixels }
+}
+
+/// Returns L*, a* and b* of blurred colours, row by row; neighbours that are equal, as in a background, are converted
+/// once.
+fn perceived(blurred: &[Vec3<f64>], width: usize) -> Vec<Vec3<f64>> {
+    let mut all = vec![Vec3::default(); blurred.len()];
+    parallel::pieces(&mut all, width, &|y, row| {
+        let mut last = None;
+        for (out, color) in row.iter_mut().zip(&blurred[y * width..]) {
+            let (_, lab) = *last
+                .filter(|(known, _)| known == color)
+                .get_or_insert_with(|| (*color, color::hunt_lab_from_opponent(*color)));
+            (last, *out) = (Some((*color, lab)), lab);
+        }
+    });
+    all
 }
 
 #[cfg(test)]
