@@ -305,6 +305,7 @@ fn files_of_the_low_poly_mesh_are_not_written_over() {
     };
     let early = baker.clone().with_files(&files).bake(small(), Progress::new(&listener));
     assert!(is_refused(early.unwrap_err()));
+    drop(files);
     let heard = heard.into_inner().unwrap();
     assert!(heard.contains(&"read the low-poly mesh") && !heard.contains(&"tangents"), "{heard:?}");
     let asset = baker.bake(small(), Progress::SILENT).unwrap();
