@@ -32,7 +32,7 @@ mod vectors;
 pub use evaluate::{EvaluateError, evaluate};
 pub use factors::SurfaceFactors;
 pub use frame::{FrameFactors, MOST_LEVELS, MOST_LIGHTS, light_numbers};
-pub use graph::{Binary, Call, Graph, Id, Kind, Node, Parameter, Unary};
+pub use graph::{Binary, Call, Field, Graph, Id, Kind, Node, Parameter, Unary};
 pub use interface::{BufferSlot, Interface, TextureSlot, UniformField, ValueKind, VertexInput, buffer_size};
 pub use language::Language;
 pub use library::library;

@@ -57,14 +57,21 @@ impl Packer<'_> {
         }
         let packed = match self.of_vectors(id) {
             Some(number) => number,
-            None => {
-                let recorded = self.recorded;
-                let node = recorded.node(id).with(|operand| self.number(operand));
-                self.packed.add(node)
-            }
+            None => self.as_it_is(id),
         };
         self.numbers.insert(id, packed);
         packed
+    }
+
+    /// The packed node of the same operation; an argument that is a vector is one again.
+    fn as_it_is(&mut self, id: Id) -> Id {
+        let recorded = self.recorded;
+        if let Node::Vector(parts) = recorded.node(id) {
+            let vector = self.triple(*parts);
+            return self.widened(vector);
+        }
+        let node = recorded.node(id).with(|operand| self.number(operand));
+        self.packed.add(node)
     }
 
     /// The number that is made of vectors where `id` is made of all their components.
