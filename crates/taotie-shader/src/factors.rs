@@ -169,6 +169,18 @@ pub(crate) fn transform_names(role: TextureRole) -> [String; 2] {
     ["rows", "offset"].map(|part| format!("{}_{part}", role.name()))
 }
 
+/// A factor's name, type and meaning.
+pub(crate) struct Named {
+    pub name: &'static str,
+    pub kind: ValueKind,
+    pub meaning: &'static str,
+}
+
+/// The factors, without how textures lie, in the order of the buffer.
+pub(crate) fn named() -> impl Iterator<Item = Named> {
+    FACTORS.iter().map(|Factor { name, kind, meaning, .. }| Named { name, kind: *kind, meaning })
+}
+
 /// The fields of these names, in the order of the buffer.
 pub(crate) fn fields(is_read: impl Fn(&str) -> bool) -> Vec<Unplaced> {
     let factors = FACTORS.iter().map(|factor| Unplaced {

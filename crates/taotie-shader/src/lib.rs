@@ -6,6 +6,7 @@
 //! another's graph it becomes a call ([`library()`]). [`evaluate()`] plays a graph back on any lane; [`shader()`] writes a
 //! model as WGSL or GLSL ES 3.00, [`functions()`] any formulas.
 
+mod binding;
 mod body;
 mod environment;
 mod evaluate;
@@ -20,12 +21,14 @@ mod library;
 mod models;
 mod names;
 mod outline;
+mod pixel;
 mod pixel_shader;
 mod program;
 mod recorder;
 mod role;
 mod shader;
 mod structures;
+mod text;
 mod variant;
 mod vectors;
 
@@ -37,6 +40,7 @@ pub use interface::{BufferSlot, Interface, TextureSlot, UniformField, ValueKind,
 pub use language::Language;
 pub use library::library;
 pub use models::model_name;
+pub use pixel::PixelProgram;
 pub use pixel_shader::{PixelShader, pixel_shader};
 pub use program::{Formula, Program};
 pub use recorder::{Recorded, RecordedTruth, Scope, record};

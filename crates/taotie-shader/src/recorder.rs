@@ -49,16 +49,25 @@ pub struct Scope<'g> {
 }
 
 impl<'g> Scope<'g> {
-    /// A new parameter, a number. `path` is its name, or those of a structure and a field: `s.roughness`.
+    /// The parameter of this path, a number. `path` is its name, or those of a structure and a field: `s.roughness`.
     pub fn number(self, path: &'static str) -> Recorded<'g> {
-        let id = self.graph.borrow_mut().declare(Parameter { path, kind: Kind::Number });
+        let id = self.parameter(Parameter { path, kind: Kind::Number });
         Recorded { scope: self, id }
     }
 
-    /// A new parameter, a vector. `path` is as with [`Self::number`].
+    /// The parameter of this path, a vector. `path` is as with [`Self::number`].
     pub fn vector(self, path: &'static str) -> Vec3<Recorded<'g>> {
-        let id = self.graph.borrow_mut().declare(Parameter { path, kind: Kind::Vector });
+        let id = self.parameter(Parameter { path, kind: Kind::Vector });
         Vec3::from_array([0, 1, 2].map(|which| self.push(Node::Component(id, which))))
+    }
+
+    /// The parameter, which is new where it is asked for first.
+    fn parameter(self, parameter: Parameter) -> Id {
+        let mut graph = self.graph.borrow_mut();
+        match graph.parameters().iter().position(|known| *known == parameter) {
+            Some(number) => graph.add(Node::Parameter(number)),
+            None => graph.declare(parameter),
+        }
     }
 
     /// The constant `value`.

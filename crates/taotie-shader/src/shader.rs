@@ -103,7 +103,7 @@ fn arguments(formula: &Formula, program: &Program, language: Language) -> String
             Some((name, _)) => language.declared(name, structure_of(name)),
             None => language.declared(parameter.path, language.kind(parameter.kind)),
         };
-        if arguments.last() != Some(&argument) {
+        if !arguments.contains(&argument) {
             arguments.push(argument);
         }
     }

@@ -193,6 +193,31 @@ impl Variant {
         self.method
     }
 
+    /// Says whether base colour varies over the surface.
+    pub(crate) fn is_tinted(&self) -> bool {
+        self.vertex_color || self.textures.contains_key(&TextureRole::BaseColor)
+    }
+
+    /// Says whether anything is occluded.
+    pub(crate) fn is_occluded(&self) -> bool {
+        self.packed_occlusion || self.textures.contains_key(&TextureRole::Occlusion)
+    }
+
+    /// Says whether the curvature of the surface within a pixel counts.
+    pub(crate) fn has_curvature(&self) -> bool {
+        self.specular_aa && self.method != NormalMethod::Facet
+    }
+
+    /// Says whether anything hides within a pixel.
+    pub(crate) fn has_variance(&self) -> bool {
+        self.has_curvature() || self.has_normal_variance()
+    }
+
+    /// Says whether the variance of the normal map counts.
+    pub(crate) fn has_normal_variance(&self) -> bool {
+        self.specular_aa && self.textures.contains_key(&TextureRole::Normal)
+    }
+
     /// The place of a texture, where the material has it.
     pub(crate) fn texture(&self, role: TextureRole) -> Option<Placement> {
         self.textures.get(&role).copied()
@@ -233,7 +258,6 @@ fn is_read(role: TextureRole, material: &Material, options: &VariantOptions) -> 
     match role {
         TextureRole::Normal => matches!(options.method, NormalMethod::ObjectMap | NormalMethod::TangentMap),
         TextureRole::Height => matches!(options.method, NormalMethod::Bump | NormalMethod::BumpPrinted),
-        TextureRole::ClearcoatNormal => options.tangents,
         TextureRole::Occlusion => !has_packed_occlusion(material),
         _ => true,
     }
