@@ -1,0 +1,79 @@
+//! Models by others.
+
+use crate::common::absent;
+use crate::compared::{View, gpu};
+use crate::files::data_files;
+use std::path::{Path, PathBuf};
+use taotie::image::{Encoding, Texture};
+use taotie::io::{load_model, read_bitmap};
+use taotie::scene::{GreenChannel, NormalMap, NormalSpace, Orbit, Scene};
+
+/// A scene that fills the image.
+fn view(path: &Path, scene: Scene) -> View {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let bounds = scene.bounds().unwrap();
+    let (radius, fov_y) = (bounds.diagonal() / 2.0, 0.6);
+    let orbit =
+        Orbit { azimuth: 0.4, elevation: 0.25, distance: radius * 3.2, target: bounds.center(), fov_y };
+    let camera = orbit.camera(radius);
+    let far = crate::scenes::directional(taotie::math::Vec3::new(0.6, -1.0, -0.7), 2.5);
+    let mut view = View::new(name, scene, camera);
+    view.lighting = crate::compared::lit(vec![far]);
+    view
+}
+
+/// The models of this name among those of Khronos.
+fn models(stem: &str) -> Vec<PathBuf> {
+    let mut models = data_files("khronos-gltf-sample-assets", &["gltf", "glb"]);
+    models.retain(|path| path.file_stem().is_some_and(|found| found == stem));
+    models.truncate(1);
+    models
+}
+
+fn check(stem: &str) {
+    let Some(gpu) = gpu() else { return };
+    let models = models(stem);
+    if models.is_empty() {
+        return absent(&format!("{stem} is not among the models"));
+    }
+    for model in models {
+        view(&model, load_model(&model).unwrap().scene).check(&gpu);
+        view(&model, load_model(&model).unwrap().scene).under_sky().check(&gpu);
+    }
+}
+
+#[test]
+fn normal_tangent_test_looks_as_on_the_processor() {
+    check("NormalTangentTest");
+}
+
+#[test]
+fn suzanne_looks_as_on_the_processor() {
+    check("Suzanne");
+}
+
+#[test]
+fn water_bottle_looks_as_on_the_processor() {
+    check("WaterBottle");
+}
+
+/// A scanned statue with the normal map that lies beside it.
+#[test]
+fn a_statue_looks_as_on_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    let models = data_files("threedscans-keijiro", &["obj"]);
+    let beside = |path: &PathBuf| {
+        let stem = path.file_stem()?.to_string_lossy().into_owned();
+        let map = path.with_file_name(format!("{stem}_normals.png"));
+        map.exists().then(|| (path.clone(), map))
+    };
+    let Some((model, map)) = models.iter().find_map(beside) else {
+        return absent("there is no statue with a normal map");
+    };
+    let mut scene = load_model(&model).unwrap().scene;
+    let normals = scene.add_texture(Texture::new(read_bitmap(&map).unwrap(), Encoding::Normal));
+    let texture = crate::scenes::plain(normals);
+    let map = NormalMap { texture, scale: 1.0, space: NormalSpace::Tangent, green: GreenChannel::Up };
+    scene.edit(|scene| scene.materials.iter_mut().for_each(|m| m.normal = Some(map))).unwrap();
+    view(&model, scene).check(&gpu);
+}
