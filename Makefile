@@ -14,9 +14,10 @@ test: tools features ## Formatting, lints, documentation and all tests but the s
 	cargo test --workspace
 
 # Each feature of the library off and on beside others; without any, the tests that say what is not read.
-features: ## The library without its cargo features
+features: ## The library and the command without their cargo features
 	cargo check -p taotie --no-default-features --features draco,exr
 	cargo check -p taotie --no-default-features --features basis,webp
+	cargo check -p taotie-cli --no-default-features
 	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 
 test-slow: ## The tests that take minutes each

@@ -9,6 +9,15 @@ use wgpu::{TextureFormat, TextureUsages, TextureView};
 /// The format of sums.
 const SUM: TextureFormat = TextureFormat::Rgba32Float;
 
+/// A sample of an image's pixels.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SampleNumber {
+    /// Its number, from 0.
+    pub number: usize,
+    /// The number of samples a pixel.
+    pub count: usize,
+}
+
 /// Two images between which the sum of samples goes to and fro.
 pub(crate) struct Average {
     pipeline: RenderPipeline,
@@ -40,10 +49,10 @@ impl Average {
         })
     }
 
-    /// Adds the sample of the number, of so many; the first one empties the sum. All samples are of one image.
-    pub(crate) fn add(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder, [number, count]: [usize; 2]) {
-        if number == 0 {
-            let weight = [1.0 / count as f32, 0.0, 0.0, 0.0];
+    /// Adds a sample; the first one empties the sum.
+    pub(crate) fn add(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder, sample: SampleNumber) {
+        if sample.number == 0 {
+            let weight = [1.0 / sample.count as f32, 0.0, 0.0, 0.0];
             gpu.queue.write_buffer(&self.weight, 0, bytemuck::cast_slice(&weight));
             drop(pass(encoder, &self.views[self.latest]));
         }

@@ -109,6 +109,23 @@ fn one_line(text: &str) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
+/// The graphics processor that tests use, or `None` where there is none and a test has to be skipped, which is a failure
+/// under `CI=true`.
+#[cfg(test)]
+pub(crate) fn found() -> Option<Gpu> {
+    match Gpu::find(&AdapterChoice::default()) {
+        Ok(gpu) => Some(gpu),
+        Err(why) => {
+            assert!(!std::env::var("CI").is_ok_and(|ci| ci == "true"), "{why}");
+            #[allow(clippy::print_stderr, reason = "tests say why they are skipped")]
+            {
+                eprintln!("skipped: {why}");
+            }
+            None
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,6 +134,19 @@ mod tests {
     fn it_can_be_kept_and_sent_anywhere() {
         fn assert_owned<T: Send + Sync + Clone + 'static>() {}
         assert_owned::<Gpu>();
+    }
+
+    #[test]
+    fn refusals_and_limits_are_errors() {
+        let Some(mut gpu) = found() else { return };
+        let wrong =
+            wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl("fn f( {".into()) };
+        let refused = gpu.checked("a shader", || gpu.device.create_shader_module(wrong)).unwrap_err();
+        let text = refused.to_string();
+        assert!(text.contains(" refused a shader: ") && !text.contains('\n'), "{text}");
+        gpu.limits.max_buffer_size = 64;
+        let refused = gpu.buffer("the triangles of instance 3", &[0; 65], BufferUsages::INDEX).unwrap_err();
+        assert!(refused.to_string().starts_with("the triangles of instance 3: too large for"), "{refused}");
     }
 
     #[test]

@@ -53,12 +53,6 @@ impl Pipelines {
         self.made.insert(key.clone(), made.clone());
         Ok(made)
     }
-
-    /// The number of pipelines.
-    #[cfg(test)]
-    pub(crate) fn count(&self) -> usize {
-        self.made.len()
-    }
 }
 
 /// The facts that all pipelines share.
@@ -158,9 +152,10 @@ fn material_layout(gpu: &Gpu, interface: &Interface) -> BindGroupLayout {
     })
 }
 
-/// An entry of a layout that all stages see.
+/// An entry of a layout. Vertices read uniforms alone.
 pub(crate) fn entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
-    BindGroupLayoutEntry { binding, visibility: ShaderStages::VERTEX_FRAGMENT, ty, count: None }
+    let visibility = if ty == uniform() { ShaderStages::VERTEX_FRAGMENT } else { ShaderStages::FRAGMENT };
+    BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
 /// A uniform buffer.

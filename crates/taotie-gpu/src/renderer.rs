@@ -1,5 +1,6 @@
 //! Images of one scene, one after the other.
 
+use crate::average::SampleNumber;
 use crate::blending::BlendOrder;
 use crate::error::{GpuError, Result};
 use crate::frame_inputs::FrameInputs;
@@ -7,10 +8,10 @@ use crate::gpu::Gpu;
 use crate::meshes::{Meshes, Numbered};
 use crate::pipelines::{Pipelines, SurfacePipeline};
 use crate::samplers::Samplers;
-use crate::surface_draw::{SurfaceDraw, bind_material};
+use crate::surface_draw::{MaterialTextures, SurfaceDraw};
 use crate::target::Target;
 use crate::textures::Textures;
-use crate::variants::{PipelineKey, is_blended};
+use crate::variants::{PipelineKey, factors, is_blended};
 use std::collections::HashMap;
 use std::sync::Arc;
 use taotie::film::{Development, develop8_into};
@@ -38,8 +39,7 @@ pub struct GpuRenderer<'p> {
 /// What is on the graphics processor and stays there.
 struct Uploaded {
     meshes: Meshes,
-    textures: Textures,
-    samplers: Samplers,
+    textures: MaterialTextures,
     pipelines: Pipelines,
 }
 
@@ -60,8 +60,10 @@ impl<'p> GpuRenderer<'p> {
         let color = color_format(gpu.features, surfaces.iter().any(is_blended));
         let uploaded = Uploaded {
             meshes: Meshes::default(),
-            textures: Textures::new(gpu, prepared.scene(), materials)?,
-            samplers: Samplers::default(),
+            textures: MaterialTextures {
+                textures: Textures::new(gpu, prepared.scene(), materials)?,
+                samplers: Samplers::default(),
+            },
             pipelines: Pipelines::new(color),
         };
         Ok(Self {
@@ -105,7 +107,7 @@ impl<'p> GpuRenderer<'p> {
             self.gpu.checked("drawing", || {
                 let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
                 self.draw(&mut encoder, &target, &draws, &blended);
-                target.add(&self.gpu, &mut encoder, [sample, samples]);
+                target.add(&self.gpu, &mut encoder, SampleNumber { number: sample, count: samples });
                 self.gpu.queue.submit([encoder.finish()]);
             })?;
             progress.at((sample + 1) as f64 / (samples + 1) as f64)?;
@@ -181,11 +183,9 @@ impl<'p> GpuRenderer<'p> {
         if let Some(made) = self.materials.get(&(number, key.clone())) {
             return Ok(made.clone());
         }
-        let Uploaded { textures, samplers, .. } = &mut self.uploaded;
-        let surface = Numbered { number, surface: &self.surfaces[number] };
         let levels = |texture: usize| self.prepared.scene().textures()[texture].levels();
-        let factors = crate::variants::factors(surface.surface, levels);
-        let made = bind_material(&self.gpu, pipeline, &factors, (textures, samplers))?;
+        let factors = factors(&self.surfaces[number], levels);
+        let made = self.uploaded.textures.bind(&self.gpu, pipeline, &factors)?;
         self.materials.insert((number, key), made.clone());
         Ok(made)
     }

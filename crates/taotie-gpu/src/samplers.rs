@@ -56,3 +56,27 @@ fn filter(filter: TexelFilter) -> FilterMode {
         TexelFilter::Linear => FilterMode::Linear,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn modes_are_those_of_the_texture() {
+        let sampler = Sampler {
+            wrap_u: Wrap::Mirror,
+            wrap_v: Wrap::Clamp,
+            minify: TexelFilter::Nearest,
+            mip: MipFilter::None,
+            ..Sampler::default()
+        };
+        let made = descriptor(&sampler);
+        assert_eq!(made.address_mode_u, AddressMode::MirrorRepeat);
+        assert_eq!(made.address_mode_v, AddressMode::ClampToEdge);
+        assert_eq!((made.mag_filter, made.min_filter), (FilterMode::Linear, FilterMode::Nearest));
+        // No level but the finest, though what is minified is told from what is magnified.
+        assert!(made.lod_max_clamp > 0.0 && made.lod_max_clamp < 0.5);
+        let levels = descriptor(&Sampler::default());
+        assert_eq!((levels.mipmap_filter, levels.lod_max_clamp), (MipmapFilterMode::Linear, 32.0));
+    }
+}

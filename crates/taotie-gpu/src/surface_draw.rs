@@ -41,48 +41,62 @@ struct BoundTexture {
     sampler: Option<(u32, wgpu::Sampler)>,
 }
 
-/// Binds the factors and textures of a surface.
-///
-/// # Errors
-/// Where the driver refuses them, or there is no memory.
-pub(crate) fn bind_material(
-    gpu: &Gpu,
-    pipeline: &SurfacePipeline,
-    factors: &SurfaceFactors<'_>,
-    uploaded: (&Textures, &mut Samplers),
-) -> Result<BindGroup> {
-    let bytes = pipeline.interface.material_bytes(factors);
-    let uniforms = gpu.buffer("the factors of a material", &bytes, BufferUsages::UNIFORM)?;
-    let (textures, samplers) = uploaded;
-    let mut bound = Vec::new();
-    for slot in &pipeline.interface.textures {
-        bound.extend(texture(gpu, slot, factors, (textures, &mut *samplers)));
+/// The textures of a scene, and their samplers.
+pub(crate) struct MaterialTextures {
+    pub textures: Textures,
+    pub samplers: Samplers,
+}
+
+impl MaterialTextures {
+    /// Binds the factors and textures of a surface.
+    ///
+    /// # Errors
+    /// Where the driver refuses them, or there is no memory.
+    pub(crate) fn bind(
+        &mut self,
+        gpu: &Gpu,
+        pipeline: &SurfacePipeline,
+        factors: &SurfaceFactors<'_>,
+    ) -> Result<BindGroup> {
+        let bytes = pipeline.interface.material_bytes(factors);
+        let uniforms = gpu.buffer("the factors of a material", &bytes, BufferUsages::UNIFORM)?;
+        let slots = pipeline.interface.textures.iter();
+        let bound: Vec<_> = slots.filter_map(|slot| self.texture(gpu, slot, factors)).collect();
+        let mut entries = vec![BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() }];
+        entries.extend(bound.iter().flat_map(BoundTexture::entries));
+        bind(gpu, pipeline, &entries)
     }
-    let mut entries = vec![BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() }];
-    for BoundTexture { binding, view, sampler } in &bound {
-        entries.push(BindGroupEntry { binding: *binding, resource: BindingResource::TextureView(view) });
-        if let Some((binding, sampler)) = sampler {
-            entries.push(BindGroupEntry { binding: *binding, resource: BindingResource::Sampler(sampler) });
-        }
+
+    /// The texture of a slot; `None` where the slot belongs to the frame.
+    fn texture(
+        &mut self,
+        gpu: &Gpu,
+        slot: &TextureSlot,
+        factors: &SurfaceFactors<'_>,
+    ) -> Option<BoundTexture> {
+        let used = TextureRole::named(slot.name)?.of(factors.material)?;
+        let view = self.textures.view(used.texture)?.clone();
+        let sampler = slot.sampler.map(|binding| (binding, self.samplers.get(gpu, &used.sampler)));
+        Some(BoundTexture { binding: slot.binding, view, sampler })
     }
+}
+
+impl BoundTexture {
+    fn entries(&self) -> impl Iterator<Item = BindGroupEntry<'_>> {
+        let view = (self.binding, BindingResource::TextureView(&self.view));
+        let sampler = self.sampler.as_ref();
+        let sampler = sampler.map(|(binding, sampler)| (*binding, BindingResource::Sampler(sampler)));
+        let both = std::iter::once(view).chain(sampler);
+        both.map(|(binding, resource)| BindGroupEntry { binding, resource })
+    }
+}
+
+fn bind(gpu: &Gpu, pipeline: &SurfacePipeline, entries: &[BindGroupEntry<'_>]) -> Result<BindGroup> {
     gpu.checked("a material", || {
         gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("material"),
             layout: &pipeline.material,
-            entries: &entries,
+            entries,
         })
     })
-}
-
-/// The texture of a slot; `None` where the slot belongs to the frame.
-fn texture(
-    gpu: &Gpu,
-    slot: &TextureSlot,
-    factors: &SurfaceFactors<'_>,
-    (textures, samplers): (&Textures, &mut Samplers),
-) -> Option<BoundTexture> {
-    let used = TextureRole::named(slot.name)?.of(factors.material)?;
-    let view = textures.view(used.texture)?.clone();
-    let sampler = slot.sampler.map(|binding| (binding, samplers.get(gpu, &used.sampler)));
-    Some(BoundTexture { binding: slot.binding, view, sampler })
 }

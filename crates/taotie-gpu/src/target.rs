@@ -1,6 +1,6 @@
 //! The image that is drawn to, and its way back.
 
-use crate::average::{Average, cleared};
+use crate::average::{Average, SampleNumber, cleared};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::textures::{Texels2d, extent};
@@ -68,9 +68,9 @@ impl Target {
         })
     }
 
-    /// Adds the sample that was drawn, the `number`th of `count`, to the mean.
-    pub(crate) fn add(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder, [number, count]: [usize; 2]) {
-        self.average.add(gpu, encoder, [number, count]);
+    /// Adds the sample that was drawn to the mean.
+    pub(crate) fn add(&mut self, gpu: &Gpu, encoder: &mut CommandEncoder, sample: SampleNumber) {
+        self.average.add(gpu, encoder, sample);
     }
 
     /// Reads the mean of the samples back.

@@ -109,3 +109,29 @@ impl Texels2d<'_> {
 pub(crate) fn extent([width, height]: [u32; 2]) -> Extent3d {
     Extent3d { width, height, depth_or_array_layers: 1 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::found;
+    use taotie::image::{Bitmap, Encoding, Texels};
+    use taotie::mesh::Mesh;
+
+    #[test]
+    fn a_texture_beyond_the_limit_is_named() {
+        let Some(mut gpu) = found() else { return };
+        let sampler = taotie::image::Sampler::default();
+        let base = TextureRef { texture: 0, uv_set: 0, sampler, transform: Default::default() };
+        let bronze =
+            Material { name: "bronze".into(), base_color_texture: Some(base), ..Material::default() };
+        let bitmap = Bitmap::new(48, 8, 3, Texels::U8(vec![[9; 4]; 48 * 8])).unwrap();
+        let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+        scene.add_texture(Texture::new(bitmap, Encoding::Srgb));
+        let textures = |gpu: &Gpu| Textures::new(gpu, &scene, [&bronze]);
+        assert!(textures(&gpu).unwrap().view(0).is_some());
+        gpu.limits.max_texture_dimension_2d = 32;
+        let refused = textures(&gpu).err().unwrap().to_string();
+        assert!(refused.starts_with("texture 0 (of material 'bronze'): too large for "), "{refused}");
+        assert!(refused.contains("48×8, at most 32×32"), "{refused}");
+    }
+}
