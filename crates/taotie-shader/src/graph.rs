@@ -150,6 +150,8 @@ pub struct Graph {
     nodes: Vec<Node>,
     kinds: Vec<Kind>,
     known: FxHashMap<Node, Id>,
+    /// The nodes that others stand for at present.
+    replaced: Vec<(Node, Id)>,
     parameters: Vec<Parameter>,
     pub(crate) outputs: Vec<Id>,
 }
@@ -172,9 +174,18 @@ impl Graph {
         id
     }
 
-    /// Lets `other` stand wherever what `id` is would be added from here on.
+    /// Lets `other` stand wherever what `id` is would be added from here on, until [`Self::restore`].
     pub(crate) fn replace(&mut self, id: Id, other: Id) {
-        self.known.insert(self.nodes[id.0].clone(), other);
+        let node = self.nodes[id.0].clone();
+        self.known.insert(node.clone(), other);
+        self.replaced.push((node, id));
+    }
+
+    /// Ends all replacements.
+    pub(crate) fn restore(&mut self) {
+        while let Some((node, id)) = self.replaced.pop() {
+            self.known.insert(node, id);
+        }
     }
 
     /// A new parameter.

@@ -75,8 +75,8 @@ impl<'g> Scope<'g> {
         self.push(Node::constant(value))
     }
 
-    /// Lets what `formula` computes stand as a call of a function, wherever it is computed from here on. The formula's
-    /// outputs are the numbers of the function's structure.
+    /// Lets what `formula` computes stand as a call of a function, wherever it is computed from here on; the call before
+    /// no longer does. The formula's outputs are the numbers of the function's structure.
     pub(crate) fn calling(
         self,
         callee: &Callee<'_>,
@@ -91,6 +91,7 @@ impl<'g> Scope<'g> {
         let field =
             |(at, name): (usize, &&'static str)| self.push(Node::Field(call.id, Field { name, at })).id;
         let fields: Vec<Id> = callee.fields.iter().enumerate().map(field).collect();
+        self.graph.borrow_mut().restore();
         // What is computed of an output finds the field in its place the next time.
         for _ in &fields {
             let outputs = formula();

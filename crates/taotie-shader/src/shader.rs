@@ -67,7 +67,8 @@ fn header(shading: Shading) -> String {
 }
 
 pub(crate) fn commented(doc: &str, indent: &str) -> String {
-    doc.lines().map(|line| format!("{indent}// {line}\n")).collect()
+    let line = |line: &str| format!("{indent}// {}\n", line.replace("[`", "`").replace("`]", "`"));
+    doc.lines().map(line).collect()
 }
 
 pub(crate) fn written_structure(structure: &Structure, language: Language) -> String {

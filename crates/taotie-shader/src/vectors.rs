@@ -159,9 +159,7 @@ impl Packer<'_> {
                 if m == n && n == o =>
             {
                 let mask = self.number(*m);
-                let [a, b] = [[*a, *b, *c], [*d, *e, *f]].map(|parts| self.triple(parts));
-                let (a, b) = (self.widened(a), self.widened(b));
-                Some(self.packed.add(Node::Select([mask, a, b])))
+                Some(self.choice(mask, [[*a, *b, *c], [*d, *e, *f]]))
             }
             _ => None,
         }
@@ -175,6 +173,21 @@ impl Packer<'_> {
             let vector = self.packed.add(Node::Unary(operation, operand));
             self.swizzled(vector, turn)
         })
+    }
+
+    /// The choice between two vectors.
+    fn choice(&mut self, mask: Id, operands: [[Id; 3]; 2]) -> Id {
+        let [a, b] = operands.map(|parts| self.triple(parts));
+        let ((flat_a, turn_a), (flat_b, turn_b)) = (self.unturned(a), self.unturned(b));
+        let (a, b, turn) = match [a, b].map(|id| self.packed.kind(id) == Kind::Number) {
+            [true, false] => (a, flat_b, turn_b),
+            [false, true] => (flat_a, b, turn_a),
+            _ if turn_a == turn_b => (flat_a, flat_b, turn_a),
+            _ => (a, b, [0, 1, 2]),
+        };
+        let (a, b) = (self.widened(a), self.widened(b));
+        let vector = self.packed.add(Node::Select([mask, a, b]));
+        self.swizzled(vector, turn)
     }
 
     /// A power is left to numbers, since its bounds are those of a function.

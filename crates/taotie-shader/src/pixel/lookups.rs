@@ -4,42 +4,48 @@ use crate::program::{Formula, part};
 use crate::recorder::{Recorded, Scope, record};
 use taotie::math::Vec3;
 use taotie::pixel::{
-    Cone, Falloff, Incidence, LightSource, Place, Turn, height_derivative, height_step, log2_texels,
-    turned_uv,
+    Cone, Falloff, Frame, Incidence, LightSource, Place, Terminator, Turn, coat_normal, height_derivative,
+    height_step, log2_texels, turned_uv,
 };
 use taotie::shade::dfg::between_entries;
 use taotie::shade::environment::{
     LevelPosition, PicturePosition, bilinear, linear, octahedral_place, octahedral_taps, picture_uv,
     share_of_smoothest,
 };
+use taotie::shade::fresnel::f_f82;
 
-/// The formulas that every variant may need.
-pub(super) fn lookups() -> Vec<Formula> {
-    [textures().to_vec(), environment().to_vec(), lights().to_vec()].concat()
-}
-
-fn textures() -> [Formula; 5] {
+/// The formulas that stages call.
+pub(super) fn parts() -> [Formula; 4] {
     [
-        part("turned", "turned", TURNED, record(turned)),
-        part("log2_texels", "level", LOG2_TEXELS, record(level)),
-        part(
-            "height_step",
-            "step",
-            HEIGHT_STEP,
-            record(|s| vec![height_step(s.number("texels"), s.number("size"))]),
-        ),
-        part("height_derivative", "slope", HEIGHT_DERIVATIVE, record(slope)),
-        part("between_entries", "entry", BETWEEN_ENTRIES, record(entry)),
+        part("mixed", "mix", LINEAR, record(mixed)),
+        part("fresnel_schlick", "f", SCHLICK, record(schlick)),
+        part("towards_viewer", "n", TOWARDS_VIEWER, record(towards)),
+        part("terminator_share", "share", TERMINATOR, record(terminator)),
     ]
 }
 
-fn environment() -> [Formula; 8] {
+/// The formulas of what is fetched. Those of textures come last: they are so short that they would be found by chance.
+pub(super) fn lookups() -> Vec<Formula> {
+    [environment().to_vec(), lights().to_vec(), textures().to_vec()].concat()
+}
+
+fn textures() -> [Formula; 5] {
+    let step = record(|scope| vec![height_step(scope.number("texels"), scope.number("size"))]);
+    [
+        part("log2_texels", "level", LOG2_TEXELS, record(level)),
+        part("between_entries", "entry", BETWEEN_ENTRIES, record(entry)),
+        part("height_derivative", "slope", HEIGHT_DERIVATIVE, record(slope)),
+        part("turned", "turned", TURNED, record(turned)),
+        part("height_step", "step", HEIGHT_STEP, step),
+    ]
+}
+
+fn environment() -> [Formula; 7] {
     let structured = |name: &str, structure, doc, graph| Formula {
         structure: Some(structure),
         ..part(name, "position", doc, graph)
     };
     [
-        part("mixed", "mix", LINEAR, record(mixed)),
         part("bilinear", "mean", BILINEAR, record(four)),
         part("to_environment", "direction", TO_ENVIRONMENT, record(to_environment)),
         structured("octahedral_place", "MapPlace", PLACE, record(place)),
@@ -55,13 +61,27 @@ fn lights() -> [Formula; 2] {
         structure: Some("Incidence"),
         ..part(name, "arriving", INCIDENCE, graph)
     };
+    let windowed = record(|scope| incidence(scope, Falloff::Windowed(scope.number("light.range"))));
     [
         of("incidence_without_falloff", record(|scope| incidence(scope, Falloff::None))),
-        of(
-            "incidence_with_falloff",
-            record(|scope| incidence(scope, Falloff::Windowed(scope.number("light.range")))),
-        ),
+        of("incidence_with_falloff", windowed),
     ]
+}
+
+fn schlick(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let no_drop = Vec3::splat(scope.constant(0.0));
+    f_f82(scope.vector("f0"), scope.number("f90"), no_drop, scope.number("v_dot_h")).to_array().to_vec()
+}
+
+fn towards(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let (n, smooth) = (scope.vector("n"), scope.vector("n_smooth"));
+    let frame = Frame { n, smooth, squared_slope: scope.constant(0.0), v: scope.vector("v") };
+    coat_normal(n, &frame).to_array().to_vec()
+}
+
+fn terminator(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let (smooth, squared_slope) = (scope.vector("n_smooth"), scope.number("squared_slope"));
+    vec![Terminator { smooth, squared_slope }.share(scope.vector("l"))]
 }
 
 fn turned(scope: Scope<'_>) -> Vec<Recorded<'_>> {
@@ -139,6 +159,18 @@ fn incidence<'g>(scope: Scope<'g>, falloff: Falloff<Recorded<'g>>) -> Vec<Record
     let Incidence { l, irradiance } = light.incidence(scope.vector("position"));
     [l, irradiance].iter().flat_map(|vector: &Vec3<Recorded<'g>>| vector.to_array()).collect()
 }
+
+const SCHLICK: &str = "Schlick's approximation between two given reflectances.
+F = F0 + (F90 − F0)(1 − v·h)⁵
+Source: Schlick 1994, eq. 15, with the F90 of Lagarde and de Rousiers 2014.";
+
+const TOWARDS_VIEWER: &str = "A mapped normal that turns away from a viewer who sees the surface, turned back until it is just seen: the least
+change there is, and without a step, where mirroring the normal would light the wrong side of every steep slope.";
+
+const TERMINATOR: &str = "The share of light from `l` that arrives: 2 / (1 + √(1 + α² tan²θ)), α² = tan²(n, n')/8, θ between the smooth
+normal and `l`; 0 below the horizon, and 1 where no map turns the normal.
+Source: Estevez, Lecocq and Stein 2019, \"A Microfacet-Based Shadowing Function to Solve the Bump Terminator
+Problem\".";
 
 const TURNED: &str = "The linear part of a texture's transform, by rows, applied to texture coordinates or to a change of them.";
 

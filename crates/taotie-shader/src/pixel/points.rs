@@ -98,18 +98,29 @@ impl<'g> Inputs<'g, '_> {
         numbers
     }
 
-    /// What is reflected of a light; the angles are those of the function `angles` of the program.
+    /// What is reflected of a light; angles are those of the function of this name of the program. It does what
+    /// `SurfacePoint::reflect` does, but names the angles of the clearcoat after the base is recorded.
     pub(super) fn reflect_light(self, angles: &Callee<'_>) -> Vec<Number<'g>> {
         let (point, l) = (self.point(), self.vector("l"));
-        let coat = point.layers.coat.map(|coat| coat.n);
-        for n in [Some(point.frame.n), coat].into_iter().flatten() {
-            let directions = [n, point.frame.v, l];
-            self.scope.calling(angles, &directions, || {
-                let a = Angles::new(n, point.frame.v, l);
-                vec![a.n_dot_l, a.n_dot_v, a.n_dot_h, a.sin2_h, a.v_dot_h, a.r_dot_v]
-            });
-        }
-        point.reflect(l).to_array().to_vec()
+        let v = point.frame.v;
+        self.name_angles(angles, [point.frame.n, v, l]);
+        let reflected = point.reflect_bare(l);
+        let reflected = match &point.layers.coat {
+            Some(coat) => {
+                self.name_angles(angles, [coat.n, v, l]);
+                coat.over(reflected, v, l)
+            }
+            None => reflected,
+        };
+        reflected.to_array().to_vec()
+    }
+
+    /// Lets the angles of these directions stand as a call.
+    fn name_angles(self, angles: &Callee<'_>, [n, v, l]: [Vector<'g>; 3]) {
+        self.scope.calling(angles, &[n, v, l], || {
+            let a = Angles::new(n, v, l);
+            vec![a.n_dot_l, a.n_dot_v, a.n_dot_h, a.sin2_h, a.v_dot_h, a.r_dot_v]
+        });
     }
 
     /// What the surface emits, and reflects of the ambient light.

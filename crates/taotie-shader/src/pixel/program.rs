@@ -1,6 +1,6 @@
 //! The pixel of a variant as functions that call one another, with structures of what is needed and no more.
 
-use super::lookups::lookups;
+use super::lookups::{lookups, parts};
 use super::shapes;
 use super::stages::{Feeds, Stage, stages};
 use crate::graph::{Graph, Id};
@@ -29,7 +29,7 @@ impl PixelProgram {
     pub fn new(variant: &Variant) -> Self {
         let mut program = library();
         program.structures.extend(shapes::fixed());
-        lookups().into_iter().for_each(|formula| program.add(formula));
+        parts().into_iter().for_each(|formula| program.add(formula));
         let angles = program.formulas.iter().position(|formula| formula.name == "angles").unwrap_or_default();
         let callee = Callee { function: angles, structure: "Angles", fields: &ANGLES };
         let mut needs = Needs { structures: shapes::variable(), read: BTreeSet::new() };
@@ -45,7 +45,7 @@ impl PixelProgram {
         program.structures.extend(structures.into_iter().filter_map(|structure| kept(structure, &read)));
         program.narrow("Dfg", &read);
         let names = stages.iter().map(|formula| formula.name.clone()).collect();
-        stages.into_iter().for_each(|formula| program.add(formula));
+        stages.into_iter().chain(lookups()).for_each(|formula| program.add(formula));
         Self { program, stages: names, read }
     }
 

@@ -21,7 +21,9 @@ Geometry geometry(Interpolated i, bool front) {
     if (dot(facet, v) < 0.0) {
         n_geom = -facet;
     }
-    mut float facing = 1.0;
+";
+
+const FACING: &str = "    mut float facing = 1.0;
     if (!front) {
         facing = -1.0;
     }
@@ -36,7 +38,8 @@ pub(crate) fn geometry(pixel: &PixelProgram) -> String {
     let values: Vec<&str> = fields.iter().map(|field| value(field)).collect();
     let takes_height = fields.iter().any(|field| field.starts_with("du_") || field.starts_with("dv_"));
     let height = if takes_height { "    Coordinates height = height_coordinates(i);\n" } else { "" };
-    format!("{VIEWER}{height}    return Geometry({});\n}}\n", values.join(", "))
+    let facing = if fields.contains(&"facing") { FACING } else { "" };
+    format!("{VIEWER}{facing}{height}    return Geometry({});\n}}\n", values.join(", "))
 }
 
 /// The value of a field; changes are to the next sample.

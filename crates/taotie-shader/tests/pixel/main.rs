@@ -4,7 +4,10 @@
 #[path = "../../../taotie/tests/common/random.rs"]
 mod random;
 
+mod direct;
 mod interface;
+mod lookups;
+mod stages;
 mod text;
 mod valid;
 mod variants;
