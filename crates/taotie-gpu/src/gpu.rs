@@ -146,7 +146,7 @@ mod tests {
         assert!(text.contains(" refused a shader: ") && !text.contains('\n'), "{text}");
         gpu.limits.max_buffer_size = 64;
         let refused = gpu.buffer("the triangles of instance 3", &[0; 65], BufferUsages::INDEX).unwrap_err();
-        assert!(refused.to_string().starts_with("the triangles of instance 3: too large for"), "{refused}");
+        assert!(refused.to_string().starts_with("the triangles of instance 3 is too large for"), "{refused}");
     }
 
     #[test]

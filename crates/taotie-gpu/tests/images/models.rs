@@ -57,23 +57,30 @@ fn water_bottle_looks_as_on_the_processor() {
     check("WaterBottle");
 }
 
-/// A scanned statue with the normal map that lies beside it.
+/// Scanned statues with the normal maps that lie beside them.
 #[test]
-fn a_statue_looks_as_on_the_processor() {
+fn statues_look_as_on_the_processor() {
     let Some(gpu) = gpu() else { return };
-    let models = data_files("threedscans-keijiro", &["obj"]);
-    let beside = |path: &PathBuf| {
-        let stem = path.file_stem()?.to_string_lossy().into_owned();
-        let map = path.with_file_name(format!("{stem}_normals.png"));
-        map.exists().then(|| (path.clone(), map))
+    let beside = |model: PathBuf| {
+        let stem = model.file_stem()?.to_string_lossy().into_owned();
+        let map = model.with_file_name(format!("{stem}_normals.png"));
+        map.exists().then_some((model, map))
     };
-    let Some((model, map)) = models.iter().find_map(beside) else {
+    let statues: Vec<_> =
+        data_files("threedscans-keijiro", &["obj"]).into_iter().filter_map(beside).collect();
+    if statues.is_empty() {
         return absent("there is no statue with a normal map");
-    };
-    let mut scene = load_model(&model).unwrap().scene;
-    let normals = scene.add_texture(Texture::new(read_bitmap(&map).unwrap(), Encoding::Normal));
+    }
+    for (model, map) in statues {
+        view(&model, with_map(&model, &map)).check(&gpu);
+    }
+}
+
+fn with_map(model: &Path, map: &Path) -> Scene {
+    let mut scene = load_model(model).unwrap().scene;
+    let normals = scene.add_texture(Texture::new(read_bitmap(map).unwrap(), Encoding::Normal));
     let texture = crate::scenes::plain(normals);
     let map = NormalMap { texture, scale: 1.0, space: NormalSpace::Tangent, green: GreenChannel::Up };
     scene.edit(|scene| scene.materials.iter_mut().for_each(|m| m.normal = Some(map))).unwrap();
-    view(&model, scene).check(&gpu);
+    scene
 }
