@@ -14,6 +14,7 @@ pub(crate) fn with_vectors(recorded: &Graph, outputs: &[Kind]) -> Graph {
         packed: Graph::of(recorded.parameters()),
         numbers: FxHashMap::default(),
         triples: FxHashMap::default(),
+        components: FxHashMap::default(),
     };
     let mut rest = recorded.outputs();
     for kind in outputs {
@@ -35,6 +36,8 @@ struct Packer<'r> {
     packed: Graph,
     numbers: FxHashMap<Id, Id>,
     triples: FxHashMap<[Id; 3], Id>,
+    /// The packed vector, and the place in it, of recorded numbers that are one's components.
+    components: FxHashMap<Id, (Id, usize)>,
 }
 
 impl Packer<'_> {
@@ -55,9 +58,12 @@ impl Packer<'_> {
         if let Some(known) = self.numbers.get(&id) {
             return *known;
         }
-        let packed = match self.of_vectors(id) {
-            Some(number) => number,
-            None => self.as_it_is(id),
+        let packed = match self.components.get(&id) {
+            Some((vector, which)) => self.packed.add(Node::Component(*vector, *which)),
+            None => match self.of_vectors(id) {
+                Some(number) => number,
+                None => self.as_it_is(id),
+            },
         };
         self.numbers.insert(id, packed);
         packed
@@ -126,15 +132,36 @@ impl Packer<'_> {
         if let Some(known) = self.triples.get(&parts) {
             return *known;
         }
-        let packed = match self.alike(parts) {
+        let packed = match self.of_components(parts) {
             Some(vector) => vector,
-            None => {
-                let numbers = parts.map(|part| self.number(part));
-                self.packed.add(Node::Vector(numbers))
-            }
+            None => match self.alike(parts) {
+                Some(vector) => self.noted(parts, vector),
+                None => {
+                    let numbers = parts.map(|part| self.number(part));
+                    self.packed.add(Node::Vector(numbers))
+                }
+            },
         };
         self.triples.insert(parts, packed);
         packed
+    }
+
+    /// The vector that three known components are, turned where they are.
+    fn of_components(&mut self, parts: [Id; 3]) -> Option<Id> {
+        let [a, b, c] = parts.map(|part| self.components.get(&part).copied());
+        let ((a, i), (b, j), (c, k)) = (a?, b?, c?);
+        (a == b && b == c).then(|| self.swizzled(a, [i, j, k]))
+    }
+
+    /// Notes what the components of a vector are, so that they are found one by one and turned.
+    fn noted(&mut self, parts: [Id; 3], vector: Id) -> Id {
+        if self.is_whole(vector) {
+            let (flat, turn) = self.unturned(vector);
+            for (part, which) in parts.into_iter().zip(turn) {
+                self.components.entry(part).or_insert((flat, which));
+            }
+        }
+        vector
     }
 
     /// One operation of vectors for three operations of numbers, if they are alike.
