@@ -51,8 +51,8 @@ impl Gpu {
 
     /// What it can do with textures.
     pub(crate) fn texture_support(&self) -> TextureSupport {
-        let mixes_coarsely = self.description.kind == AdapterKind::Software;
-        TextureSupport { features: self.features, mixes_coarsely }
+        let is_coarse = self.description.kind == AdapterKind::Software;
+        TextureSupport { features: self.features, is_coarse }
     }
 
     /// Does a step and returns the driver's refusal as an error.

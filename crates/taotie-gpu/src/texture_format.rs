@@ -9,14 +9,15 @@ use wgpu::{Features, TextureFormat};
 pub(crate) struct TextureSupport {
     /// The features that it has.
     pub features: Features,
-    /// `true` where texels of 8 bits are mixed with 8 bits, as programs do that play a graphics processor.
-    pub mixes_coarsely: bool,
+    /// `true` where texels of 8 bits are mixed with 8 bits and decoded by an approximation of sRGB, as programs do that
+    /// play a graphics processor.
+    pub is_coarse: bool,
 }
 
 /// The format for a texture: that of its texels where one holds the same values, else floats of 32 bits, and of 16 where
 /// those cannot be filtered.
 pub(crate) fn format(texture: &Texture, support: TextureSupport) -> TextureFormat {
-    let TextureSupport { features, mixes_coarsely } = support;
+    let TextureSupport { features, is_coarse } = support;
     let is_wide = features.contains(Features::TEXTURE_FORMAT_16BIT_NORM);
     let floats = match features.contains(Features::FLOAT32_FILTERABLE) {
         true => TextureFormat::Rgba32Float,
@@ -26,14 +27,13 @@ pub(crate) fn format(texture: &Texture, support: TextureSupport) -> TextureForma
     if levels().any(|texels| matches!(texels, Texels::F32(_))) {
         return floats;
     }
-    if levels().all(|texels| matches!(texels, Texels::U8(_))) {
-        match texture.encoding() {
-            Encoding::Srgb => return TextureFormat::Rgba8UnormSrgb,
-            Encoding::Linear | Encoding::Normal if mixes_coarsely && is_wide => {}
-            Encoding::Linear | Encoding::Normal => return TextureFormat::Rgba8Unorm,
-        }
+    let has_bytes = levels().all(|texels| matches!(texels, Texels::U8(_)));
+    match texture.encoding() {
+        _ if is_wide && (is_coarse || !has_bytes) => TextureFormat::Rgba16Unorm,
+        _ if !has_bytes => floats,
+        Encoding::Srgb => TextureFormat::Rgba8UnormSrgb,
+        Encoding::Linear | Encoding::Normal => TextureFormat::Rgba8Unorm,
     }
-    if is_wide { TextureFormat::Rgba16Unorm } else { floats }
 }
 
 /// The bytes of a texel in one of the formats of [`format`].
@@ -54,6 +54,10 @@ pub(crate) fn level_bytes(texture: &Texture, level: usize, format: TextureFormat
             let mut texels = texels.clone();
             clear_alpha(&mut texels, is_without_variance);
             bytemuck::cast_slice(&texels).to_vec()
+        }
+        (Texels::U8(_), TextureFormat::Rgba16Unorm) if texture.encoding() == Encoding::Srgb => {
+            let codes = linear(texture, level).map(|v| v.map(|v| (v * 65535.0).round() as u16));
+            bytemuck::cast_slice(&codes.collect::<Vec<_>>()).to_vec()
         }
         // A code of 8 bits and 257 times as much of 16 are the same number.
         (Texels::U8(texels), TextureFormat::Rgba16Unorm) => {
@@ -77,11 +81,16 @@ fn clear_alpha<T: Default>(texels: &mut [[T; 4]], is_without_variance: bool) {
     }
 }
 
+/// The linear values of a level, row by row from the top.
+fn linear(texture: &Texture, level: usize) -> impl Iterator<Item = [f32; 4]> {
+    let (width, height) = texture.level_size(level);
+    let places = (0..height as usize).flat_map(move |y| (0..width as usize).map(move |x| (x, y)));
+    places.map(move |(x, y)| texture.texel(level, x, y))
+}
+
 /// The linear values of a level as floats.
 fn float_bytes(texture: &Texture, level: usize, format: TextureFormat) -> Vec<u8> {
-    let (width, height) = texture.level_size(level);
-    let places = (0..height as usize).flat_map(|y| (0..width as usize).map(move |x| (x, y)));
-    let values = places.map(|(x, y)| texture.texel(level, x, y));
+    let values = linear(texture, level);
     match format {
         TextureFormat::Rgba32Float => bytemuck::cast_slice(&values.collect::<Vec<_>>()).to_vec(),
         _ => bytemuck::cast_slice(&values.map(|v| v.map(f16::from_f32)).collect::<Vec<_>>()).to_vec(),
@@ -114,7 +123,7 @@ mod tests {
             (words, Encoding::Srgb, some | wide, TextureFormat::Rgba32Float),
             (Texels::F32(vec![[0.5; 4]; 4]), Encoding::Linear, none, TextureFormat::Rgba16Float),
         ];
-        let support = |features, mixes_coarsely| TextureSupport { features, mixes_coarsely };
+        let support = |features, is_coarse| TextureSupport { features, is_coarse };
         for (texels, encoding, features, expected) in cases {
             let found = format(&texture(texels, encoding), support(features, false));
             assert_eq!(found, expected, "{encoding:?} {features:?}");
@@ -122,21 +131,24 @@ mod tests {
         let codes = || texture(Texels::U8(vec![[9; 4]; 4]), Encoding::Linear);
         assert_eq!(format(&codes(), support(wide, true)), TextureFormat::Rgba16Unorm);
         assert_eq!(format(&codes(), support(none, true)), TextureFormat::Rgba8Unorm);
+        let colors = texture(Texels::U8(vec![[9; 4]; 4]), Encoding::Srgb);
+        assert_eq!(format(&colors, support(wide, true)), TextureFormat::Rgba16Unorm);
     }
 
     #[test]
     fn codes_of_16_bits_are_the_values_of_the_texels() {
-        let texture = texture(Texels::U8(vec![[128, 127, 255, 77]; 4]), Encoding::Normal);
-        for level in 0..texture.levels() {
-            let bytes = level_bytes(&texture, level, TextureFormat::Rgba16Unorm);
-            let codes: Vec<f32> = bytes
-                .chunks_exact(2)
-                .map(|b| f32::from(u16::from_ne_bytes([b[0], b[1]])) / 65535.0)
-                .collect();
-            assert_eq!(codes[..4], texture.texel(level, 0, 0), "{level}");
-            let (width, height) = texture.level_size(level);
-            let size = width * height * texel_bytes(TextureFormat::Rgba16Unorm);
-            assert_eq!(bytes.len(), size as usize);
+        for (encoding, apart) in [(Encoding::Normal, 0.0), (Encoding::Srgb, 0.5 / 65535.0 + 1e-7)] {
+            let texture = texture(Texels::U8(vec![[128, 3, 255, 77]; 4]), encoding);
+            for level in 0..texture.levels() {
+                let bytes = level_bytes(&texture, level, TextureFormat::Rgba16Unorm);
+                let code = |b: &[u8]| f32::from(u16::from_ne_bytes([b[0], b[1]])) / 65535.0;
+                for (code, value) in bytes.chunks_exact(2).map(code).zip(texture.texel(level, 0, 0)) {
+                    assert!((code - value).abs() <= apart, "{encoding:?} {level}: {code} {value}");
+                }
+                let (width, height) = texture.level_size(level);
+                let size = width * height * texel_bytes(TextureFormat::Rgba16Unorm);
+                assert_eq!(bytes.len(), size as usize);
+            }
         }
     }
 }

@@ -45,7 +45,8 @@ pub struct View {
     pub settings: RenderSettings,
 }
 
-/// The differences of two images, in codes of 8 bits: of each pixel that of its worst channel.
+/// The differences of two images, in codes of 8 bits: of each pixel that of its worst channel. Pixels count in which one
+/// of them shows anything.
 #[derive(Debug)]
 pub struct Difference {
     pub mean: f64,
@@ -114,7 +115,8 @@ impl Difference {
     pub fn of(one: &[[u8; 4]], other: &[[u8; 4]]) -> Self {
         assert_eq!(one.len(), other.len());
         let worst = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).map(|c| a[c].abs_diff(b[c])).max().unwrap_or(0);
-        let all: Vec<u8> = one.iter().zip(other).map(worst).collect();
+        let shown = one.iter().zip(other).filter(|(a, b)| a[3] > 0 || b[3] > 0);
+        let all: Vec<u8> = shown.map(worst).collect();
         let count = all.len() as f64;
         Self {
             mean: all.iter().map(|d| f64::from(*d)).sum::<f64>() / count,

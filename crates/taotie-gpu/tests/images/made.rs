@@ -31,9 +31,11 @@ fn every_surface_method_looks_as_on_the_processor() {
         let is_object = *method == SurfaceMethod::ObjectNormal;
         let space = if is_object { NormalSpace::Object } else { NormalSpace::Tangent };
         let surface = SurfaceSettings { method: Some(*method), ..SurfaceSettings::default() };
-        let view = || near(name, scenes::embossed_sphere(space)).with(|settings| settings.surface = surface);
-        view().check(&gpu);
-        view().under_sky().check(&gpu);
+        let view = |name: &str| {
+            near(name, scenes::embossed_sphere(space)).with(|settings| settings.surface = surface)
+        };
+        view(name).check(&gpu);
+        view(&format!("{name} under a sky")).under_sky().check(&gpu);
     }
 }
 
@@ -56,10 +58,10 @@ fn every_layer_looks_as_on_the_processor() {
 #[test]
 fn every_option_of_reflection_looks_as_on_the_processor() {
     let Some(gpu) = gpu() else { return };
-    let bosses = || near("bosses", finishes::polished_bosses(2.0, 0.2)).under_sky();
-    bosses().with(|settings| settings.energy = Energy::Single).check(&gpu);
-    bosses().with(|settings| settings.specular_aa = false).check(&gpu);
-    bosses().with(|settings| settings.grazing_normals = GrazingNormals::Keep).check(&gpu);
+    let bosses = |name| near(name, finishes::polished_bosses(2.0, 0.2)).under_sky();
+    bosses("single scattering").with(|settings| settings.energy = Energy::Single).check(&gpu);
+    bosses("sparkling").with(|settings| settings.specular_aa = false).check(&gpu);
+    bosses("kept normals").with(|settings| settings.grazing_normals = GrazingNormals::Keep).check(&gpu);
     let glowing = Material { emissive: [0.4, 0.1, 0.0], ..Material::default() };
     near("emission", finishes::sphere(glowing, Vec::new())).check(&gpu);
     let unlit = Material { unlit: true, ..Material::default() };

@@ -38,7 +38,9 @@ fn check(stem: &str) {
     }
     for model in models {
         view(&model, load_model(&model).unwrap().scene).check(&gpu);
-        view(&model, load_model(&model).unwrap().scene).under_sky().check(&gpu);
+        let mut sky = view(&model, load_model(&model).unwrap().scene).under_sky();
+        sky.name += " under a sky";
+        sky.check(&gpu);
     }
 }
 
