@@ -14,9 +14,10 @@ test: tools features ## Formatting, lints, documentation and all tests but the s
 	cargo test --workspace
 
 # Each feature of the library off and on beside others; without any, the tests that say what is not read.
-features: ## The library without its cargo features
+features: ## The library and the command without their cargo features
 	cargo check -p taotie --no-default-features --features draco,exr
 	cargo check -p taotie --no-default-features --features basis,webp
+	cargo check -p taotie-cli --no-default-features
 	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 
 test-slow: ## The tests that take minutes each
@@ -119,22 +120,32 @@ bless: ## Takes the pictures and outputs of today for right; look at the differe
 	SNAPSHOTS=overwrite cargo test -p taotie-cli --test cli
 
 # What `make test` needs beside cargo, installed where missing: parts of the toolchain, a browser for report pages and
-# three.js, and npm's packages that lead it and that check glTF. `BROWSER=/path/to/chrome` names a browser elsewhere.
+# three.js, npm's packages that lead it and that check glTF, and a Vulkan driver, of which Mesa's needs no graphics
+# processor. `BROWSER=/path/to/chrome` names a browser elsewhere.
 PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/playwright-core
 INSTALL = npm ci --no-audit --no-fund --prefix
 BROWSERS = chromium chromium-browser google-chrome google-chrome-stable
+DRIVERS = $(addsuffix /vulkan/icd.d/*.json,/usr/share /usr/local/share /etc /run/opengl-driver/share)
 tools:
 	@cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
 	@cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 	@for name in $(BROWSERS); do command -v $$name >/dev/null && exit; done; \
 	test -x "$$BROWSER" || $(MAKE) --no-print-directory browser
 	@for folder in $(PACKAGES); do test -d $$folder || exec $(MAKE) --no-print-directory packages; done
+	@test "$$(uname)" != Linux || test -n "$(wildcard $(DRIVERS))$$VK_DRIVER_FILES$$VK_ICD_FILENAMES" || \
+	$(MAKE) --no-print-directory vulkan
 
 .PHONY: browser
 browser:
 	@as=$$(test "$$(id -u)" = 0 || echo sudo); \
 	{ command -v apt-get && $$as apt-get update && $$as apt-get install -y chromium; } >/dev/null || \
 	echo "Install Chromium or Chrome, or name it in BROWSER: without it the tests of report pages and three.js are skipped." >&2
+
+.PHONY: vulkan
+vulkan:
+	@as=$$(test "$$(id -u)" = 0 || echo sudo); \
+	{ command -v apt-get && $$as apt-get update && $$as apt-get install -y mesa-vulkan-drivers; } >/dev/null || \
+	echo "Install a Vulkan driver, such as Mesa's: without one the tests of images by graphics processors are skipped." >&2
 
 .PHONY: packages
 packages:

@@ -1,9 +1,10 @@
-//! Prints a reflectance model as a shader: `cargo run -p taotie-shader --example print_shader -- ggx wgsl`.
+//! Prints the shader of a plain surface: `cargo run -p taotie-shader --example print_shader -- ggx wgsl`.
 
 use std::io::Write;
 use taotie::names::Named;
+use taotie::scene::Material;
 use taotie::shade::Shading;
-use taotie_shader::{Language, shader};
+use taotie_shader::{Language, Variant, VariantOptions, pixel_shader};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -14,5 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Some("glsl-es") => Language::GlslEs,
         Some(other) => return Err(format!("{other}: the languages are wgsl and glsl-es").into()),
     };
-    Ok(std::io::stdout().write_all(shader(shading, language).as_bytes())?)
+    let options = VariantOptions { shading, ..VariantOptions::default() };
+    let shader = pixel_shader(&Variant::new(&Material::default(), &options), language);
+    Ok(std::io::stdout().write_all(shader.text.as_bytes())?)
 }

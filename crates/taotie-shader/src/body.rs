@@ -4,7 +4,6 @@ use crate::graph::{Binary, Call, Graph, Id, Kind, Node, Unary};
 use crate::language::{Language, Phrase, Tightness};
 use crate::names::Names;
 use crate::program::{Formula, Program};
-use crate::structures::{field_name, fields};
 use std::collections::BTreeMap;
 
 /// The longest expression that stands within another.
@@ -13,7 +12,7 @@ const LONGEST: usize = 72;
 /// The lines between a function's braces.
 pub(crate) fn body(formula: &Formula, program: &Program, language: Language) -> String {
     let graph = &formula.graph;
-    let names = Names::new(graph, program, wishes(formula));
+    let names = Names::new(graph, program, wishes(formula, program));
     let mut writer = Writer {
         graph,
         program,
@@ -36,9 +35,9 @@ pub(crate) fn body(formula: &Formula, program: &Program, language: Language) -> 
 }
 
 /// The names of the fields that the outputs become.
-fn wishes(formula: &Formula) -> BTreeMap<Id, &'static str> {
-    let fields = formula.structure.map(fields).unwrap_or_default();
-    let names = fields.iter().map(|field| field_name(field.path));
+fn wishes(formula: &Formula, program: &Program) -> BTreeMap<Id, &'static str> {
+    let structure = formula.structure.and_then(|name| program.structure(name));
+    let names = structure.iter().flat_map(|structure| &structure.fields).map(|field| field.name);
     formula.graph.outputs().iter().copied().zip(names).collect()
 }
 
@@ -78,7 +77,7 @@ impl Writer<'_> {
         let is_result = self.graph.outputs() == [id] && self.uses[id.0] == 1;
         let is_short = matches!(node, Node::Parameter(_) | Node::Constant(_) | Node::Component(..))
             || matches!(node, Node::Vector([a, b, c]) if a == b && b == c)
-            || matches!(node, Node::Swizzle(..));
+            || matches!(node, Node::Swizzle(..) | Node::Field(..));
         if is_result || is_short || self.is_clamped(id) {
             return false;
         }
@@ -105,6 +104,7 @@ impl Writer<'_> {
             Node::Dot(a, b) => Phrase::call("dot", &[self.phrase(*a), self.phrase(*b)]),
             Node::Cross(a, b) => Phrase::call("cross", &[self.phrase(*a), self.phrase(*b)]),
             Node::Call(call) => self.call(call),
+            Node::Field(of, field) => Phrase::atom(format!("{}.{}", self.phrase(*of).text, field.name)),
         }
     }
 

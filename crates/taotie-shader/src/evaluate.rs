@@ -1,6 +1,6 @@
 //! Plays a graph: its values for given inputs, on any machine.
 
-use crate::graph::{Binary, Graph, Id, Node, Unary};
+use crate::graph::{Binary, Call, Graph, Id, Kind, Node, Unary};
 use crate::program::Program;
 use taotie::math::{Lane, Mask, Vec3};
 
@@ -31,6 +31,8 @@ enum Value<L: Lane> {
     Number(L),
     Vector([L; 3]),
     Truth(L::Mask),
+    /// A structure that a function returned, by its place in [`Player::structures`].
+    Structure(usize),
 }
 
 /// The outputs of `graph`, number by number, for the numbers of its parameters; the functions that it calls are those of
@@ -43,7 +45,8 @@ enum Value<L: Lane> {
 /// Where the inputs are not as many as the parameters' numbers, or the graph is not of this program.
 pub fn evaluate<L: Lane>(graph: &Graph, program: &Program, inputs: &[L]) -> Result<Vec<L>> {
     let (given, like) = parameters(graph, inputs)?;
-    let mut player = Player { program, given, like, values: Vec::with_capacity(graph.nodes().len()) };
+    let values = Vec::with_capacity(graph.nodes().len());
+    let mut player = Player { program, given, like, values, structures: Vec::new() };
     for node in graph.nodes() {
         let value = player.play(node)?;
         player.values.push(value);
@@ -53,7 +56,7 @@ pub fn evaluate<L: Lane>(graph: &Graph, program: &Program, inputs: &[L]) -> Resu
         match player.values[output.0] {
             Value::Number(number) => numbers.push(number),
             Value::Vector(vector) => numbers.extend(vector),
-            Value::Truth(_) => return Err(EvaluateError::Kind(output.0)),
+            Value::Truth(_) | Value::Structure(_) => return Err(EvaluateError::Kind(output.0)),
         }
     }
     Ok(numbers)
@@ -82,10 +85,12 @@ struct Player<'p, L: Lane> {
     /// Any number, of which constants are made.
     like: L,
     values: Vec<Value<L>>,
+    /// The numbers of the structures.
+    structures: Vec<Vec<L>>,
 }
 
 impl<L: Lane> Player<'_, L> {
-    fn play(&self, node: &Node) -> Result<Value<L>> {
+    fn play(&mut self, node: &Node) -> Result<Value<L>> {
         let wrong = EvaluateError::Kind(self.values.len());
         let value = match node {
             Node::Parameter(number) => self.given.get(*number).copied(),
@@ -98,7 +103,8 @@ impl<L: Lane> Player<'_, L> {
             Node::Swizzle(a, which) => self.vector(*a).map(|vector| Value::Vector(which.map(|i| vector[i]))),
             Node::Dot(a, b) => self.vectors(*a, *b).map(|[a, b]| Value::Number(a.dot(b))),
             Node::Cross(a, b) => self.vectors(*a, *b).map(|[a, b]| Value::Vector(a.cross(b).to_array())),
-            Node::Call(call) => return self.call(call.function, &call.arguments),
+            Node::Call(call) => return self.call(call),
+            Node::Field(of, field) => self.field(*of, field.at),
         };
         value.ok_or(wrong)
     }
@@ -125,20 +131,36 @@ impl<L: Lane> Player<'_, L> {
         }
     }
 
-    fn call(&self, function: usize, arguments: &[Id]) -> Result<Value<L>> {
-        let formula = self.program.formulas.get(function).ok_or(EvaluateError::Function(function))?;
+    /// A number of a structure.
+    fn field(&self, of: Id, at: usize) -> Option<Value<L>> {
+        match self.value(of) {
+            Value::Structure(number) => self.structures.get(number)?.get(at).copied().map(Value::Number),
+            _ => None,
+        }
+    }
+
+    fn call(&mut self, call: &Call) -> Result<Value<L>> {
+        let formula =
+            self.program.formulas.get(call.function).ok_or(EvaluateError::Function(call.function))?;
+        let wrong = EvaluateError::Kind(self.values.len());
         let mut inputs = Vec::new();
-        for argument in arguments {
+        for argument in &call.arguments {
             match self.value(*argument) {
                 Value::Number(number) => inputs.push(number),
                 Value::Vector(vector) => inputs.extend(vector),
-                Value::Truth(_) => return Err(EvaluateError::Kind(self.values.len())),
+                Value::Structure(number) => inputs.extend(&self.structures[number]),
+                Value::Truth(_) => return Err(wrong),
             }
         }
-        match evaluate(&formula.graph, self.program, &inputs)?[..] {
-            [number] => Ok(Value::Number(number)),
-            [x, y, z] => Ok(Value::Vector([x, y, z])),
-            _ => Err(EvaluateError::Kind(self.values.len())),
+        let numbers = evaluate(&formula.graph, self.program, &inputs)?;
+        match (call.result, &numbers[..]) {
+            (Kind::Structure(_), _) => {
+                self.structures.push(numbers);
+                Ok(Value::Structure(self.structures.len() - 1))
+            }
+            (_, [number]) => Ok(Value::Number(*number)),
+            (_, [x, y, z]) => Ok(Value::Vector([*x, *y, *z])),
+            _ => Err(wrong),
         }
     }
 }
@@ -161,6 +183,7 @@ fn unary<L: Lane>(operation: Unary, operand: Value<L>) -> Option<Value<L>> {
         Value::Number(x) => of(x).map(Value::Number),
         Value::Vector([x, y, z]) => Some(Value::Vector([of(x)?, of(y)?, of(z)?])),
         Value::Truth(mask) => (operation == Unary::Not).then(|| Value::Truth(mask.not())),
+        Value::Structure(_) => None,
     }
 }
 

@@ -15,12 +15,18 @@ pub enum Kind {
     Vector,
     /// True or false.
     Truth,
+    /// A structure of this name, which a function returns.
+    Structure(&'static str),
 }
 
 impl Kind {
-    /// The numbers that a value of this type holds.
+    /// The numbers that a value of this type holds; none are counted of a structure.
     pub(crate) fn numbers(self) -> usize {
-        if self == Self::Vector { 3 } else { 1 }
+        match self {
+            Self::Number | Self::Truth => 1,
+            Self::Vector => 3,
+            Self::Structure(_) => 0,
+        }
     }
 }
 
@@ -105,16 +111,27 @@ pub enum Node {
     Cross(Id, Id),
     /// The result of a function of the same program.
     Call(Call),
+    /// A number of a structure that a function returned.
+    Field(Id, Field),
 }
 
-/// A call of a function: its number in the program, the type of its result, and its arguments.
+/// A number of a structure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Field {
+    /// Its name.
+    pub name: &'static str,
+    /// Its place among the structure's numbers.
+    pub at: usize,
+}
+
+/// A call of a function: its number in the program, the type of its result, and its arguments, a structure being one.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Call {
     /// The number of the function in its program.
     pub function: usize,
     /// The type of the result.
     pub result: Kind,
-    /// A value for each parameter.
+    /// A value for each argument.
     pub arguments: Vec<Id>,
 }
 
@@ -133,6 +150,8 @@ pub struct Graph {
     nodes: Vec<Node>,
     kinds: Vec<Kind>,
     known: FxHashMap<Node, Id>,
+    /// The nodes that others stand for at present.
+    replaced: Vec<(Node, Id)>,
     parameters: Vec<Parameter>,
     pub(crate) outputs: Vec<Id>,
 }
@@ -153,6 +172,20 @@ impl Graph {
         self.kinds.push(self.kind_of(&node));
         self.nodes.push(node);
         id
+    }
+
+    /// Lets `other` stand wherever what `id` is would be added from here on, until [`Self::restore`].
+    pub(crate) fn replace(&mut self, id: Id, other: Id) {
+        let node = self.nodes[id.0].clone();
+        self.known.insert(node.clone(), other);
+        self.replaced.push((node, id));
+    }
+
+    /// Ends all replacements.
+    pub(crate) fn restore(&mut self) {
+        while let Some((node, id)) = self.replaced.pop() {
+            self.known.insert(node, id);
+        }
     }
 
     /// A new parameter.
@@ -212,6 +245,26 @@ impl Graph {
         pruned
     }
 
+    /// A copy without what no output needs, parameters among it.
+    pub(crate) fn stripped(&self) -> Self {
+        let pruned = self.pruned();
+        let is_used = |number: &usize| pruned.nodes.contains(&Node::Parameter(*number));
+        let used: Vec<usize> = (0..self.parameters.len()).filter(is_used).collect();
+        let parameters: Vec<Parameter> = used.iter().map(|number| self.parameters[*number]).collect();
+        let mut stripped = Self::of(&parameters);
+        let mut moved: Vec<Id> = Vec::with_capacity(pruned.nodes.len());
+        for node in &pruned.nodes {
+            let number = |old: &usize| used.iter().position(|number| number == old).unwrap_or_default();
+            let node = match node {
+                Node::Parameter(old) => Node::Parameter(number(old)),
+                node => node.with(|operand| moved[operand.0]),
+            };
+            moved.push(stripped.add(node));
+        }
+        stripped.outputs = pruned.outputs.iter().map(|output| moved[output.0]).collect();
+        stripped
+    }
+
     /// The type of a node's value.
     pub(crate) fn kind(&self, id: Id) -> Kind {
         self.kinds[id.0]
@@ -221,7 +274,7 @@ impl Graph {
     fn kind_of(&self, node: &Node) -> Kind {
         match node {
             Node::Parameter(number) => self.parameters[*number].kind,
-            Node::Constant(_) | Node::Component(..) | Node::Dot(..) => Kind::Number,
+            Node::Constant(_) | Node::Component(..) | Node::Dot(..) | Node::Field(..) => Kind::Number,
             Node::Vector(_) | Node::Swizzle(..) | Node::Cross(..) => Kind::Vector,
             Node::Unary(Unary::Not, _) => Kind::Truth,
             Node::Binary(Binary::Less | Binary::AtMost | Binary::And | Binary::Or, ..) => Kind::Truth,
@@ -243,7 +296,7 @@ impl Node {
     pub(crate) fn operands(&self) -> Vec<Id> {
         match self {
             Self::Parameter(_) | Self::Constant(_) => Vec::new(),
-            Self::Unary(_, a) | Self::Component(a, _) | Self::Swizzle(a, _) => vec![*a],
+            Self::Unary(_, a) | Self::Component(a, _) | Self::Swizzle(a, _) | Self::Field(a, _) => vec![*a],
             Self::Binary(_, a, b) | Self::Dot(a, b) | Self::Cross(a, b) => vec![*a, *b],
             Self::Select(operands) | Self::Vector(operands) => operands.to_vec(),
             Self::Call(call) => call.arguments.clone(),
@@ -258,6 +311,7 @@ impl Node {
             Self::Binary(operation, a, b) => Self::Binary(*operation, other(*a), other(*b)),
             Self::Select(operands) => Self::Select(operands.map(other)),
             Self::Component(a, which) => Self::Component(other(*a), *which),
+            Self::Field(a, field) => Self::Field(other(*a), *field),
             Self::Vector(operands) => Self::Vector(operands.map(other)),
             Self::Swizzle(a, which) => Self::Swizzle(other(*a), *which),
             Self::Dot(a, b) => Self::Dot(other(*a), other(*b)),

@@ -60,6 +60,7 @@ impl Language {
             (Self::GlslEs, Kind::Number) => "float",
             (Self::GlslEs, Kind::Vector) => "vec3",
             (_, Kind::Truth) => "bool",
+            (_, Kind::Structure(name)) => name,
         }
     }
 

@@ -6,28 +6,44 @@
 //! another's graph it becomes a call ([`library()`]). [`evaluate()`] plays a graph back on any lane; [`shader()`] writes a
 //! model as WGSL or GLSL ES 3.00, [`functions()`] any formulas.
 
+mod binding;
 mod body;
 mod environment;
 mod evaluate;
+mod factors;
+mod frame;
 mod graph;
 mod inputs;
+mod interface;
 mod language;
 mod layers;
 mod library;
 mod models;
 mod names;
 mod outline;
+mod pixel;
+mod pixel_shader;
 mod program;
 mod recorder;
+mod role;
 mod shader;
 mod structures;
+mod text;
+mod variant;
 mod vectors;
 
 pub use evaluate::{EvaluateError, evaluate};
-pub use graph::{Binary, Call, Graph, Id, Kind, Node, Parameter, Unary};
+pub use factors::SurfaceFactors;
+pub use frame::{FrameFactors, MOST_LEVELS, MOST_LIGHTS, light_numbers};
+pub use graph::{Binary, Call, Field, Graph, Id, Kind, Node, Parameter, Unary};
+pub use interface::{BufferSlot, Interface, TextureSlot, UniformField, ValueKind, VertexInput, buffer_size};
 pub use language::Language;
 pub use library::library;
 pub use models::model_name;
+pub use pixel::PixelProgram;
+pub use pixel_shader::{PixelShader, pixel_shader};
 pub use program::{Formula, Program};
 pub use recorder::{Recorded, RecordedTruth, Scope, record};
+pub use role::TextureRole;
 pub use shader::{functions, shader};
+pub use variant::{NormalMethod, Variant, VariantOptions};

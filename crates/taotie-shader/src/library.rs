@@ -7,11 +7,13 @@ use crate::layers::layers;
 use crate::models::{angles, compensated, model};
 use crate::program::{Formula, Program, part};
 use crate::recorder::{Recorded, Scope, record};
+use crate::structures::structures;
 use taotie::names::Named;
 use taotie::shade::Shading;
 use taotie::shade::fresnel::{f_f82, pow5};
 use taotie::shade::masking::{g_v_cavity, g1_schlick_ggx, k_for_lights, v_smith_ggx};
 use taotie::shade::ndf::{alpha_from_roughness, d_beckmann, d_ggx};
+use taotie::shade::sampling::mirrored;
 
 /// The models whose energy can be compensated.
 const COMPENSATED: [Shading; 2] = [Shading::CookTorrance, Shading::Ggx];
@@ -20,7 +22,7 @@ const COMPENSATED: [Shading; 2] = [Shading::CookTorrance, Shading::Ggx];
 /// `_compensated` for microfacets, and what layers and lights are made of.
 pub fn library() -> Program {
     let shadings = || Shading::NAMES.iter().map(|(_, shading)| *shading);
-    let mut program = Program::default();
+    let mut program = Program { structures: structures(), ..Program::default() };
     parts().into_iter().chain(distributions()).chain(layers()).for_each(|formula| program.add(formula));
     [angles(), compensation()].into_iter().for_each(|formula| program.add(formula));
     shadings().map(model).chain(COMPENSATED.map(compensated)).for_each(|formula| program.add(formula));
@@ -28,8 +30,10 @@ pub fn library() -> Program {
     program
 }
 
-fn parts() -> [Formula; 6] {
+fn parts() -> [Formula; 8] {
     [
+        part("normalize_or", "unit", NORMALIZE_OR, record(normalize_or)),
+        part("mirrored", "mirror", MIRRORED, record(mirrored_vector)),
         part("pow5", "fifth", "x⁵.", record(|scope| vec![pow5(scope.number("x"))])),
         part("fresnel", "f", FRESNEL, record(fresnel)),
         part("alpha_from_roughness", "alpha", ALPHA, record(alpha)),
@@ -50,6 +54,14 @@ fn distributions() -> [Formula; 3] {
             record(|s| vec![k_for_lights(s.number("roughness"))]),
         ),
     ]
+}
+
+fn normalize_or(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    scope.vector("direction").normalize_or(scope.vector("fallback")).to_array().to_vec()
+}
+
+fn mirrored_vector(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    mirrored(scope.vector("v"), scope.vector("m")).to_array().to_vec()
 }
 
 fn fresnel(scope: Scope<'_>) -> Vec<Recorded<'_>> {
@@ -85,6 +97,11 @@ fn ggx(scope: Scope<'_>) -> Vec<Recorded<'_>> {
     let [n_dot_h, sin2_h, alpha] = ["n_dot_h", "sin2_h", "alpha"].map(|name| scope.number(name));
     vec![d_ggx(n_dot_h, sin2_h, alpha)]
 }
+
+const NORMALIZE_OR: &str =
+    "The unit vector of this direction, or `fallback` where the length is not above 1e-18.";
+
+const MIRRORED: &str = "`v` mirrored at the unit vector `m`.";
 
 const FRESNEL: &str = "Schlick with Lazányi's correction for metals.
 F = F_schlick(v·h) − a · v·h (1 − v·h)⁶, kept in [0, 1]

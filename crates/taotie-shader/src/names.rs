@@ -55,6 +55,7 @@ impl<'g> Names<'g> {
                 let path = self.graph.parameters()[*number].path;
                 Some(path.rsplit('.').next().unwrap_or(path).to_owned())
             }
+            Node::Field(_, field) => Some(field.name.to_owned()),
             _ => self.given.get(&id).cloned(),
         }
     }

@@ -3,7 +3,7 @@
 //! Nodes are never written twice, so where a formula used the function its body stands as it was recorded, with the
 //! arguments in the parameters' places.
 
-use crate::graph::{Call, Graph, Id, Kind, Node};
+use crate::graph::{Call, Graph, Id, Kind, Node, Parameter};
 use rustc_hash::FxHashMap;
 
 /// A function to look for: its number in the program and its body, of one output.
@@ -76,17 +76,60 @@ fn shape(node: &Node) -> Node {
     node.with(|_| Id(0))
 }
 
-/// The values in the parameters' places; numbers widened to vectors where the function takes these.
+/// The values in the parameters' places; numbers widened to vectors where the function takes these. A structure is the
+/// one whose fields stand in the places of its fields.
 fn arguments(graph: &mut Graph, body: &Graph, bound: &FxHashMap<Id, Id>) -> Option<Vec<Id>> {
-    let mut arguments = Vec::new();
+    let mut arguments = Arguments { graph, given: Vec::new() };
     for (number, parameter) in body.parameters().iter().enumerate() {
-        let at = body.nodes().iter().position(|node| *node == Node::Parameter(number))?;
-        let value = *bound.get(&Id(at))?;
-        arguments.push(match (parameter.kind, graph.kind(value)) {
-            (Kind::Vector, Kind::Number) => graph.add(Node::Vector([value; 3])),
-            (Kind::Number, Kind::Vector) => return None,
-            _ => value,
-        });
+        let at = body.nodes().iter().position(|node| *node == Node::Parameter(number));
+        let value = at.and_then(|at| bound.get(&Id(at)).copied());
+        arguments.add(parameter, value)?;
     }
-    Some(arguments)
+    arguments.given.into_iter().map(|(_, value)| value).collect()
+}
+
+/// The arguments of a call, by name.
+struct Arguments<'g> {
+    graph: &'g mut Graph,
+    given: Vec<(&'static str, Option<Id>)>,
+}
+
+impl Arguments<'_> {
+    /// Adds the value of a parameter; `None` where it cannot be its. The function may not read a structure's field.
+    fn add(&mut self, parameter: &Parameter, value: Option<Id>) -> Option<()> {
+        let Some((argument, field)) = parameter.path.split_once('.') else {
+            let value = self.fitting(parameter.kind, value?)?;
+            self.given.push((parameter.path, Some(value)));
+            return Some(());
+        };
+        let of = match value {
+            Some(value) => Some(self.structure(field, value)?),
+            None => None,
+        };
+        let known = self.given.iter_mut().find(|(name, _)| *name == argument);
+        match (known, of) {
+            (None, _) => self.given.push((argument, of)),
+            (Some((_, Some(known))), Some(of)) if *known != of => return None,
+            (Some((_, known)), Some(of)) => *known = Some(of),
+            (Some(_), None) => {}
+        }
+        Some(())
+    }
+
+    /// The structure whose field `value` is, `None` where it is not that.
+    fn structure(&self, field: &str, value: Id) -> Option<Id> {
+        match self.graph.node(value) {
+            Node::Field(of, found) if found.name == field => Some(*of),
+            _ => None,
+        }
+    }
+
+    /// The value as this type.
+    fn fitting(&mut self, kind: Kind, value: Id) -> Option<Id> {
+        match (kind, self.graph.kind(value)) {
+            (Kind::Vector, Kind::Number) => Some(self.graph.add(Node::Vector([value; 3]))),
+            (Kind::Number, Kind::Vector) => None,
+            _ => Some(value),
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::graph::{Graph, Kind};
 use crate::outline::{Function, with_calls};
-use crate::structures::fields;
+use crate::structures::Structure;
 use crate::vectors::with_vectors;
 
 /// A formula as a function: its graph, and what a reader needs to know of it.
@@ -26,10 +26,9 @@ pub(crate) fn part(name: &str, symbol: &'static str, doc: &'static str, graph: G
 }
 
 impl Formula {
-    /// Says whether it takes and returns no structure, so that other formulas can call it.
-    fn is_flat(&self) -> bool {
-        let takes_structure = self.graph.parameters().iter().any(|parameter| parameter.path.contains('.'));
-        !takes_structure && self.structure.is_none()
+    /// Says whether it returns no structure, so that its calls are found in other formulas.
+    fn is_found(&self) -> bool {
+        self.structure.is_none()
     }
 }
 
@@ -37,22 +36,33 @@ impl Formula {
 #[derive(Debug, Clone, Default)]
 pub struct Program {
     pub(crate) formulas: Vec<Formula>,
+    pub(crate) structures: Vec<Structure>,
 }
 
 impl Program {
     /// Adds a recorded formula: with vectors for equal channels, and calls of the formulas that stand here already.
     pub(crate) fn add(&mut self, mut formula: Formula) {
         let kinds = match formula.structure {
-            Some(structure) => fields(structure).iter().map(|field| field.kind).collect(),
+            Some(structure) => self.structure(structure).map(Structure::layout).unwrap_or_default(),
             None if formula.graph.outputs().len() == 3 => vec![Kind::Vector],
             None => vec![Kind::Number; formula.graph.outputs().len()],
         };
         formula.graph = with_vectors(&formula.graph, &kinds);
-        for (number, function) in self.formulas.iter().enumerate().filter(|(_, function)| function.is_flat())
-        {
+        let functions = self.formulas.iter().enumerate();
+        for (number, function) in functions.filter(|(_, function)| function.is_found()) {
             formula.graph = with_calls(&formula.graph, Function { number, body: &function.graph });
         }
         self.formulas.push(formula);
+    }
+
+    /// The structure of this name.
+    pub(crate) fn structure(&self, name: &str) -> Option<&Structure> {
+        self.structures.iter().find(|structure| structure.name == name)
+    }
+
+    /// The structure that arguments of this name are.
+    pub(crate) fn structure_of(&self, argument: &str) -> Option<&Structure> {
+        self.structures.iter().find(|structure| structure.arguments.contains(&argument))
     }
 
     /// The formulas; a call names one by its place here.

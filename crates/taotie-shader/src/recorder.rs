@@ -1,6 +1,6 @@
 //! A number that writes down what is done with it.
 
-use crate::graph::{Binary, Graph, Id, Kind, Node, Parameter, Unary};
+use crate::graph::{Binary, Call, Field, Graph, Id, Kind, Node, Parameter, Unary};
 use std::cell::{Cell, RefCell};
 use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -49,16 +49,59 @@ pub struct Scope<'g> {
 }
 
 impl<'g> Scope<'g> {
-    /// A new parameter, a number. `path` is its name, or those of a structure and a field: `s.roughness`.
+    /// The parameter of this path, a number. `path` is its name, or those of a structure and a field: `s.roughness`.
     pub fn number(self, path: &'static str) -> Recorded<'g> {
-        let id = self.graph.borrow_mut().declare(Parameter { path, kind: Kind::Number });
+        let id = self.parameter(Parameter { path, kind: Kind::Number });
         Recorded { scope: self, id }
     }
 
-    /// A new parameter, a vector. `path` is as with [`Self::number`].
+    /// The parameter of this path, a vector. `path` is as with [`Self::number`].
     pub fn vector(self, path: &'static str) -> Vec3<Recorded<'g>> {
-        let id = self.graph.borrow_mut().declare(Parameter { path, kind: Kind::Vector });
+        let id = self.parameter(Parameter { path, kind: Kind::Vector });
         Vec3::from_array([0, 1, 2].map(|which| self.push(Node::Component(id, which))))
+    }
+
+    /// The parameter, which is new where it is asked for first.
+    fn parameter(self, parameter: Parameter) -> Id {
+        let mut graph = self.graph.borrow_mut();
+        match graph.parameters().iter().position(|known| *known == parameter) {
+            Some(number) => graph.add(Node::Parameter(number)),
+            None => graph.declare(parameter),
+        }
+    }
+
+    /// The constant `value`.
+    pub(crate) fn constant(self, value: f64) -> Recorded<'g> {
+        self.push(Node::constant(value))
+    }
+
+    /// Lets what `formula` computes stand as a call of a function, wherever it is computed from here on; the call before
+    /// no longer does. The formula's outputs are the numbers of the function's structure.
+    pub(crate) fn calling(
+        self,
+        callee: &Callee<'_>,
+        arguments: &[Vec3<Recorded<'g>>],
+        formula: impl Fn() -> Vec<Recorded<'g>>,
+    ) {
+        let vector =
+            |vector: &Vec3<Recorded<'g>>| self.push(Node::Vector(vector.to_array().map(|part| part.id)));
+        let arguments = arguments.iter().map(|argument| vector(argument).id).collect();
+        let result = Kind::Structure(callee.structure);
+        let call = self.push(Node::Call(Call { function: callee.function, result, arguments }));
+        let field =
+            |(at, name): (usize, &&'static str)| self.push(Node::Field(call.id, Field { name, at })).id;
+        let fields: Vec<Id> = callee.fields.iter().enumerate().map(field).collect();
+        self.graph.borrow_mut().restore();
+        // What is computed of an output finds the field in its place the next time.
+        for _ in &fields {
+            let outputs = formula();
+            let mut graph = self.graph.borrow_mut();
+            outputs.iter().zip(&fields).for_each(|(output, field)| {
+                if output.id != *field {
+                    graph.replace(output.id, *field);
+                }
+            });
+        }
     }
 
     fn push(self, node: Node) -> Recorded<'g> {
@@ -67,7 +110,17 @@ impl<'g> Scope<'g> {
     }
 }
 
+/// A function that returns a structure of numbers: its number in the program, the structure's name and fields.
+pub(crate) struct Callee<'c> {
+    pub(crate) function: usize,
+    pub(crate) structure: &'static str,
+    pub(crate) fields: &'c [&'static str],
+}
+
 /// A number of a recording.
+///
+/// What a constant of 0 or 1 leaves as it is, is not recorded: x + 0, x − 0, 1 x, x/1, and a choice between two constants.
+/// 0 x is 0; only the sign of a zero may be another than the formula's.
 ///
 /// `min` and `max` are recorded as such and not as comparisons. For NaN, which no formula takes, the graph's meaning is
 /// that of [`Lane`], a machine's may be another.
@@ -87,7 +140,49 @@ impl<'g> Recorded<'g> {
     }
 
     fn two(self, operation: Binary, other: Self) -> Self {
-        self.scope.push(Node::Binary(operation, self.id, other.id))
+        match self.simpler(operation, other) {
+            Some(simpler) => simpler,
+            None => self.scope.push(Node::Binary(operation, self.id, other.id)),
+        }
+    }
+
+    /// The operand, or zero, that an operation with 0 or 1 gives.
+    fn simpler(self, operation: Binary, other: Self) -> Option<Self> {
+        let (a, b) = (self.known(), other.known());
+        match operation {
+            Binary::Add if a == Some(0.0) => Some(other),
+            Binary::Add | Binary::Subtract if b == Some(0.0) => Some(self),
+            Binary::Multiply if a == Some(1.0) => Some(other),
+            Binary::Multiply | Binary::Divide if b == Some(1.0) => Some(self),
+            Binary::Multiply if a == Some(0.0) => Some(self),
+            Binary::Multiply if b == Some(0.0) => Some(other),
+            _ => None,
+        }
+    }
+
+    /// The value of a constant.
+    fn known(self) -> Option<f64> {
+        match self.scope.graph.borrow().node(self.id) {
+            Node::Constant(bits) => Some(f64::from_bits(*bits)),
+            _ => None,
+        }
+    }
+
+    /// The operands of a comparison, with whether equal ones fulfil it.
+    fn compared(self) -> Option<(Self, Self, bool)> {
+        let of = |id| Self { id, ..self };
+        match self.scope.graph.borrow().node(self.id) {
+            Node::Binary(Binary::Less, a, b) => Some((of(*a), of(*b), false)),
+            Node::Binary(Binary::AtMost, a, b) => Some((of(*a), of(*b), true)),
+            _ => None,
+        }
+    }
+
+    /// The truth of a comparison of two constants.
+    fn decided(self) -> Option<bool> {
+        let (a, b, equal) = self.compared()?;
+        let (a, b) = (a.known()?, b.known()?);
+        Some(if equal { a <= b } else { a < b })
     }
 }
 
@@ -149,7 +244,11 @@ impl<'g> Lane for Recorded<'g> {
         RecordedTruth(self.two(Binary::AtMost, other))
     }
     fn select(mask: Self::Mask, if_true: Self, if_false: Self) -> Self {
-        if_true.scope.push(Node::Select([mask.0.id, if_true.id, if_false.id]))
+        match mask.0.decided() {
+            Some(true) => if_true,
+            Some(false) => if_false,
+            None => if_true.scope.push(Node::Select([mask.0.id, if_true.id, if_false.id])),
+        }
     }
     fn ldexp(self, n: Self) -> Self {
         self.two(Binary::Scale, n)

@@ -1,12 +1,12 @@
 //! A whole shader: structures, functions, and one that shades.
 
 use crate::body::body;
-use crate::graph::{Binary, Kind, Node, Parameter};
+use crate::graph::{Binary, Kind, Node};
 use crate::language::Language;
 use crate::library::library;
 use crate::models::model_name;
 use crate::program::{Formula, Program};
-use crate::structures::{STRUCTURES, Structure, field_doc, field_name};
+use crate::structures::Structure;
 use taotie::names::Named;
 use taotie::shade::Shading;
 
@@ -35,17 +35,24 @@ pub fn functions(names: &[&str], language: Language) -> String {
     let program = library();
     let formulas = program.needed(names);
     let structures =
-        STRUCTURES.iter().filter(|structure| formulas.iter().any(|f| has_structure(f, structure)));
+        program.structures.iter().filter(|structure| formulas.iter().any(|f| has_structure(f, structure)));
     let mut pieces: Vec<String> =
         structures.map(|structure| written_structure(structure, language)).collect();
-    pieces.extend(formulas.iter().any(|formula| has_power(formula)).then(|| language.power()));
-    pieces.extend(formulas.iter().map(|formula| function(formula, &program, language)));
+    pieces.extend(written_formulas(&formulas, &program, language));
     pieces.join("\n")
 }
 
+/// The functions of formulas, and the one that stands for a power where any of them needs it.
+pub(crate) fn written_formulas(formulas: &[&Formula], program: &Program, language: Language) -> Vec<String> {
+    let power = formulas.iter().any(|formula| has_power(formula)).then(|| language.power());
+    let functions = formulas.iter().map(|formula| function(formula, program, language));
+    power.into_iter().chain(functions).collect()
+}
+
 /// Says whether a formula takes or returns a structure.
-fn has_structure(formula: &Formula, structure: &Structure) -> bool {
-    let is_field = |path: &str| path.split_once('.').is_some_and(|(name, _)| name == structure.argument);
+pub(crate) fn has_structure(formula: &Formula, structure: &Structure) -> bool {
+    let is_field =
+        |path: &str| path.split_once('.').is_some_and(|(name, _)| structure.arguments.contains(&name));
     formula.structure == Some(structure.name)
         || formula.graph.parameters().iter().any(|parameter| is_field(parameter.path))
 }
@@ -59,16 +66,17 @@ fn header(shading: Shading) -> String {
     )
 }
 
-fn commented(doc: &str, indent: &str) -> String {
-    doc.lines().map(|line| format!("{indent}// {line}\n")).collect()
+pub(crate) fn commented(doc: &str, indent: &str) -> String {
+    let line = |line: &str| format!("{indent}// {}\n", line.replace("[`", "`").replace("`]", "`"));
+    doc.lines().map(line).collect()
 }
 
-fn written_structure(structure: &Structure, language: Language) -> String {
+pub(crate) fn written_structure(structure: &Structure, language: Language) -> String {
     let mut text = commented(structure.doc, "");
     text += &format!("struct {} {{\n", structure.name);
-    for field in structure.fields() {
-        text += &commented(field_doc(field.path), "    ");
-        text += &language.field(field_name(field.path), field.kind);
+    for field in &structure.fields {
+        text += &commented(field.doc, "    ");
+        text += &language.field(field.name, field.kind);
     }
     text + language.structure_end()
 }
@@ -83,29 +91,24 @@ fn function(formula: &Formula, program: &Program, language: Language) -> String 
         (None, [output]) => language.kind(formula.graph.kind(*output)),
         (None, _) => language.kind(Kind::Vector),
     };
-    let opening = language.opening(&formula.name, &arguments(formula.graph.parameters(), language), result);
+    let opening = language.opening(&formula.name, &arguments(formula, program, language), result);
     format!("{}{opening}{}}}\n", commented(formula.doc, ""), body(formula, program, language))
 }
 
 /// The arguments of a function: its parameters, those of one structure together.
-fn arguments(parameters: &[Parameter], language: Language) -> String {
+fn arguments(formula: &Formula, program: &Program, language: Language) -> String {
+    let structure_of = |argument| program.structure_of(argument).map_or("", |structure| structure.name);
     let mut arguments: Vec<String> = Vec::new();
-    for parameter in parameters {
+    for parameter in formula.graph.parameters() {
         let argument = match parameter.path.split_once('.') {
             Some((name, _)) => language.declared(name, structure_of(name)),
             None => language.declared(parameter.path, language.kind(parameter.kind)),
         };
-        if arguments.last() != Some(&argument) {
+        if !arguments.contains(&argument) {
             arguments.push(argument);
         }
     }
     arguments.join(", ")
-}
-
-/// The type of an argument that is a structure.
-fn structure_of(argument: &str) -> &'static str {
-    let structure = STRUCTURES.iter().find(|structure| structure.argument == argument);
-    structure.map_or("", |structure| structure.name)
 }
 
 fn whole(model: &str, language: Language) -> String {

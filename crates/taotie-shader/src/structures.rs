@@ -1,66 +1,68 @@
 //! The structures that shaders pass on, as `taotie::shade` has them.
 
-use crate::graph::Parameter;
+use crate::graph::{Kind, Parameter};
 use crate::inputs;
 use crate::recorder::{Scope, record};
 
-/// A structure: the argument that is one, its type, what it is, and what declares its fields.
+/// A structure: its type, what it is, the arguments that are one, and its fields.
+#[derive(Debug, Clone)]
 pub(crate) struct Structure {
-    pub(crate) argument: &'static str,
     pub(crate) name: &'static str,
     pub(crate) doc: &'static str,
-    declare: fn(Scope<'_>),
+    pub(crate) arguments: &'static [&'static str],
+    pub(crate) fields: Vec<Field>,
 }
 
-/// All structures.
-pub(crate) const STRUCTURES: [Structure; 5] = [
-    Structure {
-        argument: "s",
-        name: "MaterialSample",
-        doc: "A material sample: the parameters of a surface at a point.",
-        declare: |scope| _ = inputs::material(scope),
-    },
-    Structure {
-        argument: "a",
-        name: "Angles",
-        doc: "The cosines that reflectance depends on.",
-        declare: |scope| _ = inputs::angles(scope),
-    },
-    Structure {
-        argument: "c",
-        name: "Compensation",
-        doc: "The compensation that makes a microfacet model keep its energy, at one n·v.",
-        declare: |scope| _ = inputs::compensation(scope),
-    },
-    Structure {
-        argument: "dfg",
-        name: "Dfg",
-        doc: "The total reflection of a lobe, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.",
-        declare: |scope| _ = inputs::dfg(scope),
-    },
-    Structure {
-        argument: "w",
-        name: "EnvironmentWeights",
-        doc: "The reflection of light that comes from all around, as weights of two radiances, linear RGB.",
-        declare: |scope| _ = inputs::weights(scope),
-    },
-];
+/// A field of a structure: its name, its type, and its meaning with range and unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Field {
+    pub(crate) name: &'static str,
+    pub(crate) kind: Kind,
+    pub(crate) doc: &'static str,
+}
 
 impl Structure {
-    /// The fields, as parameters of a formula that takes the structure.
-    pub(crate) fn fields(&self) -> Vec<Parameter> {
-        let graph = record(|scope| {
-            (self.declare)(scope);
-            Vec::new()
-        });
-        graph.parameters().to_vec()
+    /// The types of the fields.
+    pub(crate) fn layout(&self) -> Vec<Kind> {
+        self.fields.iter().map(|field| field.kind).collect()
     }
 }
 
-/// The fields of the structure of this name, as parameters.
-pub(crate) fn fields(name: &str) -> Vec<Parameter> {
-    let structure = STRUCTURES.iter().find(|structure| structure.name == name);
-    structure.map(Structure::fields).unwrap_or_default()
+/// The structures that reflectance is made of.
+pub(crate) fn structures() -> Vec<Structure> {
+    vec![
+        structure("MaterialSample", SAMPLE, &["s"], |scope| _ = inputs::material(scope)),
+        structure("Angles", ANGLES, &["a"], |scope| _ = inputs::angles(scope)),
+        structure("Compensation", COMPENSATION, &["c"], |scope| _ = inputs::compensation(scope)),
+        structure("Dfg", DFG, &["dfg", "coat_dfg"], |scope| _ = inputs::dfg(scope)),
+        structure("EnvironmentWeights", WEIGHTS, &["w"], |scope| _ = inputs::weights(scope)),
+    ]
+}
+
+const SAMPLE: &str = "A material sample: the parameters of a surface at a point.";
+const ANGLES: &str = "The cosines that reflectance depends on.";
+const COMPENSATION: &str = "The compensation that makes a microfacet model keep its energy, at one n·v.";
+const DFG: &str = "The total reflection of a lobe, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.";
+const WEIGHTS: &str =
+    "The reflection of light that comes from all around, as weights of two radiances, linear RGB.";
+
+/// A structure whose fields are the parameters that `declare` declares.
+fn structure(
+    name: &'static str,
+    doc: &'static str,
+    arguments: &'static [&'static str],
+    declare: fn(Scope<'_>),
+) -> Structure {
+    let graph = record(|scope| {
+        declare(scope);
+        Vec::new()
+    });
+    let field = |parameter: &Parameter| Field {
+        name: field_name(parameter.path),
+        kind: parameter.kind,
+        doc: field_doc(parameter.path),
+    };
+    Structure { name, doc, arguments, fields: graph.parameters().iter().map(field).collect() }
 }
 
 /// The name of a field in a path, `roughness` of `s.roughness`.
@@ -69,7 +71,7 @@ pub(crate) fn field_name(path: &'static str) -> &'static str {
 }
 
 /// The meaning of a field, with range and unit.
-pub(crate) fn field_doc(path: &str) -> &'static str {
+fn field_doc(path: &str) -> &'static str {
     match path {
         "s.base_color" => "ρ, linear RGB in [0, 1]; diffuse colour of `lambert`, `ggx` and `ggx-printed`.",
         "s.metallic" => "[0, 1]; 1 has no diffuse part in `ggx`.",

@@ -14,6 +14,7 @@ pub(crate) fn with_vectors(recorded: &Graph, outputs: &[Kind]) -> Graph {
         packed: Graph::of(recorded.parameters()),
         numbers: FxHashMap::default(),
         triples: FxHashMap::default(),
+        components: FxHashMap::default(),
     };
     let mut rest = recorded.outputs();
     for kind in outputs {
@@ -35,6 +36,8 @@ struct Packer<'r> {
     packed: Graph,
     numbers: FxHashMap<Id, Id>,
     triples: FxHashMap<[Id; 3], Id>,
+    /// The packed vector, and the place in it, of recorded numbers that are one's components.
+    components: FxHashMap<Id, (Id, usize)>,
 }
 
 impl Packer<'_> {
@@ -55,16 +58,26 @@ impl Packer<'_> {
         if let Some(known) = self.numbers.get(&id) {
             return *known;
         }
-        let packed = match self.of_vectors(id) {
-            Some(number) => number,
-            None => {
-                let recorded = self.recorded;
-                let node = recorded.node(id).with(|operand| self.number(operand));
-                self.packed.add(node)
-            }
+        let packed = match self.components.get(&id) {
+            Some((vector, which)) => self.packed.add(Node::Component(*vector, *which)),
+            None => match self.of_vectors(id) {
+                Some(number) => number,
+                None => self.as_it_is(id),
+            },
         };
         self.numbers.insert(id, packed);
         packed
+    }
+
+    /// The packed node of the same operation; an argument that is a vector is one again.
+    fn as_it_is(&mut self, id: Id) -> Id {
+        let recorded = self.recorded;
+        if let Node::Vector(parts) = recorded.node(id) {
+            let vector = self.triple(*parts);
+            return self.widened(vector);
+        }
+        let node = recorded.node(id).with(|operand| self.number(operand));
+        self.packed.add(node)
     }
 
     /// The number that is made of vectors where `id` is made of all their components.
@@ -119,15 +132,36 @@ impl Packer<'_> {
         if let Some(known) = self.triples.get(&parts) {
             return *known;
         }
-        let packed = match self.alike(parts) {
+        let packed = match self.of_components(parts) {
             Some(vector) => vector,
-            None => {
-                let numbers = parts.map(|part| self.number(part));
-                self.packed.add(Node::Vector(numbers))
-            }
+            None => match self.alike(parts) {
+                Some(vector) => self.noted(parts, vector),
+                None => {
+                    let numbers = parts.map(|part| self.number(part));
+                    self.packed.add(Node::Vector(numbers))
+                }
+            },
         };
         self.triples.insert(parts, packed);
         packed
+    }
+
+    /// The vector that three known components are, turned where they are.
+    fn of_components(&mut self, parts: [Id; 3]) -> Option<Id> {
+        let [a, b, c] = parts.map(|part| self.components.get(&part).copied());
+        let ((a, i), (b, j), (c, k)) = (a?, b?, c?);
+        (a == b && b == c).then(|| self.swizzled(a, [i, j, k]))
+    }
+
+    /// Notes what the components of a vector are, so that they are found one by one and turned.
+    fn noted(&mut self, parts: [Id; 3], vector: Id) -> Id {
+        if self.is_whole(vector) {
+            let (flat, turn) = self.unturned(vector);
+            for (part, which) in parts.into_iter().zip(turn) {
+                self.components.entry(part).or_insert((flat, which));
+            }
+        }
+        vector
     }
 
     /// One operation of vectors for three operations of numbers, if they are alike.
@@ -152,9 +186,7 @@ impl Packer<'_> {
                 if m == n && n == o =>
             {
                 let mask = self.number(*m);
-                let [a, b] = [[*a, *b, *c], [*d, *e, *f]].map(|parts| self.triple(parts));
-                let (a, b) = (self.widened(a), self.widened(b));
-                Some(self.packed.add(Node::Select([mask, a, b])))
+                Some(self.choice(mask, [[*a, *b, *c], [*d, *e, *f]]))
             }
             _ => None,
         }
@@ -168,6 +200,21 @@ impl Packer<'_> {
             let vector = self.packed.add(Node::Unary(operation, operand));
             self.swizzled(vector, turn)
         })
+    }
+
+    /// The choice between two vectors.
+    fn choice(&mut self, mask: Id, operands: [[Id; 3]; 2]) -> Id {
+        let [a, b] = operands.map(|parts| self.triple(parts));
+        let ((flat_a, turn_a), (flat_b, turn_b)) = (self.unturned(a), self.unturned(b));
+        let (a, b, turn) = match [a, b].map(|id| self.packed.kind(id) == Kind::Number) {
+            [true, false] => (a, flat_b, turn_b),
+            [false, true] => (flat_a, b, turn_a),
+            _ if turn_a == turn_b => (flat_a, flat_b, turn_a),
+            _ => (a, b, [0, 1, 2]),
+        };
+        let (a, b) = (self.widened(a), self.widened(b));
+        let vector = self.packed.add(Node::Select([mask, a, b]));
+        self.swizzled(vector, turn)
     }
 
     /// A power is left to numbers, since its bounds are those of a function.

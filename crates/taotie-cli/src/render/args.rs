@@ -1,5 +1,6 @@
 //! The options of `taotie render`.
 
+use super::device::Device;
 use super::integrator::IntegratorArgs;
 use super::output::Formats;
 use super::plan::MotionArgs;
@@ -78,6 +79,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub integrator: IntegratorArgs,
+    /// Machine that draws
+    #[arg(long, value_enum, default_value_t = Device::Cpu, help_heading = "Integrator")]
+    pub device: Device,
 
     #[command(flatten)]
     pub running: RunningArgs,
@@ -96,6 +100,7 @@ impl RenderArgs {
         self.camera.check()?;
         self.film.check(self.light.show_env)?;
         self.integrator.check(self)?;
+        self.device.check(self)?;
         self.running.check()?;
         self.motion.check()?;
         self.check_picture(Formats::of(self)?.still)

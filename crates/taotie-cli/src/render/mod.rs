@@ -1,6 +1,7 @@
 //! `taotie render`: a model in, a picture or an animation out.
 
 mod args;
+mod device;
 mod integrator;
 mod output;
 mod plan;
@@ -11,6 +12,7 @@ pub use args::RenderArgs;
 use crate::studio::{self, Motion, in_pool};
 use crate::{console, stop};
 use anyhow::Result;
+use device::Machine;
 use sequence::{Setting, Shooting};
 use serde_json::json;
 use std::path::PathBuf;
@@ -34,6 +36,7 @@ struct Report {
     times: Vec<f64>,
     /// The camera and the light of the first picture.
     setting: Option<Setting>,
+    machine: Machine,
     warnings: Warnings,
     /// Stage and seconds.
     seconds: Vec<(&'static str, f64)>,
@@ -90,8 +93,9 @@ fn render(args: &RenderArgs, set: &FileSet) -> Result<Report> {
     let files = sequence.take(&mut loaded.scene, motion.as_ref(), &mut warnings)?;
     let animation = motion.map(|motion| motion.name());
     let triangles = loaded.scene.triangle_count();
-    let Shooting { setting, watch, .. } = sequence;
-    Ok(Report { files, triangles, animation, times: plan.times(), setting, warnings, seconds: watch.laps })
+    let Shooting { setting, machine, watch, .. } = sequence;
+    let (times, seconds) = (plan.times(), watch.laps);
+    Ok(Report { files, triangles, animation, times, setting, machine, warnings, seconds })
 }
 
 impl Report {
@@ -108,6 +112,7 @@ impl Report {
             "times": self.times,
             "size": args.size,
             "integrator": args.integrator.json(),
+            "device": self.machine.json(),
             "samples": args.integrator.reference().is_none().then(|| args.film.samples()),
             "shading": args.shading.name(),
             "surface": args.surface.map(|s| s.name()),

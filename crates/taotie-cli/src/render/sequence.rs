@@ -1,5 +1,6 @@
 //! The pictures of a run, one after another.
 
+use super::device::{Drawer, Machine};
 use super::output::{self, Formats};
 use super::{RenderArgs, Watch};
 use crate::console::Bar;
@@ -42,6 +43,8 @@ pub struct Shooting<'a> {
     development: Development,
     plan: &'a Sequence,
     environment: Option<EnvironmentLight>,
+    /// The machine that draws.
+    pub machine: Machine,
     /// The set that the pictures go to.
     set: FileSet,
     /// The camera and the light of the first picture.
@@ -70,6 +73,7 @@ impl<'a> Shooting<'a> {
             development,
             plan,
             environment: None,
+            machine: Machine::find(args)?,
             set: FileSet::new(),
             setting: None,
             watch,
@@ -121,16 +125,21 @@ impl<'a> Shooting<'a> {
                 motion.pose(scene, seconds)?;
                 viewpoint.follow(&self.args.camera, scene)?;
             }
-            let renderer = Renderer::new(scene.clone(), &self.settings.surface)
+            let mut renderer = Renderer::new(scene.clone(), &self.settings.surface)
                 .with_context(|| self.args.model.display().to_string())?;
-            if self.done == 0 {
+            let is_first = self.done == 0;
+            if is_first {
                 warnings.absorb(renderer.prepared().warnings().clone());
             }
+            let drawer = self.machine.drawer(&mut renderer)?;
             self.watch.lap("prepare");
-            let mut stage = Stage { renderer, viewpoint: &viewpoint, bar: &bar };
+            let mut stage = Stage { drawer, viewpoint: &viewpoint, bar: &bar };
             for shot in shots {
                 let picture = self.render(&mut stage, shot)?;
                 self.write(picture, moving.as_mut())?;
+            }
+            if is_first {
+                warnings.absorb(stage.drawer.warnings());
             }
         }
         if let Some(picture) = moving {
@@ -157,7 +166,7 @@ impl<'a> Shooting<'a> {
 
     fn render(&mut self, stage: &mut Stage<'_>, planned: &SequenceFrame) -> Result<Picture> {
         let environment = self.environment.as_ref();
-        let scene = stage.renderer.prepared().scene();
+        let scene = stage.drawer.prepared().scene();
         let lighting =
             studio::lighting(&self.args.light, environment, scene, stage.viewpoint.at(planned.turn))?;
         let (camera, settings) = (stage.viewpoint.camera(planned.turn), &self.settings);
@@ -170,15 +179,13 @@ impl<'a> Shooting<'a> {
         };
         let progress = Progress::new(&told);
         let shot = Shot { camera: &camera, lighting: &lighting, settings };
-        let renderer = &mut stage.renderer;
+        let drawer = &mut stage.drawer;
         let picture = match self.args.integrator.reference() {
             None if self.formats.still == ImageFormat::Png8 && !settings.aovs => {
-                let mut codes = Vec::new();
-                renderer.develop(&shot, &self.development, &mut codes, progress)?;
-                Picture::Developed(codes)
+                Picture::Developed(drawer.develop(&shot, &self.development, progress)?)
             }
-            None => Picture::Linear(renderer.render(&shot, progress)?),
-            Some(paths) => Picture::Linear(reference(renderer.prepared(), &shot, &paths, progress)?),
+            None => Picture::Linear(drawer.render(&shot, progress)?),
+            Some(paths) => Picture::Linear(reference(drawer.prepared(), &shot, &paths, progress)?),
         };
         self.watch.lap("render");
         Ok(picture)
@@ -221,7 +228,7 @@ enum Picture {
 
 /// A pose of the scene, ready for pictures.
 struct Stage<'a> {
-    renderer: Renderer,
+    drawer: Drawer<'a>,
     viewpoint: &'a Viewpoint,
     bar: &'a Bar,
 }

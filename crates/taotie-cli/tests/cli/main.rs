@@ -12,6 +12,7 @@ mod bake_pairs;
 mod balls;
 mod compare;
 mod compare_paper;
+mod device;
 mod diff;
 mod environment;
 mod examples;

@@ -114,7 +114,8 @@ fn sources(folder: &Path) -> String {
 
 #[test]
 fn documentation_stands_where_the_formula_does() {
-    let text = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../taotie/src/shade"));
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../taotie/src");
+    let text = ["shade", "math"].map(|module| sources(&folder.join(module))).concat();
     // A sentence may run over two lines there.
     let text = text.replace("\n/// ", " ").replace("\n    /// ", " ");
     for formula in library().formulas() {

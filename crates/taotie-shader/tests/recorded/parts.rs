@@ -5,6 +5,7 @@ use crate::random::Random;
 use std::fmt::Debug;
 use taotie::math::{Lane, Vec3};
 use taotie::names::Named;
+use taotie::shade::sampling::mirrored;
 use taotie::shade::{
     Angles, Compensation, Shading, SubPixelVariance, coat_fresnel, coat_lobe, compensation,
     curvature_variance, environment_weights, fresnel, lights, masking, ndf, reflect, sheen,
@@ -49,6 +50,8 @@ fn structured<L: Lane>(name: &str, x: &mut Inputs<'_, L>) -> Option<Vec<L>> {
             let lobe = x.anisotropic();
             Some(vec![lobe.lobe(&x.angles(), x.vector(), x.vector())])
         }
+        "normalize_or" => Some(vectors(&[x.vector().normalize_or(x.vector())])),
+        "mirrored" => Some(vectors(&[mirrored(x.vector(), x.vector())])),
         "curvature_variance" => Some(vec![curvature_variance(x.vector(), x.vector())]),
         "coat_lobe" => Some(vec![coat_lobe(x.number(), &x.angles())]),
         "widened_roughness" => {

@@ -141,15 +141,28 @@ fn between<const N: usize>(
     [across, down]: [f32; 2],
 ) -> [f32; N] {
     let node = node.min(COLUMNS * (ROWS - 1) - 2);
-    let [a, b] = [&table[node], &table[node + 1]];
-    let [c, d] = [&table[node + COLUMNS], &table[node + COLUMNS + 1]];
+    let corners = [&table[node], &table[node + 1], &table[node + COLUMNS], &table[node + COLUMNS + 1]];
     let mut out = [0.0; N];
-    for n in 0..N {
-        let top = a[n] + (b[n] - a[n]) * across;
-        let bottom = c[n] + (d[n] - c[n]) * across;
-        out[n] = top + (bottom - top) * down;
+    for (n, out) in out.iter_mut().enumerate() {
+        *out = between_entries(corners.map(|entry| entry[n]), [across, down]);
     }
     out
+}
+
+/// The number of a table between four entries: those of the node, of the next along the cosine, and of the two below;
+/// `across` and `down` in [0, 1] as in [`TablePosition`].
+#[inline(always)]
+pub fn between_entries<L: Lane>([a, b, c, d]: [L; 4], [across, down]: [L; 2]) -> L {
+    let top = a + (b - a) * across;
+    let bottom = c + (d - c) * across;
+    top + (bottom - top) * down
+}
+
+/// All tables as one picture of [`COLUMNS`] texels a row, row by row: [`ROWS`] rows of GGX, as many of Cook-Torrance,
+/// both with the fields of [`Dfg`] in their order, and as many of sheen, in the first channel.
+pub fn tables() -> Vec<[f32; 4]> {
+    let lobes = ggx::TABLE.iter().chain(&cook_torrance::TABLE).copied();
+    lobes.chain(sheen::TABLE.iter().map(|[albedo]| [*albedo, 0.0, 0.0, 0.0])).collect()
 }
 
 /// The node below `x` in [0, 1] of `count` nodes, and how far `x` is on the way to the next.

@@ -1,8 +1,9 @@
 //! The equirectangular image itself: where a direction lies in it, and what shines from there.
 
+use super::bilinear::bilinear;
 use super::texels::{HalfTexels, MAX_RADIANCE};
 use crate::image::Image;
-use crate::math::{Vec3, scalar};
+use crate::math::{Lane, Vec3, scalar};
 use std::f32::consts::PI;
 
 /// An equirectangular image.
@@ -18,7 +19,52 @@ pub(super) fn uv_of(direction: Vec3) -> [f32; 2] {
     let Vec3 { x, y, z } = direction;
     // Near the poles the arc cosine of y would lose half the digits.
     let polar = libm::atan2f((x * x + z * z).sqrt(), y);
-    [libm::atan2f(z, x) * (0.5 / PI) + 0.5, polar / PI]
+    picture_uv(libm::atan2f(z, x), polar)
+}
+
+/// The place in an equirectangular picture, [0, 1]² from the top left: `azimuth` is atan2(z, x), in [−π, π], and `polar`
+/// the angle from +y, in [0, π].
+#[inline(always)]
+pub fn picture_uv<L: Lane>(azimuth: L, polar: L) -> [L; 2] {
+    let (turns, half) = (azimuth.lit(f64::from(0.5 / PI)), azimuth.lit(0.5));
+    [azimuth * turns + half, polar / polar.lit(f64::from(PI))]
+}
+
+/// The texels around a place in an equirectangular picture: columns and rows, integers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PicturePosition<L> {
+    /// The left column.
+    pub left: L,
+    /// The right column, which is the first beyond the last.
+    pub right: L,
+    /// The upper row.
+    pub top: L,
+    /// The lower row.
+    pub bottom: L,
+    /// The weight of the right column, [0, 1].
+    pub across: L,
+    /// The weight of the lower row, [0, 1].
+    pub down: L,
+}
+
+impl<L: Lane> PicturePosition<L> {
+    /// Finds the texels around `uv` in [0, 1]² of a picture of `size` texels, each a centre apart from the next.
+    #[inline(always)]
+    pub fn of([u, v]: [L; 2], [width, height]: [L; 2]) -> Self {
+        let (zero, half, one) = (u.lit(0.0), u.lit(0.5), u.lit(1.0));
+        // One column on, so that what is cut off is what lies below.
+        let x = u * width + half;
+        let y = (v * height - half).max(zero).min(height - one);
+        let (next, top) = (x.floor(), y.floor());
+        Self {
+            left: L::select(next.lt(one), width - one, next - one),
+            right: L::select(next.lt(width), next, zero),
+            top,
+            bottom: (top + one).min(height - one),
+            across: x - next,
+            down: y - top,
+        }
+    }
 }
 
 /// The direction that has the azimuth of `u` and the height `y`.
@@ -59,17 +105,11 @@ impl Equirect {
 
     /// The radiance from the direction at u and v in [0, 1], linear RGB: the mean of the four texels around it, by
     /// nearness.
-    pub(super) fn radiance_at(&self, [u, v]: [f32; 2]) -> Vec3 {
-        // One column on, so that what is cut off is what lies below.
-        let x = u * self.width as f32 + 0.5;
-        let y = (v * self.height as f32 - 0.5).clamp(0.0, (self.height - 1) as f32);
-        let (right, top) = (x as usize, y as usize);
-        let (s, t) = (x - right as f32, y - top as f32);
-        let x0 = if right == 0 { self.width - 1 } else { right - 1 };
-        let x1 = if right >= self.width { 0 } else { right };
-        let y1 = (top + 1).min(self.height - 1);
-        let row = |y| self.texel(x0, y) * (1.0 - s) + self.texel(x1, y) * s;
-        row(top) * (1.0 - t) + row(y1) * t
+    pub(super) fn radiance_at(&self, uv: [f32; 2]) -> Vec3 {
+        let at = PicturePosition::of(uv, [self.width as f32, self.height as f32]);
+        let [left, right, top, bottom] = [at.left, at.right, at.top, at.bottom].map(|i| i as usize);
+        let texels = [[left, top], [right, top], [left, bottom], [right, bottom]];
+        bilinear(texels.map(|[x, y]| self.texel(x, y)), [at.across, at.down])
     }
 }
 

@@ -1,5 +1,6 @@
 //! The light of an environment at some roughnesses, and at all by going between them.
 
+use super::bilinear::linear;
 use super::octahedron::{Octahedron, place_of};
 use crate::math::{Lane, Vec3, scalar};
 
@@ -36,20 +37,27 @@ pub(super) fn alphas() -> Vec<f64> {
 }
 
 /// The two levels between which a roughness lies.
-pub(super) struct Between<L> {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelPosition<L> {
     /// The number of the level below; −1 where all are rougher.
-    pub(super) below: L,
+    pub below: L,
     /// The weight of the level above in the mean.
-    pub(super) share: L,
+    pub share: L,
 }
 
-impl<L: Lane> Between<L> {
+/// The weight of the smoothest level, whose roughness² is `alpha`, against the light itself, for a `roughness` below it.
+#[inline(always)]
+pub fn share_of_smoothest<L: Lane>(roughness: L, alpha: L) -> L {
+    roughness * roughness / alpha
+}
+
+impl<L: Lane> LevelPosition<L> {
     /// Finds the levels of a `roughness` in [0, 1].
     ///
     /// Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel, since
     /// the second derivative of a lobe by ln α is, as far as it is like the first, its negative.
     #[inline(always)]
-    pub(super) fn of(roughness: L) -> Self {
+    pub fn of(roughness: L) -> Self {
         let one = roughness.lit(1.0);
         let octaves = (roughness * roughness * one.lit(1.0 / DENSE_FROM)).max(one.lit(1e-9)).log2();
         let sparse = octaves.lt(one.lit(0.0));
@@ -69,14 +77,14 @@ impl Levels {
     #[inline]
     pub(super) fn at(&self, direction: Vec3, roughness: f32, mirror: impl FnOnce() -> Vec3) -> Vec3 {
         let place = place_of(direction);
-        let Between { below, share } = Between::of(roughness);
+        let LevelPosition { below, share } = LevelPosition::of(roughness);
         if below >= 0.0 {
             let (below, above) = (self.numbered(below as usize), self.numbered(below as usize + 1));
-            return below.at(place) * (1.0 - share) + above.at(place) * share;
+            return linear(below.at(place), above.at(place), share);
         }
         let smoothest = &self.0[0];
-        let share = roughness * roughness / smoothest.alpha;
-        if share > 0.0 { mirror() * (1.0 - share) + smoothest.map.at(place) * share } else { mirror() }
+        let share = share_of_smoothest(roughness, smoothest.alpha);
+        if share > 0.0 { linear(mirror(), smoothest.map.at(place), share) } else { mirror() }
     }
 
     /// A level by its number; the roughest beyond the last.
@@ -97,7 +105,7 @@ mod tests {
 
     /// The number of the level that a roughness has, with fractions.
     fn position(roughness: f64) -> f64 {
-        let between = Between::of(roughness);
+        let between = LevelPosition::of(roughness);
         between.below + between.share
     }
 
@@ -110,10 +118,10 @@ mod tests {
                 position(alpha.sqrt())
             );
         }
-        assert_eq!((Between::of(0.0f32).below, Between::of(0.05f32).below), (-1.0, -1.0));
-        let Between { below, share } = Between::of(1.0f32);
+        assert_eq!((LevelPosition::of(0.0f32).below, LevelPosition::of(0.05f32).below), (-1.0, -1.0));
+        let LevelPosition { below, share } = LevelPosition::of(1.0f32);
         assert!((below + share - 30.0).abs() < 1e-4);
-        assert_eq!(Between::of(2.0f32).below, 30.0);
+        assert_eq!(LevelPosition::of(2.0f32).below, 30.0);
     }
 
     #[test]
@@ -122,7 +130,7 @@ mod tests {
             let (below, above) = (1.0 / pair[0], 1.0 / pair[1]);
             for share in [0.1, 0.5, 0.8] {
                 let alpha = 1.0 / (below + (above - below) * share);
-                assert!((Between::of(alpha.sqrt()).share - share).abs() < 1e-5, "{pair:?} {share}");
+                assert!((LevelPosition::of(alpha.sqrt()).share - share).abs() < 1e-5, "{pair:?} {share}");
             }
         }
     }

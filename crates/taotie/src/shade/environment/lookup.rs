@@ -2,7 +2,7 @@
 //! decoded and filtered in packs.
 
 use super::Environment;
-use super::levels::{Between, Levels};
+use super::levels::{LevelPosition, Levels};
 use super::octahedron::taps;
 use crate::math::{Column, Pack, Quads, Vec3, Words, dispatch_pack};
 use fearless_simd::Level;
@@ -128,7 +128,7 @@ impl EnvironmentLookup {
     #[inline(always)]
     fn choose<P: Pack>(&mut self, token: P::Token, roughness: &Column, len: usize) {
         for i in (0..len).step_by(P::LANES) {
-            let Between { below, share } = Between::of(P::load(token, &roughness[i..]));
+            let LevelPosition { below, share } = LevelPosition::of(P::load(token, &roughness[i..]));
             below.store(&mut self.number[i..]);
             share.store(&mut self.share[i..]);
         }

@@ -3,12 +3,14 @@
 //! Directions are unit, in the environment's own space, with +y up. The image's convention is u = atan2(z, x)/(2π) +
 //! 1/2, v = acos(y)/π, both from the top left.
 
+mod bilinear;
 mod bytes;
 mod distribution;
 mod equirect;
 mod irradiance;
 mod levels;
 mod lookup;
+mod maps;
 mod octahedron;
 mod prefilter;
 mod studio;
@@ -19,11 +21,16 @@ use crate::image::Image;
 use crate::math::{Lane, Vec3};
 use distribution::Distribution;
 use equirect::{Equirect, uv_of};
-pub use irradiance::IrradianceHarmonics;
 use levels::Levels;
 pub(crate) use lookup::{EnvironmentLookup, LookupDirections, LookupRequest};
 use std::sync::OnceLock;
 
+pub use bilinear::{bilinear, linear};
+pub use equirect::{PicturePosition, picture_uv};
+pub use irradiance::IrradianceHarmonics;
+pub use levels::{LevelPosition, share_of_smoothest};
+pub use maps::{EnvironmentMaps, HalfPicture};
+pub use octahedron::{place_of as octahedral_place, taps as octahedral_taps};
 pub use studio::{STUDIO_VERSION, studio};
 
 /// Version of what [`Environment::new`] makes and of the bytes that it is kept in: the same image gives the same bits

@@ -1,5 +1,6 @@
 //! The sphere unfolded to a square: an octahedron's upper faces in the middle, the lower ones folded out.
 
+use super::bilinear::bilinear;
 use super::texels::HalfTexels;
 use crate::math::{Lane, Vec3};
 use crate::parallel;
@@ -15,8 +16,10 @@ pub(super) struct Octahedron {
 }
 
 /// The place in the unfolded square, [0, 1]², of a direction of any length.
+///
+/// Source: Engelhardt and Dachsbacher 2008, "Octahedron Environment Maps".
 #[inline(always)]
-pub(super) fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
+pub fn place_of<L: Lane>(direction: Vec3<L>) -> [L; 2] {
     let Vec3 { x, y, z } = direction;
     let (zero, half, one) = (x.lit(0.0), x.lit(0.5), x.lit(1.0));
     let scale = one / (x.abs() + y.abs() + z.abs());
@@ -82,15 +85,15 @@ impl Octahedron {
     pub(super) fn at(&self, [u, v]: [f32; 2]) -> Vec3 {
         let ((left, s), (top, t)) = (taps(u, self.side as f32), taps(v, self.side as f32));
         let start = top as usize * (self.side + 2) + left as usize;
-        let row = |start: usize| self.texels.get(start) * (1.0 - s) + self.texels.get(start + 1) * s;
-        row(start) * (1.0 - t) + row(start + self.side + 2) * t
+        let below = start + self.side + 2;
+        bilinear([start, start + 1, below, below + 1].map(|at| self.texels.get(at)), [s, t])
     }
 }
 
 /// The first of the two texels around the coordinate `u` of a map of `side` texels, counted with the border, and the
 /// fraction of the way to the next.
 #[inline(always)]
-pub(super) fn taps<L: Lane>(u: L, side: L) -> (L, L) {
+pub fn taps<L: Lane>(u: L, side: L) -> (L, L) {
     let x = u * side + u.lit(0.5);
     let first = x.floor();
     (first, x - first)

@@ -73,6 +73,11 @@ impl HalfTexels {
         }
     }
 
+    /// The factor of the half floats.
+    pub(super) fn half_factor(&self) -> f32 {
+        power_of_two(self.exponent) as f32
+    }
+
     /// The factor of half floats whose exponent and mantissa are moved to where a float has them.
     #[inline]
     pub(super) fn factor(&self) -> f32 {

@@ -1,0 +1,49 @@
+//! Images of scenes by graphics processors.
+//!
+//! [`GpuRenderer`] draws what [`taotie::render::Renderer`] draws, with shaders that [`taotie_shader`] writes of the same
+//! formulas: textures with the same mip chains, the same lights, environments and models, the same positions of samples.
+//! Light is developed by [`taotie::film`] on the processor, so tone curves and backgrounds are the same. The images are
+//! not equal to the bit, since graphics processors may fuse and reorder arithmetic.
+//!
+//! It draws no shadows and no ground, and tells so ([`GpuRenderer::warnings`]). Surfaces that blend are drawn from the
+//! farthest triangle to the nearest, by the triangles' centres; triangles that cut through one another are therefore
+//! laid over one another in one order, where [`taotie::render::Renderer`] sorts each pixel.
+//!
+//! ```no_run
+//! use taotie::render::{Lighting, Prepared, RenderSettings, Shot};
+//! use taotie_gpu::{AdapterChoice, Gpu, GpuRenderer};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let scene = taotie::io::load_model("statue.glb".as_ref())?.scene;
+//! # let camera = scene.cameras()[0].clone();
+//! let (lighting, settings) = (Lighting::default(), RenderSettings::default());
+//! let prepared = Prepared::new(scene, &settings.surface)?;
+//! let gpu = Gpu::find(&AdapterChoice::default())?;
+//! let mut renderer = GpuRenderer::new(&gpu, &prepared)?;
+//! let shot = Shot { camera: &camera, lighting: &lighting, settings: &settings };
+//! let frame = renderer.render(&shot, taotie::Progress::SILENT)?;
+//! # Ok(())
+//! # }
+//! ```
+
+mod adapter;
+mod atlas;
+mod average;
+mod blending;
+mod environment;
+mod error;
+mod frame_inputs;
+mod gpu;
+mod meshes;
+mod pipelines;
+mod renderer;
+mod samplers;
+mod surface_draw;
+mod target;
+mod texture_format;
+mod textures;
+mod variants;
+
+pub use adapter::{AdapterChoice, AdapterDescription, AdapterKind};
+pub use error::{GpuError, Result};
+pub use gpu::Gpu;
+pub use renderer::GpuRenderer;

@@ -1,0 +1,113 @@
+//! A scene's meshes on a graphics processor.
+
+use crate::error::Result;
+use crate::gpu::Gpu;
+use std::collections::HashMap;
+use taotie::math::{Vec2, Vec3};
+use taotie::render::{NormalSource, Surface};
+use taotie_shader::VertexInput;
+use wgpu::{Buffer, BufferUsages};
+
+/// A surface with its number in the scene.
+#[derive(Clone, Copy)]
+pub(crate) struct Numbered<'s> {
+    /// The number, which is that of its instance.
+    pub number: usize,
+    /// The surface.
+    pub surface: &'s Surface<'s>,
+}
+
+/// The vertices and triangles of surfaces, each uploaded when it is first drawn.
+#[derive(Default)]
+pub(crate) struct Meshes {
+    /// Values of vertices, by the surface's number and their name.
+    vertices: HashMap<(usize, String), Buffer>,
+    /// Triangles by the surface's number.
+    triangles: HashMap<usize, Buffer>,
+}
+
+impl Meshes {
+    /// The values of a surface's vertices that a shader asks for.
+    ///
+    /// # Errors
+    /// [`crate::GpuError::TooLarge`]; where there is no memory for it.
+    pub(crate) fn vertices(
+        &mut self,
+        gpu: &Gpu,
+        Numbered { number, surface }: Numbered<'_>,
+        input: &VertexInput,
+    ) -> Result<Buffer> {
+        let key = (number, input.name.clone());
+        if let Some(buffer) = self.vertices.get(&key) {
+            return Ok(buffer.clone());
+        }
+        let what = format!("the {} of the vertices of instance {number}", input.name);
+        let numbers = values(surface, &input.name, input.kind.numbers());
+        let buffer = gpu.buffer(&what, bytemuck::cast_slice(&numbers), BufferUsages::VERTEX)?;
+        self.vertices.insert(key, buffer.clone());
+        Ok(buffer)
+    }
+
+    /// A surface's triangles.
+    ///
+    /// # Errors
+    /// As [`Self::vertices`].
+    pub(crate) fn triangles(
+        &mut self,
+        gpu: &Gpu,
+        Numbered { number, surface }: Numbered<'_>,
+    ) -> Result<Buffer> {
+        if let Some(buffer) = self.triangles.get(&number) {
+            return Ok(buffer.clone());
+        }
+        let bytes = bytemuck::cast_slice(surface.triangles);
+        let buffer =
+            gpu.buffer(&format!("the triangles of instance {number}"), bytes, BufferUsages::INDEX)?;
+        self.triangles.insert(number, buffer.clone());
+        Ok(buffer)
+    }
+}
+
+/// The values of this name, so many numbers a vertex; 0 where the mesh has none.
+fn values(surface: &Surface<'_>, name: &str, numbers: usize) -> Vec<f32> {
+    let count = surface.positions.len();
+    let vectors = |vectors: &[Vec3]| vectors.iter().flat_map(|v| v.to_array()).collect();
+    let uvs = |set: usize| {
+        let uvs: Option<&Vec<Vec2>> = surface.uvs.get(set);
+        uvs.map_or(Vec::new(), |uvs| uvs.iter().flat_map(|uv| [uv.x, uv.y]).collect())
+    };
+    let mut values: Vec<f32> = match name {
+        "position" => vectors(surface.positions),
+        "normal" => match surface.normal_source {
+            NormalSource::BumpPrinted(..) => vectors(surface.object_normals),
+            _ => vectors(surface.normals),
+        },
+        "tangent" => surface.tangents.as_flattened().to_vec(),
+        "color" => surface.colors.as_flattened().to_vec(),
+        _ => name.strip_prefix("uv").and_then(|set| set.parse().ok()).map_or(Vec::new(), uvs),
+    };
+    values.resize(count * numbers, 0.0);
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::mesh::Mesh;
+    use taotie::render::{Prepared, SurfaceSettings};
+    use taotie::scene::{Material, Scene};
+
+    #[test]
+    fn every_vertex_has_all_its_numbers() {
+        let scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+        let prepared = Prepared::new(scene, &SurfaceSettings::default()).unwrap();
+        let surface = &prepared.surfaces()[0];
+        let count = surface.positions.len();
+        for (name, numbers) in [("position", 3), ("normal", 3), ("tangent", 4), ("uv0", 2), ("uv1", 2)] {
+            assert_eq!(values(surface, name, numbers).len(), count * numbers, "{name}");
+        }
+        let p = surface.positions[1];
+        assert_eq!(values(surface, "position", 3)[3..6], p.to_array());
+        assert!(values(surface, "uv7", 2).iter().all(|v| *v == 0.0));
+    }
+}

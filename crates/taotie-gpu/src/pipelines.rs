@@ -1,0 +1,195 @@
+//! Pipelines: shaders with what they bind and how they draw. Each is made once.
+
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::target::DEPTH;
+use crate::variants::PipelineKey;
+use std::collections::HashMap;
+use std::sync::Arc;
+use taotie_shader::{Interface, Language, PixelShader, ValueKind, VertexInput, pixel_shader};
+use wgpu::{BindGroupLayout, BindGroupLayoutEntry, BindingType, BlendComponent, BlendFactor, BlendState};
+use wgpu::{RenderPipeline, SamplerBindingType, ShaderStages, TextureFormat, TextureSampleType};
+
+/// The group of what belongs to a surface.
+const MATERIAL_GROUP: u32 = 1;
+
+/// A shader ready to draw, with what it binds.
+pub(crate) struct SurfacePipeline {
+    pub pipeline: RenderPipeline,
+    pub interface: Interface,
+    /// The layout of group 1.
+    pub material: BindGroupLayout,
+}
+
+/// All pipelines that were asked for.
+pub(crate) struct Pipelines {
+    /// The format of the image.
+    color: TextureFormat,
+    made: HashMap<PipelineKey, Arc<SurfacePipeline>>,
+}
+
+impl Pipelines {
+    /// Begins with none, for images of the format `color`.
+    pub(crate) fn new(color: TextureFormat) -> Self {
+        Self { color, made: HashMap::new() }
+    }
+
+    /// The pipeline of these facts; `frame` is the layout of group 0.
+    ///
+    /// # Errors
+    /// Where the driver refuses the shader.
+    pub(crate) fn get(
+        &mut self,
+        gpu: &Gpu,
+        key: &PipelineKey,
+        frame: &BindGroupLayout,
+    ) -> Result<Arc<SurfacePipeline>> {
+        if let Some(made) = self.made.get(key) {
+            return Ok(made.clone());
+        }
+        let shader = pixel_shader(&key.variant, Language::Wgsl);
+        let layouts = Layouts { color: self.color, frame };
+        let made = gpu.checked("a shader", || Arc::new(layouts.pipeline(gpu, key, shader)))?;
+        self.made.insert(key.clone(), made.clone());
+        Ok(made)
+    }
+}
+
+/// The facts that all pipelines share.
+struct Layouts<'l> {
+    color: TextureFormat,
+    frame: &'l BindGroupLayout,
+}
+
+impl Layouts<'_> {
+    fn pipeline(&self, gpu: &Gpu, key: &PipelineKey, shader: PixelShader) -> SurfacePipeline {
+        let PixelShader { text, interface, .. } = shader;
+        let device = &gpu.device;
+        let material = material_layout(gpu, &interface);
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("surface"),
+            bind_group_layouts: &[Some(self.frame), Some(&material)],
+            immediate_size: 0,
+        });
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("surface"),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
+        });
+        let attributes: Vec<_> = interface.vertex.iter().map(attribute).collect();
+        let buffers: Vec<_> = interface.vertex.iter().zip(&attributes).map(buffer_layout).collect();
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("surface"),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex_main"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &buffers,
+            },
+            primitive: primitive(key),
+            depth_stencil: Some(depth(key)),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fragment_main"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(self.target(key))],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        SurfacePipeline { pipeline, interface, material }
+    }
+
+    fn target(&self, key: &PipelineKey) -> wgpu::ColorTargetState {
+        wgpu::ColorTargetState {
+            format: self.color,
+            blend: key.blended.then_some(OVER),
+            write_mask: wgpu::ColorWrites::ALL,
+        }
+    }
+}
+
+/// Colour that is not premultiplied, over premultiplied colour.
+const OVER: BlendState = BlendState {
+    color: BlendComponent { src_factor: BlendFactor::SrcAlpha, ..BlendComponent::OVER },
+    alpha: BlendComponent::OVER,
+};
+
+/// Front faces are those that the mesh says, whatever the transform; back faces are drawn where both sides are.
+fn primitive(key: &PipelineKey) -> wgpu::PrimitiveState {
+    wgpu::PrimitiveState {
+        front_face: if key.mirrored { wgpu::FrontFace::Cw } else { wgpu::FrontFace::Ccw },
+        cull_mode: (!key.double_sided).then_some(wgpu::Face::Back),
+        ..wgpu::PrimitiveState::default()
+    }
+}
+
+/// Depth is reversed. At equal depth what is drawn first stays; what blends hides nothing.
+fn depth(key: &PipelineKey) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH,
+        depth_write_enabled: Some(!key.blended),
+        depth_compare: Some(wgpu::CompareFunction::Greater),
+        stencil: wgpu::StencilState::default(),
+        bias: wgpu::DepthBiasState::default(),
+    }
+}
+
+/// The layout of group 1: factors, and textures with their samplers.
+fn material_layout(gpu: &Gpu, interface: &Interface) -> BindGroupLayout {
+    let factors = entry(0, uniform());
+    let slots = interface.textures.iter().filter(|slot| slot.group == MATERIAL_GROUP);
+    let textures = slots.flat_map(|slot| {
+        let sampler =
+            slot.sampler.map(|binding| entry(binding, BindingType::Sampler(SamplerBindingType::Filtering)));
+        [Some(entry(slot.binding, texture(slot.sampler.is_some()))), sampler].into_iter().flatten()
+    });
+    let entries: Vec<_> = std::iter::once(factors).chain(textures).collect();
+    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("material"),
+        entries: &entries,
+    })
+}
+
+/// An entry of a layout. Vertices read uniforms alone.
+pub(crate) fn entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
+    let visibility = if ty == uniform() { ShaderStages::VERTEX_FRAGMENT } else { ShaderStages::FRAGMENT };
+    BindGroupLayoutEntry { binding, visibility, ty, count: None }
+}
+
+/// A uniform buffer.
+pub(crate) fn uniform() -> BindingType {
+    BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    }
+}
+
+/// A texture in two dimensions, filtered or read texel by texel.
+pub(crate) fn texture(filterable: bool) -> BindingType {
+    BindingType::Texture {
+        sample_type: TextureSampleType::Float { filterable },
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    }
+}
+
+fn attribute(input: &VertexInput) -> [wgpu::VertexAttribute; 1] {
+    let format = match input.kind {
+        ValueKind::Number => wgpu::VertexFormat::Float32,
+        ValueKind::Vec2 => wgpu::VertexFormat::Float32x2,
+        ValueKind::Vec3 => wgpu::VertexFormat::Float32x3,
+        ValueKind::Vec4 | ValueKind::Mat4 => wgpu::VertexFormat::Float32x4,
+    };
+    [wgpu::VertexAttribute { format, offset: 0, shader_location: input.location }]
+}
+
+/// Each value of the vertices lies in a buffer of its own.
+fn buffer_layout<'a>(
+    (input, attributes): (&VertexInput, &'a [wgpu::VertexAttribute; 1]),
+) -> Option<wgpu::VertexBufferLayout<'a>> {
+    let array_stride = 4 * input.kind.numbers() as u64;
+    Some(wgpu::VertexBufferLayout { array_stride, step_mode: wgpu::VertexStepMode::Vertex, attributes })
+}

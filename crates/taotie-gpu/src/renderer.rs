@@ -1,0 +1,255 @@
+//! Images of one scene, one after the other.
+
+use crate::average::SampleNumber;
+use crate::blending::BlendOrder;
+use crate::error::{GpuError, Result};
+use crate::frame_inputs::FrameInputs;
+use crate::gpu::Gpu;
+use crate::meshes::{Meshes, Numbered};
+use crate::pipelines::{Pipelines, SurfacePipeline};
+use crate::samplers::Samplers;
+use crate::surface_draw::{MaterialTextures, SurfaceDraw};
+use crate::target::Target;
+use crate::textures::Textures;
+use crate::variants::{PipelineKey, factors, is_blended};
+use std::collections::HashMap;
+use std::sync::Arc;
+use taotie::film::{Development, develop8_into};
+use taotie::render::{CheckedShot, Frame, Prepared, Shot, Surface, fill_backdrop};
+use taotie::{Progress, Warnings};
+use wgpu::{
+    BindGroup, Buffer, BufferUsages, CommandEncoder, Features, IndexFormat, RenderPass, TextureFormat,
+};
+
+/// Renders images of one scene on a graphics processor and keeps there what does not change between them: vertices,
+/// textures, environments and shaders. A turntable costs its frames.
+pub struct GpuRenderer<'p> {
+    gpu: Gpu,
+    prepared: &'p Prepared,
+    surfaces: Vec<Surface<'p>>,
+    uploaded: Uploaded,
+    frame: FrameInputs,
+    /// What surfaces bind, by their number and how they are drawn.
+    materials: HashMap<(usize, PipelineKey), BindGroup>,
+    target: Option<Target>,
+    color: TextureFormat,
+    warnings: Warnings,
+}
+
+/// What is on the graphics processor and stays there.
+struct Uploaded {
+    meshes: Meshes,
+    textures: MaterialTextures,
+    pipelines: Pipelines,
+}
+
+/// The triangles of surfaces that blend, in the order of drawing.
+struct Blended {
+    order: BlendOrder,
+    indices: Buffer,
+}
+
+impl<'p> GpuRenderer<'p> {
+    /// Uploads the textures of a scene.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] with the texture that the graphics processor does not take; where it has no memory left.
+    pub fn new(gpu: &Gpu, prepared: &'p Prepared) -> Result<Self> {
+        let surfaces = prepared.surfaces();
+        let materials = surfaces.iter().map(|surface| surface.material);
+        let color = color_format(gpu.features, surfaces.iter().any(is_blended));
+        let uploaded = Uploaded {
+            meshes: Meshes::default(),
+            textures: MaterialTextures {
+                textures: Textures::new(gpu, prepared.scene(), materials)?,
+                samplers: Samplers::default(),
+            },
+            pipelines: Pipelines::new(color),
+        };
+        Ok(Self {
+            frame: FrameInputs::new(gpu)?,
+            gpu: gpu.clone(),
+            prepared,
+            surfaces,
+            uploaded,
+            materials: HashMap::new(),
+            target: None,
+            color,
+            warnings: Warnings::default(),
+        })
+    }
+
+    /// The graphics processor.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// What could not be drawn as asked in the images so far.
+    pub fn warnings(&self) -> &Warnings {
+        &self.warnings
+    }
+
+    /// Renders an image in linear light. Every sample is shaded, as on the processor.
+    ///
+    /// # Errors
+    /// [`GpuError::Scene`] as [`taotie::render::Pass::new`], or cancelled; [`GpuError::Unsupported`] for output variables;
+    /// [`GpuError::TooLarge`] for an image or mesh that the graphics processor does not take; where it has no memory left.
+    pub fn render(&mut self, shot: &Shot<'_>, progress: Progress<'_>) -> Result<Frame> {
+        let checked = CheckedShot::new(shot)?;
+        self.check(&checked)?;
+        self.frame.light(&self.gpu, shot.lighting)?;
+        let draws = self.draws(&checked, shot.lighting.environment.is_some())?;
+        let blended = self.blended(&checked)?;
+        let mut target = self.take_target([checked.settings.width, checked.settings.height])?;
+        let samples = checked.pattern.offsets().len();
+        for sample in 0..samples {
+            self.frame.see(&self.gpu, &checked, sample);
+            self.gpu.checked("drawing", || {
+                let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+                self.draw(&mut encoder, &target, &draws, &blended);
+                target.add(&self.gpu, &mut encoder, SampleNumber { number: sample, count: samples });
+                self.gpu.queue.submit([encoder.finish()]);
+            })?;
+            progress.at((sample + 1) as f64 / (samples + 1) as f64)?;
+        }
+        let mut color = target.read(&self.gpu)?;
+        self.target = Some(target);
+        fill_backdrop(&mut color, shot);
+        progress.at(1.0)?;
+        Ok(Frame { color, aovs: None })
+    }
+
+    /// Renders an image and develops it to 8-bit sRGB with straight alpha, row by row from the top. `codes` is made as
+    /// long as the image; handed in again, nothing is allocated for it.
+    ///
+    /// # Errors
+    /// As [`Self::render`] and [`develop8_into`].
+    pub fn develop(
+        &mut self,
+        shot: &Shot<'_>,
+        development: &Development,
+        codes: &mut Vec<[u8; 4]>,
+        progress: Progress<'_>,
+    ) -> Result<()> {
+        let frame = self.render(shot, progress)?;
+        codes.resize(frame.color.pixels().len(), [0; 4]);
+        Ok(develop8_into(&frame.color, development, codes)?)
+    }
+
+    /// Refuses what is not drawn here, and notes what is left out.
+    fn check(&mut self, checked: &CheckedShot) -> Result<()> {
+        if checked.settings.aovs {
+            return Err(GpuError::Unsupported { what: "output variables (AOVs)".into() });
+        }
+        let left_out = [
+            ("shadows: graphics processors draw none yet", checked.settings.shadows),
+            ("the ground: graphics processors draw none yet", checked.settings.ground),
+        ];
+        for (what, asked) in left_out {
+            let is_new = self.warnings.iter().all(|(noted, _)| noted != what);
+            self.warnings.note(what, usize::from(asked && is_new));
+        }
+        Ok(())
+    }
+
+    /// All surfaces ready to be drawn, in their order.
+    fn draws(&mut self, checked: &CheckedShot, environment: bool) -> Result<Vec<SurfaceDraw>> {
+        let mut draws = Vec::with_capacity(self.surfaces.len());
+        for number in 0..self.surfaces.len() {
+            let key = PipelineKey::new(&self.surfaces[number], &checked.settings, environment);
+            let pipeline = self.uploaded.pipelines.get(&self.gpu, &key, self.frame.layout())?;
+            let material = self.material(number, key, &pipeline)?;
+            let surface = Numbered { number, surface: &self.surfaces[number] };
+            let meshes = &mut self.uploaded.meshes;
+            let mut vertices = Vec::new();
+            for input in &pipeline.interface.vertex {
+                vertices.push(meshes.vertices(&self.gpu, surface, input)?);
+            }
+            let triangles = meshes.triangles(&self.gpu, surface)?;
+            let count = 3 * surface.surface.triangles.len() as u32;
+            let blended = is_blended(surface.surface);
+            draws.push(SurfaceDraw { pipeline, material, vertices, triangles, count, blended });
+        }
+        Ok(draws)
+    }
+
+    /// The factors and textures of a surface.
+    fn material(
+        &mut self,
+        number: usize,
+        key: PipelineKey,
+        pipeline: &Arc<SurfacePipeline>,
+    ) -> Result<BindGroup> {
+        if let Some(made) = self.materials.get(&(number, key.clone())) {
+            return Ok(made.clone());
+        }
+        let levels = |texture: usize| self.prepared.scene().textures()[texture].levels();
+        let factors = factors(&self.surfaces[number], levels);
+        let made = self.uploaded.textures.bind(&self.gpu, pipeline, &factors)?;
+        self.materials.insert((number, key), made.clone());
+        Ok(made)
+    }
+
+    fn blended(&self, checked: &CheckedShot) -> Result<Blended> {
+        let blended: Vec<usize> =
+            (0..self.surfaces.len()).filter(|i| is_blended(&self.surfaces[*i])).collect();
+        let order = BlendOrder::new(&self.surfaces, &blended, &checked.clip_from_world);
+        let bytes = bytemuck::cast_slice(&order.indices);
+        let indices = self.gpu.buffer("the triangles that blend", bytes, BufferUsages::INDEX)?;
+        Ok(Blended { order, indices })
+    }
+
+    /// The target of the image before where it fits, else a new one.
+    fn take_target(&mut self, size: [u32; 2]) -> Result<Target> {
+        match self.target.take().filter(|target| target.size() == size) {
+            Some(target) => Ok(target),
+            None => Target::new(&self.gpu, size, self.color),
+        }
+    }
+
+    /// Draws a sample: first what hides, then what blends.
+    fn draw(&self, encoder: &mut CommandEncoder, target: &Target, draws: &[SurfaceDraw], blended: &Blended) {
+        let mut pass = target.pass(encoder);
+        pass.set_bind_group(0, self.frame.group(), &[]);
+        for draw in draws.iter().filter(|draw| !draw.blended) {
+            draw.bind(&mut pass);
+            pass.set_index_buffer(draw.triangles.slice(..), IndexFormat::Uint32);
+            pass.draw_indexed(0..draw.count, 0, 0..1);
+        }
+        draw_blended(&mut pass, draws, blended);
+    }
+}
+
+fn draw_blended(pass: &mut RenderPass<'_>, draws: &[SurfaceDraw], blended: &Blended) {
+    for run in &blended.order.runs {
+        draws[run.surface].bind(pass);
+        pass.set_index_buffer(blended.indices.slice(..), IndexFormat::Uint32);
+        pass.draw_indexed(run.indices.clone(), 0, 0..1);
+    }
+}
+
+/// The format of a sample's image: floats of 32 bits, or of 16 where those must blend and cannot.
+fn color_format(features: Features, blends: bool) -> TextureFormat {
+    match blends && !features.contains(Features::FLOAT32_BLENDABLE) {
+        true => TextureFormat::Rgba16Float,
+        false => TextureFormat::Rgba32Float,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_can_be_sent_anywhere() {
+        fn assert_send<T: Send>() {}
+        assert_send::<GpuRenderer<'static>>();
+    }
+
+    #[test]
+    fn floats_have_32_bits_unless_they_must_blend_and_cannot() {
+        assert_eq!(color_format(Features::empty(), false), TextureFormat::Rgba32Float);
+        assert_eq!(color_format(Features::empty(), true), TextureFormat::Rgba16Float);
+        assert_eq!(color_format(Features::FLOAT32_BLENDABLE, true), TextureFormat::Rgba32Float);
+    }
+}

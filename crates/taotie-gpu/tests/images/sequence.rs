@@ -1,0 +1,119 @@
+//! Images one after the other, what is refused, and what is told.
+
+use crate::compared::{Difference, View, gpu, lit};
+use crate::{finishes, scenes};
+use taotie::Progress;
+use taotie::film::{Development, ToneCurve, develop8};
+use taotie::math::Vec3;
+use taotie::scene::NormalSpace;
+use taotie_gpu::{Gpu, GpuError, GpuRenderer};
+
+fn bosses() -> View {
+    View::new("bosses", scenes::embossed_sphere(NormalSpace::Tangent), scenes::camera(20.0, 15.0, 3.4))
+}
+
+/// The image of a new renderer.
+fn alone(gpu: &Gpu, view: &View) -> Vec<[f32; 4]> {
+    let prepared = view.prepared();
+    let mut renderer = GpuRenderer::new(gpu, &prepared).unwrap();
+    renderer.render(&view.shot(), Progress::SILENT).unwrap().color.pixels().to_vec()
+}
+
+#[test]
+fn what_was_rendered_before_changes_no_bit() {
+    let Some(gpu) = gpu() else { return };
+    let scene = scenes::panes();
+    let one = lit(vec![scenes::directional(Vec3::new(0.5, -1.0, -0.4), 2.0)]);
+    let view = |azimuth, change: fn(&mut taotie::render::RenderSettings)| {
+        View::new("panes", scene.clone(), scenes::camera(azimuth, 10.0, 4.0)).with(change)
+    };
+    let mut dim = view(70.0, |settings| settings.width = 131);
+    dim.lighting = one;
+    let views = [view(20.0, |settings| settings.samples = 4), dim, view(20.0, |_| ()).under_sky()];
+    let prepared = views[0].prepared();
+    let mut renderer = GpuRenderer::new(&gpu, &prepared).unwrap();
+    for view in views.iter().chain(&views) {
+        let kept = renderer.render(&view.shot(), Progress::SILENT).unwrap();
+        assert!(kept.color.pixels() == alone(&gpu, view), "{:?}", view.settings);
+    }
+}
+
+#[test]
+fn images_are_developed_as_on_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    let view = bosses();
+    let prepared = view.prepared();
+    let mut renderer = GpuRenderer::new(&gpu, &prepared).unwrap();
+    let frame = renderer.render(&view.shot(), Progress::SILENT).unwrap();
+    let background = Some(Vec3::new(0.2, 0.4, 0.1));
+    let development = Development { tone: ToneCurve::Aces, background, ..Development::default() };
+    let mut codes = Vec::new();
+    renderer.develop(&view.shot(), &development, &mut codes, Progress::SILENT).unwrap();
+    assert!(codes == develop8(&frame.color, &development).unwrap());
+}
+
+#[test]
+fn shadows_and_ground_are_told_once_and_output_variables_refused() {
+    let Some(gpu) = gpu() else { return };
+    let view = bosses().with(|settings| (settings.shadows, settings.ground) = (true, true));
+    let prepared = view.prepared();
+    let mut renderer = GpuRenderer::new(&gpu, &prepared).unwrap();
+    for _ in 0..2 {
+        renderer.render(&view.shot(), Progress::SILENT).unwrap();
+    }
+    let warnings: Vec<_> = renderer.warnings().iter().collect();
+    assert!(
+        matches!(warnings[..], [(shadows, 1), (ground, 1)]
+        if shadows.starts_with("shadows") && ground.starts_with("the ground")),
+        "{warnings:?}"
+    );
+    let aovs = bosses().with(|settings| settings.aovs = true);
+    let refused = renderer.render(&aovs.shot(), Progress::SILENT).unwrap_err();
+    assert!(matches!(refused, GpuError::Unsupported { .. }), "{refused}");
+    let empty = bosses().with(|settings| settings.width = 0);
+    let refused = renderer.render(&empty.shot(), Progress::SILENT).unwrap_err();
+    assert!(matches!(refused, GpuError::Scene(_)), "{refused}");
+}
+
+#[test]
+fn who_cancels_gets_no_image_and_may_ask_again() {
+    let Some(gpu) = gpu() else { return };
+    let view = bosses();
+    let prepared = view.prepared();
+    let mut renderer = GpuRenderer::new(&gpu, &prepared).unwrap();
+    let stop = |_: &'static str, _: f64| false;
+    let cancelled = renderer.render(&view.shot(), Progress::new(&stop)).unwrap_err();
+    assert!(matches!(cancelled, GpuError::Scene(taotie::Error::Cancelled)), "{cancelled}");
+    let again = renderer.render(&view.shot(), Progress::SILENT).unwrap();
+    assert!(again.color.pixels() == alone(&gpu, &view));
+}
+
+/// Alpha, which no shader of an opaque surface changes.
+#[test]
+fn silhouettes_are_those_of_the_processor() {
+    let Some(gpu) = gpu() else { return };
+    for samples in [1, 4, 16] {
+        let floor = scenes::floor_and_mirrored_spheres();
+        let view = View::new("floor", floor, scenes::camera(30.0, 8.0, 4.0))
+            .with(|settings| settings.samples = samples);
+        let expected = taotie::render::render(&view.scene, &view.shot()).unwrap();
+        let found = alone(&gpu, &view);
+        let pairs = expected.color.pixels().iter().zip(&found);
+        let apart = pairs.filter(|(a, b)| (a[3] - b[3]).abs() > 1e-3).count();
+        assert!(apart * 2000 < found.len(), "{samples} samples: {apart} of {} pixels", found.len());
+    }
+}
+
+/// What tells images apart sees a roughness that is a tenth off.
+#[test]
+fn the_measure_finds_what_is_wrong() {
+    let Some(_) = gpu() else { return };
+    let image = |roughness: f32| {
+        let view =
+            View::new("metal", finishes::polished_bosses(1.0, roughness), scenes::camera(20.0, 15.0, 3.4));
+        let frame = taotie::render::render(&view.scene, &view.shot()).unwrap();
+        develop8(&frame.color, &Development::default()).unwrap()
+    };
+    let Difference { mean, outliers, .. } = Difference::of(&image(0.3), &image(0.33));
+    assert!(mean > 0.5 && outliers > 0.001, "{mean} {outliers}");
+}

@@ -1,0 +1,227 @@
+//! The factors of a surface: the fields of its uniform buffer, and their values.
+
+use crate::interface::{Interface, UniformField, Unplaced, ValueKind, buffer_size};
+use crate::role::TextureRole;
+use taotie::math::{Vec3, scalar};
+use taotie::pixel::MaterialUniforms;
+use taotie::scene::{AlphaMode, GreenChannel, Material, NormalMap};
+
+/// A surface as its host knows it, for the values of its uniform buffer.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceFactors<'m> {
+    /// The material.
+    pub material: &'m Material,
+    /// The columns of the matrix that takes object-space normals to world space.
+    pub normal_matrix: [Vec3; 3],
+    /// For `Bump` the height of 1 in model units, for `BumpPrinted` the paper's factor; else not read.
+    pub bump: f32,
+    /// The number of levels of the height map, at least 1; without one not read.
+    pub height_levels: usize,
+}
+
+/// A field that a shader may read: its name and type, its meaning, and its value.
+struct Factor {
+    name: &'static str,
+    kind: ValueKind,
+    meaning: &'static str,
+    value: fn(&SurfaceFactors<'_>) -> Vec<f32>,
+}
+
+const fn number(
+    name: &'static str,
+    meaning: &'static str,
+    value: fn(&SurfaceFactors<'_>) -> Vec<f32>,
+) -> Factor {
+    Factor { name, kind: ValueKind::Number, meaning, value }
+}
+
+const fn vector(
+    name: &'static str,
+    meaning: &'static str,
+    value: fn(&SurfaceFactors<'_>) -> Vec<f32>,
+) -> Factor {
+    Factor { name, kind: ValueKind::Vec3, meaning, value }
+}
+
+/// All factors, but for how textures lie.
+const FACTORS: [Factor; 33] = [
+    vector("base_color", "Multiplies the tint, linear RGB in [0, 1].", |s| vec3(uniforms(s).base_color)),
+    number("alpha", "Multiplies opacity, [0, 1].", |s| vec![s.material.base_color[3]]),
+    number("cutoff", "The alpha below which a masked surface is missing.", |s| vec![cutoff(s.material)]),
+    number("metallic", "[0, 1].", |s| vec![s.material.metallic]),
+    number("roughness", "The roughness as artists set it, [0, 1].", |s| vec![s.material.roughness]),
+    number("occlusion_strength", "How much occlusion counts, [0, 1].", |s| {
+        vec![s.material.occlusion_strength]
+    }),
+    vector("emissive", "Emitted radiance, linear RGB.", |s| s.material.emissive.to_vec()),
+    number("specular", "The strength of a dielectric's reflection, [0, 1].", |s| {
+        vec![s.material.specular.factor]
+    }),
+    vector("specular_color", "Multiplies a dielectric's F0, linear RGB, at least 0.", |s| {
+        s.material.specular.color.to_vec()
+    }),
+    number("dielectric_f0", "F0 of the dielectric part, ((η − 1)/(η + 1))².", |s| {
+        vec![uniforms(s).dielectric_f0]
+    }),
+    vector("f0", "Reflectance at normal incidence, linear RGB.", |s| or_zero(uniforms(s).f0)),
+    vector("f82", "Reflectance at 82°, linear RGB.", |s| or_zero(uniforms(s).f82)),
+    vector("k_ambient", "k_a, linear RGB; multiplies the tint.", |s| or_zero(uniforms(s).ambient)),
+    vector("k_diffuse", "k_d, linear RGB; multiplies the tint.", |s| or_zero(uniforms(s).diffuse)),
+    vector("k_specular", "k_s, linear RGB.", |s| or_zero(uniforms(s).specular)),
+    number("slope", "Beckmann's rms slope, above 0.", |s| vec![uniforms(s).slope.unwrap_or_default()]),
+    number("shininess", "Phong and Blinn-Phong exponent, at least 0.", |s| {
+        vec![uniforms(s).shininess.unwrap_or_default()]
+    }),
+    number("normal_scale", "Multiplies x and y of the normal map.", |s| vec![scale(&s.material.normal)]),
+    number("normal_green", "1 where green points up, −1 where it points down.", |s| {
+        vec![green(&s.material.normal)]
+    }),
+    vector("normal_matrix_x", "Where object space's x axis goes with normals, world space.", |s| {
+        vec3(s.normal_matrix[0])
+    }),
+    vector("normal_matrix_y", "Where object space's y axis goes with normals, world space.", |s| {
+        vec3(s.normal_matrix[1])
+    }),
+    vector("normal_matrix_z", "Where object space's z axis goes with normals, world space.", |s| {
+        vec3(s.normal_matrix[2])
+    }),
+    number("bump", "The height of 1 in model units; the paper's factor for `bump-printed`.", |s| {
+        vec![s.bump]
+    }),
+    number("height_last_level", "The number of the height map's coarsest level.", |s| {
+        vec![s.height_levels.saturating_sub(1) as f32]
+    }),
+    number("clearcoat", "The share of the surface that the clearcoat covers, [0, 1].", |s| {
+        vec![coat(s, |coat| coat.factor)]
+    }),
+    number("clearcoat_roughness", "The clearcoat's roughness as artists set it, [0, 1].", |s| {
+        vec![coat(s, |coat| coat.roughness)]
+    }),
+    number("clearcoat_normal_scale", "Multiplies x and y of the clearcoat's normal map.", |s| {
+        vec![coat(s, |coat| scale(&coat.normal))]
+    }),
+    number("clearcoat_normal_green", "1 where green points up, −1 where it points down.", |s| {
+        vec![coat(s, |coat| green(&coat.normal))]
+    }),
+    vector("sheen_color", "The colour of the sheen, linear RGB in [0, 1].", |s| {
+        s.material.sheen.map_or([0.0; 3], |sheen| sheen.color).to_vec()
+    }),
+    number("sheen_roughness", "The sheen's roughness as artists set it, [0, 1].", |s| {
+        vec![s.material.sheen.map_or(0.0, |sheen| sheen.roughness)]
+    }),
+    number("anisotropy", "The strength of the anisotropy, [0, 1].", |s| {
+        vec![s.material.anisotropy.map_or(0.0, |anisotropy| anisotropy.strength)]
+    }),
+    number("anisotropy_cos", "The cosine of the angle from the tangent to the anisotropy.", |s| {
+        vec![turn(s.material)[0]]
+    }),
+    number("anisotropy_sin", "The sine of the angle from the tangent to the anisotropy.", |s| {
+        vec![turn(s.material)[1]]
+    }),
+];
+
+fn uniforms(surface: &SurfaceFactors<'_>) -> MaterialUniforms<f32> {
+    MaterialUniforms::new(surface.material)
+}
+
+fn vec3(vector: Vec3) -> Vec<f32> {
+    vector.to_array().to_vec()
+}
+
+fn or_zero(vector: Option<Vec3>) -> Vec<f32> {
+    vec3(vector.unwrap_or_default())
+}
+
+fn cutoff(material: &Material) -> f32 {
+    match material.alpha {
+        AlphaMode::Mask(cutoff) => cutoff,
+        AlphaMode::Opaque | AlphaMode::Blend => 0.0,
+    }
+}
+
+fn scale(map: &Option<NormalMap>) -> f32 {
+    map.map_or(1.0, |map| map.scale)
+}
+
+fn green(map: &Option<NormalMap>) -> f32 {
+    match map.map(|map| map.green) {
+        Some(GreenChannel::Down) => -1.0,
+        Some(GreenChannel::Up) | None => 1.0,
+    }
+}
+
+fn coat(surface: &SurfaceFactors<'_>, value: impl Fn(&taotie::scene::Clearcoat) -> f32) -> f32 {
+    surface.material.clearcoat.as_ref().map_or(0.0, value)
+}
+
+/// Cosine and sine of the angle of anisotropy, in the 32 bits that files hold.
+fn turn(material: &Material) -> [f32; 2] {
+    let angle = material.anisotropy.map_or(0.0, |anisotropy| f64::from(anisotropy.rotation as f32));
+    [scalar::cos(angle) as f32, scalar::sin(angle) as f32]
+}
+
+/// The meaning of the fields that say how a texture lies.
+const ROWS: &str = "The linear part of the texture's transform, by rows.";
+const OFFSET: &str = "Added to the transformed uv.";
+
+/// The name of the rows of a texture's transform, and that of its offset.
+pub(crate) fn transform_names(role: TextureRole) -> [String; 2] {
+    ["rows", "offset"].map(|part| format!("{}_{part}", role.name()))
+}
+
+/// A factor's name, type and meaning.
+pub(crate) struct Named {
+    pub name: &'static str,
+    pub kind: ValueKind,
+    pub meaning: &'static str,
+}
+
+/// The factors, without how textures lie, in the order of the buffer.
+pub(crate) fn named() -> impl Iterator<Item = Named> {
+    FACTORS.iter().map(|Factor { name, kind, meaning, .. }| Named { name, kind: *kind, meaning })
+}
+
+/// The fields of these names, in the order of the buffer.
+pub(crate) fn fields(is_read: impl Fn(&str) -> bool) -> Vec<Unplaced> {
+    let factors = FACTORS.iter().map(|factor| Unplaced {
+        name: factor.name.into(),
+        kind: factor.kind,
+        meaning: factor.meaning,
+    });
+    let transforms = TextureRole::ALL.into_iter().flat_map(|role| {
+        let [rows, offset] = transform_names(role);
+        [
+            Unplaced { name: rows, kind: ValueKind::Vec4, meaning: ROWS },
+            Unplaced { name: offset, kind: ValueKind::Vec2, meaning: OFFSET },
+        ]
+    });
+    factors.chain(transforms).filter(|field| is_read(&field.name)).collect()
+}
+
+/// The value of a field by its name.
+fn value(surface: &SurfaceFactors<'_>, name: &str) -> Option<Vec<f32>> {
+    if let Some(factor) = FACTORS.iter().find(|factor| factor.name == name) {
+        return Some((factor.value)(surface));
+    }
+    let role = TextureRole::ALL.into_iter().find(|role| transform_names(*role).iter().any(|n| n == name))?;
+    let transform = role.of(surface.material)?.transform;
+    let is_offset = name.ends_with("_offset");
+    Some(if is_offset { transform.offset.to_vec() } else { transform.linear.as_flattened().to_vec() })
+}
+
+impl Interface {
+    /// The bytes of group 1, binding 0, for a surface.
+    pub fn material_bytes(&self, surface: &SurfaceFactors<'_>) -> Vec<u8> {
+        let mut bytes = vec![0; buffer_size(&self.material)];
+        for field in &self.material {
+            write(field, value(surface, &field.name), &mut bytes);
+        }
+        bytes
+    }
+}
+
+fn write(field: &UniformField, value: Option<Vec<f32>>, bytes: &mut [u8]) {
+    if let Some(numbers) = value {
+        field.write(&numbers, bytes);
+    }
+}

@@ -1,0 +1,211 @@
+//! The formulas of what is fetched between stages: textures, tables, environments, lights.
+
+use crate::program::{Formula, part};
+use crate::recorder::{Recorded, Scope, record};
+use taotie::math::Vec3;
+use taotie::pixel::{
+    Cone, Falloff, Frame, Incidence, LightSource, Place, Terminator, Turn, coat_normal, height_derivative,
+    height_step, log2_texels, turned_uv,
+};
+use taotie::shade::dfg::between_entries;
+use taotie::shade::environment::{
+    LevelPosition, PicturePosition, bilinear, linear, octahedral_place, octahedral_taps, picture_uv,
+    share_of_smoothest,
+};
+use taotie::shade::fresnel::f_f82;
+
+/// The formulas that stages call.
+pub(super) fn parts() -> [Formula; 4] {
+    [
+        part("mixed", "mix", LINEAR, record(mixed)),
+        part("fresnel_schlick", "f", SCHLICK, record(schlick)),
+        part("towards_viewer", "n", TOWARDS_VIEWER, record(towards)),
+        part("terminator_share", "share", TERMINATOR, record(terminator)),
+    ]
+}
+
+/// The formulas of what is fetched. Those of textures come last: they are so short that they would be found by chance.
+pub(super) fn lookups() -> Vec<Formula> {
+    [environment().to_vec(), lights().to_vec(), textures().to_vec()].concat()
+}
+
+fn textures() -> [Formula; 5] {
+    let step = record(|scope| vec![height_step(scope.number("texels"), scope.number("size"))]);
+    [
+        part("log2_texels", "level", LOG2_TEXELS, record(level)),
+        part("between_entries", "entry", BETWEEN_ENTRIES, record(entry)),
+        part("height_derivative", "slope", HEIGHT_DERIVATIVE, record(slope)),
+        part("turned", "turned", TURNED, record(turned)),
+        part("height_step", "step", HEIGHT_STEP, step),
+    ]
+}
+
+fn environment() -> [Formula; 7] {
+    let structured = |name: &str, structure, doc, graph| Formula {
+        structure: Some(structure),
+        ..part(name, "position", doc, graph)
+    };
+    [
+        part("bilinear", "mean", BILINEAR, record(four)),
+        part("to_environment", "direction", TO_ENVIRONMENT, record(to_environment)),
+        structured("octahedral_place", "MapPlace", PLACE, record(place)),
+        structured("octahedral_taps", "Taps", TAPS, record(taps)),
+        structured("level_position", "LevelPosition", LEVELS, record(levels)),
+        part("share_of_smoothest", "share", SHARE, record(share)),
+        structured("picture_position", "PicturePosition", PICTURE, record(picture)),
+    ]
+}
+
+fn lights() -> [Formula; 2] {
+    let of = |name: &str, graph| Formula {
+        structure: Some("Incidence"),
+        ..part(name, "arriving", INCIDENCE, graph)
+    };
+    let windowed = record(|scope| incidence(scope, Falloff::Windowed(scope.number("light.range"))));
+    [
+        of("incidence_without_falloff", record(|scope| incidence(scope, Falloff::None))),
+        of("incidence_with_falloff", windowed),
+    ]
+}
+
+fn schlick(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let no_drop = Vec3::splat(scope.constant(0.0));
+    f_f82(scope.vector("f0"), scope.number("f90"), no_drop, scope.number("v_dot_h")).to_array().to_vec()
+}
+
+fn towards(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let (n, smooth) = (scope.vector("n"), scope.vector("n_smooth"));
+    let frame = Frame { n, smooth, squared_slope: scope.constant(0.0), v: scope.vector("v") };
+    coat_normal(n, &frame).to_array().to_vec()
+}
+
+fn terminator(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let (smooth, squared_slope) = (scope.vector("n_smooth"), scope.number("squared_slope"));
+    vec![Terminator { smooth, squared_slope }.share(scope.vector("l"))]
+}
+
+fn turned(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let row = [scope.number("a"), scope.number("b")];
+    let [turned, _] = turned_uv([row, row], [scope.number("u"), scope.number("v")]);
+    vec![turned]
+}
+
+fn level(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let d_x = [scope.number("du_dx"), scope.number("dv_dx")];
+    let d_y = [scope.number("du_dy"), scope.number("dv_dy")];
+    vec![log2_texels(d_x, d_y, [scope.number("width"), scope.number("height")])]
+}
+
+fn slope(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    vec![height_derivative(scope.number("after"), scope.number("before"), scope.number("step"))]
+}
+
+fn entry(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let corners = ["a", "b", "c", "d"].map(|name| scope.number(name));
+    vec![between_entries(corners, [scope.number("across"), scope.number("down")])]
+}
+
+fn mixed(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    linear(scope.vector("a"), scope.vector("b"), scope.number("share")).to_array().to_vec()
+}
+
+fn four(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let corners = ["a", "b", "c", "d"].map(|name| scope.vector(name));
+    bilinear(corners, [scope.number("across"), scope.number("down")]).to_array().to_vec()
+}
+
+fn to_environment(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let turn = Turn { sin: scope.number("turn_sin"), cos: scope.number("turn_cos") };
+    turn.to_environment(scope.vector("world")).to_array().to_vec()
+}
+
+fn place(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    octahedral_place(scope.vector("direction")).to_vec()
+}
+
+fn taps(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let (first, share) = octahedral_taps(scope.number("u"), scope.number("side"));
+    vec![first, share]
+}
+
+fn levels(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let LevelPosition { below, share } = LevelPosition::of(scope.number("roughness"));
+    vec![below, share]
+}
+
+fn share(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    vec![share_of_smoothest(scope.number("roughness"), scope.number("alpha"))]
+}
+
+fn picture(scope: Scope<'_>) -> Vec<Recorded<'_>> {
+    let uv = picture_uv(scope.number("azimuth"), scope.number("polar"));
+    let at = PicturePosition::of(uv, [scope.number("width"), scope.number("height")]);
+    vec![at.left, at.right, at.top, at.bottom, at.across, at.down]
+}
+
+/// What arrives at a position of a light that is not infinitely far away.
+fn incidence<'g>(scope: Scope<'g>, falloff: Falloff<Recorded<'g>>) -> Vec<Recorded<'g>> {
+    let cone = Cone {
+        axis: scope.vector("light.axis"),
+        cos_inner: scope.number("light.cos_inner"),
+        cos_outer: scope.number("light.cos_outer"),
+    };
+    let light = LightSource {
+        color: scope.vector("light.color"),
+        place: Place::At(scope.vector("light.place")),
+        falloff,
+        cone: Some(cone),
+    };
+    let Incidence { l, irradiance } = light.incidence(scope.vector("position"));
+    [l, irradiance].iter().flat_map(|vector: &Vec3<Recorded<'g>>| vector.to_array()).collect()
+}
+
+const SCHLICK: &str = "Schlick's approximation between two given reflectances.
+F = F0 + (F90 − F0)(1 − v·h)⁵
+Source: Schlick 1994, eq. 15, with the F90 of Lagarde and de Rousiers 2014.";
+
+const TOWARDS_VIEWER: &str = "A mapped normal that turns away from a viewer who sees the surface, turned back until it is just seen: the least
+change there is, and without a step, where mirroring the normal would light the wrong side of every steep slope.";
+
+const TERMINATOR: &str = "The share of light from `l` that arrives: 2 / (1 + √(1 + α² tan²θ)), α² = tan²(n, n')/8, θ between the smooth
+normal and `l`; 0 below the horizon, and 1 where no map turns the normal.
+Source: Estevez, Lecocq and Stein 2019, \"A Microfacet-Based Shadowing Function to Solve the Bump Terminator
+Problem\".";
+
+const TURNED: &str = "The linear part of a texture's transform, by rows, applied to texture coordinates or to a change of them.";
+
+const LOG2_TEXELS: &str = "The log2 of the texels of the finest level that a pixel covers, of the longer of its two steps: the changes of the
+texture coordinates a pixel to the right and down, in a texture of `size` texels.";
+
+const HEIGHT_STEP: &str = "The step in u, or v, from a point to its neighbour in the level in use, whose texels are `texels` of the finest
+level wide; `size` is that level's.";
+
+const HEIGHT_DERIVATIVE: &str =
+    "The derivative of a height by u, or v, from those a [`height_step`] to each side.";
+
+const BETWEEN_ENTRIES: &str = "The number of a table between four entries: those of the node, of the next along the cosine, and of the two below;
+`across` and `down` in [0, 1] as in [`TablePosition`].";
+
+const LINEAR: &str = "The mean of `a` and of `b`, whose weight is `share`, [0, 1].";
+
+const BILINEAR: &str = "The mean of the upper two texels and the lower two, left and right; `across` and `down` are the weights of the right
+and the lower ones, [0, 1].";
+
+const TO_ENVIRONMENT: &str = "The direction in the environment's own space that lies in direction `world`.";
+
+const PLACE: &str = "The place in the unfolded square, [0, 1]², of a direction of any length.
+Source: Engelhardt and Dachsbacher 2008, \"Octahedron Environment Maps\".";
+
+const TAPS: &str = "The first of the two texels around the coordinate `u` of a map of `side` texels, counted with the border, and the
+fraction of the way to the next.";
+
+const LEVELS: &str = "Finds the levels of a `roughness` in [0, 1].
+Between levels light is linear in 1/α: of all functions of α that one errs least for a lone bright texel";
+
+const SHARE: &str = "The weight of the smoothest level, whose roughness² is `alpha`, against the light itself, for a `roughness` below it.";
+
+const PICTURE: &str = "The texels around a place in an equirectangular picture: columns and rows, integers.
+`azimuth` is atan2(z, x), in [−π, π], and `polar`
+the angle from +y, in [0, π].";
+
+const INCIDENCE: &str = "The light that arrives at `position`, unshadowed.";

@@ -1,0 +1,151 @@
+//! The pixel of a variant as functions that call one another, with structures of what is needed and no more.
+
+use super::lookups::{lookups, parts};
+use super::shapes;
+use super::stages::{Feeds, Stage, stages};
+use crate::graph::{Graph, Id};
+use crate::library::library;
+use crate::program::{Formula, Program};
+use crate::recorder::Callee;
+use crate::structures::Structure;
+use crate::variant::Variant;
+use std::collections::BTreeSet;
+
+/// The numbers of the function `angles`, in order.
+const ANGLES: [&str; 6] = ["n_dot_l", "n_dot_v", "n_dot_h", "sin2_h", "v_dot_h", "r_dot_v"];
+
+/// The pixel of a variant.
+#[derive(Debug, Clone)]
+pub struct PixelProgram {
+    pub(crate) program: Program,
+    /// The names of the stages, in order.
+    pub(crate) stages: Vec<String>,
+    /// What the stages read: arguments by their names, fields with a dot between, `p.n`.
+    pub(crate) read: BTreeSet<&'static str>,
+}
+
+impl PixelProgram {
+    /// Records the stages of a variant.
+    pub fn new(variant: &Variant) -> Self {
+        let mut program = library();
+        program.structures.extend(shapes::fixed());
+        parts().into_iter().for_each(|formula| program.add(formula));
+        let angles = program.formulas.iter().position(|formula| formula.name == "angles").unwrap_or_default();
+        let callee = Callee { function: angles, structure: "Angles", fields: &ANGLES };
+        let mut needs = Needs { structures: shapes::variable(), read: BTreeSet::new() };
+        if variant.environment && !variant.unlit {
+            // The mean of the environment's light is looked up at the normal.
+            needs.read.insert("p.n");
+        }
+        if variant.shadows && !variant.unlit {
+            needs.read.insert("g.n_geom");
+        }
+        let stages = needs.stripped(stages(variant, &callee));
+        let Needs { structures, read } = needs;
+        program.structures.extend(structures.into_iter().filter_map(|structure| kept(structure, &read)));
+        program.narrow("Dfg", &read);
+        let names = stages.iter().map(|formula| formula.name.clone()).collect();
+        stages.into_iter().chain(lookups()).for_each(|formula| program.add(formula));
+        Self { program, stages: names, read }
+    }
+
+    /// The functions and structures.
+    pub fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// The stages in the order in which they run.
+    pub fn stages(&self) -> impl Iterator<Item = &Formula> {
+        self.stages.iter().filter_map(|name| self.program.find(name))
+    }
+
+    /// The fields of the structures that a variant narrows, by their names.
+    pub fn fields(&self, structure: &str) -> Vec<&'static str> {
+        let structure = self.program.structure(structure);
+        structure.iter().flat_map(|structure| &structure.fields).map(|field| field.name).collect()
+    }
+}
+
+/// What later stages need of earlier ones.
+struct Needs {
+    structures: Vec<Structure>,
+    read: BTreeSet<&'static str>,
+}
+
+impl Needs {
+    /// The stages that something needs, with the results and parameters that are needed, in order.
+    fn stripped(&mut self, stages: Vec<Stage>) -> Vec<Formula> {
+        let mut kept: Vec<Formula> =
+            stages.into_iter().rev().filter_map(|stage| self.needed(stage)).collect();
+        kept.reverse();
+        kept
+    }
+
+    /// The stage as far as it is needed; notes what it reads.
+    fn needed(&mut self, Stage { mut formula, feeds }: Stage) -> Option<Formula> {
+        let is_read = match feeds {
+            Feeds::Pixel => true,
+            Feeds::Structure => {
+                let structure = self.structures.iter().find(|each| formula.structure == Some(each.name))?;
+                formula.graph.outputs = wanted(structure, &formula.graph, &self.read);
+                !formula.graph.outputs().is_empty()
+            }
+            Feeds::Path(path) => self.reads(path),
+        };
+        if !is_read {
+            return None;
+        }
+        formula.graph = formula.graph.stripped();
+        self.read.extend(formula.graph.parameters().iter().map(|parameter| parameter.path));
+        Some(formula)
+    }
+
+    /// Says whether a stage reads an argument or any of its fields.
+    fn reads(&self, path: &str) -> bool {
+        reads(&self.read, path)
+    }
+}
+
+/// Says whether an argument, or any field of it, is among what is read.
+pub(crate) fn reads(read: &BTreeSet<&'static str>, path: &str) -> bool {
+    read.iter().any(|each| *each == path || each.split('.').next() == Some(path))
+}
+
+/// The outputs that become fields that are read.
+fn wanted(structure: &Structure, graph: &Graph, read: &BTreeSet<&'static str>) -> Vec<Id> {
+    let mut rest = graph.outputs();
+    let mut wanted = Vec::new();
+    for field in &structure.fields {
+        let (own, others) = rest.split_at(field.kind.numbers().min(rest.len()));
+        rest = others;
+        if is_field_read(structure, field.name, read) {
+            wanted.extend(own);
+        }
+    }
+    wanted
+}
+
+fn is_field_read(structure: &Structure, field: &str, read: &BTreeSet<&'static str>) -> bool {
+    let is_it = |path: &&str| {
+        path.split_once('.')
+            .is_some_and(|(argument, name)| name == field && structure.arguments.contains(&argument))
+    };
+    read.iter().any(is_it)
+}
+
+/// The structure with the fields that are read; `None` where none is.
+fn kept(mut structure: Structure, read: &BTreeSet<&'static str>) -> Option<Structure> {
+    let whole = structure.clone();
+    structure.fields.retain(|field| is_field_read(&whole, field.name, read));
+    (!structure.fields.is_empty()).then_some(structure)
+}
+
+impl Program {
+    /// Leaves a structure the fields that are read.
+    fn narrow(&mut self, name: &str, read: &BTreeSet<&'static str>) {
+        if let Some(structure) = self.structures.iter_mut().find(|structure| structure.name == name) {
+            let whole = structure.clone();
+            structure.fields.retain(|field| is_field_read(&whole, field.name, read));
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Tables of directional albedos, and the light of environments.
+
+use crate::pixel::{PixelProgram, reads};
+use taotie::shade::dfg::{COLUMNS, ROWS};
+
+/// The functions that read the tables of directional albedos.
+pub(crate) fn tables(pixel: &PixelProgram) -> String {
+    let (lobe, sheen) =
+        (reads(&pixel.read, "dfg") || reads(&pixel.read, "coat_dfg"), reads(&pixel.read, "sheen_table"));
+    if !lobe && !sheen {
+        return String::new();
+    }
+    let mut text = format!(
+        "// The texel of a table's node: table 0 is of GGX, 1 of Cook-Torrance, 2 of sheen.\n\
+         ivec2 table_texel(TablePosition q, int table) {{\n    \
+         int node = int(q.node);\n    \
+         return ivec2(node % {COLUMNS}, node / {COLUMNS} + {ROWS} * table);\n}}\n"
+    );
+    if lobe {
+        text += &albedos(&pixel.fields("Dfg"));
+    }
+    text + if sheen { SHEEN } else { "" }
+}
+
+/// Reads the entries of the lobe's fields, which are the channels in their order.
+fn albedos(fields: &[&str]) -> String {
+    let channel = |field: &str| match field {
+        "scale" => "r",
+        "bias" => "g",
+        "edge" => "b",
+        _ => "a",
+    };
+    let entry = |field: &&str| {
+        let c = channel(field);
+        format!("between_entries(a.{c}, b.{c}, c.{c}, d.{c}, q.across, q.down)")
+    };
+    let entries: Vec<String> = fields.iter().map(entry).collect();
+    format!("{FOUR}    return Dfg(\n        {}\n    );\n}}\n", entries.join(",\n        "))
+}
+
+const FOUR: &str = "
+// The directional albedos of a lobe.
+Dfg albedos(TablePosition q, int table) {
+    ivec2 at = table_texel(q, table);
+    vec4 a = texelFetch(albedo_tables, at, 0);
+    vec4 b = texelFetch(albedo_tables, at + ivec2(1, 0), 0);
+    vec4 c = texelFetch(albedo_tables, at + ivec2(0, 1), 0);
+    vec4 d = texelFetch(albedo_tables, at + ivec2(1, 1), 0);
+";
+
+const SHEEN: &str = "
+// The part of light that white sheen reflects.
+float sheen_entry(TablePosition q) {
+    ivec2 at = table_texel(q, 2);
+    float a = texelFetch(albedo_tables, at, 0).r;
+    float b = texelFetch(albedo_tables, at + ivec2(1, 0), 0).r;
+    float c = texelFetch(albedo_tables, at + ivec2(0, 1), 0).r;
+    float d = texelFetch(albedo_tables, at + ivec2(1, 1), 0).r;
+    return between_entries(a, b, c, d, q.across, q.down);
+}
+";
+
+/// The functions that look the environment up; `texels` is the last of them.
+pub(crate) fn environment(pixel: &PixelProgram) -> String {
+    let fields = pixel.fields("EnvironmentTexels");
+    if fields.is_empty() {
+        return String::new();
+    }
+    let gathers = fields.iter().any(|field| *field != "mean");
+    let values: Vec<&str> = fields.iter().map(|field| light(field)).collect();
+    let gathering = if gathers { GATHERED } else { "" };
+    let mean = if fields.contains(&"mean") { MEAN } else { "" };
+    format!(
+        "{LEVEL}{gathering}{mean}\n// The light of the environment at the point.\n\
+         EnvironmentTexels environment_texels(SurfacePoint p) {{\n{}    return EnvironmentTexels({});\n}}\n",
+        highlights(&fields, pixel),
+        values.join(", ")
+    )
+}
+
+/// The declarations of what highlights gather from.
+fn highlights(fields: &[&str], pixel: &PixelProgram) -> String {
+    let mut text = String::new();
+    for (field, stage) in [("specular", "highlight"), ("coat", "coat_highlight")] {
+        if fields.contains(&field) && pixel.program().find(stage).is_some() {
+            text += &format!("    Highlight {field} = {stage}(p);\n");
+        }
+    }
+    text
+}
+
+fn light(field: &str) -> &'static str {
+    match field {
+        "specular" => "gathered(specular.direction, specular.roughness)",
+        "mean" => "mean_light(p.n)",
+        _ => "gathered(coat.direction, coat.roughness)",
+    }
+}
+
+const LEVEL: &str = "// The direction in the environment's own space.
+vec3 environment_direction(vec3 world) {
+    return to_environment(frame.environment_sin, frame.environment_cos, world);
+}
+
+// The light of a level: where its map begins in the atlas, texels across without its border, and its factor.
+vec3 level_light(int level, MapPlace place) {
+    vec4 map = environment_levels[level];
+    Taps x = octahedral_taps(place.u, map.z);
+    Taps y = octahedral_taps(place.v, map.z);
+    ivec2 at = ivec2(int(map.x + x.first), int(map.y + y.first));
+    vec3 a = texelFetch(environment_maps, at, 0).rgb;
+    vec3 b = texelFetch(environment_maps, at + ivec2(1, 0), 0).rgb;
+    vec3 c = texelFetch(environment_maps, at + ivec2(0, 1), 0).rgb;
+    vec3 d = texelFetch(environment_maps, at + ivec2(1, 1), 0).rgb;
+    return bilinear(a, b, c, d, x.share, y.share) * map.w;
+}
+";
+
+const MEAN: &str = "
+// The irradiance over π at a normal: the roughest level, whose lobe is the cosine.
+vec3 mean_light(vec3 n) {
+    MapPlace place = octahedral_place(environment_direction(n));
+    return level_light(int(frame.environment_levels) - 1, place) * frame.environment_intensity;
+}
+";
+
+const GATHERED: &str = "
+// The angle of (x, y) from the x axis; 0 where both are 0.
+float angle_of(float y, float x) {
+    if (x == 0.0 && y == 0.0) {
+        return 0.0;
+    }
+    return atan(y, x);
+}
+
+// The radiance from a direction of the environment's own space, from the picture itself.
+vec3 picture_light(vec3 direction) {
+    vec2 size = vec2(textureSize(environment_picture, 0));
+    float azimuth = angle_of(direction.z, direction.x);
+    float polar = angle_of(length(direction.xz), direction.y);
+    PicturePosition at = picture_position(azimuth, polar, size.x, size.y);
+    ivec2 low = ivec2(int(at.left), int(at.top));
+    ivec2 high = ivec2(int(at.right), int(at.bottom));
+    vec3 a = texelFetch(environment_picture, low, 0).rgb;
+    vec3 b = texelFetch(environment_picture, ivec2(high.x, low.y), 0).rgb;
+    vec3 c = texelFetch(environment_picture, ivec2(low.x, high.y), 0).rgb;
+    vec3 d = texelFetch(environment_picture, high, 0).rgb;
+    return bilinear(a, b, c, d, at.across, at.down) * environment_levels[31].w;
+}
+
+// The radiance that a rough mirror gathers around a direction.
+vec3 gathered(vec3 world, float roughness) {
+    vec3 direction = environment_direction(world);
+    MapPlace place = octahedral_place(direction);
+    LevelPosition position = level_position(roughness);
+    if (position.below < 0.0) {
+        float share = share_of_smoothest(roughness, frame.smoothest_alpha);
+        return mixed(picture_light(direction), level_light(0, place), share) * frame.environment_intensity;
+    }
+    int last = int(frame.environment_levels) - 1;
+    vec3 below = level_light(min(int(position.below), last), place);
+    vec3 above = level_light(min(int(position.below) + 1, last), place);
+    return mixed(below, above, position.share) * frame.environment_intensity;
+}
+";

@@ -1,0 +1,11 @@
+//! The text of whole shaders, beside that of the recorded functions.
+
+pub(crate) mod declarations;
+pub(crate) mod entry;
+pub(crate) mod environment;
+pub(crate) mod fetch;
+pub(crate) mod geometry;
+pub(crate) mod pixel;
+mod translate;
+
+pub(crate) use translate::translated;

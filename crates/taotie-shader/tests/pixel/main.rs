@@ -1,0 +1,13 @@
+//! Whole pixel shaders: valid, translatable, bound as their interface says; and their stages, which play back what the
+//! pixel program computes.
+
+#[path = "../../../taotie/tests/common/random.rs"]
+mod random;
+
+mod direct;
+mod interface;
+mod lookups;
+mod stages;
+mod text;
+mod valid;
+mod variants;
