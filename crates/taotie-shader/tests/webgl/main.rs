@@ -1,9 +1,11 @@
-//! Whole shaders in GLSL ES 3.00 compile in a browser, without a warning.
+//! Whole shaders in GLSL ES 3.00 in a browser: they compile without a warning, and show what the renderer shows.
 #![allow(clippy::print_stdout, reason = "tests say what they found and why they are skipped")]
 
-#[path = "../../taotie-cli/tests/browser/node.rs"]
+#[path = "../../../taotie-cli/tests/browser/node.rs"]
 mod node;
-#[path = "pixel/variants.rs"]
+mod pictures;
+mod studio;
+#[path = "../pixel/variants.rs"]
 mod variants;
 
 use node::Node;
@@ -12,7 +14,7 @@ use std::path::Path;
 use taotie_shader::{Interface, Language, pixel_shader};
 use variants::{Case, all};
 
-/// Where the fields of the uniform blocks lie, by their names.
+/// The offsets of the uniform blocks' fields, by their names.
 fn offsets(interface: &Interface) -> Map<String, Value> {
     let blocks = [("frame", &interface.frame), ("material", &interface.material)];
     let fields = blocks.iter().flat_map(|(block, fields)| fields.iter().map(move |field| (block, field)));
