@@ -19,6 +19,7 @@ mod stl;
 mod stopwatch;
 mod system;
 mod text;
+mod texture_room;
 mod variants;
 mod write;
 mod xmp;
