@@ -34,7 +34,9 @@ class Run:
 
     def __init__(self, program, line, folder, seconds):
         with tempfile.TemporaryFile() as said:
-            process = subprocess.Popen([program, *line], cwd=folder, stdout=subprocess.DEVNULL, stderr=said)
+            # Nothing is kept from one run to the next.
+            around = os.environ | {"XDG_CACHE_HOME": os.path.join(folder, "out-cache")}
+            process = subprocess.Popen([program, *line], cwd=folder, env=around, stdout=subprocess.DEVNULL, stderr=said)
             timer = threading.Timer(seconds, process.kill)
             timer.start()
             _, status, usage = os.wait4(process.pid, 0)
