@@ -81,8 +81,15 @@ impl Need {
         const REST: u64 = 32 << 20;
         /// The same while tangents are made, and what was freed then and is not given back.
         const FRAMING_REST: u64 = 96 << 20;
+        /// What was freed in pieces and the allocator keeps: for each triangle, and at most.
+        const KEPT: u64 = 96;
+        const MOST_KEPT: u64 = 48 << 20;
         let proving = if self.is_proved { self.proving() } else { 0 };
-        let most = self.baking().max(self.writing()).max(proving).saturating_add(REST);
+        let most = self
+            .baking()
+            .max(self.writing())
+            .max(proving)
+            .saturating_add(REST + (self.scan.triangles * KEPT).min(MOST_KEPT));
         let framing = match self.scan.framing_bytes() {
             0 => 0,
             bytes => bytes.saturating_add(FRAMING_REST),
@@ -115,7 +122,7 @@ impl Need {
     /// Returns the bytes while the asset is read back and measured.
     fn proving(&self) -> u64 {
         /// Points at which normals and distances are measured.
-        const POINTS: u64 = 25 << 20;
+        const POINTS: u64 = 32 << 20;
         /// Images of scan and level from all sides in one look, their differences, and how the report shows them.
         const VIEWS: u64 = 48 << 20;
         /// A map of errors, at most, its texels, and how the report shows it.
