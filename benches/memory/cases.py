@@ -144,6 +144,9 @@ def geometry_cases():
             name = f"{title}-{side}.{ending}"
             commands = [INSPECT, RENDER, shadows] + [BAKE] * (side <= 500)
             yield Case(name, commands, functools.partial(write, name, side, **options))
+    for count in (200_000, 1_000_000):
+        name = f"soup-{count}.stl"
+        yield Case(name, [INSPECT, RENDER], functools.partial(models.soup, name, count))
     for side in (200, 500, 1000):
         for ending, is_embedded in (("glb", False), ("gltf", False), ("gltf", True)):
             name = f"grid-{side}{'-embedded' * is_embedded}.{ending}"

@@ -5,6 +5,7 @@ import base64
 import json
 import math
 import os
+import random
 import struct
 
 MEANINGS = ["baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture"]
@@ -84,6 +85,15 @@ def stl(path, side, is_ascii=False):
         else:
             file.write(bytes(80) + struct.pack("<I", 2 * side * side))
             file.writelines(struct.pack("<12fH", 0, 0, 1, *(x for i in t for x in corner(i)), 0) for t in grid.triangles())
+
+
+def soup(path, count):
+    """Binary STL of triangles that share no corner."""
+    by_chance = random.Random(1)
+    with open(path, "wb") as file:
+        file.write(bytes(80) + struct.pack("<I", count))
+        for _ in range(count):
+            file.write(struct.pack("<12fH", 0, 0, 1, *(by_chance.random() for _ in range(9)), 0))
 
 
 class Gltf:
