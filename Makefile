@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables shaders security fuzz bless tools
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables shaders security fuzz bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -27,6 +27,12 @@ test-slow: ## The tests that take minutes each
 faults: ## Ends commands amid their work, hundreds of times: files are all old or all new
 	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
 	python3 benches/faults/faults.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(FAULTS)
+
+# The models are those of the tests, ../shared/data or TAOTIE_DATA, and others that are made. TAOTIE=/path/to/taotie takes that
+# program instead of building one; MEMORY holds options, such as `--only ply`.
+memory: ## Holds the memory that commands foresee against what they take, for docs/security.md
+	$(if $(TAOTIE),,cargo build --release -p taotie-cli)
+	python3 benches/memory/memory.py $(if $(TAOTIE),--taotie $(TAOTIE)) $(MEMORY)
 
 bench: ## Milliseconds per stage of the renderer
 	cargo bench -p taotie --bench stages

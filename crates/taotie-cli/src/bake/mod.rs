@@ -13,7 +13,7 @@ use anyhow::Result;
 use clock::Clock;
 use schedule::Schedule;
 use taotie::Progress;
-use taotie::asset::{Asset, Baker, Limits, Proof, Report, ScanFile, ScanSize, VerifyOptions, Warning};
+use taotie::asset::{Asset, Baker, Limits, Need, Proof, Report, ScanFile, VerifyOptions, Warning};
 use taotie::io::FileSet;
 use taotie_report::bake_page;
 
@@ -44,7 +44,7 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
     let limits = args.limits();
     let baker = Baker::new(args.options()).with_limits(limits).with_files(files);
     let file = ScanFile::read(&args.high, &limits, progress)?;
-    check_memory(&baker, file.size(), limits)?;
+    check_memory(args, &baker.need(file.size()), limits)?;
     if let Some(schedule) = Schedule::of(baker.options(), file.size(), args.is_packed()) {
         clock.expect(schedule);
     }
@@ -71,8 +71,9 @@ fn bake(args: &BakeArgs, files: &FileSet) -> Result<Report> {
 }
 
 /// Says how much memory the bake of a scan needs before it begins.
-fn check_memory(baker: &Baker, scan: ScanSize, limits: Limits) -> Result<()> {
-    let need = baker.need(scan);
+fn check_memory(args: &BakeArgs, baked: &Need, limits: Limits) -> Result<()> {
+    let written = baked.with_packing(&args.packing());
+    let need = if args.no_verify { written } else { written.with_proof() };
     need.check(limits)?;
     let (triangles, bytes) = (need.scan.triangles, need.bytes());
     console::say(&format!("baking {triangles} triangles needs about {bytes} of memory"));

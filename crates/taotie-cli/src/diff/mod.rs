@@ -51,16 +51,18 @@ struct Files {
 }
 
 fn compare(args: &DiffArgs, set: &FileSet) -> Result<Report> {
+    /// The bytes of the program itself.
+    const PROGRAM: u64 = 32 << 20;
     let limits = args.limits();
     let names = [&args.a, &args.b].map(|path| path.display().to_string());
     let first = io::read_bitmap_within(&args.a, &limits)?;
-    let (width, height) = (first.width(), first.height());
-    let need = Bytes(ImagePair::bytes([width, height]));
-    limits.check(format!("{}: a comparison of {width}x{height} pixels", names[0]), need)?;
+    let title = format!("{}: a comparison of {}x{} pixels", names[0], first.width(), first.height());
+    limits.check(title.as_str(), Bytes(ImagePair::least_bytes(&first)))?;
     let files = Files { names, bitmaps: [first, io::read_bitmap_within(&args.b, &limits)?] };
     let options = args.options();
     let images = [0, 1].map(|i| NamedBitmap { name: &files.names[i], bitmap: &files.bitmaps[i] });
     check_normals(images, &options)?;
+    limits.check(title, Bytes(PROGRAM + ImagePair::bytes(images, &options)?))?;
     let mut pair = ImagePair::new(images, &options)?;
     args.note_unread(&pair.content, &mut pair.warnings);
     if pair.shared_normals() == Some(0) {

@@ -63,7 +63,8 @@ fn render(args: &RenderArgs, set: &FileSet) -> Result<Report> {
     let limits = args.running.limits.limits();
     let [width, height] = args.size;
     let picture = format!("a picture of {width}x{height}");
-    limits.check(picture.as_str(), Bytes(pixel_bytes(&args.settings())))?;
+    let held = output::held(args)?;
+    limits.check(picture.as_str(), Bytes(pixel_bytes(&args.settings(), held)))?;
     let mut sky_warnings = Warnings::default();
     let (loaded, environment) = rayon::join(
         || studio::load(&args.model, &args.material, args.bump_scale, &limits),
@@ -76,7 +77,9 @@ fn render(args: &RenderArgs, set: &FileSet) -> Result<Report> {
     args.note_unread(&loaded.scene, &mut warnings);
     watch.lap("load");
     let mut settings = args.settings();
-    limits.check(picture, Bytes(image_bytes(&loaded.scene, &settings)))?;
+    let sky = environment.as_ref().map_or(0, |light| light.environment.bytes());
+    let need = image_bytes(&loaded.scene, &settings, held) + output::waiting_bytes(args)? + sky;
+    limits.check(picture, Bytes(need))?;
     let motion = match args.motion.animates() {
         true => {
             let motion = args.motion.choose(loaded.rig.take(), &args.model)?;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use taotie::film::{Development, ToneCurve};
 use taotie::image::Image;
 use taotie::io::{AnimationFormat, FileSet, ImageFormat};
-use taotie::render::Frame;
+use taotie::render::{Frame, HeldPixels};
 
 /// The file formats of the pictures of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +38,29 @@ impl Formats {
         }
         Ok(Self { still, moving: moving.filter(|_| several) })
     }
+}
+
+/// Returns the form in which pixels are held until they are written.
+pub fn held(args: &RenderArgs) -> Result<HeldPixels> {
+    let is_raster = args.integrator.reference().is_none();
+    Ok(match Formats::of(args)?.still {
+        ImageFormat::Png8 if is_raster && args.aovs.is_empty() => HeldPixels::Codes,
+        ImageFormat::Png8 => HeldPixels::Light8,
+        ImageFormat::Png16 => HeldPixels::Light16,
+        ImageFormat::Exr => HeldPixels::Floats,
+    })
+}
+
+/// Returns the bytes of the pictures of a GIF that wait until there is one for each thread.
+pub fn waiting_bytes(args: &RenderArgs) -> Result<u64> {
+    /// Codes, and what choosing their colours takes.
+    const PIXEL: u64 = 5;
+    let [width, height] = args.size.map(u64::from);
+    let pictures = match Formats::of(args)?.moving {
+        Some(AnimationFormat::Gif) => rayon::current_num_threads() as u64,
+        _ => 0,
+    };
+    Ok(pictures * width * height * PIXEL)
 }
 
 fn extension(format: ImageFormat) -> &'static str {

@@ -1,13 +1,14 @@
 //! The memory that a bake will take, estimated before it begins.
 
 use super::options::BakeOptions;
+use super::packing::Packing;
 use super::scan_size::ScanSize;
 use crate::bake::{MapKind, Maps};
 use crate::error::{Error, Result};
-use crate::io::{Bytes, Limits};
+use crate::io::{Bytes, GltfImages, Limits};
 
 /// The memory of a bake at its peak: the scan with its textures, sorted for rays, simplification, maps; or, where that is
-/// more, the tangents that a scan with a normal map gets before.
+/// more, the tangents that a scan with a normal map gets before, the packing of textures, or the measuring of the asset.
 ///
 /// ```
 /// use taotie::asset::{BakeOptions, Baker, Bytes, Limits, ScanSize};
@@ -34,40 +35,114 @@ pub struct Need {
     pub texel_bytes: u64,
     /// Bytes a texel over all maps as they are stored.
     pub stored_bytes: u64,
+    /// Maps that are stored, at most.
+    pub maps: u64,
     /// Materials with maps of their own, at least 1; known where the low-poly mesh is read.
     pub materials: u64,
+    /// Levels of detail, the finest among them.
+    pub levels: u64,
+    /// The packing of its textures.
+    pub images: GltfImages,
+    /// `true` where the asset is measured against the scan afterwards.
+    pub is_proved: bool,
 }
 
 impl Need {
     pub(super) fn of(options: &BakeOptions, scan: ScanSize) -> Self {
+        let maps = maps(options, scan.carries).iter().count() as u64;
         Self {
             scan,
             simplifies: options.low.is_none(),
             inspects: options.inspect,
             texels: options.map_size().map(u64::from).iter().product(),
             texel_bytes: texel_bytes(options, scan.carries),
-            stored_bytes: maps(options, scan.carries).iter().count() as u64 * codes(options),
+            stored_bytes: maps * codes(options),
+            maps,
             materials: 1,
+            levels: 1 + options.lods.len() as u64,
+            images: GltfImages::default(),
+            is_proved: false,
         }
     }
 
-    /// Returns the whole, scan included.
+    /// Returns what a bake needs that is written with this packing; of PNG if it is not said.
+    pub fn with_packing(self, packing: &Packing) -> Self {
+        Self { images: packing.images, ..self }
+    }
+
+    /// Returns what a bake needs whose asset is measured against the scan afterwards.
+    pub fn with_proof(self) -> Self {
+        Self { is_proved: true, ..self }
+    }
+
+    /// Returns the whole, scan included: the most of what its stages take, one after the other.
     pub fn bytes(&self) -> Bytes {
+        /// The program itself, its threads' bands, and the low-poly mesh.
+        const REST: u64 = 32 << 20;
+        /// The same while tangents are made, and what was freed then and is not given back.
+        const FRAMING_REST: u64 = 96 << 20;
+        /// What was freed in pieces and the allocator keeps: for each triangle, and at most.
+        const KEPT: u64 = 96;
+        const MOST_KEPT: u64 = 48 << 20;
+        let proving = if self.is_proved { self.proving() } else { 0 };
+        let most = self
+            .baking()
+            .max(self.writing())
+            .max(proving)
+            .saturating_add(REST + (self.scan.triangles * KEPT).min(MOST_KEPT));
+        let framing = match self.scan.framing_bytes() {
+            0 => 0,
+            bytes => bytes.saturating_add(FRAMING_REST),
+        };
+        Bytes(most.max(framing))
+    }
+
+    fn baking(&self) -> u64 {
         /// Keys while the tree is sorted.
         const SORTING: u64 = 8;
         /// The memory of simplification for a triangle: joined vertices, blocks, and the half that is left of them.
         const SIMPLIFYING: u64 = 24;
         /// The scan's edges and triangles as they are sorted to find its faults.
         const INSPECTING: u64 = 40;
-        /// The program itself, its threads' bands, and the low-poly mesh.
-        const REST: u64 = 96 << 20;
         let simplifying = if self.simplifies { SIMPLIFYING } else { 0 };
         let inspecting = if self.inspects { INSPECTING } else { 0 };
         let beside = self.scan.triangles * SORTING.max(simplifying).max(inspecting);
         // One material is baked after the other.
-        let stored = self.materials.saturating_sub(1).saturating_mul(self.texels * self.stored_bytes);
-        let baking = self.scan.bytes() + beside.max(self.texels * self.texel_bytes);
-        Bytes(baking.saturating_add(stored).max(self.scan.framing_bytes()).saturating_add(REST))
+        let stored = self.stored_of(self.materials.saturating_sub(1));
+        (self.scan.bytes() + beside.max(self.texels * self.texel_bytes)).saturating_add(stored)
+    }
+
+    /// Returns the bytes while textures are packed, one for each thread at a time.
+    fn writing(&self) -> u64 {
+        let packed = (self.maps * self.materials).min(rayon::current_num_threads() as u64);
+        let packing = (self.texels * of_images(self.images).packing).saturating_mul(packed);
+        self.scan.bytes().saturating_add(self.stored_of(self.materials)).saturating_add(packing)
+    }
+
+    /// Returns the bytes while the asset is read back and measured.
+    fn proving(&self) -> u64 {
+        /// Points at which normals and distances are measured.
+        const POINTS: u64 = 32 << 20;
+        /// Images of scan and level from all sides in one look, their differences, and how the report shows them.
+        const VIEWS: u64 = 48 << 20;
+        /// A map of errors, at most, its texels, and how the report shows it.
+        const MOST_ERRORS: u64 = 1 << 20;
+        const ERROR: u64 = 37;
+        /// A texture with its mip levels.
+        const TEXTURE: u64 = 7;
+        let looks = if self.scan.has_material { 2 } else { 1 };
+        let maps = (self.maps * self.materials).saturating_mul(self.texels * TEXTURE);
+        let read_back = maps.saturating_add(self.texels * of_images(self.images).unpacking);
+        let errors = self.materials.saturating_mul(self.texels.min(MOST_ERRORS) * ERROR * looks);
+        let scan = self.scan.bytes().max(self.scan.viewing_bytes());
+        [self.stored_of(self.materials), read_back, errors, self.levels * looks * VIEWS, POINTS]
+            .into_iter()
+            .fold(scan, u64::saturating_add)
+    }
+
+    /// Returns the bytes of the stored maps of so many materials.
+    fn stored_of(&self, materials: u64) -> u64 {
+        materials.saturating_mul(self.texels * self.stored_bytes)
     }
 
     /// Refuses what does not fit.
@@ -86,6 +161,20 @@ impl Need {
             )),
             _ => Ok(()),
         }
+    }
+}
+
+/// The bytes a texel of a texture beside its codes, while it is packed and while it is unpacked.
+struct Coding {
+    packing: u64,
+    unpacking: u64,
+}
+
+fn of_images(images: GltfImages) -> Coding {
+    match images {
+        GltfImages::Png => Coding { packing: 16, unpacking: 0 },
+        GltfImages::WebP => Coding { packing: 36, unpacking: 14 },
+        GltfImages::Ktx2 => Coding { packing: 24, unpacking: 5 },
     }
 }
 
@@ -123,7 +212,11 @@ mod tests {
             texels: 1 << 22,
             texel_bytes: 20,
             stored_bytes: 8,
+            maps: 2,
             materials: 1,
+            levels: 1,
+            images: GltfImages::Png,
+            is_proved: false,
         };
         assert!(need.bytes() < Bytes(4 << 30), "{}", need.bytes());
         let error =
@@ -147,5 +240,20 @@ mod tests {
         assert_eq!(need(framed.sorted()), need(size));
         let textured = ScanSize { texture_bytes: 1 << 30, ..size };
         assert_eq!(need(textured), need(size) + (1 << 30));
+    }
+    #[test]
+    fn packing_and_proof_count_where_they_are_the_most() {
+        let options = BakeOptions::default();
+        let need =
+            Need::of(&options, ScanSize { triangles: 20_000, vertices: 10_000, ..ScanSize::default() });
+        let webp = Packing { images: GltfImages::WebP, ..Packing::default() };
+        assert!(need.with_packing(&webp).bytes() > need.bytes());
+        assert!(need.with_packing(&webp).with_proof().bytes() > need.with_proof().bytes());
+        let proved = |need: Need| need.with_proof().bytes().0;
+        assert!(proved(need) > need.bytes().0);
+        let levels = Need { levels: 3, ..need };
+        assert_eq!(proved(levels) - proved(need), 2 * (48 << 20), "the images of two further levels");
+        let material = Need { scan: ScanSize { has_material: true, ..need.scan }, ..need };
+        assert!(proved(material) >= proved(need) + (48 << 20));
     }
 }

@@ -1,5 +1,6 @@
 //! The size of a scan, and the memory that its triangles and textures take.
 
+use super::look;
 use crate::bake::{Maps, lacks_tangents};
 use crate::image::Texture;
 use crate::mesh::Mesh;
@@ -32,6 +33,8 @@ pub struct ScanSize {
     pub framed_vertices: u64,
     /// The maps of what varies in its materials, which a bake carries where it is asked to.
     pub carries: Maps,
+    /// `true` where it says something of its material, so that images in full material are compared too.
+    pub has_material: bool,
 }
 
 impl ScanSize {
@@ -50,6 +53,7 @@ impl ScanSize {
             framed_triangles: largest.map_or(0, |mesh| mesh.triangles().len() as u64),
             framed_vertices: largest.map_or(0, vertices),
             carries,
+            has_material: !look::is_plain(scene),
         }
     }
 
@@ -70,6 +74,13 @@ impl ScanSize {
             0 => 0,
             triangles => self.mesh_bytes() + triangles * TRIANGLE + self.framed_vertices * VERTEX,
         }
+    }
+
+    /// Returns what the scan takes while images of it are taken: its tree is gone, and its triangles are placed.
+    pub(super) fn viewing_bytes(self) -> u64 {
+        const PLACED_VERTEX: u64 = 72;
+        const PLACED_TRIANGLE: u64 = 60;
+        self.mesh_bytes() + self.vertices * PLACED_VERTEX + self.triangles * PLACED_TRIANGLE
     }
 
     /// Returns the size without what making its tangents takes: they are there once it is sorted.

@@ -2,7 +2,6 @@
 
 use super::look::samples_per_side;
 use super::options::ComparisonOptions;
-use crate::render::pixel_bytes;
 
 impl ComparisonOptions {
     /// Returns the bytes that the images of a comparison take, beside the scenes.
@@ -24,10 +23,12 @@ impl ComparisonOptions {
         const SHADING: u64 = 12 + 4;
         /// Colours and features in double precision while FLIP and SSIM are measured, and the heat maps' codes.
         const MEASURING: u64 = 160;
+        /// A picture and its copies as it is written.
+        const PICTURE: u64 = 32;
         let pixels = u64::from(self.settings.width) * u64::from(self.settings.height);
         let per_side = u64::from(samples_per_side(&self.settings));
         let methods = self.methods.len() as u64 + 1;
         let kept = methods * (METHOD + SHADING * self.shadings.len() as u64);
-        pixels * (SAMPLE * per_side * per_side + kept + MEASURING) + pixel_bytes(&self.settings)
+        pixels * (SAMPLE * per_side * per_side + kept + MEASURING + PICTURE)
     }
 }

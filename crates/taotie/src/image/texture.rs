@@ -19,7 +19,12 @@ impl Texture {
     /// Levels of normals keep 16 bits, since a variance is a small difference of lengths.
     pub fn new(bitmap: Bitmap, encoding: Encoding) -> Self {
         let bitmap = match (encoding, bitmap.texels()) {
-            (Encoding::Srgb, Texels::U16(texels)) => linear_from_srgb16(&bitmap, texels),
+            (Encoding::Srgb, Texels::U16(texels)) => {
+                let linear = linear_from_srgb16(&bitmap, texels);
+                // Levels are made without the memory of the codes.
+                drop(bitmap);
+                linear
+            }
             _ => bitmap,
         };
         let decode_u8 = Arc::new(codec::decode_u8(encoding));

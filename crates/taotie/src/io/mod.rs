@@ -19,6 +19,7 @@ mod stl;
 mod stopwatch;
 mod system;
 mod text;
+mod texture_room;
 mod variants;
 mod write;
 mod xmp;
@@ -71,8 +72,8 @@ pub fn load_model(path: &Path) -> Result<Loaded> {
 pub fn load_model_within(path: &Path, limits: &Limits) -> Result<Loaded> {
     let format = format_of(path)?;
     let reading = Arc::new(Reading::new(path, limits));
-    if format != Format::Gltf {
-        reading.count_file(path)?;
+    if let Some(unpacked) = format.unpacked() {
+        reading.count_file(path, unpacked)?;
     }
     let loaded = match format {
         Format::Gltf => gltf::read(&reading),
@@ -127,6 +128,18 @@ enum Format {
     Stl,
 }
 
+impl Format {
+    /// Returns the bytes that a byte of the file takes in all; `None` where its content tells.
+    fn unpacked(self) -> Option<u64> {
+        match self {
+            Self::Gltf => None,
+            Self::Obj | Self::Ply => Some(4),
+            // Nothing says how many corners are one; they are looked up by their places.
+            Self::Stl => Some(5),
+        }
+    }
+}
+
 fn format_of(path: &Path) -> Result<Format> {
     let start = file::read_start(path, 512)?;
     if let Some(format) = format_from_content(&start) {
@@ -175,6 +188,22 @@ mod tests {
         assert_eq!(write("d.Obj", b"v 0 0 0").unwrap(), Format::Obj);
         let error = write("e.fbx", b"Kaydara").unwrap_err().to_string();
         assert!(error.contains("'fbx'") && error.contains(".glb"), "{error}");
+    }
+
+    #[test]
+    fn loose_triangles_take_more_than_four_times_their_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.stl");
+        let corners = [[0.0f32, 0.0, 1.0], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let corners = corners.as_flattened().iter().flat_map(|x| x.to_le_bytes());
+        let bytes: Vec<u8> = [0; 80].into_iter().chain([1, 0, 0, 0]).chain(corners).chain([0; 2]).collect();
+        std::fs::write(&path, &bytes).unwrap();
+        let read = |most: usize| {
+            let limits = Limits { memory: Some(Bytes(most as u64)), ..Limits::default() };
+            load_model_within(&path, &limits).map(|loaded| loaded.scene.triangle_count())
+        };
+        assert_eq!(read(5 * bytes.len()).unwrap(), 1);
+        assert!(matches!(read(5 * bytes.len() - 1), Err(Error::Limit { .. })));
     }
 
     #[test]

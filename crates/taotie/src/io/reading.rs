@@ -86,14 +86,13 @@ impl Reading {
         self.read_own(path)
     }
 
-    /// Counts a file of text or packed numbers, and what is made of it: OBJ, MTL, PLY, STL.
+    /// Counts a file of text or packed numbers, and what is made of it: OBJ, MTL, PLY, STL. `unpacked` is the number of bytes
+    /// that each of its bytes takes in all.
     ///
     /// # Errors
     /// [`Error::Limit`] where it does not fit the memory; [`Error::Io`] where it is not there.
-    pub fn count_file(&self, path: &Path) -> Result<()> {
-        /// Bytes that a byte takes in all.
-        const UNPACKED: u64 = 4;
-        match self.take(UNPACKED * file::file_size(path)?) {
+    pub fn count_file(&self, path: &Path, unpacked: u64) -> Result<()> {
+        match self.take(unpacked * file::file_size(path)?) {
             true => Ok(()),
             false => self.check(),
         }

@@ -1,24 +1,78 @@
 //! The memory that images take, foreseen from their settings and the scene.
 
 use super::settings::RenderSettings;
+use crate::image::Texture;
+use crate::mesh::Mesh;
 use crate::scene::Scene;
 
-/// Returns the bytes that a prepared scene and one image of it take beside the scene itself: placed triangles, the tree
-/// of shadow rays, light, output variables, and the codes that are written.
-pub fn image_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
-    /// The program itself, and what its threads draw tiles in.
-    const REST: u64 = 64 << 20;
-    REST + prepared_bytes(scene, settings) + pixel_bytes(settings)
+/// The form in which the pixels of an image are held until they are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HeldPixels {
+    /// Codes of 8 bits, developed tile by tile.
+    Codes,
+    /// Light in floats, then codes of 8 bits.
+    Light8,
+    /// Light in floats, then codes of 16 bits.
+    Light16,
+    /// Light in floats, written as it is.
+    Floats,
+}
+
+impl HeldPixels {
+    /// Light in four floats.
+    const LIGHT: u64 = 16;
+    /// Floats as they are written: row by row, channel by channel, compressed.
+    const WRITTEN_FLOATS: u64 = 16 + 16 + 4;
+
+    /// Returns the bytes a pixel: light, codes, and their copies as they are packed.
+    fn bytes(self) -> u64 {
+        match self {
+            Self::Codes => 4 + 4,
+            Self::Light8 => Self::LIGHT + 4 + 4,
+            Self::Light16 => Self::LIGHT + 8 + 8 + 8,
+            Self::Floats => Self::LIGHT + Self::WRITTEN_FLOATS,
+        }
+    }
+}
+
+/// Returns the bytes that a scene takes while it is prepared and an image of it is taken: the scene itself, placed
+/// triangles, the tree of shadow rays, pixels, and the program.
+pub fn image_bytes(scene: &Scene, settings: &RenderSettings, held: HeldPixels) -> u64 {
+    /// The program itself.
+    const PROGRAM: u64 = 32 << 20;
+    /// What a thread draws tiles in.
+    const THREAD: u64 = 1 << 20;
+    let rest = PROGRAM + THREAD * rayon::current_num_threads() as u64;
+    rest + scene_bytes(scene) + prepared_bytes(scene, settings) + pixel_bytes(settings, held)
 }
 
 /// Returns the bytes of the pixels of an image until it is written.
-pub fn pixel_bytes(settings: &RenderSettings) -> u64 {
-    /// Light in four floats, and codes of up to as many bytes.
-    const PIXEL: u64 = 32;
-    /// Five output variables, and one of them as it is written.
-    const AOVS: u64 = 5 * 16 + 16;
+pub fn pixel_bytes(settings: &RenderSettings, held: HeldPixels) -> u64 {
+    /// Light, five output variables, and one of them as it is written.
+    const WITH_AOVS: u64 = HeldPixels::LIGHT + 5 * 16 + HeldPixels::WRITTEN_FLOATS;
     let pixels = u64::from(settings.width) * u64::from(settings.height);
-    pixels * if settings.aovs { PIXEL + AOVS } else { PIXEL }
+    pixels * if settings.aovs { WITH_AOVS } else { held.bytes() }
+}
+
+/// Returns the bytes that a scene holds.
+fn scene_bytes(scene: &Scene) -> u64 {
+    const TRIANGLE: usize = 12;
+    const POSITION: usize = 12;
+    const NORMAL: usize = 12;
+    const UV: usize = 8;
+    const TANGENT: usize = 16;
+    const COLOR: usize = 16;
+    let of_mesh = |mesh: &Mesh| {
+        let uvs: usize = mesh.uvs().iter().map(Vec::len).sum();
+        mesh.triangles().len() * TRIANGLE
+            + mesh.positions().len() * POSITION
+            + mesh.normals().len() * NORMAL
+            + uvs * UV
+            + mesh.tangents().len() * TANGENT
+            + mesh.colors().len() * COLOR
+    };
+    let meshes: u64 = scene.meshes().iter().map(|mesh| of_mesh(mesh) as u64).sum();
+    meshes + scene.textures().iter().map(Texture::bytes).sum::<u64>()
 }
 
 fn prepared_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
@@ -39,20 +93,45 @@ fn prepared_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Mesh;
     use crate::scene::Material;
+
+    fn ball() -> Scene {
+        Scene::of_mesh(Mesh::sphere(1.0, 64, 32), Material::default()).unwrap()
+    }
 
     #[test]
     fn sizes_variables_and_instances_count() {
-        let scene = Scene::of_mesh(Mesh::sphere(1.0, 64, 32), Material::default()).unwrap();
+        let (scene, held) = (ball(), HeldPixels::Codes);
         let small = RenderSettings::default();
         let large = RenderSettings { width: 16_384, height: 16_384, aovs: true, ..small.clone() };
-        assert!(image_bytes(&scene, &small) < 1 << 28);
-        assert!(image_bytes(&scene, &large) > 32 << 30);
+        assert!(image_bytes(&scene, &small, held) < 1 << 28);
+        assert!(image_bytes(&scene, &large, held) > 32 << 30);
         let mut many = scene.clone();
         many.edit(|scene| scene.instances = vec![scene.instances[0]; 1000]).unwrap();
-        assert!(image_bytes(&many, &small) > image_bytes(&scene, &small) + 1000 * 100_000);
+        assert!(image_bytes(&many, &small, held) > image_bytes(&scene, &small, held) + 1000 * 100_000);
         let shadows = RenderSettings { shadows: true, ..small.clone() };
-        assert!(image_bytes(&many, &shadows) > image_bytes(&many, &small));
+        assert!(image_bytes(&many, &shadows, held) > image_bytes(&many, &small, held));
+    }
+
+    #[test]
+    fn what_is_written_decides_the_bytes_of_a_pixel() {
+        let settings = RenderSettings { width: 1000, height: 1000, ..RenderSettings::default() };
+        let forms = [HeldPixels::Codes, HeldPixels::Light8, HeldPixels::Light16, HeldPixels::Floats];
+        assert_eq!(
+            forms.map(|held| pixel_bytes(&settings, held)),
+            [8, 24, 40, 52].map(|bytes| bytes * 1_000_000)
+        );
+        let variables = RenderSettings { aovs: true, ..settings };
+        assert_eq!(pixel_bytes(&variables, HeldPixels::Codes), 132_000_000);
+    }
+
+    #[test]
+    fn the_scene_itself_counts() {
+        let scene = ball();
+        let mesh = &scene.meshes()[0];
+        let least = mesh.triangles().len() * 12 + mesh.positions().len() * 24;
+        let textures: u64 = scene.textures().iter().map(Texture::bytes).sum();
+        assert!(scene_bytes(&scene) >= least as u64 + textures);
+        assert!(scene_bytes(&scene) <= 3 * least as u64 + textures);
     }
 }

@@ -68,6 +68,9 @@ pub enum ImageContent {
     Normals([(StoredNormals, NormalEncoding); 2]),
 }
 
+/// The bytes of a texel of two normal maps: its normals, their angle, and a copy of it that is sorted.
+const NORMALS: u64 = 2 * 16 + 8;
+
 impl ImagePair {
     /// Decides what two images hold, and reads it.
     ///
@@ -87,17 +90,44 @@ impl ImagePair {
         Ok(Self { content, warnings })
     }
 
-    /// Returns the bytes that measuring two images of this size takes, beside their texels.
+    /// Returns the bytes that comparing two images takes, their texels among them.
+    ///
+    /// ```
+    /// use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
+    ///
+    /// # use taotie::image::{Bitmap, Texels};
+    /// # let bitmap = Bitmap::new(16, 16, 1, Texels::U8(vec![[0, 0, 0, 255]; 256]))?;
+    /// let image = NamedBitmap { name: "black.png", bitmap: &bitmap };
+    /// let need = ImagePair::bytes([image, image], &DiffOptions::default())?;
+    /// assert!(need > 256 * 100);
+    /// # Ok::<(), taotie::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`ImagePair::new`], but for those of sizes.
+    pub fn bytes(images: [NamedBitmap<'_>; 2], options: &DiffOptions) -> Result<u64> {
+        /// Colours of both, and what FLIP holds of each in double precision: colours, blurred colours, features, and the
+        /// differences.
+        const COLORS: u64 = 2 * (12 + 24 + 24 + 16 + 8) + 16;
+        let are_normals = normal_encodings(&images, options, &mut Warnings::default())?.is_some();
+        let texel = if are_normals { NORMALS } else { COLORS };
+        let of = |image: &NamedBitmap<'_>| image.bitmap.texels().bytes();
+        let texels = images.map(|image| image.bitmap.texels().len() as u64);
+        Ok(images.iter().map(of).sum::<u64>() + texels[0].max(texels[1]) * texel)
+    }
+
+    /// Returns the bytes that comparing an image with another of its size and depth takes at least, whatever they hold.
     ///
     /// ```
     /// use taotie::comparison::diff::ImagePair;
     ///
-    /// assert!(ImagePair::bytes([16_384, 16_384]) > 32 << 30);
+    /// # use taotie::image::{Bitmap, Texels};
+    /// let bitmap = Bitmap::new(16, 16, 1, Texels::U8(vec![[0, 0, 0, 255]; 256]))?;
+    /// assert_eq!(ImagePair::least_bytes(&bitmap), 256 * (4 + 4 + 40));
+    /// # Ok::<(), taotie::Error>(())
     /// ```
-    pub fn bytes([width, height]: [u32; 2]) -> u64 {
-        /// Colours of both, and what FLIP holds of each in double precision: colours, blurred colours, features.
-        const PIXEL: u64 = 2 * (12 + 24 + 24 + 16 + 8);
-        u64::from(width) * u64::from(height) * PIXEL
+    pub fn least_bytes(image: &Bitmap) -> u64 {
+        2 * image.texels().bytes() + image.texels().len() as u64 * NORMALS
     }
 
     /// Returns how many texels hold a normal in both; `None` for colours.

@@ -52,8 +52,10 @@ pub(super) fn credible(bytes: &[u8]) -> u64 {
 
 /// The bytes a texel of 8 bits: of four channels, and of their mip levels or of the decoder's own pixels, which go before.
 pub(super) const KEPT_OF_8_BITS: u64 = 7;
-/// The bytes of a deeper one: those of normals are deeper, and deep sRGB becomes float.
-const KEPT_OF_DEEPER: u64 = 22;
+/// The bytes of one of 16 bits, with mip levels. Where it holds sRGB it becomes float, which is counted as that is done.
+const KEPT_OF_16_BITS: u64 = 11;
+/// The bytes of one of floats, with mip levels.
+const KEPT_OF_FLOATS: u64 = 22;
 
 /// The memory of an image's texels.
 #[derive(Debug, Clone, Copy)]
@@ -76,7 +78,11 @@ pub(super) fn check_room(
     if texels > most {
         return Err(Failure::TooLarge(format!("{width}×{height}; at most {most} pixels: scale it down")));
     }
-    let kept = if room.depth == 1 { KEPT_OF_8_BITS } else { KEPT_OF_DEEPER };
+    let kept = match room.depth {
+        1 => KEPT_OF_8_BITS,
+        2 => KEPT_OF_16_BITS,
+        _ => KEPT_OF_FLOATS,
+    };
     let need = texels * kept + room.beside;
     match reading.take(need) {
         true => Ok(()),

@@ -63,7 +63,7 @@ pub(super) fn read(reading: &Arc<Reading>) -> Result<Loaded> {
     let mut warnings = Warnings::default();
     let document = Document::open(reading, &mut warnings)?;
     let shapes = Shapes::read(&document, 0, &mut warnings)?;
-    let looks = Looks::read(&document, &mut warnings);
+    let looks = Looks::read(&document, &mut warnings)?;
     shapes.loaded(&document, looks, warnings)
 }
 
@@ -81,7 +81,7 @@ pub(super) fn read_levels(reading: &Arc<Reading>) -> Result<Vec<Loaded>> {
         let why = format!("there are {count}; at most {MOST_LEVELS} are read together");
         return Err(document.error("levels of detail", why));
     }
-    let looks = Looks::read(&document, &mut warnings);
+    let looks = Looks::read(&document, &mut warnings)?;
     let finest = shapes.loaded(&document, looks.clone(), warnings);
     let coarser = |level| {
         let mut warnings = Warnings::default();
@@ -105,11 +105,11 @@ struct Looks {
 }
 
 impl Looks {
-    fn read(document: &Document, warnings: &mut Warnings) -> Self {
+    fn read(document: &Document, warnings: &mut Warnings) -> Result<Self> {
         let mut textures = Textures::new(document);
         let mut materials = materials::read(document, &mut textures, warnings);
-        let decoded = textures.decode(&mut materials, warnings);
-        Self { materials, decoded }
+        let decoded = textures.decode(&mut materials, warnings)?;
+        Ok(Self { materials, decoded })
     }
 }
 

@@ -5,8 +5,9 @@ use super::images::{image_name, read_image, same_sources, sources};
 use super::reason::Reason;
 use super::samplers::sampler_from;
 use super::vertices::MAX_UV_SETS;
-use crate::error::Warnings;
+use crate::error::{Result, Warnings};
 use crate::image::{Bitmap, Encoding, Sampler, Texture};
+use crate::io::texture_room::{count_copy, count_first};
 use crate::math::scalar;
 use crate::parallel;
 use crate::scene::{Material, TextureRef, UvTransform};
@@ -119,7 +120,10 @@ impl<'a> Textures<'a> {
     }
 
     /// Decodes the requested images. Uses of images that cannot be read are taken out of `materials`, with a warning.
-    pub fn decode(self, materials: &mut [Material], warnings: &mut Warnings) -> Decoded {
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] where they do not fit the memory; all are counted first.
+    pub fn decode(self, materials: &mut [Material], warnings: &mut Warnings) -> Result<Decoded> {
         let mut decoded = Decoded::default();
         let bitmaps = self.read_images(&mut decoded.missing, warnings);
         let mut next = 0..;
@@ -127,14 +131,23 @@ impl<'a> Textures<'a> {
         let places: Vec<_> = self.requests.iter().map(|r| kept(r).then(|| next.next()).flatten()).collect();
         materials.iter_mut().for_each(|m| renumber(m, &places));
         let requests: Vec<_> = self.requests.iter().filter(|r| kept(r)).copied().collect();
-        // An image under a second encoding is copied: counted as float, since 16-bit sRGB becomes that.
-        let mut seen = BTreeSet::new();
-        for (image, _) in requests.iter().filter(|(image, _)| !seen.insert(*image)) {
-            self.document.reading.take(22 * bitmaps[image].texels().len() as u64);
-        }
+        self.count(&requests, &bitmaps)?;
         decoded.names = requests.iter().map(|(image, _)| image_name(self.document, *image)).collect();
         decoded.textures = build_textures(&requests, bitmaps);
-        decoded
+        Ok(decoded)
+    }
+
+    /// Counts what textures take beside their images. An image under a second encoding is copied.
+    fn count(&self, requests: &[(usize, Encoding)], bitmaps: &BTreeMap<usize, Bitmap>) -> Result<()> {
+        let (reading, mut seen) = (&self.document.reading, BTreeSet::new());
+        for (image, encoding) in requests {
+            let bitmap = &bitmaps[image];
+            let _ = match seen.insert(*image) {
+                true => count_first(reading, bitmap, *encoding),
+                false => count_copy(reading, bitmap, *encoding),
+            };
+        }
+        reading.check()
     }
 
     fn read_images(&self, missing: &mut Vec<String>, warnings: &mut Warnings) -> BTreeMap<usize, Bitmap> {

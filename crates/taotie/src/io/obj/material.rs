@@ -3,7 +3,7 @@
 use super::mtl::{Channel, Map, Mtl};
 use super::textures::{ChannelReader, Textures, combine};
 use crate::error::Warnings;
-use crate::image::{Bitmap, Encoding, Sampler, Texture, Wrap};
+use crate::image::{Bitmap, Encoding, Sampler, Wrap};
 use crate::scene::{
     AlphaMode, Classic, GreenChannel, HeightMap, Light, Material, NormalMap, NormalSpace, TextureRef,
     UvTransform,
@@ -120,8 +120,8 @@ fn set_opacity_map(m: &mut Material, mtl: &Mtl, textures: &mut Textures, warning
         let encoding =
             if is_float { Encoding::Linear } else { colored.map_or(Encoding::Linear, color_encoding) };
         let c = |i| color.as_ref().map(|b| ChannelReader::new(b, Channel::Stored(i)));
-        let both = combine([c(0), c(1), c(2), Some(ChannelReader::new(&opacity, channel))])?;
-        Some(Texture::new(both, encoding))
+        let both = combine([c(0), c(1), c(2), Some(ChannelReader::new(&opacity, channel))]);
+        textures.combined(both, encoding)
     });
     let Some(texture) = index else { return };
     let cutout = m.alpha == AlphaMode::Opaque && is_cutout(textures.list[texture].bitmap());
@@ -170,7 +170,7 @@ fn set_metallic_roughness(m: &mut Material, mtl: &Mtl, textures: &mut Textures, 
         };
         let green = green.as_ref().map(|b| ChannelReader::new(b, channel(rough, 1)));
         let blue = blue.as_ref().map(|b| ChannelReader::new(b, channel(metal, 2)));
-        combine([None, green, blue, None]).map(|b| Texture::new(b, Encoding::Linear))
+        textures.combined(combine([None, green, blue, None]), Encoding::Linear)
     });
     let Some(texture) = index else { return };
     m.metallic_roughness_texture = Some(texture_ref(texture, placed));
@@ -232,7 +232,7 @@ fn height_map(
             let key = format!("height {map:?} in {}", mtl.folder.display());
             textures.keyed(key, &map.file, |textures| {
                 let heights = ChannelReader::new(textures.list[texture].bitmap(), channel);
-                combine([Some(heights), None, None, None]).map(|b| Texture::new(b, Encoding::Linear))
+                textures.combined(combine([Some(heights), None, None, None]), Encoding::Linear)
             })?
         }
     };

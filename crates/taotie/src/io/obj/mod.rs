@@ -100,6 +100,8 @@ fn note_unknown(name: &str, unknown: &mut usize, warnings: &mut Warnings) {
 
 /// The materials of all libraries by name; of equal names, the last.
 fn library(reading: &Reading, obj: &Obj, loaded: &mut Loaded) -> HashMap<String, Mtl> {
+    /// Bytes that a byte of a library takes in all.
+    const UNPACKED: u64 = 4;
     let Loaded { warnings, missing_files, files, .. } = loaded;
     let mut materials = HashMap::new();
     for names in obj.libraries.iter().take(NAMED) {
@@ -117,7 +119,8 @@ fn library(reading: &Reading, obj: &Obj, loaded: &mut Loaded) -> HashMap<String,
                 }
                 Ok(path) => {
                     files.push(path.clone());
-                    reading.count_file(&path).and_then(|()| text::read_text(&path)).map(|text| (path, text))
+                    let counted = reading.count_file(&path, UNPACKED);
+                    counted.and_then(|()| text::read_text(&path)).map(|text| (path, text))
                 }
             };
             match text {

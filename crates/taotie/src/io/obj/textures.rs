@@ -4,6 +4,7 @@ use super::super::bitmap::read_map;
 use super::super::locate::find;
 use super::super::reading::Reading;
 use super::super::text::quote;
+use super::super::texture_room::{combined, texture};
 use super::mtl::{Channel, Map};
 use crate::error::Warnings;
 use crate::image::{Bitmap, Encoding, Texels, Texture};
@@ -72,7 +73,7 @@ impl<'a> Textures<'a> {
         warnings: &mut Warnings,
     ) -> Option<usize> {
         let key = format!("{encoding:?} {}", full_name(map, folder));
-        self.keyed(key, &map.file, |s| s.bitmap(map, folder, warnings).map(|b| Texture::new(b, encoding)))
+        self.keyed(key, &map.file, |s| texture(s.reading, s.bitmap(map, folder, warnings)?, encoding))
     }
 
     /// Returns the image that `map` names as a normal map where its pixels are one, else as heights.
@@ -81,8 +82,13 @@ impl<'a> Textures<'a> {
         self.keyed(key, &map.file, |s| {
             let bitmap = s.bitmap(map, folder, warnings)?;
             let is_heights = is_normal_map(&bitmap) == NormalMapKind::No;
-            Some(Texture::new(bitmap, if is_heights { Encoding::Linear } else { Encoding::Normal }))
+            texture(s.reading, bitmap, if is_heights { Encoding::Linear } else { Encoding::Normal })
         })
+    }
+
+    /// Makes a texture of channels of several images; `None` where there are none, or it does not fit the memory.
+    pub(super) fn combined(&self, bitmap: Option<Bitmap>, encoding: Encoding) -> Option<Texture> {
+        combined(self.reading, bitmap?, encoding)
     }
 
     /// Returns the image that `map` names; `None` with a note where it cannot be read.

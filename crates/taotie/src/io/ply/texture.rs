@@ -2,6 +2,7 @@
 
 use super::super::bitmap::read_map;
 use super::super::reading::Reading;
+use super::super::texture_room::texture;
 use super::super::{Loaded, locate};
 use crate::error::Warnings;
 use crate::image::{Encoding, Sampler, Texture};
@@ -38,7 +39,7 @@ pub(super) fn load(reading: &Reading, name: &str, loaded: &mut Loaded) -> Option
     match read_map(&file, reading) {
         Ok(bitmap) => {
             loaded.texture_names.push(name.to_owned());
-            Some(Texture::new(bitmap, Encoding::Srgb))
+            texture(reading, bitmap, Encoding::Srgb)
         }
         Err(error) => {
             loaded.warnings.note(format!("texture '{name}' is left out: {error}"), 1);

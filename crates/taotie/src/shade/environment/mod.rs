@@ -77,6 +77,15 @@ impl Environment {
         self.mended
     }
 
+    /// Returns the bytes that it takes, and choosing directions at random by it.
+    #[doc(hidden)]
+    pub fn bytes(&self) -> u64 {
+        const TEXEL: u64 = 6;
+        /// Its levels, and the likelihood of each direction, whose sizes are bounded.
+        const DERIVED: u64 = 32 << 20;
+        (self.picture.width() * self.picture.height()) as u64 * TEXEL + DERIVED
+    }
+
     /// The radiance from a direction, linear RGB.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         self.picture.radiance_at(uv_of(direction))

@@ -1,0 +1,199 @@
+"""Holds the memory that commands foresee against what they take: `make memory`.
+
+A command says what it needs when its limit of memory is less. So a file is tried with the limit that the last refusal asked for,
+beginning with one byte, until it is accepted: that limit is the figure stated. The run that was accepted is the one measured, by
+the largest resident set that the system counts for its process, the program itself in it.
+"""
+
+import argparse
+import math
+import multiprocessing
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+
+import models
+from cases import cases
+
+MIB = 1 << 20
+UNITS = {"KiB": 1 << 10, "MiB": 1 << 20, "GiB": 1 << 30}
+# Below this the program itself, its threads and what the system's allocator keeps are most of it: such runs are counted apart.
+FLOOR = 64 * MIB
+# The largest factor by which a forecast may lie above the peak.
+SLACK = 2
+# What a refusal says; the figure is rounded to its last digit.
+REFUSAL = re.compile(r"(?:needs about|the file has) ([\d.]+) (KiB|MiB|GiB)")
+
+
+class Run:
+    """A process that ended: its exit code, what it said, its peak in bytes."""
+
+    def __init__(self, program, line, folder, seconds):
+        with tempfile.TemporaryFile() as said:
+            # Nothing is kept from one run to the next.
+            around = os.environ | {"XDG_CACHE_HOME": os.path.join(folder, "out-cache")}
+            process = subprocess.Popen([program, *line], cwd=folder, env=around, stdout=subprocess.DEVNULL, stderr=said)
+            timer = threading.Timer(seconds, process.kill)
+            timer.start()
+            _, status, usage = os.wait4(process.pid, 0)
+            timer.cancel()
+            process.returncode = self.code = os.waitstatus_to_exitcode(status)
+            self.peak = usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+            said.seek(0)
+            self.said = said.read().decode(errors="replace")
+
+
+class Row:
+    """A file under a command: what was stated, what was taken."""
+
+    def __init__(self, name, command, stated, run):
+        self.name, self.command, self.stated, self.code, self.said = name, command, stated, run.code, run.said
+        self.peak = run.peak
+        self.is_refused = False
+
+    @property
+    def is_small(self):
+        return self.stated < FLOOR
+
+    @property
+    def ratio(self):
+        return self.peak / self.stated
+
+    def judgement(self):
+        if self.is_refused:
+            return "refused"
+        if self.is_small:
+            return "small" if self.peak <= FLOOR else "above"
+        if self.ratio > 1:
+            return "above"
+        return "far below" if self.ratio < 1 / SLACK else "held"
+
+    def line(self):
+        stated, peak = self.stated / MIB, self.peak / MIB
+        return f"| {self.name} | {self.command} | {stated:.1f} | {peak:.1f} | {self.ratio:.2f} | {self.judgement()} | {self.code} |"
+
+
+def asked(said):
+    """The figure of a refusal, rounded up by half of its last digit; None where it is no refusal."""
+    found = REFUSAL.search(said)
+    if not found or "too large" not in said:
+        return None
+    number, unit = found.groups()
+    digit = 0.1 if "." in number else 1
+    return math.ceil((float(number) + digit / 2) * UNITS[unit]) + 1
+
+
+def measure(place, name, command, path):
+    """Tries limits until one is accepted."""
+    line = command.format(path).split(" ") if " " not in path else [part.format(path) for part in command.split(" ")]
+    limit = 1
+    while True:
+        place.clear()
+        run = Run(place.program, [*line, "--memory-limit", str(limit)], place.folder, place.seconds)
+        wanted = asked(run.said) if run.code != 0 else None
+        # A bake that is refused prints what it needs too.
+        row = Row(name, command.format(os.path.basename(path)).split(" -o")[0], limit, run)
+        if wanted is None or wanted <= limit:
+            return row
+        if wanted > place.most:
+            row.stated, row.is_refused = wanted, True
+            return row
+        limit = wanted
+
+
+class Place:
+    """The folder in which commands run."""
+
+    def __init__(self, folder, args):
+        self.folder, self.program = folder, os.path.abspath(args.taotie)
+        self.most, self.seconds = int(args.most * (1 << 30)), args.seconds
+        self.kept = set()
+
+    def make(self, maker):
+        """Makes files in a process of its own: a process begins with the peak of the one that starts it."""
+        process = multiprocessing.get_context("fork").Process(target=maker)
+        process.start()
+        process.join()
+        if process.exitcode != 0:
+            raise RuntimeError("a file could not be made")
+
+    def clear(self):
+        """Removes what commands wrote."""
+        for name in os.listdir(self.folder):
+            if name.startswith("out"):
+                path = os.path.join(self.folder, name)
+                shutil.rmtree(path) if os.path.isdir(path) else os.remove(path)
+
+    def empty(self):
+        """Removes all but what is kept."""
+        for name in set(os.listdir(self.folder)) - self.kept:
+            path = os.path.join(self.folder, name)
+            shutil.rmtree(path) if os.path.isdir(path) else os.remove(path)
+
+
+def totals(rows):
+    """Sentences on all rows."""
+    counted = [row for row in rows if not row.is_small and not row.is_refused]
+    small, refused = [row for row in rows if row.is_small], [row for row in rows if row.is_refused]
+    files = len({row.name for row in rows})
+    yield f"{len(rows)} runs of {files} files: {len(counted)} stated at 64 MiB or more, {len(small)} below, {len(refused)} refused"
+    yield f"above the figure: {sum(row.judgement() == 'above' for row in rows)}"
+    yield f"figure more than {SLACK} times the peak: {sum(row.judgement() == 'far below' for row in rows)}"
+    if counted:
+        for title, pick in (("highest", max), ("lowest", min)):
+            worst = pick(counted, key=lambda row: row.ratio)
+            yield f"{title} peak: {worst.ratio:.2f} of the figure ({worst.name}: {worst.command})"
+    if small:
+        yield f"highest peak of the small ones: {max(row.peak for row in small) / MIB:.1f} MiB"
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--taotie", default="target/release/taotie", help="the program")
+    parser.add_argument("--data", default=os.environ.get("TAOTIE_DATA", "../shared/data"), help="the folder of shared files")
+    parser.add_argument("--shared", type=int, default=100, help="shared files at most")
+    parser.add_argument("--most", type=float, default=6, help="GiB: what needs more is only seen refused")
+    parser.add_argument("--seconds", type=float, default=300, help="a run at most")
+    parser.add_argument("--only", default="", help="files and commands in which this regular expression is found")
+    parser.add_argument("--table", help="the file to which the table goes, beside the terminal")
+    return parser.parse_args()
+
+
+def main():
+    args = arguments()
+    data = os.path.abspath(args.data)
+    table = open(args.table, "w", encoding="utf-8") if args.table else None
+
+    def say(text):
+        print(text, flush=True)
+        if table:
+            print(text, file=table, flush=True)
+
+    say("| file | command | stated, MiB | peak, MiB | ratio | | exit code |\n|---|---|--:|--:|--:|---|--:|")
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        place = Place(folder, args)
+        os.chdir(folder)
+        place.make(lambda: models.obj("ball.obj", 100, has_uvs=True))
+        place.kept = set(os.listdir(folder))
+        for case in cases(data, args.shared):
+            commands = [line for line in case.commands if re.search(args.only, f"{case.name} {line}")]
+            if commands and case.make:
+                place.make(case.make)
+            for command in commands:
+                rows.append(measure(place, case.name, command, case.path))
+                say(rows[-1].line())
+            place.empty()
+    print()
+    for sentence in totals(rows):
+        say(sentence)
+    if any(row.judgement() in ("above", "far below") for row in rows):
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

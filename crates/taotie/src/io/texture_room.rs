@@ -1,0 +1,79 @@
+//! The memory that textures take, counted before they are made of images.
+
+use super::reading::Reading;
+use crate::image::{Bitmap, Encoding, Texels, Texture};
+
+/// Makes a texture of an image, whose texels and mip levels were counted as it was read; `None` where what it takes beside
+/// does not fit the memory.
+pub(super) fn texture(reading: &Reading, bitmap: Bitmap, encoding: Encoding) -> Option<Texture> {
+    count_first(reading, &bitmap, encoding).then(|| Texture::new(bitmap, encoding))
+}
+
+/// Makes a texture of an image that was put together from others, and counts all of it; `None` where it does not fit the
+/// memory.
+pub(super) fn combined(reading: &Reading, bitmap: Bitmap, encoding: Encoding) -> Option<Texture> {
+    count_copy(reading, &bitmap, encoding).then(|| Texture::new(bitmap, encoding))
+}
+
+/// Counts what the first texture of an image takes beside what was counted as it was read, and says whether it fits.
+pub(super) fn count_first(reading: &Reading, bitmap: &Bitmap, encoding: Encoding) -> bool {
+    // As it is read nobody knows its meaning.
+    let counted = bytes(bitmap.texels(), Encoding::Linear);
+    reading.take(bytes(bitmap.texels(), encoding) - counted)
+}
+
+/// Counts all of a texture of a copy of an image, and says whether it fits.
+pub(super) fn count_copy(reading: &Reading, bitmap: &Bitmap, encoding: Encoding) -> bool {
+    reading.take(bytes(bitmap.texels(), encoding))
+}
+
+/// Returns the bytes of texels and of all that a texture makes of them, at the peak. Mip levels are a third of the finest;
+/// those of normals of 8 bits have 16 bits.
+fn bytes(texels: &Texels, encoding: Encoding) -> u64 {
+    let per_texel = match (texels, encoding) {
+        (Texels::U8(_), _) => 4 + 3,
+        // It becomes float before it is given up.
+        (Texels::U16(_), Encoding::Srgb) => 8 + 16,
+        (Texels::U16(_), _) => 8 + 3,
+        (Texels::F32(_), _) => 16 + 6,
+    };
+    texels.len() as u64 * per_texel
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::{Bytes, Limits};
+    use std::path::Path;
+
+    fn reading(memory: u64) -> Reading {
+        Reading::new(Path::new("a.png"), &Limits { memory: Some(Bytes(memory)), ..Limits::default() })
+    }
+
+    #[test]
+    fn deep_colours_become_float_and_that_counts() {
+        let bitmap = Bitmap::new(8, 8, 3, Texels::U16(vec![[1, 2, 3, 4]; 64])).unwrap();
+        // 11 of 24 bytes a texel were counted as the image was read.
+        assert!(texture(&reading(13 * 64), bitmap.clone(), Encoding::Srgb).is_some());
+        assert!(texture(&reading(13 * 64 - 1), bitmap.clone(), Encoding::Srgb).is_none());
+        assert!(texture(&reading(1), bitmap.clone(), Encoding::Linear).is_some());
+        assert!(combined(&reading(11 * 64 - 1), bitmap.clone(), Encoding::Normal).is_none());
+        assert!(combined(&reading(11 * 64), bitmap, Encoding::Normal).is_some());
+    }
+
+    #[test]
+    fn what_is_counted_holds_all_levels() {
+        for texels in [
+            Texels::U8(vec![[128, 128, 255, 255]; 4096]),
+            Texels::U16(vec![[1, 2, 3, 4]; 4096]),
+            Texels::F32(vec![[0.5; 4]; 4096]),
+        ] {
+            for encoding in [Encoding::Srgb, Encoding::Linear, Encoding::Normal] {
+                let counted = bytes(&texels, encoding);
+                let texture = Texture::new(Bitmap::new(64, 64, 4, texels.clone()).unwrap(), encoding);
+                let held = texture.bytes();
+                assert!(held <= counted && 2 * held > counted, "{encoding:?}: {held} of {counted}");
+            }
+        }
+    }
+}
