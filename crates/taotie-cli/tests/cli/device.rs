@@ -19,7 +19,7 @@ fn is_required() -> bool {
 #[test]
 fn a_graphics_processor_draws_or_is_asked_for() {
     let place = Place::with("a.obj", TRIANGLE);
-    let (done, out, err) = run(&place, "render a.obj -o b.png --size 40x30 --device gpu --shadows --json");
+    let (done, out, err) = run(&place, "render a.obj -o b.png --size 40x30 --device gpu --ground --json");
     if !done && !is_required() {
         assert!(err.contains("no graphics processor was found") && err.contains("install"), "{err}");
         assert_eq!(place.files(), ["a.obj"]);
@@ -36,7 +36,7 @@ fn a_graphics_processor_draws_or_is_asked_for() {
 fn who_leaves_the_choice_gets_all_that_is_asked_for() {
     let place = Place::with("a.obj", TRIANGLE);
     for (name, device) in [("cpu", "cpu"), ("auto", "auto")] {
-        let line = format!("render a.obj -o {name}.png --size 40x30 --shadows --device {device} --json");
+        let line = format!("render a.obj -o {name}.png --size 40x30 --ground --device {device} --json");
         let (done, out, err) = run(&place, &line);
         assert!(done, "{err}");
         let report: Value = serde_json::from_str(&out).unwrap();
