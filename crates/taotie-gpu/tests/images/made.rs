@@ -12,6 +12,9 @@ fn near(name: &str, scene: Scene) -> View {
     View::new(name, scene, scenes::camera(20.0, 15.0, 3.4))
 }
 
+/// Makes a scene.
+type Finish = fn() -> Scene;
+
 #[test]
 fn every_model_looks_as_on_the_processor() {
     let Some(gpu) = gpu() else { return };
@@ -42,7 +45,7 @@ fn every_surface_method_looks_as_on_the_processor() {
 #[test]
 fn every_layer_looks_as_on_the_processor() {
     let Some(gpu) = gpu() else { return };
-    let finishes: [(&str, fn() -> Scene); 5] = [
+    let finishes: [(&str, Finish); 5] = [
         ("clearcoat", finishes::clearcoat),
         ("sheen", finishes::velvet),
         ("anisotropy", finishes::brushed),

@@ -7,10 +7,12 @@ mod common;
 mod files;
 #[path = "../../../taotie/tests/common/finishes.rs"]
 mod finishes;
+#[allow(dead_code, reason = "shared with tests that need more of it")]
 #[path = "../../../taotie/tests/common/random.rs"]
 mod random;
 #[path = "../../../taotie/tests/common/scenes.rs"]
 mod scenes;
+#[allow(dead_code, reason = "shared with tests that need more of it")]
 #[path = "../../../taotie/tests/common/skies.rs"]
 mod skies;
 
