@@ -4,14 +4,19 @@
 #[path = "../../../taotie/tests/common/mod.rs"]
 mod common;
 #[path = "../../../taotie/tests/common/files.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
 mod files;
 #[path = "../../../taotie/tests/common/finishes.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
 mod finishes;
 #[path = "../../../taotie/tests/common/random.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
 mod random;
 #[path = "../../../taotie/tests/common/scenes.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
 mod scenes;
 #[path = "../../../taotie/tests/common/skies.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
 mod skies;
 
 mod compared;
