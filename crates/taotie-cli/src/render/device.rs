@@ -45,7 +45,7 @@ pub enum Machine {
     Cpu,
     /// A graphics processor.
     #[cfg(feature = "gpu")]
-    Gpu(Gpu),
+    Gpu(Box<Gpu>),
 }
 
 impl Machine {
@@ -54,11 +54,11 @@ impl Machine {
     pub fn find(args: &RenderArgs) -> Result<Self> {
         match args.device {
             Device::Cpu => Ok(Self::Cpu),
-            Device::Gpu => Ok(Self::Gpu(Gpu::find(&AdapterChoice::default())?)),
+            Device::Gpu => Ok(Self::Gpu(Box::new(Gpu::find(&AdapterChoice::default())?))),
             Device::Auto if asks_for_the_processor(args) => Ok(Self::Cpu),
             Device::Auto => {
                 let hardware = AdapterChoice { hardware_only: true, name: None };
-                Ok(Gpu::find(&hardware).map_or(Self::Cpu, Self::Gpu))
+                Ok(Gpu::find(&hardware).map_or(Self::Cpu, |gpu| Self::Gpu(Box::new(gpu))))
             }
         }
     }

@@ -9,14 +9,12 @@ mod files;
 #[path = "../../../taotie/tests/common/finishes.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod finishes;
-#[allow(dead_code, reason = "shared with tests that need more of it")]
 #[path = "../../../taotie/tests/common/random.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod random;
 #[path = "../../../taotie/tests/common/scenes.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod scenes;
-#[allow(dead_code, reason = "shared with tests that need more of it")]
 #[path = "../../../taotie/tests/common/skies.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod skies;
