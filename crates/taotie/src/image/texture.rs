@@ -41,9 +41,12 @@ impl Texture {
         &self.levels[0]
     }
 
-    /// A level as stored.
+    /// A level as stored; 0 is the finest.
+    ///
+    /// # Panics
+    /// Where there is no such level.
     #[inline]
-    pub(super) fn level(&self, level: usize) -> &Bitmap {
+    pub fn level(&self, level: usize) -> &Bitmap {
         &self.levels[level]
     }
 

@@ -1,38 +1,60 @@
 //! The environment where nothing stands before it.
 
 use super::rays::CameraRays;
-use super::settings::EnvironmentLight;
+use super::settings::{EnvironmentLight, Shot};
+use crate::image::Image;
+use crate::parallel;
+use crate::pixel::Turn;
 use crate::raster::{TILE_SIZE, Tile};
+
+/// Lays the shot's environment, where it is visible, under an image with premultiplied alpha, linear RGB: what a renderer
+/// does last that draws surfaces alone. `image` is of the shot's size.
+pub fn fill_backdrop(image: &mut Image, shot: &Shot<'_>) {
+    let (width, height) = (image.width(), image.height());
+    let rays = CameraRays::new(shot.camera, [width, height]);
+    let Some(backdrop) = Backdrop::new(shot.lighting.environment.as_ref(), rays) else { return };
+    parallel::pieces(image.pixels_mut(), width as usize, &|y, row| {
+        row.iter_mut().zip(0..).for_each(|(pixel, x)| backdrop.lay_under(pixel, [x, y as u32]));
+    });
+}
 
 /// An environment that is seen, from a camera.
 pub(super) struct Backdrop {
     light: EnvironmentLight,
+    turn: Turn<f32>,
     rays: CameraRays,
 }
 
 impl Backdrop {
     /// Makes the backdrop; `None` where there is nothing to be seen.
     pub(super) fn new(light: Option<&EnvironmentLight>, rays: CameraRays) -> Option<Self> {
-        light.filter(|light| light.visible).map(|light| Self { light: light.clone(), rays })
+        light.filter(|light| light.visible).map(|light| Self {
+            light: light.clone(),
+            turn: light.turn(),
+            rays,
+        })
     }
 
     /// Lays the environment under the premultiplied pixels of a tile, as the middle of each pixel sees it.
     pub(super) fn fill(&self, tile: &Tile, color: &mut [[f32; 4]]) {
-        let turn = self.light.turn();
         for y in 0..tile.height {
             for x in 0..tile.width {
                 let pixel = &mut color[(y * TILE_SIZE + x) as usize];
-                let uncovered = (1.0 - pixel[3]).max(0.0);
-                if uncovered == 0.0 {
-                    continue;
-                }
-                let at = [tile.x + x, tile.y + y].map(|i| f64::from(i) + 0.5);
-                let direction = turn.to_environment(self.rays.through(at).direction);
-                let radiance =
-                    self.light.environment.radiance(direction) * (self.light.intensity * uncovered);
-                let [r, g, b] = radiance.to_array();
-                *pixel = [pixel[0] + r, pixel[1] + g, pixel[2] + b, 1.0];
+                self.lay_under(pixel, [tile.x + x, tile.y + y]);
             }
         }
+    }
+
+    /// Lays the environment under the pixel in column and row `at`.
+    fn lay_under(&self, pixel: &mut [f32; 4], at: [u32; 2]) {
+        let uncovered = (1.0 - pixel[3]).max(0.0);
+        if uncovered == 0.0 {
+            return;
+        }
+        let middle = at.map(|i| f64::from(i) + 0.5);
+        let direction = self.turn.to_environment(self.rays.through(middle).direction);
+        let radiance = self.light.environment.radiance(direction) * (self.light.intensity * uncovered);
+        let [r, g, b] = radiance.to_array();
+        *pixel = [pixel[0] + r, pixel[1] + g, pixel[2] + b, 1.0];
     }
 }

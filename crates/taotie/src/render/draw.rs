@@ -24,22 +24,26 @@ pub(super) struct Draw<'p> {
     pub mirrored: bool,
 }
 
-/// The source of a draw's shading normals.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum NormalSource {
+/// The source of a surface's shading normals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NormalSource {
+    /// The normal of each facet.
     Facet,
+    /// The interpolated vertex normal.
     Smooth,
     /// A height map, with the height of 1 in model units.
     Bump(HeightMap, f32),
     /// A height map, with the paper's factor.
     BumpPrinted(HeightMap, f32),
+    /// A map of normals in object space.
     ObjectMap(NormalMap),
+    /// A map of normals relative to tangent, bitangent and normal.
     TangentMap(NormalMap),
 }
 
 impl NormalSource {
     /// Says whether an image turns the normals, and not as printed.
-    pub(super) fn is_mapped(&self) -> bool {
+    pub fn is_mapped(&self) -> bool {
         match self {
             Self::Facet | Self::Smooth | Self::BumpPrinted(..) => false,
             Self::Bump(..) | Self::ObjectMap(_) | Self::TangentMap(_) => true,

@@ -8,6 +8,7 @@
 mod albedos;
 mod backdrop;
 mod batch;
+mod checked_shot;
 mod columns;
 mod corners;
 mod draw;
@@ -36,12 +37,16 @@ mod resolve;
 mod settings;
 mod shadows;
 mod stages;
+mod surfaces;
 mod tiles;
 mod tree;
 mod view;
 mod visible_sample;
 
+pub use backdrop::fill_backdrop;
 pub use batch::{BATCH, Batch};
+pub use checked_shot::CheckedShot;
+pub use draw::NormalSource;
 pub use follow::bind_tangents;
 pub use frame::{Aovs, Frame};
 #[doc(hidden)]
@@ -51,6 +56,8 @@ pub use prepare::{Prepared, foreseen_warnings};
 pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, reference};
 pub use renderer::Renderer;
 pub use settings::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, SurfaceSettings};
+pub use surfaces::Surface;
+pub use view::Eye;
 #[doc(hidden)]
 pub use {stages::Stages, visible_sample::VisibleSample};
 

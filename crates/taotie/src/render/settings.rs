@@ -153,7 +153,7 @@ impl EnvironmentLight {
     }
 
     /// Both of these for many directions.
-    pub(super) fn turn(&self) -> Turn<f32> {
+    pub fn turn(&self) -> Turn<f32> {
         Turn { sin: scalar::sin(self.rotation) as f32, cos: scalar::cos(self.rotation) as f32 }
     }
 }

@@ -14,8 +14,8 @@ pub(super) struct View {
 }
 
 /// The origin of rays of sight.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Eye {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Eye {
     /// A point, world space.
     Point(Vec3),
     /// The unit direction to the viewer, world space.
