@@ -4,7 +4,8 @@
 //! writes down what is done with it: an expression graph ([`record`]). The same operation on the same operands stands in
 //! the graph once. Three channels that are treated alike become one vector, and where a formula's body stands in
 //! another's graph it becomes a call ([`library()`]). [`evaluate()`] plays a graph back on any lane; [`shader()`] writes a
-//! model as WGSL or GLSL ES 3.00, [`functions()`] any formulas.
+//! model as WGSL or GLSL ES 3.00, [`functions()`] any formulas. With the feature `translate`, `translate` takes WGSL to
+//! HLSL, MSL and SPIR-V.
 
 mod binding;
 mod body;
@@ -28,7 +29,10 @@ mod recorder;
 mod role;
 mod shader;
 mod structures;
+mod surface;
 mod text;
+#[cfg(feature = "translate")]
+mod translation;
 mod variant;
 mod vectors;
 
@@ -46,4 +50,6 @@ pub use program::{Formula, Program};
 pub use recorder::{Recorded, RecordedTruth, Scope, record};
 pub use role::TextureRole;
 pub use shader::{functions, shader};
+#[cfg(feature = "translate")]
+pub use translation::{Translation, TranslationError, translate};
 pub use variant::{NormalMethod, Variant, VariantOptions};
