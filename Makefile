@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables security fuzz bless tools
+.PHONY: help test features test-slow faults bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables shaders security fuzz bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -104,6 +104,9 @@ asset-table: ## Bakes every shared glTF model for docs/assets-table.md; MODELS="
 
 tables: ## Computes the tables of directional albedos anew
 	cargo run --release -p xtask -- tables
+
+shaders: ## Writes the shaders in docs/shaders anew
+	cargo run --release -p xtask -- shaders
 
 security: ## Makes the tables of docs/security.md anew
 	cargo run --release -p xtask -- security

@@ -10,6 +10,7 @@ mod dependencies;
 mod errors;
 mod generated;
 mod help_pages;
+mod shaders;
 mod tables;
 
 use anyhow::Result;
@@ -65,6 +66,12 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// The shaders in docs/shaders.
+    Shaders {
+        /// Write nothing; name the stale files and exit with 1.
+        #[arg(long)]
+        check: bool,
+    },
     /// The table of docs/assets-table.md: every glTF model below some folders, baked by the command.
     AssetTable(AssetTableArgs),
 }
@@ -90,6 +97,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Task::Dependencies => refuse(&dependencies::faults(&root())?),
         Task::Security { check } => finish(&dependencies::generated(&root())?, *check, "make security"),
         Task::Tables { check } => finish(&tables::generated(&root()), *check, "make tables"),
+        Task::Shaders { check } => finish(&shaders::generated(&root())?, *check, "make shaders"),
         Task::AssetTable(args) => bake_assets(args),
     }
 }

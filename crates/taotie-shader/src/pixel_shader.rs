@@ -8,7 +8,7 @@ use crate::program::Formula;
 use crate::shader::{commented, has_structure, written_formulas, written_structure};
 use crate::text::declarations::{bindings, frame_structure, material_structure};
 use crate::text::entry::{HEADER_GLSL, entry_points, interpolated, vertex_glsl};
-use crate::text::{environment, fetch, geometry, pixel, translated};
+use crate::text::{environment, fetch, geometry, pixel, translated, wrapped};
 use crate::variant::Variant;
 use taotie::names::Named;
 
@@ -54,8 +54,7 @@ pub fn pixel_shader(variant: &Variant, language: Language) -> PixelShader {
         translated(&glue, language),
         entry_points(&interface, language),
     ];
-    let text =
-        pieces.iter().filter(|piece| !piece.is_empty()).map(String::as_str).collect::<Vec<_>>().join("\n");
+    let text = wrapped(&joined(&pieces));
     let vertex_text = (language == Language::GlslEs).then(|| vertex_glsl(&interface));
     PixelShader { text, vertex_text, interface }
 }
@@ -69,7 +68,13 @@ fn glue(program: &PixelProgram, variant: &Variant) -> String {
         environment::environment(program),
         pixel::pixel(program, variant),
     ];
-    pieces.iter().filter(|piece| !piece.is_empty()).map(String::as_str).collect::<Vec<_>>().join("\n")
+    joined(&pieces)
+}
+
+/// The pieces that are not empty, with a line between them.
+fn joined(pieces: &[String]) -> String {
+    let pieces: Vec<&str> = pieces.iter().map(String::as_str).filter(|piece| !piece.is_empty()).collect();
+    pieces.join("\n")
 }
 
 /// The functions that the glue calls, and all that they call.

@@ -119,8 +119,8 @@ pub(crate) struct Callee<'c> {
 
 /// A number of a recording.
 ///
-/// What a constant of 0 or 1 leaves as it is, is not recorded: x + 0, x − 0, 1 x, x/1, and a choice between two constants.
-/// 0 x is 0; only the sign of a zero may be another than the formula's.
+/// What a constant of 0 or 1 leaves as it is, is not recorded: x + 0, x − 0, 1 x, x/1, and a choice by two constants. 0 x
+/// is 0; only the sign of a zero may be another than the formula's.
 ///
 /// `min` and `max` are recorded as such and not as comparisons. For NaN, which no formula takes, the graph's meaning is
 /// that of [`Lane`], a machine's may be another.
@@ -202,7 +202,10 @@ operator!(Add add Add, Sub sub Subtract, Mul mul Multiply, Div div Divide);
 impl Neg for Recorded<'_> {
     type Output = Self;
     fn neg(self) -> Self {
-        self.one(Unary::Negate)
+        match self.known() {
+            Some(value) => self.scope.constant(-value),
+            None => self.one(Unary::Negate),
+        }
     }
 }
 

@@ -7,5 +7,7 @@ pub(crate) mod fetch;
 pub(crate) mod geometry;
 pub(crate) mod pixel;
 mod translate;
+mod wrap;
 
 pub(crate) use translate::translated;
+pub(crate) use wrap::wrapped;

@@ -22,9 +22,9 @@ fn shaders_can_be_read() {
         for language in [Language::Wgsl, Language::GlslEs] {
             let text = pixel_shader(&case.variant(), language).text;
             for body in bodies(&text) {
-                assert!((1..=60).contains(&body.len()), "{}: {} lines: {body:#?}", case.name, body.len());
+                assert!((1..=45).contains(&body.len()), "{}: {} lines: {body:#?}", case.name, body.len());
                 let widest = body.iter().map(|line| line.len()).max().unwrap_or_default();
-                assert!(widest <= 400, "{}: {widest} {body:#?}", case.name);
+                assert!(widest <= 170, "{}: {widest} {body:#?}", case.name);
             }
             assert!(!text.contains("inf\n") && !text.contains("NaN"), "{text}");
         }
