@@ -10,6 +10,7 @@
 mod binding;
 mod body;
 mod environment;
+mod environment_atlas;
 mod evaluate;
 mod factors;
 mod frame;
@@ -36,6 +37,7 @@ mod translation;
 mod variant;
 mod vectors;
 
+pub use environment_atlas::{EnvironmentAtlas, opaque};
 pub use evaluate::{EvaluateError, evaluate};
 pub use factors::SurfaceFactors;
 pub use frame::{FrameFactors, MOST_LEVELS, MOST_LIGHTS, light_numbers};
