@@ -6,8 +6,6 @@
 
 import * as THREE from "three";
 
-const NO_RANGE = 1e18;
-
 // The shader's own radiance is linear; a canvas holds sRGB.
 const ENCODED = `
 #undef main
@@ -19,30 +17,28 @@ void main() {
 }
 `;
 
-async function fetched(name) {
+// A file beside this module, as `text` or `arrayBuffer`.
+async function fetched(name, kind) {
     const response = await fetch(new URL(name, import.meta.url));
     if (!response.ok) throw new Error(`${name}: ${response.status} ${response.statusText}`);
-    return response;
+    return response[kind]();
 }
-
-const text = async (name) => (await fetched(name)).text();
 
 // A texture of a file of numbers, which is read texel by texel.
 async function binaryTexture({ file, width, height, format }) {
-    const bytes = await (await fetched(file)).arrayBuffer();
     const isFloat = format === "rgba32float";
-    const numbers = isFloat ? new Float32Array(bytes) : new Uint16Array(bytes);
-    const type = isFloat ? THREE.FloatType : THREE.HalfFloatType;
+    const [kind, type] = isFloat ? [Float32Array, THREE.FloatType] : [Uint16Array, THREE.HalfFloatType];
+    const numbers = new kind(await fetched(file, "arrayBuffer"));
     const texture = new THREE.DataTexture(numbers, width, height, THREE.RGBAFormat, type);
-    texture.needsUpdate = true;
-    return texture;
+    return Object.assign(texture, { needsUpdate: true });
 }
 
 // The textures of all slots: the tables and the environment from their files, the others as given.
 async function allTextures({ interface: { textures }, tables, environment }, given) {
-    const files = { albedo_tables: tables, environment_maps: environment?.maps, environment_picture: environment?.picture };
+    const { maps, picture } = environment ?? {};
+    const files = { albedo_tables: tables, environment_maps: maps, environment_picture: picture };
     const found = textures.map(async ({ name }) => {
-        const value = files[name] ? await binaryTexture(files[name]) : given[name];
+        const value = name in files ? await binaryTexture(files[name]) : given[name];
         if (!value) throw new Error(`${name}: give this texture in \`textures\``);
         return [name, { value }];
     });
@@ -57,54 +53,46 @@ function filled(bytes, fields, values) {
 }
 
 // A uniform block of numbers, which are written anew with each frame.
-function block(name, numbers) {
-    const group = new THREE.UniformsGroup().setName(name).setUsage(THREE.DynamicDrawUsage);
-    return group.add(new THREE.Uniform(numbers));
-}
+const block = (name, numbers) => new THREE.UniformsGroup().setName(name).add(new THREE.Uniform(numbers));
 
-// Makes the material of NAME.json. `textures` are textures of three.js by the names of their slots, `surface` is the
-// number of the model's surface whose values are taken, `ambient` the radiance from all around.
+// Makes the material of NAME.json. `textures` are those of three.js by the names of their slots, from the top row as
+// GLTFLoader has them, normal maps by `normalTexture`. `surface` is the number of the model's surface whose values are
+// taken, `ambient` the radiance from all around.
 export async function loadMaterial(name, { textures = {}, surface = 0, ambient = [0, 0, 0] } = {}) {
-    const shader = JSON.parse(await text(`${name}.json`));
-    const [vertex, fragment] = await Promise.all([text(`${name}.vert`), text(`${name}.frag`)]);
-    const plain = (source) => source.replace(/^#version 300 es\n/, "");
-    const { interface: told, environment, surfaces } = shader;
-    const { uniforms: values = {}, double_sided = false, alpha = "opaque" } = surfaces[surface] ?? {};
-    const frame = filled(shader.frame_bytes, told.frame, {
-        ambient, spacing: 1, environment_cos: 1, environment_intensity: 1,
-        environment_levels: environment?.count, smoothest_alpha: environment?.smoothest_alpha,
-    });
-    const lights = new Float32Array(16 * 16);
-    const numbers = {
-        frame, lights,
-        environment_levels: new Float32Array(environment?.levels.flat() ?? []),
-        material: filled(shader.material_bytes, told.material, values),
-    };
+    const shader = JSON.parse(await fetched(`${name}.json`, "text"));
+    const source = async (end) => (await fetched(name + end, "text")).replace(/^#version 300 es\n/, "");
+    const { interface: told, environment } = shader;
+    const { uniforms: values = {}, double_sided = false, alpha = "opaque" } = shader.surfaces[surface] ?? {};
+    const counted = { environment_levels: environment?.count, smoothest_alpha: environment?.smoothest_alpha };
+    const straight = { ambient, spacing: 1, environment_cos: 1, environment_intensity: 1 };
+    const frame = filled(shader.frame_bytes, told.frame, { ...straight, ...counted });
+    const [lights, levels] = [new Float32Array(16 * 16), new Float32Array(environment?.levels.flat() ?? [])];
+    const factors = filled(shader.material_bytes, told.material, values);
+    const numbers = { frame, lights, environment_levels: levels, material: factors };
     const material = new THREE.RawShaderMaterial({
         name,
         glslVersion: THREE.GLSL3,
-        vertexShader: plain(vertex),
-        fragmentShader: `#define main radiance_main\n${plain(fragment)}${ENCODED}`,
+        vertexShader: await source(".vert"),
+        fragmentShader: `#define main radiance_main\n${await source(".frag")}${ENCODED}`,
         uniforms: await allTextures(shader, textures),
         uniformsGroups: told.buffers.map((buffer) => block(buffer.block, numbers[buffer.name])),
         side: double_sided ? THREE.DoubleSide : THREE.FrontSide,
         transparent: alpha === "blend",
     });
-    const put = (field, value) => frame.set(value, told.frame.find((each) => each.name === field).offset / 4);
+    const place = Object.fromEntries(told.frame.map(({ name, offset }) => [name, offset / 4]));
     // One light from infinitely far: the direction to it, and its irradiance in linear RGB.
     material.light = (towards, color) => {
         const to = new THREE.Vector3(...towards).normalize();
-        lights.set([to.x, to.y, to.z, 0, ...color, NO_RANGE, 0, 0, 1, -2, -3]);
-        put("light_count", [1]);
+        lights.set([to.x, to.y, to.z, 0, ...color, 1e18, 0, 0, 1, -2, -3]);
+        frame[place.light_count] = 1;
     };
     material.onBeforeRender = (renderer, scene, camera) => {
         const clip = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
         const [back, eye] = [8, 12].map((from) => camera.matrixWorld.elements.slice(from, from + 3));
-        put("clip_from_world", clip.elements);
-        put("eye", camera.isPerspectiveCamera ? [...eye, 1] : [...back, 0]);
+        frame.set(clip.elements, place.clip_from_world);
+        frame.set(camera.isPerspectiveCamera ? [...eye, 1] : [...back, 0], place.eye);
     };
-    material.vertex = told.vertex;
-    return material;
+    return Object.assign(material, { vertex: told.vertex });
 }
 
 // The geometry of a mesh in world space, with the attributes that the material reads.
@@ -120,20 +108,19 @@ export function worldGeometry(mesh, material) {
     return geometry;
 }
 
-// The next level of a normal map. Vectors are averaged; sides that are odd lose their last row or column.
+// The next level of a normal map: means of vectors. Sides that are odd lose their last row or column.
 function halved({ vectors, width, height }) {
     const [w, h] = [width, height].map((side) => Math.max(1, side >> 1));
-    const means = new Float32Array(3 * w * h);
     const at = (x, y, c) => vectors[3 * (Math.min(y, height - 1) * width + Math.min(x, width - 1)) + c];
-    for (let i = 0; i < means.length; i++) {
+    const means = new Float32Array(3 * w * h).map((_, i) => {
         const [c, x, y] = [i % 3, 2 * (Math.floor(i / 3) % w), 2 * Math.floor(i / 3 / w)];
-        means[i] = (at(x, y, c) + at(x + 1, y, c) + at(x, y + 1, c) + at(x + 1, y + 1, c)) / 4;
-    }
+        return (at(x, y, c) + at(x + 1, y, c) + at(x, y + 1, c) + at(x + 1, y + 1, c)) / 4;
+    });
     return { vectors: means, width: w, height: h };
 }
 
 // A level of a normal map as texels: 1 − |mean|² is in alpha.
-function level({ vectors, width, height }) {
+function texels({ vectors, width, height }) {
     const data = new Uint16Array(4 * width * height);
     for (let i = 0; i < width * height; i++) {
         const [x, y, z] = vectors.subarray(3 * i, 3 * i + 3);
@@ -146,7 +133,7 @@ function level({ vectors, width, height }) {
 // A normal map whose levels say how far their vectors diverge, of an ordinary texture.
 export function normalTexture({ image, wrapS, wrapT }) {
     const { width, height } = image;
-    const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+    const context = new OffscreenCanvas(width, height).getContext("2d");
     context.drawImage(image, 0, 0);
     const { data } = context.getImageData(0, 0, width, height);
     const vectors = new Float32Array(3 * width * height);
@@ -154,11 +141,10 @@ export function normalTexture({ image, wrapS, wrapT }) {
         const vector = new THREE.Vector3().fromArray(data, 4 * i).multiplyScalar(2 / 255).subScalar(1);
         vector.normalize().toArray(vectors, 3 * i);
     }
-    const means = [{ vectors, width, height }];
-    while (means.at(-1).width * means.at(-1).height > 1) means.push(halved(means.at(-1)));
-    const mipmaps = means.map(level);
+    const levels = [{ vectors, width, height }];
+    while (levels.at(-1).vectors.length > 3) levels.push(halved(levels.at(-1)));
+    const mipmaps = levels.map(texels);
     const texture = new THREE.DataTexture(mipmaps[0].data, width, height, THREE.RGBAFormat, THREE.HalfFloatType);
-    Object.assign(texture, { mipmaps, wrapS, wrapT, magFilter: THREE.LinearFilter, needsUpdate: true });
-    texture.minFilter = THREE.LinearMipmapLinearFilter;
-    return texture;
+    const filters = { magFilter: THREE.LinearFilter, minFilter: THREE.LinearMipmapLinearFilter };
+    return Object.assign(texture, { mipmaps, wrapS, wrapT, ...filters, needsUpdate: true });
 }

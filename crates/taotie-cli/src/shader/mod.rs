@@ -17,7 +17,6 @@ use description::{Description, FileContent};
 use names::Names;
 use serde_json::json;
 use subject::{Drawn, Model, plain};
-use tables::NamedBytes;
 use taotie::Warnings;
 use taotie::io::FileSet;
 use target::Target;

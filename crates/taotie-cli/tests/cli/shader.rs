@@ -147,7 +147,7 @@ fn options_without_effect_are_told() {
         let assert = place.taotie(line).assert().code(2).stdout_eq("");
         String::from_utf8_lossy(&assert.get_output().stderr).into_owned()
     };
-    assert!(refused("shader --material stone --target wgsl -o out").contains("<MODEL>"));
+    assert!(refused("shader --material stone --target wgsl -o out").contains("were not provided"));
     assert!(
         refused("shader a.obj --surface smooth --bump-scale 2 --target wgsl -o out")
             .contains("--bump-scale: --surface")
