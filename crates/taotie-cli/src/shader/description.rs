@@ -1,13 +1,14 @@
 //! A shader and all that its host has to know: the content of its .json.
 
 use super::ShaderArgs;
+use super::file::NamedFile;
 use super::subject::{Drawn, Model, surface_name};
 use super::tables::{self, BinaryTexture, EnvironmentDescription};
 use super::values::{SurfaceValues, values};
 use anyhow::Result;
 use serde::Serialize;
 use taotie::names::Named;
-use taotie_shader::{Interface, PixelShader, buffer_size};
+use taotie_shader::{Interface, buffer_size};
 
 /// Version of the JSON beside a shader.
 const SCHEMA: u32 = 1;
@@ -42,9 +43,6 @@ pub struct Description {
     pub surfaces: Vec<SurfaceValues>,
 }
 
-/// The content of a file beside the end of its name.
-pub type FileContent = (String, Vec<u8>);
-
 impl Description {
     /// Writes the shader of a variant under a name; returns its files beside what is told of it.
     pub fn new(
@@ -52,18 +50,16 @@ impl Description {
         model: Option<&Model>,
         drawn: &Drawn,
         name: &str,
-    ) -> Result<(Self, Vec<FileContent>)> {
-        let written = args.target.write(&drawn.variant)?;
-        let PixelShader { interface, .. } = written.shader;
+    ) -> Result<(Self, Vec<NamedFile>)> {
+        let written = args.target.write(&drawn.variant, name)?;
+        let (interface, files) = (written.shader.interface, written.files);
         let reads = |texture: &str| interface.textures.iter().any(|slot| slot.name == texture);
-        let files: Vec<FileContent> =
-            written.files.into_iter().map(|(end, bytes)| (format!("{name}.{end}"), bytes)).collect();
         let description = Self {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
             name: name.into(),
             target: args.target.name(),
-            files: files.iter().map(|(name, _)| name.clone()).collect(),
+            files: files.iter().map(|file| file.name.clone()).collect(),
             shading: drawn.variant.shading().name(),
             surface: surface_name(drawn.variant.method()),
             frame_bytes: buffer_size(&interface.frame),

@@ -3,7 +3,6 @@
 //     const material = await loadMaterial("NAME", { textures: { base_color_texture: texture } });
 //     material.light([0, 0, 1], [3, 3, 3]);
 //     scene.add(new THREE.Mesh(worldGeometry(mesh, material), material));
-
 import * as THREE from "three";
 
 // The shader's own radiance is linear; a canvas holds sRGB.
@@ -20,8 +19,8 @@ void main() {
 // A file beside this module, as `text` or `arrayBuffer`.
 async function fetched(name, kind) {
     const response = await fetch(new URL(name, import.meta.url));
-    if (!response.ok) throw new Error(`${name}: ${response.status} ${response.statusText}`);
-    return response[kind]();
+    if (response.ok) return response[kind]();
+    throw new Error(`${name}: ${response.status} ${response.statusText}`);
 }
 
 // A texture of a file of numbers, which is read texel by texel.
@@ -87,7 +86,7 @@ export async function loadMaterial(name, { textures = {}, surface = 0, ambient =
         frame[place.light_count] = 1;
     };
     material.onBeforeRender = (renderer, scene, camera) => {
-        const clip = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+        const clip = camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse);
         const [back, eye] = [8, 12].map((from) => camera.matrixWorld.elements.slice(from, from + 3));
         frame.set(clip.elements, place.clip_from_world);
         frame.set(camera.isPerspectiveCamera ? [...eye, 1] : [...back, 0], place.eye);

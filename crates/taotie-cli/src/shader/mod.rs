@@ -2,6 +2,7 @@
 
 mod args;
 mod description;
+mod file;
 mod names;
 mod page;
 mod subject;
@@ -13,7 +14,8 @@ pub use args::ShaderArgs;
 
 use crate::{console, stop};
 use anyhow::{Context, Result};
-use description::{Description, FileContent};
+use description::Description;
+use file::NamedFile;
 use names::Names;
 use serde_json::json;
 use subject::{Drawn, Model, plain};
@@ -24,19 +26,16 @@ use target::Target;
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
 
-/// The module that makes materials of three.js, and its name.
-const HOST: NamedText = ("material.js", include_str!("material.js"));
+/// The module that makes materials of three.js.
+const HOST: &str = include_str!("material.js");
 
 /// The most textures that every WebGL 2 can bind to a fragment shader.
 const MOST_TEXTURES: usize = 16;
 
-/// The text of a file by its name.
-type NamedText = (&'static str, &'static str);
-
 /// All that is written.
 struct Bundle {
     shaders: Vec<Description>,
-    files: Vec<FileContent>,
+    files: Vec<NamedFile>,
     warnings: Warnings,
 }
 
@@ -47,7 +46,7 @@ pub fn run(args: &ShaderArgs) -> Result<()> {
     files.protect(args.sources())?;
     files.claim_folder(&args.output)?;
     let bundle = Bundle::new(args, &files)?;
-    for (name, bytes) in &bundle.files {
+    for NamedFile { name, bytes } in &bundle.files {
         files.write_bytes(&args.output.join(name), bytes)?;
     }
     files.commit()?;
@@ -91,7 +90,7 @@ impl Bundle {
 
     fn add_tables(&mut self) {
         if self.shaders.iter().any(|shader| shader.tables.is_some()) {
-            self.files.push((tables::TABLES.into(), tables::bytes()));
+            self.files.push(tables::file());
         }
     }
 
@@ -110,7 +109,7 @@ impl Bundle {
         for shader in self.shaders.iter_mut().filter(|shader| shader.reads_environment()) {
             shader.environment = Some(description.clone());
         }
-        self.files.extend(files.map(|(name, bytes)| (name.into(), bytes)));
+        self.files.extend(files);
         Ok(())
     }
 
@@ -118,21 +117,20 @@ impl Bundle {
     fn add_texts(&mut self, args: &ShaderArgs) -> Result<()> {
         for shader in &self.shaders {
             let text = serde_json::to_string_pretty(shader)? + "\n";
-            self.files.push((format!("{}.json", shader.name), text.into_bytes()));
+            self.files.push(NamedFile::new(format!("{}.json", shader.name), text));
         }
         if args.target == Target::GlslEs {
-            let (name, text) = HOST;
-            self.files.push((name.into(), text.as_bytes().to_vec()));
+            self.files.push(NamedFile::new("material.js", HOST));
         }
-        let names: Vec<&str> = self.files.iter().map(|(name, _)| name.as_str()).collect();
+        let names: Vec<&str> = self.files.iter().map(|file| file.name.as_str()).collect();
         let page = taotie_report::html(&page::page(args, &self.shaders, &names));
-        self.files.push(("index.html".into(), page.into_bytes()));
+        self.files.push(NamedFile::new("index.html", page));
         Ok(())
     }
 
     /// The paths of all files.
     fn paths(&self, args: &ShaderArgs) -> impl Iterator<Item = String> {
-        self.files.iter().map(|(name, _)| args.output.join(name).display().to_string())
+        self.files.iter().map(|file| args.output.join(&file.name).display().to_string())
     }
 
     fn json(&self, args: &ShaderArgs) -> serde_json::Value {

@@ -1,5 +1,6 @@
 //! What shaders read beside a material: the tables of albedos and the maps of an environment, as files of numbers.
 
+use super::file::NamedFile;
 use serde::Serialize;
 use taotie::render::EnvironmentLight;
 use taotie::shade::dfg::{COLUMNS, ROWS, tables};
@@ -28,9 +29,6 @@ pub struct BinaryTexture {
     pub meaning: &'static str,
 }
 
-/// The content of a file by its name.
-pub type NamedBytes = (&'static str, Vec<u8>);
-
 /// The description of the tables of albedos.
 pub fn description() -> BinaryTexture {
     BinaryTexture {
@@ -44,9 +42,11 @@ pub fn description() -> BinaryTexture {
     }
 }
 
-/// The bytes of the tables of albedos.
-pub fn bytes() -> Vec<u8> {
-    tables().as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect()
+/// The file of the tables of albedos.
+pub fn file() -> NamedFile {
+    let numbers = tables();
+    let bytes: Vec<u8> = numbers.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
+    NamedFile::new(TABLES, bytes)
 }
 
 /// The maps of an environment, as its shaders read them.
@@ -65,7 +65,7 @@ pub struct EnvironmentDescription {
 }
 
 /// The description of an environment, and its files.
-pub fn environment(light: &EnvironmentLight) -> (EnvironmentDescription, [NamedBytes; 2]) {
+pub fn environment(light: &EnvironmentLight) -> (EnvironmentDescription, [NamedFile; 2]) {
     let maps = light.environment.maps();
     let atlas = EnvironmentAtlas::new(&maps);
     let half = |file, [width, height]: [usize; 2], meaning| BinaryTexture {
@@ -90,7 +90,8 @@ pub fn environment(light: &EnvironmentLight) -> (EnvironmentDescription, [NamedB
         count: maps.levels.len(),
         smoothest_alpha: maps.smoothest_alpha,
     };
-    (description, [(MAPS, half_bytes(&atlas.texels)), (PICTURE, picture_bytes(&maps.picture))])
+    let picture = NamedFile::new(PICTURE, picture_bytes(&maps.picture));
+    (description, [NamedFile::new(MAPS, half_bytes(&atlas.texels)), picture])
 }
 
 fn picture_bytes(picture: &HalfPicture<'_>) -> Vec<u8> {
@@ -108,8 +109,9 @@ mod tests {
     #[test]
     fn the_file_of_tables_is_as_it_is_described() {
         let told = description();
-        assert_eq!(bytes().len(), told.width * told.height * 16);
-        let first = f32::from_le_bytes([0, 1, 2, 3].map(|i| bytes()[i]));
+        let bytes = file().bytes;
+        assert_eq!(bytes.len(), told.width * told.height * 16);
+        let first = f32::from_le_bytes([0, 1, 2, 3].map(|i| bytes[i]));
         assert_eq!(first, tables()[0][0]);
     }
 }

@@ -1,6 +1,7 @@
 //! The languages that shaders are written in.
 
-use anyhow::Result;
+use super::file::NamedFile;
+use anyhow::{Context, Result};
 use clap::ValueEnum;
 use taotie_shader::{Language, PixelShader, Translation, Variant, pixel_shader, translate};
 
@@ -23,8 +24,8 @@ pub enum Target {
 pub struct Written {
     /// The shader that it was made of.
     pub shader: PixelShader,
-    /// The end of each file's name, and its content.
-    pub files: Vec<(&'static str, Vec<u8>)>,
+    /// Its files.
+    pub files: Vec<NamedFile>,
 }
 
 impl Target {
@@ -39,20 +40,23 @@ impl Target {
         }
     }
 
-    /// Writes the shader of a variant.
-    pub fn write(self, variant: &Variant) -> Result<Written> {
+    /// Writes the shader of a variant to files that begin with `name`.
+    pub fn write(self, variant: &Variant, name: &str) -> Result<Written> {
         let language = if self == Self::GlslEs { Language::GlslEs } else { Language::Wgsl };
         let shader = pixel_shader(variant, language);
+        let file = |end: &str, bytes: Vec<u8>| NamedFile::new(format!("{name}.{end}"), bytes);
         let text = || shader.text.clone().into_bytes();
+        let translated =
+            |to| translate(&shader, to).with_context(|| format!("the shader `{name}` in {}", self.name()));
         let files = match self {
-            Self::Wgsl => vec![("wgsl", text())],
+            Self::Wgsl => vec![file("wgsl", text())],
             Self::GlslEs => {
                 let vertex = shader.vertex_text.clone().unwrap_or_default();
-                vec![("frag", text()), ("vert", vertex.into_bytes())]
+                vec![file("frag", text()), file("vert", vertex.into_bytes())]
             }
-            Self::Hlsl => vec![("hlsl", translate(&shader, Translation::Hlsl)?)],
-            Self::Msl => vec![("metal", translate(&shader, Translation::Msl)?)],
-            Self::Spirv => vec![("spv", translate(&shader, Translation::SpirV)?)],
+            Self::Hlsl => vec![file("hlsl", translated(Translation::Hlsl)?)],
+            Self::Msl => vec![file("metal", translated(Translation::Msl)?)],
+            Self::Spirv => vec![file("spv", translated(Translation::SpirV)?)],
         };
         Ok(Written { shader, files })
     }
