@@ -65,3 +65,41 @@ impl<'s> SurfaceFactors<'s> {
         Self { material: surface.material, normal_matrix: surface.normal_matrix, bump, height_levels }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+    use taotie::mesh::Mesh;
+    use taotie::render::{Prepared, SurfaceSettings};
+    use taotie::scene::{HeightMap, Material, TextureRef, UvTransform};
+
+    /// A sphere with a height map of 8 by 8 texels.
+    fn raised() -> Scene {
+        let bitmap = Bitmap::new(8, 8, 1, Texels::U8(vec![[7, 7, 7, 255]; 64])).unwrap();
+        let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+        let texture = TextureRef {
+            texture: scene.add_texture(Texture::new(bitmap, Encoding::Linear)),
+            uv_set: 0,
+            sampler: Sampler::default(),
+            transform: UvTransform::default(),
+        };
+        scene.edit(|data| data.materials[0].height = Some(HeightMap { texture, scale: 0.25 })).unwrap();
+        scene
+    }
+
+    #[test]
+    fn surfaces_are_drawn_as_they_are_prepared() {
+        for (bump_scale, expected) in [(None, 0.25), (Some(2.0), 2.0)] {
+            let surface = SurfaceSettings { bump_scale, ..SurfaceSettings::default() };
+            let settings = RenderSettings { specular_aa: false, surface, ..RenderSettings::default() };
+            let prepared = Prepared::new(raised(), &settings.surface).unwrap();
+            let sphere = &prepared.surfaces()[0];
+            let options = VariantOptions::of_surface(sphere, &settings, true);
+            assert_eq!((options.method, options.uv_sets), (NormalMethod::Bump, 1));
+            assert!(options.environment && options.softened && !options.specular_aa && !options.tangents);
+            let factors = SurfaceFactors::of_surface(sphere, prepared.scene());
+            assert_eq!((factors.bump, factors.height_levels), (expected, 4));
+        }
+    }
+}

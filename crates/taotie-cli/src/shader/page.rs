@@ -84,8 +84,8 @@ fn how(target: Target) -> Vec<String> {
         Target::Hlsl => &[
             "The entry points are vertex_main and fragment_main, for shader model 5.1. A resource of group g and binding b is \
              register b of space g: b registers for buffers of uniforms, t registers for textures and the lights.",
-            "Samplers come from the heap nagaSamplerHeap. The buffer nagaGroup1SamplerIndexArray holds, at the binding of each \
-             sampler, its number in the heap.",
+            "Samplers come from the heap nagaSamplerHeap. The buffer nagaGroup1SamplerIndexArray at t1 of space 255 \
+             holds, at the binding of each sampler, its number in the heap.",
         ],
         Target::Msl => &[
             "The entry points are vertex_main and fragment_main, for Metal 2.0. Buffers, textures and samplers are numbered by \
