@@ -6,11 +6,13 @@ use crate::same_in_threejs::{materials, orbit, view};
 use crate::threejs::{View, by_shader, rendered};
 use std::path::Path;
 use std::process::Command;
-use taotie::image::{Bitmap, Texels};
-use taotie::io::{GltfAsset, GltfFormat, GltfLevel, GltfMaterial, write_gltf};
+use std::sync::Arc;
+use taotie::image::{Bitmap, Image, Texels};
+use taotie::io::{ExrLayer, GltfAsset, GltfFormat, GltfLevel, GltfMaterial, write_exr, write_gltf};
 use taotie::names::Named;
-use taotie::render::RenderSettings;
+use taotie::render::{EnvironmentLight, RenderSettings};
 use taotie::shade::Shading;
+use taotie::shade::environment::Environment;
 use taotie::surface::{TangentMethod, with_tangents};
 use taotie_study::jue;
 
@@ -26,6 +28,8 @@ struct Case<'a> {
     name: &'a str,
     shading: &'a str,
     material: GltfMaterial<'a>,
+    /// The environment, where there is one.
+    sky: Option<Image>,
 }
 
 #[test]
@@ -38,17 +42,18 @@ fn the_vessel_is_drawn_by_our_shaders() {
     let [clay, bronze] = materials(&scene).map(|m| GltfMaterial { normal_map: Some((&normals).into()), ..m });
     let plain = GltfMaterial { roughness: 0.4, ..GltfMaterial::default() };
     let cases = [
-        Case { name: "plain", shading: "ggx", material: plain },
-        Case { name: "clay", shading: "ggx", material: clay },
-        Case { name: "bronze", shading: "ggx", material: bronze },
-        Case { name: "phong", shading: "blinn-phong", material: clay },
+        Case { name: "plain", shading: "ggx", material: plain, sky: None },
+        Case { name: "clay", shading: "ggx", material: clay, sky: None },
+        Case { name: "bronze", shading: "ggx", material: bronze, sky: None },
+        Case { name: "phong", shading: "blinn-phong", material: clay, sky: None },
+        Case { name: "bronze-in-the-open", shading: "ggx", material: bronze, sky: Some(sky()) },
     ];
     for case in cases {
         let folder = empty_folder(&format!("shader-material/{}", case.name));
         let levels = [GltfLevel { mesh: &mesh, coverage: None }];
         let asset = GltfAsset { levels: &levels, material: case.material, ..GltfAsset::default() };
         write_gltf(&folder.join("model.glb"), &asset, &GltfFormat::default()).unwrap();
-        assert_same(&node, &folder, &view, case.shading);
+        assert_same(&node, &folder, &view, &case);
     }
 }
 
@@ -59,13 +64,42 @@ fn in_8_bits(map: &Bitmap) -> Bitmap {
     Bitmap::new(map.width(), map.height(), 3, Texels::U8(codes)).unwrap()
 }
 
+/// A sky that is bright above and to one side.
+fn sky() -> Image {
+    let mut sky = Image::new(64, 32, [0.0, 0.0, 0.0, 1.0]).unwrap();
+    for (i, pixel) in sky.pixels_mut().iter_mut().enumerate() {
+        let (x, y) = ((i % 64) as f32 / 64.0, (i / 64) as f32 / 32.0);
+        *pixel = [1.2 * (1.0 - y) + 0.1, 0.9 * (1.0 - y) + 0.2 * x, 0.5 + 0.5 * x, 1.0];
+    }
+    sky
+}
+
+fn write_sky(path: &Path, sky: &Image) {
+    let samples: Vec<f32> = sky.pixels().iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+    let layer = ExrLayer { name: "", channels: &["R", "G", "B"], samples: &samples };
+    write_exr(path, (sky.width(), sky.height()), &[layer]).unwrap();
+}
+
+/// The environment of a case as the renderer takes it.
+fn environment(case: &Case<'_>) -> Option<EnvironmentLight> {
+    let environment = Arc::new(Environment::new(case.sky.clone()?).unwrap());
+    Some(EnvironmentLight { environment, rotation: 0.0, intensity: 1.0, visible: false })
+}
+
 /// Writes the shader of a folder's only material and returns its name.
-fn write_shader(folder: &Path, shading: &str) -> String {
+fn write_shader(folder: &Path, case: &Case<'_>) -> String {
+    let path = folder.join("sky.exr");
+    if let Some(sky) = &case.sky {
+        write_sky(&path, sky);
+    }
     let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
         .arg("shader")
         .arg(folder.join("model.glb"))
-        .args(["--target", "glsl-es", "--shading", shading, "--json", "-o"])
+        .args(["--target", "glsl-es", "--shading", case.shading, "--json", "-o"])
         .arg(folder.join("shaders"))
+        .arg("--env")
+        .arg(if case.sky.is_some() { path.as_path() } else { Path::new("none") })
+        .env("TAOTIE_CACHE_DIR", folder.join("cache"))
         .output()
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
@@ -74,12 +108,12 @@ fn write_shader(folder: &Path, shading: &str) -> String {
     report["shaders"][0]["name"].as_str().unwrap().to_owned()
 }
 
-fn assert_same(node: &Node, folder: &Path, view: &View, shading: &str) {
-    let name = write_shader(folder, shading);
-    let shading = Shading::from_name(shading).unwrap();
+fn assert_same(node: &Node, folder: &Path, view: &View, case: &Case<'_>) {
+    let name = write_shader(folder, case);
+    let shading = Shading::from_name(case.shading).unwrap();
     let theirs = by_shader(node, folder, view, &name);
     let settings = RenderSettings { samples: 1, shading, ..RenderSettings::default() };
-    let ours = rendered(folder, view, settings);
+    let ours = rendered(folder, view, settings, environment(case));
     let seen = ours.iter().filter(|[r, g, b, _]| r.max(g).max(b) > &0).count();
     assert!(seen > ours.len() / 20, "{}: the vessel is seen", folder.display());
     let apart: Vec<[u8; 3]> =

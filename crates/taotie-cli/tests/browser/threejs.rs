@@ -9,7 +9,7 @@ use taotie::film::{Development, ToneCurve, develop8};
 use taotie::image::Texels;
 use taotie::io::{decode_bitmap, load_model, read_bytes};
 use taotie::math::Vec3;
-use taotie::render::{GrazingNormals, Lighting, RenderSettings, Shot, render};
+use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Projection};
 use taotie::shade::Energy;
 
@@ -96,16 +96,21 @@ pub fn ours(folder: &Path, view: &View) -> DisplayImage {
         energy: Energy::Single,
         ..RenderSettings::default()
     };
-    picture_of(&rendered(folder, view, settings), view.size)
+    picture_of(&rendered(folder, view, settings, None), view.size)
 }
 
-/// Returns our picture by some settings, on black and without tone curve.
-pub fn rendered(folder: &Path, view: &View, settings: RenderSettings) -> Vec<[u8; 4]> {
+/// Returns our picture by some settings, in an environment too where there is one, on black and without tone curve.
+pub fn rendered(
+    folder: &Path,
+    view: &View,
+    settings: RenderSettings,
+    environment: Option<EnvironmentLight>,
+) -> Vec<[u8; 4]> {
     let scene = load_model(&folder.join("model.glb")).unwrap().scene;
     let kind = LightKind::Directional { direction: view.direction };
     let light =
         Light { name: String::new(), kind, color: Vec3::splat(view.irradiance), falloff: Falloff::None };
-    let lighting = Lighting { lights: vec![light], ..Lighting::default() };
+    let lighting = Lighting { lights: vec![light], environment, ..Lighting::default() };
     let [width, height] = view.size;
     let settings = RenderSettings { width, height, ..settings };
     let shot = Shot { camera: &view.camera, lighting: &lighting, settings: &settings };
