@@ -1,5 +1,5 @@
-// Compiles FOLDER's shaders.json as WebGL 2: pairs of vertex and fragment shaders, and where the fields of their uniform
-// blocks lie. Fails where Chromium refuses one, warns of one, or lays a block out otherwise.
+// Compiles FOLDER's shaders.json: as WebGL 2 pairs of vertex and fragment shaders, and where the fields of their uniform
+// blocks lie; as WebGPU modules in WGSL. Fails where Chromium refuses one, warns of one, or lays a block out otherwise.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -9,10 +9,16 @@ import { complaints, folder, launch, newPage } from "./browser.mjs";
 const shaders = JSON.parse(await readFile(path.join(folder, "shaders.json"), "utf8"));
 assert(shaders.length > 0, "there are shaders");
 
-// WebGL without a graphics card.
-const browser = await launch(["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]);
+// WebGPU is given to pages of a secure address alone. No server stands behind this one.
+const SITE = "http://localhost/";
+
+// WebGL and WebGPU without a graphics card.
+const webgl = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+const webgpu = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan", "--use-vulkan=swiftshader"];
+const browser = await launch([...webgl, ...webgpu]);
 const page = await newPage(browser, [64, 64]);
-await page.goto("about:blank");
+await page.route(SITE, (route) => route.fulfill({ body: "<link rel=icon href='data:,'>", contentType: "text/html" }));
+await page.goto(SITE);
 const faults = await page.evaluate((shaders) => {
     const gl = document.createElement("canvas").getContext("webgl2");
     if (!gl) return ["no WebGL 2"];
@@ -42,6 +48,18 @@ const faults = await page.evaluate((shaders) => {
     return shaders.flatMap(told);
 }, shaders);
 assert.deepEqual(faults, []);
+
+// What WebGPU says of the modules; none where there is no WebGPU.
+const messages = await page.evaluate(async (shaders) => {
+    const device = await (await navigator.gpu?.requestAdapter())?.requestDevice();
+    if (!device) return null;
+    const told = async ({ name, wgsl }) => {
+        const { messages } = await device.createShaderModule({ code: wgsl }).getCompilationInfo();
+        return messages.map(({ type, message, lineNum }) => `${name}: ${type} in line ${lineNum}: ${message}`);
+    };
+    return (await Promise.all(shaders.map(told))).flat();
+}, shaders);
+assert.deepEqual(messages ?? [], []);
 assert.deepEqual(complaints(page), []);
-console.log(`${shaders.length} shaders compiled`);
+console.log(`${shaders.length} shaders compiled${messages ? "" : ", in WGSL none: no WebGPU"}`);
 await browser.close();

@@ -170,15 +170,15 @@ pub(crate) fn transform_names(role: TextureRole) -> [String; 2] {
 }
 
 /// A factor's name, type and meaning.
-pub(crate) struct Named {
+pub(crate) struct FactorName {
     pub name: &'static str,
     pub kind: ValueKind,
     pub meaning: &'static str,
 }
 
 /// The factors, without how textures lie, in the order of the buffer.
-pub(crate) fn named() -> impl Iterator<Item = Named> {
-    FACTORS.iter().map(|Factor { name, kind, meaning, .. }| Named { name, kind: *kind, meaning })
+pub(crate) fn named() -> impl Iterator<Item = FactorName> {
+    FACTORS.iter().map(|Factor { name, kind, meaning, .. }| FactorName { name, kind: *kind, meaning })
 }
 
 /// The fields of these names, in the order of the buffer.

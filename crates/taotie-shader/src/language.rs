@@ -7,7 +7,7 @@ use crate::graph::Kind;
 pub enum Language {
     /// WGSL, of WebGPU.
     Wgsl,
-    /// GLSL ES 3.00, of WebGL 2. The host declares `precision highp float`.
+    /// GLSL ES 3.00, of WebGL 2. Functions by themselves need a host that declares `precision highp float`.
     GlslEs,
 }
 

@@ -4,8 +4,12 @@
 //! writes down what is done with it: an expression graph ([`record`]). The same operation on the same operands stands in
 //! the graph once. Three channels that are treated alike become one vector, and where a formula's body stands in
 //! another's graph it becomes a call ([`library()`]). [`evaluate()`] plays a graph back on any lane; [`shader()`] writes a
-//! model as WGSL or GLSL ES 3.00, [`functions()`] any formulas. With the feature `translate`, `translate` takes WGSL to
-//! HLSL, MSL and SPIR-V.
+//! model as WGSL or GLSL ES 3.00, [`functions()`] any formulas.
+//!
+//! [`pixel_shader()`] writes the whole pixel of a surface: the stages of `taotie::pixel`, recorded for a [`Variant`]
+//! ([`PixelProgram`]), with what fetches and joins them. Its [`Interface`] says what a host binds; [`FrameFactors`],
+//! [`light_numbers`] and [`SurfaceFactors`] fill the buffers.
+//! With the feature `translate`, `translate` takes WGSL to HLSL, MSL and SPIR-V.
 
 mod binding;
 mod body;

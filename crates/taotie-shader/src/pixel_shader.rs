@@ -59,7 +59,7 @@ pub fn pixel_shader(variant: &Variant, language: Language) -> PixelShader {
     PixelShader { text, vertex_text, interface }
 }
 
-/// What joins the recorded functions.
+/// The text that joins the recorded functions.
 fn glue(program: &PixelProgram, variant: &Variant) -> String {
     let pieces = [
         fetch::fetches(program, variant),

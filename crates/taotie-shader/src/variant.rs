@@ -90,7 +90,7 @@ pub struct VariantOptions {
 }
 
 impl Default for VariantOptions {
-    /// What `taotie render` does of itself, with one uv set and tangents, and without environment.
+    /// The choices that `taotie render` makes of itself, with one uv set and tangents, and without environment.
     fn default() -> Self {
         Self {
             shading: Shading::Ggx,

@@ -143,7 +143,7 @@ fn picture(scope: Scope<'_>) -> Vec<Recorded<'_>> {
     vec![at.left, at.right, at.top, at.bottom, at.across, at.down]
 }
 
-/// What arrives at a position of a light that is not infinitely far away.
+/// The light that arrives at a position from a light that is not infinitely far away.
 fn incidence<'g>(scope: Scope<'g>, falloff: Falloff<Recorded<'g>>) -> Vec<Recorded<'g>> {
     let cone = Cone {
         axis: scope.vector("light.axis"),

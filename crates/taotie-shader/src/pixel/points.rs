@@ -24,7 +24,7 @@ fn position(position: TablePosition<Number<'_>>) -> Vec<Number<'_>> {
 }
 
 impl<'g> Inputs<'g, '_> {
-    /// Where the table of the lobe is read.
+    /// The position at which the lobe's table is read.
     pub(super) fn albedo_position(self) -> Vec<Number<'g>> {
         let n_dot_v = self.vector("f.n").dot(self.vector("g.v"));
         if is_cook_torrance(self.variant.shading) {
@@ -34,13 +34,13 @@ impl<'g> Inputs<'g, '_> {
         position(TablePosition::of_ggx(n_dot_v, self.number("m.roughness")))
     }
 
-    /// Where the clearcoat's table is read.
+    /// The position at which the clearcoat's table is read.
     pub(super) fn coat_position(self) -> Vec<Number<'g>> {
         let n_dot_v = self.vector("f.coat_n").dot(self.vector("g.v"));
         position(TablePosition::of_ggx(n_dot_v, self.number("m.coat_roughness")))
     }
 
-    /// Where the sheen's table is read.
+    /// The position at which the sheen's table is read.
     pub(super) fn sheen_position(self) -> Vec<Number<'g>> {
         let n_dot_v = self.vector("f.n").dot(self.vector("g.v"));
         position(TablePosition::of_ggx(n_dot_v, self.number("m.sheen_roughness")))
@@ -98,7 +98,7 @@ impl<'g> Inputs<'g, '_> {
         numbers
     }
 
-    /// What is reflected of a light; angles are those of the function of this name of the program. It does what
+    /// The reflection of a light; angles are those of the function of this name of the program. It does what
     /// `SurfacePoint::reflect` does, but names the angles of the clearcoat after the base is recorded.
     pub(super) fn reflect_light(self, angles: &Callee<'_>) -> Vec<Number<'g>> {
         let (point, l) = (self.point(), self.vector("l"));
@@ -123,25 +123,25 @@ impl<'g> Inputs<'g, '_> {
         });
     }
 
-    /// What the surface emits, and reflects of the ambient light.
+    /// Emission, and reflection of the ambient light.
     pub(super) fn own(self) -> Vec<Number<'g>> {
         self.point().own(self.vector("ambient")).to_array().to_vec()
     }
 
-    /// Where the highlight gathers its light.
+    /// The highlight, as it gathers the environment's light.
     pub(super) fn highlight(self) -> Vec<Number<'g>> {
         let frame = self.point().frame;
         let roughness = self.number("p.lobe_roughness");
         gathered(highlight(&frame, roughness, self.anisotropic().as_ref()))
     }
 
-    /// Where the clearcoat's highlight gathers its light.
+    /// The clearcoat's highlight, as it gathers the environment's light.
     pub(super) fn coat_highlight(self) -> Vec<Number<'g>> {
         let coat = self.coat();
         gathered(coat_highlight(coat.n, self.vector("p.v"), coat.roughness))
     }
 
-    /// What is reflected of the environment.
+    /// The reflection of the environment.
     pub(super) fn reflect_environment(self) -> Vec<Number<'g>> {
         let light = EnvironmentTexels {
             specular: self.vector("e.specular"),

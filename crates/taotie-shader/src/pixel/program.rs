@@ -20,7 +20,7 @@ pub struct PixelProgram {
     pub(crate) program: Program,
     /// The names of the stages, in order.
     pub(crate) stages: Vec<String>,
-    /// What the stages read: arguments by their names, fields with a dot between, `p.n`.
+    /// The parameters that the stages read: arguments by their names, fields with a dot between, `p.n`.
     pub(crate) read: BTreeSet<&'static str>,
 }
 
@@ -66,7 +66,7 @@ impl PixelProgram {
     }
 }
 
-/// What later stages need of earlier ones.
+/// The needs that later stages have of earlier ones.
 struct Needs {
     structures: Vec<Structure>,
     read: BTreeSet<&'static str>,

@@ -58,7 +58,7 @@ fn of(name: &'static str, doc: &'static str, arguments: &'static [&'static str],
 }
 
 /// A uniform that a recorded formula can take.
-fn uniform(field: &factors::Named) -> Option<Field> {
+fn uniform(field: &factors::FactorName) -> Option<Field> {
     let kind = match field.kind {
         ValueKind::Number => N,
         ValueKind::Vec3 => V,

@@ -57,7 +57,7 @@ impl<'g> Inputs<'g, '_> {
         }
     }
 
-    /// What a normal map hides within the pixel.
+    /// The variance of normals that a map hides within the pixel.
     fn mapped_variance(self, counts: bool, texel: &'static str, scale: &'static str) -> Number<'g> {
         match counts {
             true => self.number(texel) * (self.number(scale) * self.number(scale)),

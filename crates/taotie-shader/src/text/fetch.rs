@@ -1,4 +1,4 @@
-//! What textures say of a point.
+//! The functions that read textures.
 
 use crate::factors::transform_names;
 use crate::pixel::PixelProgram;

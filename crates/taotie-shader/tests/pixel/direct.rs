@@ -195,7 +195,7 @@ impl<L: Lane> Direct<'_, L> {
         if self.case.options.vertex_color { alpha * self.number("t.color_alpha") } else { alpha }
     }
 
-    /// What hides within the pixel, with the variance of a normal map.
+    /// The variance that hides within the pixel, with that of a normal map.
     fn hidden(&self, map: Option<(&str, &str)>) -> SubPixelVariance<L> {
         let options = &self.case.options;
         let aa = options.specular_aa && !options.shading.is_printed();

@@ -144,7 +144,7 @@ pub fn all() -> Vec<Case> {
     cases
 }
 
-/// What no model has to do with.
+/// The cases that no model has to do with.
 fn special() -> Vec<Case> {
     let case = |name: &str, material: Material, options: VariantOptions| Case {
         name: name.into(),

@@ -1,9 +1,11 @@
-//! Whole shaders in GLSL ES 3.00 compile in a browser, without a warning.
+//! Whole shaders in a browser: they compile without a warning, and in GLSL ES 3.00 show what the renderer shows.
 #![allow(clippy::print_stdout, reason = "tests say what they found and why they are skipped")]
 
-#[path = "../../taotie-cli/tests/browser/node.rs"]
+#[path = "../../../taotie-cli/tests/browser/node.rs"]
 mod node;
-#[path = "pixel/variants.rs"]
+mod pictures;
+mod studio;
+#[path = "../pixel/variants.rs"]
 mod variants;
 
 use node::Node;
@@ -12,22 +14,29 @@ use std::path::Path;
 use taotie_shader::{Interface, Language, pixel_shader};
 use variants::{Case, all};
 
-/// Where the fields of the uniform blocks lie, by their names.
+/// The offsets of the uniform blocks' fields, by their names.
 fn offsets(interface: &Interface) -> Map<String, Value> {
     let blocks = [("frame", &interface.frame), ("material", &interface.material)];
     let fields = blocks.iter().flat_map(|(block, fields)| fields.iter().map(move |field| (block, field)));
     fields.map(|(block, field)| (format!("{block}.{}", field.name), json!(field.offset))).collect()
 }
 
+const VISIBILITY_GLSL: &str = "float visibility(int light, vec3 position, vec3 n) { return 0.5; }\n";
+const VISIBILITY_WGSL: &str = "fn visibility(light: i32, position: vec3f, n: vec3f) -> f32 { return 0.5; }\n";
+
 fn written(case: &Case) -> Value {
-    let shader = pixel_shader(&case.variant(), Language::GlslEs);
-    let shadow = "float visibility(int light, vec3 position, vec3 n) { return 0.5; }\n";
-    let host = if case.options.shadows { shadow } else { "" };
+    let [es, wgsl] =
+        [Language::GlslEs, Language::Wgsl].map(|language| pixel_shader(&case.variant(), language));
+    let [host_es, host_wgsl] = match case.options.shadows {
+        true => [VISIBILITY_GLSL, VISIBILITY_WGSL],
+        false => ["", ""],
+    };
     json!({
         "name": case.name,
-        "vertex": shader.vertex_text.expect("GLSL ES has two shaders"),
-        "fragment": shader.text + host,
-        "offsets": offsets(&shader.interface),
+        "vertex": es.vertex_text.expect("GLSL ES has two shaders"),
+        "fragment": es.text + host_es,
+        "wgsl": wgsl.text + host_wgsl,
+        "offsets": offsets(&es.interface),
     })
 }
 
