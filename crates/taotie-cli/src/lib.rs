@@ -4,6 +4,7 @@
 //! to stdout, talk to stderr; a closed pipe is no error.
 
 mod bake;
+mod choice;
 mod compare;
 mod completions;
 mod console;

@@ -1,7 +1,8 @@
 //! The surfaces that shaders are written for: those of a model, or a plain one.
 
 use super::ShaderArgs;
-use anyhow::{Context, Result, bail};
+use crate::choice;
+use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
 use taotie::Warnings;
 use taotie::image::Sampler;
@@ -60,56 +61,51 @@ impl Model {
     /// The variants of the materials asked for, in the order of the instances that they draw.
     pub fn drawn(&self, args: &ShaderArgs, path: &Path) -> Result<Vec<Drawn>> {
         let chosen = args.material.as_deref().map(|asked| self.choose(asked, path)).transpose()?;
-        let (settings, environment) = (args.settings(), args.environment().source.is_some());
-        let mut all: Vec<Drawn> = Vec::new();
-        let instances = self.scene().instances();
-        for (number, (instance, surface)) in instances.iter().zip(self.surfaces()).enumerate() {
-            if chosen.is_some_and(|material| material != instance.material) {
-                continue;
-            }
-            let options = VariantOptions::of_surface(&surface, &settings, environment);
-            let variant = Variant::new(surface.material, &options);
-            match all.iter_mut().find(|drawn| drawn.variant == variant) {
-                Some(drawn) => drawn.instances.push(number),
-                None => {
-                    let name = match surface.material.name.as_str() {
-                        "" => format!("material-{}", instance.material),
-                        name => name.to_owned(),
-                    };
-                    all.push(Drawn { name, variant, instances: vec![number] });
-                }
-            }
-        }
-        match (&args.material, all.is_empty()) {
+        let instances = self.scene().instances().iter().enumerate();
+        let asked_for: Vec<usize> = instances
+            .filter(|(_, instance)| chosen.is_none_or(|material| material == instance.material))
+            .map(|(number, _)| number)
+            .collect();
+        match (&args.material, asked_for.is_empty()) {
             (Some(asked), true) => {
                 bail!("{}: no mesh has the material `{asked}`; choose another", path.display())
             }
-            _ => Ok(all),
+            _ => Ok(self.grouped(args, &asked_for)),
+        }
+    }
+
+    /// The variants of these instances.
+    fn grouped(&self, args: &ShaderArgs, instances: &[usize]) -> Vec<Drawn> {
+        let (settings, environment) = (args.settings(), args.environment().source.is_some());
+        let surfaces = self.surfaces();
+        let mut all: Vec<Drawn> = Vec::new();
+        for number in instances {
+            let surface = &surfaces[*number];
+            let options = VariantOptions::of_surface(surface, &settings, environment);
+            let variant = Variant::new(surface.material, &options);
+            match all.iter_mut().find(|drawn| drawn.variant == variant) {
+                Some(drawn) => drawn.instances.push(*number),
+                None => all.push(Drawn { name: self.name(*number), variant, instances: vec![*number] }),
+            }
+        }
+        all
+    }
+
+    /// The name of an instance's material, or its number where it has none.
+    fn name(&self, instance: usize) -> String {
+        let number = self.scene().instances()[instance].material;
+        match self.scene().materials()[number].name.as_str() {
+            "" => format!("material-{number}"),
+            name => name.to_owned(),
         }
     }
 
     /// The number of the material asked for, by name or number.
     fn choose(&self, asked: &str, path: &Path) -> Result<usize> {
-        let materials = self.scene().materials();
-        let named: Vec<usize> = (0..materials.len()).filter(|i| materials[*i].name == asked).collect();
-        let number = asked.parse().ok().filter(|i| *i < materials.len());
-        let list = || {
-            let each =
-                |(i, material): (usize, &Material)| format!("{i} {}", material.name).trim_end().to_owned();
-            materials.iter().enumerate().map(each).collect::<Vec<_>>().join(", ")
-        };
-        match (named.as_slice(), number) {
-            ([i], _) => Ok(*i),
-            ([], Some(i)) => Ok(i),
-            ([], None) => {
-                bail!("{}: there is no material `{asked}`; choose from: {}", path.display(), list())
-            }
-            _ => bail!(
-                "{}: several materials are named `{asked}`; give the number: {}",
-                path.display(),
-                list()
-            ),
-        }
+        let names: Vec<&str> =
+            self.scene().materials().iter().map(|material| material.name.as_str()).collect();
+        let chosen = choice::chosen(asked, ["material", "materials"], &names);
+        chosen.map_err(|why| anyhow!("{}: {why}", path.display()))
     }
 }
 
