@@ -8,6 +8,9 @@ use taotie::names::Named;
 use taotie_report::{Cell, Column, Fact, Page, Section};
 use taotie_shader::{BufferSlot, TextureSlot, UniformField, ValueKind};
 
+/// The most surfaces whose values a table shows.
+const MOST_COLUMNS: usize = 8;
+
 /// Makes the page of shaders and of all `files` beside it.
 pub fn page(args: &ShaderArgs, shaders: &[Description], files: &[&str]) -> Page {
     let model = args.model.as_ref().and_then(|path| path.file_name());
@@ -130,17 +133,21 @@ fn shader_tables(shader: &Description) -> Vec<Section> {
     let Description { name, interface, .. } = shader;
     let mut sections = vec![vertices(shader), bindings(shader)];
     if !interface.material.is_empty() {
-        let note = format!("{} bytes{}", shader.material_bytes, users(&shader.surfaces));
-        let title = format!("{name}: the uniform material");
-        sections.push(fields(&title, &note, &interface.material, &shader.surfaces));
+        let shown = &shader.surfaces[..shader.surfaces.len().min(MOST_COLUMNS)];
+        let note = format!("{} bytes{}", shader.material_bytes, left_out(shader));
+        sections.push(fields(&format!("{name}: the uniform material"), &note, &interface.material, shown));
     }
     sections
 }
 
-/// The materials that the columns of values are of.
-fn users(surfaces: &[SurfaceValues]) -> String {
-    let names: Vec<String> = surfaces.iter().map(label).collect();
-    if names.is_empty() { String::new() } else { format!("; values of {}", names.join(", ")) }
+/// What the table of values leaves out.
+fn left_out(shader: &Description) -> String {
+    match shader.surfaces.len() {
+        count if count > MOST_COLUMNS => {
+            format!("; values of the first {MOST_COLUMNS} surfaces, all {count} are in {}.json", shader.name)
+        }
+        _ => String::new(),
+    }
 }
 
 fn label(surface: &SurfaceValues) -> String {

@@ -100,6 +100,19 @@ fn materials_of_one_variant_share_a_shader() {
 }
 
 #[test]
+fn the_page_says_how_to_bind_them_and_fetches_nothing() {
+    let place = two_stones(|other| other["pbrMetallicRoughness"]["roughnessFactor"] = json!(0.5));
+    place.taotie("shader a.gltf --target glsl-es -o out").assert().success();
+    let page = String::from_utf8(place.read("out/index.html")).expect("it is text");
+    for word in
+        ["material.js", "stone.frag", "FrameBlock", "clip_from_world", "material 1 other on instance 1"]
+    {
+        assert!(page.contains(word), "{word}: {page}");
+    }
+    assert!(page.contains("default-src 'none'") && !page.contains("src=\"http"), "{page}");
+}
+
+#[test]
 fn other_variants_have_shaders_of_their_own() {
     let place = two_stones(|other| {
         other["name"] = json!("Stone");
