@@ -150,10 +150,14 @@ fn left_out(shader: &Description) -> String {
     }
 }
 
+/// The material of a column of values, and where it is.
 fn label(surface: &SurfaceValues) -> String {
     let SurfaceValues { material, number, instances, .. } = surface;
-    let instances: Vec<String> = instances.iter().map(usize::to_string).collect();
-    format!("material {number} {material}").trim_end().to_owned() + " on instance " + &instances.join(" ")
+    let place = match instances.as_slice() {
+        [instance] => format!("instance {instance}"),
+        many => format!("{} instances", many.len()),
+    };
+    format!("{} on {place}", format!("material {number} {material}").trim_end())
 }
 
 fn vertices(shader: &Description) -> Section {
