@@ -172,3 +172,23 @@ fn node<L: Lane>(x: L, count: usize) -> (L, L) {
     let node = scaled.floor().min(x.lit((count - 2) as f64));
     (node, scaled - node)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_picture_of_all_tables_has_their_entries_at_the_nodes() {
+        let tables = tables();
+        assert_eq!(tables.len(), 3 * COLUMNS * ROWS);
+        for (i, j) in [(3, 5), (20, 30), (63, 47), (40, 10)] {
+            let (n_dot_v, roughness) = (column_cosine(i) as f32, row_roughness(j) as f32);
+            let at = |table: usize| tables[(table * ROWS + j) * COLUMNS + i];
+            let numbers = |dfg: Dfg<f32>| [dfg.scale, dfg.bias, dfg.edge, dfg.diffuse_edge];
+            let near = |a: [f32; 4], b: [f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4);
+            assert!(near(at(0), numbers(of_ggx(n_dot_v, roughness))), "{i} {j}");
+            assert!(near(at(1), numbers(of_cook_torrance(n_dot_v, roughness * roughness))), "{i} {j}");
+            assert!((at(2)[0] - of_sheen(n_dot_v, roughness)).abs() < 1e-4, "{i} {j}");
+        }
+    }
+}

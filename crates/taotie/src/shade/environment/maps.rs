@@ -48,3 +48,33 @@ impl<'e> HalfPicture<'e> {
         Self { width, height, texels: texels.texels(), factor: texels.half_factor() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+    use half::f16;
+
+    #[test]
+    fn pictures_hold_the_light_that_is_looked_up() {
+        let light = [0.25, 0.5, 2.0];
+        let image = Image::new(32, 16, [light[0], light[1], light[2], 1.0]).unwrap();
+        let environment = Environment::new(image).unwrap();
+        let maps = environment.maps();
+        let texel = |picture: &HalfPicture<'_>, i: usize| {
+            picture.texels[i].map(|bits| f16::from_bits(bits).to_f32() * picture.factor)
+        };
+        assert_eq!([maps.picture.width, maps.picture.height], [32, 16]);
+        assert_eq!(texel(&maps.picture, 100), light);
+        assert!((2..32).contains(&maps.levels.len()) && maps.smoothest_alpha < 0.01);
+        for level in &maps.levels {
+            assert_eq!(level.texels.len(), level.width * level.height);
+            // The border's corner, and the middle.
+            for i in [0, level.texels.len() / 2] {
+                let found = texel(level, i);
+                let near = found.iter().zip(light).all(|(a, b)| (a / b - 1.0).abs() < 0.01);
+                assert!(near, "{found:?} for {light:?}");
+            }
+        }
+    }
+}
