@@ -2,9 +2,9 @@
 
 use super::ShaderArgs;
 use super::file::NamedFile;
-use super::subject::{Drawn, Model, surface_name};
+use super::subject::{Drawn, Model, plain_material, surface_name};
 use super::tables::{self, BinaryTexture, EnvironmentDescription};
-use super::values::{SurfaceValues, values};
+use super::values::{SurfaceValues, plain, values};
 use anyhow::Result;
 use serde::Serialize;
 use taotie::names::Named;
@@ -39,7 +39,7 @@ pub struct Description {
     pub tables: Option<BinaryTexture>,
     /// The environment, where the shader reads one.
     pub environment: Option<EnvironmentDescription>,
-    /// The values of a model's surfaces that are drawn by the shader.
+    /// The values of a model's surfaces that are drawn by the shader, or of the plain material.
     pub surfaces: Vec<SurfaceValues>,
 }
 
@@ -66,7 +66,10 @@ impl Description {
             material_bytes: buffer_size(&interface.material),
             tables: reads("albedo_tables").then(tables::description),
             environment: None,
-            surfaces: model.map(|model| values(model, &drawn.instances, &interface)).unwrap_or_default(),
+            surfaces: match model {
+                Some(model) => values(model, &drawn.instances, &interface),
+                None => vec![plain(&plain_material(args), &interface)],
+            },
             interface,
         };
         Ok((description, files))

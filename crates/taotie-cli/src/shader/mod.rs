@@ -153,6 +153,7 @@ fn shader_json(shader: &Description) -> serde_json::Value {
     let materials: Vec<_> = shader
         .surfaces
         .iter()
+        .filter(|surface| !surface.instances.is_empty())
         .map(|surface| json!({ "name": surface.material, "number": surface.number, "instances": surface.instances }))
         .collect();
     json!({

@@ -154,6 +154,7 @@ fn left_out(shader: &Description) -> String {
 fn label(surface: &SurfaceValues) -> String {
     let SurfaceValues { material, number, instances, .. } = surface;
     let place = match instances.as_slice() {
+        [] => return "plain material".into(),
         [instance] => format!("instance {instance}"),
         many => format!("{} instances", many.len()),
     };

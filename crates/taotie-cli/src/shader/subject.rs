@@ -122,16 +122,16 @@ pub fn plain(args: &ShaderArgs) -> Drawn {
         ..VariantOptions::default()
     };
     let name = format!("{}-{}", settings.shading.name(), surface.name());
-    Drawn { name, variant: Variant::new(&mapped(surface), &options), instances: Vec::new() }
+    Drawn { name, variant: Variant::new(&plain_material(args), &options), instances: Vec::new() }
 }
 
-/// The material that lacks a name, with the map that a method reads.
-fn mapped(surface: SurfaceMethod) -> Material {
+/// The material without a model, with the map that the surface method reads.
+pub fn plain_material(args: &ShaderArgs) -> Material {
     let texture =
         TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
     let normal = |space| Some(NormalMap { texture, scale: 1.0, space, green: GreenChannel::Up });
     let plain = Material::default();
-    match surface {
+    match args.surface.unwrap_or(SurfaceMethod::Smooth) {
         SurfaceMethod::Facet | SurfaceMethod::Smooth => plain,
         SurfaceMethod::Bump | SurfaceMethod::BumpPrinted => {
             Material { height: Some(HeightMap { texture, scale: 1.0 }), ..plain }

@@ -4,8 +4,8 @@ use super::subject::Model;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use taotie::image::{Encoding, MipFilter, TexelFilter, Wrap};
-use taotie::render::Surface;
-use taotie::scene::{AlphaMode, TextureRef};
+use taotie::math::Vec3;
+use taotie::scene::{AlphaMode, Material, TextureRef};
 use taotie_shader::{Interface, SurfaceFactors, TextureRole, UniformField};
 
 /// The values of surfaces that share them.
@@ -15,7 +15,7 @@ pub struct SurfaceValues {
     pub material: String,
     /// Its number, from 0.
     pub number: usize,
-    /// The instances that are drawn so, from 0.
+    /// The instances that are drawn so, from 0; none without a model.
     pub instances: Vec<usize>,
     /// `true` where back faces are drawn.
     pub double_sided: bool,
@@ -51,26 +51,33 @@ pub fn values(model: &Model, instances: &[usize], interface: &Interface) -> Vec<
     let surfaces = model.surfaces();
     let mut all: Vec<SurfaceValues> = Vec::new();
     for instance in instances {
-        let number = model.scene().instances()[*instance].material;
-        let uniforms = uniforms(model, &surfaces[*instance], interface);
-        match all.iter_mut().find(|known| known.number == number && known.uniforms == uniforms) {
+        let (scene, surface) = (model.scene(), &surfaces[*instance]);
+        let number = scene.instances()[*instance].material;
+        let own = of_material(&SurfaceFactors::of_surface(surface, scene), interface);
+        match all.iter_mut().find(|known| known.number == number && known.uniforms == own.uniforms) {
             Some(known) => known.instances.push(*instance),
             None => {
-                let values = of_surface(model, &surfaces[*instance], interface);
-                all.push(SurfaceValues { number, instances: vec![*instance], uniforms, ..values });
+                let textures = textures(model, surface.material, interface);
+                all.push(SurfaceValues { number, instances: vec![*instance], textures, ..own });
             }
         }
     }
     all
 }
 
-/// The values of a surface, but for its numbers and uniforms.
-fn of_surface(model: &Model, surface: &Surface<'_>, interface: &Interface) -> SurfaceValues {
-    let material = surface.material;
-    let textures = interface.textures.iter().filter_map(|slot| {
-        let texture = TextureRole::named(slot.name)?.of(material)?;
-        Some((slot.name, texture_value(model, texture)))
-    });
+/// The values of a material that no model has, in object space as in the world.
+pub fn plain(material: &Material, interface: &Interface) -> SurfaceValues {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let bump = material.height.map_or(0.0, |map| map.scale);
+    let normal_matrix = axes.map(Vec3::from_array);
+    of_material(&SurfaceFactors { material, normal_matrix, bump, height_levels: 1 }, interface)
+}
+
+/// The values of a surface, but for its textures and where it is.
+fn of_material(factors: &SurfaceFactors<'_>, interface: &Interface) -> SurfaceValues {
+    let material = factors.material;
+    let bytes = interface.material_bytes(factors);
+    let uniforms = interface.material.iter().map(|field| (field.name.clone(), numbers(field, &bytes)));
     SurfaceValues {
         material: material.name.clone(),
         number: 0,
@@ -81,14 +88,21 @@ fn of_surface(model: &Model, surface: &Surface<'_>, interface: &Interface) -> Su
             AlphaMode::Mask(_) => "mask",
             AlphaMode::Blend => "blend",
         },
-        uniforms: BTreeMap::new(),
-        textures: textures.collect(),
+        uniforms: uniforms.collect(),
+        textures: BTreeMap::new(),
     }
 }
 
-fn uniforms(model: &Model, surface: &Surface<'_>, interface: &Interface) -> BTreeMap<String, Vec<f32>> {
-    let bytes = interface.material_bytes(&SurfaceFactors::of_surface(surface, model.scene()));
-    interface.material.iter().map(|field| (field.name.clone(), numbers(field, &bytes))).collect()
+fn textures(
+    model: &Model,
+    material: &Material,
+    interface: &Interface,
+) -> BTreeMap<&'static str, TextureValue> {
+    let used = interface.textures.iter().filter_map(|slot| {
+        let texture = TextureRole::named(slot.name)?.of(material)?;
+        Some((slot.name, texture_value(model, texture)))
+    });
+    used.collect()
 }
 
 /// The numbers of a field in the bytes of its buffer.

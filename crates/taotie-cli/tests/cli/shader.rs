@@ -50,6 +50,8 @@ out/index.html
     let told = read_json(&place, "out/cook-torrance-tangent-normal.json");
     let kinds = [&told["shading"], &told["surface"], &told["target"]].map(Value::as_str);
     assert_eq!(kinds, [Some("cook-torrance"), Some("tangent-normal"), Some("wgsl")]);
+    let plain = &told["surfaces"][0];
+    assert_eq!((&plain["uniforms"]["metallic"], &plain["instances"]), (&json!([0.0]), &json!([])));
     let tables = &told["tables"];
     let bytes = tables["width"].as_u64().unwrap() * tables["height"].as_u64().unwrap() * 16;
     assert_eq!(place.read("out/albedo-tables.bin").len() as u64, bytes);
