@@ -158,7 +158,8 @@ fn label(surface: &SurfaceValues) -> String {
         [instance] => format!("instance {instance}"),
         many => format!("{} instances", many.len()),
     };
-    format!("{} on {place}", format!("material {number} {material}").trim_end())
+    let name = format!("material {number} {material}");
+    format!("{} on {place}", name.trim_end())
 }
 
 fn vertices(shader: &Description) -> Section {

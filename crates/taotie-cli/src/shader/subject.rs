@@ -16,6 +16,9 @@ use taotie::shade::Energy;
 use taotie::surface::SurfaceMethod;
 use taotie_shader::{NormalMethod, Variant, VariantOptions};
 
+/// The factor of `bump-printed` where none is given: the smaller one of Guo and Wang 2025.
+const PRINTED_BUMP: f32 = 5.0;
+
 /// A variant, and what is drawn by it.
 pub struct Drawn {
     /// The name wanted for its files.
@@ -130,12 +133,12 @@ pub fn plain_material(args: &ShaderArgs) -> Material {
     let texture =
         TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
     let normal = |space| Some(NormalMap { texture, scale: 1.0, space, green: GreenChannel::Up });
+    let height = |scale| Some(HeightMap { texture, scale });
     let plain = Material::default();
     match args.surface.unwrap_or(SurfaceMethod::Smooth) {
         SurfaceMethod::Facet | SurfaceMethod::Smooth => plain,
-        SurfaceMethod::Bump | SurfaceMethod::BumpPrinted => {
-            Material { height: Some(HeightMap { texture, scale: 1.0 }), ..plain }
-        }
+        SurfaceMethod::Bump => Material { height: height(1.0), ..plain },
+        SurfaceMethod::BumpPrinted => Material { height: height(PRINTED_BUMP), ..plain },
         SurfaceMethod::ObjectNormal => Material { normal: normal(NormalSpace::Object), ..plain },
         SurfaceMethod::TangentNormal => Material { normal: normal(NormalSpace::Tangent), ..plain },
     }
