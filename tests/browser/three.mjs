@@ -1,4 +1,4 @@
-// Draws FOLDER's model.glb by three.js as its view.json says, and writes three.png.
+// Draws FOLDER's model.glb by three.js as its view.json says, in the page that is named, and writes three.png.
 
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
@@ -29,7 +29,7 @@ await page.route(`${SITE}/**`, (route) => {
     const path = file(route.request().url());
     return route.fulfill(path ? { path } : { status: 404 });
 });
-await page.goto(`${SITE}/three.html`);
+await page.goto(`${SITE}/${process.argv[2]}`);
 await page.waitForFunction(() => typeof picture === "string", null, { timeout: 60_000 });
 assert.deepEqual(complaints(page), []);
 const [, data] = (await page.evaluate(() => picture)).split(",");

@@ -4,6 +4,7 @@
 //! to stdout, talk to stderr; a closed pipe is no error.
 
 mod bake;
+mod choice;
 mod compare;
 mod completions;
 mod console;
@@ -15,6 +16,7 @@ mod materials;
 mod normals;
 mod options;
 mod render;
+mod shader;
 mod stop;
 mod studio;
 
@@ -47,6 +49,8 @@ enum Command {
     Normals(Box<normals::NormalsArgs>),
     /// Measures the difference of two pictures or normal maps.
     Diff(diff::DiffArgs),
+    /// Writes the shaders of a model's materials, or of a plain one.
+    Shader(Box<shader::ShaderArgs>),
     /// Lists the material presets for `--material`.
     Materials(materials::MaterialsArgs),
     /// Renders the built-in bronze by every method and shading model, and measures the error.
@@ -87,6 +91,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Inspect(args) => inspect::run(&args).map(|()| Outcome::Fine),
         Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),
         Command::Diff(args) => diff::run(&args),
+        Command::Shader(args) => shader::run(&args).map(|()| Outcome::Fine),
         Command::Materials(args) => materials::run(&args).map(|()| Outcome::Fine),
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
         Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),

@@ -9,10 +9,12 @@
 //! [`pixel_shader()`] writes the whole pixel of a surface: the stages of `taotie::pixel`, recorded for a [`Variant`]
 //! ([`PixelProgram`]), with what fetches and joins them. Its [`Interface`] says what a host binds; [`FrameFactors`],
 //! [`light_numbers`] and [`SurfaceFactors`] fill the buffers.
+//! With the feature `translate`, `translate` takes WGSL to HLSL, MSL and SPIR-V.
 
 mod binding;
 mod body;
 mod environment;
+mod environment_atlas;
 mod evaluate;
 mod factors;
 mod frame;
@@ -32,10 +34,14 @@ mod recorder;
 mod role;
 mod shader;
 mod structures;
+mod surface;
 mod text;
+#[cfg(feature = "translate")]
+mod translation;
 mod variant;
 mod vectors;
 
+pub use environment_atlas::{EnvironmentAtlas, opaque};
 pub use evaluate::{EvaluateError, evaluate};
 pub use factors::SurfaceFactors;
 pub use frame::{FrameFactors, MOST_LEVELS, MOST_LIGHTS, light_numbers};
@@ -50,4 +56,6 @@ pub use program::{Formula, Program};
 pub use recorder::{Recorded, RecordedTruth, Scope, record};
 pub use role::TextureRole;
 pub use shader::{functions, shader};
+#[cfg(feature = "translate")]
+pub use translation::{Translation, TranslationError, translate};
 pub use variant::{NormalMethod, Variant, VariantOptions};

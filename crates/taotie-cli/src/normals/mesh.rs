@@ -1,7 +1,8 @@
 //! The mesh that a map is for, laid out on it.
 
 use super::args::NormalsArgs;
-use anyhow::{Context, Result, bail};
+use crate::choice;
+use anyhow::{Context, Result, anyhow, bail};
 use std::path::Path;
 use taotie::Warnings;
 use taotie::bake::{TexelGrid, TexelSurface};
@@ -33,22 +34,15 @@ pub fn laid_out(
 /// The number of the mesh asked for, or of the only one.
 fn part(args: &NormalsArgs, path: &Path, loaded: &Loaded) -> Result<usize> {
     let count = loaded.scene.meshes().len();
-    let name = |i: usize| loaded.mesh_names.get(i).map_or("", String::as_str);
-    let list = || {
-        (0..count).map(|i| format!("{i} {}", name(i)).trim_end().to_owned()).collect::<Vec<_>>().join(", ")
-    };
-    let Some(asked) = &args.part else {
-        return match count {
-            1 => Ok(0),
-            _ => bail!("{}: it has {count} meshes; choose one with --part: {}", path.display(), list()),
-        };
-    };
-    let named: Vec<usize> = (0..count).filter(|i| name(*i) == asked).collect();
-    let number = asked.parse().ok().filter(|i| *i < count);
-    match (named.as_slice(), number) {
-        ([i], _) => Ok(*i),
-        ([], Some(i)) => Ok(i),
-        ([], None) => bail!("{}: there is no mesh `{asked}`; choose from: {}", path.display(), list()),
-        _ => bail!("{}: several meshes are named `{asked}`; give the number: {}", path.display(), list()),
+    let names: Vec<&str> = (0..count).map(|i| loaded.mesh_names.get(i).map_or("", String::as_str)).collect();
+    let path = path.display();
+    match &args.part {
+        Some(asked) => {
+            choice::chosen(asked, ["mesh", "meshes"], &names).map_err(|why| anyhow!("{path}: {why}"))
+        }
+        None if count == 1 => Ok(0),
+        None => {
+            bail!("{path}: it has {count} meshes; choose one with --part: {}", choice::listed(&names))
+        }
     }
 }

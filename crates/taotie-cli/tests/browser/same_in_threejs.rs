@@ -22,13 +22,13 @@ use taotie_study::jue;
 const SLACK: f64 = 1.05;
 
 /// The orbit from which all models are looked at, at the distance of the vessel.
-fn orbit(scene: &Scene) -> Orbit {
+pub fn orbit(scene: &Scene) -> Orbit {
     let [azimuth, elevation, fov_y] = [24.0f64, 15.0, 26.0].map(f64::to_radians);
     let target = scene.bounds().unwrap().center();
     Orbit { azimuth, elevation, distance: 0.55, target, fov_y }
 }
 
-fn view(scene: &Scene, orbit: &Orbit) -> View {
+pub fn view(scene: &Scene, orbit: &Orbit) -> View {
     View {
         camera: orbit.camera(scene.bounds().unwrap().diagonal() / 2.0),
         direction: Vec3::new(-0.5, -0.6, -0.62).normalize(),
@@ -38,7 +38,7 @@ fn view(scene: &Scene, orbit: &Orbit) -> View {
 }
 
 /// The vessel in clay and in bronze.
-fn materials(scene: &Scene) -> [GltfMaterial<'_>; 2] {
+pub fn materials(scene: &Scene) -> [GltfMaterial<'_>; 2] {
     let [color, orm, normal] = [0, 1, 2].map(|i| scene.textures()[i].bitmap());
     let clay = GltfMaterial {
         roughness: 0.5,

@@ -1,4 +1,5 @@
-//! The same GLB under the same camera and light, drawn by three.js in a browser and by us.
+//! The same GLB under the same camera and light, drawn by three.js in a browser and by us; by the materials of three.js,
+//! and by our shaders.
 
 use crate::node::Node;
 use serde_json::{Value, json};
@@ -8,7 +9,7 @@ use taotie::film::{Development, ToneCurve, develop8};
 use taotie::image::Texels;
 use taotie::io::{decode_bitmap, load_model, read_bytes};
 use taotie::math::Vec3;
-use taotie::render::{GrazingNormals, Lighting, RenderSettings, Shot, render};
+use taotie::render::{EnvironmentLight, GrazingNormals, Lighting, RenderSettings, Shot, render};
 use taotie::scene::{Camera, Falloff, Light, LightKind, Projection};
 use taotie::shade::Energy;
 
@@ -30,16 +31,28 @@ pub struct View {
 
 /// Returns three.js's picture of `model.glb` in a folder, on black and without tone curve.
 pub fn three(node: &Node, folder: &Path, view: &View) -> DisplayImage {
-    std::fs::write(folder.join("view.json"), json_of(view).to_string()).unwrap();
-    node.run(&["three.mjs"], folder);
+    averaged(&canvas(node, folder, "three.html", json_of(view, FINER)), view.size)
+}
+
+/// Returns three.js's picture of `model.glb` by the shader `name` in the folder `shaders`, one sample a pixel.
+pub fn by_shader(node: &Node, folder: &Path, view: &View, name: &str) -> Vec<[u8; 4]> {
+    let mut json = json_of(view, 1);
+    json["shader"] = name.into();
+    canvas(node, folder, "shader-material.html", json)
+}
+
+/// The pixels that a page leaves.
+fn canvas(node: &Node, folder: &Path, page: &str, view: Value) -> Vec<[u8; 4]> {
+    std::fs::write(folder.join("view.json"), view.to_string()).unwrap();
+    node.run(&["three.mjs", page], folder);
     let path = folder.join("three.png");
     let bitmap = decode_bitmap(&read_bytes(&path).unwrap(), "three.js", &path).unwrap();
     let Texels::U8(texels) = bitmap.texels() else { panic!("a canvas has 8 bits") };
-    averaged(texels, view.size)
+    texels.clone()
 }
 
-/// The view as `three.html` reads it.
-fn json_of(view: &View) -> Value {
+/// The view as the pages read it, `finer` times as large.
+fn json_of(view: &View, finer: usize) -> Value {
     let Projection::Perspective { fov_y, near, .. } = view.camera.projection else {
         panic!("the view is in perspective")
     };
@@ -48,7 +61,7 @@ fn json_of(view: &View) -> Value {
         json!({ "fov_deg": fov_y.to_degrees(), "near": near, "far": near * 1000.0, "columns": columns });
     let from = (view.direction * -1.0).to_array();
     let light = json!({ "from": from, "color": [view.irradiance, view.irradiance, view.irradiance] });
-    let fine = view.size.map(|side| side as usize * FINER);
+    let fine = view.size.map(|side| side as usize * finer);
     json!({ "size": fine, "camera": camera, "light": light })
 }
 
@@ -76,26 +89,35 @@ fn srgb_from_linear(v: f64) -> f64 {
 
 /// Returns our picture of the same.
 pub fn ours(folder: &Path, view: &View) -> DisplayImage {
-    let scene = load_model(&folder.join("model.glb")).unwrap().scene;
-    let kind = LightKind::Directional { direction: view.direction };
-    let light =
-        Light { name: String::new(), kind, color: Vec3::splat(view.irradiance), falloff: Falloff::None };
-    let lighting = Lighting { lights: vec![light], ..Lighting::default() };
-    let [width, height] = view.size;
     let settings = RenderSettings {
-        width,
-        height,
         samples: (FINER * FINER) as u32,
         // three.js neither bends normals nor fades light, and follows the light of lamps to its first facet.
         grazing_normals: GrazingNormals::Keep,
         energy: Energy::Single,
         ..RenderSettings::default()
     };
+    picture_of(&rendered(folder, view, settings, None), view.size)
+}
+
+/// Returns our picture by some settings, in an environment too where there is one, on black and without tone curve.
+pub fn rendered(
+    folder: &Path,
+    view: &View,
+    settings: RenderSettings,
+    environment: Option<EnvironmentLight>,
+) -> Vec<[u8; 4]> {
+    let scene = load_model(&folder.join("model.glb")).unwrap().scene;
+    let kind = LightKind::Directional { direction: view.direction };
+    let light =
+        Light { name: String::new(), kind, color: Vec3::splat(view.irradiance), falloff: Falloff::None };
+    let lighting = Lighting { lights: vec![light], environment, ..Lighting::default() };
+    let [width, height] = view.size;
+    let settings = RenderSettings { width, height, ..settings };
     let shot = Shot { camera: &view.camera, lighting: &lighting, settings: &settings };
     let frame = render(&scene, &shot).unwrap();
     let development =
         Development { tone: ToneCurve::Linear, background: Some(Vec3::splat(0.0)), ..Development::default() };
-    picture_of(&develop8(&frame.color, &development).unwrap(), view.size)
+    develop8(&frame.color, &development).unwrap()
 }
 
 fn picture_of(texels: &[[u8; 4]], [width, height]: [u32; 2]) -> DisplayImage {

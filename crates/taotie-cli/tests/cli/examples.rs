@@ -140,7 +140,8 @@ fn hundredth(count: &str) -> String {
 }
 
 /// All but `demo`, which makes two million triangles; the tests of models run it.
-const COMMANDS: [&str; 7] = ["bake", "render", "compare", "inspect", "normals", "diff", "materials"];
+const COMMANDS: [&str; 8] =
+    ["bake", "render", "compare", "inspect", "normals", "diff", "shader", "materials"];
 
 #[test]
 fn the_examples_of_every_help_page_run() {

@@ -17,6 +17,7 @@ Commands:
   inspect      Lists the content of a model file and its defects
   normals      Makes normal maps from height maps, and converts normal maps
   diff         Measures the difference of two pictures or normal maps
+  shader       Writes the shaders of a model's materials, or of a plain one
   materials    Lists the material presets for `--material`
   demo         Renders the built-in bronze by every method and shading model, and measures the error
   completions  Prints a script by which a shell completes subcommands and options

@@ -37,6 +37,7 @@ mod provenance;
 mod render;
 mod running;
 mod same_bits;
+mod shader;
 mod sizes;
 mod unread;
 #[path = "../../../taotie/tests/common/validator.rs"]

@@ -1,0 +1,166 @@
+//! `taotie shader`: the pixel shaders of a model's materials, or of a plain one, and all that binds them.
+
+mod args;
+mod description;
+mod file;
+mod names;
+mod page;
+mod subject;
+mod tables;
+mod target;
+mod values;
+
+pub use args::ShaderArgs;
+
+use crate::{console, stop};
+use anyhow::{Context, Result};
+use description::Description;
+use file::NamedFile;
+use names::Names;
+use serde_json::json;
+use subject::{Drawn, Model, plain};
+use taotie::Warnings;
+use taotie::io::FileSet;
+use target::Target;
+
+/// Version of the JSON that `--json` prints.
+const SCHEMA: u32 = 1;
+
+/// The module that makes materials of three.js.
+const HOST: &str = include_str!("material.js");
+
+/// The most textures that every WebGL 2 can bind to a fragment shader.
+const MOST_TEXTURES: usize = 16;
+
+/// All that is written.
+struct Bundle {
+    shaders: Vec<Description>,
+    files: Vec<NamedFile>,
+    warnings: Warnings,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &ShaderArgs) -> Result<()> {
+    args.check()?;
+    let files = stop::files();
+    files.protect(args.sources())?;
+    files.claim_folder(&args.output)?;
+    let bundle = Bundle::new(args, &files)?;
+    for NamedFile { name, bytes } in &bundle.files {
+        files.write_bytes(&args.output.join(name), bytes)?;
+    }
+    files.commit()?;
+    console::say_warnings(&bundle.warnings);
+    match args.json {
+        true => console::result(&serde_json::to_string_pretty(&bundle.json(args))?),
+        false => bundle.paths(args).try_for_each(|path| console::result(&path)),
+    }
+}
+
+impl Bundle {
+    fn new(args: &ShaderArgs, files: &FileSet) -> Result<Self> {
+        let mut warnings = Warnings::default();
+        let model =
+            args.model.as_deref().map(|path| Model::load(args, path, files, &mut warnings)).transpose()?;
+        let all = match (&model, &args.model) {
+            (Some(model), Some(path)) => model.drawn(args, path)?,
+            _ => vec![plain(args)],
+        };
+        let mut bundle = Self { shaders: Vec::new(), files: Vec::new(), warnings };
+        let mut names = Names::default();
+        for drawn in &all {
+            bundle.add(args, model.as_ref(), drawn, &names.take(&drawn.name))?;
+        }
+        bundle.add_tables();
+        bundle.add_environment(args)?;
+        bundle.add_texts(args)?;
+        Ok(bundle)
+    }
+
+    /// Adds a shader under its name.
+    fn add(&mut self, args: &ShaderArgs, model: Option<&Model>, drawn: &Drawn, name: &str) -> Result<()> {
+        let (shader, files) = Description::new(args, model, drawn, name)?;
+        let many = args.target == Target::GlslEs && shader.interface.textures.len() > MOST_TEXTURES;
+        self.warnings
+            .note("shaders with more textures than every WebGL 2 can bind, which are 16", usize::from(many));
+        self.files.extend(files);
+        self.shaders.push(shader);
+        Ok(())
+    }
+
+    fn add_tables(&mut self) {
+        if self.shaders.iter().any(|shader| shader.tables.is_some()) {
+            self.files.push(tables::file());
+        }
+    }
+
+    /// Adds the environment where a shader reads it.
+    fn add_environment(&mut self, args: &ShaderArgs) -> Result<()> {
+        let is_read = self.shaders.iter().any(Description::reads_environment);
+        let unread = args.environment().source.is_some() && !is_read;
+        self.warnings.note("--env is not read: no surface reflects it", usize::from(unread));
+        if !is_read {
+            return Ok(());
+        }
+        let limits = args.limits.limits();
+        let light = args.environment().load_within(&limits, &mut self.warnings).context("--env")?;
+        let Some(light) = light else { return Ok(()) };
+        let (description, files) = tables::environment(&light);
+        for shader in self.shaders.iter_mut().filter(|shader| shader.reads_environment()) {
+            shader.environment = Some(description.clone());
+        }
+        self.files.extend(files);
+        Ok(())
+    }
+
+    /// Adds what tells of the shaders, and the host of three.js.
+    fn add_texts(&mut self, args: &ShaderArgs) -> Result<()> {
+        for shader in &self.shaders {
+            let text = serde_json::to_string_pretty(shader)? + "\n";
+            self.files.push(NamedFile::new(format!("{}.json", shader.name), text));
+        }
+        if args.target == Target::GlslEs {
+            self.files.push(NamedFile::new("material.js", HOST));
+        }
+        let names: Vec<&str> = self.files.iter().map(|file| file.name.as_str()).collect();
+        let page = taotie_report::html(&page::page(args, &self.shaders, &names));
+        self.files.push(NamedFile::new("index.html", page));
+        Ok(())
+    }
+
+    /// The paths of all files.
+    fn paths(&self, args: &ShaderArgs) -> impl Iterator<Item = String> {
+        self.files.iter().map(|file| args.output.join(&file.name).display().to_string())
+    }
+
+    fn json(&self, args: &ShaderArgs) -> serde_json::Value {
+        let shaders: Vec<_> = self.shaders.iter().map(shader_json).collect();
+        json!({
+            "schema": SCHEMA,
+            "version": env!("CARGO_PKG_VERSION"),
+            "model": args.model.as_ref().map(|path| path.to_string_lossy()),
+            "target": args.target.name(),
+            "reflection": args.reflection.json(),
+            "environment": args.env,
+            "files": self.paths(args).collect::<Vec<_>>(),
+            "shaders": shaders,
+            "warnings": console::json_warnings(&self.warnings),
+        })
+    }
+}
+
+fn shader_json(shader: &Description) -> serde_json::Value {
+    let materials: Vec<_> = shader
+        .surfaces
+        .iter()
+        .filter(|surface| !surface.instances.is_empty())
+        .map(|surface| json!({ "name": surface.material, "number": surface.number, "instances": surface.instances }))
+        .collect();
+    json!({
+        "name": shader.name,
+        "shading": shader.shading,
+        "surface": shader.surface,
+        "files": shader.files,
+        "materials": materials,
+    })
+}

@@ -1,0 +1,168 @@
+//! The surfaces that shaders are written for: those of a model, or a plain one.
+
+use super::ShaderArgs;
+use crate::choice;
+use anyhow::{Context, Result, anyhow, bail};
+use std::path::Path;
+use taotie::Warnings;
+use taotie::image::Sampler;
+use taotie::io::FileSet;
+use taotie::names::Named;
+use taotie::render::{GrazingNormals, Prepared, Surface};
+use taotie::scene::{
+    GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
+};
+use taotie::shade::Energy;
+use taotie::surface::SurfaceMethod;
+use taotie_shader::{NormalMethod, Variant, VariantOptions};
+
+/// The factor of `bump-printed` where none is given: the smaller one of Guo and Wang 2025.
+const PRINTED_BUMP: f32 = 5.0;
+
+/// A variant, and what is drawn by it.
+pub struct Drawn {
+    /// The name wanted for its files.
+    pub name: String,
+    /// The variant.
+    pub variant: Variant,
+    /// The numbers of the instances that it draws; none where there is no model.
+    pub instances: Vec<usize>,
+}
+
+/// A model whose surfaces are ready.
+pub struct Model {
+    prepared: Prepared,
+    /// Files or names of its textures.
+    pub texture_names: Vec<String>,
+}
+
+impl Model {
+    /// Reads a model and prepares it as `taotie render` does.
+    pub fn load(args: &ShaderArgs, path: &Path, files: &FileSet, warnings: &mut Warnings) -> Result<Self> {
+        let loaded = taotie::studio::load_within(path, &args.materials(), &args.limits.limits())?;
+        files.protect(&loaded.files)?;
+        warnings.absorb(loaded.warnings);
+        let lifted = loaded.scene.materials().iter().any(|material| material.height.is_some());
+        let unread = args.bump_scale.is_some() && !lifted;
+        warnings.note("--bump-scale is not read: no material has a height map", usize::from(unread));
+        let prepared = Prepared::new(loaded.scene, &args.settings().surface)
+            .with_context(|| path.display().to_string())?;
+        warnings.absorb(prepared.warnings().clone());
+        Ok(Self { prepared, texture_names: loaded.texture_names })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        self.prepared.scene()
+    }
+
+    /// Its surfaces, one for each instance.
+    pub fn surfaces(&self) -> Vec<Surface<'_>> {
+        self.prepared.surfaces()
+    }
+
+    /// The variants of the materials asked for, in the order of the instances that they draw.
+    pub fn drawn(&self, args: &ShaderArgs, path: &Path) -> Result<Vec<Drawn>> {
+        let chosen = args.material.as_deref().map(|asked| self.choose(asked, path)).transpose()?;
+        let instances = self.scene().instances().iter().enumerate();
+        let asked_for: Vec<usize> = instances
+            .filter(|(_, instance)| chosen.is_none_or(|material| material == instance.material))
+            .map(|(number, _)| number)
+            .collect();
+        match (&args.material, asked_for.is_empty()) {
+            (Some(asked), true) => {
+                bail!("{}: no mesh has the material `{asked}`; choose another", path.display())
+            }
+            _ => Ok(self.grouped(args, &asked_for)),
+        }
+    }
+
+    /// The variants of these instances.
+    fn grouped(&self, args: &ShaderArgs, instances: &[usize]) -> Vec<Drawn> {
+        let (settings, environment) = (args.settings(), args.environment().source.is_some());
+        let surfaces = self.surfaces();
+        let mut all: Vec<Drawn> = Vec::new();
+        for number in instances {
+            let surface = &surfaces[*number];
+            let options = VariantOptions::of_surface(surface, &settings, environment);
+            let variant = Variant::new(surface.material, &options);
+            match all.iter_mut().find(|drawn| drawn.variant == variant) {
+                Some(drawn) => drawn.instances.push(*number),
+                None => all.push(Drawn { name: self.name(*number), variant, instances: vec![*number] }),
+            }
+        }
+        all
+    }
+
+    /// The name of an instance's material, or its number where it has none.
+    fn name(&self, instance: usize) -> String {
+        let number = self.scene().instances()[instance].material;
+        match self.scene().materials()[number].name.as_str() {
+            "" => format!("material-{number}"),
+            name => name.to_owned(),
+        }
+    }
+
+    /// The number of the material asked for, by name or number.
+    fn choose(&self, asked: &str, path: &Path) -> Result<usize> {
+        let names: Vec<&str> =
+            self.scene().materials().iter().map(|material| material.name.as_str()).collect();
+        let chosen = choice::chosen(asked, ["material", "materials"], &names);
+        chosen.map_err(|why| anyhow!("{}: {why}", path.display()))
+    }
+}
+
+/// The variant of a plain material that has the map of the surface method.
+pub fn plain(args: &ShaderArgs) -> Drawn {
+    let (settings, surface) = (args.settings(), args.surface.unwrap_or(SurfaceMethod::Smooth));
+    let options = VariantOptions {
+        shading: settings.shading,
+        method: method(surface),
+        compensated: settings.energy == Energy::Compensated,
+        softened: settings.grazing_normals == GrazingNormals::Soften,
+        specular_aa: settings.specular_aa,
+        environment: args.environment().source.is_some(),
+        ..VariantOptions::default()
+    };
+    let name = format!("{}-{}", settings.shading.name(), surface.name());
+    Drawn { name, variant: Variant::new(&plain_material(args), &options), instances: Vec::new() }
+}
+
+/// The material without a model, with the map that the surface method reads.
+pub fn plain_material(args: &ShaderArgs) -> Material {
+    let texture =
+        TextureRef { texture: 0, uv_set: 0, sampler: Sampler::default(), transform: UvTransform::default() };
+    let normal = |space| Some(NormalMap { texture, scale: 1.0, space, green: GreenChannel::Up });
+    let height = |scale| Some(HeightMap { texture, scale });
+    let plain = Material::default();
+    match args.surface.unwrap_or(SurfaceMethod::Smooth) {
+        SurfaceMethod::Facet | SurfaceMethod::Smooth => plain,
+        SurfaceMethod::Bump => Material { height: height(1.0), ..plain },
+        SurfaceMethod::BumpPrinted => Material { height: height(PRINTED_BUMP), ..plain },
+        SurfaceMethod::ObjectNormal => Material { normal: normal(NormalSpace::Object), ..plain },
+        SurfaceMethod::TangentNormal => Material { normal: normal(NormalSpace::Tangent), ..plain },
+    }
+}
+
+fn method(surface: SurfaceMethod) -> NormalMethod {
+    match surface {
+        SurfaceMethod::Facet => NormalMethod::Facet,
+        SurfaceMethod::Smooth => NormalMethod::Smooth,
+        SurfaceMethod::Bump => NormalMethod::Bump,
+        SurfaceMethod::BumpPrinted => NormalMethod::BumpPrinted,
+        SurfaceMethod::ObjectNormal => NormalMethod::ObjectMap,
+        SurfaceMethod::TangentNormal => NormalMethod::TangentMap,
+    }
+}
+
+/// The name on the command line.
+pub fn surface_name(method: NormalMethod) -> &'static str {
+    match method {
+        NormalMethod::Facet => SurfaceMethod::Facet.name(),
+        NormalMethod::Smooth => SurfaceMethod::Smooth.name(),
+        NormalMethod::Bump => SurfaceMethod::Bump.name(),
+        NormalMethod::BumpPrinted => SurfaceMethod::BumpPrinted.name(),
+        NormalMethod::ObjectMap => SurfaceMethod::ObjectNormal.name(),
+        NormalMethod::TangentMap => SurfaceMethod::TangentNormal.name(),
+    }
+}

@@ -1,0 +1,117 @@
+//! What shaders read beside a material: the tables of albedos and the maps of an environment, as files of numbers.
+
+use super::file::NamedFile;
+use serde::Serialize;
+use taotie::render::EnvironmentLight;
+use taotie::shade::dfg::{COLUMNS, ROWS, tables};
+use taotie::shade::environment::HalfPicture;
+use taotie_shader::{EnvironmentAtlas, opaque};
+
+/// The name of the file of the tables.
+pub const TABLES: &str = "albedo-tables.bin";
+
+/// The names of the files of an environment.
+const MAPS: &str = "environment-maps.bin";
+const PICTURE: &str = "environment-picture.bin";
+
+/// A texture in a file of numbers alone.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct BinaryTexture {
+    /// The name of the file.
+    pub file: &'static str,
+    /// Texels across.
+    pub width: usize,
+    /// Texels down.
+    pub height: usize,
+    /// `rgba32float` or `rgba16float`: four numbers a texel, little-endian, row by row from the top.
+    pub format: &'static str,
+    /// The meaning of its rows and channels.
+    pub meaning: &'static str,
+}
+
+/// The description of the tables of albedos.
+pub fn description() -> BinaryTexture {
+    BinaryTexture {
+        file: TABLES,
+        width: COLUMNS,
+        height: 3 * ROWS,
+        format: "rgba32float",
+        meaning: "Directional albedos: columns go along the square root of n·v from 0 to 1, rows along the roughness from 0 \
+            to 1. 48 rows of GGX and 48 of Cook-Torrance hold what is multiplied by F0, by F90 and by the drop of F82, and \
+            Schlick's rise over a diffuse reflection; 48 rows of sheen hold its albedo in red.",
+    }
+}
+
+/// The file of the tables of albedos.
+pub fn file() -> NamedFile {
+    let numbers = tables();
+    let bytes: Vec<u8> = numbers.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
+    NamedFile::new(TABLES, bytes)
+}
+
+/// The maps of an environment, as its shaders read them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EnvironmentDescription {
+    /// `environment_maps`.
+    pub maps: BinaryTexture,
+    /// `environment_picture`.
+    pub picture: BinaryTexture,
+    /// `environment_levels`: 32 times four numbers.
+    pub levels: Vec<[f32; 4]>,
+    /// The number of levels: `frame.environment_levels`.
+    pub count: usize,
+    /// `frame.smoothest_alpha`.
+    pub smoothest_alpha: f32,
+}
+
+/// The description of an environment, and its files.
+pub fn environment(light: &EnvironmentLight) -> (EnvironmentDescription, [NamedFile; 2]) {
+    let maps = light.environment.maps();
+    let atlas = EnvironmentAtlas::new(&maps);
+    let half = |file, [width, height]: [usize; 2], meaning| BinaryTexture {
+        file,
+        width,
+        height,
+        format: "rgba16float",
+        meaning,
+    };
+    let description = EnvironmentDescription {
+        maps: half(
+            MAPS,
+            atlas.size,
+            "The levels of the environment, each an unfolded octahedron with a border.",
+        ),
+        picture: half(
+            PICTURE,
+            [maps.picture.width, maps.picture.height],
+            "The equirectangular picture, divided by its factor.",
+        ),
+        levels: atlas.table.to_vec(),
+        count: maps.levels.len(),
+        smoothest_alpha: maps.smoothest_alpha,
+    };
+    let picture = NamedFile::new(PICTURE, picture_bytes(&maps.picture));
+    (description, [NamedFile::new(MAPS, half_bytes(&atlas.texels)), picture])
+}
+
+fn picture_bytes(picture: &HalfPicture<'_>) -> Vec<u8> {
+    half_bytes(&picture.texels.iter().map(opaque).collect::<Vec<_>>())
+}
+
+fn half_bytes(texels: &[[u16; 4]]) -> Vec<u8> {
+    texels.as_flattened().iter().flat_map(|half| half.to_le_bytes()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_file_of_tables_is_as_it_is_described() {
+        let told = description();
+        let bytes = file().bytes;
+        assert_eq!(bytes.len(), told.width * told.height * 16);
+        let first = f32::from_le_bytes([0, 1, 2, 3].map(|i| bytes[i]));
+        assert_eq!(first, tables()[0][0]);
+    }
+}

@@ -1,0 +1,92 @@
+//! The levels of an environment side by side in one picture, as shaders read them.
+
+use crate::frame::MOST_LEVELS;
+use taotie::shade::environment::{EnvironmentMaps, HalfPicture};
+
+/// The half float of alpha.
+const ONE: u16 = 0x3c00;
+
+/// The levels of an environment side by side: `environment_maps` and `environment_levels` of a shader.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnvironmentAtlas {
+    /// Texels across and down.
+    pub size: [usize; 2],
+    /// Half floats of linear RGB, and 1, row by row from the top.
+    pub texels: Vec<[u16; 4]>,
+    /// Column and row of each level's first texel, its side without the border, and its factor. The last row ends with
+    /// the factor of the environment's picture.
+    pub table: [[f32; 4]; MOST_LEVELS],
+}
+
+impl EnvironmentAtlas {
+    /// Lays the levels out in shelves, about as wide as high. Levels beyond the first [`MOST_LEVELS`] − 1 are left out:
+    /// no environment has as many.
+    pub fn new(maps: &EnvironmentMaps<'_>) -> Self {
+        let levels = &maps.levels[..maps.levels.len().min(MOST_LEVELS - 1)];
+        let (size, places) = shelves(levels);
+        let mut atlas =
+            Self { size, texels: vec![[0, 0, 0, ONE]; size[0] * size[1]], table: [[0.0; 4]; MOST_LEVELS] };
+        for (number, (level, place)) in levels.iter().zip(places).enumerate() {
+            atlas.put(level, place);
+            let [x, y] = place.map(|texels| texels as f32);
+            atlas.table[number] = [x, y, level.width.saturating_sub(2) as f32, level.factor];
+        }
+        atlas.table[MOST_LEVELS - 1][3] = maps.picture.factor;
+        atlas
+    }
+
+    fn put(&mut self, level: &HalfPicture<'_>, [left, top]: [usize; 2]) {
+        let rows = self.texels.chunks_exact_mut(self.size[0]).skip(top);
+        for (row, from) in rows.zip(level.texels.chunks_exact(level.width)) {
+            row[left..].iter_mut().zip(from).for_each(|(to, from)| *to = opaque(from));
+        }
+    }
+}
+
+/// A texel of half floats with alpha 1.
+pub fn opaque([r, g, b]: &[u16; 3]) -> [u16; 4] {
+    [*r, *g, *b, ONE]
+}
+
+/// The size that holds all levels, at least one texel, and the column and row at which each begins.
+fn shelves(levels: &[HalfPicture<'_>]) -> ([usize; 2], Vec<[usize; 2]>) {
+    let area: usize = levels.iter().map(|level| level.width * level.height).sum();
+    let widest = levels.iter().map(|level| level.width).max().unwrap_or(1);
+    let width = widest.max(area.isqrt());
+    let (mut left, mut top, mut below) = (0, 0, 0);
+    let mut places = Vec::with_capacity(levels.len());
+    for level in levels {
+        if left + level.width > width {
+            (left, top) = (0, below);
+        }
+        places.push([left, top]);
+        left += level.width;
+        below = below.max(top + level.height);
+    }
+    ([width, below.max(1)], places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::image::Image;
+    use taotie::shade::environment::Environment;
+
+    #[test]
+    fn every_level_is_found_by_the_table() {
+        let environment = Environment::new(Image::new(16, 8, [0.5, 0.25, 2.0, 1.0]).unwrap()).unwrap();
+        let maps = environment.maps();
+        let atlas = EnvironmentAtlas::new(&maps);
+        assert_eq!(atlas.texels.len(), atlas.size[0] * atlas.size[1]);
+        assert_eq!(atlas.table[MOST_LEVELS - 1], [0.0, 0.0, 0.0, maps.picture.factor]);
+        let mut taken = vec![false; atlas.texels.len()];
+        for (level, [x, y, side, factor]) in maps.levels.iter().zip(atlas.table) {
+            assert_eq!((side as usize + 2, factor), (level.width, level.factor));
+            for (i, texel) in level.texels.iter().enumerate() {
+                let at = (y as usize + i / level.width) * atlas.size[0] + x as usize + i % level.width;
+                assert_eq!(atlas.texels[at], opaque(texel));
+                assert!(!std::mem::replace(&mut taken[at], true), "levels lie on one another");
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Prepared surfaces of `taotie::render` as variants and their values.
+
+use crate::factors::SurfaceFactors;
+use crate::variant::{NormalMethod, VariantOptions};
+use taotie::render::{GrazingNormals, NormalSource, RenderSettings, Surface};
+use taotie::scene::Scene;
+use taotie::shade::Energy;
+
+impl VariantOptions {
+    /// The options by which a surface is drawn under some settings, without shadows; `environment` tells whether one sends
+    /// light.
+    ///
+    /// ```
+    /// use taotie::mesh::Mesh;
+    /// use taotie::render::{Prepared, RenderSettings};
+    /// use taotie::scene::{Material, Scene};
+    /// use taotie_shader::{NormalMethod, VariantOptions};
+    ///
+    /// let settings = RenderSettings::default();
+    /// let scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default())?;
+    /// let prepared = Prepared::new(scene, &settings.surface)?;
+    /// let options = VariantOptions::of_surface(&prepared.surfaces()[0], &settings, false);
+    /// assert_eq!(options.method, NormalMethod::Smooth);
+    /// # Ok::<(), taotie::Error>(())
+    /// ```
+    pub fn of_surface(surface: &Surface<'_>, settings: &RenderSettings, environment: bool) -> Self {
+        Self {
+            shading: settings.shading,
+            method: (&surface.normal_source).into(),
+            compensated: settings.energy == Energy::Compensated,
+            softened: settings.grazing_normals == GrazingNormals::Soften,
+            specular_aa: settings.specular_aa,
+            environment,
+            both_sides: false,
+            shadows: false,
+            vertex_color: !surface.colors.is_empty(),
+            tangents: !surface.tangents.is_empty(),
+            uv_sets: surface.uvs.len(),
+        }
+    }
+}
+
+impl From<&NormalSource> for NormalMethod {
+    fn from(source: &NormalSource) -> Self {
+        match source {
+            NormalSource::Facet => Self::Facet,
+            NormalSource::Smooth => Self::Smooth,
+            NormalSource::Bump(..) => Self::Bump,
+            NormalSource::BumpPrinted(..) => Self::BumpPrinted,
+            NormalSource::ObjectMap(_) => Self::ObjectMap,
+            NormalSource::TangentMap(_) => Self::TangentMap,
+        }
+    }
+}
+
+impl<'s> SurfaceFactors<'s> {
+    /// The factors of a surface of a scene.
+    pub fn of_surface(surface: &Surface<'s>, scene: &Scene) -> Self {
+        let (bump, height_levels) = match surface.normal_source {
+            NormalSource::Bump(map, factor) | NormalSource::BumpPrinted(map, factor) => {
+                (factor, scene.textures().get(map.texture.texture).map_or(1, |texture| texture.levels()))
+            }
+            _ => (0.0, 1),
+        };
+        Self { material: surface.material, normal_matrix: surface.normal_matrix, bump, height_levels }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use taotie::image::{Bitmap, Encoding, Sampler, Texels, Texture};
+    use taotie::mesh::Mesh;
+    use taotie::render::{Prepared, SurfaceSettings};
+    use taotie::scene::{HeightMap, Material, TextureRef, UvTransform};
+
+    /// A sphere with a height map of 8 by 8 texels.
+    fn raised() -> Scene {
+        let bitmap = Bitmap::new(8, 8, 1, Texels::U8(vec![[7, 7, 7, 255]; 64])).unwrap();
+        let mut scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default()).unwrap();
+        let texture = TextureRef {
+            texture: scene.add_texture(Texture::new(bitmap, Encoding::Linear)),
+            uv_set: 0,
+            sampler: Sampler::default(),
+            transform: UvTransform::default(),
+        };
+        scene.edit(|data| data.materials[0].height = Some(HeightMap { texture, scale: 0.25 })).unwrap();
+        scene
+    }
+
+    #[test]
+    fn surfaces_are_drawn_as_they_are_prepared() {
+        for (bump_scale, expected) in [(None, 0.25), (Some(2.0), 2.0)] {
+            let surface = SurfaceSettings { bump_scale, ..SurfaceSettings::default() };
+            let settings = RenderSettings { specular_aa: false, surface, ..RenderSettings::default() };
+            let prepared = Prepared::new(raised(), &settings.surface).unwrap();
+            let sphere = &prepared.surfaces()[0];
+            let options = VariantOptions::of_surface(sphere, &settings, true);
+            assert_eq!((options.method, options.uv_sets), (NormalMethod::Bump, 1));
+            assert!(options.environment && options.softened && !options.specular_aa && !options.tangents);
+            let factors = SurfaceFactors::of_surface(sphere, prepared.scene());
+            assert_eq!((factors.bump, factors.height_levels), (expected, 4));
+        }
+    }
+}
