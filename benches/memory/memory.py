@@ -2,7 +2,8 @@
 
 A command says what it needs when its limit of memory is less. So a file is tried with the limit that the last refusal asked for,
 beginning with one byte, until it is accepted: that limit is the figure stated. The run that was accepted is the one measured, by
-the largest resident set that the system counts for its process, the program itself in it.
+the largest resident set that the system counts for its process, less what the
+program takes for a model of two triangles.
 """
 
 import argparse
@@ -21,7 +22,7 @@ from cases import cases
 
 MIB = 1 << 20
 UNITS = {"KiB": 1 << 10, "MiB": 1 << 20, "GiB": 1 << 30}
-# Below this the program itself, its threads and what the system's allocator keeps are most of it: such runs are counted apart.
+# Below this threads and what the system's allocator keeps are most of it: such runs are counted apart.
 FLOOR = 64 * MIB
 # The largest factor by which a forecast may lie above the peak.
 SLACK = 2
@@ -50,9 +51,9 @@ class Run:
 class Row:
     """A file under a command: what was stated, what was taken."""
 
-    def __init__(self, name, command, stated, run):
+    def __init__(self, name, command, stated, run, bare):
         self.name, self.command, self.stated, self.code, self.said = name, command, stated, run.code, run.said
-        self.peak = run.peak
+        self.peak = max(run.peak - bare, 0)
         self.is_refused = False
 
     @property
@@ -96,7 +97,7 @@ def measure(place, name, command, path):
         run = Run(place.program, [*line, "--memory-limit", str(limit)], place.folder, place.seconds)
         wanted = asked(run.said) if run.code != 0 else None
         # A bake that is refused prints what it needs too.
-        row = Row(name, command.format(os.path.basename(path)).split(" -o")[0], limit, run)
+        row = Row(name, command.format(os.path.basename(path)).split(" -o")[0], limit, run, place.bare)
         if wanted is None or wanted <= limit:
             return row
         if wanted > place.most:
@@ -111,7 +112,7 @@ class Place:
     def __init__(self, folder, args):
         self.folder, self.program = folder, os.path.abspath(args.taotie)
         self.most, self.seconds = int(args.most * (1 << 30)), args.seconds
-        self.kept = set()
+        self.kept, self.bare = set(), 0
 
     def make(self, maker):
         """Makes files in a process of its own: a process begins with the peak of the one that starts it."""
@@ -179,7 +180,9 @@ def main():
         place = Place(folder, args)
         os.chdir(folder)
         place.make(lambda: models.obj("ball.obj", 100, has_uvs=True))
+        place.make(lambda: models.obj("two.obj", 1))
         place.kept = set(os.listdir(folder))
+        place.bare = Run(place.program, ["inspect", "two.obj"], folder, place.seconds).peak
         for case in cases(data, args.shared):
             commands = [line for line in case.commands if re.search(args.only, f"{case.name} {line}")]
             if commands and case.make:

@@ -19,7 +19,7 @@ use taotie::Progress;
 use taotie::asset::Bytes;
 use taotie::comparison::{Comparison, ComparisonOptions, Subject};
 use taotie::io::FileSet;
-use taotie::render::{RenderSettings, SurfaceSettings};
+use taotie::render::{HeldPixels, RenderSettings, SurfaceSettings, image_bytes};
 use taotie_report::comparison::{self, Written};
 
 /// Runs the subcommand.
@@ -53,9 +53,12 @@ fn compare_files(args: &CompareArgs, places: &Places<'_>) -> Result<Written> {
     let Places { model, output, files } = *places;
     let limits = args.running.limits.limits();
     let [width, height] = args.size;
-    let need = Bytes(options(args)?.image_bytes());
-    limits.check(format!("a comparison in pictures of {width}x{height}"), need)?;
+    let title = format!("a comparison in pictures of {width}x{height}");
+    let (of_pictures, settings) = (options(args)?.image_bytes(), options(args)?.settings);
+    limits.check(title.as_str(), Bytes(of_pictures))?;
     let mut loaded = studio::load(model, &args.material, args.bump_scale, &limits)?;
+    let of_scene = image_bytes(&loaded.scene, &settings, HeldPixels::Codes);
+    limits.check(title, Bytes(of_pictures + of_scene))?;
     let mut warnings = std::mem::take(&mut loaded.warnings);
     args.light.note_unread(&loaded.scene, &mut warnings);
     args.material.note_tangents(args.reads_normal_maps(), &loaded.scene, &mut warnings);

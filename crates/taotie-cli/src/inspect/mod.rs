@@ -11,7 +11,10 @@ use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
+use taotie::asset::Bytes;
 use taotie::inspection::Inspection;
+use taotie::render::{framing_bytes, scene_bytes};
+use taotie::scene::Scene;
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 4;
@@ -58,7 +61,10 @@ struct Report {
 
 /// Runs the subcommand.
 pub fn run(args: &InspectArgs) -> Result<()> {
-    let inspection = Inspection::of(&taotie::io::load_model_within(&args.model, &args.limits.limits())?);
+    let limits = args.limits.limits();
+    let loaded = taotie::io::load_model_within(&args.model, &limits)?;
+    limits.check(args.model.display().to_string(), Bytes(need(&loaded.scene)))?;
+    let inspection = Inspection::of(&loaded);
     let report = Report {
         schema: SCHEMA,
         version: env!("CARGO_PKG_VERSION"),
@@ -70,4 +76,11 @@ pub fn run(args: &InspectArgs) -> Result<()> {
         true => console::result(&serde_json::to_string_pretty(&report)?),
         false => console::result(text::of(&report).trim_end()),
     }
+}
+
+/// Returns the bytes that an inspection takes: the scene, the tangents that its own are held against, and what is counted.
+fn need(scene: &Scene) -> u64 {
+    /// What is counted of a triangle, over all instances.
+    const TRIANGLE: u64 = 12;
+    scene_bytes(scene) + framing_bytes(scene, |_| true) + scene.triangle_count() as u64 * TRIANGLE
 }

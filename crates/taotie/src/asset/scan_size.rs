@@ -5,6 +5,7 @@ use crate::bake::{Maps, lacks_tangents};
 use crate::image::Texture;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
+use crate::surface::tangent_bytes;
 
 /// The number of triangles and vertices of a scan, what they carry, and the maps that its materials need.
 ///
@@ -66,13 +67,9 @@ impl ScanSize {
 
     /// Returns what the scan takes at most while its tangents are made, which is before it is sorted; 0 where none are.
     pub(super) fn framing_bytes(self) -> u64 {
-        /// MikkTSpace's triangles, their corners and the tangents of these; the tangents that are taken over.
-        const TRIANGLE: u64 = 152 + 24 + 108 + 68;
-        /// Normals and uvs made fit for use, classes of equal vertices, MikkTSpace's groups of triangles around one.
-        const VERTEX: u64 = 20 + 24 + 128;
         match self.framed_triangles {
             0 => 0,
-            triangles => self.mesh_bytes() + triangles * TRIANGLE + self.framed_vertices * VERTEX,
+            triangles => self.mesh_bytes() + tangent_bytes(triangles, self.framed_vertices),
         }
     }
 

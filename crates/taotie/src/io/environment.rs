@@ -22,14 +22,12 @@ pub fn decode_environment(bytes: &[u8], path: &Path) -> Result<Image> {
 /// # Errors
 /// As [`decode_environment`]; [`Error::Limit`] where a limit is exceeded.
 pub fn decode_environment_within(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Image> {
-    /// Bytes of a pixel while the image is filtered, which follows.
-    const FILTERING: u64 = 16 + 32;
     let reading = Reading::new(path, limits);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let decoded = decode_within(bytes, &name, path, &reading);
     reading.check()?;
     let bitmap = decoded?;
-    if !reading.take(bitmap.texels().len() as u64 * FILTERING) {
+    if !reading.take(filtering_bytes(bitmap.texels().len() as u64)) {
         reading.check()?;
     }
     let (width, height) = (bitmap.width(), bitmap.height());
@@ -53,6 +51,22 @@ pub fn decode_environment_within(bytes: &[u8], path: &Path, limits: &Limits) -> 
     })?;
     image.pixels_mut().copy_from_slice(texels);
     Ok(image)
+}
+
+/// Returns the bytes that so many pixels take while they are filtered, which follows, beside those counted as they were
+/// decoded.
+fn filtering_bytes(pixels: u64) -> u64 {
+    /// Texels as decoded with the mip levels that nobody makes of them here.
+    const DECODED: u64 = 22;
+    /// Texels as decoded, and as an image.
+    const COPIED: u64 = 16 + 16 + 2;
+    /// Half floats.
+    const KEPT: u64 = 8;
+    /// Means of the image in ever coarser cells, and the levels made of them, whose number is bounded.
+    const FILTERED: u64 = 220;
+    const MOST_FILTERED: u64 = 330 << 20;
+    let filtered = pixels * KEPT + (pixels * FILTERED).min(MOST_FILTERED);
+    filtered.max(pixels * COPIED) - pixels * DECODED
 }
 
 #[cfg(all(test, feature = "exr"))]
@@ -80,6 +94,22 @@ mod tests {
             assert_eq!(image.pixel(0, 0)[..3], [1.0, 2.0, 3.0]);
             assert_eq!(image.pixel(1, 0)[..3], [0.25, 0.5, 70_000.0]);
         }
+    }
+
+    #[test]
+    fn what_filtering_takes_is_counted() {
+        assert_eq!(filtering_bytes(100), 100 * (8 + 220 - 22));
+        assert_eq!(filtering_bytes(1 << 28), (1 << 28) * (34 - 22));
+        let within = |memory: u64| {
+            let path = std::path::PathBuf::from("sky.exr");
+            let samples = [0.5; 2 * 4];
+            let layer = ExrLayer { name: "", channels: &["R", "G", "B", "A"], samples: &samples };
+            let bytes = crate::io::encode_exr((2, 1), &[layer]).unwrap();
+            let limits = Limits { memory: Some(crate::io::Bytes(memory)), ..Limits::default() };
+            decode_environment_within(&bytes, &path, &limits)
+        };
+        // 22 + 16 a pixel while it is decoded, 206 afterwards.
+        assert!(within(2 * (38 + 206)).is_ok() && within(2 * (38 + 206) - 1).is_err());
     }
 
     #[test]

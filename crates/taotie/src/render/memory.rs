@@ -3,7 +3,8 @@
 use super::settings::RenderSettings;
 use crate::image::Texture;
 use crate::mesh::Mesh;
-use crate::scene::Scene;
+use crate::scene::{Instance, NormalSpace, Scene};
+use crate::surface::tangent_bytes;
 
 /// The form in which the pixels of an image are held until they are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +44,8 @@ pub fn image_bytes(scene: &Scene, settings: &RenderSettings, held: HeldPixels) -
     /// What a thread draws tiles in.
     const THREAD: u64 = 1 << 20;
     let rest = PROGRAM + THREAD * rayon::current_num_threads() as u64;
-    rest + scene_bytes(scene) + prepared_bytes(scene, settings) + pixel_bytes(settings, held)
+    let drawing = prepared_bytes(scene, settings) + pixel_bytes(settings, held);
+    rest + scene_bytes(scene) + drawing.max(framing_bytes(scene, |mesh| mesh.tangents().is_empty()))
 }
 
 /// Returns the bytes of the pixels of an image until it is written.
@@ -54,8 +56,22 @@ pub fn pixel_bytes(settings: &RenderSettings, held: HeldPixels) -> u64 {
     pixels * if settings.aovs { WITH_AOVS } else { held.bytes() }
 }
 
+/// Returns the bytes that making tangents takes, of the largest mesh under a normal map that gets them.
+pub fn framing_bytes(scene: &Scene, gets_them: impl Fn(&Mesh) -> bool) -> u64 {
+    let is_framed = |instance: &&Instance| {
+        let normal = scene.materials()[instance.material].normal;
+        normal.is_some_and(|map| map.space == NormalSpace::Tangent)
+            && gets_them(&scene.meshes()[instance.mesh])
+    };
+    let of_mesh = |instance: &Instance| {
+        let mesh = &scene.meshes()[instance.mesh];
+        tangent_bytes(mesh.triangles().len() as u64, mesh.positions().len() as u64)
+    };
+    scene.instances().iter().filter(is_framed).map(of_mesh).max().unwrap_or(0)
+}
+
 /// Returns the bytes that a scene holds.
-fn scene_bytes(scene: &Scene) -> u64 {
+pub fn scene_bytes(scene: &Scene) -> u64 {
     const TRIANGLE: usize = 12;
     const POSITION: usize = 12;
     const NORMAL: usize = 12;
@@ -81,11 +97,13 @@ fn prepared_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
     /// A triangle as it is made ready for tiles, and its places in them.
     const TRIANGLE: u64 = 12 + 48;
     /// Corners, order, boxes and sort keys of the tree.
-    const TREE: u64 = 49;
+    const TREE: u64 = 49 + 32;
+    /// An instance that is placed, and what is kept of the text that named it.
+    const INSTANCE: u64 = 1280;
     let triangle = if settings.shadows || settings.ground { TRIANGLE + TREE } else { TRIANGLE };
     let placed = scene.instances().iter().map(|instance| {
         let mesh = &scene.meshes()[instance.mesh];
-        mesh.positions().len() as u64 * VERTEX + mesh.triangles().len() as u64 * triangle
+        INSTANCE + mesh.positions().len() as u64 * VERTEX + mesh.triangles().len() as u64 * triangle
     });
     placed.sum()
 }
@@ -93,7 +111,8 @@ fn prepared_bytes(scene: &Scene, settings: &RenderSettings) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Material;
+    use crate::image::{Bitmap, Encoding, Sampler, Texels};
+    use crate::scene::{GreenChannel, Material, NormalMap, TextureRef, UvTransform};
 
     fn ball() -> Scene {
         Scene::of_mesh(Mesh::sphere(1.0, 64, 32), Material::default()).unwrap()
@@ -123,6 +142,29 @@ mod tests {
         );
         let variables = RenderSettings { aovs: true, ..settings };
         assert_eq!(pixel_bytes(&variables, HeldPixels::Codes), 132_000_000);
+    }
+
+    #[test]
+    fn tangents_count_under_a_normal_map_alone() {
+        let mut scene = ball();
+        assert_eq!(framing_bytes(&scene, |_| true), 0);
+        let texture = TextureRef {
+            texture: 0,
+            uv_set: 0,
+            sampler: Sampler::default(),
+            transform: UvTransform::default(),
+        };
+        let normal = NormalMap { texture, scale: 1.0, space: NormalSpace::Tangent, green: GreenChannel::Up };
+        let texel = Bitmap::new(1, 1, 3, Texels::U8(vec![[128, 128, 255, 255]])).unwrap();
+        scene
+            .edit(|scene| {
+                scene.textures = vec![Texture::new(texel, Encoding::Normal)];
+                scene.materials[0].normal = Some(normal);
+            })
+            .unwrap();
+        let triangles = scene.meshes()[0].triangles().len() as u64;
+        assert!(framing_bytes(&scene, |_| true) > 352 * triangles);
+        assert_eq!(framing_bytes(&scene, |_| false), 0);
     }
 
     #[test]

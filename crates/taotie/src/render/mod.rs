@@ -50,7 +50,7 @@ pub use draw::NormalSource;
 pub use follow::bind_tangents;
 pub use frame::{Aovs, Frame};
 #[doc(hidden)]
-pub use memory::{HeldPixels, image_bytes, pixel_bytes};
+pub use memory::{HeldPixels, framing_bytes, image_bytes, pixel_bytes, scene_bytes};
 pub use pass::Pass;
 pub use prepare::{Prepared, foreseen_warnings};
 pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, reference};

@@ -28,6 +28,6 @@ pub use maps::{
 pub use method::{SurfaceMethod, TangentMethod};
 pub use normals::{facet_normal, vertex_normals, with_normals};
 pub(crate) use normals::{mean_by_position, shared_by_position, with_normals_at};
-pub(crate) use tangents::{NO_UV_AREA, with_frames_at};
+pub(crate) use tangents::{NO_UV_AREA, tangent_bytes, with_frames_at};
 pub use tangents::{Tangented, with_frames, with_tangents};
 pub(crate) use weld::{Classes, bits, by_position};

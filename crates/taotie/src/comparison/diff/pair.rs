@@ -108,7 +108,7 @@ impl ImagePair {
     pub fn bytes(images: [NamedBitmap<'_>; 2], options: &DiffOptions) -> Result<u64> {
         /// Colours of both, and what FLIP holds of each in double precision: colours, blurred colours, features, and the
         /// differences.
-        const COLORS: u64 = 2 * (12 + 24 + 24 + 16 + 8) + 16;
+        const COLORS: u64 = 2 * (12 + 24 + 24 + 16 + 8) + 32;
         let are_normals = normal_encodings(&images, options, &mut Warnings::default())?.is_some();
         let texel = if are_normals { NORMALS } else { COLORS };
         let of = |image: &NamedBitmap<'_>| image.bitmap.texels().bytes();

@@ -26,6 +26,9 @@ impl Nodes {
     /// # Errors
     /// Fails where a node is its own ancestor, a node is named that does not exist, or a transform is not finite.
     pub fn resolve(document: &Document, level: usize, warnings: &mut Warnings) -> Result<Self> {
+        if !document.reading.take(document.root.nodes.len() as u64 * NODE) {
+            document.reading.check()?;
+        }
         let mut parents = parents(document, warnings)?;
         let levels = Levels::read(document, level, warnings);
         levels.hang(&mut parents);
@@ -43,6 +46,9 @@ impl Nodes {
         Ok(Self { nodes, world, shown, levels: levels.count })
     }
 }
+
+/// Bytes of a node beside those that its text takes while it is parsed: transforms, and what shows its mesh.
+const NODE: u64 = 512;
 
 type Parents = Vec<Option<usize>>;
 

@@ -4,12 +4,12 @@ use super::accessor::Accessor;
 use super::deforming::{self, Wanted};
 use super::document::Document;
 use super::triangles::{compact, read_indices, triangulate};
-use super::vertices::Vertices;
+use super::vertices::{Vertices, attribute};
 use crate::error::{Error, Warnings};
 use crate::math::Mat4;
 use crate::mesh::deform::Deformable;
 use crate::mesh::{Mesh, first, repair};
-use gltf::json::mesh::Primitive;
+use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 /// The most vertices and indices of all meshes together, in multiples of the bytes of the buffers. Sharing data
@@ -22,6 +22,8 @@ const MAX_ELEMENTS_OF_SMALL: usize = 1 << 22;
 /// Bytes of a vertex, with all that it may have, and of an index, while a mesh is made.
 const VERTEX: u64 = 80;
 const INDEX: u64 = 12;
+/// Bytes of a corner with the normal of its facet: position, normal and uv.
+const FLAT_CORNER: u64 = 12 + 12 + 8;
 
 /// Returns the bytes of so many vertices and indices while a mesh is made.
 pub(super) fn bytes_of(vertices: usize, indices: usize) -> u64 {
@@ -143,7 +145,9 @@ impl<'a> Primitives<'a> {
         };
         let indices = accessor.as_ref().map_or(vertices, |a| a.count);
         self.spend(indices)?;
-        self.take(bytes_of(vertices, indices))?;
+        // Without normals each corner becomes a vertex of its facet.
+        let is_flat = attribute(primitive, Semantic::Normals).is_none();
+        self.take(bytes_of(vertices, indices) + if is_flat { indices as u64 * FLAT_CORNER } else { 0 })?;
         Ok(read_indices(accessor.as_ref(), vertices).map_err(within)?)
     }
 
