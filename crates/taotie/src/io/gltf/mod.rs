@@ -106,6 +106,11 @@ struct Looks {
 
 impl Looks {
     fn read(document: &Document, warnings: &mut Warnings) -> Result<Self> {
+        /// Bytes of a material beside those that its text takes while it is parsed: as it is drawn, and as it is listed.
+        const MATERIAL: u64 = 2048;
+        if !document.reading.take(document.root.materials.len() as u64 * MATERIAL) {
+            document.reading.check()?;
+        }
         let mut textures = Textures::new(document);
         let mut materials = materials::read(document, &mut textures, warnings);
         let decoded = textures.decode(&mut materials, warnings)?;
