@@ -33,6 +33,7 @@ struct RenderReport {
     animation: Option<String>,
     times: Vec<f64>,
     size: [u32; 2],
+    device: serde_json::Value,
     integrator: Integrator,
     samples: Option<u32>,
     shading: String,
@@ -88,6 +89,7 @@ fn of_render() {
     assert_eq!((report.model.as_str(), report.files.as_slice()), ("a.gltf", ["b.png".to_owned()].as_slice()));
     assert_eq!((report.triangles, report.size, report.samples), (2, [8, 6], Some(1)));
     assert_eq!(report.integrator, Integrator::Raster);
+    assert_eq!(report.device, serde_json::json!({ "name": "cpu" }));
     let reflection =
         Reflection { energy: "compensated".into(), specular_aa: true, grazing_normals: "soften".into() };
     assert_eq!(report.reflection, reflection);

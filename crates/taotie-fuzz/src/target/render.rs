@@ -1,21 +1,24 @@
 //! A small render.
 
 use super::Subject;
-use super::promises::{Held, either, load};
+use super::promises::{Held, either, error_is_told_well, limits};
 use fastrand::Rng;
 use taotie::Result;
 use taotie::names::Named;
 use taotie::render::{Frame, RenderSettings, Shot};
 use taotie::scene::Scene;
 use taotie::shade::Shading;
-use taotie::studio::{CameraOptions, Framing, LightOptions, Viewpoint};
+use taotie::studio::{self, CameraOptions, Framing, LightOptions, MaterialOptions, Viewpoint};
 
 /// Pixels along each side.
 const SIDE: u32 = 16;
 
 /// Renders the file with settings that its variant chooses.
 pub fn render(subject: &Subject<'_>) -> Held {
-    let Some(loaded) = load(subject.path)? else { return Ok(()) };
+    let loaded = match studio::load_within(subject.path, &MaterialOptions::default(), &limits()) {
+        Ok(loaded) => loaded,
+        Err(error) => return error_is_told_well(&error),
+    };
     match frame(&loaded.scene, &settings(&mut Rng::with_seed(subject.variant))) {
         Ok(frame) if frame.color.pixels().as_flattened().iter().any(|v| v.is_nan()) => {
             Err("a pixel that is no number".into())

@@ -12,6 +12,9 @@ use std::result::Result as Checked;
 /// Keys that start with `@` and may stand in a value.
 const KEYWORDS: [&str; 6] = ["@id", "@language", "@list", "@set", "@type", "@value"];
 
+/// The largest file of properties, bytes: lists within lists take a hundred times as much when they are read.
+const MOST_BYTES: u64 = 1 << 20;
+
 /// XMP properties as JSON-LD whose prefixes all have a namespace.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct XmpProperties(Map<String, Value>);
@@ -20,9 +23,12 @@ impl XmpProperties {
     /// Reads a file of properties, such as `{ "dc:title": "Jue" }`. Prefixes that XMP commonly uses need no `@context`.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Parse`] where the file is no JSON; [`Error::Invalid`] where it is no object, a prefix
+    /// [`Error::Io`]; [`Error::Limit`] where it has more than a mebibyte; [`Error::Parse`] where the file is no JSON; [`Error::Invalid`] where it is no object, a prefix
     /// has no namespace, or a value is of no form that programs read.
     pub fn read(path: &Path) -> Result<Self> {
+        if file::file_size(path)? > MOST_BYTES {
+            return Err(Error::limit(path.display().to_string(), "XMP properties may have 1 MiB"));
+        }
         let no_json = |error: serde_json::Error| broken(path, &error);
         let Value::Object(given) = serde_json::from_slice(&file::read(path)?).map_err(no_json)? else {
             let why = "XMP properties are a JSON object, such as {\"dc:title\": \"…\"}";
