@@ -15,12 +15,12 @@ test: tools features ## Formatting, lints, documentation and all tests but the s
 
 # Each feature of the library off and on beside others; without any, the tests that say what is not read.
 features: ## The library and the command without their cargo features
-	cargo check -p taotie --no-default-features --features draco,exr
-	cargo check -p taotie --no-default-features --features basis,webp
+	cargo check -p taotie --no-default-features --features draco,webp
 	cargo check -p taotie-cli --no-default-features
 	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 
 test-slow: ## The tests that take minutes each
+	cargo check -p taotie --no-default-features --features basis,exr
 	cargo test --release --workspace --lib --bins --tests -- --ignored
 
 # TAOTIE=/path/to/taotie takes that program instead of building one; FAULTS holds options, such as `--rounds 10`.

@@ -16,12 +16,13 @@ use taotie::shade::environment::Environment;
 use taotie::surface::{TangentMethod, with_tangents};
 use taotie_study::jue;
 
-/// The largest mean difference of a channel, codes of 255.
-const MEAN: f64 = 0.5;
+/// The largest mean difference of a channel, codes of 255. Measured: 0.026 to 0.044.
+const MEAN: f64 = 0.06;
 
-/// The difference within which nearly all pixels lie, codes of 255, and how many may lie beyond.
+/// The difference within which nearly all pixels lie, codes of 255, and how many may lie beyond. Measured with
+/// SwiftShader, which mixes texels of 8 bits by 8 bits: 0.0002 to 0.0012.
 const NEAR: u8 = 3;
-const BEYOND: f64 = 0.001;
+const BEYOND: f64 = 0.0015;
 
 /// A material and a model that it is drawn by.
 struct Case<'a> {
