@@ -26,7 +26,6 @@
 //! ```
 
 mod adapter;
-mod atlas;
 mod average;
 mod blending;
 mod environment;

@@ -11,12 +11,13 @@ use crate::samplers::Samplers;
 use crate::surface_draw::{MaterialTextures, SurfaceDraw};
 use crate::target::Target;
 use crate::textures::Textures;
-use crate::variants::{PipelineKey, factors, is_blended};
+use crate::variants::{PipelineKey, is_blended};
 use std::collections::HashMap;
 use std::sync::Arc;
 use taotie::film::{Development, develop8_into};
 use taotie::render::{CheckedShot, Frame, Prepared, Shot, Surface, fill_backdrop};
 use taotie::{Progress, Warnings};
+use taotie_shader::SurfaceFactors;
 use wgpu::{
     BindGroup, Buffer, BufferUsages, CommandEncoder, Features, IndexFormat, RenderPass, TextureFormat,
 };
@@ -183,8 +184,7 @@ impl<'p> GpuRenderer<'p> {
         if let Some(made) = self.materials.get(&(number, key.clone())) {
             return Ok(made.clone());
         }
-        let levels = |texture: usize| self.prepared.scene().textures()[texture].levels();
-        let factors = factors(&self.surfaces[number], levels);
+        let factors = SurfaceFactors::of_surface(&self.surfaces[number], self.prepared.scene());
         let made = self.uploaded.textures.bind(&self.gpu, pipeline, &factors)?;
         self.materials.insert((number, key), made.clone());
         Ok(made)

@@ -69,6 +69,7 @@ fn shelves(levels: &[HalfPicture<'_>]) -> ([usize; 2], Vec<[usize; 2]>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use half::f16;
     use taotie::image::Image;
     use taotie::shade::environment::Environment;
 
@@ -76,17 +77,39 @@ mod tests {
     fn every_level_is_found_by_the_table() {
         let environment = Environment::new(Image::new(16, 8, [0.5, 0.25, 2.0, 1.0]).unwrap()).unwrap();
         let maps = environment.maps();
+        assert!(maps.levels.len() < MOST_LEVELS, "{} levels", maps.levels.len());
         let atlas = EnvironmentAtlas::new(&maps);
         assert_eq!(atlas.texels.len(), atlas.size[0] * atlas.size[1]);
         assert_eq!(atlas.table[MOST_LEVELS - 1], [0.0, 0.0, 0.0, maps.picture.factor]);
         let mut taken = vec![false; atlas.texels.len()];
         for (level, [x, y, side, factor]) in maps.levels.iter().zip(atlas.table) {
             assert_eq!((side as usize + 2, factor), (level.width, level.factor));
+            let [_, green, blue] = level.texels[0].map(|half| f16::from_bits(half).to_f32() * factor);
+            assert!((green - 0.25).abs() < 1e-3 && (blue - 2.0).abs() < 1e-2, "{green} {blue}");
             for (i, texel) in level.texels.iter().enumerate() {
                 let at = (y as usize + i / level.width) * atlas.size[0] + x as usize + i % level.width;
                 assert_eq!(atlas.texels[at], opaque(texel));
                 assert!(!std::mem::replace(&mut taken[at], true), "levels lie on one another");
             }
         }
+    }
+
+    #[test]
+    fn levels_lie_apart_and_inside() {
+        let sides = [514, 514, 258, 258, 130, 66, 66, 34, 18, 300];
+        let level = |side| HalfPicture { width: side, height: side, texels: &[], factor: 1.0 };
+        let (size, places) = shelves(&sides.map(level));
+        assert!(size[0] >= 514 && size[0] < 1200 && size[1] < 1700, "{size:?}");
+        for (i, ([x, y], side)) in places.iter().zip(sides).enumerate() {
+            assert!(x + side <= size[0] && y + side <= size[1], "{i}");
+            for ([other_x, other_y], other) in places[..i].iter().zip(sides) {
+                let apart = x + side <= *other_x
+                    || other_x + other <= *x
+                    || y + side <= *other_y
+                    || other_y + other <= *y;
+                assert!(apart, "{i}");
+            }
+        }
+        assert_eq!(shelves(&[]), ([1, 1], vec![]));
     }
 }

@@ -25,17 +25,23 @@ impl VariantOptions {
     /// ```
     pub fn of_surface(surface: &Surface<'_>, settings: &RenderSettings, environment: bool) -> Self {
         Self {
-            shading: settings.shading,
             method: (&surface.normal_source).into(),
+            vertex_color: !surface.colors.is_empty(),
+            tangents: !surface.tangents.is_empty(),
+            uv_sets: surface.uvs.len(),
+            ..Self::of_settings(settings, environment)
+        }
+    }
+
+    /// The options of a plain surface under some settings, without shadows; `environment` tells whether one sends light.
+    pub fn of_settings(settings: &RenderSettings, environment: bool) -> Self {
+        Self {
+            shading: settings.shading,
             compensated: settings.energy == Energy::Compensated,
             softened: settings.grazing_normals == GrazingNormals::Soften,
             specular_aa: settings.specular_aa,
             environment,
-            both_sides: false,
-            shadows: false,
-            vertex_color: !surface.colors.is_empty(),
-            tangents: !surface.tangents.is_empty(),
-            uv_sets: surface.uvs.len(),
+            ..Self::default()
         }
     }
 }

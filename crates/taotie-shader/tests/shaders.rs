@@ -1,5 +1,9 @@
 //! Generated shaders are valid, go through to other languages, and can be read.
 
+#[path = "shared/bodies.rs"]
+mod bodies;
+
+use bodies::bodies;
 use naga::back::{hlsl, msl, spv};
 use naga::front::{glsl, wgsl};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -88,17 +92,6 @@ fn all_functions_of_the_library_are_valid_side_by_side() {
     let module = glsl::Frontend::default().parse(&glsl::Options::from(ShaderStage::Fragment), &text);
     let module = module.unwrap_or_else(|errors| panic!("{}\n{text}", errors.emit_to_string(&text)));
     validated(&module, &text);
-}
-
-/// The lines of each function between its braces.
-fn bodies(text: &str) -> Vec<Vec<&str>> {
-    let lines: Vec<&str> = text.lines().collect();
-    let functions = lines.split(|line| *line == "}" || *line == "};");
-    let inside = functions.filter_map(|lines| {
-        let opening = lines.iter().position(|line| line.ends_with(") {") || line.contains(") -> "))?;
-        Some(lines[opening + 1..].to_vec())
-    });
-    inside.collect()
 }
 
 #[test]

@@ -8,11 +8,10 @@ use taotie::Warnings;
 use taotie::image::Sampler;
 use taotie::io::FileSet;
 use taotie::names::Named;
-use taotie::render::{GrazingNormals, Prepared, Surface};
+use taotie::render::{Prepared, Surface};
 use taotie::scene::{
     GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
 };
-use taotie::shade::Energy;
 use taotie::surface::SurfaceMethod;
 use taotie_shader::{NormalMethod, Variant, VariantOptions};
 
@@ -115,15 +114,9 @@ impl Model {
 /// The variant of a plain material that has the map of the surface method.
 pub fn plain(args: &ShaderArgs) -> Drawn {
     let (settings, surface) = (args.settings(), args.surface.unwrap_or(SurfaceMethod::Smooth));
-    let options = VariantOptions {
-        shading: settings.shading,
-        method: method(surface),
-        compensated: settings.energy == Energy::Compensated,
-        softened: settings.grazing_normals == GrazingNormals::Soften,
-        specular_aa: settings.specular_aa,
-        environment: args.environment().source.is_some(),
-        ..VariantOptions::default()
-    };
+    let environment = args.environment().source.is_some();
+    let options =
+        VariantOptions { method: method(surface), ..VariantOptions::of_settings(&settings, environment) };
     let name = format!("{}-{}", settings.shading.name(), surface.name());
     Drawn { name, variant: Variant::new(&plain_material(args), &options), instances: Vec::new() }
 }
@@ -156,13 +149,7 @@ fn method(surface: SurfaceMethod) -> NormalMethod {
 }
 
 /// The name on the command line.
-pub fn surface_name(method: NormalMethod) -> &'static str {
-    match method {
-        NormalMethod::Facet => SurfaceMethod::Facet.name(),
-        NormalMethod::Smooth => SurfaceMethod::Smooth.name(),
-        NormalMethod::Bump => SurfaceMethod::Bump.name(),
-        NormalMethod::BumpPrinted => SurfaceMethod::BumpPrinted.name(),
-        NormalMethod::ObjectMap => SurfaceMethod::ObjectNormal.name(),
-        NormalMethod::TangentMap => SurfaceMethod::TangentNormal.name(),
-    }
+pub fn surface_name(of: NormalMethod) -> &'static str {
+    let named = SurfaceMethod::NAMES.iter().find(|(_, surface)| method(*surface) == of);
+    named.map_or("", |(name, _)| name)
 }

@@ -4,6 +4,9 @@
 #[path = "../../../taotie/tests/common/random.rs"]
 mod random;
 
+#[path = "../shared/bodies.rs"]
+mod bodies;
+
 mod direct;
 mod interface;
 mod lookups;

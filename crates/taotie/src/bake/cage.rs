@@ -114,6 +114,7 @@ impl Cage {
     }
 
     /// Returns the projection ray through a point of the low-poly mesh.
+    #[inline]
     pub fn projection_ray(&self, low: &Mesh, point: Point) -> ProjectionRay {
         let vertices = point.vertices(low);
         let directions = each(vertices, |v| self.directions[v]);

@@ -42,12 +42,14 @@ pub(super) struct Sample {
 
 impl TriangleSamples {
     /// Returns the point of the mesh that one of its samples shows.
+    #[inline]
     pub fn point(&self, sample: &Sample) -> Point {
         Point { triangle: self.triangle, weights: sample.weights }
     }
 
     /// Returns the distance between neighbouring samples on a triangle with these corners: the longer of the two ways,
     /// model units.
+    #[inline]
     pub fn spacing(&self, corners: [Vec3; 3]) -> f32 {
         let ([a, b, c], [origin, across, down]) = (corners, self.weights);
         // Differences of weights, since the weights themselves are large where the triangle is small in its tile.
@@ -95,16 +97,15 @@ impl<'a> Layout<'a> {
     /// another the one with the lowest number has the sample. Returns the number of samples that others would have had
     /// too.
     pub fn triangle_samples(&self, band: usize, mut take: impl FnMut(&TriangleSamples)) -> usize {
-        let width = (self.size[0] * self.side) as usize;
         let rows = self.texel_rows(band);
         let rows = i64::from(rows.start * self.side)..i64::from(rows.end * self.side);
-        let mut owners = vec![NONE; width * (rows.end - rows.start) as usize];
-        let place = |y: i64, x: i64| (y - rows.start) as usize * width + x.rem_euclid(width as i64) as usize;
+        let places = Places { width: i64::from(self.size[0] * self.side), first: rows.start };
+        let mut owners = vec![NONE; (places.width * (rows.end - rows.start)) as usize];
         let mut shared = 0;
         for t in &self.bands[band] {
             self.spans(*t, &rows, |y, [from, to], _| {
                 for x in from..=to {
-                    match &mut owners[place(y, x)] {
+                    match &mut owners[places.at(x, y)] {
                         owner if *owner == NONE => *owner = *t,
                         owner => shared += usize::from(*owner != *t),
                     }
@@ -127,11 +128,11 @@ impl<'a> Layout<'a> {
                 let left = column * tile;
                 for (y, [from, to], down) in &spans {
                     for x in *from.max(&left)..=*to.min(&(left + tile - 1)) {
-                        let place = place(*y, x);
-                        if owners[place] == *t {
-                            owners[place] = NONE;
+                        let owner = &mut owners[places.at(x, *y)];
+                        if *owner == *t {
+                            *owner = NONE;
                             triangle_samples.samples.push(Sample {
-                                texel: self.texel(place, width),
+                                texel: self.texel(places.column(x), *y - rows.start),
                                 at: [(x - left) as u16, (y - rows.start) as u16],
                                 weights: weights.at(x, y + down),
                             });
@@ -150,15 +151,15 @@ impl<'a> Layout<'a> {
         shared
     }
 
-    /// Returns the texel of a sample, both counted within the band.
-    fn texel(&self, sample: usize, width: usize) -> u32 {
-        let side = self.side as usize;
-        let (x, y) = (sample % width / side, sample / width / side);
-        (y * self.size[0] as usize + x) as u32
+    /// Returns the texel, counted within the band, of a sample at a column of the map and a row of the band.
+    fn texel(&self, column: i64, row: i64) -> u32 {
+        let [x, y] = [column, row].map(|v| v as u32 / self.side);
+        y * self.size[0] + x
     }
 
     /// Calls `give` with the rows of a triangle in a band, the columns it has there, and how many rows farther down
     /// the triangle lies than the map's copy that they are counted in.
+    #[inline]
     fn spans(&self, triangle: u32, rows: &Range<i64>, mut give: impl FnMut(i64, [i64; 2], i64)) {
         let height = i64::from(self.size[1] * self.side);
         let Some(own) = self.rows(triangle as usize) else { return };
@@ -174,6 +175,25 @@ impl<'a> Layout<'a> {
         let corners = self.rasterizer.corners(triangle)?;
         let (low, high) = corners.iter().fold((f64::MAX, f64::MIN), |(l, h), c| (l.min(c[1]), h.max(c[1])));
         Some(low.floor() as i64..high.floor() as i64 + 1)
+    }
+}
+
+/// The places of samples in a band, row by row.
+struct Places {
+    /// Samples of a row.
+    width: i64,
+    /// The first row.
+    first: i64,
+}
+
+impl Places {
+    fn at(&self, x: i64, y: i64) -> usize {
+        ((y - self.first) * self.width + self.column(x)) as usize
+    }
+
+    /// Returns the column on the map itself; others count on through its copies.
+    fn column(&self, x: i64) -> i64 {
+        if (0..self.width).contains(&x) { x } else { x.rem_euclid(self.width) }
     }
 }
 

@@ -31,12 +31,14 @@ pub struct ProjectionRay {
 
 impl ProjectionRay {
     /// Returns the ray from its inner end, beside others that run along `main`, and the part of it that matters.
+    #[inline]
     pub(super) fn ray(&self, main: Vec3) -> (Ray, RayInterval) {
         let ray = Ray::beside(self.point - self.direction * self.distance, self.direction, main);
         (ray, RayInterval { from: 0.0, center: self.distance, to: self.distance + self.distance })
     }
 
     /// Returns the correspondence of a hit of [`ProjectionRay::ray`] on a surface with this normal.
+    #[inline]
     pub(super) fn found(&self, hit: &Hit, normal: Vec3) -> Correspondence {
         Correspondence { height: hit.distance - self.distance, normal, point: hit.point() }
     }
@@ -58,6 +60,7 @@ impl Scan {
     }
 
     /// Returns the scan's normal at a hit, if it faces as the ray does.
+    #[inline]
     pub(super) fn facing(&self, hit: &Hit, projection: &ProjectionRay) -> Option<Vec3> {
         let normal = hit.point().normal(self.mesh());
         (normal.dot(projection.direction) > 0.0).then_some(normal)

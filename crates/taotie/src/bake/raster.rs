@@ -101,6 +101,7 @@ impl<'a> Rasterizer<'a> {
 
     /// Calls `give` with the rows of a triangle among `rows` and the first and last of its columns in each; rows and
     /// columns go on beyond the map where the triangle does. `false` as for [`Rasterizer::draw`].
+    #[inline]
     pub fn spans(&self, triangle: usize, rows: Range<i64>, mut give: impl FnMut(i64, [i64; 2])) -> bool {
         let Some(corners) = self.corners(triangle) else { return false };
         let scale = f64::from(1u32 << self.bits);

@@ -36,7 +36,7 @@ impl Codes {
             while bits_of(thresholds, code) <= start {
                 code += 1;
             }
-            debug_assert!(bits_of(thresholds, code + 1) >= end, "a bucket holds one threshold at most");
+            assert!(bits_of(thresholds, code + 1) >= end, "a bucket holds one threshold at most");
             let base = ((code as u32) << SHIFT) + end.saturating_sub(bits_of(thresholds, code));
             table[bucket as usize % BUCKETS] = base.wrapping_sub(start);
             bucket += 1;

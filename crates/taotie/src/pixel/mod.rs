@@ -5,12 +5,13 @@
 //! entries of tables, the environment's light, shadows.
 //!
 //! ```text
-//! Geometry, texels of normals    -> normal      -> Frame
-//! texels                         -> textured    -> MaterialValues, LayerValues
-//! Frame, values, tables          -> SurfacePoint::new
-//! SurfacePoint, directions       -> SurfacePoint::reflect, ::own
-//! SurfacePoint                   -> highlight, coat_highlight      (where the environment is looked up)
-//! SurfacePoint, environment      -> SurfacePoint::reflect_environment
+//! Geometry, texels of normals         -> Geometry::smooth, ::bumped, …  -> Frame::new
+//! texels, factors                     -> MaterialValues
+//! MaterialUniforms, values, tables    -> MaterialPoint::new
+//! Frame, MaterialPoint, PointLayers   -> SurfacePoint
+//! Frame                               -> highlight, coat_highlight      where the environment is looked up
+//! SurfacePoint, LightSource           -> SurfacePoint::own, ::reflect
+//! SurfacePoint, EnvironmentTexels     -> SurfacePoint::reflect_environment
 //! ```
 //!
 //! `render` runs it on packs, `render::reference` on paths, a recorder makes shaders of it. [`Model`] and the `Option`s

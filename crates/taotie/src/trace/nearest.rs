@@ -25,6 +25,7 @@ pub struct Nearest<T> {
 
 impl<T> Nearest<T> {
     /// Begins without a hit.
+    #[inline]
     pub fn on(interval: RayInterval) -> Self {
         Self { interval, best: None }
     }
@@ -32,6 +33,7 @@ impl<T> Nearest<T> {
     /// Takes a hit that lies in the interval, is nearer than the best so far, and for which `judge` returns something;
     /// of two equally near the one farther along the ray, then the triangle with the lower number. So the order of hits
     /// does not matter.
+    #[inline]
     pub fn offer(&mut self, hit: Hit, judge: impl FnOnce(&Hit) -> Option<T>) {
         if self.is_before(&hit)
             && let Some(said) = judge(&hit)
@@ -41,10 +43,12 @@ impl<T> Nearest<T> {
     }
 
     /// The best of all.
+    #[inline]
     pub fn best(self) -> Option<(Hit, T)> {
         self.best
     }
 
+    #[inline]
     fn is_before(&self, hit: &Hit) -> bool {
         let RayInterval { from, center, to } = self.interval;
         if !(from..=to).contains(&hit.distance) {
@@ -57,6 +61,7 @@ impl<T> Nearest<T> {
     }
 
     /// The interval in which a better hit may still lie.
+    #[inline]
     fn span(&self) -> Span {
         let RayInterval { from, center, to } = self.interval;
         let reach = self.best.as_ref().map_or(f32::INFINITY, |(hit, _)| (hit.distance - center).abs());

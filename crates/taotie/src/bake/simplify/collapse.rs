@@ -54,7 +54,10 @@ pub(super) fn collapsed(
 ) -> Reduced {
     let pruning = more.contains(Choices::Prune);
     let limit = if pruning { LARGEST_LEFT_OUT } else { f32::MAX };
-    let normals = if options.normal_weight > 0.0 { normals(part, &triangles) } else { Vec::new() };
+    let normals: Vec<[f32; 3]> = match options.normal_weight > 0.0 {
+        true => normals(part, &triangles).into_iter().map(Vec3::to_array).collect(),
+        false => Vec::new(),
+    };
     let weights = vec![options.normal_weight; if normals.is_empty() { 0 } else { 3 }];
     let (mut error, unlocked) = (0.0, vec![false; part.points.len()]);
     let corners = meshopt::simplify_with_attributes_and_locks(
@@ -83,13 +86,13 @@ pub(super) fn pruned(part: &Part, from: Reduced, options: &SimplifyOptions) -> R
     Reduced { triangles, error: earlier + error, method: SimplifyMethod::Pruned }
 }
 
-/// Returns one normal a point, weighted by the triangles' areas.
-fn normals(part: &Part, triangles: &[[u32; 3]]) -> Vec<[f32; 3]> {
+/// Returns one normal a point, 0 where triangles cancel, weighted by the triangles' areas.
+pub(super) fn normals(part: &Part, triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::splat(0.0f32); part.points.len()];
     for triangle in triangles {
         let [a, b, c] = triangle.map(|v| Vec3::from_array(part.points[v as usize]));
         let doubled_area = (b - a).cross(c - a);
         triangle.iter().for_each(|v| sums[*v as usize] += doubled_area);
     }
-    sums.into_iter().map(|sum| sum.normalize_or(Vec3::splat(0.0)).to_array()).collect()
+    sums.into_iter().map(|sum| sum.normalize_or(Vec3::splat(0.0))).collect()
 }

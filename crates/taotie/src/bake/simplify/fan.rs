@@ -38,6 +38,14 @@ impl Shape {
     }
 }
 
+/// Two triangles at an edge, and the two at the other diagonal.
+pub(super) struct Flip {
+    /// Where the triangles stand.
+    places: [usize; 2],
+    pub before: [[u32; 3]; 2],
+    pub after: [[u32; 3]; 2],
+}
+
 fn position(points: &[[f32; 3]], v: u32) -> Vec3<f64> {
     Vec3::from_array(points[v as usize]).to_f64()
 }
@@ -75,8 +83,9 @@ impl<'a> Fans<'a> {
         Self { points, triangles, starts, around, touched }
     }
 
-    pub fn points(&self) -> &'a [[f32; 3]] {
-        self.points
+    /// Returns the number of triangles, those that were removed among them.
+    pub fn len(&self) -> usize {
+        self.triangles.len()
     }
 
     /// Returns the triangles that are left, in their order.
@@ -185,9 +194,46 @@ impl<'a> Fans<'a> {
     }
 
     /// Returns the triangles that change where a vertex moves to another one: before and after.
-    pub fn moved(&self, from: u32, to: u32) -> Vec<[Shape; 2]> {
-        let shapes = |t: [u32; 3]| [t, renamed(t, from, to)].map(|t| Shape::of(self.points, t));
-        self.open(from, to).into_iter().map(shapes).collect()
+    pub fn moved(&self, from: u32, to: u32) -> Vec<[[u32; 3]; 2]> {
+        self.open(from, to).into_iter().map(|t| [t, renamed(t, from, to)]).collect()
+    }
+
+    /// Returns `true` where a vertex can move along an edge to another one and the border stays where it is.
+    pub fn keeps_border(&self, from: u32, to: u32) -> bool {
+        !self.is_on_border(from) || self.at_edge(from, to).len() == 1
+    }
+
+    /// Returns the shape of a triangle.
+    pub fn shape(&self, triangle: [u32; 3]) -> Shape {
+        Shape::of(self.points, triangle)
+    }
+
+    /// Returns the corners of a triangle.
+    pub fn corners(&self, t: usize) -> [u32; 3] {
+        self.triangles[t]
+    }
+
+    /// Returns the two triangles on the other diagonal, once the edge from `a` to `b` of a triangle was flipped; `None`
+    /// where that must not be: at a border, where more triangles meet or the other diagonal is an edge already, or where
+    /// something around was changed.
+    pub fn flip(&self, t: usize, [a, b, c]: [u32; 3]) -> Option<Flip> {
+        let [one, other] = self.at_edge(a, b).try_into().ok()?;
+        let beside = if one == t { other } else { one };
+        // The triangle beside runs along the edge the other way.
+        let d = self.opposite(beside, b, a)?;
+        let is_possible = c != d && self.are_untouched(&[a, b, c, d]) && self.at_edge(c, d).is_empty();
+        is_possible.then_some(Flip {
+            places: [t, beside],
+            before: [[a, b, c], [b, a, d]],
+            after: [[a, d, c], [d, b, c]],
+        })
+    }
+
+    /// Puts the two new triangles of a flip in the place of the old ones.
+    pub fn take(&mut self, flip: &Flip) {
+        for (t, triangle) in flip.places.into_iter().zip(flip.after) {
+            self.replace(t, triangle);
+        }
     }
 
     /// Makes two vertices of an edge one.

@@ -6,6 +6,7 @@ mod cluster;
 mod collapse;
 mod components;
 mod fan;
+mod folds;
 mod options;
 mod part;
 mod slivers;
@@ -49,7 +50,8 @@ pub struct Simplified {
 ///
 /// Parts without connection to one another are never joined, but in a soup of loose triangles. A part of more than half a
 /// per cent of the area, or a fiftieth of the diagonal, is not lost; smaller ones may be, and are counted. Slivers are
-/// flipped or collapsed away where that does not bend the surface.
+/// flipped or collapsed away where that does not bend the surface; so are facets that face away from the normals of the
+/// high-poly surface.
 ///
 /// # Errors
 /// [`Error::Cancelled`]; [`Error::Invalid`] where no triangle is wanted, the weight is not a number from 0 up, the mesh
@@ -73,6 +75,8 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
     let mut reduced = whole::reduce(&part, &components, options);
     if reduced.method != SimplifyMethod::Kept {
         reduced.triangles = slivers::mended(&part.points, reduced.triangles);
+        let normals = collapse::normals(&part, &part.triangles);
+        reduced.triangles = folds::unfolded(&part.points, &normals, reduced.triangles);
     }
     let found = reduced.triangles.len();
     if found == 0 {

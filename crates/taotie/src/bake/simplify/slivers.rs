@@ -8,7 +8,7 @@ use super::fan::{Fans, Shape};
 use crate::math::Vec3;
 
 /// A sliver is lower than this part of its longest edge.
-const THIN: f64 = 1e-3;
+pub(super) const THIN: f64 = 1e-3;
 /// Rounds, since one sliver may stand in the way of another.
 const ROUNDS: usize = 4;
 /// Where more than one triangle of so many is a sliver, the surface itself is as thin.
@@ -58,14 +58,10 @@ impl Mender<'_> {
 
     /// Flips the longest edge of a triangle, or takes the triangle off where no other has that edge.
     fn flip(&mut self, t: usize) -> bool {
-        let [a, b, c] = self.fans.longest_first(t);
-        if !self.fans.are_untouched(&[a, b, c]) {
-            return false;
-        }
-        match self.fans.at_edge(a, b)[..] {
-            [_] => self.take_off(t, [a, b, c]),
-            [one, other] => self.flip_between(t, one + other - t),
-            _ => false,
+        let corners @ [a, b, _] = self.fans.longest_first(t);
+        match self.fans.at_edge(a, b).len() {
+            1 => self.fans.are_untouched(&corners) && self.take_off(t, corners),
+            _ => self.flip_longest(t, corners),
         }
     }
 
@@ -79,22 +75,15 @@ impl Mender<'_> {
         is_possible
     }
 
-    fn flip_between(&mut self, t: usize, beside: usize) -> bool {
-        let [a, b, c] = self.fans.longest_first(t);
-        // The triangle beside runs along the edge the other way.
-        let Some(d) = self.fans.opposite(beside, b, a) else { return false };
-        if c == d || !self.fans.are_untouched(&[d]) || !self.fans.at_edge(c, d).is_empty() {
-            return false;
-        }
-        let [old, new] = [[[a, b, c], [b, a, d]], [[a, d, c], [d, b, c]]]
-            .map(|pair| pair.map(|triangle| Shape::of(self.fans.points(), triangle)));
+    fn flip_longest(&mut self, t: usize, corners: [u32; 3]) -> bool {
+        let Some(flip) = self.fans.flip(t, corners) else { return false };
+        let [old, new] = [flip.before, flip.after].map(|pair| pair.map(|triangle| self.fans.shape(triangle)));
         let normal = old[0].vector + old[1].vector;
         let thinnest = |pair: &[Shape; 2]| pair[0].height().min(pair[1].height());
         let is_possible =
             thinnest(&new) > BETTER * thinnest(&old) && new.iter().all(|shape| shape.cosine(normal) > STEADY);
         if is_possible {
-            self.fans.replace(t, [a, d, c]);
-            self.fans.replace(beside, [d, b, c]);
+            self.fans.take(&flip);
         }
         is_possible
     }
@@ -116,11 +105,11 @@ impl Mender<'_> {
 
     /// Returns the height of the thinnest triangle after a vertex was moved to another one; 0 where it must not be.
     fn thinnest_after(&self, from: u32, to: u32) -> f64 {
-        let on_border = self.fans.is_on_border(from);
-        if on_border && self.fans.at_edge(from, to).len() != 1 {
+        if !self.fans.keeps_border(from, to) {
             return 0.0;
         }
-        let moved = self.fans.moved(from, to);
+        let shapes = |pair: [[u32; 3]; 2]| pair.map(|triangle| self.fans.shape(triangle));
+        let moved: Vec<[Shape; 2]> = self.fans.moved(from, to).into_iter().map(shapes).collect();
         let whole = moved.iter().fold(Vec3::<f64>::splat(0.0), |sum, [old, _]| sum + old.vector);
         let after = |[old, new]: &[Shape; 2]| {
             let direction = if old.altitude() > ROUNDING { old.vector } else { whole };

@@ -83,10 +83,11 @@ fn perceived(blurred: &[Vec3<f64>], width: usize) -> Vec<Vec3<f64>> {
     parallel::pieces(&mut all, width, &|y, row| {
         let mut last = None;
         for (out, color) in row.iter_mut().zip(&blurred[y * width..]) {
-            let (_, lab) = *last
-                .filter(|(known, _)| known == color)
-                .get_or_insert_with(|| (*color, color::hunt_lab_from_opponent(*color)));
-            (last, *out) = (Some((*color, lab)), lab);
+            *out = match last {
+                Some((known, lab)) if known == *color => lab,
+                _ => color::hunt_lab_from_opponent(*color),
+            };
+            last = Some((*color, *out));
         }
     });
     all

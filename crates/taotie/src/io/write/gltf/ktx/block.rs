@@ -134,7 +134,6 @@ impl Bits {
     }
 
     fn bytes(self) -> [u8; 16] {
-        debug_assert!(self.at <= 128);
         self.block.to_le_bytes()
     }
 }

@@ -1,0 +1,145 @@
+//! Folds of a simplified surface, unfolded: facets that face away from the normals of the surface at their corners.
+//!
+//! Collapses near one another can turn a small facet over. One of its edges is flipped, or collapsed, where then fewer
+//! facets face away and none gets thinner than a sliver.
+
+use super::fan::Fans;
+use super::slivers::THIN;
+use crate::math::Vec3;
+
+/// Rounds, since one fold may lie on another.
+const ROUNDS: usize = 4;
+/// Where more than one triangle of so many faces away, the high-poly surface has no one outside there.
+const OF_MANY: usize = 20;
+/// A facet that is changed faces the normals of its corners by at least this cosine afterwards: that of 78°.
+const FACING: f64 = 0.2;
+
+/// Returns the triangles with fewer folds; as they are where there is none. `normals` are those of the high-poly surface
+/// at the points, of any length.
+pub(super) fn unfolded(points: &[[f32; 3]], normals: &[Vec3], mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    for _ in 0..ROUNDS {
+        let mut folds = Folds { fans: Fans::new(points, triangles), normals, changed: false };
+        let found = folds.found();
+        if found.len() * OF_MANY <= folds.fans.len() {
+            found.into_iter().for_each(|t| folds.unfold(t));
+        }
+        let changed = folds.changed;
+        triangles = folds.fans.into_triangles();
+        if !changed {
+            break;
+        }
+    }
+    triangles
+}
+
+/// The surface as folds are taken out one after the other.
+struct Folds<'a> {
+    fans: Fans<'a>,
+    normals: &'a [Vec3],
+    changed: bool,
+}
+
+impl Folds<'_> {
+    /// Returns the facets that face away.
+    fn found(&self) -> Vec<usize> {
+        (0..self.fans.len()).filter(|t| self.cosine(self.fans.corners(*t)) < 0.0).collect()
+    }
+
+    /// Returns the cosine between a facet's normal and the mean of those at its corners; 0 where either is nothing.
+    fn cosine(&self, corners: [u32; 3]) -> f64 {
+        let [a, b, c] = corners.map(|v| self.normals[v as usize].to_f64());
+        self.fans.shape(corners).cosine(a + b + c)
+    }
+
+    fn unfold(&mut self, t: usize) {
+        if self.fans.is_touched(t) {
+            return;
+        }
+        let [a, b, c] = self.fans.longest_first(t);
+        let turned = [[a, b, c], [b, c, a], [c, a, b]];
+        self.changed |= turned.iter().any(|corners| self.flip(t, *corners))
+            || turned.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a));
+    }
+
+    /// Returns `true` where a facet faces the normals of its corners and is no sliver.
+    fn is_sound(&self, corners: [u32; 3]) -> bool {
+        self.cosine(corners) > FACING && self.fans.shape(corners).height() >= THIN
+    }
+
+    fn flip(&mut self, t: usize, corners: [u32; 3]) -> bool {
+        let Some(flip) = self.fans.flip(t, corners) else { return false };
+        let is_possible = flip.after.iter().all(|corners| self.is_sound(*corners));
+        if is_possible {
+            self.fans.take(&flip);
+        }
+        is_possible
+    }
+
+    /// Moves a vertex of a facet along an edge to another one, so that both facets at the edge vanish.
+    fn collapse(&mut self, from: u32, to: u32) -> bool {
+        let is_possible = self.fans.are_untouched(&[from, to])
+            && self.fans.can_collapse(from, to)
+            && self.fans.keeps_border(from, to)
+            && self.fans.moved(from, to).iter().all(|[_, new]| self.is_sound(*new));
+        if is_possible {
+            self.fans.collapse(from, to);
+        }
+        is_possible
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UP: Vec3 = Vec3::new(0.0, 0.0, 1.0);
+    const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+
+    fn doubled_areas(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<f64> {
+        triangles.iter().map(|t| super::super::fan::Shape::of(points, *t).vector.z).collect()
+    }
+
+    /// A square whose diagonal lies outside of it: one of its corners is drawn in past the other diagonal.
+    #[test]
+    fn a_fold_at_a_diagonal_is_flipped() {
+        let mut points = CORNERS.to_vec();
+        points[1] = [0.3, 0.6, 0.0];
+        let triangles = vec![[0, 1, 2], [0, 2, 3]];
+        assert!(doubled_areas(&points, &triangles)[0] < 0.0);
+        let found = unfolded(&points, &[UP; 4], [triangles.as_slice(); 1].concat());
+        // One triangle of two is too many to be a fold.
+        assert_eq!(found, triangles);
+        let mut folds = Folds { fans: Fans::new(&points, triangles), normals: &[UP; 4], changed: false };
+        folds.unfold(0);
+        let found = folds.fans.into_triangles();
+        assert!(
+            found.len() == 2 && doubled_areas(&points, &found).iter().all(|area| *area > 0.0),
+            "{found:?}"
+        );
+    }
+
+    /// A grid, one of whose inner points is drawn across the edge opposite.
+    #[test]
+    fn a_fold_in_a_plane_is_unfolded() {
+        let side = 9;
+        let mut points: Vec<[f32; 3]> =
+            (0..side * side).map(|i| [(i % side) as f32 / 8.0, (i / side) as f32 / 8.0, 0.0]).collect();
+        let mut triangles = Vec::new();
+        for y in 0..side - 1 {
+            for x in 0..side - 1 {
+                let [a, b] = [y * side + x, (y + 1) * side + x].map(|v| v as u32);
+                triangles.extend([[a, a + 1, b + 1], [a, b + 1, b]]);
+            }
+        }
+        points[4 * side + 4] = [0.5 + 0.19, 0.5 - 0.03, 0.0];
+        let normals = vec![UP; points.len()];
+        let turned =
+            |triangles: &[[u32; 3]]| doubled_areas(&points, triangles).iter().filter(|a| **a < 0.0).count();
+        assert!(turned(&triangles) > 0);
+        let found = unfolded(&points, &normals, triangles.clone());
+        assert_eq!(turned(&found), 0, "{found:?}");
+        let area: f64 = doubled_areas(&points, &found).iter().sum();
+        assert!((area - 2.0).abs() < 1e-9, "{area}");
+        assert_eq!(unfolded(&points, &normals, found.clone()), found, "nothing is left to unfold");
+    }
+}
