@@ -11,14 +11,24 @@ struct Most {
     seen: f64,
 }
 
+/// Texels along a side of the map, and pixels along a side of the pictures.
+struct Sides {
+    map: &'static str,
+    picture: &'static str,
+}
+
+const USUAL: Sides = Sides { map: "1024", picture: "640" };
+
 /// Bakes every scan of a folder and compares what is told of it with what is seen of it.
-fn relief_is_kept(model: &str, most: &Most) {
+fn relief_is_kept(model: &str, sides: &Sides, most: &Most) {
     for scan in data_files(model, &["gltf"]) {
         let folder = tempfile::tempdir().unwrap();
         let scan = scan.to_str().expect("a path of text");
-        let baked = json(&["bake", scan, "-o", "out.glb", "--size", "1024"], folder.path());
+        let baked = json(&["bake", scan, "-o", "out.glb", "--size", sides.map], folder.path());
         let line = ["compare", "out.glb", "--reference", scan, "--method", "smooth,tangent-normal"];
-        let line = [&line[..], &["--shading", "ggx", "--match", "pixel", "-o", "compared"]].concat();
+        let line =
+            [&line[..], &["--shading", "ggx", "--match", "pixel", "--size", sides.picture, "-o", "compared"]]
+                .concat();
         let compared = json(&line, folder.path());
         let [smooth, mapped] = [0, 1].map(|i| number(&compared, &format!("/methods/{i}/error/inner/mean")));
         let told = number(&baked, "/proof/angles/mean");
@@ -30,16 +40,24 @@ fn relief_is_kept(model: &str, most: &Most) {
 
 #[test]
 fn relief_of_a_bottle_is_kept() {
-    relief_is_kept("khronos-gltf-sample-assets/WaterBottle", &Most { told: 1.5, seen: 1.0 });
+    relief_is_kept("khronos-gltf-sample-assets/WaterBottle", &USUAL, &Most { told: 1.5, seen: 1.0 });
 }
 
 #[test]
 fn relief_of_cups_is_kept() {
-    relief_is_kept("polyhaven-models/tea_set_01", &Most { told: 1.5, seen: 1.0 });
+    relief_is_kept("polyhaven-models/tea_set_01", &USUAL, &Most { told: 1.5, seen: 1.0 });
 }
 
 /// Its map has more than three times as many texels as the asset's.
 #[test]
 fn relief_of_a_camera_is_kept() {
-    relief_is_kept("polyhaven-models/Camera_01", &Most { told: 3.3, seen: 2.3 });
+    relief_is_kept("polyhaven-models/Camera_01", &USUAL, &Most { told: 3.3, seen: 2.3 });
+}
+
+/// With as many texels as its map, and pixels that do not blur them, the asset is within a degree.
+#[test]
+#[ignore = "bakes a map of 4096² texels"]
+fn relief_of_a_camera_is_within_a_degree_where_the_map_is_large_enough() {
+    let sides = Sides { map: "4096", picture: "1024" };
+    relief_is_kept("polyhaven-models/Camera_01", &sides, &Most { told: 0.7, seen: 1.0 });
 }

@@ -21,7 +21,8 @@ pub(super) fn opponent(v: Vec3<f64>) -> Vec3<f64> {
 
 /// Returns the product of a matrix, row by row, and a column.
 pub(super) fn product(matrix: &[[f64; 3]; 3], v: Vec3<f64>) -> Vec3<f64> {
-    Vec3::from_array(matrix.map(|[a, b, c]| a * v.x + b * v.y + c * v.z))
+    let row = |[a, b, c]: [f64; 3]| a * v.x + b * v.y + c * v.z;
+    Vec3::new(row(matrix[0]), row(matrix[1]), row(matrix[2]))
 }
 
 /// Returns the cube root of CIELAB with its linear start: ISO/CIE 11664-4.

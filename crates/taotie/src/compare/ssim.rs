@@ -59,7 +59,7 @@ fn similarity(a: &DisplayImage, b: &DisplayImage) -> Result<Vec<f64>> {
 fn channel_similarity(a: &DisplayImage, b: &DisplayImage, channel: usize) -> Vec<f64> {
     let kernel = window();
     let pairs: Vec<[f64; 2]> =
-        a.pixels().iter().zip(b.pixels()).map(|(a, b)| [a, b].map(|p| f64::from(p[channel]))).collect();
+        a.pixels().iter().zip(b.pixels()).map(|(a, b)| [a[channel].into(), b[channel].into()]).collect();
     let weighted = |product: fn(&[f64; 2]) -> f64| {
         Plane::new(a.width(), &pairs, product).filtered(&kernel, &kernel).values
     };

@@ -7,27 +7,25 @@ use super::fan::Fans;
 use super::slivers::THIN;
 use crate::math::Vec3;
 
-/// Rounds, since one fold may lie on another.
-const ROUNDS: usize = 4;
+/// A facet that is changed faces the normals of its corners by at least this cosine afterwards: that of 78° in the first
+/// rounds, then that of 87°. There are several, since one fold may lie on another.
+const FACING: [f64; 4] = [0.2, 0.2, 0.05, 0.05];
 /// Where more than one triangle of so many faces away, the high-poly surface has no one outside there.
 const OF_MANY: usize = 20;
-/// A facet that is changed faces the normals of its corners by at least this cosine afterwards: that of 78°.
-const FACING: f64 = 0.2;
 
-/// Returns the triangles with fewer folds; as they are where there is none. `normals` are those of the high-poly surface
+/// Returns the triangles with fewer folds; as they are where there is none. `normals` are those that facets are to face
 /// at the points, of any length.
 pub(super) fn unfolded(points: &[[f32; 3]], normals: &[Vec3], mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    for _ in 0..ROUNDS {
-        let mut folds = Folds { fans: Fans::new(points, triangles), normals, changed: false };
+    for facing in FACING {
+        let mut folds = Folds { fans: Fans::new(points, triangles), normals, facing, changed: false };
         let found = folds.found();
-        if found.len() * OF_MANY <= folds.fans.len() {
-            found.into_iter().for_each(|t| folds.unfold(t));
+        if found.is_empty() || found.len() * OF_MANY > folds.fans.len() {
+            return folds.fans.into_triangles();
         }
-        let changed = folds.changed;
+        for t in found {
+            folds.unfold(t);
+        }
         triangles = folds.fans.into_triangles();
-        if !changed {
-            break;
-        }
     }
     triangles
 }
@@ -36,7 +34,8 @@ pub(super) fn unfolded(points: &[[f32; 3]], normals: &[Vec3], mut triangles: Vec
 struct Folds<'a> {
     fans: Fans<'a>,
     normals: &'a [Vec3],
-    changed: bool,
+    /// The least cosine of a facet that is changed.
+    facing: f64,
 }
 
 impl Folds<'_> {
@@ -51,19 +50,18 @@ impl Folds<'_> {
         self.fans.shape(corners).cosine(a + b + c)
     }
 
-    fn unfold(&mut self, t: usize) {
-        if self.fans.is_touched(t) {
-            return;
-        }
+    /// Flips or collapses an edge of a facet, the longest first; `false` where none can be.
+    fn unfold(&mut self, t: usize) -> bool {
         let [a, b, c] = self.fans.longest_first(t);
-        let turned = [[a, b, c], [b, c, a], [c, a, b]];
-        self.changed |= turned.iter().any(|corners| self.flip(t, *corners))
-            || turned.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a));
+        let edges = [[a, b, c], [b, c, a], [c, a, b]];
+        !self.fans.is_touched(t)
+            && (edges.iter().any(|corners| self.flip(t, *corners))
+                || edges.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a)))
     }
 
     /// Returns `true` where a facet faces the normals of its corners and is no sliver.
     fn is_sound(&self, corners: [u32; 3]) -> bool {
-        self.cosine(corners) > FACING && self.fans.shape(corners).height() >= THIN
+        self.cosine(corners) > self.facing && self.fans.shape(corners).height() >= THIN
     }
 
     fn flip(&mut self, t: usize, corners: [u32; 3]) -> bool {
@@ -109,8 +107,8 @@ mod tests {
         let found = unfolded(&points, &[UP; 4], [triangles.as_slice(); 1].concat());
         // One triangle of two is too many to be a fold.
         assert_eq!(found, triangles);
-        let mut folds = Folds { fans: Fans::new(&points, triangles), normals: &[UP; 4], changed: false };
-        folds.unfold(0);
+        let mut folds = Folds { fans: Fans::new(&points, triangles), normals: &[UP; 4], facing: 0.2 };
+        assert!(folds.unfold(0));
         let found = folds.fans.into_triangles();
         assert!(
             found.len() == 2 && doubled_areas(&points, &found).iter().all(|area| *area > 0.0),

@@ -75,7 +75,9 @@ fn hunt_lab_from_rgb(linear: Vec3<f64>) -> Vec3<f64> {
 
 /// Linear sRGB from XYZ by Cramer's rule.
 fn rgb_from_xyz(v: Vec3<f64>) -> Vec3<f64> {
-    let [r, g, b] = [0, 1, 2].map(|c| Vec3::from_array(XYZ_FROM_RGB.map(|row| row[c])));
+    let [x, y, z] = XYZ_FROM_RGB;
+    let column = |c: usize| Vec3::new(x[c], y[c], z[c]);
+    let (r, g, b) = (column(0), column(1), column(2));
     let (gb, br, rg) = (g.cross(b), b.cross(r), r.cross(g));
     Vec3::new(v.dot(gb), v.dot(br), v.dot(rg)) / r.dot(gb)
 }

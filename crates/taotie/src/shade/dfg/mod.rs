@@ -144,7 +144,8 @@ fn between<const N: usize>(
     let corners = [&table[node], &table[node + 1], &table[node + COLUMNS], &table[node + COLUMNS + 1]];
     let mut out = [0.0; N];
     for (n, out) in out.iter_mut().enumerate() {
-        *out = between_entries(corners.map(|entry| entry[n]), [across, down]);
+        let at = |corner: usize| corners[corner][n];
+        *out = between_entries([at(0), at(1), at(2), at(3)], [across, down]);
     }
     out
 }
