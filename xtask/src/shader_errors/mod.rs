@@ -107,7 +107,20 @@ impl Run {
              |---|---|---|---:|---:|---:|---:|---:|---:|\n"
         );
         self.measured.iter().for_each(|measured| text += &measured.row());
-        text
+        text + &format!("\nDifferences above 1e-3: {}.\n", self.beyond())
+    }
+
+    /// How many channels of all surfaces differ by more than 1e-3.
+    fn beyond(&self) -> String {
+        let sides: [(&str, fn(&Measured) -> &Tally); 3] =
+            [("`f32`", |all| &all.single), ("WGSL", |all| &all.wgsl), ("GLSL ES", |all| &all.glsl)];
+        let told = sides.map(|(name, side)| {
+            let tallies = self.measured.iter().map(side);
+            let [beyond, count] =
+                tallies.fold([0, 0], |[beyond, count], tally| [beyond + tally.beyond, count + tally.count]);
+            format!("{name} {beyond} of {count}")
+        });
+        told.join(", ")
     }
 }
 
