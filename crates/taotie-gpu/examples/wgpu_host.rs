@@ -11,7 +11,7 @@ use taotie_shader::{FrameFactors, Interface, SurfaceFactors, light_numbers};
 use wgpu::util::{BufferInitDescriptor, DeviceExt, TextureDataOrder};
 use wgpu::{BufferUsages, TextureDescriptor, TextureFormat::Rgba32Float, TextureUsages};
 
-/// What can fail, for whatever reason.
+/// A result with any error.
 pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 /// A mesh and its light, seen in parallel along −z: from −1 to 1 in x and y.

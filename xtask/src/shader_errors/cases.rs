@@ -87,7 +87,7 @@ impl Case {
         }
     }
 
-    /// What the shader is made for; factors do not matter to it.
+    /// The variant whose shader it is; factors do not matter to it.
     pub fn variant(&self) -> Variant {
         Variant::new(&self.material(&mut Random::new(1)), &self.options())
     }
@@ -159,7 +159,7 @@ impl Case {
         }
     }
 
-    /// What the host knows of the surface.
+    /// The surface as its host knows it.
     pub fn factors<'m>(&self, material: &'m Material) -> SurfaceFactors<'m> {
         // The paper's normals are in object space, which is the world here. Heights change by a third from texel to
         // texel: slopes of about one.

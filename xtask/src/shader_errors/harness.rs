@@ -73,7 +73,7 @@ void main() {{
     shader
 }
 
-/// What is interpolated elsewhere.
+/// The values that are interpolated elsewhere.
 fn arguments(interface: &Interface) -> String {
     let argument = |name: &str| match name {
         "position" => "a.xyz",

@@ -20,7 +20,7 @@ pub struct Lighting {
     pub eye: [f32; 4],
 }
 
-/// Where the environment lies.
+/// The turn of the environment.
 pub const TURN: Turn<f32> = Turn { sin: 0.6, cos: 0.8 };
 
 /// Each kind of light by itself, and all together: a sun, a lamp whose light ends, a spot, the sky with ambient light

@@ -40,7 +40,7 @@ struct Measured {
     glsl: Tally,
 }
 
-/// What was measured, and where.
+/// The measurements, and the machines they were made on.
 struct Run {
     measured: Vec<Measured>,
     vulkan: String,
@@ -110,7 +110,7 @@ impl Run {
         text + &format!("\nDifferences above 1e-3: {}.\n", self.beyond())
     }
 
-    /// How many channels of all surfaces differ by more than 1e-3.
+    /// The numbers of channels of all surfaces that differ by more than 1e-3.
     fn beyond(&self) -> String {
         let sides: [(&str, fn(&Measured) -> &Tally); 3] =
             [("`f32`", |all| &all.single), ("WGSL", |all| &all.wgsl), ("GLSL ES", |all| &all.glsl)];

@@ -28,7 +28,7 @@ pub struct Points {
     pub rows: usize,
     /// Position and handedness; normal, and 1 where the front is seen; tangent; uv; colour.
     pub inputs: Vec<[f32; 4]>,
-    /// What textures say at each point, by the name of the texture.
+    /// The texels of each point, by the name of the texture.
     pub textures: BTreeMap<&'static str, Vec<[f32; 4]>>,
 }
 
@@ -45,7 +45,7 @@ pub struct Point {
     pub color: Vec3,
 }
 
-/// What the points of a square share.
+/// The values that the points of a square share.
 struct Square {
     position: Vec3<f64>,
     position_step: [Vec3<f64>; 2],

@@ -301,7 +301,7 @@ impl<'i> Vulkan<'i> {
     }
 }
 
-/// What a draw binds.
+/// The content of the groups of a draw.
 struct Groups<'d> {
     case: &'d Case,
     pipeline: &'d Pipeline,

@@ -83,7 +83,7 @@ impl Drawn {
     }
 }
 
-/// What is written for the script.
+/// The folder that the script reads, and its content.
 struct Written<'i> {
     folder: &'i Path,
     inputs: &'i Inputs,
