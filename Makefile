@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables shaders security fuzz bless tools
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables shaders shader-errors security fuzz bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -114,6 +114,9 @@ tables: ## Computes the tables of directional albedos anew
 
 shaders: ## Writes the shaders in docs/shaders anew
 	cargo run --release -p xtask -- shaders
+
+shader-errors: ## Measures shaders at random points for docs/shaders.md: lavapipe and Chromium against f64
+	cargo run --release -p xtask -- shader-errors
 
 security: ## Makes the tables of docs/security.md anew
 	cargo run --release -p xtask -- security

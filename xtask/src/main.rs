@@ -10,6 +10,7 @@ mod dependencies;
 mod errors;
 mod generated;
 mod help_pages;
+mod shader_errors;
 mod shaders;
 mod tables;
 
@@ -72,6 +73,9 @@ enum Task {
         #[arg(long)]
         check: bool,
     },
+    /// The table of docs/shaders.md: shaders at random points against the pixel program. Needs a Vulkan driver and
+    /// Chromium; other ones have other figures.
+    ShaderErrors,
     /// The table of docs/assets-table.md: every glTF model below some folders, baked by the command.
     AssetTable(AssetTableArgs),
 }
@@ -98,6 +102,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Task::Security { check } => finish(&dependencies::generated(&root())?, *check, "make security"),
         Task::Tables { check } => finish(&tables::generated(&root()), *check, "make tables"),
         Task::Shaders { check } => finish(&shaders::generated(&root())?, *check, "make shaders"),
+        Task::ShaderErrors => finish(&shader_errors::generated(&root())?, false, "make shader-errors"),
         Task::AssetTable(args) => bake_assets(args),
     }
 }

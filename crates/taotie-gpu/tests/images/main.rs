@@ -20,6 +20,7 @@ mod scenes;
 mod skies;
 
 mod compared;
+mod host;
 mod made;
 mod models;
 mod sequence;

@@ -1,6 +1,6 @@
 //! Dual numbers: the derivatives of a formula by running it.
 
-use super::Lane;
+use super::{Lane, Number};
 use std::array::from_fn;
 use std::f64::consts::{LN_2, LOG2_E};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -66,6 +66,22 @@ impl<L: Lane, const N: usize> Dual<L, N> {
     fn quotient(self, o: Self) -> Self {
         let value = self.value / o.value;
         Self { value, partials: self.partials(o, |by_self, by_o| (by_self - value * by_o) / o.value) }
+    }
+}
+
+impl<L: Number, const N: usize> Number for Dual<L, N> {
+    fn index(self) -> usize {
+        self.value.index()
+    }
+    /// At the origin, where the angle has no derivative, that is 0.
+    fn angle(y: Self, x: Self) -> Self {
+        let squared = x.value * x.value + y.value * y.value;
+        let zero = squared.lit(0.0);
+        let partials = y.partials(x, |by_y, by_x| {
+            let slope = (by_y * x.value - by_x * y.value) / squared;
+            L::select(zero.lt(squared), slope, zero)
+        });
+        Self { value: L::angle(y.value, x.value), partials }
     }
 }
 

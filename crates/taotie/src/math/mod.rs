@@ -4,6 +4,7 @@ mod column;
 mod dual;
 mod lane;
 mod mat;
+mod number;
 mod numbers;
 mod pack;
 #[cfg(feature = "serde")]
@@ -22,6 +23,7 @@ pub use column::{Aligned, BATCH, COLUMN, Column, Quads, Words};
 pub use dual::Dual;
 pub use lane::{Lane, Mask};
 pub use mat::Mat4;
+pub use number::Number;
 pub use pack::{MOST_LANES, Pack};
 pub(crate) use pack::{at_most_eight, dispatch_eight, dispatch_pack};
 pub use simd::SimdLevel;

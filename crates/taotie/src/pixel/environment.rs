@@ -86,10 +86,10 @@ pub struct Turn<L> {
     pub cos: L,
 }
 
-impl Turn<f32> {
+impl<N> Turn<N> {
     /// The same turn of other numbers.
     #[inline(always)]
-    pub fn map<L>(self, f: impl Fn(f32) -> L) -> Turn<L> {
+    pub fn map<L>(self, f: impl Fn(N) -> L) -> Turn<L> {
         Turn { sin: f(self.sin), cos: f(self.cos) }
     }
 }

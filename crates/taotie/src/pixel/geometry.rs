@@ -31,6 +31,29 @@ pub struct MappedNormal<L> {
     pub green: L,
 }
 
+impl<N: Copy> Geometry<N> {
+    /// The same geometry in other numbers.
+    #[inline(always)]
+    pub fn map<L>(&self, f: impl Fn(N) -> L) -> Geometry<L> {
+        Geometry {
+            n_geom: self.n_geom.map(&f),
+            normal: self.normal.map(&f),
+            tangent: self.tangent.map(&f),
+            handedness: f(self.handedness),
+            facing: f(self.facing),
+            v: self.v.map(&f),
+        }
+    }
+}
+
+impl<N: Copy> MappedNormal<N> {
+    /// The same texel in other numbers.
+    #[inline(always)]
+    pub fn map<L>(&self, f: impl Fn(N) -> L) -> MappedNormal<L> {
+        MappedNormal { stored: self.stored.map(&f), scale: f(self.scale), green: f(self.green) }
+    }
+}
+
 /// The normals are those of the front; [`super::Frame::new`] turns them to the side that is seen.
 impl<L: Lane> Geometry<L> {
     /// The normal of the facet.

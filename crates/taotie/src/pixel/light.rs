@@ -57,6 +57,14 @@ pub struct Incidence<L> {
     pub irradiance: Vec3<L>,
 }
 
+impl<N: Copy> Incidence<N> {
+    /// The same light in other numbers.
+    #[inline(always)]
+    pub fn map<L>(&self, f: impl Fn(N) -> L) -> Incidence<L> {
+        Incidence { l: self.l.map(&f), irradiance: self.irradiance.map(&f) }
+    }
+}
+
 impl LightSource<f32> {
     /// Makes a scene's light ready.
     pub fn new(light: &scene::Light) -> Self {

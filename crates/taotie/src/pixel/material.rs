@@ -51,11 +51,13 @@ impl MaterialUniforms<f32> {
             shininess: classic.shininess,
         }
     }
+}
 
+impl<N: Copy> MaterialUniforms<N> {
     /// The same factors as other numbers.
     #[inline(always)]
-    pub fn map<L>(&self, f: impl Fn(f32) -> L) -> MaterialUniforms<L> {
-        let vector = |vector: Vec3| vector.map(&f);
+    pub fn map<L>(&self, f: impl Fn(N) -> L) -> MaterialUniforms<L> {
+        let vector = |vector: Vec3<N>| vector.map(&f);
         MaterialUniforms {
             base_color: vector(self.base_color),
             f0: self.f0.map(vector),
@@ -89,6 +91,23 @@ pub struct MaterialValues<L> {
     pub emissive: Vec3<L>,
     /// What hides within the pixel: [`shade::SubPixelVariance::variance`].
     pub variance: L,
+}
+
+impl<N: Copy> MaterialValues<N> {
+    /// The same values as other numbers.
+    #[inline(always)]
+    pub fn map<L>(&self, f: impl Fn(N) -> L) -> MaterialValues<L> {
+        MaterialValues {
+            tint: self.tint.map(&f),
+            metallic: f(self.metallic),
+            roughness: f(self.roughness),
+            specular: f(self.specular),
+            specular_color: self.specular_color.map(&f),
+            occlusion: f(self.occlusion),
+            emissive: self.emissive.map(&f),
+            variance: f(self.variance),
+        }
+    }
 }
 
 /// The material at a point, in every model's terms.

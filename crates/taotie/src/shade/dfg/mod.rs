@@ -14,7 +14,8 @@ mod sheen;
 
 pub use grid::{COLUMNS, ROWS};
 
-use crate::math::{Lane, Vec3};
+use crate::math::{Lane, Number, Vec3};
+use std::array::from_fn;
 
 /// The total reflection of a lobe, for each part of its Fresnel factor: F0 `scale` + F90 `bias` − drop `edge`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,6 +116,34 @@ impl<L: Lane> TablePosition<L> {
     }
 }
 
+/// A table of directional albedos.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AlbedoTable {
+    /// That of GGX's lobe.
+    Ggx,
+    /// That of Cook-Torrance's lobe.
+    CookTorrance,
+    /// That of white sheen, whose one number is [`Dfg::scale`].
+    Sheen,
+}
+
+impl<L: Number> TablePosition<L> {
+    /// Reads a table at this position.
+    pub fn read(&self, table: AlbedoTable) -> Dfg<L> {
+        let (node, shares) = (self.node.index(), [self.across, self.down]);
+        let [scale, bias, edge, diffuse_edge] = match table {
+            AlbedoTable::Ggx => between(&ggx::TABLE, node, shares),
+            AlbedoTable::CookTorrance => between(&cook_torrance::TABLE, node, shares),
+            AlbedoTable::Sheen => {
+                let [albedo] = between(&sheen::TABLE, node, shares);
+                let zero = albedo.lit(0.0);
+                [albedo, zero, zero, zero]
+            }
+        };
+        Dfg { scale, bias, edge, diffuse_edge }
+    }
+}
+
 impl Dfg<f32> {
     /// The numbers of GGX's lobe at a position, in the order of the fields.
     #[inline]
@@ -135,19 +164,17 @@ fn bilinear<const N: usize>(table: &[[f32; N]; COLUMNS * ROWS], n_dot_v: f32, ro
 }
 
 #[inline]
-fn between<const N: usize>(
+fn between<L: Lane, const N: usize>(
     table: &[[f32; N]; COLUMNS * ROWS],
     node: usize,
-    [across, down]: [f32; 2],
-) -> [f32; N] {
+    [across, down]: [L; 2],
+) -> [L; N] {
     let node = node.min(COLUMNS * (ROWS - 1) - 2);
     let corners = [&table[node], &table[node + 1], &table[node + COLUMNS], &table[node + COLUMNS + 1]];
-    let mut out = [0.0; N];
-    for (n, out) in out.iter_mut().enumerate() {
-        let at = |corner: usize| corners[corner][n];
-        *out = between_entries([at(0), at(1), at(2), at(3)], [across, down]);
-    }
-    out
+    from_fn(|n| {
+        let at = |corner: usize| across.lit(f64::from(corners[corner][n]));
+        between_entries([at(0), at(1), at(2), at(3)], [across, down])
+    })
 }
 
 /// The number of a table between four entries: those of the node, of the next along the cosine, and of the two below;

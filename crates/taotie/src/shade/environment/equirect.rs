@@ -3,7 +3,7 @@
 use super::bilinear::bilinear;
 use super::texels::{HalfTexels, MAX_RADIANCE};
 use crate::image::Image;
-use crate::math::{Lane, Vec3, scalar};
+use crate::math::{Lane, Number, Vec3, scalar};
 use std::f32::consts::PI;
 
 /// An equirectangular image.
@@ -15,11 +15,11 @@ pub(super) struct Equirect {
 }
 
 /// The place of a unit direction in the image: u and v in [0, 1] from the top left, u = ½ at +x and ¾ at +z.
-pub(super) fn uv_of(direction: Vec3) -> [f32; 2] {
+pub(super) fn uv_of<L: Number>(direction: Vec3<L>) -> [L; 2] {
     let Vec3 { x, y, z } = direction;
     // Near the poles the arc cosine of y would lose half the digits.
-    let polar = libm::atan2f((x * x + z * z).sqrt(), y);
-    picture_uv(libm::atan2f(z, x), polar)
+    let polar = L::angle((x * x + z * z).sqrt(), y);
+    picture_uv(L::angle(z, x), polar)
 }
 
 /// The place in an equirectangular picture, [0, 1]² from the top left: `azimuth` is atan2(z, x), in [−π, π], and `polar`
@@ -105,11 +105,13 @@ impl Equirect {
 
     /// The radiance from the direction at u and v in [0, 1], linear RGB: the mean of the four texels around it, by
     /// nearness.
-    pub(super) fn radiance_at(&self, uv: [f32; 2]) -> Vec3 {
-        let at = PicturePosition::of(uv, [self.width as f32, self.height as f32]);
-        let [left, right, top, bottom] = [at.left, at.right, at.top, at.bottom].map(|i| i as usize);
+    pub(super) fn radiance_at<L: Number>(&self, uv: [L; 2]) -> Vec3<L> {
+        let number = |value: f64| uv[0].lit(value);
+        let at = PicturePosition::of(uv, [number(self.width as f64), number(self.height as f64)]);
+        let [left, right, top, bottom] = [at.left, at.right, at.top, at.bottom].map(L::index);
         let texels = [[left, top], [right, top], [left, bottom], [right, bottom]];
-        bilinear(texels.map(|[x, y]| self.texel(x, y)), [at.across, at.down])
+        let texel = |[x, y]: [usize; 2]| self.texel(x, y).map(|channel| number(f64::from(channel)));
+        bilinear(texels.map(texel), [at.across, at.down])
     }
 }
 

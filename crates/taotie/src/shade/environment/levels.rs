@@ -2,7 +2,7 @@
 
 use super::bilinear::linear;
 use super::octahedron::{Octahedron, place_of};
-use crate::math::{Lane, Vec3, scalar};
+use crate::math::{Lane, Mask, Number, Vec3, scalar};
 
 /// The light at one roughness.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,16 +75,21 @@ impl<L: Lane> LevelPosition<L> {
 impl Levels {
     /// The light at `roughness`, [0, 1], in a direction. `mirror` tells the light itself there.
     #[inline]
-    pub(super) fn at(&self, direction: Vec3, roughness: f32, mirror: impl FnOnce() -> Vec3) -> Vec3 {
-        let place = place_of(direction);
+    pub(super) fn at<L: Number>(
+        &self,
+        direction: Vec3<L>,
+        roughness: L,
+        mirror: impl FnOnce() -> Vec3<L>,
+    ) -> Vec3<L> {
+        let (place, zero) = (place_of(direction), roughness.lit(0.0));
         let LevelPosition { below, share } = LevelPosition::of(roughness);
-        if below >= 0.0 {
-            let (below, above) = (self.numbered(below as usize), self.numbered(below as usize + 1));
+        if zero.le(below).any() {
+            let (below, above) = (self.numbered(below.index()), self.numbered(below.index() + 1));
             return linear(below.at(place), above.at(place), share);
         }
         let smoothest = &self.0[0];
-        let share = share_of_smoothest(roughness, smoothest.alpha);
-        if share > 0.0 { linear(mirror(), smoothest.map.at(place), share) } else { mirror() }
+        let share = share_of_smoothest(roughness, roughness.lit(f64::from(smoothest.alpha)));
+        if zero.lt(share).any() { linear(mirror(), smoothest.map.at(place), share) } else { mirror() }
     }
 
     /// A level by its number; the roughest beyond the last.

@@ -18,7 +18,7 @@ mod texels;
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::math::{Lane, Vec3};
+use crate::math::{Lane, Number, Vec3};
 use distribution::Distribution;
 use equirect::{Equirect, uv_of};
 use levels::Levels;
@@ -87,7 +87,7 @@ impl Environment {
     }
 
     /// The radiance from a direction, linear RGB.
-    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+    pub fn radiance<L: Number>(&self, direction: Vec3<L>) -> Vec3<L> {
         self.picture.radiance_at(uv_of(direction))
     }
 
@@ -98,7 +98,7 @@ impl Environment {
     /// Law: within 1 % of the integral over all texels from roughness 0.2 on
     /// (`environments::levels_are_integrals_over_all_texels`).
     /// Source: Karis 2013, "Pre-Filtered Environment Map".
-    pub fn specular(&self, direction: Vec3, roughness: f32) -> Vec3 {
+    pub fn specular<L: Number>(&self, direction: Vec3<L>, roughness: L) -> Vec3<L> {
         self.levels.at(direction, roughness, || self.radiance(direction))
     }
 
@@ -106,8 +106,9 @@ impl Environment {
     /// the cosine.
     ///
     /// Law: within 2 % of the integral over all texels (`laws::environment::irradiance_is_the_integral_over_all_texels`).
-    pub fn irradiance(&self, n: Vec3) -> Vec3 {
-        self.levels.at(n, 1.0, || self.radiance(n)) * std::f32::consts::PI
+    pub fn irradiance<L: Number>(&self, n: Vec3<L>) -> Vec3<L> {
+        let one = n.x.lit(1.0);
+        self.levels.at(n, one, || self.radiance(n)) * one.lit(std::f64::consts::PI)
     }
 
     /// The place of a direction of any length in the filtered maps.

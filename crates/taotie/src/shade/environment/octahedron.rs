@@ -2,7 +2,7 @@
 
 use super::bilinear::bilinear;
 use super::texels::HalfTexels;
-use crate::math::{Lane, Vec3};
+use crate::math::{Lane, Number, Vec3};
 use crate::parallel;
 
 /// An image of the sphere with a border, so that lookup between texels is seamless.
@@ -82,11 +82,13 @@ impl Octahedron {
 
     /// The mean of the four texels around a place, by nearness, linear RGB.
     #[inline]
-    pub(super) fn at(&self, [u, v]: [f32; 2]) -> Vec3 {
-        let ((left, s), (top, t)) = (taps(u, self.side as f32), taps(v, self.side as f32));
-        let start = top as usize * (self.side + 2) + left as usize;
+    pub(super) fn at<L: Number>(&self, [u, v]: [L; 2]) -> Vec3<L> {
+        let side = u.lit(self.side as f64);
+        let ((left, s), (top, t)) = (taps(u, side), taps(v, side));
+        let start = top.index() * (self.side + 2) + left.index();
         let below = start + self.side + 2;
-        bilinear([start, start + 1, below, below + 1].map(|at| self.texels.get(at)), [s, t])
+        let texel = |at| self.texels.get(at).map(|channel| u.lit(f64::from(channel)));
+        bilinear([start, start + 1, below, below + 1].map(texel), [s, t])
     }
 }
 
