@@ -16,11 +16,14 @@ pub(crate) struct PipelineKey {
     pub double_sided: bool,
     /// `true` where it is laid over what is behind.
     pub blended: bool,
+    /// `true` where its lights cast shadows.
+    pub shadows: bool,
 }
 
 impl PipelineKey {
     /// The facts of a surface under some settings; `environment` tells whether there is one.
     pub(crate) fn new(surface: &Surface<'_>, settings: &RenderSettings, environment: bool) -> Self {
+        let shadows = settings.shadows && !surface.material.unlit;
         let options = VariantOptions {
             shading: settings.shading,
             method: method(&surface.normal_source),
@@ -29,7 +32,7 @@ impl PipelineKey {
             specular_aa: settings.specular_aa,
             environment,
             both_sides: false,
-            shadows: false,
+            shadows,
             vertex_color: !surface.colors.is_empty(),
             tangents: !surface.tangents.is_empty(),
             uv_sets: surface.uvs.len(),
@@ -39,6 +42,7 @@ impl PipelineKey {
             mirrored: surface.mirrored,
             double_sided: surface.material.double_sided,
             blended: is_blended(surface),
+            shadows,
         }
     }
 }

@@ -20,6 +20,7 @@ mod scenes;
 mod skies;
 
 mod compared;
+mod holes;
 mod made;
 mod models;
 mod sequence;
