@@ -101,9 +101,7 @@ impl Casters {
     }
 
     fn upload(mut self, gpu: &Gpu) -> Result<ShadowInputs> {
-        if self.boxes.is_empty() {
-            self.boxes.push(UNSEEN);
-        }
+        self.boxes.push(END);
         self.triangles.resize(self.triangles.len().max(1), [0; 4]);
         self.vertices.resize(self.vertices.len().max(1), [0.0; 8]);
         let [masks, opacities] = self.masks.upload(gpu)?;
@@ -117,11 +115,8 @@ impl Casters {
     }
 }
 
-/// A box that no ray enters.
-const UNSEEN: [u32; 8] = {
-    let (low, high) = (f32::MAX.to_bits(), f32::MIN.to_bits());
-    [low, low, low, 1, high, high, high, 0]
-};
+/// The end of the list of boxes, which the shader knows by what it skips to.
+const END: [u32; 8] = [0; 8];
 
 /// The words of a box: the last one has the number of its triangles in four bits, the first one's place in the others.
 fn box_words(around: &FlatBox) -> [u32; 8] {

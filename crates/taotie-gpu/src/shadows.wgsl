@@ -1,7 +1,8 @@
 // Shadows: rays to the lights through boxes around all triangles, with the renderer's own origins, boxes and masks.
 
 // A box. Those in it follow it; `skip` is the number of the next box that does not lie in it. In a box that holds no
-// others the last four bits of `leaf` are the number of its triangles, and those before them the first one's.
+// others the last four bits of `leaf` are the number of its triangles, and those before them the first one's. After the
+// last box comes one whose `skip` is 0: Mesa's lavapipe 22.3 tells a greater `arrayLength` than the list has.
 struct ShadowBox {
     low: vec3f,
     skip: u32,
@@ -82,8 +83,11 @@ fn visibility(light: i32, position: vec3f, n: vec3f) -> f32 {
 // 1 where nothing stands on the way, else 0.
 fn shadow_sight(ray: ShadowRay) -> f32 {
     var index = 0u;
-    while (index < arrayLength(&shadow_boxes)) {
+    loop {
         let around = shadow_boxes[index];
+        if (around.skip == 0u) {
+            break;
+        }
         if (!shadow_enters(around, ray)) {
             index = around.skip;
             continue;
@@ -109,8 +113,11 @@ fn shadow_origin(position: vec3f, n: vec3f) -> vec3f {
     var origin = position + n * SHADOW_OFFSET;
     var nearest = SHADOW_REACH;
     var index = 0u;
-    while (index < arrayLength(&shadow_boxes)) {
+    loop {
         let around = shadow_boxes[index];
+        if (around.skip == 0u) {
+            break;
+        }
         if (!shadow_enters(around, ray)) {
             index = around.skip;
             continue;
