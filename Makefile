@@ -73,7 +73,7 @@ bench-floor: ## Arithmetic and texel loads of a pixel, measured, beside a frame
 	cargo bench -p taotie --bench floor
 
 bench-gpu: ## Frames a second by the graphics processor that is there, beside the processor; BENCH=--quick: fewer
-	cargo run --release -p taotie-gpu --example frames -- $(BENCH)
+	cargo run --release -p taotie-gpu --example gpu_frames -- $(BENCH)
 
 SCALING_VENV = target/bench-scaling/venv
 bench-scaling: $(SCALING_VENV)/ready ## A frame over triangles, pixels, lights, textures, threads, for docs; BENCH=--quick: fewer

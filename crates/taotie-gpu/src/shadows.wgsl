@@ -106,7 +106,7 @@ fn shadow_sight(ray: ShadowRay) -> f32 {
 }
 
 // The point of the smooth surface above the triangle that lies at `position`, moved a little along its normal.
-// Interpolated positions are rounded more than the renderer's, so the triangle is looked for, and the point on it taken.
+// A shader is not told the corners of its triangle, so it looks for the nearest one along the normal.
 // Source: Hanika 2021, "Hacking the Shadow Terminator".
 fn shadow_origin(position: vec3f, n: vec3f) -> vec3f {
     let ray = shadow_ray(position + n * SHADOW_REACH, -n, 2.0 * SHADOW_REACH);

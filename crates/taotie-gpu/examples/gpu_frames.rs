@@ -1,7 +1,7 @@
 //! Frames a second by a graphics processor and by the processor: `make bench-gpu`.
 //!
 //! ```text
-//! cargo run --release -p taotie-gpu --example frames -- [--quick] [--adapter NAME]
+//! cargo run --release -p taotie-gpu --example gpu_frames -- [--quick] [--adapter NAME]
 //! ```
 //!
 //! A sphere with bosses turns: four maps of 2048², `ggx`, one light, one sample a pixel. Of each frame all pixels end as 8-bit
