@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-sizes docs errors asset-table tables shaders shader-errors security fuzz bless tools
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes docs errors asset-table tables shaders shader-errors security fuzz bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -71,6 +71,9 @@ bench-fma: $(RENDER_VENV)/ready ## What the bit rule costs: the same programs wi
 
 bench-floor: ## Arithmetic and texel loads of a pixel, measured, beside a frame
 	cargo bench -p taotie --bench floor
+
+bench-gpu: ## Frames a second by the graphics processor that is there, beside the processor; BENCH=--quick: fewer
+	cargo run --release -p taotie-gpu --example gpu_frames -- $(BENCH)
 
 SCALING_VENV = target/bench-scaling/venv
 bench-scaling: $(SCALING_VENV)/ready ## A frame over triangles, pixels, lights, textures, threads, for docs; BENCH=--quick: fewer

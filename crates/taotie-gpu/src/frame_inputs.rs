@@ -3,7 +3,8 @@
 use crate::environment::EnvironmentInputs;
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::pipelines::{entry, texture, uniform};
+use crate::pipelines::{entry, storage, texture, uniform};
+use crate::shadows::ShadowInputs;
 use crate::textures::Texels2d;
 use taotie::math::Mat4;
 use taotie::pixel::{LightSource, Turn};
@@ -18,6 +19,7 @@ pub(crate) struct FrameInputs {
     factors: Buffer,
     tables: TextureView,
     environment: EnvironmentInputs,
+    shadows: ShadowInputs,
     light: FrameLight,
     group: BindGroup,
 }
@@ -43,9 +45,16 @@ impl FrameInputs {
         let tables = tables(gpu)?;
         let environment = EnvironmentInputs::new(gpu, None)?;
         let lights = lights(gpu, &Lighting::default())?;
-        let parts = Parts { factors: &factors, lights: &lights, tables: &tables, environment: &environment };
+        let shadows = ShadowInputs::none(gpu)?;
+        let parts = Parts {
+            factors: &factors,
+            lights: &lights,
+            tables: &tables,
+            environment: &environment,
+            shadows: &shadows,
+        };
         let group = parts.bind(gpu, &layout)?;
-        Ok(Self { layout, factors, tables, environment, light, group })
+        Ok(Self { layout, factors, tables, environment, shadows, light, group })
     }
 
     /// The layout of group 0.
@@ -56,6 +65,11 @@ impl FrameInputs {
     /// What is bound as group 0.
     pub(crate) fn group(&self) -> &BindGroup {
         &self.group
+    }
+
+    /// Takes over what casts shadows, for the images whose [light](Self::light) comes next.
+    pub(crate) fn cast(&mut self, shadows: ShadowInputs) {
+        self.shadows = shadows;
     }
 
     /// Takes over the light of an image. An environment is uploaded when it changes.
@@ -75,6 +89,7 @@ impl FrameInputs {
             lights: &lights,
             tables: &self.tables,
             environment: &self.environment,
+            shadows: &self.shadows,
         };
         self.group = parts.bind(gpu, &self.layout)?;
         Ok(())
@@ -130,6 +145,7 @@ struct Parts<'a> {
     lights: &'a Buffer,
     tables: &'a TextureView,
     environment: &'a EnvironmentInputs,
+    shadows: &'a ShadowInputs,
 }
 
 impl Parts<'_> {
@@ -142,8 +158,9 @@ impl Parts<'_> {
             self.environment.level_table().as_entire_binding(),
             BindingResource::TextureView(self.environment.picture()),
         ];
+        let shadows = self.shadows.buffers().map(Buffer::as_entire_binding);
         let bind = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-        let entries: Vec<_> = (0..).zip(resources).map(bind).collect();
+        let entries: Vec<_> = (0..).zip(resources.into_iter().chain(shadows)).map(bind).collect();
         gpu.checked("the light of the image", || {
             gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("frame"),
@@ -156,12 +173,8 @@ impl Parts<'_> {
 
 /// The layout of group 0. It holds everything that some shader reads.
 fn layout(gpu: &Gpu) -> BindGroupLayout {
-    let lights = wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Storage { read_only: true },
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    };
-    let types = [uniform(), lights, texture(false), texture(false), uniform(), texture(false)];
+    let light = [uniform(), storage(), texture(false), texture(false), uniform(), texture(false)];
+    let types = light.into_iter().chain([storage(); ShadowInputs::COUNT]);
     let entries: Vec<_> = (0..).zip(types).map(|(binding, ty)| entry(binding, ty)).collect();
     gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("frame"),
@@ -174,7 +187,7 @@ fn lights(gpu: &Gpu, lighting: &Lighting) -> Result<Buffer> {
     let mut numbers: Vec<[f32; 16]> =
         lighting.lights.iter().map(|light| light_numbers(&LightSource::new(light))).collect();
     numbers.resize(numbers.len().max(1), [0.0; 16]);
-    gpu.buffer("the lights", bytemuck::cast_slice(&numbers), BufferUsages::STORAGE)
+    gpu.storage("the lights", bytemuck::cast_slice(&numbers))
 }
 
 /// The tables of directional albedos.

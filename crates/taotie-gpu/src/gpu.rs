@@ -80,6 +80,15 @@ impl Gpu {
         GpuError::TooLarge { what, adapter, size, most }
     }
 
+    /// Makes a buffer of `bytes` that shaders read as a list; `what` names it in errors.
+    pub(crate) fn storage(&self, what: &str, bytes: &[u8]) -> Result<Buffer> {
+        let (size, most) = (bytes.len() as u64, self.limits.max_storage_buffer_binding_size);
+        if size > most {
+            return Err(self.too_large(what, format!("{size} bytes"), format!("{most} bytes")));
+        }
+        self.buffer(what, bytes, BufferUsages::STORAGE)
+    }
+
     /// Makes a buffer of `bytes`; `what` names it in errors.
     pub(crate) fn buffer(&self, what: &str, bytes: &[u8], usage: BufferUsages) -> Result<Buffer> {
         let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT).max(16);
@@ -147,6 +156,9 @@ mod tests {
         gpu.limits.max_buffer_size = 64;
         let refused = gpu.buffer("the triangles of instance 3", &[0; 65], BufferUsages::INDEX).unwrap_err();
         assert!(refused.to_string().starts_with("the triangles of instance 3 is too large for"), "{refused}");
+        gpu.limits = wgpu::Limits { max_storage_buffer_binding_size: 32, ..gpu.limits };
+        let refused = gpu.storage("the boxes of shadow rays", &[0; 36]).unwrap_err();
+        assert!(refused.to_string().contains("36 bytes, at most 32 bytes"), "{refused}");
     }
 
     #[test]

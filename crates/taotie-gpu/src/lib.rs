@@ -5,7 +5,8 @@
 //! Light is developed by [`taotie::film`] on the processor, so tone curves and backgrounds are the same. The images are
 //! not equal to the bit, since graphics processors may fuse and reorder arithmetic.
 //!
-//! It draws no shadows and no ground, and tells so ([`GpuRenderer::warnings`]). Surfaces that blend are drawn from the
+//! Shadows are rays that the shaders follow themselves through the processor's tree of boxes, on every machine alike; the
+//! ground is laid under the image by the processor. Output variables are refused. Surfaces that blend are drawn from the
 //! farthest triangle to the nearest, by the triangles' centres; triangles that cut through one another are therefore
 //! laid over one another in one order, where [`taotie::render::Renderer`] sorts each pixel.
 //!
@@ -36,6 +37,8 @@ mod meshes;
 mod pipelines;
 mod renderer;
 mod samplers;
+mod shadow_masks;
+mod shadows;
 mod surface_draw;
 mod target;
 mod texture_format;

@@ -25,13 +25,15 @@ pub(crate) struct SurfacePipeline {
 pub(crate) struct Pipelines {
     /// The format of the image.
     color: TextureFormat,
+    /// The text that shaders need which cast shadow rays.
+    visibility: String,
     made: HashMap<PipelineKey, Arc<SurfacePipeline>>,
 }
 
 impl Pipelines {
-    /// Begins with none, for images of the format `color`.
-    pub(crate) fn new(color: TextureFormat) -> Self {
-        Self { color, made: HashMap::new() }
+    /// Begins with none, for images of the format `color`; shaders that cast shadow rays need the text `visibility`.
+    pub(crate) fn new(color: TextureFormat, visibility: String) -> Self {
+        Self { color, visibility, made: HashMap::new() }
     }
 
     /// The pipeline of these facts; `frame` is the layout of group 0.
@@ -47,7 +49,10 @@ impl Pipelines {
         if let Some(made) = self.made.get(key) {
             return Ok(made.clone());
         }
-        let shader = pixel_shader(&key.variant, Language::Wgsl);
+        let mut shader = pixel_shader(&key.variant, Language::Wgsl);
+        if key.shadows {
+            shader.text += &self.visibility;
+        }
         let layouts = Layouts { color: self.color, frame };
         let made = gpu.checked("a shader", || Arc::new(layouts.pipeline(gpu, key, shader)))?;
         self.made.insert(key.clone(), made.clone());
@@ -162,6 +167,15 @@ pub(crate) fn entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
 pub(crate) fn uniform() -> BindingType {
     BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    }
+}
+
+/// A buffer of any length that is read.
+pub(crate) fn storage() -> BindingType {
+    BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
         has_dynamic_offset: false,
         min_binding_size: None,
     }

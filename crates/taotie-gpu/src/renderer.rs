@@ -8,15 +8,16 @@ use crate::gpu::Gpu;
 use crate::meshes::{Meshes, Numbered};
 use crate::pipelines::{Pipelines, SurfacePipeline};
 use crate::samplers::Samplers;
+use crate::shadows::{ShadowInputs, visibility_text};
 use crate::surface_draw::{MaterialTextures, SurfaceDraw};
 use crate::target::Target;
 use crate::textures::Textures;
 use crate::variants::{PipelineKey, is_blended};
 use std::collections::HashMap;
 use std::sync::Arc;
+use taotie::Progress;
 use taotie::film::{Development, develop8_into};
-use taotie::render::{CheckedShot, Frame, Prepared, Shot, Surface, fill_backdrop};
-use taotie::{Progress, Warnings};
+use taotie::render::{CheckedShot, Frame, Prepared, Shot, Surface, fill_backdrop, fill_ground};
 use taotie_shader::SurfaceFactors;
 use wgpu::{
     BindGroup, Buffer, BufferUsages, CommandEncoder, Features, IndexFormat, RenderPass, TextureFormat,
@@ -33,8 +34,9 @@ pub struct GpuRenderer<'p> {
     /// What surfaces bind, by their number and how they are drawn.
     materials: HashMap<(usize, PipelineKey), BindGroup>,
     target: Option<Target>,
+    /// `true` where the triangles that cast shadows are there.
+    casts: bool,
     color: TextureFormat,
-    warnings: Warnings,
 }
 
 /// What is on the graphics processor and stays there.
@@ -65,7 +67,7 @@ impl<'p> GpuRenderer<'p> {
                 textures: Textures::new(gpu, prepared.scene(), materials)?,
                 samplers: Samplers::default(),
             },
-            pipelines: Pipelines::new(color),
+            pipelines: Pipelines::new(color, visibility_text(prepared.ray_offset())),
         };
         Ok(Self {
             frame: FrameInputs::new(gpu)?,
@@ -75,19 +77,14 @@ impl<'p> GpuRenderer<'p> {
             uploaded,
             materials: HashMap::new(),
             target: None,
+            casts: false,
             color,
-            warnings: Warnings::default(),
         })
     }
 
     /// The graphics processor.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
-    }
-
-    /// What could not be drawn as asked in the images so far.
-    pub fn warnings(&self) -> &Warnings {
-        &self.warnings
     }
 
     /// Renders an image in linear light. Every sample is shaded, as on the processor.
@@ -97,7 +94,10 @@ impl<'p> GpuRenderer<'p> {
     /// [`GpuError::TooLarge`] for an image or mesh that the graphics processor does not take; where it has no memory left.
     pub fn render(&mut self, shot: &Shot<'_>, progress: Progress<'_>) -> Result<Frame> {
         let checked = CheckedShot::new(shot)?;
-        self.check(&checked)?;
+        if checked.settings.aovs {
+            return Err(GpuError::Unsupported { what: "output variables (AOVs)".into() });
+        }
+        self.cast(&checked)?;
         self.frame.light(&self.gpu, shot.lighting)?;
         let draws = self.draws(&checked, shot.lighting.environment.is_some())?;
         let blended = self.blended(&checked)?;
@@ -115,6 +115,7 @@ impl<'p> GpuRenderer<'p> {
         }
         let mut color = target.read(&self.gpu)?;
         self.target = Some(target);
+        fill_ground(&mut color, self.prepared, shot);
         fill_backdrop(&mut color, shot);
         progress.at(1.0)?;
         Ok(Frame { color, aovs: None })
@@ -137,18 +138,11 @@ impl<'p> GpuRenderer<'p> {
         Ok(develop8_into(&frame.color, development, codes)?)
     }
 
-    /// Refuses what is not drawn here, and notes what is left out.
-    fn check(&mut self, checked: &CheckedShot) -> Result<()> {
-        if checked.settings.aovs {
-            return Err(GpuError::Unsupported { what: "output variables (AOVs)".into() });
-        }
-        let left_out = [
-            ("shadows: graphics processors draw none yet", checked.settings.shadows),
-            ("the ground: graphics processors draw none yet", checked.settings.ground),
-        ];
-        for (what, asked) in left_out {
-            let is_new = self.warnings.iter().all(|(noted, _)| noted != what);
-            self.warnings.note(what, usize::from(asked && is_new));
+    /// Uploads the triangles that cast shadows when an image first asks for them.
+    fn cast(&mut self, checked: &CheckedShot) -> Result<()> {
+        if checked.settings.shadows && !self.casts {
+            self.frame.cast(ShadowInputs::new(&self.gpu, self.prepared, &self.surfaces)?);
+            self.casts = true;
         }
         Ok(())
     }

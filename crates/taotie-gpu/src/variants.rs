@@ -15,17 +15,22 @@ pub(crate) struct PipelineKey {
     pub double_sided: bool,
     /// `true` where it is laid over what is behind.
     pub blended: bool,
+    /// `true` where its lights cast shadows.
+    pub shadows: bool,
 }
 
 impl PipelineKey {
     /// The facts of a surface under some settings; `environment` tells whether there is one.
     pub(crate) fn new(surface: &Surface<'_>, settings: &RenderSettings, environment: bool) -> Self {
-        let options = VariantOptions::of_surface(surface, settings, environment);
+        let shadows = settings.shadows && !surface.material.unlit;
+        let options =
+            VariantOptions { shadows, ..VariantOptions::of_surface(surface, settings, environment) };
         Self {
             variant: Variant::new(surface.material, &options),
             mirrored: surface.mirrored,
             double_sided: surface.material.double_sided,
             blended: is_blended(surface),
+            shadows,
         }
     }
 }

@@ -79,7 +79,7 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub integrator: IntegratorArgs,
-    /// Machine that draws
+    /// Machine that draws; the processor if not given, since only its images have the same bits everywhere
     #[arg(long, value_enum, default_value_t = Device::Cpu, help_heading = "Integrator")]
     pub device: Device,
 

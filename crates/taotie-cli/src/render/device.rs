@@ -1,23 +1,25 @@
 //! The machine that draws: the processor, or a graphics processor.
 
 use super::RenderArgs;
+use crate::console;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use serde_json::json;
+use taotie::Progress;
 use taotie::film::Development;
 use taotie::render::{Frame, Prepared, Renderer, Shot};
-use taotie::{Progress, Warnings};
 #[cfg(feature = "gpu")]
-use taotie_gpu::{AdapterChoice, Gpu, GpuRenderer};
+use taotie_gpu::{AdapterChoice, AdapterDescription, Gpu, GpuRenderer};
 
 /// A kind of machine, as the command line names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Device {
     /// The processor: the same bits on every machine
     Cpu,
-    /// A graphics processor, or a program that plays one: no shadows and no ground yet
+    /// A graphics processor, or a program that plays one, such as Mesa's lavapipe: nearly the same image, whose last digits
+    /// depend on card and driver
     Gpu,
-    /// A graphics processor where there is one and it draws all that is asked for, else the processor
+    /// A graphics processor if there is one, else the processor, which also draws for --aov and --integrator reference
     Auto,
 }
 
@@ -86,21 +88,54 @@ impl Machine {
         }
     }
 
-    /// Returns the machine as JSON for reports.
-    pub fn json(&self) -> serde_json::Value {
+    /// Returns the machine as JSON for reports, with the way in which shadows were found, if any were.
+    pub fn json(&self, shadows: bool) -> serde_json::Value {
+        let by = |way: &'static str| shadows.then_some(way);
         match self {
-            Self::Cpu => json!({ "name": "cpu" }),
+            Self::Cpu => json!({ "name": "cpu", "shadows": by("rays") }),
             #[cfg(feature = "gpu")]
-            Self::Gpu(gpu) => json!({ "name": "gpu", "adapter": gpu.description() }),
+            Self::Gpu(gpu) => {
+                json!({ "name": "gpu", "adapter": gpu.description(), "shadows": by("shader-rays") })
+            }
         }
     }
+
+    /// Says which machine draws and how shadows are found, where the user did not name the processor.
+    pub fn tell(&self, args: &RenderArgs) {
+        match self {
+            Self::Cpu if args.device == Device::Cpu => {}
+            Self::Cpu => {
+                console::say(&format!("taotie: drawn by the processor: {}", why_the_processor(args)))
+            }
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => {
+                let AdapterDescription { name, backend, .. } = gpu.description();
+                let shadows = if args.settings().shadows { "; shadows by rays in the shader" } else { "" };
+                console::say(&format!("taotie: drawn by {name} through {backend}{shadows}"));
+            }
+        }
+    }
+}
+
+/// The reason why `--device auto` takes the processor.
+#[cfg(feature = "gpu")]
+fn why_the_processor(args: &RenderArgs) -> &'static str {
+    match asks_for_the_processor(args) {
+        true => "output variables and the reference integrator are its work",
+        false => "no graphics processor was found",
+    }
+}
+
+/// The reason why `--device auto` takes the processor.
+#[cfg(not(feature = "gpu"))]
+fn why_the_processor(_: &RenderArgs) -> &'static str {
+    "this build lacks the feature `gpu`"
 }
 
 /// Says whether anything is asked for that graphics processors do not draw.
 #[cfg(feature = "gpu")]
 fn asks_for_the_processor(args: &RenderArgs) -> bool {
-    let settings = args.settings();
-    settings.shadows || settings.ground || settings.aovs || args.integrator.reference().is_some()
+    args.settings().aovs || args.integrator.reference().is_some()
 }
 
 /// A renderer of some machine, with a prepared scene.
@@ -145,14 +180,5 @@ impl Drawer<'_> {
             Self::Gpu(_, renderer) => renderer.develop(shot, development, &mut codes, progress)?,
         }
         Ok(codes)
-    }
-
-    /// What the machine could not draw as asked.
-    pub fn warnings(&self) -> Warnings {
-        match self {
-            Self::Cpu(_) => Warnings::default(),
-            #[cfg(feature = "gpu")]
-            Self::Gpu(_, renderer) => renderer.warnings().clone(),
-        }
     }
 }

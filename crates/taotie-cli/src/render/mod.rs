@@ -48,6 +48,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let files = stop::files();
     args.claim(&files)?;
     let report = in_pool(args.running.threads, || render(args, &files))??;
+    report.machine.tell(args);
     console::say_warnings(&report.warnings);
     if args.running.json {
         return console::result(&serde_json::to_string_pretty(&report.json(args))?);
@@ -115,7 +116,7 @@ impl Report {
             "times": self.times,
             "size": args.size,
             "integrator": args.integrator.json(),
-            "device": self.machine.json(),
+            "device": self.machine.json(args.settings().shadows),
             "samples": args.integrator.reference().is_none().then(|| args.film.samples()),
             "shading": args.shading.name(),
             "surface": args.surface.map(|s| s.name()),

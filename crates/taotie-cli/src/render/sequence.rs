@@ -127,8 +127,7 @@ impl<'a> Shooting<'a> {
             }
             let mut renderer = Renderer::new(scene.clone(), &self.settings.surface)
                 .with_context(|| self.args.model.display().to_string())?;
-            let is_first = self.done == 0;
-            if is_first {
+            if self.done == 0 {
                 warnings.absorb(renderer.prepared().warnings().clone());
             }
             let drawer = self.machine.drawer(&mut renderer)?;
@@ -137,9 +136,6 @@ impl<'a> Shooting<'a> {
             for shot in shots {
                 let picture = self.render(&mut stage, shot)?;
                 self.write(picture, moving.as_mut())?;
-            }
-            if is_first {
-                warnings.absorb(stage.drawer.warnings());
             }
         }
         if let Some(picture) = moving {

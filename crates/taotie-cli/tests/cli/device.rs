@@ -19,7 +19,7 @@ fn is_required() -> bool {
 #[test]
 fn a_graphics_processor_draws_or_is_asked_for() {
     let place = Place::with("a.obj", TRIANGLE);
-    let (done, out, err) = run(&place, "render a.obj -o b.png --size 40x30 --device gpu --ground --json");
+    let (done, out, err) = run(&place, "render a.obj -o b.png --size 40x30 --device gpu --shadows --json");
     if !done && !is_required() {
         assert!(err.contains("no graphics processor was found") && err.contains("install"), "{err}");
         assert_eq!(place.files(), ["a.obj"]);
@@ -28,19 +28,21 @@ fn a_graphics_processor_draws_or_is_asked_for() {
     let report: Value = serde_json::from_str(&out).unwrap_or_else(|why| panic!("{why}: {out} {err}"));
     assert_eq!(report["device"]["name"], "gpu");
     assert!(report["device"]["adapter"]["name"].is_string(), "{report}");
-    assert!(report["warnings"].to_string().contains("graphics processors draw none yet"), "{report}");
+    assert_eq!(report["device"]["shadows"], "shader-rays");
+    assert!(err.contains("taotie: drawn by ") && err.contains("; shadows by rays in the shader\n"), "{err}");
     assert_eq!(place.files(), ["a.obj", "b.png"]);
 }
 
 #[test]
 fn who_leaves_the_choice_gets_all_that_is_asked_for() {
     let place = Place::with("a.obj", TRIANGLE);
-    for (name, device) in [("cpu", "cpu"), ("auto", "auto")] {
-        let line = format!("render a.obj -o {name}.png --size 40x30 --ground --device {device} --json");
+    let told = "taotie: drawn by the processor: output variables and the reference integrator are its work\n";
+    for (device, told) in [("cpu", ""), ("auto", told)] {
+        let line = format!("render a.obj -o {device}.png --size 40x30 --aov depth --device {device} --json");
         let (done, out, err) = run(&place, &line);
-        assert!(done, "{err}");
+        assert!(done && err == told, "{err}");
         let report: Value = serde_json::from_str(&out).unwrap();
-        assert_eq!(report["device"]["name"], "cpu");
+        assert_eq!(report["device"], serde_json::json!({ "name": "cpu", "shadows": null }));
     }
     assert_eq!(place.read("cpu.png"), place.read("auto.png"));
 }

@@ -3,7 +3,7 @@
 use crate::compared::{View, gpu};
 use crate::{finishes, scenes};
 use taotie::names::Named;
-use taotie::render::{GrazingNormals, SurfaceSettings};
+use taotie::render::{GrazingNormals, RenderSettings, SurfaceSettings};
 use taotie::scene::{Material, NormalSpace, Projection, Scene, preset};
 use taotie::shade::{Energy, Shading};
 use taotie::surface::SurfaceMethod;
@@ -87,6 +87,29 @@ fn mirrored_instances_and_far_textures_look_as_on_the_processor() {
     parallel.camera.projection =
         Projection::Orthographic { half_width: 2.0, half_height: 1.5, near: 0.1, far: 20.0 };
     parallel.check(&gpu);
+}
+
+fn shadowed(view: View) -> View {
+    view.with(|settings| settings.shadows = true)
+}
+
+#[test]
+fn shadows_fall_where_the_processor_has_them() {
+    let Some(gpu) = gpu() else { return };
+    shadowed(near("shadows on bosses", scenes::embossed_sphere(NormalSpace::Tangent))).check(&gpu);
+    let floor = || {
+        View::new("shadows on a floor", scenes::floor_and_mirrored_spheres(), scenes::camera(30.0, 20.0, 5.0))
+    };
+    shadowed(floor()).check(&gpu);
+    shadowed(near("shadows on clearcoat", finishes::clearcoat())).under_sky().check(&gpu);
+}
+
+#[test]
+fn the_ground_is_the_processors() {
+    let Some(gpu) = gpu() else { return };
+    let ground = |settings: &mut RenderSettings| (settings.shadows, settings.ground) = (true, true);
+    near("on the ground", scenes::embossed_sphere(NormalSpace::Tangent)).with(ground).check(&gpu);
+    near("on the ground under a sky", scenes::panes()).under_sky().with(ground).check(&gpu);
 }
 
 #[test]

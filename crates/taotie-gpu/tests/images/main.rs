@@ -20,6 +20,7 @@ mod scenes;
 mod skies;
 
 mod compared;
+mod holes;
 mod host;
 mod made;
 mod models;

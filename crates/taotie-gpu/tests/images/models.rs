@@ -41,6 +41,9 @@ fn check(stem: &str) {
         let mut sky = view(&model, load_model(&model).unwrap().scene).under_sky();
         sky.name += " under a sky";
         sky.check(&gpu);
+        let mut shadows = view(&model, load_model(&model).unwrap().scene);
+        shadows.name += " with shadows";
+        shadows.with(|settings| settings.shadows = true).check(&gpu);
     }
 }
 

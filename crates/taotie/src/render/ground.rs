@@ -1,8 +1,10 @@
 //! A shadow catcher: the ground under an object, of which nothing is seen but how much darker the object makes it.
 
+use super::prepare::{Prepared, Ready};
 use super::rays::CameraRays;
-use super::settings::{EnvironmentLight, Lighting};
+use super::settings::{EnvironmentLight, Lighting, Shot};
 use super::tree::Casters;
+use crate::image::Image;
 use crate::math::Vec3;
 use crate::math::sequence::Sequence;
 use crate::parallel;
@@ -23,6 +25,17 @@ const DIRECTIONS: u32 = 128;
 /// The distance below the object, as a part of its size, so that what stands on the ground does not cut it.
 const GAP: f64 = 1e-4;
 
+/// Lays the shadow on the ground, where the shot has one, under an image with premultiplied alpha, linear RGB: what a
+/// renderer that draws surfaces alone does next, before [`super::fill_backdrop`]. `image` is of the shot's size.
+pub fn fill_ground(image: &mut Image, prepared: &Prepared, shot: &Shot<'_>) {
+    let (width, height) = (image.width(), image.height());
+    let rays = CameraRays::new(shot.camera, [width, height]);
+    let Some(ground) = Ground::of(prepared.ready(), shot, rays) else { return };
+    parallel::pieces(image.pixels_mut(), width as usize, &|y, row| {
+        row.iter_mut().zip(0..).for_each(|(pixel, x)| ground.lay_under(pixel, [x, y as u32]));
+    });
+}
+
 /// The part of the light that is missing on a horizontal square under the object.
 pub(super) struct Ground {
     height: f64,
@@ -34,8 +47,15 @@ pub(super) struct Ground {
 }
 
 impl Ground {
+    /// The ground of a shot; `None` where it has none.
+    pub(super) fn of(ready: Ready<'_>, shot: &Shot<'_>, rays: CameraRays) -> Option<Self> {
+        let bounds = ready.bounds().filter(|_| shot.settings.ground)?;
+        let casters = Casters { tree: ready.tree(), draws: &ready.draws() };
+        Some(Self::new(casters, bounds, shot.lighting, rays))
+    }
+
     /// The ground under casters with these bounds.
-    pub(super) fn new(casters: Casters<'_>, bounds: Bounds, lighting: &Lighting, rays: CameraRays) -> Self {
+    fn new(casters: Casters<'_>, bounds: Bounds, lighting: &Lighting, rays: CameraRays) -> Self {
         let size = bounds.diagonal();
         let (middle, extent) = (bounds.center(), bounds.max - bounds.min);
         let half = REACH * 0.5 * (extent.x * extent.x + extent.z * extent.z).sqrt().max(0.2 * size);
@@ -58,12 +78,16 @@ impl Ground {
         for y in 0..tile.height {
             for x in 0..tile.width {
                 let pixel = &mut color[(y * TILE_SIZE + x) as usize];
-                let uncovered = (1.0 - pixel[3]).max(0.0);
-                if uncovered > 0.0 {
-                    let at = [tile.x + x, tile.y + y].map(|i| f64::from(i) + 0.5);
-                    pixel[3] += uncovered * self.seen_at(at);
-                }
+                self.lay_under(pixel, [tile.x + x, tile.y + y]);
             }
+        }
+    }
+
+    /// Darkens the pixel in column and row `at`.
+    fn lay_under(&self, pixel: &mut [f32; 4], at: [u32; 2]) {
+        let uncovered = (1.0 - pixel[3]).max(0.0);
+        if uncovered > 0.0 {
+            pixel[3] += uncovered * self.seen_at(at.map(|i| f64::from(i) + 0.5));
         }
     }
 
@@ -176,4 +200,37 @@ fn upward(v: Vec3) -> Vec3 {
 /// Returns the Rec. 709 luminance of linear sRGB.
 fn luminance(rgb: Vec3) -> f32 {
     0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+    use crate::progress::Progress;
+    use crate::render::{Pass, RenderSettings};
+    use crate::scene::{Light, LightKind, Material, Orbit, Scene};
+
+    #[test]
+    fn laid_under_a_finished_image_it_is_that_of_the_renderer() {
+        let orbit =
+            Orbit { azimuth: 0.3, elevation: 0.5, distance: 4.0, target: Vec3::default(), fov_y: 0.9 };
+        let camera = orbit.camera(1.0);
+        let direction = Vec3::new(0.6, -1.0, -0.4).normalize();
+        let kind = LightKind::Directional { direction };
+        let sun = Light { name: String::new(), kind, color: Vec3::splat(2.0), falloff: Default::default() };
+        let lighting = Lighting { lights: vec![sun], ambient: Vec3::splat(0.1), environment: None };
+        let settings = RenderSettings { width: 90, height: 70, ..RenderSettings::default() };
+        let grounded = RenderSettings { ground: true, ..settings.clone() };
+        let scene = Scene::of_mesh(Mesh::sphere(1.0, 16, 8), Material::default()).unwrap();
+        let prepared = Prepared::new(scene, &settings.surface).unwrap();
+        let shot = |settings| Shot { camera: &camera, lighting: &lighting, settings };
+        let render =
+            |settings| Pass::new(&prepared, &shot(settings)).unwrap().render(Progress::SILENT).unwrap().color;
+        let mut image = render(&settings);
+        fill_ground(&mut image, &prepared, &shot(&settings));
+        assert!(image.pixels() == render(&settings).pixels(), "nobody asked for it");
+        fill_ground(&mut image, &prepared, &shot(&grounded));
+        assert!(image.pixels() == render(&grounded).pixels());
+        assert!(image.pixels() != render(&settings).pixels(), "there is a shadow");
+    }
 }

@@ -49,6 +49,7 @@ pub use checked_shot::CheckedShot;
 pub use draw::NormalSource;
 pub use follow::bind_tangents;
 pub use frame::{Aovs, Frame};
+pub use ground::fill_ground;
 #[doc(hidden)]
 pub use memory::{HeldPixels, framing_bytes, image_bytes, pixel_bytes, scene_bytes};
 pub use pass::Pass;

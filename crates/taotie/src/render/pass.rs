@@ -49,10 +49,9 @@ impl<'p> Pass<'p> {
         let Shot { camera, lighting, settings } = shot;
         let stages = Stages::new(ready, shot, cache.projected)?;
         let rays = CameraRays::new(camera, [settings.width, settings.height]);
-        let bounds = ready.bounds().filter(|_| settings.ground);
         Ok(Self {
             scratches: Mutex::new(cache.scratches),
-            ground: bounds.map(|bounds| Ground::new(stages.casters(), bounds, lighting, rays)),
+            ground: Ground::of(ready, shot, rays),
             backdrop: Backdrop::new(lighting.environment.as_ref(), rays),
             stages,
         })

@@ -7,6 +7,7 @@ use super::settings::SurfaceSettings;
 use super::tree::SceneTree;
 use crate::error::{Error, Result, Warnings};
 use crate::scene::{Bounds, Scene};
+use crate::trace::Bvh;
 use fearless_simd::Level;
 use std::sync::{Arc, OnceLock};
 
@@ -41,6 +42,28 @@ impl Prepared {
     /// The warnings about what could not be drawn as asked.
     pub fn warnings(&self) -> &Warnings {
         &self.parts.warnings
+    }
+
+    /// All triangles sorted for rays, numbered through all [surfaces](Self::surfaces) in their order; sorted when first
+    /// asked for.
+    ///
+    /// ```
+    /// use taotie::mesh::Mesh;
+    /// use taotie::render::{Prepared, SurfaceSettings};
+    /// use taotie::scene::{Material, Scene};
+    ///
+    /// let scene = Scene::of_mesh(Mesh::sphere(1.0, 8, 4), Material::default())?;
+    /// let prepared = Prepared::new(scene, &SurfaceSettings::default())?;
+    /// assert_eq!(prepared.bvh().flat().order.len(), prepared.surfaces()[0].triangles.len());
+    /// # Ok::<(), taotie::Error>(())
+    /// ```
+    pub fn bvh(&self) -> &Bvh {
+        &self.ready().tree().0
+    }
+
+    /// The height above the surface at which shadow rays start, model units.
+    pub fn ray_offset(&self) -> f32 {
+        self.ready().ray_offset()
     }
 
     pub(super) fn ready(&self) -> Ready<'_> {

@@ -1,6 +1,7 @@
 //! Rays against triangles. Finds hits, never colours.
 
 mod bvh;
+mod flat;
 mod hilbert;
 mod nearby;
 mod nearest;
@@ -10,6 +11,7 @@ mod triangle;
 mod walk;
 
 pub use bvh::{Bvh, Hit};
+pub use flat::{FlatBox, FlatBvh};
 pub use nearby::Closest;
 pub use nearest::{Nearest, RayInterval};
 pub use ray_packet::{PacketView, RayPacket};

@@ -5,7 +5,6 @@ use super::super::ground::Ground;
 use super::super::prepare::Ready;
 use super::super::rays::CameraRays;
 use super::super::settings::{RenderSettings, Shot};
-use super::super::tree::Casters;
 use super::super::view::View;
 use super::environment::WorldEnvironment;
 use super::settings::ReferenceSettings;
@@ -55,8 +54,6 @@ impl<'t> Tracer<'t> {
         let view = View::new(shot.camera, width, height)?;
         let level = settings.surface.simd.dispatch()?;
         let tree = ready.tree();
-        let bounds = ready.bounds().filter(|_| settings.ground);
-        let ground = |bounds| Ground::new(Casters { tree, draws }, bounds, lighting, camera);
         Ok(Self {
             draws,
             sight: Sight { draws, tree },
@@ -64,7 +61,7 @@ impl<'t> Tracer<'t> {
             camera,
             sources: lighting.lights.iter().map(LightSource::new).collect(),
             ambient: lighting.ambient,
-            ground: bounds.map(ground),
+            ground: Ground::of(ready, shot, camera),
             environment: lighting.environment.as_ref().map(WorldEnvironment::new),
             settings,
             reference: *paths,
