@@ -10,6 +10,26 @@ import numpy.typing as npt
 
 from ._run import Running
 
+__all__ = [
+    "Asset",
+    "Written",
+    "bake",
+    "require",
+    "command",
+    "compare",
+    "color",
+    "convert",
+    "diff",
+    "normals_of_heights",
+    "write_png",
+    "Model",
+    "load",
+    "model_of_arrays",
+    "Renderer",
+    "shade",
+    "__version__",
+]
+
 __version__: str
 
 @final
