@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes docs errors asset-table tables shaders shader-errors security fuzz bless tools
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -129,6 +129,24 @@ TIME = 60
 fuzz: ## Damages files for TIME seconds and reads them: docs/security.md; MODELS=FOLDER takes further files
 	cargo run --release -p taotie-fuzz -- run --time $(TIME) --totals crates/taotie-fuzz/totals.json \
 		$(if $(MODELS),--models $(MODELS)) $(FUZZ)
+
+# The extension has the profile of tests. Its dependencies have fewer features than those, so the library is compiled once more.
+PYTHON_VENV = target/python
+python: $(PYTHON_VENV)/ready ## The Python package into target/python, and its tests and type checkers
+	VIRTUAL_ENV=$(CURDIR)/$(PYTHON_VENV) $(PYTHON_VENV)/bin/maturin develop --profile dev --quiet
+	$(PYTHON_VENV)/bin/python -m pytest
+	$(PYTHON_VENV)/bin/mypy
+	$(PYTHON_VENV)/bin/mypy python/tests/typed.py
+	$(PYTHON_VENV)/bin/pyright --pythonpath $(PYTHON_VENV)/bin/python
+	cd python && MYPYPATH=. ../$(PYTHON_VENV)/bin/stubtest taotie._taotie
+
+$(PYTHON_VENV)/ready: python/requirements.txt
+	$(PYTHON) -m venv $(PYTHON_VENV)
+	$(PYTHON_VENV)/bin/pip install --quiet --requirement $<
+	touch $@
+
+wheel: $(PYTHON_VENV)/ready ## A wheel for this machine into target/wheels
+	$(PYTHON_VENV)/bin/maturin build --release
 
 bless: ## Takes the pictures and outputs of today for right; look at the difference before you commit it
 	TAOTIE_BLESS=1 cargo test -p taotie --test render golden::

@@ -74,12 +74,17 @@ pub fn command() -> clap::Command {
 
 /// Runs the command with its arguments, the program's name first.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ExitCode::from(exit_code(args))
+}
+
+/// Runs the command as [`run`] does; returns the code by which its process is to end.
+pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
         Err(error) => {
             // A closed pipe while help is printed is no error.
             let _ = error.print();
-            return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+            return if error.use_stderr() { 2 } else { 0 };
         }
     };
     console::set_quiet(cli.quiet);
@@ -100,12 +105,12 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         stop::wait();
     }
     match result {
-        Ok(Outcome::Fine) => ExitCode::SUCCESS,
-        Ok(Outcome::Different) => ExitCode::from(1),
-        Err(error) if console::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Ok(Outcome::Fine) => 0,
+        Ok(Outcome::Different) => 1,
+        Err(error) if console::is_broken_pipe(&error) => 0,
         Err(error) => {
             console::complain(&format!("taotie: error: {}", console::causes(&error)));
-            ExitCode::from(2)
+            2
         }
     }
 }

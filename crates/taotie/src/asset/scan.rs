@@ -98,22 +98,46 @@ impl ScanFile {
         let limits = limits.or_free();
         limits.check_file(&path)?;
         progress.begin("read the scan")?.apart(move |_| {
-            let mut loaded = io::load_model_within(&path, &limits)?;
-            let files = all_files(&path, &mut loaded.files);
-            let bytes = files.iter().map(|file| io::file_size(file)).sum::<Result<u64>>()?;
-            check_extent(&loaded.scene, &path.display().to_string())?;
-            notes::left_of_scan_file(&mut loaded);
-            let about = About {
-                hash: Some(hash),
-                files,
-                bytes,
-                copyright: loaded.copyright,
-                xmp: (!loaded.xmp.is_empty()).then(|| loaded.xmp.swap_remove(0)),
-                warnings: loaded.warnings,
-                ..About::of(&loaded.scene, path)
-            };
-            Ok(Self { scene: loaded.scene, about, limits })
+            let loaded = io::load_model_within(&path, &limits)?;
+            Self::hashed(loaded, (path, hash), limits)
         })
+    }
+
+    /// Takes over what was read from `path`, in which all instances are one scan. So a model that is shown already needs
+    /// not be read once more.
+    ///
+    /// ```no_run
+    /// use taotie::Progress;
+    /// use taotie::asset::{Limits, ScanFile};
+    ///
+    /// let loaded = taotie::io::load_model("scan.ply".as_ref())?;
+    /// let scan = ScanFile::from_loaded(loaded, "scan.ply", &Limits::default())?.sort(Progress::SILENT)?;
+    /// # Ok::<(), taotie::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Io`] where a file of it is gone; [`Error::Invalid`] where all its triangles lie in one point.
+    pub fn from_loaded(loaded: io::Loaded, path: impl AsRef<Path>, limits: &Limits) -> Result<Self> {
+        let path = path.as_ref().to_path_buf();
+        let hash = FileHash::begin(&path);
+        Self::hashed(loaded, (path, hash), limits.or_free())
+    }
+
+    fn hashed(mut loaded: io::Loaded, (path, hash): (PathBuf, FileHash), limits: Limits) -> Result<Self> {
+        let files = all_files(&path, &mut loaded.files);
+        let bytes = files.iter().map(|file| io::file_size(file)).sum::<Result<u64>>()?;
+        check_extent(&loaded.scene, &path.display().to_string())?;
+        notes::left_of_scan_file(&mut loaded);
+        let about = About {
+            hash: Some(hash),
+            files,
+            bytes,
+            copyright: loaded.copyright,
+            xmp: (!loaded.xmp.is_empty()).then(|| loaded.xmp.swap_remove(0)),
+            warnings: loaded.warnings,
+            ..About::of(&loaded.scene, path)
+        };
+        Ok(Self { scene: loaded.scene, about, limits })
     }
 
     /// Takes a scene over, in which all instances are one scan.

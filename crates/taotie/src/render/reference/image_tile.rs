@@ -6,6 +6,7 @@ use super::super::frame::Frame;
 use super::super::settings::RenderSettings;
 use super::tracer::Tracer;
 use super::walk::{Path, PathScratch};
+use crate::error::Result;
 use crate::image::Image;
 use crate::math::Vec3;
 use crate::math::sequence::{Sequence, hash};
@@ -42,8 +43,8 @@ pub(super) fn tiles(settings: &RenderSettings) -> Vec<ImageTile> {
 }
 
 impl Tracer<'_> {
-    /// Follows all paths of a tile.
-    pub(super) fn tile(&self, tile: &ImageTile) -> TilePixels {
+    /// Follows all paths of a tile, as long as `go_on` gives no error: many paths a pixel may take minutes.
+    pub(super) fn tile(&self, tile: &ImageTile, go_on: &dyn Fn() -> Result<()>) -> Result<TilePixels> {
         let pixels = (tile.width * tile.height) as usize;
         let mut aovs: [Vec<[f32; 4]>; 5] = Default::default();
         if self.settings.aovs {
@@ -53,6 +54,7 @@ impl Tracer<'_> {
         let mut work = PathScratch::new(self.sources.len());
         let spp = self.reference.spp;
         for first in (0..spp).step_by(TOGETHER as usize) {
+            go_on()?;
             let indices = first..(first + TOGETHER).min(spp);
             let mut paths: Vec<Path> = indices.flat_map(|index| self.begin(tile, index)).collect();
             self.walk(&mut paths, &mut work, &mut |path, batch, i, triangle| {
@@ -70,7 +72,7 @@ impl Tracer<'_> {
             }
         }
         let color = sums.iter().map(|sum| sum.map(|v| (v / f64::from(spp)) as f32)).collect();
-        TilePixels { color, aovs }
+        Ok(TilePixels { color, aovs })
     }
 
     /// Begins path number `index` of each pixel.

@@ -58,9 +58,11 @@ pub fn reference(
     let at_once = 8 * rayon::current_num_threads();
     let mut done = 0;
     for part in tiles.chunks(at_once) {
-        let images = parallel::tasks(part.len(), &|i| tracer.tile(&part[i]));
-        for (tile, pixels) in part.iter().zip(&images) {
-            pixels.store(tile, &mut frame);
+        let before = done as f64 / tiles.len() as f64;
+        let go_on = || progress.at(before);
+        for (tile, pixels) in part.iter().zip(parallel::tasks(part.len(), &|i| tracer.tile(&part[i], &go_on)))
+        {
+            pixels?.store(tile, &mut frame);
         }
         done += part.len();
         progress.at(done as f64 / tiles.len() as f64)?;

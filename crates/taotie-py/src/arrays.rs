@@ -1,0 +1,224 @@
+//! Arrays of NumPy from and to the library's.
+
+use numpy::{
+    Element, PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyUntypedArrayMethods,
+};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use taotie::Result;
+use taotie::compare::Field;
+use taotie::image::{Bitmap, Image, Texels};
+use taotie::io::{self, Limits};
+use taotie::math::{Vec2, Vec3};
+use taotie::mesh::{Mesh, MeshData};
+
+/// Numbers in rows, as they come.
+#[derive(FromPyObject)]
+pub enum Rows<'py> {
+    /// In single precision.
+    Single(PyReadonlyArray2<'py, f32>),
+    /// In double precision, which is rounded.
+    Double(PyReadonlyArray2<'py, f64>),
+}
+
+impl Rows<'_> {
+    /// Returns each row as `N` numbers of single precision. The array has to be contiguous, row by row.
+    fn rows<const N: usize, T>(&self, make: impl Fn([f32; N]) -> T) -> PyResult<Vec<T>> {
+        Ok(match self {
+            Self::Single(array) => {
+                array.as_slice()?.as_chunks::<N>().0.iter().map(|row| make(*row)).collect()
+            }
+            Self::Double(array) => {
+                let rows = array.as_slice()?.as_chunks::<N>().0.iter();
+                rows.map(|row| make(row.map(|number| number as f32))).collect()
+            }
+        })
+    }
+}
+
+/// The arrays of a mesh, as Python has checked them: contiguous, `(n, 2)`, `(n, 3)` or `(n, 4)`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct MeshArrays<'py> {
+    vertices: Rows<'py>,
+    faces: PyReadonlyArray2<'py, u32>,
+    normals: Option<Rows<'py>>,
+    uvs: Option<Rows<'py>>,
+    colors: Option<Rows<'py>>,
+}
+
+impl MeshArrays<'_> {
+    /// Returns the arrays as the library takes them, uvs with their origin top left; nothing is checked.
+    pub fn data(&self) -> PyResult<MeshData> {
+        let vectors =
+            |rows: &Option<Rows<'_>>| rows.as_ref().map_or(Ok(Vec::new()), |r| r.rows(Vec3::from_array));
+        let uvs = self.uvs.as_ref().map(|uvs| uvs.rows(|[x, y]| Vec2 { x, y })).transpose()?;
+        Ok(MeshData {
+            positions: self.vertices.rows(Vec3::from_array)?,
+            normals: vectors(&self.normals)?,
+            tangents: Vec::new(),
+            uvs: uvs.into_iter().collect(),
+            colors: self.colors.as_ref().map_or(Ok(Vec::new()), |colors| colors.rows(|color| color))?,
+            triangles: self.faces.as_slice()?.as_chunks::<3>().0.to_vec(),
+        })
+    }
+}
+
+/// An image: its texels, `(height, width, channels)`, or its file.
+#[derive(FromPyObject)]
+pub enum Picture<'py> {
+    /// 8 bits a channel.
+    Bytes(PyReadonlyArray3<'py, u8>),
+    /// 16 bits a channel.
+    Words(PyReadonlyArray3<'py, u16>),
+    /// Floats.
+    Floats(PyReadonlyArray3<'py, f32>),
+    /// A file.
+    File(PathBuf),
+}
+
+/// An image as it was taken from Python, for work without it.
+pub enum Taken {
+    /// Texels.
+    Texels(Bitmap),
+    /// A file to read.
+    File(PathBuf),
+}
+
+impl Picture<'_> {
+    /// Copies texels, so that Python may change its own meanwhile.
+    pub fn taken(&self, py: Python<'_>) -> PyResult<Taken> {
+        let bitmap = match self {
+            Self::Bytes(array) => bitmap(array.shape(), Texels::U8(rgba(array, u8::MAX)?)),
+            Self::Words(array) => bitmap(array.shape(), Texels::U16(rgba(array, u16::MAX)?)),
+            Self::Floats(array) => bitmap(array.shape(), Texels::F32(rgba(array, 1.0)?)),
+            Self::File(path) => return Ok(Taken::File(path.clone())),
+        };
+        bitmap.map(Taken::Texels).map_err(|error| crate::error::exception(py, &error))
+    }
+}
+
+impl Taken {
+    /// Returns the texels, read where they are in a file.
+    pub fn bitmap(self) -> Result<Bitmap> {
+        match self {
+            Self::Texels(bitmap) => Ok(bitmap),
+            Self::File(path) => io::read_bitmap_within(&path, &Limits::default().or_free()),
+        }
+    }
+
+    /// Returns a name for messages.
+    pub fn name(&self, other: &str) -> String {
+        match self {
+            Self::Texels(_) => other.into(),
+            Self::File(path) => path.display().to_string(),
+        }
+    }
+}
+
+fn bitmap(shape: &[usize], texels: Texels) -> Result<Bitmap> {
+    let side = |axis: usize| u32::try_from(shape[axis]).unwrap_or(u32::MAX);
+    Bitmap::new(side(1), side(0), shape[2] as u8, texels)
+}
+
+/// Returns texels of four channels: grey is red, green and blue, and what lacks alpha is opaque.
+fn rgba<T: Element + Copy>(array: &PyReadonlyArray3<'_, T>, opaque: T) -> PyResult<Vec<[T; 4]>> {
+    let channels = array.shape()[2];
+    let texel = |texel: &[T]| match *texel {
+        [grey] => [grey, grey, grey, opaque],
+        [grey, alpha] => [grey, grey, grey, alpha],
+        [r, g, b] => [r, g, b, opaque],
+        [r, g, b, a, ..] => [r, g, b, a],
+        [] => [opaque; 4],
+    };
+    match channels {
+        1..=4 => Ok(array.as_slice()?.chunks_exact(channels).map(texel).collect()),
+        _ => Err(PyValueError::new_err(format!("an image of {channels} channels: it may have 1 to 4"))),
+    }
+}
+
+/// Returns an array of this shape that owns `values`, row by row.
+pub fn array<'py, T: Element>(
+    py: Python<'py>,
+    values: Vec<T>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyAny>> {
+    Ok(PyArray1::from_vec(py, values).reshape(shape.to_vec())?.into_any())
+}
+
+/// Returns the numbers of a field, `(height, width)`.
+pub fn of_field<'py>(py: Python<'py>, field: &Field) -> PyResult<Bound<'py, PyAny>> {
+    array(py, field.values().to_vec(), &[field.height() as usize, field.width() as usize])
+}
+
+/// Returns the first channels of an image, `(height, width, channels)`; NaN where the fourth is 0, unless all are asked
+/// for.
+pub fn of_image<'py>(py: Python<'py>, image: &Image, channels: usize) -> PyResult<Bound<'py, PyAny>> {
+    let shown = |pixel: &[f32; 4]| if channels < 4 && pixel[3] == 0.0 { [f32::NAN; 4] } else { *pixel };
+    let values = image.pixels().iter().flat_map(|pixel| shown(pixel).into_iter().take(channels)).collect();
+    let size = [image.height() as usize, image.width() as usize];
+    let shape = [size[0], size[1], channels];
+    array(py, values, if channels == 1 { &size } else { &shape })
+}
+
+/// Returns the texels of a bitmap, `(height, width, channels)`; `(height, width)` for one.
+pub fn of_bitmap<'py>(py: Python<'py>, bitmap: &Bitmap) -> PyResult<Bound<'py, PyAny>> {
+    let channels = bitmap.channels() as usize;
+    let shape = [bitmap.height() as usize, bitmap.width() as usize, channels];
+    let shape = if channels == 1 { &shape[..2] } else { &shape[..] };
+    match bitmap.texels() {
+        Texels::U8(texels) => array(py, kept(texels, channels), shape),
+        Texels::U16(texels) => array(py, kept(texels, channels), shape),
+        Texels::F32(texels) => array(py, kept(texels, channels), shape),
+    }
+}
+
+/// Returns the channels that a file holds: of grey and alpha the first and the last.
+fn kept<T: Copy>(texels: &[[T; 4]], channels: usize) -> Vec<T> {
+    let of = |texel: &[T; 4]| match channels {
+        2 => vec![texel[0], texel[3]],
+        _ => texel[..channels].to_vec(),
+    };
+    texels.iter().flat_map(of).collect()
+}
+
+/// Returns the arrays of a mesh by their names.
+pub fn of_mesh<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyDict>> {
+    let arrays = PyDict::new(py);
+    let vectors = |values: &[Vec3]| {
+        array(py, values.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>(), &[values.len(), 3])
+    };
+    arrays.set_item("vertices", vectors(mesh.positions())?)?;
+    arrays.set_item(
+        "faces",
+        array(py, mesh.triangles().as_flattened().to_vec(), &[mesh.triangles().len(), 3])?,
+    )?;
+    if !mesh.normals().is_empty() {
+        arrays.set_item("normals", vectors(mesh.normals())?)?;
+    }
+    if let Some(uvs) = mesh.uvs().first() {
+        let values = uvs.iter().flat_map(|uv| [uv.x, uv.y]).collect::<Vec<f32>>();
+        arrays.set_item("uvs", array(py, values, &[uvs.len(), 2])?)?;
+    }
+    for (name, rows) in [("tangents", mesh.tangents()), ("colors", mesh.colors())] {
+        if !rows.is_empty() {
+            arrays.set_item(name, array(py, rows.as_flattened().to_vec(), &[rows.len(), 4])?)?;
+        }
+    }
+    Ok(arrays)
+}
+
+/// A table of numbers: rows that a formula is computed for.
+#[derive(FromPyObject)]
+pub enum Table<'py> {
+    /// In single precision.
+    Single(PyReadonlyArray2<'py, f32>),
+    /// In double precision.
+    Double(PyReadonlyArray2<'py, f64>),
+}
+
+/// Heights, row by row.
+pub type Heights<'py> = PyReadonlyArray1<'py, f32>;

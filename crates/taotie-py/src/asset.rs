@@ -1,0 +1,215 @@
+//! From a model to an asset and its proof.
+
+use crate::arrays;
+use crate::error::{exception, no_json};
+use crate::model::Model;
+use crate::options::Options;
+use crate::work::{self, Listed, Running};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use serde_json::json;
+use std::path::PathBuf;
+use std::sync::Arc;
+use taotie::asset::{
+    BakeOptions, Baker, Figures, Limits, MeshSource, Met, Packing, Proof, RayDistance, Report, Requirement,
+    VerifyOptions,
+};
+use taotie::names::Named;
+
+/// What a bake is told.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct BakeRequest {
+    /// [`BakeOptions`].
+    options: Options,
+    /// A low-poly mesh in memory.
+    low: Option<Py<Model>>,
+    /// A cage in memory.
+    cage: Option<Py<Model>>,
+    memory_limit: Option<String>,
+}
+
+impl BakeRequest {
+    /// Returns the options and the limits.
+    fn read(self) -> PyResult<(BakeOptions, Option<String>)> {
+        let mut options = self.options.read::<BakeOptions>()?;
+        if let Some(low) = self.low.as_ref() {
+            options.low = Some(in_memory(low)?);
+        }
+        if let Some(cage) = self.cage.as_ref() {
+            options.ray_distance = RayDistance::Cage(in_memory(cage)?);
+        }
+        Ok((options, self.memory_limit))
+    }
+}
+
+fn in_memory(model: &Py<Model>) -> PyResult<MeshSource> {
+    let mesh = model.get().mesh();
+    mesh.map(|mesh| MeshSource::Mesh(Arc::new(mesh))).map_err(|e| Python::attach(|py| exception(py, &e)))
+}
+
+/// A low-poly mesh with its maps.
+#[pyclass(frozen, module = "taotie._taotie")]
+pub struct Asset {
+    asset: taotie::asset::Asset,
+}
+
+/// Bakes a model.
+#[pyfunction]
+pub fn bake(py: Python<'_>, model: &Model, request: BakeRequest, running: Running) -> PyResult<Asset> {
+    let (options, memory_limit) = request.read()?;
+    work::run(py, &running, |progress| {
+        let memory = memory_limit.as_deref().map(str::parse).transpose()?;
+        let limits = Limits { memory, ..Limits::default() }.or_free();
+        options.check()?;
+        let scan = model.scan(progress)?;
+        let asset = Baker::new(options).with_limits(limits).bake(&scan, progress)?;
+        Ok(Asset { asset })
+    })
+}
+
+/// A file to write, and the packing of it.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct WriteRequest {
+    path: PathBuf,
+    packing: Options,
+}
+
+#[pymethods]
+impl Asset {
+    /// What is wrong with scan, mesh and maps, or was left out, and how often.
+    fn warnings(&self) -> Listed {
+        work::listed(self.asset.warnings())
+    }
+
+    /// The triangles of each level, texels, samples, and where the mesh came from, as JSON.
+    fn facts(&self) -> String {
+        let (asset, counts) = (&self.asset, self.asset.counts());
+        let triangles: Vec<usize> = asset.levels().map(|mesh| mesh.triangles().len()).collect();
+        json!({
+            "triangles": triangles,
+            "size": asset.size(),
+            "origin": asset.origin(),
+            "counts": {
+                "samples": counts.samples,
+                "missed": counts.missed,
+                "lost": counts.lost,
+                "shared": counts.shared,
+                "texels": counts.texels,
+                "missed_texels": counts.missed_texels,
+            },
+        })
+        .to_string()
+    }
+
+    /// The arrays of each level of detail, the finest first.
+    fn levels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let levels =
+            self.asset.levels().map(|mesh| arrays::of_mesh(py, mesh)).collect::<PyResult<Vec<_>>>()?;
+        PyList::new(py, levels)
+    }
+
+    /// The maps as they are stored, by material and by name.
+    fn maps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let sets = PyDict::new(py);
+        for (label, textures) in self.asset.texture_sets() {
+            let maps = PyDict::new(py);
+            let named = [
+                ("normal", &textures.normal),
+                ("albedo", &textures.color),
+                ("orm", &textures.orm),
+                ("emission", &textures.emission),
+            ];
+            for (name, bitmap) in named.into_iter().filter_map(|(name, map)| Some((name, map.as_ref()?))) {
+                maps.set_item(name, arrays::of_bitmap(py, bitmap)?)?;
+            }
+            for beside in &textures.beside {
+                maps.set_item(beside.map.name(), arrays::of_bitmap(py, &beside.bitmap)?)?;
+            }
+            sets.set_item(label, maps)?;
+        }
+        Ok(sets)
+    }
+
+    /// Writes the asset.
+    fn write(&self, py: Python<'_>, request: WriteRequest, running: Running) -> PyResult<Written> {
+        let (path, packing) = (request.path, request.packing.read::<Packing>()?);
+        let written = work::run(py, &running, |progress| {
+            packing.check()?;
+            self.asset.write(&path, &packing, progress)
+        })?;
+        Ok(Written { written })
+    }
+}
+
+/// An asset in its files.
+#[pyclass(frozen, module = "taotie._taotie")]
+pub struct Written {
+    written: taotie::asset::Written,
+}
+
+#[pymethods]
+impl Written {
+    /// The files, the model or the first map first.
+    fn files(&self) -> Vec<PathBuf> {
+        self.written.files().to_vec()
+    }
+
+    /// What is not as it was asked for, and how often.
+    fn warnings(&self) -> Listed {
+        work::listed(self.written.warnings())
+    }
+
+    /// Reads the asset back and measures how far it is from the model: figures, maps of errors, warnings.
+    fn verify<'py>(
+        &self,
+        model: &Bound<'py, Model>,
+        request: Options,
+        running: Running,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let options = request.read::<VerifyOptions>()?;
+        let (py, high) = (model.py(), model.get());
+        let proof = work::run(py, &running, |progress| {
+            let scan = high.scan(progress)?;
+            self.written.verify(&scan, &options, progress)
+        })?;
+        told(py, &proof)
+    }
+
+    /// Returns the report that the command writes, as JSON, with a proof's figures and requirements where there are any.
+    fn report(&self, py: Python<'_>, figures: Option<Options>, required: Vec<String>) -> PyResult<String> {
+        let mut report = Report::of(&self.written).map_err(|error| exception(py, &error))?;
+        if let Some(figures) = figures {
+            let figures = figures.read::<Figures>()?;
+            report.required = met(py, &figures, &required)?;
+            report.proof = Some(figures);
+        }
+        serde_json::to_string(&report).map_err(no_json)
+    }
+}
+
+/// Returns what a proof found.
+fn told<'py>(py: Python<'py>, proof: &Proof) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    found.set_item("figures", serde_json::to_string(&proof.figures).map_err(no_json)?)?;
+    found.set_item("error_map", arrays::of_field(py, &proof.error_map)?)?;
+    let colors = proof.color_map.as_ref().map(|map| arrays::of_field(py, map)).transpose()?;
+    found.set_item("color_map", colors)?;
+    found.set_item("warnings", work::listed(&proof.warnings))?;
+    Ok(found)
+}
+
+fn met(py: Python<'_>, figures: &Figures, required: &[String]) -> PyResult<Vec<Met>> {
+    let required = required.iter().map(|text| text.parse()).collect::<taotie::Result<Vec<Requirement>>>();
+    Ok(figures.require(&required.map_err(|error| exception(py, &error))?))
+}
+
+/// Holds requirements, as the command reads them, against figures; returns each as JSON, with its text.
+#[pyfunction]
+pub fn require(py: Python<'_>, figures: Options, required: Vec<String>) -> PyResult<Vec<(String, String)>> {
+    let figures = figures.read::<Figures>()?;
+    let met = met(py, &figures, &required)?;
+    let pair = |met: &Met| Ok((serde_json::to_string(met)?, format!("{} {}", met.figure.name(), met.text())));
+    met.iter().map(pair).collect::<serde_json::Result<_>>().map_err(no_json)
+}

@@ -1,0 +1,106 @@
+//! One model by several surface methods, measured against another.
+
+use crate::arrays;
+use crate::error::no_json;
+use crate::model::Model;
+use crate::options::Options;
+use crate::renderer::Color;
+use crate::work::{self, Running};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Deserialize;
+use taotie::Result;
+use taotie::comparison::{
+    Comparison, ComparisonOptions, NamedScene, RenderedSurface, Subject, dress_reference,
+};
+use taotie::names::Named;
+use taotie::studio::{CameraOptions, EnvironmentOptions, Framing, LightOptions, Viewpoint};
+
+/// The models that are compared.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Models {
+    low: Py<Model>,
+    high: Option<Py<Model>>,
+    names: [String; 2],
+}
+
+/// The options of a comparison.
+#[derive(Deserialize, Default)]
+#[serde(default, deny_unknown_fields)]
+struct Request {
+    options: ComparisonOptions,
+    background: Option<Color>,
+    camera: CameraOptions,
+    lights: Vec<String>,
+    ambient: Option<Color>,
+    environment: EnvironmentOptions,
+}
+
+/// Renders and measures; returns the report as JSON, and arrays of each method.
+#[pyfunction]
+pub fn compare<'py>(
+    py: Python<'py>,
+    models: Models,
+    request: Options,
+    running: Running,
+) -> PyResult<Bound<'py, PyDict>> {
+    let request = request.read::<Request>()?;
+    let comparison = work::run(py, &running, |progress| {
+        let low = &models.low.get().loaded.scene;
+        let mut high = models.high.as_ref().map(|model| model.get().loaded.scene.clone());
+        if let Some(high) = &mut high {
+            dress_reference(high, low)?;
+        }
+        let mut subject = Subject::new(&models.names[0], low);
+        subject.reference = high.as_ref().map(|scene| NamedScene { name: &models.names[1], scene });
+        let options = request.seen(&subject)?;
+        Comparison::of(&subject, &options, progress)
+    })?;
+    let told = PyDict::new(py);
+    told.set_item("report", serde_json::to_string(&comparison.report()).map_err(no_json)?)?;
+    told.set_item("warnings", work::listed(&comparison.warnings))?;
+    let views = PyDict::new(py);
+    for surface in &comparison.surfaces {
+        views.set_item(surface.id(), of_surface(py, surface)?)?;
+    }
+    told.set_item("views", views)?;
+    Ok(told)
+}
+
+impl Request {
+    /// Returns the options with camera, light and background.
+    fn seen(&self, subject: &Subject<'_>) -> Result<ComparisonOptions> {
+        let (scene, mut options) = (subject.model.scene, self.options.clone());
+        let size = [options.settings.width, options.settings.height];
+        let viewpoint = Viewpoint::choose(&self.camera, Framing { size, all_around: false }, scene)?;
+        let lights = self.lights.iter().map(|line| line.parse()).collect::<Result<_>>()?;
+        let light = LightOptions { lights, ambient: self.ambient.as_ref().map(Color::rgb).transpose()? };
+        light.check()?;
+        let environment = self.environment.load(&mut Default::default())?;
+        options.lighting = Some(light.lighting(environment.as_ref(), scene, viewpoint.at(0.0)));
+        options.camera = Some(viewpoint.at(0.0).camera());
+        if let Some(background) = &self.background {
+            options.development.background = Some(background.rgb()?);
+        }
+        Ok(options)
+    }
+}
+
+/// Returns the normals of a method, its angles from the truth, and its images.
+fn of_surface<'py>(py: Python<'py>, surface: &RenderedSurface) -> PyResult<Bound<'py, PyDict>> {
+    let told = PyDict::new(py);
+    told.set_item("normals", arrays::of_image(py, &surface.normals, 3)?)?;
+    if let Some(difference) = &surface.difference {
+        told.set_item("angles", arrays::of_field(py, &difference.angles)?)?;
+        told.set_item("inner_angles", arrays::of_field(py, &difference.inner_angles)?)?;
+    }
+    let images = PyDict::new(py);
+    for (shading, image) in &surface.pictures {
+        let codes = image.pixels().as_flattened().to_vec();
+        let shape = [image.height() as usize, image.width() as usize, 3];
+        images.set_item(shading.name(), arrays::array(py, codes, &shape)?)?;
+    }
+    told.set_item("images", images)?;
+    Ok(told)
+}

@@ -1,0 +1,152 @@
+//! Images and maps: their differences, and normal maps from heights and from one another.
+
+use crate::arrays::{self, Heights, Picture};
+use crate::error::{exception, no_json};
+use crate::options::Options;
+use crate::renderer::Color;
+use crate::work::{self, Running};
+use numpy::PyReadonlyArray3;
+use numpy::PyUntypedArrayMethods;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use serde::Deserialize;
+use taotie::comparison::diff::{DiffOptions, ImagePair, NamedBitmap};
+use taotie::image::{Bitmap, Encoding, Wrap};
+use taotie::io::{PngColor, PngImage, PngSamples, encode_png};
+use taotie::normal_map::{
+    self, ConversionOptions, MapContent, MapSource, convert_map, guessed_content, tangent_from_height,
+};
+use taotie::scene::{GreenChannel, NormalSpace};
+use taotie::surface::{GreenVerdict, green_direction};
+use taotie::{Error, Result};
+
+/// Two images.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Pair<'py> {
+    a: Picture<'py>,
+    b: Picture<'py>,
+}
+
+/// Measures the difference of two images or normal maps: figures as JSON, the map of it, its meaning and warnings.
+#[pyfunction]
+pub fn diff<'py>(
+    py: Python<'py>,
+    pair: Pair<'py>,
+    request: Options,
+    running: Running,
+) -> PyResult<Bound<'py, PyDict>> {
+    let options = request.read::<DiffOptions>()?;
+    let (a, b) = (pair.a.taken(py)?, pair.b.taken(py)?);
+    let (figures, map, warnings) = work::run(py, &running, move |progress| {
+        let names = [a.name("a"), b.name("b")];
+        let bitmaps = [a.bitmap()?, b.bitmap()?];
+        let images = [0, 1].map(|i| NamedBitmap { name: &names[i], bitmap: &bitmaps[i] });
+        let pair = ImagePair::new(images, &options)?;
+        if pair.shared_normals() == Some(0) {
+            return Err(Error::invalid("no texel holds a normal in both", "there is nothing to compare"));
+        }
+        Ok((pair.figures(&options, progress)?, pair.difference_map(&options)?, pair.warnings))
+    })?;
+    let told = PyDict::new(py);
+    told.set_item("figures", serde_json::to_string(&figures).map_err(no_json)?)?;
+    told.set_item("map", arrays::of_field(py, &map.field)?)?;
+    told.set_item("title", map.title)?;
+    told.set_item("unit", map.unit)?;
+    told.set_item("warnings", work::listed(&warnings))?;
+    Ok(told)
+}
+
+/// The options of a conversion.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ConvertRequest {
+    /// What the map holds; guessed by its pixels where `None`.
+    content: Option<MapContent>,
+    /// The direction of its green; guessed by its pixels where `None`.
+    green: Option<GreenChannel>,
+    options: ConversionOptions,
+}
+
+/// Converts a map: texels, the angles that storing cost in degrees, and warnings.
+#[pyfunction]
+pub fn convert<'py>(
+    py: Python<'py>,
+    map: Picture<'py>,
+    request: Options,
+    running: Running,
+) -> PyResult<Bound<'py, PyDict>> {
+    let request = request.read::<ConvertRequest>()?;
+    let map = map.taken(py)?;
+    let made = work::run(py, &running, move |progress| {
+        progress.begin("convert")?;
+        let name = map.name("the map");
+        let bitmap = map.bitmap()?;
+        let why = "it looks neither like heights nor like normals; say what it holds";
+        let content =
+            request.content.or_else(|| guessed_content(&bitmap)).ok_or_else(|| Error::invalid(name, why))?;
+        let green = request.green.unwrap_or_else(|| guessed_green(content, &bitmap));
+        let source = MapSource { bitmap, content, green };
+        convert_map(&source, &request.options, None)
+    })?;
+    let told = PyDict::new(py);
+    told.set_item("map", arrays::of_bitmap(py, &made.bitmap)?)?;
+    told.set_item("error", arrays::of_field(py, &made.stored)?)?;
+    told.set_item("warnings", work::listed(&made.warnings))?;
+    Ok(told)
+}
+
+/// Returns the direction of green by the pixels of a tangent-space map; up where it is unclear, and for all else.
+fn guessed_green(content: MapContent, bitmap: &Bitmap) -> GreenChannel {
+    match content {
+        MapContent::Normals(NormalSpace::Tangent) => match green_direction(bitmap).verdict {
+            GreenVerdict::Down => GreenChannel::Down,
+            GreenVerdict::Up | GreenVerdict::Unclear => GreenChannel::Up,
+        },
+        _ => GreenChannel::Up,
+    }
+}
+
+/// Heights, and the shape of their map.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct HeightMap<'py> {
+    values: Heights<'py>,
+    size: [u32; 2],
+}
+
+/// Returns the tangent-space normals of heights, `(height, width, 3)`, green up; `border` is a wrap's name.
+#[pyfunction]
+pub fn normals_of_heights<'py>(
+    py: Python<'py>,
+    heights: HeightMap<'py>,
+    scale: f64,
+    border: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let wrap: Wrap = serde_json::from_value(border.into()).map_err(no_json)?;
+    let (values, size) = (heights.values.as_slice()?.to_vec(), heights.size);
+    let image = py.detach(move || -> Result<_> {
+        tangent_from_height(&normal_map::Heights::new(size, values, [wrap; 2])?, scale)
+    });
+    let image = image.map_err(|error| exception(py, &error))?;
+    arrays::of_image(py, &image, 3)
+}
+
+/// Returns a PNG of 8-bit sRGB codes, `(height, width, 4)`.
+#[pyfunction]
+pub fn write_png<'py>(py: Python<'py>, codes: PyReadonlyArray3<'py, u8>) -> PyResult<Bound<'py, PyBytes>> {
+    let (shape, values) = (codes.shape().to_vec(), codes.as_slice()?.to_vec());
+    let bytes = py.detach(move || {
+        let side = |axis: usize| u32::try_from(shape[axis]).unwrap_or(u32::MAX);
+        let (color, samples) = (PngColor::Rgba, PngSamples::U8(&values));
+        encode_png(&PngImage { width: side(1), height: side(0), color, samples, encoding: Encoding::Srgb })
+    });
+    Ok(PyBytes::new(py, &bytes.map_err(|error| exception(py, &error))?))
+}
+
+/// Returns a colour, text or linear RGB, as linear RGB.
+#[pyfunction]
+pub fn color(py: Python<'_>, color: Options) -> PyResult<[f32; 3]> {
+    let rgb = color.read::<Color>()?.rgb();
+    rgb.map(|rgb| rgb.to_array()).map_err(|error| exception(py, &error))
+}

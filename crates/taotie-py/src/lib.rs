@@ -1,0 +1,51 @@
+//! The native module of the Python package `taotie`: arrays, JSON and handles in, the same out.
+//!
+//! It knows no names, defaults or types of Python's users: `python/taotie` has them. Options come as the JSON that
+//! `serde` reads of the library's own structs, reports leave as JSON, and all work is done without the interpreter's
+//! lock by [`work::run`].
+
+mod arrays;
+mod asset;
+mod comparison;
+mod convert;
+mod error;
+mod model;
+mod options;
+mod renderer;
+mod shade;
+mod work;
+
+use pyo3::prelude::*;
+use std::ffi::OsString;
+
+/// Runs the command `taotie` with its arguments, the program's name first; returns its exit code.
+#[pyfunction]
+fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| taotie_cli::exit_code(arguments))
+}
+
+/// The native part of `taotie`.
+#[pymodule(gil_used = false)]
+mod _taotie {
+    #[pymodule_export]
+    use super::asset::{Asset, Written, bake, require};
+    #[pymodule_export]
+    use super::command;
+    #[pymodule_export]
+    use super::comparison::compare;
+    #[pymodule_export]
+    use super::convert::{color, convert, diff, normals_of_heights, write_png};
+    #[pymodule_export]
+    use super::model::{Model, load, model_of_arrays};
+    #[pymodule_export]
+    use super::renderer::Renderer;
+    #[pymodule_export]
+    use super::shade::shade;
+
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

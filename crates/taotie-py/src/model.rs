@@ -1,0 +1,164 @@
+//! Models: what a file holds, or a mesh of arrays.
+
+use crate::arrays::{self, MeshArrays};
+use crate::error::{exception, no_json};
+use crate::options::Options;
+use crate::work::{self, Listed, Running};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use serde::Deserialize;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use taotie::asset::{Limits, Scan, ScanFile};
+use taotie::bake::low_poly_mesh;
+use taotie::inspection::Inspection;
+use taotie::io::{self, Loaded};
+use taotie::mesh::Mesh;
+use taotie::scene::{Material, Scene};
+use taotie::studio::{self, MaterialOptions};
+use taotie::surface::with_normals;
+use taotie::{Error, Progress, Warnings};
+
+/// The options of a model.
+#[derive(Deserialize, Default)]
+#[serde(default, deny_unknown_fields)]
+struct Request {
+    material: MaterialOptions,
+    memory_limit: Option<String>,
+    allow_outside: bool,
+}
+
+impl Request {
+    fn limits(&self) -> taotie::Result<Limits> {
+        let memory = self.memory_limit.as_deref().map(str::parse).transpose()?;
+        Ok(Limits { memory, allow_outside: self.allow_outside, ..Limits::default() }.or_free())
+    }
+}
+
+/// A model, and the scan that it is once it was baked from.
+#[pyclass(frozen, module = "taotie._taotie")]
+pub struct Model {
+    pub loaded: Loaded,
+    /// The file that it was read from; `None` in memory.
+    pub path: Option<PathBuf>,
+    limits: Limits,
+    scan: Mutex<Option<Scan>>,
+}
+
+/// Reads a model and gives its materials what the options ask for.
+#[pyfunction]
+pub fn load(py: Python<'_>, path: PathBuf, request: Options, running: Running) -> PyResult<Model> {
+    let request = request.read::<Request>()?;
+    work::run(py, &running, move |progress| {
+        let limits = request.limits()?;
+        let file = path.clone();
+        let read = move |_: Progress<'_>| studio::load_within(&file, &request.material, &limits);
+        let loaded = progress.begin("read the model")?.apart(read)?;
+        Ok(Model { loaded, path: Some(path), limits, scan: Mutex::default() })
+    })
+}
+
+/// Makes a model of one mesh, whose material has what the options ask for.
+#[pyfunction]
+pub fn model_of_arrays(py: Python<'_>, arrays: MeshArrays<'_>, request: Options) -> PyResult<Model> {
+    let request = request.read::<Request>()?;
+    let data = arrays.data()?;
+    let made = py.detach(move || {
+        let mut scene = Scene::of_mesh(Mesh::new(data)?, Material::default())?;
+        request.material.apply(&mut scene)?;
+        let loaded = Loaded::new(scene, Warnings::default(), "arrays");
+        Ok::<_, Error>(Model { loaded, path: None, limits: request.limits()?, scan: Mutex::default() })
+    });
+    made.map_err(|error| exception(py, &error))
+}
+
+impl Model {
+    /// Returns the scan, sorted for rays; that is done once.
+    pub fn scan(&self, progress: Progress<'_>) -> taotie::Result<Scan> {
+        let mut kept = self.scan.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(scan) = &*kept {
+            return Ok(scan.clone());
+        }
+        let file = match &self.path {
+            Some(path) => ScanFile::from_loaded(self.loaded.clone(), path, &self.limits)?,
+            None => ScanFile::from_scene(self.loaded.scene.clone())?,
+        };
+        Ok(kept.insert(file.sort(progress)?).clone())
+    }
+
+    /// Returns all triangles as one mesh in world space.
+    pub fn mesh(&self) -> taotie::Result<Mesh> {
+        low_poly_mesh(self.loaded.scene.clone())
+    }
+}
+
+/// Returns a scene whose meshes all have normals: without them glTF means facets, and other formats smooth surfaces.
+fn smooth(scene: &Scene) -> taotie::Result<Scene> {
+    let mut data = scene.clone().into_data();
+    for mesh in &mut data.meshes {
+        *mesh = with_normals(mesh)?.into_owned();
+    }
+    Scene::new(data)
+}
+
+#[pymethods]
+impl Model {
+    /// What was wrong with the file, or is left out of it, and how often.
+    fn warnings(&self) -> Listed {
+        work::listed(&self.loaded.warnings)
+    }
+
+    /// The number of triangles over all instances.
+    fn triangles(&self) -> usize {
+        self.loaded.scene.triangle_count()
+    }
+
+    /// The least and the greatest corner, world space; `None` without triangles.
+    fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        self.loaded.scene.bounds().map(|bounds| [bounds.min.to_array(), bounds.max.to_array()])
+    }
+
+    /// The format read: `glTF`, `GLB`, `OBJ`, `PLY`, `STL`, or `arrays`.
+    fn format(&self) -> &'static str {
+        self.loaded.format
+    }
+
+    /// All triangles as one mesh in world space, as arrays.
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let mesh = py.detach(|| self.mesh()).map_err(|error| exception(py, &error))?;
+        arrays::of_mesh(py, &mesh)
+    }
+
+    /// The same model with materials as the options ask for.
+    fn dressed(&self, py: Python<'_>, request: Options) -> PyResult<Self> {
+        let material = request.read::<MaterialOptions>()?;
+        let (mut loaded, path) = (self.loaded.clone(), self.path.clone());
+        let dressed = py.detach(|| {
+            if let Some(variant) = &material.variant {
+                loaded.variants.apply(variant, &mut loaded.scene)?;
+            }
+            material.apply(&mut loaded.scene)
+        });
+        dressed.map_err(|error| exception(py, &error))?;
+        Ok(Self { loaded, path, limits: self.limits, scan: Mutex::default() })
+    }
+
+    /// The same model without its file, which may be removed then.
+    fn without_file(&self) -> Self {
+        Self { loaded: self.loaded.clone(), path: None, limits: self.limits, scan: Mutex::default() }
+    }
+
+    /// What the model holds and what is wrong with it, as JSON.
+    fn inspection(&self, py: Python<'_>) -> PyResult<String> {
+        py.detach(|| serde_json::to_string(&Inspection::of(&self.loaded))).map_err(no_json)
+    }
+
+    /// The scene as a GLB, and what glTF cannot say of it.
+    fn glb<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyBytes>, Listed)> {
+        let mut warnings = Warnings::default();
+        let Loaded { scene, mesh_names, .. } = &self.loaded;
+        let bytes = py.detach(|| io::encode_scene(&smooth(scene)?, mesh_names, &mut warnings));
+        let bytes = bytes.map_err(|error| exception(py, &error))?;
+        Ok((PyBytes::new(py, &bytes), work::listed(&warnings)))
+    }
+}

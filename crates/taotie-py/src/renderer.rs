@@ -1,0 +1,242 @@
+//! Images of a model.
+
+use crate::arrays;
+use crate::model::Model;
+use crate::options::Options;
+use crate::work::{self, Listed, Running};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Deserialize;
+use std::sync::{Arc, Mutex, PoisonError};
+use taotie::film::{self, Development, ToneCurve};
+use taotie::math::Vec3;
+use taotie::render::{
+    EnvironmentLight, Frame, ReferenceSettings, RenderSettings, Shot, SurfaceSettings, reference,
+};
+use taotie::scene::Scene;
+use taotie::studio::{
+    CameraOptions, EnvironmentOptions, Framing, LightOptions, LightSpec, Motion, Viewpoint, parse,
+};
+use taotie::{Progress, Result, Warnings};
+
+/// What all images of a renderer share.
+#[derive(Deserialize, Default)]
+#[serde(default, deny_unknown_fields)]
+struct Setup {
+    surface: SurfaceSettings,
+    environment: EnvironmentOptions,
+    /// The moment of an animation that is shown, seconds.
+    time: Option<f64>,
+    /// The animation, by name or number; the first where `None`.
+    animation: Option<String>,
+}
+
+/// A colour as text, or linear RGB.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub enum Color {
+    /// As CSS writes it, or one number for grey.
+    Text(String),
+    /// Linear RGB.
+    Linear([f64; 3]),
+}
+
+impl Color {
+    /// Returns linear RGB.
+    pub fn rgb(&self) -> Result<Vec3> {
+        match self {
+            Self::Text(text) => parse::color(text),
+            Self::Linear(rgb) => Ok(Vec3::from_array(rgb.map(|channel| channel as f32))),
+        }
+    }
+}
+
+/// How an image is developed.
+#[derive(Deserialize, Default)]
+#[serde(default, deny_unknown_fields)]
+struct Film {
+    exposure: f64,
+    tone: ToneCurve,
+    /// `None` leaves transparency.
+    background: Option<Color>,
+}
+
+/// One image.
+#[derive(Deserialize, Default)]
+#[serde(default, deny_unknown_fields)]
+struct Request {
+    settings: RenderSettings,
+    camera: CameraOptions,
+    /// The object is framed from all around, as on a turntable.
+    all_around: bool,
+    /// The turn of the object, radians.
+    turn: f64,
+    lights: Vec<String>,
+    ambient: Option<Color>,
+    film: Film,
+    /// Paths of light are followed.
+    reference: Option<ReferenceSettings>,
+    /// Light as it is, and not developed.
+    linear: bool,
+}
+
+impl Request {
+    fn lights(&self) -> Result<LightOptions> {
+        let lights = self.lights.iter().map(|line| line.parse::<LightSpec>()).collect::<Result<_>>()?;
+        let options = LightOptions { lights, ambient: self.ambient.as_ref().map(Color::rgb).transpose()? };
+        options.check()?;
+        Ok(options)
+    }
+
+    fn development(&self) -> Result<Development> {
+        let Film { exposure, tone, background } = &self.film;
+        Ok(Development {
+            exposure_stops: *exposure as f32,
+            tone: *tone,
+            background: background.as_ref().map(Color::rgb).transpose()?,
+            simd: self.settings.surface.simd,
+        })
+    }
+}
+
+/// A model, ready for images.
+#[pyclass(frozen, module = "taotie._taotie")]
+pub struct Renderer {
+    state: Mutex<State>,
+    scene: Arc<Scene>,
+    environment: Option<EnvironmentLight>,
+    motion: Option<Motion>,
+    warnings: Warnings,
+}
+
+struct State {
+    renderer: taotie::render::Renderer,
+    /// The last viewpoint, and what it was chosen by: images of a turn share theirs.
+    viewpoint: Option<((CameraOptions, Framing), Viewpoint)>,
+}
+
+/// An image that was taken.
+enum Image {
+    /// Codes of 8 bits, sRGB and straight alpha.
+    Codes(Vec<[u8; 4]>),
+    /// Light.
+    Linear(Frame),
+}
+
+#[pymethods]
+impl Renderer {
+    /// Prepares a model.
+    #[new]
+    fn new(py: Python<'_>, model: &Model, request: Options, running: Running) -> PyResult<Self> {
+        let setup = request.read::<Setup>()?;
+        work::run(py, &running, |progress| {
+            progress.begin("prepare")?;
+            Self::prepared(model, &setup)
+        })
+    }
+
+    /// What was wrong, and how often.
+    fn warnings(&self) -> Listed {
+        work::listed(&self.warnings)
+    }
+
+    /// Takes an image: codes `(height, width, 4)`, or light and the output variables asked for.
+    fn shoot<'py>(
+        &self,
+        py: Python<'py>,
+        request: Options,
+        running: Running,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let request = request.read::<Request>()?;
+        let image = work::run(py, &running, |progress| self.taken(&request, progress))?;
+        let result = PyDict::new(py);
+        match image {
+            Image::Codes(codes) => {
+                let RenderSettings { width, height, .. } = request.settings;
+                let shape = [height as usize, width as usize, 4];
+                result.set_item("codes", arrays::array(py, codes.into_flattened(), &shape)?)?;
+            }
+            Image::Linear(frame) => {
+                result.set_item("color", arrays::of_image(py, &frame.color, 4)?)?;
+                for (name, image) in frame.aovs.iter().flat_map(|aovs| aovs.named()) {
+                    result.set_item(name, arrays::of_image(py, image, channels(name))?)?;
+                }
+            }
+        }
+        Ok(result)
+    }
+}
+
+/// Returns how many numbers an output variable has.
+fn channels(name: &str) -> usize {
+    match name {
+        "depth" | "triangle" => 1,
+        "uv" => 2,
+        _ => 3,
+    }
+}
+
+impl Renderer {
+    fn prepared(model: &Model, setup: &Setup) -> Result<Self> {
+        let mut warnings = Warnings::default();
+        let environment = setup.environment.load_within(&Default::default(), &mut warnings)?;
+        let (mut scene, mut surface) = (model.loaded.scene.clone(), setup.surface);
+        let motion = match setup.time {
+            None => None,
+            Some(seconds) => {
+                let motion = Motion::choose(model.loaded.rig.clone(), setup.animation.as_deref())?;
+                let (motion, bound) = motion.bind_tangents(&mut scene, &surface, &mut warnings)?;
+                surface = bound;
+                motion.pose(&mut scene, seconds)?;
+                Some(motion)
+            }
+        };
+        let scene = Arc::new(scene);
+        let renderer = taotie::render::Renderer::new(Arc::clone(&scene), &surface)?;
+        warnings.absorb(renderer.prepared().warnings().clone());
+        let state = Mutex::new(State { renderer, viewpoint: None });
+        Ok(Self { state, scene, environment, motion, warnings })
+    }
+
+    fn taken(&self, request: &Request, progress: Progress<'_>) -> Result<Image> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let viewpoint = self.viewpoint(&mut state, request)?;
+        let view = viewpoint.at(request.turn);
+        let lighting = request.lights()?.lighting(self.environment.as_ref(), &self.scene, view);
+        let shot = Shot { camera: &view.camera(), lighting: &lighting, settings: &request.settings };
+        let (development, progress) = (request.development()?, progress.begin("render")?);
+        let frame = match &request.reference {
+            Some(paths) => reference(state.renderer.prepared(), &shot, paths, progress)?,
+            None if request.linear || request.settings.aovs => state.renderer.render(&shot, progress)?,
+            None => {
+                let mut codes = Vec::new();
+                state.renderer.develop(&shot, &development, &mut codes, progress)?;
+                return Ok(Image::Codes(codes));
+            }
+        };
+        Ok(match request.linear || request.settings.aovs {
+            true => Image::Linear(frame),
+            false => Image::Codes(film::develop8(&frame.color, &development)?),
+        })
+    }
+
+    /// Returns the viewpoint asked for; that of the image before where it is the same.
+    fn viewpoint(&self, state: &mut State, request: &Request) -> Result<Viewpoint> {
+        let size = [request.settings.width, request.settings.height];
+        let key = (request.camera.clone(), Framing { size, all_around: request.all_around });
+        if let Some((_, kept)) = state.viewpoint.as_ref().filter(|(chosen_by, _)| *chosen_by == key) {
+            return Ok(kept.clone());
+        }
+        let (camera, framing) = (&key.0, key.1);
+        let viewpoint = match &self.motion {
+            None => Viewpoint::choose(camera, framing, &self.scene)?,
+            Some(motion) => {
+                let mut moving = (*self.scene).clone();
+                let mut viewpoint = Viewpoint::choose_moving(camera, framing, &mut moving, motion)?;
+                viewpoint.follow(camera, &self.scene)?;
+                viewpoint
+            }
+        };
+        Ok(state.viewpoint.insert((key, viewpoint)).1.clone())
+    }
+}

@@ -1,0 +1,54 @@
+"""Taotie bakes high-poly scans to low-poly glTF with normal maps, renders them by physics, and measures the error.
+
+>>> import taotie as tt
+>>> scan = tt.load("scan.ply")
+>>> asset = tt.bake(scan, triangles=50_000, size=2048)
+>>> proof = asset.verify(scan)
+>>> proof.require(mean_angle=2)
+>>> asset.save("scan.glb")
+>>> image = tt.render(asset, size=(640, 480))
+
+It needs neither a display nor a graphics processor, and the same input gives the same bits on every machine.
+"""
+
+from . import normals, shade
+from ._bake import Asset, Met, Proof, Written, bake
+from ._compare import Comparison, View, compare
+from ._diff import Difference, diff
+from ._error import Cancelled, Error, NotMet, TaotieWarning
+from ._image import Image
+from ._inspect import Inspection, inspect
+from ._model import Mesh, Model, load
+from ._options import Material, Orbit
+from ._render import Renderer, render
+from ._taotie import __version__
+
+__all__ = [
+    "Asset",
+    "Cancelled",
+    "Comparison",
+    "Difference",
+    "Error",
+    "Image",
+    "Inspection",
+    "Material",
+    "Mesh",
+    "Met",
+    "Model",
+    "NotMet",
+    "Orbit",
+    "Proof",
+    "Renderer",
+    "TaotieWarning",
+    "View",
+    "Written",
+    "__version__",
+    "bake",
+    "compare",
+    "diff",
+    "inspect",
+    "load",
+    "normals",
+    "render",
+    "shade",
+]

@@ -1,0 +1,505 @@
+"""From a scan to an asset and its proof."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _taotie
+from ._arrays import Array, PathLike
+from ._error import NotMet, invalid, warn
+from ._model import Model, _from_glb, load
+from ._model import model as a_model
+from ._options import Map
+from ._run import Progress, running
+
+Floats: TypeAlias = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Met:
+    """A requirement and its outcome.
+
+    Attributes
+    ----------
+    figure : str
+        As on the command line, such as ``mean-angle``.
+    most : float
+        The most that it may be: degrees, parts of 1, or bytes.
+    level : int or None
+        The level of detail, 0 the finest; None for a figure of the whole asset.
+    value : float or None
+        What was measured; None where it could not be.
+    met : bool
+        True where it is no more.
+    text : str
+        All that in words.
+    """
+
+    figure: str
+    most: float
+    level: int | None
+    value: float | None
+    met: bool
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """How far an asset, as it was written and read back, is from its scan.
+
+    Attributes
+    ----------
+    figures : dict
+        All figures, as in the command's report under ``proof``.
+    error_map : ndarray
+        ``(H, W)`` float32: degrees between the normals of asset and scan at each texel; NaN between UV islands.
+    color_map : ndarray or None
+        ``(H, W)`` float32: CIEDE2000 between the base colours; None where the scan says nothing of its material.
+    """
+
+    figures: Mapping[str, Any]
+    error_map: Floats = field(repr=False)
+    color_map: Floats | None = field(default=None, repr=False)
+
+    @property
+    def mean_deg(self) -> float:
+        """The mean angle between the normals, degrees; NaN where no point was found."""
+        return self._angle("mean")
+
+    @property
+    def p95_deg(self) -> float:
+        """The 95th percentile of the angles, degrees."""
+        return self._angle("p95")
+
+    @property
+    def max_deg(self) -> float:
+        """The largest angle, degrees."""
+        return self._angle("max")
+
+    @property
+    def missed(self) -> float:
+        """The part of the texels with a ray that missed the scan, [0, 1]."""
+        return float(self.figures["missed_texels"])
+
+    @property
+    def hausdorff(self) -> float:
+        """The largest distance between the surfaces as a part of the diagonal."""
+        return float(self.figures["hausdorff_of_diagonal"])
+
+    def _angle(self, name: str) -> float:
+        angles = self.figures["angles"]
+        return float("nan") if angles is None else float(angles[name])
+
+    def require(
+        self,
+        *requirements: str,
+        mean_angle: float | str | None = None,
+        p95_angle: float | str | None = None,
+        max_angle: float | str | None = None,
+        mean_color: float | str | None = None,
+        p95_color: float | str | None = None,
+        missed: float | str | None = None,
+        hausdorff: float | str | None = None,
+        bytes: float | str | None = None,
+    ) -> list[Met]:
+        """Demand that figures are at most so large, as ``taotie bake --require`` does.
+
+        Parameters
+        ----------
+        *requirements : str
+            As on the command line: ``"mean-angle=2"``, ``"mean-angle@1=5"``, ``"missed=0.1%"``, ``"bytes=3MB"``.
+        mean_angle, p95_angle, max_angle : float or str, optional
+            Normal error, degrees.
+        mean_color, p95_color : float or str, optional
+            Colour error, CIEDE2000.
+        missed : float or str, optional
+            Texels with a missed ray, per cent.
+        hausdorff : float or str, optional
+            Largest shape error, per cent of the diagonal.
+        bytes : float or str, optional
+            Of the asset with all its files.
+
+        Returns
+        -------
+        list of Met
+
+        Raises
+        ------
+        NotMet
+            Where a figure is larger, or could not be measured.
+        """
+        named = {
+            "mean-angle": mean_angle,
+            "p95-angle": p95_angle,
+            "max-angle": max_angle,
+            "mean-color": mean_color,
+            "p95-color": p95_color,
+            "missed": missed,
+            "hausdorff": hausdorff,
+            "bytes": bytes,
+        }
+        wanted = [*requirements, *(f"{name}={most}" for name, most in named.items() if most is not None)]
+        held = [Met(text=text, **json.loads(met)) for met, text in _taotie.require(dict(self.figures), wanted)]
+        failed = [met.text for met in held if not met.met]
+        if failed:
+            raise NotMet("; ".join(failed), "invalid", None, "the proof", "; ".join(failed))
+        return held
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures as plain data."""
+        return dict(self.figures)
+
+
+class Written:
+    """An asset in its files."""
+
+    def __init__(self, native: _taotie.Written) -> None:
+        self._native = native
+
+    @property
+    def files(self) -> list[str]:
+        """The files, the model or the first map first."""
+        return [os.fspath(path) for path in self._native.files()]
+
+    @property
+    def path(self) -> str:
+        """The model's file; of maps alone the first one's."""
+        return self.files[0]
+
+    def verify(
+        self,
+        scan: Any,
+        *,
+        points: int = 200_000,
+        distance_points: int = 100_000,
+        map: int = 1024,
+        view: int = 384,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Proof:
+        """Read the files back and measure how far they are from the scan.
+
+        Parameters
+        ----------
+        scan : path, Model, or a mesh of another package
+            What was baked from.
+        points : int
+            Points at which normals are compared, at least 10.
+        distance_points : int
+            Points of each surface from which the distance to the other is measured.
+        map : int
+            Texels along a side of ``error_map``, at most.
+        view : int
+            Pixels along a side of the images from all sides, at least 11.
+
+        Returns
+        -------
+        Proof
+        """
+        options = {"points": points, "distance_points": distance_points, "map": map, "view": view}
+        high = a_model(scan)
+        with running(progress, threads) as run:
+            found = self._native.verify(high._native, options, run)
+        warn(found["warnings"])
+        return Proof(json.loads(found["figures"]), found["error_map"], found["color_map"])
+
+    def report(self, proof: Proof | None = None, require: Sequence[str] = ()) -> dict[str, Any]:
+        """Return the report that ``taotie bake`` writes beside the asset, as plain data."""
+        figures = None if proof is None else dict(proof.figures)
+        report: dict[str, Any] = json.loads(self._native.report(figures, list(require)))
+        return report
+
+    def __repr__(self) -> str:
+        return f"<taotie.Written {self.path!r}>"
+
+
+class Asset:
+    """A low-poly mesh with baked maps. Made by `bake`; it does not change."""
+
+    def __init__(self, native: _taotie.Asset) -> None:
+        self._native = native
+        self._facts: dict[str, Any] = json.loads(native.facts())
+
+    @property
+    def triangles(self) -> list[int]:
+        """Triangles of each level of detail, the finest first."""
+        return list(self._facts["triangles"])
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Texels across and down."""
+        width, height = self._facts["size"]
+        return width, height
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """What became of the samples: samples, missed, lost, shared, texels, missed_texels."""
+        return dict(self._facts["counts"])
+
+    @property
+    def warnings(self) -> tuple[tuple[str, int], ...]:
+        """What is wrong with scan, mesh and maps, or was left out, and how often."""
+        return tuple(self._native.warnings())
+
+    def levels(self) -> list[dict[str, Array]]:
+        """Return the arrays of each level of detail, as `Model.arrays` does."""
+        return self._native.levels()
+
+    def maps(self, material: str = "") -> dict[str, Array]:
+        """Return the maps as they are stored, ``(height, width)`` or ``(height, width, channels)``.
+
+        Parameters
+        ----------
+        material : str
+            The material, where the asset has several.
+
+        Returns
+        -------
+        dict
+            ``normal``; ``albedo`` in sRGB; ``orm``, which is occlusion, roughness and metallic; ``emission``; and by
+            their own names those that stand beside the model.
+        """
+        sets = self._native.maps()
+        if material not in sets:
+            raise invalid(f"material {material!r}", f"there is none of this name; choose from: {', '.join(sets)}")
+        return sets[material]
+
+    def save(
+        self,
+        path: PathLike,
+        *,
+        ktx2: bool = False,
+        webp: bool = False,
+        meshopt: bool = False,
+        webp_quality: int | None = None,
+        uastc_rdo: int | None = None,
+        jpeg: int | None = None,
+        provenance: PathLike | None = None,
+        green: Literal["up", "down"] = "up",
+        progress: Progress = None,
+    ) -> Written:
+        """Write the asset.
+
+        Parameters
+        ----------
+        path : str or path
+            ``.glb``, or ``.gltf`` with its files beside it; ``.png``, ``.webp`` or ``.exr`` for maps alone.
+        ktx2, webp : bool
+            Write textures so instead of PNG.
+        meshopt : bool
+            Compress geometry (EXT_meshopt_compression).
+        webp_quality : int, optional
+            Base colour and emission as lossy WebP of this quality, 1 to 100.
+        uastc_rdo : int, optional
+            Rate-distortion optimisation of KTX2, 1 to 64.
+        jpeg : int, optional
+            Base colour as JPEG of this quality, 1 to 100.
+        provenance : path, optional
+            XMP metadata (JSON-LD) to add to that of the scan.
+        green : {"up", "down"}
+            Direction of green in maps for other programs.
+
+        Returns
+        -------
+        Written
+        """
+        if ktx2 and webp:
+            raise invalid("ktx2 and webp", "textures are packed in one way; leave one of them out")
+        packing = {
+            "images": "ktx2" if ktx2 else "webp" if webp else "png",
+            "webp_quality": webp_quality,
+            "uastc_rdo": uastc_rdo,
+            "jpeg": jpeg,
+            "meshopt": meshopt,
+            "provenance": None if provenance is None else os.fspath(provenance),
+            "green": green,
+        }
+        with running(progress, None) as run:
+            native = self._native.write({"path": os.fspath(path), "packing": packing}, run)
+        warn(native.warnings())
+        return Written(native)
+
+    def verify(self, scan: Any, **options: Any) -> Proof:
+        """Write the asset as PNG and glTF into a folder that is removed again, and measure what was written.
+
+        Parameters
+        ----------
+        scan : path, Model, or a mesh of another package
+            What was baked from.
+        **options
+            As those of `Written.verify`. To measure another packing, save the asset and verify that.
+        """
+        with tempfile.TemporaryDirectory(prefix="taotie-") as folder:
+            return self.save(os.path.join(folder, "asset.glb")).verify(scan, **options)
+
+    @cached_property
+    def model(self) -> Model:
+        """The asset as a model, as it is read back from a GLB; it renders like the file."""
+        return _from_glb(self.glb(), None)
+
+    def glb(self) -> bytes:
+        """Return the asset as a GLB with PNG textures."""
+        with tempfile.TemporaryDirectory(prefix="taotie-") as folder:
+            path = self.save(os.path.join(folder, "asset.glb")).path
+            with open(path, "rb") as file:
+                return file.read()
+
+    def _repr_png_(self) -> bytes | None:
+        return self.model._repr_png_()
+
+    def __repr__(self) -> str:
+        width, height = self.size
+        return f"<taotie.Asset {self.triangles} triangles, {width}x{height} texels>"
+
+
+def bake(
+    scan: Any,
+    *,
+    low: Any = None,
+    triangles: int = 50_000,
+    error: float | None = None,
+    lods: Sequence[int] = (),
+    size: int | tuple[int, int] = 2048,
+    maps: Sequence[Map | Literal["auto"]] = ("auto",),
+    space: Literal["tangent", "object"] = "tangent",
+    samples: Literal[1, 4, 9, 16, 25, 36, 49, 64] = 4,
+    bits: Literal[8, 16] = 8,
+    dilation: int | Literal["auto"] = "auto",
+    ao_rays: int = 64,
+    ao_distance: float | None = None,
+    roughness: float | None = None,
+    ray_distance: float | Literal["auto"] = "auto",
+    cage: Any = None,
+    memory_limit: str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Asset:
+    """Bake a high-poly scan to a low-poly asset with a normal map. Names and defaults are those of ``taotie bake``.
+
+    Parameters
+    ----------
+    scan : path, Model, or a mesh of another package
+        The high-poly scan.
+    low : path, Model, or a mesh of another package, optional
+        The low-poly mesh; its uvs and triangles stay. Made from the scan if not given.
+    triangles : int
+        Triangles of the low-poly mesh.
+    error : float, optional
+        Find the mesh and map of the fewest bytes whose mean normal error is at most so many degrees.
+    lods : sequence of int
+        Triangles of further levels of detail.
+    size : int or (width, height)
+        Texels of the maps.
+    maps : sequence of str
+        Maps to bake: auto (normal, and whatever varies in the scan's materials), normal, ao, albedo, height, bent,
+        curvature, roughness, metallic-roughness, emission, alpha, occlusion.
+    space : {"tangent", "object"}
+        Space of the normal map.
+    samples : int
+        Samples a texel, a square number.
+    bits : {8, 16}
+        Bits per channel of normal maps; 8-bit maps are dithered.
+    dilation : int or "auto"
+        Padding around UV islands, texels; auto fills the map.
+    ao_rays : int
+        Rays per texel over the hemisphere, for ao and bent.
+    ao_distance : float, optional
+        Largest distance at which the scan occludes, model units.
+    roughness : float, optional
+        Roughness of the scan's surface; that of its material if not given.
+    ray_distance : float or "auto"
+        Length of the projection rays, model units; auto measures the gap between the meshes.
+    cage : path, Model, or a mesh of another package, optional
+        The low-poly mesh with its vertices moved outward.
+    memory_limit : str, optional
+        The most memory to use, such as ``"4G"``.
+    threads : int, optional
+        All of the machine's if not given. Results do not depend on it.
+    progress : bool or callable, optional
+        True for a bar; a callable gets stage and fraction, and stops the work by returning False.
+
+    Returns
+    -------
+    Asset
+
+    Raises
+    ------
+    Error
+        With ``path``, ``where`` and ``remedy``.
+    """
+    if isinstance(maps, str):
+        raise invalid(f"maps {maps!r}", "give a sequence of names, such as ['normal', 'ao']")
+    width, height = (size, size) if isinstance(size, int) else size
+    low_file, low_mesh = _source(low)
+    cage_file, cage_mesh = _source(cage)
+    if cage is not None and ray_distance != "auto":
+        raise invalid("cage", "it says how far rays reach; leave out ray_distance")
+    options = {
+        "low": low_file,
+        "triangles": triangles,
+        "mean_error_deg": error,
+        "lods": list(lods),
+        "size": width,
+        "height": None if width == height else height,
+        "maps": _named_maps(maps),
+        "carry": "auto" in maps,
+        "space": space,
+        "side": _side(samples),
+        "bits": bits,
+        "dilation": None if dilation == "auto" else dilation,
+        "ao_rays": ao_rays,
+        "ao_distance": ao_distance,
+        "roughness": roughness,
+        "ray_distance": _distance(ray_distance, cage_file),
+        "inspect": True,
+    }
+    request = {"options": options, "low": low_mesh, "cage": cage_mesh, "memory_limit": memory_limit}
+    high = load(scan) if isinstance(scan, (str, os.PathLike)) else a_model(scan)
+    with running(progress, threads) as run:
+        native = _taotie.bake(high._native, request, run)
+    warn(native.warnings())
+    return Asset(native)
+
+
+def _source(mesh: Any) -> tuple[Any, Any]:
+    """Return a mesh as a file for the options, or as a native model."""
+    if mesh is None:
+        return None, None
+    if isinstance(mesh, (str, os.PathLike)):
+        return {"file": os.fspath(mesh)}, None
+    model = a_model(mesh)
+    if model.path is not None and os.path.exists(model.path):
+        return {"file": model.path}, None
+    return None, model._native
+
+
+def _named_maps(maps: Sequence[str]) -> list[str]:
+    named = [name for name in maps if name != "auto"]
+    if "auto" in maps and "normal" not in named:
+        named.insert(0, "normal")
+    return named
+
+
+def _side(samples: int) -> int:
+    side = int(round(samples**0.5))
+    if side * side != samples:
+        raise invalid(f"samples {samples}", "give a square number: 1, 4, 9, 16, 25, 36, 49 or 64")
+    return side
+
+
+def _distance(distance: float | str, cage: Any) -> Any:
+    if cage is not None:
+        return {"cage": cage}
+    return "auto" if distance == "auto" else {"uniform": float(distance)}
+
+
+__all__ = ["Asset", "Met", "Model", "Proof", "Written", "bake"]

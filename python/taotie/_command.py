@@ -1,0 +1,16 @@
+"""The command ``taotie``, the same as the program of that name."""
+
+from __future__ import annotations
+
+import sys
+
+from . import _taotie
+
+
+def main() -> int:
+    """Run the command with the arguments of this process; return its exit code."""
+    return _taotie.command(["taotie", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

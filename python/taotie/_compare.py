@@ -1,0 +1,173 @@
+"""One model by several surface methods, measured."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _taotie
+from ._arrays import PathLike
+from ._error import invalid, warn
+from ._model import model as a_model
+from ._options import BACKGROUND, Color, Material, Orbit, Shading, Surface, Tone, _color, environment, lights
+from ._options import camera as a_camera
+from ._run import Progress, running
+
+Floats = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A surface as it is seen.
+
+    Attributes
+    ----------
+    normals : ndarray
+        ``(H, W, 3)`` float32, world space: the mean of each pixel; NaN where nothing is seen.
+    images : dict
+        ``(H, W, 3)`` float32 in [0, 1], sRGB, under each reflectance model.
+    angles : ndarray or None
+        ``(H, W)`` float32: degrees between its normals and the true ones; None for the reference itself.
+    inner_angles : ndarray or None
+        The same away from silhouettes.
+    """
+
+    normals: Floats = field(repr=False)
+    images: dict[str, Floats] = field(repr=False)
+    angles: Floats | None = field(default=None, repr=False)
+    inner_angles: Floats | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """What a comparison found.
+
+    Attributes
+    ----------
+    report : dict
+        All figures, as the library tells them.
+    views : dict of str to View
+        By method, such as ``smooth`` or ``bump:5``, and ``reference``.
+    """
+
+    report: dict[str, Any]
+    views: dict[str, View] = field(repr=False)
+
+    def mean_deg(self, method: str) -> float | None:
+        """Return the mean angle of a method from the truth away from silhouettes, degrees."""
+        for found in self.report["methods"]:
+            if found["method"] == method:
+                error = found.get("error")
+                inner = None if error is None else error.get("inner")
+                return None if inner is None else float(inner["mean"])
+        raise invalid(f"method {method!r}", f"there is none; choose from: {', '.join(self.views)}")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the report as plain data."""
+        return dict(self.report)
+
+
+def compare(
+    low: Any,
+    high: Any = None,
+    *,
+    methods: Sequence[Union[Surface, str]] = (),
+    shading: Sequence[Shading] | Shading = ("ggx",),
+    baseline: Shading | None = None,
+    points: int | Sequence[tuple[int, int]] = 10,
+    match: Literal["normal", "uv", "pixel"] = "normal",
+    material: Material | PathLike | None = None,
+    bump_scale: float | None = None,
+    tangents: Literal["face", "averaged", "mikktspace"] | None = None,
+    camera: Orbit | str | None = None,
+    target: Sequence[float] | None = None,
+    fov_deg: float = 30.0,
+    light: str | Sequence[str] | None = None,
+    ambient: Color | None = None,
+    shadows: bool = False,
+    env: PathLike | None = None,
+    env_rotate_deg: float = 0.0,
+    env_intensity: float = 1.0,
+    show_env: bool = False,
+    size: int | tuple[int, int] = (640, 640),
+    samples: Literal[1, 4, 16] = 4,
+    tone: Tone = "neutral",
+    exposure: float = 0.0,
+    background: Color = BACKGROUND,
+    energy: Literal["compensated", "single"] = "compensated",
+    specular_aa: bool = True,
+    grazing_normals: Literal["soften", "keep"] = "soften",
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Comparison:
+    """Render a model by several surface methods and measure their error. Names and defaults are those of the command.
+
+    Parameters
+    ----------
+    low : path, Model, Asset, or a mesh of another package
+        The model.
+    high : the same, optional
+        The high-poly reference: a model in the same place with its relief as geometry, such as the scan. It is made of
+        what it says itself, else of what the model is made of.
+    methods : sequence of str
+        facet, smooth, bump, bump-printed, object-normal, tangent-normal; ``bump:5`` and ``bump-printed:5`` take a factor.
+    shading : str or sequence of str
+        Reflectance models.
+    baseline : str, optional
+        Also measure what the reflectance model does, against this one.
+    points : int or pixels
+        Sample points whose normals are listed.
+    match : {"normal", "uv", "pixel"}
+        Which point of the reference corresponds to a point of the model.
+
+    Returns
+    -------
+    Comparison
+    """
+    model = a_model(low, material, bump_scale)
+    reference = None if high is None else a_model(high)
+    width, height = (size, size) if isinstance(size, int) else size
+    options: dict[str, Any] = {
+        "shadings": [shading] if isinstance(shading, str) else list(shading),
+        "baseline": baseline,
+        "points": {"spread": points} if isinstance(points, int) else {"pixels": [list(pixel) for pixel in points]},
+        "matching": match,
+        "settings": {
+            "width": int(width),
+            "height": int(height),
+            "samples": samples,
+            "surface": {"tangents": tangents, "bump_scale": bump_scale},
+            "energy": energy,
+            "specular_aa": specular_aa,
+            "grazing_normals": grazing_normals,
+            "shadows": shadows,
+        },
+        "development": {"exposure_stops": float(exposure), "tone": tone},
+    }
+    if methods:
+        options["methods"] = [_method(name) for name in methods]
+    request = {
+        "options": options,
+        "background": _color(background),
+        "camera": a_camera(camera, target, fov_deg),
+        "lights": lights(light),
+        "ambient": None if ambient is None else _color(ambient),
+        "environment": environment(env, env_rotate_deg, env_intensity, show_env),
+    }
+    names = [model.path or "model", (reference.path if reference else None) or "reference"]
+    models = {"low": model._native, "high": reference._native if reference else None, "names": names}
+    with running(progress, threads) as run:
+        told = _taotie.compare(models, request, run)
+    warn(told["warnings"])
+    views = {name: View(**view) for name, view in told["views"].items()}
+    return Comparison(json.loads(told["report"]), views)
+
+
+def _method(name: str) -> dict[str, Any]:
+    surface, _, factor = name.partition(":")
+    return {"surface": surface, "factor": float(factor) if factor else None}

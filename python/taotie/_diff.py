@@ -1,0 +1,113 @@
+"""The difference of two images or normal maps."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _taotie
+from ._arrays import image
+from ._error import warn
+from ._options import Color, _rgb
+from ._run import Progress, running
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """The difference of two images, or of the normals of two maps.
+
+    Attributes
+    ----------
+    figures : dict
+        As ``taotie diff --json`` prints them under ``metrics``: ``angle`` for normal maps; ``flip``, ``ssim``, ``psnr`` and ``rmse`` for
+        images. What was not measured is None.
+    map : ndarray
+        ``(H, W)`` float32: the difference at each pixel; NaN where there is none.
+    title, unit : str
+        What the map holds.
+    """
+
+    figures: dict[str, Any]
+    map: npt.NDArray[np.float32] = field(repr=False)
+    title: str
+    unit: str
+
+    @property
+    def mean_deg(self) -> float | None:
+        """The mean angle between normals, degrees; None for images."""
+        angle = self.figures["angle"]
+        return None if angle is None else float(angle["mean"])
+
+    @property
+    def flip(self) -> float | None:
+        """The mean of FLIP, [0, 1]; None for normal maps."""
+        flip = self.figures["flip"]
+        return None if flip is None else float(flip["mean"])
+
+    @property
+    def ssim(self) -> float | None:
+        """Structural similarity, at most 1."""
+        value: float | None = self.figures["ssim"]
+        return value
+
+    @property
+    def rmse(self) -> float | None:
+        """Root mean square error, [0, 1] of encoded values."""
+        value: float | None = self.figures["rmse"]
+        return value
+
+    @property
+    def psnr(self) -> float | None:
+        """Decibels; infinite for equal images."""
+        value: float | None = self.figures["psnr"]
+        return float("inf") if value is None and self.rmse == 0.0 else value
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures as plain data."""
+        return dict(self.figures)
+
+
+def diff(
+    a: Any,
+    b: Any,
+    *,
+    metric: Literal["angle", "flip", "ssim", "psnr", "rmse"] | None = None,
+    encoding: Literal["auto", "color", "unit", "signed"] = "auto",
+    background: Color = "black",
+    pixels_per_degree: float = 67.0,
+    progress: Progress = None,
+) -> Difference:
+    """Measure the difference of two images, or of the normals that two maps hold.
+
+    Parameters
+    ----------
+    a, b : path or array_like
+        Images of one size: files, arrays ``(height, width)`` or ``(height, width, 1 to 4)`` of uint8, uint16 (both
+        sRGB) or float32, or images of PIL.
+    metric : str, optional
+        One figure; all that fit if not given.
+    encoding : {"auto", "color", "unit", "signed"}
+        What the numbers are: colours, normals in [0, 1] or in [-1, 1]. Guessed by the pixels if not given.
+    background : color
+        What is behind transparent images.
+    pixels_per_degree : float
+        Of the observer, for FLIP.
+
+    Returns
+    -------
+    Difference
+    """
+    request = {
+        "metric": metric,
+        "encoding": {"normals": encoding} if encoding in ("unit", "signed") else encoding,
+        "background": _rgb(background),
+        "pixels_per_degree": float(pixels_per_degree),
+    }
+    with running(progress, None) as run:
+        told = _taotie.diff({"a": image("a", a), "b": image("b", b)}, request, run)
+    warn(told["warnings"])
+    return Difference(json.loads(told["figures"]), told["map"], told["title"], told["unit"])

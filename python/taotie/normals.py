@@ -1,0 +1,125 @@
+"""Normal maps from heights and from one another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _taotie
+from ._arrays import Array, image
+from ._error import invalid, warn
+from ._run import Progress, running
+
+__all__ = ["Converted", "convert", "from_height"]
+
+
+@dataclass(frozen=True, eq=False)
+class Converted:
+    """A normal map, and what storing it cost.
+
+    Attributes
+    ----------
+    map : ndarray
+        ``(H, W, 3)`` uint8 or uint16.
+    error_deg : ndarray
+        ``(H, W)`` float32: degrees between the exact normals and the stored ones; NaN where there is none.
+    """
+
+    map: Array = field(repr=False)
+    error_deg: npt.NDArray[np.float32] = field(repr=False)
+
+
+def from_height(
+    heights: npt.ArrayLike,
+    *,
+    scale: float,
+    border: Literal["repeat", "mirror", "clamp"] = "repeat",
+) -> npt.NDArray[np.float32]:
+    """Return the tangent-space normals of a height map, exact but for float32.
+
+    ``n = (-s dh/dx, -s dh/dy, 1)``, normalised, y up the image; differences over one and two texels on either side
+    (Fornberg 1988, table 1).
+
+    Parameters
+    ----------
+    heights : array_like
+        ``(H, W)``: floats as they are, integers as [0, 1].
+    scale : float
+        Height of 1 in texels: a slope of one texel a texel is 45 degrees.
+    border : {"repeat", "mirror", "clamp"}
+        Heights beyond the border.
+
+    Returns
+    -------
+    ndarray
+        ``(H, W, 3)`` float32, unit, green up. `convert` makes a map of 8 or 16 bits instead.
+    """
+    array = np.asarray(heights)
+    if array.ndim != 2 or array.dtype.kind not in "fu" or array.size == 0:
+        raise invalid("heights", f"an array of shape {array.shape}, dtype {array.dtype}; wanted is (H, W), floats, uint8 or uint16")
+    if array.dtype.kind == "u":
+        array = array.astype(np.float32) / np.float32(np.iinfo(array.dtype).max)
+    values = np.ascontiguousarray(array, dtype=np.float32).reshape(-1)
+    height, width = array.shape
+    normals: npt.NDArray[np.float32] = _taotie.normals_of_heights(
+        {"values": values, "size": [width, height]}, float(scale), border
+    )
+    return normals
+
+
+def convert(
+    map: Any,
+    *,
+    source: Literal["auto", "height", "tangent", "object"] = "auto",
+    green_in: Literal["up", "down"] | None = None,
+    green: Literal["up", "down"] = "up",
+    bits: Literal[8, 16] | None = None,
+    dither: bool = False,
+    height_scale: float | None = None,
+    border: Literal["repeat", "mirror", "clamp"] = "repeat",
+    progress: Progress = None,
+) -> Converted:
+    """Make a normal map from heights, or turn its green and its bits, as ``taotie normals`` does without a mesh.
+
+    Parameters
+    ----------
+    map : path or array_like
+        ``(H, W)`` or ``(H, W, channels)`` of uint8, uint16 or float32, an image of PIL, or a file.
+    source : {"auto", "height", "tangent", "object"}
+        What it holds; guessed by its pixels if not given.
+    green_in : {"up", "down"}, optional
+        Direction of green in the input: up (OpenGL, glTF) or down (DirectX); guessed by its pixels if not given.
+    green : {"up", "down"}
+        Direction of green in the output.
+    bits : {8, 16}, optional
+        Those of the input where its space stays, else 16, if not given.
+    dither : bool
+        Dither before rounding.
+    height_scale : float, optional
+        Height of white in texels; heights need it.
+    border : {"repeat", "mirror", "clamp"}
+        Heights beyond the border of the map.
+
+    Returns
+    -------
+    Converted
+    """
+    contents: dict[str, Any] = {"auto": None, "height": "heights"}
+    request = {
+        "content": contents.get(source, {"normals": source}),
+        "green": green_in,
+        "options": {
+            "green": green,
+            "bits": bits,
+            "dither": dither,
+            "height_scale": None if height_scale is None else float(height_scale),
+            "border": border,
+        },
+    }
+    with running(progress, None) as run:
+        made = _taotie.convert(image("map", map), request, run)
+    warn(made["warnings"])
+    return Converted(made["map"], made["error"])

@@ -1,0 +1,111 @@
+"""Bakes and proofs: the command's, to the bit."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image as Pillow
+
+import taotie as tt
+
+from conftest import sphere
+
+
+def test_files_and_figures_are_those_of_the_command(scan_file: Path, tmp_path: Path, run) -> None:  # type: ignore[no-untyped-def]
+    out, own = tmp_path / "a" / "asset.glb", tmp_path / "b" / "asset.glb"
+    for path in (out, own):
+        path.parent.mkdir()
+    arguments = "--triangles 500 --lods 200 --size 128 --maps normal,ao --ao-rays 16 --webp --meshopt".split()
+    run("bake", scan_file, "-o", out, *arguments)
+    asset = tt.bake(scan_file, triangles=500, lods=[200], size=128, maps=["normal", "ao"], ao_rays=16)
+    written = asset.save(own, webp=True, meshopt=True)
+    assert own.read_bytes() == out.read_bytes()
+    report = json.loads(out.with_suffix(".report.json").read_text())
+    proof = written.verify(scan_file)
+    assert proof.to_dict() == report["proof"]
+    told = written.report(proof)
+    same = ("kind", "schema", "high_sha256", "triangles", "parameters", "origin", "proof", "carried", "left")
+    assert {key: told[key] for key in same} == {key: report[key] for key in same}
+
+
+def test_an_asset_tells_what_it_is(asset: tt.Asset) -> None:
+    assert len(asset.triangles) == 1 and 400 < asset.triangles[0] <= 600
+    assert asset.size == (128, 128) and asset.counts["texels"] > 5000
+    level = asset.levels()[0]
+    assert level["faces"].shape == (asset.triangles[0], 3) and level["tangents"].shape[1] == 4
+    normal = asset.maps()["normal"]
+    assert normal.shape == (128, 128, 3) and normal.dtype == np.uint8
+    with pytest.raises(tt.Error, match="material 'x'"):
+        asset.maps("x")
+
+
+def test_a_proof_measures_and_requires(asset: tt.Asset, scan: tt.Model) -> None:
+    proof = asset.verify(scan, points=20_000, view=64)
+    assert 0.1 < proof.mean_deg < proof.p95_deg <= proof.max_deg < 90
+    assert proof.error_map.shape == (128, 128) and proof.error_map.dtype == np.float32
+    assert np.isnan(proof.error_map).any() and abs(np.nanmean(proof.error_map) - proof.mean_deg) < 2
+    met = proof.require("mean-angle@0=20", mean_angle=20, missed="5%", bytes="1MB")
+    assert [one.figure for one in met] == ["mean-angle", "mean-angle", "missed", "bytes"] and all(m.met for m in met)
+    with pytest.raises(tt.NotMet, match="mean-angle"):
+        proof.require(mean_angle=0.001)
+    with pytest.raises(tt.Error, match="angle"):
+        proof.require("angle=1")
+    again = pickle.loads(pickle.dumps(proof))
+    assert again.figures == proof.figures and again.require(mean_angle=20)[0].met
+
+
+def test_an_asset_renders_like_its_file(asset: tt.Asset, tmp_path: Path) -> None:
+    path = asset.save(tmp_path / "asset.glb").path
+    assert np.array_equal(tt.render(asset, size=48), tt.render(path, size=48))
+    assert asset.glb() == Path(path).read_bytes() and asset.model.triangles == asset.triangles[0]
+
+
+def test_a_low_poly_mesh_of_arrays_keeps_its_triangles(scan: tt.Model) -> None:
+    low = tt.Mesh(*sphere(24, 12))
+    asset = tt.bake(scan, low=low, size=64)
+    assert asset.triangles == [low.triangles]
+
+
+def test_maps_alone_are_written_as_pictures(scan: tt.Model, asset: tt.Asset, tmp_path: Path) -> None:
+    level = asset.levels()[0]
+    low = tt.Mesh(level["vertices"], level["faces"], level["normals"], level["uvs"])
+    alone = tt.bake(scan, low=low, size=64)
+    path = alone.save(tmp_path / "normal.png").path
+    assert np.array_equal(np.asarray(Pillow.open(path)), alone.maps()["normal"])
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"triangles": 3}, "3 triangles"),
+        ({"samples": 5}, "square"),
+        ({"maps": "normal"}, "sequence"),
+        ({"maps": ["norml"]}, "norml"),
+        ({"size": 8}, "16 to 16384"),
+        ({"size": (64, 32)}, "square"),
+        ({"cage": "cage.glb", "ray_distance": 1.0}, "cage"),
+        ({"memory_limit": "many"}, "many"),
+    ],
+)
+def test_what_cannot_be_is_refused(scan: tt.Model, options: dict[str, object], words: str) -> None:
+    with pytest.raises((tt.Error, ValueError), match=words):
+        tt.bake(scan, **options)  # type: ignore[arg-type]
+
+
+def test_nothing_is_written_over_that_was_read(scan_file: Path, asset: tt.Asset) -> None:
+    with pytest.raises(tt.Error):
+        asset.save(scan_file)
+    with pytest.raises(tt.Error, match="ktx2 and webp"):
+        asset.save("a.glb", ktx2=True, webp=True)
+
+
+def test_progress_tells_the_stages(scan: tt.Model, capfd: pytest.CaptureFixture[str]) -> None:
+    heard: list[str] = []
+    tt.bake(scan, triangles=300, size=256, samples=16, progress=lambda stage, _: heard.append(stage))
+    assert "bake" in heard
+    tt.bake(scan, triangles=300, size=256, samples=16, progress=True)
+    assert "bake" in capfd.readouterr().err

@@ -1,0 +1,36 @@
+"""What a user writes, for the type checkers alone: it is read, not run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import taotie as tt
+
+
+def bake_and_prove(path: str) -> float:
+    scan = tt.load(path, progress=True)
+    asset = tt.bake(scan, triangles=50_000, size=2048, maps=["normal", "ao"])
+    proof = asset.verify(scan)
+    met: list[tt.Met] = proof.require(mean_angle=0.5)
+    files: list[str] = asset.save("scan.glb", ktx2=True).files
+    return proof.mean_deg if met and files else 0.0
+
+
+def look(asset: tt.Asset) -> tuple[tt.Image, npt.NDArray[np.float32]]:
+    image: tt.Image = tt.render(asset, shading="ggx", camera=tt.Orbit(14, 10), size=(640, 480))
+    light: dict[str, npt.NDArray[np.float32]] = tt.render(asset, linear=True, aov=["normals", "depth"])
+    frames: list[tt.Image] = tt.Renderer(asset, env="studio").turntable(36)
+    return frames[0] if frames else image, light["depth"]
+
+
+def measure(low: str, high: str) -> dict[str, Any]:
+    found = tt.compare(low, high, methods=["smooth", "tangent-normal"])
+    error: float | None = tt.diff("a.png", "b.png").flip
+    report: tt.Inspection = tt.inspect(low)
+    heights: npt.NDArray[np.float32] = tt.normals.from_height(np.zeros((4, 4)), scale=2)
+    value, by = tt.shade.gradient("d_ggx", "alpha", n_dot_h=0.9, alpha=heights)
+    assert error is None or by["alpha"].shape == value.shape
+    return {**found.to_dict(), **report.to_dict()}
