@@ -1,0 +1,99 @@
+// The data of a page, as crates/taotie-report/src/viewer writes them.
+
+export interface Orbit {
+    azimuth: number;
+    elevation: number;
+    distance: number;
+    target: [number, number, number];
+    fov_y: number;
+    aspect: number;
+    center: [number, number, number];
+    radius: number;
+}
+
+export interface Environment {
+    maps: [number, number];
+    picture: [number, number];
+    levels: number[][];
+    count: number;
+    smoothest_alpha: number;
+    rotation: number;
+    intensity: number;
+}
+
+export interface Light {
+    /** Sixteen numbers a light. */
+    lights: number[][];
+    ambient: [number, number, number];
+    environment: Environment | null;
+}
+
+export interface Film {
+    exposure: number;
+    tone: string;
+    background: [number, number, number] | null;
+    /** Places in a pixel, 1/256 pixel. */
+    samples: [number, number][];
+}
+
+export interface Shader {
+    fragment: number[];
+    vertex: number[];
+    inputs: string[];
+    blocks: [string, string][];
+    textures: string[];
+}
+
+export interface TextureUse {
+    texture: number;
+    /** Wrapping along u and v, magnification and minification, as WebGL numbers them. */
+    sampler: [number, number, number, number];
+}
+
+export interface Dress {
+    looks: number[][];
+    factors: Record<string, number[]>;
+    printed_bump: number;
+    textures: Record<string, TextureUse>;
+}
+
+export interface Surface {
+    material: number;
+    double_sided: boolean;
+    blended: boolean;
+    best: number;
+    drawn: number[];
+    normal_matrix: [number[], number[], number[]];
+    own: Dress;
+    clay: Dress;
+}
+
+export interface Codes {
+    width: number;
+    height: number;
+    channels: number;
+    from: number;
+}
+
+export interface TextureData {
+    encoding: "srgb" | "linear" | "normal";
+    codes: Codes | null;
+}
+
+export interface Data {
+    version: string;
+    title: string;
+    facts: { name: string; value: string }[];
+    camera: Orbit | null;
+    light: Light;
+    film: Film;
+    shadings: string[];
+    methods: string[];
+    shading: string;
+    method: string | null;
+    tables: [number, number];
+    frame: { fields: [string, number][]; bytes: number } | null;
+    texts: { pieces: string[]; shaders: Shader[] };
+    surfaces: Surface[];
+    textures: TextureData[];
+}
