@@ -28,5 +28,5 @@ export async function blob(name: string): Promise<ArrayBuffer> {
         element.remove();
         return unpacked(bytes);
     }
-    return name === "asset" ? fetched("asset.glb") : unpacked(await fetched(`${name}.bin`));
+    return name === "asset" || name === "scan" ? fetched(`${name}.glb`) : unpacked(await fetched(`${name}.bin`));
 }

@@ -80,6 +80,30 @@ export interface TextureData {
     codes: Codes | null;
 }
 
+export interface ModelData {
+    glb: string;
+    codes: string;
+    surfaces: Surface[];
+    textures: TextureData[];
+}
+
+export interface ErrorMap {
+    width: number;
+    height: number;
+    from: number;
+    mean: number;
+}
+
+/** Angles between the normals of asset and scan, and the distance of their shapes, model units. */
+export interface Errors {
+    maps: (ErrorMap | null)[];
+    top: number;
+    stops: [number, number, number][];
+    steps: number;
+    rms: number;
+    hausdorff: number;
+}
+
 export interface Data {
     version: string;
     title: string;
@@ -94,6 +118,7 @@ export interface Data {
     tables: [number, number];
     frame: { fields: [string, number][]; bytes: number } | null;
     texts: { pieces: string[]; shaders: Shader[] };
-    surfaces: Surface[];
-    textures: TextureData[];
+    /** The asset, and the scan where there is one. */
+    models: ModelData[];
+    errors: Errors | null;
 }

@@ -112,6 +112,8 @@ void main() {
 }
 `;
 
+type Draw = (sample: number, target: WebGLRenderTarget) => void;
+
 export interface Development {
     /** Stops. */
     exposure: number;
@@ -146,13 +148,13 @@ export class Film {
         this.share.blendSrc = this.share.blendDst = OneFactor;
     }
 
-    /** Takes a picture of so many samples; `draw` draws one into the target that is set. */
-    take(size: [number, number], samples: number, development: Development, draw: (sample: number) => void): void {
+    /** Takes a picture of so many samples; `draw` draws one into the target. */
+    take(size: [number, number], samples: number, development: Development, draw: Draw): void {
         for (const each of [this.sample, this.sum]) each.setSize(...size);
         this.clear(this.sum);
         for (let i = 0; i < samples; i++) {
             this.clear(this.sample);
-            draw(i);
+            draw(i, this.sample);
             if (samples > 1) this.add(1 / samples);
         }
         this.show(samples > 1 ? this.sum.texture : this.sample.texture, development);

@@ -1,7 +1,7 @@
 // Keys, while the picture has the focus.
 
 import { moveLight, next, turn, zoom } from "./moves";
-import { MODES } from "./state";
+import { modes } from "./state";
 import type { Viewer } from "./viewer";
 
 /** Degrees of a press, and of one with Alt. */
@@ -36,7 +36,7 @@ export function listenToKeys(viewer: Viewer, actions: Actions): void {
         "=": () => viewer.change(zoom(NEARER)(viewer.state)),
         "-": () => viewer.change(zoom(1 / NEARER)(viewer.state)),
         l: actions.toggleLight,
-        m: () => viewer.change({ mode: next<string>(MODES, viewer.state.mode) }),
+        m: () => viewer.change({ mode: next(modes(viewer.data), viewer.state.mode) }),
         w: () => viewer.change({ wireframe: !viewer.state.wireframe }),
         s: actions.save,
         0: actions.reset,

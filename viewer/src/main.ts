@@ -7,10 +7,12 @@ import type { Data } from "./data";
 import { make, save } from "./dom";
 import { listenToGestures } from "./gestures";
 import { listenToKeys } from "./keys";
+import { legend } from "./legend";
 import { panel } from "./panel";
 import { Stage } from "./stage";
 import { texts } from "./texts";
 import { Viewer } from "./viewer";
+import { wipe } from "./wipe";
 
 declare global {
     interface Window {
@@ -87,7 +89,9 @@ function build(root: HTMLElement, viewer: Viewer): void {
     };
     listenToGestures(viewer, drags.get);
     listenToKeys(viewer, actions);
-    root.append(folder(root), panel(viewer, actions), places(viewer));
+    root.append(wipe(viewer), folder(root), panel(viewer, actions), places(viewer));
+    const errors = legend(viewer);
+    if (errors) root.append(errors);
 }
 
 async function main(): Promise<void> {

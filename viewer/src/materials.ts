@@ -10,7 +10,7 @@ import {
     UniformsGroup,
     type IUniform,
 } from "three";
-import type { Data, Dress, Shader, Surface } from "./data";
+import type { Data, Dress, ModelData, Shader, Surface } from "./data";
 import { inMode } from "./modes";
 import type { Textures } from "./textures";
 
@@ -77,6 +77,7 @@ export class Materials {
 
     constructor(
         private readonly data: Data,
+        private readonly model: ModelData,
         private readonly textures: Textures,
         private readonly frameTextures: Record<string, Texture>,
         private readonly frame: Frame,
@@ -91,7 +92,7 @@ export class Materials {
     }
 
     private async make(number: number, shading: number, method: number, mode: string): Promise<RawShaderMaterial> {
-        const surface = this.data.surfaces[number]!;
+        const surface = this.model.surfaces[number]!;
         const dress = mode === "clay" ? surface.clay : surface.own;
         const shader = this.data.texts.shaders[dress.looks[shading]![method]!]!;
         const fragment = inMode(unblocked(joined(this.data, shader.fragment)), mode);

@@ -18,7 +18,8 @@ const VALUES: Record<string, Shown> = {
 };
 
 /** Modes whose pixels are numbers and no light. */
-export const isNumbers = (mode: string): boolean => mode in VALUES && mode !== "base-color";
+export const isNumbers = (mode: string): boolean =>
+    mode === "error" || (mode in VALUES && mode !== "base-color");
 
 /** Modes that show the shaded surface. */
 export const isShaded = (mode: string): boolean => mode === "shaded" || mode === "clay";

@@ -3,7 +3,7 @@
 import { button, choice, group, range, toggle } from "./controls";
 import { make } from "./dom";
 import { refixed } from "./light";
-import { BEST, FIXED, LIGHTS, MODES, TONES } from "./state";
+import { BEST, FIXED, LIGHTS, TONES, besides, modes } from "./state";
 import { texts } from "./texts";
 import type { Viewer } from "./viewer";
 
@@ -23,21 +23,23 @@ function surface(viewer: Viewer): HTMLElement {
     const { data } = viewer;
     const shadings = data.shadings.map((value) => ({ value, name: value }));
     // A method that no surface has a map for is drawn smooth.
-    const lacks = (number: number) => data.surfaces.every(({ drawn }) => drawn[number] !== number);
+    const lacks = (number: number) => data.models[0]!.surfaces.every(({ drawn }) => drawn[number] !== number);
     const methods = data.methods.map((value, number) => {
         return { value, name: value + (lacks(number) ? texts.lacking : ""), disabled: lacks(number) };
     });
     const best = { value: BEST, name: texts.best };
-    const modes = MODES.map((value) => ({ value, name: texts.modes[value] ?? value }));
+    const shown = modes(data).map((value) => ({ value, name: texts.modes[value] ?? value }));
+    const beside = besides(data).map((value) => ({ value, name: texts.besides[value] ?? value }));
     return group(
         texts.surface,
         true,
-        choice(viewer, texts.mode, modes, { get: ({ mode }) => mode, set: (mode) => ({ mode }) }),
+        choice(viewer, texts.mode, shown, { get: ({ mode }) => mode, set: (mode) => ({ mode }) }),
         choice(viewer, texts.shading, shadings, { get: ({ shading }) => shading, set: (shading) => ({ shading }) }),
         choice(viewer, texts.method, [best, ...methods], {
             get: ({ surface }) => surface,
             set: (surface) => ({ surface }),
         }),
+        choice(viewer, texts.beside, beside, { get: ({ beside }) => beside, set: (beside) => ({ beside }) }),
         toggle(viewer, texts.wireframe, { get: ({ wireframe }) => wireframe, set: (wireframe) => ({ wireframe }) }),
     );
 }

@@ -1,87 +1,61 @@
-// Draws a state: picks the materials, places camera and light, and has the film develop.
+// Draws a state: places camera and light, and has the film develop.
 
-import {
-    LineBasicMaterial,
-    LineSegments,
-    Mesh,
-    PerspectiveCamera,
-    type RawShaderMaterial,
-    Scene,
-    WebGLRenderer,
-    WireframeGeometry,
-    Matrix4,
-} from "three";
-import { blob } from "./blobs";
-import { checker } from "./checker";
+import { Matrix4, PerspectiveCamera, Raycaster, Vector2, Vector3, WebGLRenderer, type WebGLRenderTarget } from "three";
 import type { Data } from "./data";
-import { Film } from "./film";
+import { Exhibit, type Shared, Showing } from "./exhibit";
+import { type Development, Film } from "./film";
 import { ambient, environment, lights } from "./light";
-import { Frame, Materials, PRINTED } from "./materials";
+import { Frame } from "./materials";
 import { isNumbers, isShaded } from "./modes";
-import { type Model, readModel } from "./model";
 import { place } from "./orbit";
-import { BEST, type State, TONES } from "./state";
-import { Textures, frameTextures } from "./textures";
+import { type State, TONES } from "./state";
 import { texts } from "./texts";
+import { frameTextures } from "./textures";
 
 /** The places of samples in units of 1/256 pixel. */
 const STEPS = 256;
-const LINES = 0x6aa3ff;
 
 export class Stage {
-    private readonly scene = new Scene();
     private readonly camera = new PerspectiveCamera();
-    private readonly meshes: Mesh[];
-    private readonly wires: LineSegments[] = [];
     private readonly film: Film;
-    private readonly checker = checker();
+    private readonly main: Showing;
+    /** What stands right of the wipe's handle, by its name. */
+    private readonly besides = new Map<string, Promise<Showing>>();
+    private beside: Showing | undefined;
 
     private constructor(
         readonly renderer: WebGLRenderer,
-        private readonly data: Data,
-        private readonly model: Model,
-        private readonly frame: Frame,
-        private readonly materials: Materials,
+        private readonly shared: Shared,
+        readonly asset: Exhibit,
     ) {
         this.film = new Film(renderer);
-        this.meshes = model.geometries.map((geometry) => new Mesh(geometry, this.checker));
-        for (const mesh of this.meshes) mesh.frustumCulled = false;
-        this.scene.add(...this.meshes);
-        this.scene.matrixWorldAutoUpdate = true;
+        this.main = new Showing(asset);
     }
 
     /** Reads the model and makes what draws it. */
     static async load(canvas: HTMLCanvasElement, data: Data): Promise<Stage> {
         const renderer = opened(canvas);
-        const [glb, shared] = await Promise.all([blob("asset"), frameTextures(data)]);
-        const model = await readModel(glb, data.surfaces);
         const isFine = renderer.extensions.has("OES_texture_float_linear");
-        const frame = new Frame(data);
-        const materials = new Materials(data, new Textures(data, model, isFine), shared, frame);
-        return new Stage(renderer, data, model, frame, materials);
+        const shared = { data, frame: new Frame(data), textures: await frameTextures(data), isFine };
+        return new Stage(renderer, shared, await Exhibit.load(0, shared));
     }
 
     /** The samples of a picture that stands still. */
     get samples(): number {
-        return this.data.film.samples.length;
+        return this.shared.data.film.samples.length;
     }
 
-    /** Draws nothing until the materials of a state are there. */
+    /** Ends when all that a state needs is there. */
     async prepare(state: State): Promise<void> {
-        const all = await Promise.all(this.data.surfaces.map((_, number) => this.material(number, state)));
-        all.forEach((material, number) => {
-            const mesh = this.meshes[number]!;
-            const method = this.method(number, state);
-            mesh.material = material;
-            mesh.geometry = (method === PRINTED ? this.model.printed : this.model.geometries)[number]!;
-            material.polygonOffset = state.wireframe;
-        });
-        this.showWires(state.wireframe);
+        await this.main.prepare(state);
+        const beside = await this.besideOf(state);
+        await beside?.prepare(besideState(state));
+        this.beside = beside;
     }
 
-    /** Draws a state of which the materials are there, in so many samples. */
+    /** Draws a state that is prepared, in so many samples. */
     draw(state: State, size: [number, number], samples: number): void {
-        const { frame, data } = this;
+        const { frame, data } = this.shared;
         frame.setLights(lights(state, data.light));
         frame.set("ambient", ...ambient(state, data.light));
         const [sin, cos, factor] = environment(state);
@@ -89,47 +63,76 @@ export class Stage {
         frame.set("environment_cos", cos);
         frame.set("environment_intensity", factor);
         frame.set("spacing", 1 / Math.sqrt(samples));
-        const isLight = isShaded(state.mode);
-        const development = {
-            exposure: isLight ? state.exposure : 0,
-            tone: isLight ? TONES.indexOf(state.tone as (typeof TONES)[number]) : TONES.indexOf("linear"),
-            numbers: isNumbers(state.mode),
-            background: data.film.background,
-        };
-        this.film.take(size, samples, development, (sample) => this.sample(state, size, samples > 1 ? sample : -1));
+        this.film.take(size, samples, development(state, data), (sample, target) => {
+            this.place(state, size, samples > 1 ? sample : -1);
+            this.sample(state, size, target);
+        });
     }
 
-    private sample(state: State, size: [number, number], sample: number): void {
-        const [x, y] = this.data.film.samples[sample] ?? [STEPS / 2, STEPS / 2];
-        place(this.camera, state, this.data.camera!, { size, offset: [x / STEPS, y / STEPS] });
+    /** The degrees that the map of errors has at a point of the picture, [−1, 1]². */
+    async errorAt(state: State, point: Vector2, size: [number, number]): Promise<number | undefined> {
+        this.place(state, size, -1);
+        const ray = new Raycaster();
+        ray.setFromCamera(point, this.camera);
+        const [hit] = ray.intersectObjects(this.main.meshes, false);
+        const { face, barycoord } = hit ?? {};
+        if (!hit || !face || !barycoord) return undefined;
+        const number = this.main.meshes.indexOf(hit.object as (typeof this.main.meshes)[number]);
+        const uvs = this.main.meshes[number]!.geometry.attributes["uv0"];
+        if (!uvs) return undefined;
+        const weights = new Vector3(barycoord.x, barycoord.y, barycoord.z);
+        const along = (of: (i: number) => number) => weights.dot(new Vector3(of(face.a), of(face.b), of(face.c)));
+        const maps = await this.asset.errorMaps();
+        return maps.at(number, along((i) => uvs.getX(i)), along((i) => uvs.getY(i)));
+    }
+
+    private place(state: State, size: [number, number], sample: number): void {
+        const { data, frame } = this.shared;
+        const [x, y] = data.film.samples[sample] ?? [STEPS / 2, STEPS / 2];
+        place(this.camera, state, data.camera!, { size, offset: [x / STEPS, y / STEPS] });
         const clip = new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
-        this.frame.set("clip_from_world", ...clip.elements);
-        this.frame.set("eye", ...this.camera.matrixWorld.elements.slice(12, 15), 1);
-        this.renderer.render(this.scene, this.camera);
+        frame.set("clip_from_world", ...clip.elements);
+        frame.set("eye", ...this.camera.matrixWorld.elements.slice(12, 15), 1);
     }
 
-    /** The number of the method by which a surface is drawn. */
-    private method(number: number, { surface, mode }: State): number {
-        const { best, drawn } = this.data.surfaces[number]!;
-        const asked = surface === BEST ? best : this.data.methods.indexOf(surface);
-        return mode === "uv" ? 1 : drawn[asked]!;
+    private sample({ split }: State, [width, height]: [number, number], target: WebGLRenderTarget): void {
+        const { renderer, camera, main, beside } = this;
+        const handle = beside ? Math.round(split * width) : width;
+        const part = (from: number, to: number, showing: Showing): void => {
+            target.scissorTest = beside !== undefined;
+            target.scissor.set(from, 0, to - from, height);
+            renderer.setRenderTarget(target);
+            if (to > from) showing.draw(renderer, camera);
+        };
+        part(0, handle, main);
+        if (beside) part(handle, width, beside);
+        target.scissorTest = false;
     }
 
-    private material(number: number, state: State): RawShaderMaterial | Promise<RawShaderMaterial> {
-        if (state.mode === "uv") return this.checker;
-        const shading = this.data.shadings.indexOf(isShaded(state.mode) ? state.shading : "ggx");
-        return this.materials.get(number, shading, this.method(number, state), state.mode);
+    private besideOf({ beside }: State): Promise<Showing> | undefined {
+        if (beside === "none") return undefined;
+        const made = async (): Promise<Showing> =>
+            new Showing(beside === "scan" ? await Exhibit.load(1, this.shared) : this.asset);
+        const known = this.besides.get(beside) ?? made();
+        this.besides.set(beside, known);
+        return known;
     }
+}
 
-    private showWires(shown: boolean): void {
-        if (shown && this.wires.length === 0) {
-            const material = new LineBasicMaterial({ color: LINES });
-            const lines = this.model.geometries.filter((geometry) => geometry.index);
-            this.wires.push(...lines.map((each) => new LineSegments(new WireframeGeometry(each), material)));
-            this.scene.add(...this.wires);
-        }
-        for (const wire of this.wires) wire.visible = shown;
-    }
+/** The state of what stands beside the model. */
+function besideState(state: State): State {
+    if (state.beside === "scan") return { ...state, surface: "best" };
+    return { ...state, surface: "smooth", mode: state.mode === "error" ? "clay" : state.mode };
+}
+
+function development(state: State, { film }: Data): Development {
+    const isLight = isShaded(state.mode);
+    return {
+        exposure: isLight ? state.exposure : 0,
+        tone: TONES.indexOf(isLight ? (state.tone as (typeof TONES)[number]) : "linear"),
+        numbers: isNumbers(state.mode),
+        background: film.background,
+    };
 }
 
 /** The renderer of a canvas. */

@@ -12,6 +12,7 @@ export const MODES = [
     "metallic",
     "occlusion",
     "uv",
+    "error",
 ] as const;
 export const LIGHTS = ["given", "raking"] as const;
 export const FIXED = ["viewer", "object"] as const;
@@ -37,7 +38,18 @@ export interface State {
     environment: [number, number];
     exposure: number;
     tone: string;
+    /** What stands right of the wipe's handle, and where that is: a fraction of the width. */
+    beside: string;
+    split: number;
 }
+
+/** What may stand beside the model: nothing, the model without its map, and the scan. */
+export const BESIDE = ["none", "smooth", "scan"] as const;
+
+/** The modes that a page has: errors need a scan. */
+export const modes = ({ errors }: Data): string[] => MODES.filter((mode) => mode !== "error" || errors !== null);
+/** What a page can show beside the model. */
+export const besides = ({ models }: Data): string[] => BESIDE.filter((each) => each !== "scan" || models.length > 1);
 
 /** The numbers of the state in as many digits as a link has. */
 const DIGITS = 6;
@@ -61,6 +73,8 @@ export function firstState({ camera, light, film, shading, method }: Data): Stat
         environment: [environment?.rotation ?? 0, environment?.intensity ?? 1],
         exposure: film.exposure,
         tone: film.tone,
+        beside: "none",
+        split: 0.5,
     });
 }
 
@@ -84,11 +98,12 @@ export function fragment(state: State, first: State): string {
 type Choices = Partial<Record<keyof State, readonly string[]>>;
 
 /** The state that a link names; what it does not name, or names wrongly, is as at first. */
-export function ofFragment(text: string, first: State, { shadings, methods }: Data): State {
+export function ofFragment(text: string, first: State, data: Data): State {
     const choices: Choices = {
-        shading: shadings,
-        surface: [BEST, ...methods],
-        mode: MODES,
+        shading: data.shadings,
+        surface: [BEST, ...data.methods],
+        mode: modes(data),
+        beside: besides(data),
         light: LIGHTS,
         fixed: FIXED,
         tone: TONES,
@@ -121,5 +136,6 @@ export function bounded(state: State): State {
         fill: within(state.fill, 0, 1000),
         environment: [wrapped(state.environment[0]), within(state.environment[1], 0, 1000)],
         exposure: within(state.exposure, -20, 20),
+        split: within(state.split, 0, 1),
     });
 }

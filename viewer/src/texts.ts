@@ -36,7 +36,18 @@ export const texts = {
         metallic: "metallic",
         occlusion: "occlusion",
         uv: "uv checker",
+        error: "error of the normals",
     } as Record<string, string>,
+    beside: "Right of the wipe",
+    besides: { none: "nothing", smooth: "without its map", scan: "the scan" } as Record<string, string>,
+    wipe: "Wipe",
+    wiped: (split: number) => `${Math.round(split * 100)} % of the width`,
+    legend: (top: number, mean: number) =>
+        `Angle between the normals of model and scan, 0° to ${top}° and more; mean ${mean.toFixed(2)}°. Grey: not measured.`,
+    errorHere: (degrees: number | undefined) =>
+        degrees === undefined ? "not measured here" : `${degrees.toFixed(2)}° under the pointer`,
+    shape: (rms: number, most: number) =>
+        `Shape: ${rms.toPrecision(3)} model units from the scan (root mean square), at most ${most.toPrecision(3)}.`,
     light: "Light",
     lights: { given: "as given", raking: "raking" } as Record<string, string>,
     lightKind: "Lights",

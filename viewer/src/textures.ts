@@ -2,7 +2,7 @@
 
 import { DataTexture, FloatType, HalfFloatType, NearestFilter, RGBAFormat, type Texture } from "three";
 import { blob } from "./blobs";
-import type { Data, Surface, TextureUse } from "./data";
+import type { Data, ModelData, Surface, TextureUse } from "./data";
 import { codedHeights, codedNormals, decoded, imageNormals, imageTexture } from "./images";
 import type { Model } from "./model";
 
@@ -48,7 +48,7 @@ export class Textures {
     private codes: Promise<Uint16Array> | undefined;
 
     constructor(
-        private readonly data: Data,
+        private readonly data: ModelData,
         private readonly model: Model,
         private readonly isFine: boolean,
     ) {}
@@ -66,7 +66,7 @@ export class Textures {
         const { codes, encoding } = this.data.textures[use.texture]!;
         const isNormal = slot.endsWith("normal_texture");
         if (codes && (slot === "height_texture" || encoding === "normal")) {
-            this.codes ??= blob("codes").then((bytes) => new Uint16Array(bytes));
+            this.codes ??= blob(this.data.codes).then((bytes) => new Uint16Array(bytes));
             const all = await this.codes;
             return isNormal ? codedNormals(all, codes, use) : codedHeights(all, codes, use, this.isFine);
         }

@@ -1,5 +1,6 @@
 // The viewer: one state, and the picture of it.
 
+import { Vector2 } from "three";
 import type { Data } from "./data";
 import { withText } from "./png";
 import { Stage } from "./stage";
@@ -66,6 +67,13 @@ export class Viewer {
         this.request();
         const blob = await png;
         return withText(blob ?? new Blob(), LINK, this.link());
+    }
+
+    /** The error of the normals under a point of the window, degrees. */
+    errorUnder(x: number, y: number): Promise<number | undefined> {
+        const { left, top, width, height } = this.canvas.getBoundingClientRect();
+        const point = new Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
+        return this.stage.errorAt(this.current, point, this.size());
     }
 
     /** Draws in the next frame. */

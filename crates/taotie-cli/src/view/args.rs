@@ -17,6 +17,7 @@ Examples:
   taotie view vase.glb -o vase.html
   taotie view vase.glb --light \"directional from=-75,10 strength=4\" -o raking.html
   taotie view vase.glb --env studio --folder site
+  taotie view vase.glb --scan vase-scan.ply -o proof.html
 
 The page shows what `taotie render` draws with the same options, by any reflectance model and surface method; light and \
 camera are moved by mouse, finger or keys.";
@@ -33,6 +34,9 @@ pub struct ViewArgs {
     /// Write the page and the model side by side into a folder, for a web server
     #[arg(long, value_name = "DIR", conflicts_with = "output")]
     pub folder: Option<PathBuf>,
+    /// The scan that the model was baked from: the page shows it beside the model, and the error of the model's normals
+    #[arg(long, value_name = "SCAN")]
+    pub scan: Option<PathBuf>,
     /// Heading of the page; the file's name if not given
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
@@ -94,6 +98,7 @@ impl ViewArgs {
     /// Refuses an output that cannot be written, or that is read.
     pub fn claim(&self, files: &FileSet) -> Result<()> {
         files.protect([&self.model])?;
+        files.protect(&self.scan)?;
         files.protect(studio::material_files(&self.material)?)?;
         files.protect(self.light.environment_file())?;
         match (&self.output, &self.folder) {

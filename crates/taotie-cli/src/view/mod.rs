@@ -9,13 +9,14 @@ use crate::{console, stop};
 use anyhow::{Context, Result};
 use args::FRAMING;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use taotie::Warnings;
 use taotie::asset::Bytes;
-use taotie::io::FileSet;
+use taotie::bake;
+use taotie::io::{FileSet, load_model_within};
 use taotie::math::SimdLevel;
 use taotie::render::{Prepared, RenderSettings, SurfaceSettings, scene_bytes};
-use taotie_report::viewer::{self, Subject, Viewer};
+use taotie_report::viewer::{self, ScanSubject, Subject, Viewer};
 
 /// Version of the JSON that `--json` prints.
 const SCHEMA: u32 = 1;
@@ -43,7 +44,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     written.iter().try_for_each(|path| console::result(&path.display().to_string()))
 }
 
-/// Reads the model and makes its page.
+/// Reads the models and makes their page.
 fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<Viewer> {
     let limits = args.limits.limits();
     let environment = args.light.environment(&limits, warnings)?;
@@ -58,6 +59,7 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     let prepared =
         Prepared::new(loaded.scene, &settings.surface).with_context(|| args.model.display().to_string())?;
     warnings.absorb(prepared.warnings().clone());
+    let scan = args.scan.as_deref().map(|path| Scan::read(path, args, files, warnings)).transpose()?;
     let viewpoint = Viewpoint::choose(&args.camera, FRAMING, prepared.scene())?;
     let view = viewpoint.at(0.0);
     let viewer = Viewer::new(&Subject {
@@ -72,9 +74,30 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
         camera: &view.camera(),
         lighting: &studio::lighting(&args.light, environment.as_ref(), prepared.scene(), view)?,
         development: &args.film.development(SimdLevel::default())?,
+        scan: scan.as_ref().map(|scan| ScanSubject { shown: &scan.shown, high: &scan.high }),
     })?;
     warnings.absorb(viewer.warnings.clone());
     Ok(viewer)
+}
+
+/// The scan beside a model.
+struct Scan {
+    shown: Prepared,
+    high: bake::Scan,
+}
+
+impl Scan {
+    fn read(path: &Path, args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<Self> {
+        let (limits, what) = (args.limits.limits(), path.display().to_string());
+        let loaded = load_model_within(path, &limits).context("--scan")?;
+        files.protect(&loaded.files)?;
+        limits.check(format!("a page of {what}"), Bytes(COPIES * scene_bytes(&loaded.scene)))?;
+        warnings.absorb(loaded.warnings);
+        let high = bake::Scan::new(loaded.scene.clone()).with_context(|| what.clone())?;
+        let scene = viewer::scene_to_show(&loaded.scene, &high, warnings).with_context(|| what.clone())?;
+        let shown = Prepared::new(scene, &SurfaceSettings::default()).context(what)?;
+        Ok(Self { shown, high })
+    }
 }
 
 /// Writes the page; returns its files, itself first.
@@ -111,6 +134,7 @@ fn report(args: &ViewArgs, written: &[PathBuf], warnings: &Warnings) -> serde_js
         "version": env!("CARGO_PKG_VERSION"),
         "model": args.model.to_string_lossy(),
         "files": written.iter().map(|path| path.to_string_lossy()).collect::<Vec<_>>(),
+        "scan": args.scan.as_ref().map(|path| path.to_string_lossy()),
         "environment": args.light.environment_json(),
         "warnings": console::json_warnings(warnings),
     })

@@ -28,17 +28,46 @@ const BACKGROUND: [u8; 3] = [255, 0, 255];
 /// Pixels along a side.
 const SIDE: u32 = 384;
 
-/// A picture by the page and by the renderer.
+/// A reflectance model and a surface method by their names.
 #[derive(Clone, Copy)]
 struct Look<'a> {
     shading: &'a str,
     surface: &'a str,
 }
 
-/// A model with the options that both take.
+/// A model, and the maps beside it. The renderer takes only those that a method reads.
 struct Subject<'a> {
     model: &'a Path,
-    options: &'a [String],
+    heights: Option<&'a Path>,
+    object_normals: Option<&'a Path>,
+    /// Options of both.
+    options: &'a str,
+}
+
+impl Subject<'_> {
+    fn heights(&self) -> Vec<String> {
+        self.heights.map(|path| vec!["--height-map".into(), text(path)]).unwrap_or_default()
+    }
+
+    fn object_normals(&self) -> Vec<String> {
+        let options =
+            |path| [vec!["--normal-map".into(), text(path)], words("--normal-space object")].concat();
+        self.object_normals.map(options).unwrap_or_default()
+    }
+
+    fn read_by(&self, surface: &str) -> Vec<String> {
+        match surface {
+            "bump" | "bump-printed" => self.heights(),
+            "object-normal" => self.object_normals(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// All reflectance models by these surface methods.
+fn looks(surfaces: &[&'static str]) -> Vec<Look<'static>> {
+    let of = |shading: &'static str| surfaces.iter().map(move |surface| Look { shading, surface });
+    Shading::NAMES.iter().flat_map(|(shading, _)| of(shading)).collect()
 }
 
 fn run(arguments: &[String], folder: &Path) {
@@ -58,21 +87,38 @@ fn words(line: &str) -> Vec<String> {
     line.split(' ').map(str::to_owned).collect()
 }
 
-/// Writes the vessel in clay, and returns it with its heights.
-fn vessel(folder: &Path) -> (PathBuf, PathBuf) {
-    let scene = jue::scene(512);
-    let mesh = with_tangents(&scene.meshes()[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
-    let [clay, bronze] = materials(&scene);
-    let material = GltfMaterial { normal_map: clay.normal_map, ..bronze };
-    let levels = [GltfLevel { mesh: &mesh, coverage: None }];
-    let copyright = Some("A museum <b>");
-    let asset = GltfAsset { levels: &levels, material, copyright, ..GltfAsset::default() };
-    let [model, heights] = ["model.glb", "heights.png"].map(|name| folder.join(name));
-    write_gltf(&model, &asset, &GltfFormat::default()).unwrap();
-    let height = scene.materials()[0].height.expect("the vessel has relief");
-    let bitmap = scene.textures()[height.texture.texture].bitmap();
-    write_png_bitmap(&heights, bitmap, Encoding::Linear).unwrap();
-    (model, heights)
+/// A vessel on disk.
+struct Vessel {
+    model: PathBuf,
+    heights: PathBuf,
+    /// Its normals of tangent space, which are normals of object space to who takes them for that.
+    normals: PathBuf,
+}
+
+impl Vessel {
+    /// Writes the vessel in bronze.
+    fn write(folder: &Path) -> Self {
+        let scene = jue::scene(512);
+        let mesh = with_tangents(&scene.meshes()[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
+        let [_, material] = materials(&scene);
+        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let copyright = Some("A museum <b>");
+        let asset = GltfAsset { levels: &levels, material, copyright, ..GltfAsset::default() };
+        let [model, heights, normals] =
+            ["model.glb", "heights.png", "normals.png"].map(|name| folder.join(name));
+        write_gltf(&model, &asset, &GltfFormat::default()).unwrap();
+        let height = scene.materials()[0].height.expect("the vessel has relief");
+        let write = |path: &Path, number: usize| {
+            write_png_bitmap(path, scene.textures()[number].bitmap(), Encoding::Linear).unwrap();
+        };
+        write(&heights, height.texture.texture);
+        write(&normals, 2);
+        Self { model, heights, normals }
+    }
+
+    fn subject<'a>(&'a self, options: &'a str) -> Subject<'a> {
+        Subject { model: &self.model, heights: Some(&self.heights), object_normals: None, options }
+    }
 }
 
 /// The assertions are in the script.
@@ -80,13 +126,14 @@ fn vessel(folder: &Path) -> (PathBuf, PathBuf) {
 fn pages_do_what_hand_and_keys_ask_for() {
     let Some(node) = Node::find() else { return };
     let folder = empty_folder("viewer/page");
-    let (model, heights) = vessel(&folder);
-    let options = |more: [String; 2]| {
-        let own = ["view".into(), text(&model), "--height-map".into(), text(&heights)];
-        own.into_iter().chain(words("--bump-scale 0.002")).chain(more).collect::<Vec<_>>()
+    let vessel = Vessel::write(&folder);
+    let subject = vessel.subject("");
+    let write = |option: &str, name: &str| {
+        let own = vec!["view".into(), text(&vessel.model), option.into(), text(&folder.join(name))];
+        run(&[own, subject.heights()].concat(), &folder);
     };
-    run(&options(["-o".into(), text(&folder.join("view.html"))]), &folder);
-    run(&options(["--folder".into(), text(&folder.join("site"))]), &folder);
+    write("-o", "view.html");
+    write("--folder", "site");
     node.run(&["--test", "--test-reporter=spec", "viewer.test.mjs"], &folder);
 }
 
@@ -94,10 +141,7 @@ fn pages_do_what_hand_and_keys_ask_for() {
 fn the_page_draws_what_the_renderer_draws() {
     let Some(node) = Node::find() else { return };
     let folder = empty_folder("viewer/pictures");
-    let (model, heights) = vessel(&folder);
-    let mut options = vec!["--height-map".into(), text(&heights)];
-    options.extend(words("--bump-scale 0.002 --env studio"));
-    let subject = Subject { model: &model, options: &options };
+    let vessel = Vessel::write(&folder);
     let look = |shading, surface| Look { shading, surface };
     let looks = [
         look("ggx", "tangent-normal"),
@@ -106,53 +150,50 @@ fn the_page_draws_what_the_renderer_draws() {
         look("ggx-printed", "bump-printed"),
         look("lambert", "facet"),
     ];
-    assert_same(&node, &folder, &subject, &looks);
+    assert_same(&node, &folder, &vessel.subject("--env studio"), &looks);
+    let object = Subject { object_normals: Some(&vessel.normals), heights: None, ..vessel.subject("") };
+    assert_same(&node, &folder, &object, &[look("phong", "object-normal")]);
 }
 
 #[test]
-#[ignore = "draws 162 pictures"]
+#[ignore = "draws 144 pictures"]
 fn the_page_draws_every_model_by_every_method() {
     let Some(node) = Node::find() else { return };
     let Some(data) = common::data_folder("khronos-gltf-sample-assets") else { return };
-    let Some(koala) = common::data_folder("odedstein-meshes/koala") else { return };
     let folder = empty_folder("viewer/all");
-    let (vessel, heights) = vessel(&folder);
-    let heights = ["--height-map".to_owned(), text(&heights)];
-    let baked = folder.join("koala.glb");
-    let mut bake = vec!["bake".into(), text(&koala.join("koala.obj")), "-o".into(), text(&baked)];
-    bake.extend(words("--triangles 5000 --size 512 --space object --no-verify"));
-    run(&bake, &folder);
-    let helmet = data.join("DamagedHelmet/glTF-Binary/DamagedHelmet.glb");
-    let names: Vec<Look> = Shading::NAMES
-        .iter()
-        .flat_map(|(shading, _)| {
-            SurfaceMethod::NAMES.iter().map(|(surface, _)| Look { shading: *shading, surface: *surface })
-        })
-        .collect();
-    for (name, model) in [("vessel", &vessel), ("helmet", &helmet), ("koala", &baked)] {
+    let vessel = Vessel::write(&folder);
+    let methods: Vec<&str> = SurfaceMethod::NAMES.iter().map(|(name, _)| *name).collect();
+    assert_same(&node, &folder, &vessel.subject(""), &looks(&methods[..4]));
+    let object = Subject { object_normals: Some(&vessel.normals), heights: None, ..vessel.subject("") };
+    assert_same(&node, &folder, &object, &looks(&["object-normal"]));
+    for name in ["DamagedHelmet", "WaterBottle", "Suzanne"] {
         let folder = empty_folder(&format!("viewer/all-{name}"));
-        let mut options = heights.to_vec();
-        options.extend(words("--bump-scale 0.002"));
-        assert_same(&node, &folder, &Subject { model, options: &options }, &names);
+        let model = found(&data.join(name));
+        let subject = Subject { model: &model, heights: None, object_normals: None, options: "" };
+        assert_same(&node, &folder, &subject, &looks(&["facet", "smooth", "tangent-normal"]));
     }
+}
+
+/// The model of a folder of Khronos.
+fn found(folder: &Path) -> PathBuf {
+    let name = folder.file_name().unwrap().to_str().unwrap();
+    let places = [format!("glTF-Binary/{name}.glb"), format!("glTF/{name}.gltf")];
+    let mut paths = places.iter().map(|place| folder.join(place));
+    paths.find(|path| path.exists()).unwrap_or_else(|| panic!("{}: no model", folder.display()))
 }
 
 /// Fails where the page's pictures of a model differ from the renderer's.
 fn assert_same(node: &Node, folder: &Path, subject: &Subject<'_>, looks: &[Look<'_>]) {
-    // Three digits after the point: as many as a link has.
     let light = "directional from=-60,25 strength=3";
-    let shared = [
-        subject.options,
-        &words("--orbit 30,20 --samples 4 --background #ff00ff"),
-        &["--light".into(), light.into()],
-    ]
-    .concat();
+    let mut shared = words("--orbit 30,20 --samples 4 --background #ff00ff");
+    shared.extend(["--light".into(), light.into()]);
+    shared.extend(subject.options.split_whitespace().map(str::to_owned));
     let own = |command: &str, output: &Path| {
-        let mut all = vec![command.to_owned(), text(subject.model), "-o".into(), text(output)];
-        all.extend(shared.clone());
-        all
+        let all = vec![command.to_owned(), text(subject.model), "-o".into(), text(output)];
+        [all, shared.clone()].concat()
     };
-    run(&own("view", &folder.join("view.html")), folder);
+    let maps = [subject.heights(), subject.object_normals()].concat();
+    run(&[own("view", &folder.join("view.html")), maps].concat(), folder);
     let cases: Vec<_> = looks.iter().map(|look| {
         json!({
             "page": "view.html",
@@ -169,6 +210,7 @@ fn assert_same(node: &Node, folder: &Path, subject: &Subject<'_>, looks: &[Look<
         let mut render = own("render", &name("render"));
         let Look { shading, surface } = look;
         render.extend(words(&format!("--shading {shading} --surface {surface} --size {SIDE}")));
+        render.extend(subject.read_by(surface));
         run(&render, folder);
         let difference = Difference::of(&pixels(&name("page")), &pixels(&name("render")));
         println!("{shading} {surface}: {difference:?}");

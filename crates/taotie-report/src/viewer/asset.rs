@@ -33,7 +33,7 @@ pub(super) fn glb(prepared: &Prepared, warnings: &mut Warnings) -> Result<Vec<u8
 }
 
 /// A surface in world space, its triangles counter-clockwise.
-fn mesh(surface: &Surface<'_>) -> Result<Mesh> {
+pub(super) fn mesh(surface: &Surface<'_>) -> Result<Mesh> {
     let turned = |[a, b, c]: &[u32; 3]| if surface.mirrored { [*a, *c, *b] } else { [*a, *b, *c] };
     Mesh::new(MeshData {
         positions: surface.positions.to_vec(),

@@ -24,11 +24,11 @@ impl Blob {
         format!("<script type=\"application/gzip\" id=\"{}\">{text}</script>\n", self.name)
     }
 
-    /// The file that holds it: the model as it is, all else compressed.
+    /// The file that holds it: models as they are, all else compressed.
     pub fn file(&self) -> PageFile {
         let (name, bytes) = (self.name, &self.bytes);
         match name {
-            "asset" => PageFile { name: "asset.glb".into(), bytes: bytes.clone() },
+            "asset" | "scan" => PageFile { name: format!("{name}.glb"), bytes: bytes.clone() },
             _ => PageFile { name: format!("{name}.bin"), bytes: gzip(bytes) },
         }
     }

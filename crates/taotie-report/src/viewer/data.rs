@@ -1,19 +1,21 @@
 //! The data of a page: all that its script reads beside the model.
 
-use super::Subject;
 use super::blob::Blob;
 use super::camera::Orbit;
 use super::light::{Light, light};
+use super::scan::{Errors, errors};
 use super::shaders::{FrameLayout, Shaders, Texts};
 use super::surfaces::{Drawing, SurfaceData, method_names};
 use super::textures::{TextureData, textures};
+use super::{Subject, asset};
 use crate::Fact;
 use serde::Serialize;
-use taotie::Warnings;
 use taotie::names::Named;
 use taotie::raster::SamplePattern;
+use taotie::render::{Prepared, RenderSettings};
 use taotie::shade::Shading;
 use taotie::shade::dfg::{COLUMNS, tables};
+use taotie::{Result, Warnings};
 
 /// The data of a page, as `viewer/src/data.ts` declares it.
 #[derive(Serialize)]
@@ -33,6 +35,17 @@ pub(super) struct Data<'a> {
     tables: [usize; 2],
     frame: Option<FrameLayout>,
     texts: Texts,
+    /// The asset, and the scan where there is one.
+    models: Vec<Model>,
+    errors: Option<Errors>,
+}
+
+/// A model of the page.
+#[derive(Serialize)]
+struct Model {
+    /// The names of its GLB and of its numbers among the page's bytes.
+    glb: &'static str,
+    codes: &'static str,
     surfaces: Vec<SurfaceData>,
     textures: Vec<TextureData>,
 }
@@ -55,24 +68,56 @@ impl Data<'_> {
     }
 }
 
-/// The data of a page, and its bytes beside the model's.
-pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> (Data<'a>, Vec<Blob>) {
-    let scene = subject.prepared.scene();
-    let mut shaders = Shaders::default();
-    let (light, mut blobs) = light(subject.lighting, warnings);
-    let environment = subject.lighting.environment.is_some();
+/// The models of a page, while they are put together.
+struct Models<'a> {
+    settings: &'a RenderSettings,
+    environment: bool,
+    shaders: Shaders,
+    all: Vec<Model>,
+    blobs: Vec<Blob>,
+}
+
+impl Models<'_> {
+    fn add(
+        &mut self,
+        prepared: &Prepared,
+        [glb, codes]: [&'static str; 2],
+        warnings: &mut Warnings,
+    ) -> Result<()> {
+        let (settings, environment) = (self.settings, self.environment);
+        let surfaces = Drawing { prepared, settings, environment, shaders: &mut self.shaders }.surfaces();
+        let (textures, numbers) = textures(prepared.scene(), codes);
+        self.blobs.push(Blob::new(glb, asset::glb(prepared, warnings)?));
+        self.blobs.extend(numbers);
+        self.all.push(Model { glb, codes, surfaces, textures });
+        Ok(())
+    }
+}
+
+/// The data of a page, and its other bytes.
+pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result<(Data<'a>, Vec<Blob>)> {
     let (prepared, settings) = (subject.prepared, subject.settings);
-    let surfaces = Drawing { prepared, settings, environment, shaders: &mut shaders }.surfaces();
-    let (textures, codes) = textures(scene);
+    let (light, blobs) = light(subject.lighting, warnings);
+    let environment = subject.lighting.environment.is_some();
+    let mut models = Models { settings, environment, shaders: Shaders::default(), all: Vec::new(), blobs };
+    models.add(prepared, ["asset", "codes"], warnings)?;
+    let mut measured = None;
+    if let Some(scan) = &subject.scan {
+        models.add(scan.shown, ["scan", "scan_codes"], warnings)?;
+        let (errors, blob) = errors(prepared, scan.high, warnings)?;
+        models.blobs.push(blob);
+        measured = Some(errors);
+    }
+    let Models { shaders, all, mut blobs, .. } = models;
     let numbers = tables();
     let bytes = numbers.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
     blobs.push(Blob::new("albedo_tables", bytes));
-    blobs.extend(codes);
+    let bounds = prepared.scene().bounds();
     let data = Data {
         version: env!("CARGO_PKG_VERSION"),
         title: subject.title,
         facts: subject.facts,
-        camera: scene.bounds().map(|bounds| Orbit::new(subject.camera, &bounds, warnings)),
+        camera: bounds.map(|bounds| Orbit::new(subject.camera, &bounds, warnings)),
         light,
         film: film(subject),
         shadings: Shading::NAMES.iter().map(|(name, _)| *name).collect(),
@@ -82,10 +127,10 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> (Data<
         tables: [COLUMNS, numbers.len() / COLUMNS],
         frame: shaders.frame(),
         texts: shaders.texts(),
-        surfaces,
-        textures,
+        models: all,
+        errors: measured,
     };
-    (data, blobs)
+    Ok((data, blobs))
 }
 
 fn film(subject: &Subject<'_>) -> Film {

@@ -11,11 +11,13 @@ mod camera;
 mod data;
 mod document;
 mod light;
+mod scan;
 mod shaders;
 mod surfaces;
 mod textures;
 
 pub use about::facts;
+pub use scan::{MOST_TRIANGLES, ScanSubject, scene_to_show};
 
 use crate::Fact;
 use blob::Blob;
@@ -42,6 +44,8 @@ pub struct Subject<'a> {
     pub lighting: &'a Lighting,
     /// Exposure, tone curve and background.
     pub development: &'a Development,
+    /// The scan that the model was baked from, to be shown beside it and to be measured against.
+    pub scan: Option<ScanSubject<'a>>,
 }
 
 /// A file beside the page.
@@ -68,10 +72,8 @@ impl Viewer {
     /// [`taotie::Error`] where the model cannot be written as glTF, or is too large for that.
     pub fn new(subject: &Subject<'_>) -> Result<Self> {
         let mut warnings = Warnings::default();
-        let glb = asset::glb(subject.prepared, &mut warnings)?;
-        let (data, mut blobs) = data::data(subject, &mut warnings);
-        blobs.insert(0, Blob::new("data", data.json()));
-        blobs.push(Blob::new("asset", glb));
+        let (data, blobs) = data::data(subject, &mut warnings)?;
+        let blobs = std::iter::once(Blob::new("data", data.json())).chain(blobs).collect();
         Ok(Self { title: subject.title.into(), blobs, warnings })
     }
 

@@ -24,8 +24,8 @@ struct Codes {
     from: usize,
 }
 
-/// All textures as data, and the numbers of those that glTF cannot say.
-pub(super) fn textures(scene: &Scene) -> (Vec<TextureData>, Option<Blob>) {
+/// All textures as data, and the numbers of those that glTF cannot say, under a name.
+pub(super) fn textures(scene: &Scene, name: &'static str) -> (Vec<TextureData>, Option<Blob>) {
     let mut all = Vec::new();
     let mut codes: Vec<u16> = Vec::new();
     for (number, texture) in scene.textures().iter().enumerate() {
@@ -33,7 +33,7 @@ pub(super) fn textures(scene: &Scene) -> (Vec<TextureData>, Option<Blob>) {
         let codes = channels.map(|channels| Codes::put(texture, channels, &mut codes));
         all.push(TextureData { encoding: encoding(texture.encoding()), codes });
     }
-    let blob = (!codes.is_empty()).then(|| Blob::new("codes", bytes_of_words(codes.into_iter())));
+    let blob = (!codes.is_empty()).then(|| Blob::new(name, bytes_of_words(codes.into_iter())));
     (all, blob)
 }
 
@@ -118,7 +118,7 @@ mod tests {
         let (sampler, transform) = (Sampler::default(), UvTransform::default());
         let texture = TextureRef { texture: number, uv_set: 0, sampler, transform };
         scene.edit(|data| data.materials[0].height = Some(HeightMap { texture, scale: 1.0 })).unwrap();
-        let (all, blob) = textures(&scene);
+        let (all, blob) = textures(&scene, "codes");
         assert_eq!(all[0].codes, None);
         assert_eq!(all[1].codes, Some(Codes { width: 2, height: 1, channels: 1, from: 0 }));
         assert!(blob.is_some());
