@@ -174,6 +174,53 @@ test("the focus is seen", async () => {
     assert.deepEqual(outline, ["CANVAS", "solid", true]);
 });
 
+test("a wipe shows two models in one light", async () => {
+    const page = await openViewer(browser, "proof.html", { fragment: "mode=normals" });
+    const left = await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4]));
+    await page.getByLabel("Right of the wipe").selectOption("smooth");
+    await still(page);
+    await page.getByLabel("Right of the wipe").selectOption("scan");
+    await still(page);
+    const handle = page.getByRole("slider", { name: "Wipe" });
+    const [x, y] = await pointOf(page, ".wipe", [0.5, 0.5]);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x - 60, y, { steps: 3 });
+    await page.mouse.up();
+    await still(page);
+    const width = await page.locator("canvas").evaluate((canvas) => canvas.clientWidth);
+    near((await state(page)).split, 0.5 - 60 / width, 0.01);
+    await handle.focus();
+    await page.keyboard.press("Home");
+    await still(page);
+    assert.equal((await state(page)).split, 0);
+    const scan = await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4]));
+    assert.notDeepEqual(scan, left, "the scan's normals are its own");
+    await page.keyboard.press("End");
+    await still(page);
+    assert.deepEqual(await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4])), left);
+    assertQuiet(page);
+});
+
+test("the error under the pointer is that of the map", async () => {
+    const page = await openViewer(browser, "proof.html", { fragment: "mode=error" });
+    const at = await pointOf(page, "canvas", [0.5, 0.45]);
+    const degrees = await page.evaluate((at) => window.taotie.errorUnder(...at), at);
+    assert(degrees >= 0 && degrees < 10, `${degrees}`);
+    const { errors } = await page.evaluate(() => window.taotie.data);
+    const [map] = errors.maps;
+    assert(map.mean > 0.1 && map.mean < 10, JSON.stringify(map));
+    // The colour that is drawn is the legend's at this angle.
+    const place = (degrees / errors.top) * (errors.stops.length - 1);
+    const [a, b] = [errors.stops[Math.floor(place)], errors.stops[Math.ceil(place)]];
+    const wanted = a.map((channel, i) => channel + (b[i] - channel) * (place % 1));
+    const found = await colorAt(page, at);
+    assert(found.every((channel, i) => Math.abs(channel - wanted[i]) <= 12), `${found} instead of ${wanted}`);
+    await page.mouse.move(at[0] + 1, at[1]);
+    await page.waitForFunction(() => /[0-9]° under the pointer/.test(document.querySelector(".legend output").textContent));
+    assertQuiet(page);
+});
+
 test("rights and source are told", async () => {
     const page = await openViewer(browser, "view.html");
     const told = await page.locator("#panel dl").first().textContent();

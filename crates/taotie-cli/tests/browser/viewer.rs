@@ -10,6 +10,7 @@ use taotie::image::{Encoding, Texels};
 use taotie::io::{
     GltfAsset, GltfFormat, GltfLevel, GltfMaterial, decode_bitmap, read_bytes, write_gltf, write_png_bitmap,
 };
+use taotie::mesh::Mesh;
 use taotie::names::Named;
 use taotie::shade::Shading;
 use taotie::surface::{SurfaceMethod, TangentMethod, with_tangents};
@@ -134,7 +135,36 @@ fn pages_do_what_hand_and_keys_ask_for() {
     };
     write("-o", "view.html");
     write("--folder", "site");
+    write_proof(&folder);
     node.run(&["--test", "--test-reporter=spec", "viewer.test.mjs"], &folder);
+}
+
+/// Writes the page of a coarse ball beside a fine one, and the error of its normals.
+fn write_proof(folder: &Path) {
+    for (name, columns, rows) in [("low.glb", 16, 8), ("high.glb", 96, 48)] {
+        let mesh = Mesh::sphere(1.0, columns, rows);
+        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let asset = GltfAsset { levels: &levels, ..GltfAsset::default() };
+        write_gltf(&folder.join(name), &asset, &GltfFormat::default()).unwrap();
+    }
+    let [low, high, page] = ["low.glb", "high.glb", "proof.html"].map(|name| text(&folder.join(name)));
+    run(&["view".into(), low, "--scan".into(), high, "-o".into(), page], folder);
+}
+
+/// The script that pages hold is built from what lies in `viewer`.
+#[test]
+fn the_script_is_built_from_its_source() {
+    let viewer = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../viewer");
+    if !viewer.join("node_modules/esbuild").is_dir() {
+        common::absent("no packages in viewer; `make tools` installs them");
+        return;
+    }
+    for script in ["check", "compare"] {
+        let run =
+            Command::new("npm").args(["run", "--silent", script]).current_dir(&viewer).output().unwrap();
+        let [told, wrong] = [&run.stdout, &run.stderr].map(|text| String::from_utf8_lossy(text));
+        assert!(run.status.success(), "npm run {script}: {told}{wrong}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What a file says of itself.
 
 use crate::Fact;
-use taotie::io::{Json, Loaded, xmp_rights, xmp_sources};
+use taotie::io::{Loaded, xmp_rights, xmp_sources};
 
 /// Returns the source, the rights and the size of a model, as far as its file tells them.
 pub fn facts(loaded: &Loaded, file: &str) -> Vec<Fact> {
@@ -11,7 +11,7 @@ pub fn facts(loaded: &Loaded, file: &str) -> Vec<Fact> {
         ("File", Some(file.to_owned())),
         ("Triangles", Some(loaded.scene.triangle_count().to_string())),
         ("Copyright", loaded.copyright.clone()),
-        ("Rights", packet.and_then(|packet: &Json| xmp_rights(packet))),
+        ("Rights", packet.and_then(xmp_rights)),
         ("Source", Some(sources).filter(|text| !text.is_empty())),
         ("Made by", loaded.generator.clone()),
     ];

@@ -6,6 +6,7 @@ use serde::Serialize;
 use taotie::bake::{self, Cage, ShownNormals, SimplifyOptions, Verifier, simplify};
 use taotie::compare::{ColorMap, Field};
 use taotie::math::Mat4;
+use taotie::mesh::Mesh;
 use taotie::render::{NormalSource, Prepared, Surface};
 use taotie::scene::{GreenChannel, Instance, Material, Scene, SceneData, UvTransform};
 use taotie::{Progress, Result, Warnings};
@@ -93,29 +94,31 @@ pub(super) fn errors(
 ) -> Result<(Errors, Blob)> {
     let mut codes: Vec<u16> = Vec::new();
     let mut maps = Vec::new();
-    let (mut squares, mut largest, mut measured) = (0.0, 0.0f64, 0);
     for surface in prepared.surfaces() {
-        let low = mesh(&surface)?;
-        let cage = Cage::automatic(&low, high);
-        let verifier = Verifier { mesh: &low, normal: normals(&surface, prepared), cage: &cage, scan: high };
-        let deviation = verifier.deviation(POINTS)?;
-        squares += deviation.rms() * deviation.rms();
-        largest = largest.max(deviation.hausdorff());
-        measured += 1;
-        let field = is_measurable(&surface).then(|| verifier.error_map([MAP; 2])).transpose()?;
+        let normal = normals(&surface, prepared);
+        let field = is_measurable(&surface).then(|| error_map(&mesh(&surface)?, normal, high)).transpose()?;
         warnings.note("surfaces without a map of their normals' error", usize::from(field.is_none()));
         maps.push(field.map(|field| ErrorMap::put(&field, &mut codes)));
     }
+    let whole = bake::low_poly_mesh(Scene::clone(prepared.scene()))?;
+    let cage = Cage::automatic(&whole, high);
+    let deviation = Verifier { mesh: &whole, normal: None, cage: &cage, scan: high }.deviation(POINTS)?;
     let color = |i: usize| ColorMap::Viridis.color(i as f64 / (STOPS - 1) as f64);
     let errors = Errors {
         maps,
         top: TOP,
         stops: (0..STOPS).map(color).collect(),
         steps: STEPS,
-        rms: (squares / f64::from(measured.max(1))).sqrt(),
-        hausdorff: largest,
+        rms: deviation.rms(),
+        hausdorff: deviation.hausdorff(),
     };
     Ok((errors, Blob::new("errors", bytes_of_words(codes.into_iter()))))
+}
+
+/// The error of a surface's normals at the texels of its map, degrees.
+fn error_map(low: &Mesh, normal: Option<ShownNormals<'_>>, high: &bake::Scan) -> Result<Field> {
+    let cage = Cage::automatic(low, high);
+    Verifier { mesh: low, normal, cage: &cage, scan: high }.error_map([MAP; 2])
 }
 
 impl ErrorMap {
@@ -156,7 +159,6 @@ fn is_measurable(surface: &Surface<'_>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie::mesh::Mesh;
     use taotie::render::SurfaceSettings;
 
     #[test]

@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use taotie::names::Named;
 use taotie::render::{PRINTED_BUMP, Prepared, RenderSettings, Surface};
-use taotie::scene::{Material, NormalSpace, Scene, TextureRef};
+use taotie::scene::{AlphaMode, Material, NormalSpace, Scene, TextureRef};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
 use taotie_shader::{Interface, NormalMethod, SurfaceFactors, TextureRole, Variant, VariantOptions};
@@ -72,7 +72,7 @@ impl Drawing<'_> {
         SurfaceData {
             material,
             double_sided: own.double_sided,
-            blended: own.alpha == taotie::scene::AlphaMode::Blend,
+            blended: matches!(own.alpha, AlphaMode::Blend),
             best: NormalMethod::ALL.iter().position(|method| *method == best).unwrap_or(1),
             drawn: methods.iter().map(|method| number(*method)).collect(),
             normal_matrix: surface.normal_matrix.map(|column| column.to_array()),
@@ -178,7 +178,6 @@ fn height_levels(material: &Material, scene: &Scene) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use taotie_shader::NormalMethod;
 
     #[test]
     fn methods_of_command_and_shaders_have_one_order() {
