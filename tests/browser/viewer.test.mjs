@@ -221,6 +221,31 @@ test("the error under the pointer is that of the map", async () => {
     assertQuiet(page);
 });
 
+test("distances and sections are measured on the model", async () => {
+    const page = await openViewer(browser, "proof.html");
+    const ends = [await pointOf(page, "canvas", [0.45, 0.5]), await pointOf(page, "canvas", [0.55, 0.5])];
+    const points = await page.evaluate((ends) => ends.map((at) => window.taotie.pointUnder(...at).toArray()), ends);
+    const length = Math.hypot(...points[0].map((v, i) => v - points[1][i]));
+    await page.locator("summary", { hasText: "Measure" }).click();
+    await page.getByRole("button", { name: "Section" }).click();
+    for (const at of ends) await page.mouse.click(...at);
+    const told = await page.locator(".result").textContent();
+    assert.match(told, /^[0-9.]+ ± [0-9.e-]+ model units$/);
+    near(parseFloat(told), length, 1e-3 * length);
+    const [download] = await Promise.all([
+        page.waitForEvent("download"),
+        page.getByRole("button", { name: "Profile as CSV" }).click(),
+    ]);
+    const rows = (await readFile(await download.path(), "utf8")).trim().split("\n").slice(1);
+    const pieces = rows.map((row) => row.split(",").map(Number));
+    assert(pieces.length >= 2, `${pieces.length} pieces`);
+    // Between the points a ball bulges by its sagitta, and its far side lies two radii behind.
+    const nearSide = pieces.flatMap(([, a, , b]) => [a, b]).filter((above) => above > -0.5);
+    const sagitta = 1 - Math.sqrt(1 - (length / 2) ** 2);
+    assert(Math.max(...nearSide) <= sagitta + 0.02 && Math.max(...nearSide) > 0, `${nearSide}, ${sagitta}`);
+    assertQuiet(page);
+});
+
 test("rights and source are told", async () => {
     const page = await openViewer(browser, "view.html");
     const told = await page.locator("#panel dl").first().textContent();

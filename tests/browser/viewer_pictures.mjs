@@ -5,6 +5,15 @@ import path from "node:path";
 import { assertQuiet, folder, newPage } from "./browser.mjs";
 import { address, launchWebGl, picture, still } from "./viewer.mjs";
 
+// Goes to a link within the page, whose viewer has heard of it then.
+const follow = (fragment) =>
+    new Promise((done) => {
+        addEventListener("hashchange", () => done(), { once: true });
+        const isThere = location.hash.slice(1) === fragment;
+        location.hash = fragment;
+        if (isThere) done();
+    });
+
 const cases = JSON.parse(await readFile(path.join(folder, "cases.json"), "utf8"));
 const browser = await launchWebGl();
 const pages = new Map();
@@ -12,8 +21,7 @@ for (const { page: name, fragment, size, picture: file } of cases) {
     const page = pages.get(name) ?? (await newPage(browser, [320, 240]));
     if (!pages.has(name)) await page.goto(address(name, fragment));
     pages.set(name, page);
-    await page.evaluate((fragment) => void (location.hash = fragment), fragment);
-    await page.waitForFunction((f) => decodeURIComponent(location.hash.slice(1)) === f, fragment);
+    await page.evaluate(follow, fragment);
     await still(page);
     await writeFile(path.join(folder, file), await picture(page, size));
 }

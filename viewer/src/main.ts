@@ -8,6 +8,7 @@ import { make, save } from "./dom";
 import { listenToGestures } from "./gestures";
 import { listenToKeys } from "./keys";
 import { legend } from "./legend";
+import { Measure } from "./measure";
 import { panel } from "./panel";
 import { Stage } from "./stage";
 import { texts } from "./texts";
@@ -74,6 +75,7 @@ function folder(root: HTMLElement): HTMLButtonElement {
 
 function build(root: HTMLElement, viewer: Viewer): void {
     const drags = new DragsLight();
+    const measure = new Measure(viewer);
     const message = say(root, "");
     const tell = (text: string): void => void (message.textContent = text);
     const actions = {
@@ -86,10 +88,11 @@ function build(root: HTMLElement, viewer: Viewer): void {
             copied.then(() => tell(texts.linked)).catch(() => tell(texts.notLinked));
         },
         light: drags.element,
+        measure: measure.panel,
     };
     listenToGestures(viewer, drags.get);
     listenToKeys(viewer, actions);
-    root.append(wipe(viewer), folder(root), panel(viewer, actions), places(viewer));
+    root.append(measure.element, wipe(viewer), folder(root), panel(viewer, actions), places(viewer));
     const errors = legend(viewer);
     if (errors) root.append(errors);
 }

@@ -14,6 +14,8 @@ export interface Buttons {
     save(): void;
     /** The switch of what a drag moves. */
     light: HTMLElement;
+    /** The part of the panel that measures. */
+    measure: HTMLElement;
 }
 
 const TURN = { low: -180, high: 180, step: 0.5, text: texts.degrees };
@@ -121,11 +123,12 @@ export function panel(viewer: Viewer, buttons: Buttons): HTMLElement {
     );
     const about = list(facts.map(({ name, value }) => [name, value]));
     return make(
-        "aside",
+        "section",
         { id: "panel", "aria-label": texts.controls },
         surface(viewer),
         light(viewer, buttons.light),
         picture(viewer),
+        buttons.measure,
         actions,
         group(texts.about, true, about),
         group(texts.keys, false, list(texts.keyList)),

@@ -1,6 +1,15 @@
 // Draws a state: places camera and light, and has the film develop.
 
-import { Matrix4, PerspectiveCamera, Raycaster, Vector2, Vector3, WebGLRenderer, type WebGLRenderTarget } from "three";
+import {
+    type Intersection,
+    Matrix4,
+    PerspectiveCamera,
+    Raycaster,
+    type Vector2,
+    Vector3,
+    WebGLRenderer,
+    type WebGLRenderTarget,
+} from "three";
 import type { Data } from "./data";
 import { Exhibit, type Shared, Showing } from "./exhibit";
 import { type Development, Film } from "./film";
@@ -69,12 +78,23 @@ export class Stage {
         });
     }
 
-    /** The degrees that the map of errors has at a point of the picture, [−1, 1]². */
-    async errorAt(state: State, point: Vector2, size: [number, number]): Promise<number | undefined> {
+    /** What of the model lies under a point of the picture, [−1, 1]². */
+    hit(state: State, point: Vector2, size: [number, number]): Intersection | undefined {
         this.place(state, size, -1);
         const ray = new Raycaster();
         ray.setFromCamera(point, this.camera);
-        const [hit] = ray.intersectObjects(this.main.meshes, false);
+        return ray.intersectObjects(this.main.meshes, false)[0];
+    }
+
+    /** Where a point of the world is in the picture, [−1, 1]². */
+    seen(state: State, point: Vector3, size: [number, number]): Vector3 {
+        this.place(state, size, -1);
+        return point.clone().project(this.camera);
+    }
+
+    /** The degrees that the map of errors has at a point of the picture, [−1, 1]². */
+    async errorAt(state: State, point: Vector2, size: [number, number]): Promise<number | undefined> {
+        const hit = this.hit(state, point, size);
         const { face, barycoord } = hit ?? {};
         if (!hit || !face || !barycoord) return undefined;
         const number = this.main.meshes.indexOf(hit.object as (typeof this.main.meshes)[number]);

@@ -64,6 +64,14 @@ export const texts = {
         `light ${side(azimuth)}, ${degrees(Math.abs(elevation))} ${elevation < 0 ? "below" : "above"}`,
     viewPlace: (azimuth: number, elevation: number) =>
         `view ${degrees(azimuth)}, ${degrees(Math.abs(elevation))} ${elevation < 0 ? "below" : "above"}`,
+    measure: "Measure",
+    measures: { distance: "Distance", angle: "Angle", section: "Section" },
+    pointInTheMiddle: "Point in the middle",
+    measureNothing: "Choose what to measure, then click the model.",
+    measureMore: (points: number) => `${points} more ${points === 1 ? "point" : "points"} on the model.`,
+    distance: (length: number, doubt: number | undefined) =>
+        `${length.toPrecision(4)}${doubt === undefined ? "" : ` ± ${doubt.toPrecision(2)}`} model units`,
+    profile: (format: string) => `Profile as ${format}`,
     picture: "Picture",
     exposure: "Exposure",
     stops: (value: number) => `${value.toFixed(1).replace("-", "−")} stops`,

@@ -1,6 +1,6 @@
 // The viewer: one state, and the picture of it.
 
-import { Vector2 } from "three";
+import { type BufferGeometry, Vector2, type Vector3 } from "three";
 import type { Data } from "./data";
 import { withText } from "./png";
 import { Stage } from "./stage";
@@ -71,9 +71,30 @@ export class Viewer {
 
     /** The error of the normals under a point of the window, degrees. */
     errorUnder(x: number, y: number): Promise<number | undefined> {
+        return this.stage.errorAt(this.current, this.pointOf(x, y), this.size());
+    }
+
+    /** The point of the model under a point of the window, world space. */
+    pointUnder(x: number, y: number): Vector3 | undefined {
+        return this.stage.hit(this.current, this.pointOf(x, y), this.size())?.point;
+    }
+
+    /** Where a point of the world is in the picture, pixels of the page from its upper left corner. */
+    placeOf(point: Vector3): [number, number] {
+        const { x, y } = this.stage.seen(this.current, point, this.size());
+        const { clientWidth, clientHeight } = this.canvas;
+        return [((x + 1) / 2) * clientWidth, ((1 - y) / 2) * clientHeight];
+    }
+
+    /** The surfaces of the model, world space. */
+    get geometries(): BufferGeometry[] {
+        return this.stage.asset.model.geometries;
+    }
+
+    /** A point of the window in the picture, [−1, 1]². */
+    private pointOf(x: number, y: number): Vector2 {
         const { left, top, width, height } = this.canvas.getBoundingClientRect();
-        const point = new Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
-        return this.stage.errorAt(this.current, point, this.size());
+        return new Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
     }
 
     /** Draws in the next frame. */
