@@ -47,7 +47,7 @@ export class Frame {
         this.groups = {
             frame: block("FrameBlock", this.frame),
             lights: block("LightBlock", this.lights),
-            environment_levels: block("EnvironmentBlock", new Float32Array(environment?.levels.flat() ?? 4)),
+            environment_levels: block("EnvironmentBlock", new Float32Array(environment?.levels.flat() ?? [0, 0, 0, 0])),
         };
         this.set("environment_levels", environment?.count ?? 1);
         this.set("smoothest_alpha", environment?.smoothest_alpha ?? 1);

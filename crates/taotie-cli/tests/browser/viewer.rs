@@ -7,9 +7,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use taotie::image::{Encoding, Texels};
-use taotie::io::{
-    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, decode_bitmap, read_bytes, write_gltf, write_png_bitmap,
-};
+use taotie::io::{GltfAsset, GltfFormat, GltfLevel, decode_bitmap, read_bytes, write_gltf, write_png_bitmap};
 use taotie::mesh::Mesh;
 use taotie::names::Named;
 use taotie::shade::Shading;
@@ -224,7 +222,7 @@ fn assert_same(node: &Node, folder: &Path, subject: &Subject<'_>, looks: &[Look<
     };
     let maps = [subject.heights(), subject.object_normals()].concat();
     run(&[own("view", &folder.join("view.html")), maps].concat(), folder);
-    let cases: Vec<_> = looks.iter().map(|look| {
+    let cases = looks.iter().map(|look| {
         json!({
             "page": "view.html",
             "fragment": format!("shading={}&surface={}&light=raking&from=-60,25&strength=3&fill=0", look.shading, look.surface),
