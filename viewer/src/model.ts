@@ -60,11 +60,11 @@ function floats(attribute: BufferAttribute, size: number): Float32Array {
     return values;
 }
 
-/** Unit vectors; what follows the first three numbers of each stays. */
-function unit(values: Float32Array, size: number): Float32Array {
+/** Unit vectors under a matrix; what follows the first three numbers of each stays. */
+function turned(values: Float32Array, size: number, matrix: Matrix3): Float32Array {
+    const vector = new Vector3();
     for (let i = 0; i < values.length; i += size) {
-        const length = Math.hypot(values[i]!, values[i + 1]!, values[i + 2]!) || 1;
-        for (let c = 0; c < 3; c++) values[i + c]! /= length;
+        vector.fromArray(values, i).applyMatrix3(matrix).normalize().toArray(values, i);
     }
     return values;
 }
@@ -75,12 +75,16 @@ const NAMES: Record<string, string> = { uv: "uv0" };
 /** The geometry of a mesh in world space; glTF stores it in whole numbers, which the node's matrix places. */
 function worldGeometry(mesh: Mesh): BufferGeometry {
     const geometry = new BufferGeometry();
+    const matrices: Record<string, Matrix3> = {
+        normal: new Matrix3().getNormalMatrix(mesh.matrixWorld),
+        tangent: new Matrix3().setFromMatrix4(mesh.matrixWorld),
+    };
     for (const [name, attribute] of Object.entries(mesh.geometry.attributes)) {
         const size = attribute.itemSize;
         const values = floats(attribute as BufferAttribute, size);
-        const isDirection = name === "normal" || name === "tangent";
+        const matrix = matrices[name];
         const shown = NAMES[name] ?? name.replace(/^texcoord_(\d+)$/, "uv$1");
-        geometry.setAttribute(shown, new BufferAttribute(isDirection ? unit(values, size) : values, size));
+        geometry.setAttribute(shown, new BufferAttribute(matrix ? turned(values, size, matrix) : values, size));
     }
     geometry.setIndex(mesh.geometry.index);
     geometry.attributes["position"]!.applyMatrix4(mesh.matrixWorld);
