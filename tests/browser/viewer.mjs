@@ -10,6 +10,9 @@ export const launchWebGl = () => launch(["--use-angle=swiftshader", "--enable-un
 
 export const address = (name, fragment = "") => pathToFileURL(path.join(folder, name)).href + (fragment && `#${fragment}`);
 
+// Width and height of a window in which little has to be drawn.
+export const SIZE = [760, 420];
+
 // Waits until the picture is drawn in all its samples.
 export async function still(page) {
     await page.waitForSelector("#viewer[data-state=still], #viewer[data-state=failed]", { timeout: 60_000 });
@@ -18,7 +21,7 @@ export async function still(page) {
 }
 
 // A page of a viewer in a window of this size, once its picture stands still.
-export async function openViewer(browser, name, { fragment, size = [900, 600] } = {}) {
+export async function openViewer(browser, name, { fragment, size = SIZE } = {}) {
     const page = await newPage(browser, size);
     await page.goto(address(name, fragment));
     await still(page);

@@ -7,7 +7,7 @@ import { after, test } from "node:test";
 import { gzipSync } from "node:zlib";
 import axe from "axe-core";
 import { assertQuiet, colorAt, complaints, folder, newPage, pointOf, touch } from "./browser.mjs";
-import { address, launchWebGl, openViewer, picture, state, still } from "./viewer.mjs";
+import { SIZE, address, launchWebGl, openViewer, picture, state, still } from "./viewer.mjs";
 
 const browser = await launchWebGl();
 after(() => browser.close());
@@ -108,7 +108,7 @@ test("a link brings back every pixel", async () => {
         window.taotie.change({ view, light: "raking", from: [33.3, 44.4], shading: "cook-torrance", tone: "aces" });
     });
     await still(page);
-    const again = await newPage(browser, [900, 600]);
+    const again = await newPage(browser, SIZE);
     await again.goto(page.url());
     await still(again);
     assert.notEqual(page.url(), address("view.html"));
@@ -253,7 +253,7 @@ test("rights and source are told", async () => {
 });
 
 test("a model that cannot be read says why", async () => {
-    const page = await newPage(browser, [900, 600]);
+    const page = await newPage(browser, SIZE);
     const text = await readFile(path.join(folder, "view.html"), "utf8");
     const nothing = gzipSync("no model").toString("base64");
     await writeFile(path.join(folder, "broken.html"), text.replace(/(id="asset">)[^<]*/, `$1${nothing}`));
@@ -265,7 +265,7 @@ test("a model that cannot be read says why", async () => {
 });
 
 test("a folder shows what the page shows", async () => {
-    const page = await newPage(browser, [900, 600]);
+    const page = await newPage(browser, SIZE);
     const site = "http://localhost/";
     await page.route(`${site}**`, (route) => {
         const name = new URL(route.request().url()).pathname.slice(1) || "index.html";

@@ -129,7 +129,7 @@ fn pages_do_what_hand_and_keys_ask_for() {
     let subject = vessel.subject("");
     let write = |option: &str, name: &str| {
         let own = vec!["view".into(), text(&vessel.model), option.into(), text(&folder.join(name))];
-        run(&[own, subject.heights()].concat(), &folder);
+        run(&[own, subject.heights(), words("--samples 1")].concat(), &folder);
     };
     write("-o", "view.html");
     write("--folder", "site");
@@ -146,7 +146,8 @@ fn write_proof(folder: &Path) {
         write_gltf(&folder.join(name), &asset, &GltfFormat::default()).unwrap();
     }
     let [low, high, page] = ["low.glb", "high.glb", "proof.html"].map(|name| text(&folder.join(name)));
-    run(&["view".into(), low, "--scan".into(), high, "-o".into(), page], folder);
+    let own = ["view".into(), low, "--scan".into(), high, "-o".into(), page];
+    run(&[own.to_vec(), words("--samples 1")].concat(), folder);
 }
 
 /// The script that pages hold is built from what lies in `viewer`.
