@@ -246,6 +246,28 @@ test("distances and sections are measured on the model", async () => {
     assertQuiet(page);
 });
 
+test("bookmarks go to their views, and are saved", async () => {
+    const page = await openViewer(browser, "view.html");
+    const first = await state(page);
+    await page.getByRole("button", { name: "The rim <i>" }).click();
+    await still(page);
+    assert.deepEqual((await state(page)).from, [-75, 10]);
+    await page.getByLabel("Title").fill("Here");
+    await page.getByRole("button", { name: "Add this view" }).click();
+    await page.evaluate((first) => window.taotie.show(first), first);
+    await page.getByRole("button", { name: "Here" }).click();
+    await still(page);
+    assert.deepEqual((await state(page)).from, [-75, 10]);
+    const [download] = await Promise.all([
+        page.waitForEvent("download"),
+        page.getByRole("button", { name: "Save bookmarks" }).click(),
+    ]);
+    const saved = JSON.parse(await readFile(await download.path(), "utf8"));
+    assert.deepEqual(saved.map(({ title }) => title), ["The rim <i>", "Here"]);
+    assert.equal(saved[1].link, "light=raking&from=-75,10");
+    assertQuiet(page);
+});
+
 test("rights and source are told", async () => {
     const page = await openViewer(browser, "view.html");
     const told = await page.locator("#panel dl").first().textContent();

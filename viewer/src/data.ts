@@ -104,10 +104,18 @@ export interface Errors {
     hausdorff: number;
 }
 
+/** A view with a title: the fragment of its link. */
+export interface Bookmark {
+    title: string;
+    text: string;
+    link: string;
+}
+
 export interface Data {
     version: string;
     title: string;
     facts: { name: string; value: string }[];
+    bookmarks: Bookmark[];
     camera: Orbit | null;
     light: Light;
     film: Film;

@@ -1,5 +1,6 @@
 // The panel beside the picture.
 
+import { bookmarks } from "./bookmarks";
 import { button, choice, group, range, toggle } from "./controls";
 import { make } from "./dom";
 import { refixed } from "./light";
@@ -129,6 +130,7 @@ export function panel(viewer: Viewer, buttons: Buttons): HTMLElement {
         light(viewer, buttons.light),
         picture(viewer),
         buttons.measure,
+        bookmarks(viewer),
         actions,
         group(texts.about, true, about),
         group(texts.keys, false, list(texts.keyList)),

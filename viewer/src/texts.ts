@@ -72,6 +72,11 @@ export const texts = {
     distance: (length: number, doubt: number | undefined) =>
         `${length.toPrecision(4)}${doubt === undefined ? "" : ` ± ${doubt.toPrecision(2)}`} model units`,
     profile: (format: string) => `Profile as ${format}`,
+    bookmarks: "Bookmarks",
+    bookmarkTitle: "Title",
+    bookmarkText: "Text",
+    addBookmark: "Add this view",
+    saveBookmarks: "Save bookmarks",
     picture: "Picture",
     exposure: "Exposure",
     stops: (value: number) => `${value.toFixed(1).replace("-", "−")} stops`,

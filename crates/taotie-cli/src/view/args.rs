@@ -3,13 +3,14 @@
 use crate::limits::LimitArgs;
 use crate::options;
 use crate::studio::{self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs};
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::PathBuf;
-use taotie::io::FileSet;
+use taotie::io::{FileSet, read_bytes};
 use taotie::render::{RenderSettings, SurfaceSettings};
 use taotie::shade::Shading;
 use taotie::surface::SurfaceMethod;
+use taotie_report::viewer::Bookmark;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,6 +38,9 @@ pub struct ViewArgs {
     /// The scan that the model was baked from: the page shows it beside the model, and the error of the model's normals
     #[arg(long, value_name = "SCAN")]
     pub scan: Option<PathBuf>,
+    /// Views that the page offers: a JSON list of { "title", "text", "link" }, as a page saves it
+    #[arg(long, value_name = "FILE")]
+    pub bookmarks: Option<PathBuf>,
     /// Heading of the page; the file's name if not given
     #[arg(long, value_name = "TEXT")]
     pub title: Option<String>,
@@ -99,6 +103,7 @@ impl ViewArgs {
     pub fn claim(&self, files: &FileSet) -> Result<()> {
         files.protect([&self.model])?;
         files.protect(&self.scan)?;
+        files.protect(&self.bookmarks)?;
         files.protect(studio::material_files(&self.material)?)?;
         files.protect(self.light.environment_file())?;
         match (&self.output, &self.folder) {
@@ -120,6 +125,13 @@ impl ViewArgs {
             },
             ..RenderSettings::default()
         })
+    }
+
+    /// Reads the views that the page offers.
+    pub fn bookmarks(&self) -> Result<Vec<Bookmark>> {
+        let Some(path) = &self.bookmarks else { return Ok(Vec::new()) };
+        let read = serde_json::from_slice(&read_bytes(path)?);
+        read.with_context(|| format!("--bookmarks {}: no list of bookmarks", path.display()))
     }
 
     /// Returns the heading of the page.

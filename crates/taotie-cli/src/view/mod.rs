@@ -35,7 +35,7 @@ pub fn run(args: &ViewArgs) -> Result<()> {
     console::say_warnings(&warnings);
     let opened = args.output.is_none() && args.folder.is_none();
     if let Some(page) = written.first().filter(|_| opened) {
-        opener::open(page)
+        open::that(page)
             .with_context(|| format!("{}: no browser opened it; name a page by -o", page.display()))?;
     }
     if args.json {
@@ -65,6 +65,7 @@ fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<V
     let viewer = Viewer::new(&Subject {
         title: &args.title(),
         facts: &facts,
+        bookmarks: &args.bookmarks()?,
         prepared: &prepared,
         // The surface's attributes are made for the best method; the page shows the one asked for.
         settings: &RenderSettings {

@@ -127,9 +127,16 @@ fn pages_do_what_hand_and_keys_ask_for() {
     let folder = empty_folder("viewer/page");
     let vessel = Vessel::write(&folder);
     let subject = vessel.subject("");
+    let bookmarks = folder.join("bookmarks.json");
+    let rim = json!([{ "title": "The rim <i>", "text": "", "link": "light=raking&from=-75,10" }]);
+    std::fs::write(&bookmarks, rim.to_string()).unwrap();
     let write = |option: &str, name: &str| {
         let own = vec!["view".into(), text(&vessel.model), option.into(), text(&folder.join(name))];
-        run(&[own, subject.heights(), words("--samples 1")].concat(), &folder);
+        run(
+            &[own, subject.heights(), words("--samples 1"), vec!["--bookmarks".into(), text(&bookmarks)]]
+                .concat(),
+            &folder,
+        );
     };
     write("-o", "view.html");
     write("--folder", "site");

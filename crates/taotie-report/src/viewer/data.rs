@@ -7,7 +7,7 @@ use super::scan::{Errors, errors};
 use super::shaders::{FrameLayout, Shaders, Texts};
 use super::surfaces::{Drawing, SurfaceData, method_names};
 use super::textures::{TextureData, textures};
-use super::{Subject, asset};
+use super::{Bookmark, Subject, asset};
 use crate::Fact;
 use serde::Serialize;
 use taotie::names::Named;
@@ -23,6 +23,7 @@ pub(super) struct Data<'a> {
     version: &'static str,
     title: &'a str,
     facts: &'a [Fact],
+    bookmarks: &'a [Bookmark],
     camera: Option<Orbit>,
     light: Light,
     film: Film,
@@ -117,6 +118,7 @@ pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result
         version: env!("CARGO_PKG_VERSION"),
         title: subject.title,
         facts: subject.facts,
+        bookmarks: subject.bookmarks,
         camera: bounds.map(|bounds| Orbit::new(subject.camera, &bounds, warnings)),
         light,
         film: film(subject),

@@ -7,6 +7,7 @@
 mod about;
 mod asset;
 mod blob;
+mod bookmark;
 mod camera;
 mod data;
 mod document;
@@ -17,6 +18,7 @@ mod surfaces;
 mod textures;
 
 pub use about::facts;
+pub use bookmark::Bookmark;
 pub use scan::{MOST_TRIANGLES, ScanSubject, scene_to_show};
 
 use crate::Fact;
@@ -33,6 +35,8 @@ pub struct Subject<'a> {
     pub title: &'a str,
     /// Source and rights, as the page tells them.
     pub facts: &'a [Fact],
+    /// Views that the page offers.
+    pub bookmarks: &'a [Bookmark],
     /// The model.
     pub prepared: &'a Prepared,
     /// The reflectance model and the surface method shown first, and all settings that shaders depend on. The size is not
