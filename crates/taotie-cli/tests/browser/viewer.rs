@@ -2,12 +2,15 @@
 
 use crate::node::Node;
 use crate::same_in_threejs::materials;
+use crate::shader_material::in_8_bits;
 use crate::{common, empty_folder};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use taotie::image::{Encoding, Texels};
-use taotie::io::{GltfAsset, GltfFormat, GltfLevel, decode_bitmap, read_bytes, write_gltf, write_png_bitmap};
+use taotie::io::{
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, decode_bitmap, read_bytes, write_gltf, write_png_bitmap,
+};
 use taotie::math::Vec3;
 use taotie::mesh::Mesh;
 use taotie::names::Named;
@@ -100,7 +103,9 @@ impl Vessel {
     fn write(folder: &Path) -> Self {
         let scene = jue::scene(512);
         let mesh = with_tangents(&scene.meshes()[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
-        let [_, material] = materials(&scene);
+        let [_, bronze] = materials(&scene);
+        let texels = in_8_bits(scene.textures()[2].bitmap());
+        let material = GltfMaterial { normal_map: Some((&texels).into()), ..bronze };
         let levels = [GltfLevel { mesh: &mesh, coverage: None }];
         let copyright = Some("A museum <b>");
         let asset = GltfAsset { levels: &levels, material, copyright, ..GltfAsset::default() };
@@ -108,11 +113,9 @@ impl Vessel {
             ["model.glb", "heights.png", "normals.png"].map(|name| folder.join(name));
         write_gltf(&model, &asset, &GltfFormat::default()).unwrap();
         let height = scene.materials()[0].height.expect("the vessel has relief");
-        let write = |path: &Path, number: usize| {
-            write_png_bitmap(path, scene.textures()[number].bitmap(), Encoding::Linear).unwrap();
-        };
-        write(&heights, height.texture.texture);
-        write(&normals, 2);
+        write_png_bitmap(&heights, scene.textures()[height.texture.texture].bitmap(), Encoding::Linear)
+            .unwrap();
+        write_png_bitmap(&normals, &texels, Encoding::Linear).unwrap();
         Self { model, heights, normals }
     }
 
