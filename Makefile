@@ -1,7 +1,7 @@
 # What a developer calls: `make` lists it. Nearly all of it is cargo underneath.
 
 .DEFAULT_GOAL := help
-.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools
+.PHONY: help test features test-slow faults memory bench bench-bake bench-render bench-scaling bench-fma bench-floor bench-gpu bench-sizes docs errors asset-table tables shaders shader-errors security fuzz python wheel bless tools viewer
 
 help: ## This list
 	@sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -115,6 +115,12 @@ asset-table: ## Bakes every shared glTF model for docs/assets-table.md; MODELS="
 tables: ## Computes the tables of directional albedos anew
 	cargo run --release -p xtask -- tables
 
+viewer: viewer/node_modules/esbuild ## Builds the script of the viewer's page anew, after checking its types
+	cd viewer && npm run --silent check && npm run --silent build
+
+viewer/node_modules/esbuild: viewer/package-lock.json
+	$(INSTALL) viewer
+
 shaders: ## Writes the shaders in docs/shaders anew
 	cargo run --release -p xtask -- shaders
 
@@ -155,7 +161,7 @@ bless: ## Takes the pictures and outputs of today for right; look at the differe
 # What `make test` needs beside cargo, installed where missing: parts of the toolchain, a browser for report pages and
 # three.js, npm's packages that lead it and that check glTF, and a Vulkan driver, of which Mesa's needs no graphics
 # processor. `BROWSER=/path/to/chrome` names a browser elsewhere.
-PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/playwright-core
+PACKAGES = tests/validator/node_modules/@gltf-transform/cli tests/browser/node_modules/axe-core viewer/node_modules/esbuild
 INSTALL = npm ci --no-audit --no-fund --prefix
 BROWSERS = chromium chromium-browser google-chrome google-chrome-stable
 DRIVERS = $(addsuffix /vulkan/icd.d/*.json,/usr/share /usr/local/share /etc /run/opengl-driver/share)
@@ -182,5 +188,5 @@ vulkan:
 
 .PHONY: packages
 packages:
-	@{ command -v npm && $(INSTALL) tests/validator && $(INSTALL) tests/browser; } >/dev/null || \
+	@{ command -v npm && $(INSTALL) tests/validator && $(INSTALL) tests/browser && $(INSTALL) viewer; } >/dev/null || \
 	echo "Install node and npm: without them the tests of the Khronos validator, report pages and three.js are skipped." >&2

@@ -19,6 +19,7 @@ mod render;
 mod shader;
 mod stop;
 mod studio;
+mod view;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
@@ -51,6 +52,8 @@ enum Command {
     Diff(diff::DiffArgs),
     /// Writes the shaders of a model's materials, or of a plain one.
     Shader(Box<shader::ShaderArgs>),
+    /// Writes a model as one offline page to look at it in a browser, or opens it.
+    View(Box<view::ViewArgs>),
     /// Lists the material presets for `--material`.
     Materials(materials::MaterialsArgs),
     /// Renders the built-in bronze by every method and shading model, and measures the error.
@@ -97,6 +100,7 @@ pub fn exit_code(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Normals(args) => normals::run(&args).map(|()| Outcome::Fine),
         Command::Diff(args) => diff::run(&args),
         Command::Shader(args) => shader::run(&args).map(|()| Outcome::Fine),
+        Command::View(args) => view::run(&args).map(|()| Outcome::Fine),
         Command::Materials(args) => materials::run(&args).map(|()| Outcome::Fine),
         Command::Demo(args) => demo::run(&args).map(|()| Outcome::Fine),
         Command::Completions(args) => completions::run(&args).map(|()| Outcome::Fine),

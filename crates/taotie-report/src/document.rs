@@ -45,14 +45,20 @@ fn plain_line_ends(text: &str) -> String {
 
 /// Only this style sheet, this script and pictures within the page; no connection of any kind.
 fn policy(style: &str, script: &str) -> String {
-    let [style, script] = [style, script].map(|text| STANDARD.encode(Sha256::digest(text)));
+    let [style, script] = [style, script].map(sha256);
     format!(
         "default-src 'none'; img-src data:; style-src 'sha256-{style}'; script-src 'sha256-{script}'; \
          base-uri 'none'; form-action 'none'"
     )
 }
 
-fn escaped(text: &str) -> String {
+/// The hash of a style sheet or a script, as a policy names it.
+pub(crate) fn sha256(text: &str) -> String {
+    STANDARD.encode(Sha256::digest(text))
+}
+
+/// Text that is no markup.
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

@@ -32,6 +32,7 @@ pub mod sheet;
 pub mod summary;
 pub mod swatches;
 pub mod table;
+pub mod viewer;
 
 pub use data::{Cell, Column, Fact, Legend, Notice, Page, Picture, Section, Series, Tone, View};
 pub use document::html;

@@ -8,15 +8,12 @@ use taotie::Warnings;
 use taotie::image::Sampler;
 use taotie::io::FileSet;
 use taotie::names::Named;
-use taotie::render::{Prepared, Surface};
+use taotie::render::{PRINTED_BUMP, Prepared, Surface};
 use taotie::scene::{
     GreenChannel, HeightMap, Material, NormalMap, NormalSpace, Scene, TextureRef, UvTransform,
 };
 use taotie::surface::SurfaceMethod;
 use taotie_shader::{NormalMethod, Variant, VariantOptions};
-
-/// The factor of `bump-printed` where none is given: the smaller one of Guo and Wang 2025.
-const PRINTED_BUMP: f32 = 5.0;
 
 /// A variant, and what is drawn by it.
 pub struct Drawn {

@@ -1,7 +1,7 @@
 //! Pages in a real browser: the report page as a hand and an eye meet it, and written GLBs as three.js draws them.
 //!
 //! Rust writes the pages and models, node leads the browser by the scripts of `tests/browser`. What they work on stays
-//! in `target/tmp`: `report-pages`, `same-in-threejs` and `shader-material`.
+//! in `target/tmp`: `report-pages`, `same-in-threejs`, `shader-material` and `viewer`.
 #![allow(clippy::print_stdout, reason = "tests say what they found and why they are skipped")]
 
 #[allow(dead_code)]
@@ -12,6 +12,7 @@ mod pages;
 mod same_in_threejs;
 mod shader_material;
 mod threejs;
+mod viewer;
 
 use node::Node;
 use std::path::{Path, PathBuf};

@@ -59,7 +59,7 @@ fn the_vessel_is_drawn_by_our_shaders() {
 }
 
 /// A normal map with as many bits as browsers read.
-fn in_8_bits(map: &Bitmap) -> Bitmap {
+pub fn in_8_bits(map: &Bitmap) -> Bitmap {
     let Texels::U16(texels) = map.texels() else { panic!("the vessel's normals have 16 bits") };
     let codes = texels.iter().map(|texel| texel.map(|v| ((u32::from(v) + 128) / 257) as u8)).collect();
     Bitmap::new(map.width(), map.height(), 3, Texels::U8(codes)).unwrap()

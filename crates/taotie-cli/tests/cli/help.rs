@@ -18,6 +18,7 @@ Commands:
   normals      Makes normal maps from height maps, and converts normal maps
   diff         Measures the difference of two pictures or normal maps
   shader       Writes the shaders of a model's materials, or of a plain one
+  view         Writes a model as one offline page to look at it in a browser, or opens it
   materials    Lists the material presets for `--material`
   demo         Renders the built-in bronze by every method and shading model, and measures the error
   completions  Prints a script by which a shell completes subcommands and options

@@ -53,6 +53,7 @@ pub use ground::fill_ground;
 #[doc(hidden)]
 pub use memory::{HeldPixels, framing_bytes, image_bytes, pixel_bytes, scene_bytes};
 pub use pass::Pass;
+pub use preparation::PRINTED_BUMP;
 pub use prepare::{Prepared, foreseen_warnings};
 pub use reference::{EnvironmentSampling, NormalMapping, ReferenceSettings, reference};
 pub use renderer::Renderer;

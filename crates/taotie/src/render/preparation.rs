@@ -10,8 +10,8 @@ use crate::surface::{self, SurfaceMethod};
 use fearless_simd::Level;
 use std::collections::HashMap;
 
-/// The paper's smaller bump factor.
-const PRINTED_BUMP: f32 = 5.0;
+/// The factor of `bump-printed` where none is given: the smaller one of Guo and Wang 2025.
+pub const PRINTED_BUMP: f32 = 5.0;
 
 /// The state that preparing keeps from one instance to the next.
 pub(super) struct Preparation<'a> {

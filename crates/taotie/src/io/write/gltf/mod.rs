@@ -28,7 +28,7 @@ pub use graft::{EncodedModel, GltfGraft, GraftedMaterial, encode_graft};
 pub use image_packing::encode_webp_bitmap;
 pub use material::GltfMaterial;
 pub use samplers::gltf_sampler;
-pub use scene::{WrittenScene, encode_scene, write_scene};
+pub use scene::{WrittenScene, encode_scene, encode_scene_as, write_scene};
 pub use slots::GltfImage;
 
 use super::{FileBytes, FileSet};

@@ -72,7 +72,20 @@ pub fn write_scene(path: &Path, scene: &Scene, format: &GltfFormat) -> Result<Wr
 /// # Errors
 /// As [`write_scene`].
 pub fn encode_scene(scene: &Scene, names: &[String], warnings: &mut Warnings) -> Result<Vec<u8>> {
-    let Begun { mut writer, materials, images } = Begun::of(scene, &GltfFormat::default())?;
+    encode_scene_as(scene, names, &GltfFormat::default(), warnings)
+}
+
+/// As [`encode_scene`], packed as `format` says.
+///
+/// # Errors
+/// As [`write_scene`]; [`Error::Invalid`] for a number of the format that is out of range.
+pub fn encode_scene_as(
+    scene: &Scene,
+    names: &[String],
+    format: &GltfFormat,
+    warnings: &mut Warnings,
+) -> Result<Vec<u8>> {
+    let Begun { mut writer, materials, images } = Begun::of(scene, format)?;
     writer.name_meshes(names);
     writer.add_textures(&images, None);
     let (draft, notes) = writer.finish(materials);

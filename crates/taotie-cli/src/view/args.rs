@@ -1,0 +1,146 @@
+//! The options of `taotie view`.
+
+use crate::limits::LimitArgs;
+use crate::options;
+use crate::studio::{self, CameraArgs, FilmArgs, Framing, LightArgs, MaterialArgs, ReflectionArgs};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use std::path::PathBuf;
+use taotie::io::{FileSet, read_bytes};
+use taotie::render::{RenderSettings, SurfaceSettings};
+use taotie::shade::Shading;
+use taotie::surface::SurfaceMethod;
+use taotie_report::viewer::Bookmark;
+
+const EXAMPLES: &str = "\
+Examples:
+  taotie view vase.glb
+  taotie view vase.glb -o vase.html
+  taotie view vase.glb --light \"directional from=-75,10 strength=4\" -o raking.html
+  taotie view vase.glb --env studio --folder site
+  taotie view vase.glb --scan vase-scan.ply -o proof.html
+
+The page shows what `taotie render` draws with the same options, by any reflectance model and surface method; light and \
+camera are moved by mouse, finger or keys.";
+
+/// Writes a model as one offline page to look at it in a browser; opens it where no file is named.
+#[derive(Args)]
+#[command(before_help = EXAMPLES)]
+pub struct ViewArgs {
+    /// The model: .gltf, .glb, .obj, .ply or .stl
+    pub model: PathBuf,
+    /// The page to write: .html. If not given it is written to the folder for temporary files and opened
+    #[arg(short, long, value_name = "PAGE")]
+    pub output: Option<PathBuf>,
+    /// Write the page and the model side by side into a folder, for a web server
+    #[arg(long, value_name = "DIR", conflicts_with = "output")]
+    pub folder: Option<PathBuf>,
+    /// The scan that the model was baked from: the page shows it beside the model, and the error of the model's normals
+    #[arg(long, value_name = "SCAN")]
+    pub scan: Option<PathBuf>,
+    /// Views that the page offers: a JSON list of { "title", "text", "link" }, as a page saves it
+    #[arg(long, value_name = "FILE")]
+    pub bookmarks: Option<PathBuf>,
+    /// Heading of the page; the file's name if not given
+    #[arg(long, value_name = "TEXT")]
+    pub title: Option<String>,
+
+    /// Reflectance model shown first: lambert, phong, blinn-phong, blinn-phong-classic, cook-torrance, ggx, or
+    /// cook-torrance-printed, blinn-phong-printed, ggx-printed
+    #[arg(long, value_parser = options::named::<Shading>, default_value = "ggx", help_heading = "Surface")]
+    pub shading: Shading,
+    /// Source of the shading normals shown first: facet, smooth, bump, bump-printed, object-normal, tangent-normal; the
+    /// best that the material provides if not given
+    #[arg(long, value_parser = options::named::<SurfaceMethod>, help_heading = "Surface")]
+    pub surface: Option<SurfaceMethod>,
+    /// Height of white for `bump`, model units; for `bump-printed` the factor s of Guo and Wang 2025, which has no unit
+    #[arg(long, value_name = "X", value_parser = options::number, allow_negative_numbers = true, help_heading = "Surface")]
+    pub bump_scale: Option<f64>,
+    #[command(flatten)]
+    pub reflection: ReflectionArgs,
+    #[command(flatten)]
+    pub material: MaterialArgs,
+    #[command(flatten)]
+    pub light: LightArgs,
+    #[command(flatten)]
+    pub camera: CameraArgs,
+    #[command(flatten)]
+    pub film: FilmArgs,
+    #[command(flatten)]
+    pub limits: LimitArgs,
+    /// Print a report as JSON
+    #[arg(long, help_heading = "Running")]
+    pub json: bool,
+}
+
+/// The picture that the first camera frames.
+pub const FRAMING: Framing = Framing { size: [1024, 1024], all_around: false };
+
+impl ViewArgs {
+    /// Refuses options that cannot work together, before any work is done.
+    pub fn check(&self) -> Result<()> {
+        let every: Vec<Shading> = <Shading as taotie::names::Named>::NAMES.iter().map(|(_, s)| *s).collect();
+        self.material.check(&every)?;
+        self.reflection.check(&every)?;
+        self.light.check()?;
+        self.camera.check()?;
+        self.film.check(self.light.show_env)?;
+        if self.light.show_env {
+            bail!("--show-env: the page shows a plain background; leave it out");
+        }
+        if self.light.shadows {
+            bail!("--shadows: the page draws none; leave it out, or take `taotie render`");
+        }
+        match &self.output {
+            Some(path) if path.extension().is_none_or(|end| !end.eq_ignore_ascii_case("html")) => {
+                bail!("{}: the page is written as .html", path.display())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses an output that cannot be written, or that is read.
+    pub fn claim(&self, files: &FileSet) -> Result<()> {
+        files.protect([&self.model])?;
+        files.protect(&self.scan)?;
+        files.protect(&self.bookmarks)?;
+        files.protect(studio::material_files(&self.material)?)?;
+        files.protect(self.light.environment_file())?;
+        match (&self.output, &self.folder) {
+            (Some(path), _) => Ok(files.claim(path)?),
+            (None, Some(folder)) => Ok(files.claim_folder(folder)?),
+            (None, None) => Ok(()),
+        }
+    }
+
+    /// Returns the settings that `taotie render` has with the same options.
+    pub fn settings(&self) -> RenderSettings {
+        self.reflection.apply(RenderSettings {
+            samples: self.film.samples(),
+            shading: self.shading,
+            surface: SurfaceSettings {
+                tangents: self.material.tangents,
+                bump_scale: self.bump_scale.map(|scale| scale as f32),
+                ..SurfaceSettings::default()
+            },
+            ..RenderSettings::default()
+        })
+    }
+
+    /// Reads the views that the page offers.
+    pub fn bookmarks(&self) -> Result<Vec<Bookmark>> {
+        let Some(path) = &self.bookmarks else { return Ok(Vec::new()) };
+        let read = serde_json::from_slice(&read_bytes(path)?);
+        read.with_context(|| format!("--bookmarks {}: no list of bookmarks", path.display()))
+    }
+
+    /// Returns the heading of the page.
+    pub fn title(&self) -> String {
+        self.title.clone().unwrap_or_else(|| self.file_name())
+    }
+
+    /// Returns the name of the model's file.
+    pub fn file_name(&self) -> String {
+        self.model.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}

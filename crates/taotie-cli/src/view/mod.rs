@@ -1,0 +1,142 @@
+//! `taotie view`: a model as a page that shows it in a browser.
+
+mod args;
+
+pub use args::ViewArgs;
+
+use crate::studio::{self, Viewpoint};
+use crate::{console, stop};
+use anyhow::{Context, Result};
+use args::FRAMING;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use taotie::Warnings;
+use taotie::asset::Bytes;
+use taotie::bake;
+use taotie::io::{FileSet, load_model_within};
+use taotie::math::SimdLevel;
+use taotie::render::{Prepared, RenderSettings, SurfaceSettings, scene_bytes};
+use taotie_report::viewer::{self, ScanSubject, Subject, Viewer};
+
+/// Version of the JSON that `--json` prints.
+const SCHEMA: u32 = 1;
+
+/// How many times the scene is in memory: as it is, as it is written, compressed, and as text.
+const COPIES: u64 = 4;
+
+/// Runs the subcommand.
+pub fn run(args: &ViewArgs) -> Result<()> {
+    args.check()?;
+    let files = stop::files();
+    args.claim(&files)?;
+    let mut warnings = Warnings::default();
+    let viewer = viewer(args, &files, &mut warnings)?;
+    let written = write(args, &viewer, &files)?;
+    console::say_warnings(&warnings);
+    let opened = args.output.is_none() && args.folder.is_none();
+    if let Some(page) = written.first().filter(|_| opened) {
+        open::that(page)
+            .with_context(|| format!("{}: no browser opened it; name a page by -o", page.display()))?;
+    }
+    if args.json {
+        return console::result(&serde_json::to_string_pretty(&report(args, &written, &warnings))?);
+    }
+    written.iter().try_for_each(|path| console::result(&path.display().to_string()))
+}
+
+/// Reads the models and makes their page.
+fn viewer(args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<Viewer> {
+    let limits = args.limits.limits();
+    let environment = args.light.environment(&limits, warnings)?;
+    let loaded = studio::load(&args.model, &args.material, args.bump_scale, &limits)?;
+    files.protect(&loaded.files)?;
+    limits
+        .check(format!("a page of {}", args.model.display()), Bytes(COPIES * scene_bytes(&loaded.scene)))?;
+    let facts = viewer::facts(&loaded, &args.file_name());
+    warnings.absorb(loaded.warnings);
+    args.light.note_unread(&loaded.scene, warnings);
+    let settings = args.settings();
+    let prepared =
+        Prepared::new(loaded.scene, &settings.surface).with_context(|| args.model.display().to_string())?;
+    warnings.absorb(prepared.warnings().clone());
+    let scan = args.scan.as_deref().map(|path| Scan::read(path, args, files, warnings)).transpose()?;
+    let viewpoint = Viewpoint::choose(&args.camera, FRAMING, prepared.scene())?;
+    let view = viewpoint.at(0.0);
+    let viewer = Viewer::new(&Subject {
+        title: &args.title(),
+        facts: &facts,
+        bookmarks: &args.bookmarks()?,
+        prepared: &prepared,
+        // The surface's attributes are made for the best method; the page shows the one asked for.
+        settings: &RenderSettings {
+            surface: SurfaceSettings { method: args.surface, ..settings.surface },
+            ..settings
+        },
+        camera: &view.camera(),
+        lighting: &studio::lighting(&args.light, environment.as_ref(), prepared.scene(), view)?,
+        development: &args.film.development(SimdLevel::default())?,
+        scan: scan.as_ref().map(|scan| ScanSubject { shown: &scan.shown, high: &scan.high }),
+    })?;
+    warnings.absorb(viewer.warnings.clone());
+    Ok(viewer)
+}
+
+/// The scan beside a model.
+struct Scan {
+    shown: Prepared,
+    high: bake::Scan,
+}
+
+impl Scan {
+    fn read(path: &Path, args: &ViewArgs, files: &FileSet, warnings: &mut Warnings) -> Result<Self> {
+        let (limits, what) = (args.limits.limits(), path.display().to_string());
+        let loaded = load_model_within(path, &limits).context("--scan")?;
+        files.protect(&loaded.files)?;
+        limits.check(format!("a page of {what}"), Bytes(COPIES * scene_bytes(&loaded.scene)))?;
+        warnings.absorb(loaded.warnings);
+        let high = bake::Scan::new(loaded.scene.clone()).with_context(|| what.clone())?;
+        let scene = viewer::scene_to_show(&loaded.scene, &high, warnings).with_context(|| what.clone())?;
+        let shown = Prepared::new(scene, &SurfaceSettings::default()).context(what)?;
+        Ok(Self { shown, high })
+    }
+}
+
+/// Writes the page; returns its files, itself first.
+fn write(args: &ViewArgs, viewer: &Viewer, files: &FileSet) -> Result<Vec<PathBuf>> {
+    let (path, pages) = match (&args.output, &args.folder) {
+        (_, Some(folder)) => {
+            let pages = viewer.files();
+            let written = pages.iter().map(|file| folder.join(&file.name)).collect::<Vec<_>>();
+            for (path, file) in written.iter().zip(&pages) {
+                files.write_bytes(path, &file.bytes)?;
+            }
+            files.commit()?;
+            return Ok(written);
+        }
+        (Some(path), None) => (path.clone(), viewer.html()),
+        (None, None) => (temporary(args)?, viewer.html()),
+    };
+    files.write_text(&path, &pages)?;
+    files.commit()?;
+    Ok(vec![path])
+}
+
+/// The path of a page in a new folder for temporary files, which stays for the browser.
+fn temporary(args: &ViewArgs) -> Result<PathBuf> {
+    let folder = tempfile::Builder::new().prefix("taotie-view-").tempdir();
+    let folder = folder.context("a folder for temporary files could not be made; name a page by -o")?;
+    let stem = args.model.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(folder.keep().join(format!("{stem}.html")))
+}
+
+fn report(args: &ViewArgs, written: &[PathBuf], warnings: &Warnings) -> serde_json::Value {
+    json!({
+        "schema": SCHEMA,
+        "version": env!("CARGO_PKG_VERSION"),
+        "model": args.model.to_string_lossy(),
+        "files": written.iter().map(|path| path.to_string_lossy()).collect::<Vec<_>>(),
+        "scan": args.scan.as_ref().map(|path| path.to_string_lossy()),
+        "environment": args.light.environment_json(),
+        "warnings": console::json_warnings(warnings),
+    })
+}

@@ -1,0 +1,309 @@
+//! The pages of `taotie view`: what hand and keys do in them, and their pictures held against those of `taotie render`.
+
+use crate::node::Node;
+use crate::same_in_threejs::materials;
+use crate::shader_material::in_8_bits;
+use crate::{common, empty_folder};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use taotie::image::{Encoding, Texels};
+use taotie::io::{
+    GltfAsset, GltfFormat, GltfLevel, GltfMaterial, decode_bitmap, read_bytes, write_gltf, write_png_bitmap,
+};
+use taotie::math::Vec3;
+use taotie::mesh::Mesh;
+use taotie::names::Named;
+use taotie::shade::Shading;
+use taotie::surface::{SurfaceMethod, TangentMethod, with_tangents};
+use taotie_study::jue;
+
+/// The largest mean difference of a channel of the object, codes of 255.
+const MEAN: f64 = 1.0;
+
+/// The difference within which nearly all pixels of the object lie, codes of 255, and how many may lie beyond. Measured
+/// with SwiftShader on the demo's vessel: 0.0020 to 0.0058; where a map in tangent space is read 0.0037 to 0.0163, most by
+/// `cook-torrance-printed`, which has no specular antialiasing.
+const NEAR: u8 = 4;
+const BEYOND: f64 = 0.0065;
+const BEYOND_WITH_NORMALS: f64 = 0.02;
+
+/// Colour behind the object, which no part of it has: the renderer's own.
+const BACKGROUND: [u8; 3] = [0x2a, 0x2b, 0x2e];
+
+/// Pixels along a side.
+const SIDE: u32 = 640;
+
+/// A reflectance model and a surface method by their names.
+#[derive(Clone, Copy)]
+struct Look<'a> {
+    shading: &'a str,
+    surface: &'a str,
+}
+
+/// A model, and the maps beside it. The renderer takes only those that a method reads.
+struct Subject<'a> {
+    model: &'a Path,
+    heights: Option<&'a Path>,
+    object_normals: Option<&'a Path>,
+    /// Options of both.
+    options: &'a str,
+}
+
+impl Subject<'_> {
+    fn heights(&self) -> Vec<String> {
+        self.heights.map(|path| vec!["--height-map".into(), text(path)]).unwrap_or_default()
+    }
+
+    fn object_normals(&self) -> Vec<String> {
+        let options =
+            |path| [vec!["--normal-map".into(), text(path)], words("--normal-space object")].concat();
+        self.object_normals.map(options).unwrap_or_default()
+    }
+
+    fn read_by(&self, surface: &str) -> Vec<String> {
+        match surface {
+            "bump" | "bump-printed" => self.heights(),
+            "object-normal" => self.object_normals(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// All reflectance models by these surface methods.
+fn looks(surfaces: &[&'static str]) -> Vec<Look<'static>> {
+    let of = |shading: &'static str| surfaces.iter().map(move |surface| Look { shading, surface });
+    Shading::NAMES.iter().flat_map(|(shading, _)| of(shading)).collect()
+}
+
+fn run(arguments: &[String], folder: &Path) {
+    let run = Command::new(env!("CARGO_BIN_EXE_taotie"))
+        .args(arguments)
+        .env("TAOTIE_CACHE_DIR", folder.join("cache"))
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&run.stderr));
+}
+
+fn text(path: &Path) -> String {
+    path.to_str().unwrap().to_owned()
+}
+
+fn words(line: &str) -> Vec<String> {
+    line.split(' ').map(str::to_owned).collect()
+}
+
+/// A vessel on disk.
+struct Vessel {
+    model: PathBuf,
+    heights: PathBuf,
+    /// Its normals of tangent space, which are normals of object space to who takes them for that.
+    normals: PathBuf,
+}
+
+impl Vessel {
+    /// Writes the vessel in bronze.
+    fn write(folder: &Path) -> Self {
+        let scene = jue::scene(512);
+        let mesh = with_tangents(&scene.meshes()[0], 0, TangentMethod::MikkTSpace).unwrap().mesh;
+        let [_, bronze] = materials(&scene);
+        let texels = in_8_bits(scene.textures()[2].bitmap());
+        let material = GltfMaterial { normal_map: Some((&texels).into()), ..bronze };
+        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let copyright = Some("A museum <b>");
+        let asset = GltfAsset { levels: &levels, material, copyright, ..GltfAsset::default() };
+        let [model, heights, normals] =
+            ["model.glb", "heights.png", "normals.png"].map(|name| folder.join(name));
+        write_gltf(&model, &asset, &GltfFormat::default()).unwrap();
+        let height = scene.materials()[0].height.expect("the vessel has relief");
+        write_png_bitmap(&heights, scene.textures()[height.texture.texture].bitmap(), Encoding::Linear)
+            .unwrap();
+        write_png_bitmap(&normals, &texels, Encoding::Linear).unwrap();
+        Self { model, heights, normals }
+    }
+
+    fn subject<'a>(&'a self, options: &'a str) -> Subject<'a> {
+        Subject { model: &self.model, heights: Some(&self.heights), object_normals: None, options }
+    }
+}
+
+/// The assertions are in the script.
+#[test]
+fn pages_do_what_hand_and_keys_ask_for() {
+    let Some(node) = Node::find() else { return };
+    let folder = empty_folder("viewer/page");
+    let vessel = Vessel::write(&folder);
+    let subject = vessel.subject("");
+    let bookmarks = folder.join("bookmarks.json");
+    let rim = json!([{ "title": "The rim <i>", "text": "", "link": "light=raking&from=-75,10" }]);
+    std::fs::write(&bookmarks, rim.to_string()).unwrap();
+    let write = |option: &str, name: &str| {
+        let own = vec!["view".into(), text(&vessel.model), option.into(), text(&folder.join(name))];
+        run(
+            &[own, subject.heights(), words("--samples 1"), vec!["--bookmarks".into(), text(&bookmarks)]]
+                .concat(),
+            &folder,
+        );
+    };
+    write("-o", "view.html");
+    write("--folder", "site");
+    write_proof(&folder);
+    node.run(&["--test", "--test-reporter=spec", "viewer.test.mjs"], &folder);
+}
+
+/// A ball that is pressed flat, with its own normals or still with those of the ball.
+fn pressed(columns: usize, rows: usize, own: bool) -> Mesh {
+    let mut data = Mesh::sphere(1.0, columns, rows).into_data();
+    for v in 0..data.positions.len() {
+        let (p, n) = (data.positions[v], data.normals[v]);
+        data.positions[v] = Vec3::new(p.x, 0.8 * p.y, p.z);
+        data.normals[v] = if own { Vec3::new(n.x, n.y / 0.8, n.z).normalize() } else { n };
+    }
+    Mesh::new(data).unwrap()
+}
+
+/// Writes the page of a coarse ball with wrong normals beside a fine one.
+fn write_proof(folder: &Path) {
+    for (name, mesh) in [("low.glb", pressed(32, 16, false)), ("high.glb", pressed(96, 48, true))] {
+        let levels = [GltfLevel { mesh: &mesh, coverage: None }];
+        let asset = GltfAsset { levels: &levels, ..GltfAsset::default() };
+        write_gltf(&folder.join(name), &asset, &GltfFormat::default()).unwrap();
+    }
+    let [low, high, page] = ["low.glb", "high.glb", "proof.html"].map(|name| text(&folder.join(name)));
+    let own = ["view".into(), low, "--scan".into(), high, "-o".into(), page];
+    run(&[own.to_vec(), words("--samples 1")].concat(), folder);
+}
+
+/// The script that pages hold is built from what lies in `viewer`.
+#[test]
+fn the_script_is_built_from_its_source() {
+    let viewer = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../viewer");
+    if !viewer.join("node_modules/esbuild").is_dir() {
+        common::absent("no packages in viewer; `make tools` installs them");
+        return;
+    }
+    for script in ["check", "compare"] {
+        let run =
+            Command::new("npm").args(["run", "--silent", script]).current_dir(&viewer).output().unwrap();
+        let [told, wrong] = [&run.stdout, &run.stderr].map(|text| String::from_utf8_lossy(text));
+        assert!(run.status.success(), "npm run {script}: {told}{wrong}");
+    }
+}
+
+#[test]
+fn the_page_draws_what_the_renderer_draws() {
+    let Some(node) = Node::find() else { return };
+    let folder = empty_folder("viewer/pictures");
+    let vessel = Vessel::write(&folder);
+    let look = |shading, surface| Look { shading, surface };
+    let looks = [
+        look("ggx", "tangent-normal"),
+        look("cook-torrance", "bump"),
+        look("blinn-phong", "smooth"),
+        look("ggx-printed", "bump-printed"),
+        look("lambert", "facet"),
+    ];
+    assert_same(&node, &folder, &vessel.subject("--env studio"), &looks);
+    let object = Subject { object_normals: Some(&vessel.normals), heights: None, ..vessel.subject("") };
+    assert_same(&node, &folder, &object, &[look("phong", "object-normal")]);
+}
+
+#[test]
+#[ignore = "draws 144 pictures"]
+fn the_page_draws_every_model_by_every_method() {
+    let Some(node) = Node::find() else { return };
+    let Some(data) = common::data_folder("khronos-gltf-sample-assets") else { return };
+    let folder = empty_folder("viewer/all");
+    let vessel = Vessel::write(&folder);
+    let methods: Vec<&str> = SurfaceMethod::NAMES.iter().map(|(name, _)| *name).collect();
+    assert_same(&node, &folder, &vessel.subject(""), &looks(&methods[..4]));
+    let object = Subject { object_normals: Some(&vessel.normals), heights: None, ..vessel.subject("") };
+    assert_same(&node, &folder, &object, &looks(&["object-normal"]));
+    for name in ["DamagedHelmet", "WaterBottle", "Suzanne"] {
+        let folder = empty_folder(&format!("viewer/all-{name}"));
+        let model = found(&data.join(name));
+        let subject = Subject { model: &model, heights: None, object_normals: None, options: "" };
+        assert_same(&node, &folder, &subject, &looks(&["facet", "smooth", "tangent-normal"]));
+    }
+}
+
+/// The model of a folder of Khronos.
+fn found(folder: &Path) -> PathBuf {
+    let name = folder.file_name().unwrap().to_str().unwrap();
+    let places = [format!("glTF-Binary/{name}.glb"), format!("glTF/{name}.gltf")];
+    let mut paths = places.iter().map(|place| folder.join(place));
+    paths.find(|path| path.exists()).unwrap_or_else(|| panic!("{}: no model", folder.display()))
+}
+
+/// Fails where the page's pictures of a model differ from the renderer's.
+fn assert_same(node: &Node, folder: &Path, subject: &Subject<'_>, looks: &[Look<'_>]) {
+    let light = "directional from=-60,25 strength=3";
+    let mut shared = words("--orbit 30,20 --samples 4");
+    shared.extend(["--light".into(), light.into()]);
+    shared.extend(subject.options.split_whitespace().map(str::to_owned));
+    let own = |command: &str, output: &Path| {
+        let all = vec![command.to_owned(), text(subject.model), "-o".into(), text(output)];
+        [all, shared.clone()].concat()
+    };
+    let maps = [subject.heights(), subject.object_normals()].concat();
+    run(&[own("view", &folder.join("view.html")), maps].concat(), folder);
+    let cases = looks.iter().map(|look| {
+        json!({
+            "page": "view.html",
+            "fragment": format!("shading={}&surface={}&light=raking&from=-60,25&strength=3&fill=0", look.shading, look.surface),
+            "size": [SIDE, SIDE],
+            "picture": format!("page-{}-{}.png", look.shading, look.surface),
+        })
+    });
+    let cases = cases.collect::<Vec<_>>();
+    std::fs::write(folder.join("cases.json"), json!(cases).to_string()).unwrap();
+    node.run(&["viewer_pictures.mjs"], folder);
+    for look in looks {
+        let name = |by: &str| folder.join(format!("{by}-{}-{}.png", look.shading, look.surface));
+        let mut render = own("render", &name("render"));
+        let Look { shading, surface } = look;
+        render.extend(words(&format!("--shading {shading} --surface {surface} --size {SIDE}")));
+        render.extend(subject.read_by(surface));
+        run(&render, folder);
+        let difference = Difference::of(&pixels(&name("page")), &pixels(&name("render")));
+        println!("{shading} {surface}: {difference:?}");
+        let Difference { mean, beyond, seen } = difference;
+        assert!(seen > 1000, "{shading} {surface}: {seen} pixels of the object");
+        let reads_normals = matches!(*surface, "object-normal" | "tangent-normal");
+        let bound = if reads_normals { BEYOND_WITH_NORMALS } else { BEYOND };
+        assert!(mean <= MEAN && beyond <= bound, "{shading} {surface}: {difference:?}, {}", folder.display());
+    }
+}
+
+fn pixels(path: &Path) -> Vec<[u8; 4]> {
+    let bitmap = decode_bitmap(&read_bytes(path).unwrap(), "a picture", path).unwrap();
+    let Texels::U8(texels) = bitmap.texels() else { panic!("{}: not of 8 bits", path.display()) };
+    texels.clone()
+}
+
+/// The difference of two pictures of an object, codes of 255.
+#[derive(Debug)]
+struct Difference {
+    /// Of a channel, over the object.
+    mean: f64,
+    /// The share of the object's pixels that differ by more than [`NEAR`] in some channel.
+    beyond: f64,
+    /// The number of the object's pixels.
+    seen: usize,
+}
+
+impl Difference {
+    fn of(page: &[[u8; 4]], render: &[[u8; 4]]) -> Self {
+        assert_eq!(page.len(), render.len());
+        let object: Vec<[u8; 3]> = page
+            .iter()
+            .zip(render)
+            .filter(|(_, render)| render[..3] != BACKGROUND)
+            .map(|(a, b)| [0, 1, 2].map(|i| a[i].abs_diff(b[i])))
+            .collect();
+        let sum: f64 = object.as_flattened().iter().map(|code| f64::from(*code)).sum();
+        let beyond = object.iter().filter(|codes| codes.iter().any(|code| *code > NEAR)).count();
+        let seen = object.len();
+        Self { mean: sum / (3 * seen) as f64, beyond: beyond as f64 / seen as f64, seen }
+    }
+}

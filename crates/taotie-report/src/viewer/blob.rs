@@ -1,0 +1,71 @@
+//! Named bytes of a page: within it in base64, or as a file beside it.
+
+use super::PageFile;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use std::io::Write;
+
+/// Named bytes of a page.
+pub(super) struct Blob {
+    name: &'static str,
+    bytes: Vec<u8>,
+}
+
+impl Blob {
+    pub fn new(name: &'static str, bytes: Vec<u8>) -> Self {
+        Self { name, bytes }
+    }
+
+    /// The element that holds it, compressed.
+    pub fn element(&self) -> String {
+        let text = STANDARD.encode(gzip(&self.bytes));
+        format!("<script type=\"application/gzip\" id=\"{}\">{text}</script>\n", self.name)
+    }
+
+    /// The file that holds it: models as they are, all else compressed.
+    pub fn file(&self) -> PageFile {
+        let (name, bytes) = (self.name, &self.bytes);
+        match name {
+            "asset" | "scan" => PageFile { name: format!("{name}.glb"), bytes: bytes.clone() },
+            _ => PageFile { name: format!("{name}.bin"), bytes: gzip(bytes) },
+        }
+    }
+}
+
+/// The bytes by the format of gzip, without a time.
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).expect("memory takes every byte")
+}
+
+/// The bytes of numbers, little-endian.
+pub(super) fn bytes_of_words(words: impl Iterator<Item = u16>) -> Vec<u8> {
+    words.flat_map(u16::to_le_bytes).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flate2::read::GzDecoder;
+    use std::io::Read;
+
+    #[test]
+    fn bytes_come_back() {
+        let blob = Blob::new("tables", vec![7; 1000]);
+        let file = blob.file();
+        assert_eq!(file.name, "tables.bin");
+        let mut bytes = Vec::new();
+        GzDecoder::new(&file.bytes[..]).read_to_end(&mut bytes).unwrap();
+        assert_eq!(bytes, vec![7; 1000]);
+        let element = blob.element();
+        assert!(element.contains(&STANDARD.encode(&file.bytes)), "{element}");
+    }
+
+    #[test]
+    fn the_model_is_a_file_of_its_own() {
+        let file = Blob::new("asset", vec![1, 2]).file();
+        assert_eq!((file.name.as_str(), file.bytes), ("asset.glb", vec![1, 2]));
+    }
+}

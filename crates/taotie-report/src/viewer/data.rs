@@ -1,0 +1,147 @@
+//! The data of a page: all that its script reads beside the model.
+
+use super::blob::Blob;
+use super::camera::Orbit;
+use super::light::{Light, light};
+use super::scan::{Errors, errors};
+use super::shaders::{FrameLayout, Shaders, Texts};
+use super::surfaces::{Drawing, SurfaceData, method_names};
+use super::textures::{TextureData, textures};
+use super::{Bookmark, Subject, asset};
+use crate::Fact;
+use serde::Serialize;
+use taotie::names::Named;
+use taotie::raster::SamplePattern;
+use taotie::render::{Prepared, RenderSettings};
+use taotie::shade::Shading;
+use taotie::shade::dfg::{COLUMNS, tables};
+use taotie::{Result, Warnings};
+
+/// The data of a page, as `viewer/src/data.ts` declares it.
+#[derive(Serialize)]
+pub(super) struct Data<'a> {
+    version: &'static str,
+    title: &'a str,
+    facts: &'a [Fact],
+    bookmarks: &'a [Bookmark],
+    camera: Option<Orbit>,
+    light: Light,
+    film: Film,
+    /// The names of reflectance models and of surface methods, and those shown first.
+    shadings: Vec<&'static str>,
+    methods: Vec<&'static str>,
+    shading: &'static str,
+    method: Option<&'static str>,
+    /// Columns and rows of the tables of albedos.
+    tables: [usize; 2],
+    frame: Option<FrameLayout>,
+    texts: Texts,
+    /// The asset, and the scan where there is one.
+    models: Vec<Model>,
+    errors: Option<Errors>,
+}
+
+/// A model of the page.
+#[derive(Serialize)]
+struct Model {
+    /// The names of its GLB and of its numbers among the page's bytes.
+    glb: &'static str,
+    codes: &'static str,
+    surfaces: Vec<SurfaceData>,
+    textures: Vec<TextureData>,
+}
+
+/// The development of the picture.
+#[derive(Serialize)]
+struct Film {
+    exposure: f32,
+    tone: &'static str,
+    /// Linear RGB.
+    background: Option<[f32; 3]>,
+    /// The places of samples in a pixel that is drawn while nothing moves, 1/256 pixel.
+    samples: Vec<[i32; 2]>,
+}
+
+impl Data<'_> {
+    /// The data as JSON.
+    pub fn json(&self) -> Vec<u8> {
+        serde_json::to_vec(self).expect("the data have only text keys")
+    }
+}
+
+/// The models of a page, while they are put together.
+struct Models<'a> {
+    settings: &'a RenderSettings,
+    environment: bool,
+    shaders: Shaders,
+    all: Vec<Model>,
+    blobs: Vec<Blob>,
+}
+
+impl Models<'_> {
+    fn add(
+        &mut self,
+        prepared: &Prepared,
+        [glb, codes]: [&'static str; 2],
+        warnings: &mut Warnings,
+    ) -> Result<()> {
+        let (settings, environment) = (self.settings, self.environment);
+        let surfaces = Drawing { prepared, settings, environment, shaders: &mut self.shaders }.surfaces();
+        let (textures, numbers) = textures(prepared.scene(), codes);
+        self.blobs.push(Blob::new(glb, asset::glb(prepared, warnings)?));
+        self.blobs.extend(numbers);
+        self.all.push(Model { glb, codes, surfaces, textures });
+        Ok(())
+    }
+}
+
+/// The data of a page, and its other bytes.
+pub(super) fn data<'a>(subject: &Subject<'a>, warnings: &mut Warnings) -> Result<(Data<'a>, Vec<Blob>)> {
+    let (prepared, settings) = (subject.prepared, subject.settings);
+    let (light, blobs) = light(subject.lighting, warnings);
+    let environment = subject.lighting.environment.is_some();
+    let mut models = Models { settings, environment, shaders: Shaders::default(), all: Vec::new(), blobs };
+    models.add(prepared, ["asset", "codes"], warnings)?;
+    let mut measured = None;
+    if let Some(scan) = &subject.scan {
+        models.add(scan.shown, ["scan", "scan_codes"], warnings)?;
+        let (errors, blob) = errors(prepared, scan.high, warnings)?;
+        models.blobs.push(blob);
+        measured = Some(errors);
+    }
+    let Models { shaders, all, mut blobs, .. } = models;
+    let numbers = tables();
+    let bytes = numbers.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
+    blobs.push(Blob::new("albedo_tables", bytes));
+    let bounds = prepared.scene().bounds();
+    let data = Data {
+        version: env!("CARGO_PKG_VERSION"),
+        title: subject.title,
+        facts: subject.facts,
+        bookmarks: subject.bookmarks,
+        camera: bounds.map(|bounds| Orbit::new(subject.camera, &bounds, warnings)),
+        light,
+        film: film(subject),
+        shadings: Shading::NAMES.iter().map(|(name, _)| *name).collect(),
+        methods: method_names(),
+        shading: settings.shading.name(),
+        method: settings.surface.method.map(Named::name),
+        tables: [COLUMNS, numbers.len() / COLUMNS],
+        frame: shaders.frame(),
+        texts: shaders.texts(),
+        models: all,
+        errors: measured,
+    };
+    Ok((data, blobs))
+}
+
+fn film(subject: &Subject<'_>) -> Film {
+    let development = subject.development;
+    let pattern = SamplePattern::new(subject.settings.samples);
+    Film {
+        exposure: development.exposure_stops,
+        tone: development.tone.name(),
+        background: development.background.map(|color| color.to_array()),
+        samples: pattern.map_or(vec![[128, 128]], |pattern| pattern.offsets().to_vec()),
+    }
+}

@@ -1,0 +1,69 @@
+//! The page's style and script in one document.
+
+use super::blob::Blob;
+use crate::document::{escaped, sha256};
+
+const STYLE: &str = include_str!("bundle/viewer.css");
+
+/// Built from `viewer/`.
+const SCRIPT: &str = include_str!("bundle/viewer.js");
+
+/// The page with all that it shows.
+pub(super) fn alone(title: &str, blobs: &[Blob]) -> String {
+    page(title, "'none'", &blobs.iter().map(Blob::element).collect::<String>())
+}
+
+/// The page of a folder, which fetches what lies beside it.
+pub(super) fn beside(title: &str) -> String {
+    page(title, "'self'", "")
+}
+
+/// The page, which may connect to `sources`.
+fn page(title: &str, sources: &str, content: &str) -> String {
+    format!(
+        include_str!("page.html"),
+        policy = policy(sources),
+        version = env!("CARGO_PKG_VERSION"),
+        title = escaped(title),
+        style = STYLE,
+        content = content,
+        script = SCRIPT,
+    )
+}
+
+/// Only this style sheet and this script. The decoder of meshes is compiled from the script's own bytes.
+fn policy(sources: &str) -> String {
+    let [style, script] = [STYLE, SCRIPT].map(sha256);
+    format!(
+        "default-src 'none'; img-src data: blob:; connect-src {sources}; style-src 'sha256-{style}'; \
+         script-src 'sha256-{script}' 'wasm-unsafe-eval'; base-uri 'none'; form-action 'none'"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_text_breaks_out_of_its_place() {
+        let nasty = "</title><script>alert(1)</script>{policy}";
+        let document = alone(nasty, &[Blob::new("data", b"</script>".to_vec())]);
+        assert_eq!(document.matches("<title>").count(), 1);
+        assert!(document.contains("&lt;/title&gt;&lt;script&gt;alert(1)&lt;/script&gt;{policy}</title>"));
+        assert!(!document.contains("alert(1)</script>"));
+    }
+
+    #[test]
+    fn script_and_style_stay_in_their_elements() {
+        for end in ["</script", "<!--", "\r"] {
+            assert!(!SCRIPT.contains(end), "{end}");
+        }
+        assert!(!STYLE.contains('<') && !STYLE.contains('\r') && !STYLE.contains("url("));
+    }
+
+    #[test]
+    fn the_script_fits_a_page() {
+        let element = Blob::new("script", SCRIPT.as_bytes().to_vec()).file();
+        assert!(element.bytes.len() <= 250_000, "{} bytes by gzip", element.bytes.len());
+    }
+}

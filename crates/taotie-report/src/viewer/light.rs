@@ -1,0 +1,68 @@
+//! The light of the page: lights as shaders read them, and an environment.
+
+use super::blob::{Blob, bytes_of_words};
+use serde::Serialize;
+use taotie::Warnings;
+use taotie::pixel::LightSource;
+use taotie::render::{EnvironmentLight, Lighting};
+use taotie::shade::environment::HalfPicture;
+use taotie_shader::{EnvironmentAtlas, MOST_LIGHTS, light_numbers};
+
+/// The light of the page.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Light {
+    /// Sixteen numbers a light.
+    lights: Vec<[f32; 16]>,
+    /// Radiance from all around.
+    ambient: [f32; 3],
+    environment: Option<EnvironmentMaps>,
+}
+
+/// An environment, whose texels are in `environment_maps` and `environment_picture`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct EnvironmentMaps {
+    maps: [usize; 2],
+    picture: [usize; 2],
+    levels: Vec<[f32; 4]>,
+    count: usize,
+    smoothest_alpha: f32,
+    /// Degrees, counter-clockwise as seen from above.
+    rotation: f64,
+    intensity: f32,
+}
+
+/// The light as data, and the texels of its environment.
+pub(super) fn light(lighting: &Lighting, warnings: &mut Warnings) -> (Light, Vec<Blob>) {
+    let all = lighting.lights.len();
+    warnings.note("lights beyond the first 16, which the page leaves out", all.saturating_sub(MOST_LIGHTS));
+    let lights = lighting.lights.iter().take(MOST_LIGHTS);
+    let environment = lighting.environment.as_ref().map(environment);
+    let (maps, blobs) = environment.map_or((None, Vec::new()), |(maps, blobs)| (Some(maps), blobs.into()));
+    let light = Light {
+        lights: lights.map(|light| light_numbers(&LightSource::new(light))).collect(),
+        ambient: lighting.ambient.to_array(),
+        environment: maps,
+    };
+    (light, blobs)
+}
+
+fn environment(light: &EnvironmentLight) -> (EnvironmentMaps, [Blob; 2]) {
+    let maps = light.environment.maps();
+    let atlas = EnvironmentAtlas::new(&maps);
+    let told = EnvironmentMaps {
+        maps: atlas.size,
+        picture: [maps.picture.width, maps.picture.height],
+        levels: atlas.table.to_vec(),
+        count: maps.levels.len(),
+        smoothest_alpha: maps.smoothest_alpha,
+        rotation: light.rotation.to_degrees(),
+        intensity: light.intensity,
+    };
+    let colors = atlas.texels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]);
+    let maps_blob = Blob::new("environment_maps", bytes_of_words(colors));
+    (told, [maps_blob, Blob::new("environment_picture", picture_bytes(&maps.picture))])
+}
+
+fn picture_bytes(picture: &HalfPicture<'_>) -> Vec<u8> {
+    bytes_of_words(picture.texels.iter().flatten().copied())
+}

@@ -1,0 +1,94 @@
+//! A model as one page that opens from disk: its geometry, its textures, the light on it, and the shaders that draw it
+//! as `taotie render` does.
+//!
+//! The page's script is built from `viewer/` at the root of the repository. It draws with the texts of
+//! `taotie_shader` and decides nothing about shading itself.
+
+mod about;
+mod asset;
+mod blob;
+mod bookmark;
+mod camera;
+mod data;
+mod document;
+mod light;
+mod scan;
+mod shaders;
+mod surfaces;
+mod textures;
+
+pub use about::facts;
+pub use bookmark::Bookmark;
+pub use scan::{MOST_TRIANGLES, ScanSubject, scene_to_show};
+
+use crate::Fact;
+use blob::Blob;
+use taotie::film::Development;
+use taotie::render::{Lighting, Prepared, RenderSettings};
+use taotie::scene::Camera;
+use taotie::{Result, Warnings};
+
+/// A model and how it is first seen.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// The heading, and the name of the window.
+    pub title: &'a str,
+    /// Source and rights, as the page tells them.
+    pub facts: &'a [Fact],
+    /// Views that the page offers.
+    pub bookmarks: &'a [Bookmark],
+    /// The model.
+    pub prepared: &'a Prepared,
+    /// The reflectance model and the surface method shown first, and all settings that shaders depend on. The size is not
+    /// read.
+    pub settings: &'a RenderSettings,
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The light.
+    pub lighting: &'a Lighting,
+    /// Exposure, tone curve and background.
+    pub development: &'a Development,
+    /// The scan that the model was baked from, to be shown beside it and to be measured against.
+    pub scan: Option<ScanSubject<'a>>,
+}
+
+/// A file beside the page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PageFile {
+    /// Its name.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+/// A page that shows a model in a browser.
+pub struct Viewer {
+    title: String,
+    blobs: Vec<Blob>,
+    /// Content that the page lacks or changes.
+    pub warnings: Warnings,
+}
+
+impl Viewer {
+    /// Makes the page of a model.
+    ///
+    /// # Errors
+    /// [`taotie::Error`] where the model cannot be written as glTF, or is too large for that.
+    pub fn new(subject: &Subject<'_>) -> Result<Self> {
+        let mut warnings = Warnings::default();
+        let (data, blobs) = data::data(subject, &mut warnings)?;
+        let blobs = std::iter::once(Blob::new("data", data.json())).chain(blobs).collect();
+        Ok(Self { title: subject.title.into(), blobs, warnings })
+    }
+
+    /// Returns the page as one HTML document, which fetches nothing.
+    pub fn html(&self) -> String {
+        document::alone(&self.title, &self.blobs)
+    }
+
+    /// Returns the page and the files that it fetches from beside it, `index.html` first; the model is `asset.glb`.
+    pub fn files(&self) -> Vec<PageFile> {
+        let page = PageFile { name: "index.html".into(), bytes: document::beside(&self.title).into_bytes() };
+        std::iter::once(page).chain(self.blobs.iter().map(Blob::file)).collect()
+    }
+}

@@ -1,0 +1,191 @@
+//! The surfaces of a model: by which shader each model and method draws them, and with what numbers.
+
+use super::asset::with_green_up;
+use super::shaders::Shaders;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use taotie::names::Named;
+use taotie::render::{PRINTED_BUMP, Prepared, RenderSettings, Surface};
+use taotie::scene::{AlphaMode, Material, NormalSpace, Scene, TextureRef};
+use taotie::shade::Shading;
+use taotie::surface::SurfaceMethod;
+use taotie_shader::{Interface, NormalMethod, SurfaceFactors, TextureRole, Variant, VariantOptions};
+
+/// A surface as the page draws it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct SurfaceData {
+    /// The number of its material.
+    material: usize,
+    double_sided: bool,
+    blended: bool,
+    /// The number of the method that its material provides best, and of each method that which is drawn.
+    best: usize,
+    drawn: Vec<usize>,
+    /// The columns of the matrix from normals of object space to those of world space.
+    normal_matrix: [[f32; 3]; 3],
+    own: Dress,
+    clay: Dress,
+}
+
+/// A surface in one material.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Dress {
+    /// The numbers of shaders: a row for each reflectance model, in it one for each surface method.
+    looks: Vec<Vec<usize>>,
+    /// The values of the uniform block `material` by the names of its fields.
+    factors: BTreeMap<String, Vec<f32>>,
+    /// The field `bump` of `bump-printed`.
+    printed_bump: f32,
+    /// The textures by the names of their slots.
+    textures: BTreeMap<&'static str, TextureUse>,
+}
+
+/// A texture of the model and its sampler: wrapping along u and v, magnification and minification as WebGL numbers them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct TextureUse {
+    texture: usize,
+    sampler: [u32; 4],
+}
+
+/// What all surfaces are drawn by.
+pub(super) struct Drawing<'a> {
+    pub prepared: &'a Prepared,
+    pub settings: &'a RenderSettings,
+    /// Says whether an environment sends light.
+    pub environment: bool,
+    pub shaders: &'a mut Shaders,
+}
+
+impl Drawing<'_> {
+    /// The surfaces as data, in order; their shaders are written.
+    pub fn surfaces(&mut self) -> Vec<SurfaceData> {
+        let prepared = self.prepared;
+        let instances = prepared.scene().instances().iter();
+        let surfaces = prepared.surfaces();
+        surfaces.iter().zip(instances).map(|(surface, at)| self.surface(surface, at.material)).collect()
+    }
+
+    fn surface(&mut self, surface: &Surface<'_>, material: usize) -> SurfaceData {
+        let own = with_green_up(surface.material);
+        let methods = methods(surface);
+        let best = NormalMethod::from(&surface.normal_source);
+        SurfaceData {
+            material,
+            double_sided: own.double_sided,
+            blended: matches!(own.alpha, AlphaMode::Blend),
+            best: NormalMethod::ALL.iter().position(|method| *method == best).unwrap_or(1),
+            drawn: methods.iter().map(|method| number(*method)).collect(),
+            normal_matrix: surface.normal_matrix.map(|column| column.to_array()),
+            clay: self.dress(surface, &clay(&own), &methods),
+            own: self.dress(surface, &own, &methods),
+        }
+    }
+
+    fn dress(&mut self, surface: &Surface<'_>, material: &Material, methods: &[NormalMethod]) -> Dress {
+        let base = VariantOptions::of_surface(surface, self.settings, self.environment);
+        let bump = self.settings.surface.bump_scale;
+        let mut dress = Dress {
+            looks: Vec::new(),
+            factors: BTreeMap::new(),
+            printed_bump: bump.unwrap_or(PRINTED_BUMP),
+            textures: BTreeMap::new(),
+        };
+        let factors = SurfaceFactors {
+            material,
+            normal_matrix: surface.normal_matrix,
+            bump: bump.or(material.height.map(|map| map.scale)).unwrap_or_default(),
+            height_levels: height_levels(material, self.prepared.scene()),
+        };
+        for (_, shading) in Shading::NAMES {
+            let mut row = Vec::new();
+            for method in methods {
+                let options = VariantOptions { shading: *shading, method: *method, ..base.clone() };
+                row.push(self.shaders.number(&Variant::new(material, &options)));
+            }
+            dress.looks.push(row);
+        }
+        for shader in dress.looks.concat() {
+            dress.take(self.shaders.interface(shader), &factors);
+        }
+        dress
+    }
+}
+
+impl Dress {
+    /// Adds the values and textures that a shader reads.
+    fn take(&mut self, interface: &Interface, factors: &SurfaceFactors<'_>) {
+        let bytes = interface.material_bytes(factors);
+        for field in &interface.material {
+            let words = bytes[field.offset..].as_chunks::<4>().0.iter().take(field.kind.numbers());
+            let numbers = words.map(|word| f32::from_le_bytes(*word)).collect();
+            self.factors.insert(field.name.clone(), numbers);
+        }
+        for slot in &interface.textures {
+            let texture = TextureRole::named(slot.name).and_then(|role| role.of(factors.material));
+            if let Some(texture) = texture {
+                self.textures.insert(slot.name, TextureUse::new(texture));
+            }
+        }
+    }
+}
+
+impl TextureUse {
+    fn new(used: &TextureRef) -> Self {
+        Self { texture: used.texture, sampler: super::textures::sampler(&used.sampler) }
+    }
+}
+
+/// The method that is drawn for each: smooth where the material lacks its map, as the renderer has it.
+fn methods(surface: &Surface<'_>) -> Vec<NormalMethod> {
+    let has_map = |space| surface.material.normal.is_some_and(|map| map.space == space);
+    let has = |method| match method {
+        NormalMethod::Facet | NormalMethod::Smooth => true,
+        NormalMethod::Bump | NormalMethod::BumpPrinted => surface.material.height.is_some(),
+        NormalMethod::ObjectMap => has_map(NormalSpace::Object),
+        NormalMethod::TangentMap => has_map(NormalSpace::Tangent) && !surface.tangents.is_empty(),
+    };
+    let drawn = |method| if has(method) { method } else { NormalMethod::Smooth };
+    NormalMethod::ALL.map(drawn).into()
+}
+
+/// The number of a method among those of the command, which have the same order.
+fn number(method: NormalMethod) -> usize {
+    NormalMethod::ALL.iter().position(|known| *known == method).unwrap_or_default()
+}
+
+/// The names of the methods, in order.
+pub(super) fn method_names() -> Vec<&'static str> {
+    SurfaceMethod::NAMES.iter().map(|(name, _)| *name).collect()
+}
+
+/// The surface in matte grey: its relief without its colours.
+fn clay(own: &Material) -> Material {
+    Material {
+        normal: own.normal,
+        height: own.height,
+        double_sided: own.double_sided,
+        base_color: [0.5, 0.5, 0.5, 1.0],
+        roughness: 0.8,
+        ..Material::default()
+    }
+}
+
+fn height_levels(material: &Material, scene: &Scene) -> usize {
+    let texture = material.height.and_then(|map| scene.textures().get(map.texture.texture));
+    texture.map_or(1, |texture| texture.levels())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn methods_of_command_and_shaders_have_one_order() {
+        use SurfaceMethod::{Bump, BumpPrinted, Facet, ObjectNormal, Smooth, TangentNormal};
+        let order: Vec<SurfaceMethod> = SurfaceMethod::NAMES.iter().map(|(_, method)| *method).collect();
+        assert_eq!(order, [Facet, Smooth, Bump, BumpPrinted, ObjectNormal, TangentNormal]);
+        use NormalMethod as N;
+        let shaders = [N::Facet, N::Smooth, N::Bump, N::BumpPrinted, N::ObjectMap, N::TangentMap];
+        assert_eq!(NormalMethod::ALL, shaders);
+    }
+}

@@ -1,0 +1,43 @@
+// Pages of `taotie view` as tests meet them.
+
+import assert from "node:assert/strict";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+import { folder, launch, newPage } from "./browser.mjs";
+
+// WebGL without a graphics card.
+export const launchWebGl = () => launch(["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]);
+
+export const address = (name, fragment = "") => pathToFileURL(path.join(folder, name)).href + (fragment && `#${fragment}`);
+
+// Width and height of a window in which little has to be drawn.
+export const SIZE = [760, 420];
+
+// Waits until the picture is drawn in all its samples.
+export async function still(page) {
+    await page.waitForSelector("#viewer[data-state=still], #viewer[data-state=failed]", { timeout: 60_000 });
+    const state = await page.locator("#viewer").getAttribute("data-state");
+    assert.equal(state, "still", await page.locator(".message").first().textContent().catch(() => ""));
+}
+
+// A page of a viewer in a window of this size, once its picture stands still.
+export async function openViewer(browser, name, { fragment, size = SIZE } = {}) {
+    const page = await newPage(browser, size);
+    await page.goto(address(name, fragment));
+    await still(page);
+    return page;
+}
+
+export const state = (page) => page.evaluate(() => window.taotie.state);
+
+// The picture in this size as a PNG file.
+export async function picture(page, size) {
+    const data = await page.evaluate(async (size) => {
+        const blob = await window.taotie.picture(size);
+        const bytes = new Uint8Array(await blob.arrayBuffer());
+        let text = "";
+        for (const byte of bytes) text += String.fromCharCode(byte);
+        return btoa(text);
+    }, size);
+    return Buffer.from(data, "base64");
+}

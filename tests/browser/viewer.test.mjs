@@ -1,0 +1,300 @@
+// The pages of `taotie view` as hand, keys and eye meet them.
+
+import assert from "node:assert/strict";
+import { readFile, writeFile } from "node:fs/promises";
+import path from "node:path";
+import { after, test } from "node:test";
+import { gzipSync } from "node:zlib";
+import axe from "axe-core";
+import { assertQuiet, colorAt, complaints, folder, newPage, pointOf, touch } from "./browser.mjs";
+import { SIZE, address, launchWebGl, openViewer, picture, state, still } from "./viewer.mjs";
+
+const browser = await launchWebGl();
+after(() => browser.close());
+
+const near = (a, b, slack = 1e-3) => assert(Math.abs(a - b) <= slack, `${a} instead of ${b}`);
+
+// Moves a pressed mouse over the picture by so many pixels.
+async function dragCanvas(page, [x, y]) {
+    const from = await pointOf(page, "canvas", [0.5, 0.5]);
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(from[0] + x, from[1] + y, { steps: 4 });
+    await page.mouse.up();
+    await still(page);
+}
+
+// Sum of a pixel's channels at fractions of the picture.
+async function light(page, at) {
+    const color = await colorAt(page, await pointOf(page, "canvas", at));
+    return color.reduce((sum, channel) => sum + channel);
+}
+
+test("a drag turns the model, and with shift the light", async () => {
+    const page = await openViewer(browser, "view.html");
+    const first = await state(page);
+    await dragCanvas(page, [50, 25]);
+    const turned = await state(page);
+    near(turned.view[0], first.view[0] - 20);
+    near(turned.view[1], first.view[1] + 10);
+    assert.equal(turned.light, "given");
+    await page.keyboard.down("Shift");
+    await dragCanvas(page, [40, -20]);
+    await page.keyboard.up("Shift");
+    const lit = await state(page);
+    assert.deepEqual(lit.view, turned.view);
+    assert.equal(lit.light, "raking");
+    near(lit.from[0], first.from[0] + 20);
+    near(lit.from[1], first.from[1] + 10);
+    assertQuiet(page);
+});
+
+test("light from a side lights that side", async () => {
+    const page = await openViewer(browser, "view.html", { fragment: "light=raking&from=-80,0&fill=0&mode=clay&surface=smooth" });
+    const sides = async () => [await light(page, [0.42, 0.6]), await light(page, [0.58, 0.6])];
+    const [left, right] = await sides();
+    assert(left > right + 30, `${left}, ${right}`);
+    await page.evaluate(() => window.taotie.change({ from: [80, 0] }));
+    await still(page);
+    const [darker, brighter] = await sides();
+    assert(brighter > darker + 30, `${darker}, ${brighter}`);
+    // A light that is fixed to the object stays with it.
+    await page.getByLabel("Fixed to").selectOption("object");
+    await still(page);
+    const fixed = await state(page);
+    near(fixed.from[0], 80 + fixed.view[0], 0.5);
+    assertQuiet(page);
+});
+
+test("keys do what the hand does", async () => {
+    const page = await openViewer(browser, "view.html");
+    const first = await state(page);
+    await page.locator("canvas").focus();
+    const press = async (...keys) => {
+        for (const key of keys) await page.keyboard.press(key);
+        await still(page);
+        return state(page);
+    };
+    near((await press("ArrowRight")).view[0], first.view[0] - 5);
+    near((await press("ArrowUp")).view[1], first.view[1] - 5);
+    near((await press("Shift+ArrowLeft")).from[0], first.from[0] - 5);
+    near((await press("l", "ArrowUp", "l")).from[1], first.from[1] + 5);
+    assert((await press("+")).view[2] < first.view[2]);
+    assert.equal((await press("m")).mode, "clay");
+    assert.equal((await press("w")).wireframe, true);
+    assert.deepEqual(await press("0"), first);
+    assertQuiet(page);
+});
+
+test("fingers turn and zoom", async () => {
+    const page = await openViewer(browser, "view.html");
+    const first = await state(page);
+    const [x, y] = await pointOf(page, "canvas", [0.5, 0.5]);
+    await touch(page, [[[x, y], [x + 50, y]]]);
+    await still(page);
+    const turned = await state(page);
+    near(turned.view[0], first.view[0] - 20, 0.5);
+    await touch(page, [[[x - 40, y], [x - 80, y]], [[x + 40, y], [x + 80, y]]]);
+    await still(page);
+    near((await state(page)).view[2], first.view[2] / 2, 0.1 * first.view[2]);
+    assertQuiet(page);
+});
+
+test("a link brings back every pixel", async () => {
+    const page = await openViewer(browser, "view.html");
+    await page.evaluate(() => {
+        const [azimuth, elevation, distance] = window.taotie.state.view;
+        const view = [azimuth + 12.3456, elevation - 3.21, distance * 0.8123];
+        window.taotie.change({ view, light: "raking", from: [33.3, 44.4], shading: "cook-torrance", tone: "aces" });
+    });
+    await still(page);
+    const again = await newPage(browser, SIZE);
+    await again.goto(page.url());
+    await still(again);
+    assert.notEqual(page.url(), address("view.html"));
+    assert.deepEqual(await state(again), await state(page));
+    const [before, after] = [await picture(page, [200, 200]), await picture(again, [200, 200])];
+    assert.deepEqual(after, before);
+    assertQuiet(again);
+});
+
+test("a saved picture holds its link", async () => {
+    const page = await openViewer(browser, "view.html", { fragment: "mode=normals" });
+    const png = await picture(page, [64, 64]);
+    assert(png.includes("iTXttaotie:view\0\0\0\0\0mode=normals"));
+    assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [64, 64]);
+});
+
+test("every mode draws something of its own", async () => {
+    const page = await openViewer(browser, "view.html");
+    const seen = new Set();
+    const modes = await page.getByLabel("Show", { exact: true }).locator("option").evaluateAll((all) => all.map((o) => o.value));
+    for (const mode of modes) {
+        await page.getByLabel("Show", { exact: true }).selectOption(mode);
+        await still(page);
+        seen.add((await picture(page, [64, 64])).subarray(33 + 40).toString("base64"));
+    }
+    assert.equal(seen.size, modes.length);
+    assertQuiet(page);
+});
+
+test("every reflectance model compiles", async () => {
+    const page = await openViewer(browser, "view.html");
+    const models = await page.getByLabel("Reflectance model").locator("option").count();
+    assert.equal(models, 9);
+    for (let number = 0; number < models; number++) {
+        await page.getByLabel("Reflectance model").selectOption({ index: number });
+        await still(page);
+    }
+    assertQuiet(page);
+});
+
+for (const [name, size, colorScheme] of [["a desk", [1200, 800], "light"], ["a phone at night", [390, 780], "dark"]]) {
+    test(`axe finds nothing on ${name}`, async () => {
+        const page = await newPage(browser, size);
+        await page.emulateMedia({ colorScheme, reducedMotion: "reduce" });
+        await page.goto(address("view.html", "light=raking"));
+        await still(page);
+        if (size[0] < 700) await page.getByRole("button", { name: "Show controls" }).click();
+        await page.evaluate(axe.source);
+        const { violations } = await page.evaluate(() => window.axe.run());
+        assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
+        const wide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+        assert(!wide, "the page is wider than the window");
+    });
+}
+
+test("the focus is seen", async () => {
+    const page = await openViewer(browser, "view.html");
+    await page.keyboard.press("Tab");
+    const outline = await page.evaluate(() => {
+        const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement);
+        return [document.activeElement.tagName, outlineStyle, parseFloat(outlineWidth) >= 2];
+    });
+    assert.deepEqual(outline, ["CANVAS", "solid", true]);
+});
+
+test("a wipe shows two models in one light", async () => {
+    const page = await openViewer(browser, "proof.html", { fragment: "mode=normals" });
+    const left = await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4]));
+    await page.getByLabel("Right of the wipe").selectOption("smooth");
+    await still(page);
+    await page.getByLabel("Right of the wipe").selectOption("scan");
+    await still(page);
+    const handle = page.getByRole("slider", { name: "Wipe" });
+    const [x, y] = await pointOf(page, ".wipe", [0.5, 0.5]);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x - 60, y, { steps: 3 });
+    await page.mouse.up();
+    await still(page);
+    const width = await page.locator("canvas").evaluate((canvas) => canvas.clientWidth);
+    near((await state(page)).split, 0.5 - 60 / width, 0.01);
+    await handle.focus();
+    await page.keyboard.press("Home");
+    await still(page);
+    assert.equal((await state(page)).split, 0);
+    const scan = await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4]));
+    assert.notDeepEqual(scan, left, "the scan's normals are its own");
+    await page.keyboard.press("End");
+    await still(page);
+    assert.deepEqual(await colorAt(page, await pointOf(page, "canvas", [0.55, 0.4])), left);
+    assertQuiet(page);
+});
+
+test("the error under the pointer is that of the map", async () => {
+    const page = await openViewer(browser, "proof.html", { fragment: "mode=error" });
+    const at = await pointOf(page, "canvas", [0.5, 0.45]);
+    const degrees = await page.evaluate((at) => window.taotie.errorUnder(...at), at);
+    assert(degrees >= 0 && degrees < 10, `${degrees}`);
+    const { errors } = await page.evaluate(() => window.taotie.data);
+    const [map] = errors.maps;
+    assert(map.mean > 0.1 && map.mean < 10, JSON.stringify(map));
+    // The colour that is drawn is the legend's at this angle.
+    const place = (degrees / errors.top) * (errors.stops.length - 1);
+    const [a, b] = [errors.stops[Math.floor(place)], errors.stops[Math.ceil(place)]];
+    const wanted = a.map((channel, i) => channel + (b[i] - channel) * (place % 1));
+    const found = await colorAt(page, at);
+    assert(found.every((channel, i) => Math.abs(channel - wanted[i]) <= 12), `${found} instead of ${wanted}`);
+    await page.mouse.move(at[0] + 1, at[1]);
+    await page.waitForFunction(() => /[0-9]° under the pointer/.test(document.querySelector(".legend output").textContent));
+    assertQuiet(page);
+});
+
+test("distances and sections are measured on the model", async () => {
+    const page = await openViewer(browser, "proof.html");
+    const ends = [await pointOf(page, "canvas", [0.45, 0.5]), await pointOf(page, "canvas", [0.55, 0.5])];
+    const points = await page.evaluate((ends) => ends.map((at) => window.taotie.pointUnder(...at).toArray()), ends);
+    const length = Math.hypot(...points[0].map((v, i) => v - points[1][i]));
+    await page.locator("summary", { hasText: "Measure" }).click();
+    await page.getByRole("button", { name: "Section" }).click();
+    for (const at of ends) await page.mouse.click(...at);
+    const told = await page.locator(".result").textContent();
+    assert.match(told, /^[0-9.]+ ± [0-9.e-]+ model units$/);
+    near(parseFloat(told), length, 1e-3 * length);
+    const [download] = await Promise.all([
+        page.waitForEvent("download"),
+        page.getByRole("button", { name: "Profile as CSV" }).click(),
+    ]);
+    const rows = (await readFile(await download.path(), "utf8")).trim().split("\n").slice(1);
+    const pieces = rows.map((row) => row.split(",").map(Number));
+    assert(pieces.length >= 2, `${pieces.length} pieces`);
+    // Between the points a ball bulges by its sagitta, and its far side lies two radii behind.
+    const nearSide = pieces.flatMap(([, a, , b]) => [a, b]).filter((above) => above > -0.5);
+    const sagitta = 1 - Math.sqrt(1 - (length / 2) ** 2);
+    assert(Math.max(...nearSide) <= sagitta + 0.02 && Math.max(...nearSide) > 0, `${nearSide}, ${sagitta}`);
+    assertQuiet(page);
+});
+
+test("bookmarks go to their views, and are saved", async () => {
+    const page = await openViewer(browser, "view.html");
+    const first = await state(page);
+    await page.getByRole("button", { name: "The rim <i>" }).click();
+    await still(page);
+    assert.deepEqual((await state(page)).from, [-75, 10]);
+    await page.getByLabel("Title").fill("Here");
+    await page.getByRole("button", { name: "Add this view" }).click();
+    await page.evaluate((first) => window.taotie.show(first), first);
+    await page.getByRole("button", { name: "Here" }).click();
+    await still(page);
+    assert.deepEqual((await state(page)).from, [-75, 10]);
+    const [download] = await Promise.all([
+        page.waitForEvent("download"),
+        page.getByRole("button", { name: "Save bookmarks" }).click(),
+    ]);
+    const saved = JSON.parse(await readFile(await download.path(), "utf8"));
+    assert.deepEqual(saved.map(({ title }) => title), ["The rim <i>", "Here"]);
+    assert.equal(saved[1].link, "light=raking&from=-75,10");
+    assertQuiet(page);
+});
+
+test("rights and source are told", async () => {
+    const page = await openViewer(browser, "view.html");
+    const told = await page.locator("#panel dl").first().textContent();
+    assert(told.includes("Copyright") && told.includes("A museum <b>"), told);
+});
+
+test("a model that cannot be read says why", async () => {
+    const page = await newPage(browser, SIZE);
+    const text = await readFile(path.join(folder, "view.html"), "utf8");
+    const nothing = gzipSync("no model").toString("base64");
+    await writeFile(path.join(folder, "broken.html"), text.replace(/(id="asset">)[^<]*/, `$1${nothing}`));
+    await page.goto(address("broken.html"));
+    await page.waitForSelector("#viewer[data-state=failed]");
+    const message = await page.getByRole("alert").textContent();
+    assert(message.startsWith("The model cannot be shown: "), message);
+    assert.deepEqual(complaints(page), []);
+});
+
+test("a folder shows what the page shows", async () => {
+    const page = await newPage(browser, SIZE);
+    const site = "http://localhost/";
+    await page.route(`${site}**`, (route) => {
+        const name = new URL(route.request().url()).pathname.slice(1) || "index.html";
+        return route.fulfill({ path: path.join(folder, "site", name) });
+    });
+    await page.goto(site);
+    await still(page);
+    const alone = await openViewer(browser, "view.html");
+    assert.deepEqual(await picture(page, [128, 128]), await picture(alone, [128, 128]));
+});

@@ -1,0 +1,132 @@
+// The data of a page, as crates/taotie-report/src/viewer writes them.
+
+export interface Orbit {
+    azimuth: number;
+    elevation: number;
+    distance: number;
+    target: [number, number, number];
+    fov_y: number;
+    aspect: number;
+    center: [number, number, number];
+    radius: number;
+}
+
+export interface Environment {
+    maps: [number, number];
+    picture: [number, number];
+    levels: number[][];
+    count: number;
+    smoothest_alpha: number;
+    rotation: number;
+    intensity: number;
+}
+
+export interface Light {
+    /** Sixteen numbers a light. */
+    lights: number[][];
+    ambient: [number, number, number];
+    environment: Environment | null;
+}
+
+export interface Film {
+    exposure: number;
+    tone: string;
+    background: [number, number, number] | null;
+    /** Places in a pixel, 1/256 pixel. */
+    samples: [number, number][];
+}
+
+export interface Shader {
+    fragment: number[];
+    vertex: number[];
+    inputs: string[];
+    blocks: [string, string][];
+    textures: string[];
+}
+
+export interface TextureUse {
+    texture: number;
+    /** Wrapping along u and v, magnification and minification, as WebGL numbers them. */
+    sampler: [number, number, number, number];
+}
+
+export interface Dress {
+    looks: number[][];
+    factors: Record<string, number[]>;
+    printed_bump: number;
+    textures: Record<string, TextureUse>;
+}
+
+export interface Surface {
+    material: number;
+    double_sided: boolean;
+    blended: boolean;
+    best: number;
+    drawn: number[];
+    normal_matrix: [number[], number[], number[]];
+    own: Dress;
+    clay: Dress;
+}
+
+export interface Codes {
+    width: number;
+    height: number;
+    channels: number;
+    from: number;
+}
+
+export interface TextureData {
+    encoding: "srgb" | "linear" | "normal";
+    codes: Codes | null;
+}
+
+export interface ModelData {
+    glb: string;
+    codes: string;
+    surfaces: Surface[];
+    textures: TextureData[];
+}
+
+export interface ErrorMap {
+    width: number;
+    height: number;
+    from: number;
+    mean: number;
+}
+
+/** Angles between the normals of asset and scan, and the distance of their shapes, model units. */
+export interface Errors {
+    maps: (ErrorMap | null)[];
+    top: number;
+    stops: [number, number, number][];
+    steps: number;
+    rms: number;
+    hausdorff: number;
+}
+
+/** A view with a title: the fragment of its link. */
+export interface Bookmark {
+    title: string;
+    text: string;
+    link: string;
+}
+
+export interface Data {
+    version: string;
+    title: string;
+    facts: { name: string; value: string }[];
+    bookmarks: Bookmark[];
+    camera: Orbit | null;
+    light: Light;
+    film: Film;
+    shadings: string[];
+    methods: string[];
+    shading: string;
+    method: string | null;
+    tables: [number, number];
+    frame: { fields: [string, number][]; bytes: number } | null;
+    texts: { pieces: string[]; shaders: Shader[] };
+    /** The asset, and the scan where there is one. */
+    models: ModelData[];
+    errors: Errors | null;
+}

@@ -1,0 +1,128 @@
+// A model of the page, and sets of meshes that show it.
+
+import {
+    LineBasicMaterial,
+    LineSegments,
+    Mesh,
+    type PerspectiveCamera,
+    type RawShaderMaterial,
+    Scene,
+    type Texture,
+    type WebGLRenderer,
+    WireframeGeometry,
+} from "three";
+import { blob } from "./blobs";
+import { checker } from "./checker";
+import type { Data, ModelData } from "./data";
+import { ErrorMaps } from "./error_map";
+import { type Frame, Materials, PRINTED } from "./materials";
+import { isShaded } from "./modes";
+import { type Model, readModel } from "./model";
+import { BEST, type State } from "./state";
+import { Textures } from "./textures";
+
+const LINES = 0x6aa3ff;
+
+/** What all models share. */
+export interface Shared {
+    data: Data;
+    frame: Frame;
+    textures: Record<string, Texture>;
+    /** True where floats of 32 bits can be filtered. */
+    isFine: boolean;
+}
+
+export class Exhibit {
+    private readonly checker = checker();
+    private readonly errors = new Map<number, Promise<RawShaderMaterial>>();
+    private maps: Promise<ErrorMaps> | undefined;
+
+    private constructor(
+        readonly data: Data,
+        private readonly told: ModelData,
+        readonly model: Model,
+        private readonly materials: Materials,
+    ) {}
+
+    /** Reads the model of this number. */
+    static async load(number: number, shared: Shared): Promise<Exhibit> {
+        const told = shared.data.models[number]!;
+        const model = await readModel(await blob(told.glb), told.surfaces);
+        const textures = new Textures(told, model, shared.isFine);
+        const materials = new Materials(shared.data, told, textures, shared.textures, shared.frame);
+        return new Exhibit(shared.data, told, model, materials);
+    }
+
+    get surfaces(): number {
+        return this.told.surfaces.length;
+    }
+
+    /** The number of the method by which a surface is drawn. */
+    method(number: number, { surface, mode }: State): number {
+        const { best, drawn } = this.told.surfaces[number]!;
+        const asked = surface === BEST ? best : this.data.methods.indexOf(surface);
+        return mode === "uv" ? 1 : drawn[asked]!;
+    }
+
+    async material(number: number, state: State): Promise<RawShaderMaterial> {
+        const { mode } = state;
+        if (mode === "uv") return this.checker;
+        if (mode === "error" && this.told === this.data.models[0]) return this.errorMaterial(number);
+        const drawn = mode === "error" ? "clay" : mode;
+        const shading = this.data.shadings.indexOf(isShaded(mode) ? state.shading : "ggx");
+        return this.materials.get(number, shading, this.method(number, state), drawn);
+    }
+
+    /** The errors of the model's normals. */
+    errorMaps(): Promise<ErrorMaps> {
+        this.maps ??= ErrorMaps.load(this.data.errors!);
+        return this.maps;
+    }
+
+    private errorMaterial(number: number): Promise<RawShaderMaterial> {
+        const known = this.errors.get(number) ?? this.errorMaps().then((maps) => maps.material(number));
+        this.errors.set(number, known);
+        return known;
+    }
+}
+
+/** Meshes that show a model in one state. */
+export class Showing {
+    private readonly scene = new Scene();
+    readonly meshes: Mesh[];
+    private readonly wires: LineSegments[] = [];
+
+    constructor(private readonly exhibit: Exhibit) {
+        this.meshes = exhibit.model.geometries.map((geometry) => new Mesh(geometry));
+        for (const mesh of this.meshes) mesh.frustumCulled = false;
+        this.scene.add(...this.meshes);
+    }
+
+    /** Ends when the materials of a state are there. */
+    async prepare(state: State): Promise<void> {
+        const { exhibit } = this;
+        const all = await Promise.all(this.meshes.map((_, number) => exhibit.material(number, state)));
+        all.forEach((material, number) => {
+            const mesh = this.meshes[number]!;
+            const isPrinted = exhibit.method(number, state) === PRINTED;
+            mesh.material = material;
+            mesh.geometry = (isPrinted ? exhibit.model.printed : exhibit.model.geometries)[number]!;
+            material.polygonOffset = state.wireframe;
+        });
+        this.showWires(state.wireframe);
+    }
+
+    draw(renderer: WebGLRenderer, camera: PerspectiveCamera): void {
+        renderer.render(this.scene, camera);
+    }
+
+    private showWires(shown: boolean): void {
+        if (shown && this.wires.length === 0) {
+            const material = new LineBasicMaterial({ color: LINES });
+            const lines = this.exhibit.model.geometries.filter((geometry) => geometry.index);
+            this.wires.push(...lines.map((each) => new LineSegments(new WireframeGeometry(each), material)));
+            this.scene.add(...this.wires);
+        }
+        for (const wire of this.wires) wire.visible = shown;
+    }
+}

@@ -1,0 +1,61 @@
+// Mouse and fingers: one turns the model or moves the light, two zoom and move it.
+
+import { moveLight, pan, turn, zoom } from "./moves";
+import type { Viewer } from "./viewer";
+
+/** Degrees that the model turns by for each pixel of the hand's way. */
+const TURN = 0.4;
+const LIGHT = 0.5;
+/** The factor of a pixel of the wheel. */
+const WHEEL = 1.0015;
+
+type Point = { x: number; y: number };
+
+const middle = ([a, b]: [Point, Point]): Point => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 });
+const apart = ([a, b]: [Point, Point]): number => Math.hypot(a.x - b.x, a.y - b.y);
+
+/** `movesLight` says whether a plain drag moves the light. */
+export function listenToGestures(viewer: Viewer, movesLight: () => boolean): void {
+    const { canvas } = viewer;
+    const fingers = new Map<number, Point>();
+    const lens = viewer.data.camera!;
+
+    const drag = (event: PointerEvent, before: Point): void => {
+        const [x, y] = [event.clientX - before.x, event.clientY - before.y];
+        const isLight = movesLight() !== (event.shiftKey || (event.buttons & 2) !== 0);
+        const isPan = event.ctrlKey || (event.buttons & 4) !== 0;
+        const height = Math.max(canvas.clientHeight, 1);
+        if (isPan) viewer.change(pan(x / height, y / height, lens)(viewer.state));
+        else if (isLight) viewer.change(moveLight(x * LIGHT, -y * LIGHT)(viewer.state));
+        else viewer.change(turn(x * TURN, y * TURN)(viewer.state));
+    };
+
+    const pinch = (before: [Point, Point], after: [Point, Point]): void => {
+        const height = Math.max(canvas.clientHeight, 1);
+        const [from, to] = [middle(before), middle(after)];
+        viewer.change(zoom(apart(after) / Math.max(apart(before), 1))(viewer.state));
+        viewer.change(pan((to.x - from.x) / height, (to.y - from.y) / height, lens)(viewer.state));
+    };
+
+    canvas.addEventListener("pointerdown", (event) => {
+        canvas.setPointerCapture(event.pointerId);
+        fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    });
+    canvas.addEventListener("pointermove", (event) => {
+        const before = fingers.get(event.pointerId);
+        if (!before) return;
+        const pair = [...fingers.values()];
+        fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+        if (pair.length === 1) drag(event, before);
+        if (pair.length === 2) pinch(pair as [Point, Point], [...fingers.values()] as [Point, Point]);
+    });
+    const leave = (event: PointerEvent): void => void fingers.delete(event.pointerId);
+    canvas.addEventListener("pointerup", leave);
+    canvas.addEventListener("pointercancel", leave);
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    const roll = (event: WheelEvent): void => {
+        event.preventDefault();
+        viewer.change(zoom(WHEEL ** -event.deltaY)(viewer.state));
+    };
+    canvas.addEventListener("wheel", roll, { passive: false });
+}

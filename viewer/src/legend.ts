@@ -1,0 +1,35 @@
+// The legend of the errors, and their value under the pointer.
+
+import { make } from "./dom";
+import { texts } from "./texts";
+import type { Viewer } from "./viewer";
+
+/** Makes the legend; it is there while errors are shown. */
+export function legend(viewer: Viewer): HTMLElement | undefined {
+    const { errors } = viewer.data;
+    if (!errors) return undefined;
+    const bar = make("div", { class: "bar" });
+    bar.style.background = `linear-gradient(to right, ${errors.stops.map((stop) => `rgb(${stop.join()})`).join()})`;
+    const means = errors.maps.flatMap((map) => (map ? [map.mean] : []));
+    const mean = means.reduce((sum, each) => sum + each, 0) / Math.max(means.length, 1);
+    const here = make("output", {}, "");
+    const all = make(
+        "div",
+        { class: "legend" },
+        bar,
+        make("p", {}, texts.legend(errors.top, mean)),
+        make("p", {}, texts.shape(errors.rms, errors.hausdorff)),
+        here,
+    );
+    viewer.listen(({ mode }) => void (all.hidden = mode !== "error"));
+    let asked = 0;
+    viewer.canvas.addEventListener("pointermove", (event) => {
+        if (viewer.state.mode !== "error" || event.buttons) return;
+        cancelAnimationFrame(asked);
+        asked = requestAnimationFrame(() => {
+            const found = viewer.errorUnder(event.clientX, event.clientY);
+            void found.then((degrees) => void (here.textContent = texts.errorHere(degrees)));
+        });
+    });
+    return all;
+}

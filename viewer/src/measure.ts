@@ -1,0 +1,123 @@
+// Distances, angles and sections between points of the model.
+
+import { Vector3 } from "three";
+import { button, group } from "./controls";
+import { make, save } from "./dom";
+import { axes, degrees } from "./orbit";
+import { type Piece, csv, profile, svg } from "./section";
+import { texts } from "./texts";
+import type { Viewer } from "./viewer";
+
+const KINDS = ["distance", "angle", "section"] as const;
+type Kind = (typeof KINDS)[number];
+const POINTS: Record<Kind, number> = { distance: 2, angle: 3, section: 2 };
+/** The most pixels that a hand moves during a click. */
+const CLICK = 4;
+const SVG = "http://www.w3.org/2000/svg";
+
+/** What is measured, and how it is drawn over the picture. */
+export class Measure {
+    private kind: Kind | undefined;
+    private points: Vector3[] = [];
+    private readonly overlay = document.createElementNS(SVG, "svg");
+    private readonly result = make("output", { class: "result" });
+    private readonly files = make("p", { class: "actions" });
+    private readonly buttons: Map<Kind, HTMLButtonElement>;
+    readonly panel: HTMLElement;
+
+    constructor(private readonly viewer: Viewer) {
+        this.overlay.setAttribute("class", "overlay");
+        this.overlay.setAttribute("aria-hidden", "true");
+        const made = KINDS.map((kind) => [kind, button(texts.measures[kind], () => this.choose(kind))] as const);
+        this.buttons = new Map(made);
+        const center = button(texts.pointInTheMiddle, () => void this.addMiddle());
+        const row = make("p", { class: "actions" }, ...this.buttons.values(), center);
+        this.panel = group(texts.measure, false, row, this.result, this.files);
+        this.choose(undefined);
+        this.listen();
+        viewer.listen(() => this.draw());
+    }
+
+    /** The drawing over the picture. */
+    get element(): SVGElement {
+        return this.overlay;
+    }
+
+    /** Begins a measurement; the same again ends it. */
+    private choose(kind: Kind | undefined): void {
+        this.kind = kind === this.kind ? undefined : kind;
+        this.points = [];
+        this.buttons.forEach((each, name) => each.setAttribute("aria-pressed", String(name === this.kind)));
+        this.tell();
+    }
+
+    private listen(): void {
+        const { canvas } = this.viewer;
+        let from = [0, 0];
+        canvas.addEventListener("pointerdown", ({ clientX, clientY }) => void (from = [clientX, clientY]));
+        canvas.addEventListener("pointerup", ({ clientX, clientY }) => {
+            const isClick = Math.hypot(clientX - from[0]!, clientY - from[1]!) <= CLICK;
+            if (this.kind && isClick) this.add(this.viewer.pointUnder(clientX, clientY));
+        });
+    }
+
+    /** Adds what lies in the middle of the picture, for hands on keys. */
+    private addMiddle(): void {
+        const { left, top, width, height } = this.viewer.canvas.getBoundingClientRect();
+        if (this.kind) this.add(this.viewer.pointUnder(left + width / 2, top + height / 2));
+    }
+
+    private add(point: Vector3 | undefined): void {
+        if (!point || !this.kind) return;
+        if (this.points.length === POINTS[this.kind]) this.points = [];
+        this.points.push(point);
+        this.tell();
+    }
+
+    private tell(): void {
+        this.draw();
+        this.files.replaceChildren();
+        const [a, b, c] = this.points;
+        const { kind } = this;
+        if (!kind) this.result.textContent = texts.measureNothing;
+        else if (!a || !b || (kind === "angle" && !c)) this.result.textContent = texts.measureMore(POINTS[kind] - this.points.length);
+        else if (kind === "angle") this.result.textContent = texts.degrees(angle(a, b, c!));
+        else this.result.textContent = texts.distance(a.distanceTo(b), this.doubt());
+        if (kind === "section" && a && b) this.offer(a, b);
+    }
+
+    /** The uncertainty of a distance: each end is as far from the scan as the shape is. */
+    private doubt(): number | undefined {
+        const { errors } = this.viewer.data;
+        return errors ? Math.SQRT2 * errors.rms : undefined;
+    }
+
+    private offer(a: Vector3, b: Vector3): void {
+        const [, , back] = axes(this.viewer.state);
+        const pieces: Piece[] = profile(this.viewer.geometries, [a, b], back);
+        const file = (name: string, type: string, text: string) => () => save(name, new Blob([text], { type }));
+        const { title } = this.viewer.data;
+        this.files.append(
+            button(texts.profile("CSV"), file(`${title}.profile.csv`, "text/csv", csv(pieces))),
+            button(texts.profile("SVG"), file(`${title}.profile.svg`, "image/svg+xml", svg(pieces, a.distanceTo(b)))),
+        );
+    }
+
+    /** Draws the points and the lines between them where they are seen now. */
+    private draw(): void {
+        const places = this.points.map((point) => this.viewer.placeOf(point));
+        const line = document.createElementNS(SVG, "polyline");
+        line.setAttribute("points", places.map((place) => place.join()).join(" "));
+        const dots = places.map(([x, y]) => {
+            const dot = document.createElementNS(SVG, "circle");
+            for (const [name, value] of Object.entries({ cx: x, cy: y, r: 5 })) dot.setAttribute(name, String(value));
+            return dot;
+        });
+        this.overlay.replaceChildren(line, ...dots);
+    }
+}
+
+/** The angle at `b`, degrees. */
+function angle(a: Vector3, b: Vector3, c: Vector3): number {
+    return degrees(new Vector3().subVectors(a, b).angleTo(new Vector3().subVectors(c, b)));
+}

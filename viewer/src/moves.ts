@@ -1,0 +1,38 @@
+// What hand and keys do to a state.
+
+import { Vector3 } from "three";
+import type { Orbit } from "./data";
+import { axes, radians } from "./orbit";
+import type { State } from "./state";
+
+type Move = (state: State) => Partial<State>;
+
+/** Turns the model by degrees to the right and up, as the hand moves it. */
+export const turn =
+    (right: number, up: number): Move =>
+    ({ view: [azimuth, elevation, distance] }) => ({ view: [azimuth - right, elevation + up, distance] });
+
+/** Moves the light by degrees; it becomes the raking one. */
+export const moveLight =
+    (right: number, up: number): Move =>
+    ({ from: [azimuth, elevation] }) => ({ light: "raking", from: [azimuth + right, elevation + up] });
+
+/** Goes nearer: a factor above 1. */
+export const zoom =
+    (factor: number): Move =>
+    ({ view: [azimuth, elevation, distance] }) => ({ view: [azimuth, elevation, distance / factor] });
+
+/** Moves the target with the hand, by fractions of the picture's height. */
+export const pan =
+    (right: number, down: number, lens: Orbit): Move =>
+    (state) => {
+        const [x, y] = axes(state);
+        const height = 2 * state.view[2] * Math.tan(radians(lens.fov_y) / 2);
+        const target = new Vector3(...state.target).addScaledVector(x, -right * height).addScaledVector(y, down * height);
+        return { target: target.toArray() };
+    };
+
+/** The next of some values. */
+export function next<T>(all: readonly T[], value: T): T {
+    return all[(all.indexOf(value) + 1) % all.length]!;
+}

@@ -1,0 +1,168 @@
+// Draws a state: places camera and light, and has the film develop.
+
+import {
+    type Intersection,
+    Matrix4,
+    PerspectiveCamera,
+    Raycaster,
+    type Vector2,
+    Vector3,
+    WebGLRenderer,
+    type WebGLRenderTarget,
+} from "three";
+import type { Data } from "./data";
+import { Exhibit, type Shared, Showing } from "./exhibit";
+import { type Development, Film } from "./film";
+import { ambient, environment, lights } from "./light";
+import { Frame } from "./materials";
+import { isNumbers, isShaded } from "./modes";
+import { place } from "./orbit";
+import { type State, TONES } from "./state";
+import { texts } from "./texts";
+import { frameTextures } from "./textures";
+
+/** The places of samples in units of 1/256 pixel. */
+const STEPS = 256;
+
+export class Stage {
+    private readonly camera = new PerspectiveCamera();
+    private readonly film: Film;
+    private readonly main: Showing;
+    /** What stands right of the wipe's handle, by its name. */
+    private readonly besides = new Map<string, Promise<Showing>>();
+    private beside: Showing | undefined;
+
+    private constructor(
+        readonly renderer: WebGLRenderer,
+        private readonly shared: Shared,
+        readonly asset: Exhibit,
+    ) {
+        this.film = new Film(renderer);
+        this.main = new Showing(asset);
+    }
+
+    /** Reads the model and makes what draws it. */
+    static async load(canvas: HTMLCanvasElement, data: Data): Promise<Stage> {
+        const renderer = opened(canvas);
+        const isFine = renderer.extensions.has("OES_texture_float_linear");
+        const shared = { data, frame: new Frame(data), textures: await frameTextures(data), isFine };
+        return new Stage(renderer, shared, await Exhibit.load(0, shared));
+    }
+
+    /** The samples of a picture that stands still. */
+    get samples(): number {
+        return this.shared.data.film.samples.length;
+    }
+
+    /** Ends when all that a state needs is there. */
+    async prepare(state: State): Promise<void> {
+        await this.main.prepare(state);
+        const beside = await this.besideOf(state);
+        await beside?.prepare(besideState(state));
+        this.beside = beside;
+    }
+
+    /** Draws a state that is prepared, in so many samples. */
+    draw(state: State, size: [number, number], samples: number): void {
+        const { frame, data } = this.shared;
+        frame.setLights(lights(state, data.light));
+        frame.set("ambient", ...ambient(state, data.light));
+        const [sin, cos, factor] = environment(state);
+        frame.set("environment_sin", sin);
+        frame.set("environment_cos", cos);
+        frame.set("environment_intensity", factor);
+        frame.set("spacing", 1 / Math.sqrt(samples));
+        this.film.take(size, samples, development(state, data), (sample, target) => {
+            this.place(state, size, samples > 1 ? sample : -1);
+            this.sample(state, size, target);
+        });
+    }
+
+    /** What of the model lies under a point of the picture, [−1, 1]². */
+    hit(state: State, point: Vector2, size: [number, number]): Intersection | undefined {
+        this.place(state, size, -1);
+        const ray = new Raycaster();
+        ray.setFromCamera(point, this.camera);
+        return ray.intersectObjects(this.main.meshes, false)[0];
+    }
+
+    /** Where a point of the world is in the picture, [−1, 1]². */
+    seen(state: State, point: Vector3, size: [number, number]): Vector3 {
+        this.place(state, size, -1);
+        return point.clone().project(this.camera);
+    }
+
+    /** The degrees that the map of errors has at a point of the picture, [−1, 1]². */
+    async errorAt(state: State, point: Vector2, size: [number, number]): Promise<number | undefined> {
+        const hit = this.hit(state, point, size);
+        const { face, barycoord } = hit ?? {};
+        if (!hit || !face || !barycoord) return undefined;
+        const number = this.main.meshes.indexOf(hit.object as (typeof this.main.meshes)[number]);
+        const uvs = this.main.meshes[number]!.geometry.attributes["uv0"];
+        if (!uvs) return undefined;
+        const weights = new Vector3(barycoord.x, barycoord.y, barycoord.z);
+        const along = (of: (i: number) => number) => weights.dot(new Vector3(of(face.a), of(face.b), of(face.c)));
+        const maps = await this.asset.errorMaps();
+        return maps.at(number, along((i) => uvs.getX(i)), along((i) => uvs.getY(i)));
+    }
+
+    private place(state: State, size: [number, number], sample: number): void {
+        const { data, frame } = this.shared;
+        const [x, y] = data.film.samples[sample] ?? [STEPS / 2, STEPS / 2];
+        place(this.camera, state, data.camera!, { size, offset: [x / STEPS, y / STEPS] });
+        const clip = new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse);
+        frame.set("clip_from_world", ...clip.elements);
+        frame.set("eye", ...this.camera.matrixWorld.elements.slice(12, 15), 1);
+    }
+
+    private sample({ split }: State, [width, height]: [number, number], target: WebGLRenderTarget): void {
+        const { renderer, camera, main, beside } = this;
+        const handle = beside ? Math.round(split * width) : width;
+        const part = (from: number, to: number, showing: Showing): void => {
+            target.scissorTest = beside !== undefined;
+            target.scissor.set(from, 0, to - from, height);
+            renderer.setRenderTarget(target);
+            if (to > from) showing.draw(renderer, camera);
+        };
+        part(0, handle, main);
+        if (beside) part(handle, width, beside);
+        target.scissorTest = false;
+    }
+
+    private besideOf({ beside }: State): Promise<Showing> | undefined {
+        if (beside === "none") return undefined;
+        const made = async (): Promise<Showing> =>
+            new Showing(beside === "scan" ? await Exhibit.load(1, this.shared) : this.asset);
+        const known = this.besides.get(beside) ?? made();
+        this.besides.set(beside, known);
+        return known;
+    }
+}
+
+/** The state of what stands beside the model. */
+function besideState(state: State): State {
+    if (state.beside === "scan") return { ...state, surface: "best" };
+    return { ...state, surface: "smooth", mode: state.mode === "error" ? "clay" : state.mode };
+}
+
+function development(state: State, { film }: Data): Development {
+    const isLight = isShaded(state.mode);
+    return {
+        exposure: isLight ? state.exposure : 0,
+        tone: TONES.indexOf(isLight ? (state.tone as (typeof TONES)[number]) : "linear"),
+        numbers: isNumbers(state.mode),
+        background: film.background,
+    };
+}
+
+/** The renderer of a canvas. */
+function opened(canvas: HTMLCanvasElement): WebGLRenderer {
+    const attributes = { alpha: true, antialias: false, depth: false, preserveDrawingBuffer: true };
+    const context = canvas.getContext("webgl2", { ...attributes, premultipliedAlpha: true });
+    if (!context) throw new Error(texts.noWebGl);
+    if (!context.getExtension("EXT_color_buffer_float")) throw new Error(texts.noFloats);
+    const renderer = new WebGLRenderer({ canvas, context, ...attributes });
+    renderer.setClearColor(0, 0);
+    renderer.autoClear = false;
+    return renderer;
+}

@@ -1,0 +1,77 @@
+// The textures that shaders read: those of the model, the tables of albedos, and the maps of the environment.
+
+import { DataTexture, FloatType, HalfFloatType, NearestFilter, RGBAFormat, type Texture } from "three";
+import { blob } from "./blobs";
+import type { Data, ModelData, Surface, TextureUse } from "./data";
+import { codedHeights, codedNormals, decoded, imageNormals, imageTexture } from "./images";
+import type { Model } from "./model";
+
+/** Texels that are read one by one. */
+function numbers(data: Float32Array | Uint16Array, [width, height]: [number, number]): Texture {
+    const type = data instanceof Float32Array ? FloatType : HalfFloatType;
+    const texture = new DataTexture(data, width, height, RGBAFormat, type);
+    texture.minFilter = texture.magFilter = NearestFilter;
+    texture.needsUpdate = true;
+    return texture;
+}
+
+/** Half floats of RGB with 1 as their alpha. */
+function opaque(rgb: Uint16Array): Uint16Array {
+    const ONE = 0x3c00;
+    const wide = new Uint16Array((rgb.length / 3) * 4).fill(ONE);
+    for (let from = 0, to = 0; from < rgb.length; from += 3, to += 4) {
+        wide[to] = rgb[from]!;
+        wide[to + 1] = rgb[from + 1]!;
+        wide[to + 2] = rgb[from + 2]!;
+    }
+    return wide;
+}
+
+const halves = async (name: string, size: [number, number]): Promise<Texture> =>
+    numbers(opaque(new Uint16Array(await blob(name))), size);
+
+/** The textures of the frame by the names of their slots. */
+export async function frameTextures({ tables, light }: Data): Promise<Record<string, Texture>> {
+    const textures: Record<string, Texture> = {
+        albedo_tables: numbers(new Float32Array(await blob("albedo_tables")), tables),
+    };
+    if (light.environment) {
+        textures["environment_maps"] = await halves("environment_maps", light.environment.maps);
+        textures["environment_picture"] = await halves("environment_picture", light.environment.picture);
+    }
+    return textures;
+}
+
+/** The textures of surfaces, each made once. */
+export class Textures {
+    private readonly made = new Map<string, Promise<Texture>>();
+    private codes: Promise<Uint16Array> | undefined;
+
+    constructor(
+        private readonly data: ModelData,
+        private readonly model: Model,
+        private readonly isFine: boolean,
+    ) {}
+
+    /** The texture in a slot of a surface. */
+    get(surface: Surface, slot: string, use: TextureUse): Promise<Texture> {
+        const kind = slot === "height_texture" ? "height" : this.data.textures[use.texture]!.encoding;
+        const key = [use.texture, kind, slot.endsWith("normal_texture"), ...use.sampler].join();
+        const known = this.made.get(key) ?? this.make(surface, slot, use);
+        this.made.set(key, known);
+        return known;
+    }
+
+    private async make({ material }: Surface, slot: string, use: TextureUse): Promise<Texture> {
+        const { codes, encoding } = this.data.textures[use.texture]!;
+        const isNormal = slot.endsWith("normal_texture");
+        if (codes && (slot === "height_texture" || encoding === "normal")) {
+            this.codes ??= blob(this.data.codes).then((bytes) => new Uint16Array(bytes));
+            const all = await this.codes;
+            return isNormal ? codedNormals(all, codes, use) : codedHeights(all, codes, use, this.isFine);
+        }
+        const { bytes, type } = await this.model.image(material, slot);
+        const image = await decoded(bytes, type);
+        return isNormal ? imageNormals(image, use) : imageTexture(image, use, encoding === "srgb");
+    }
+}

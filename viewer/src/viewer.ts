@@ -1,0 +1,138 @@
+// The viewer: one state, and the picture of it.
+
+import { type BufferGeometry, Vector2, type Vector3 } from "three";
+import type { Data } from "./data";
+import { withText } from "./png";
+import { Stage } from "./stage";
+import { type State, bounded, firstState, fragment, ofFragment } from "./state";
+
+/** Milliseconds without a change after which the picture is drawn in all its samples. */
+const STILL = 150;
+/** The longest side of the picture on the screen, pixels. */
+const LONGEST = 4096;
+/** The name of the text in a saved picture that holds its link. */
+const LINK = "taotie:view";
+
+export class Viewer {
+    readonly first: State;
+    private current: State;
+    private waiting = false;
+    private timer = 0;
+    private readonly listeners: ((state: State) => void)[] = [];
+
+    constructor(
+        readonly data: Data,
+        private readonly stage: Stage,
+        private readonly root: HTMLElement,
+        readonly canvas: HTMLCanvasElement,
+    ) {
+        this.first = firstState(data);
+        this.current = ofFragment(location.hash, this.first, data);
+        new ResizeObserver(() => this.request()).observe(canvas);
+        addEventListener("hashchange", () => this.show(ofFragment(location.hash, this.first, data)));
+    }
+
+    get state(): State {
+        return this.current;
+    }
+
+    /** Calls back with every new state, and with the one that is. */
+    listen(listener: (state: State) => void): void {
+        this.listeners.push(listener);
+        listener(this.current);
+    }
+
+    change(part: Partial<State>): void {
+        this.show({ ...this.current, ...part });
+    }
+
+    show(state: State): void {
+        this.current = bounded(state);
+        for (const listener of this.listeners) listener(this.current);
+        this.request();
+    }
+
+    /** The fragment of a link to what is shown. */
+    link(): string {
+        return fragment(this.current, this.first);
+    }
+
+    /** The picture of this size as a PNG that holds its link, in all samples. */
+    async picture(size: [number, number] = this.size()): Promise<Blob> {
+        const { canvas, stage, current } = this;
+        await stage.prepare(current);
+        stage.renderer.setSize(...size, false);
+        stage.draw(current, size, stage.samples);
+        const png = new Promise<Blob | null>((resolve) => canvas.toBlob(resolve));
+        this.request();
+        const blob = await png;
+        return withText(blob ?? new Blob(), LINK, this.link());
+    }
+
+    /** The error of the normals under a point of the window, degrees. */
+    errorUnder(x: number, y: number): Promise<number | undefined> {
+        return this.stage.errorAt(this.current, this.pointOf(x, y), this.size());
+    }
+
+    /** The point of the model under a point of the window, world space. */
+    pointUnder(x: number, y: number): Vector3 | undefined {
+        return this.stage.hit(this.current, this.pointOf(x, y), this.size())?.point;
+    }
+
+    /** Where a point of the world is in the picture, pixels of the page from its upper left corner. */
+    placeOf(point: Vector3): [number, number] {
+        const { x, y } = this.stage.seen(this.current, point, this.size());
+        const { clientWidth, clientHeight } = this.canvas;
+        return [((x + 1) / 2) * clientWidth, ((1 - y) / 2) * clientHeight];
+    }
+
+    /** The surfaces of the model, world space. */
+    get geometries(): BufferGeometry[] {
+        return this.stage.asset.model.geometries;
+    }
+
+    /** A point of the window in the picture, [−1, 1]². */
+    private pointOf(x: number, y: number): Vector2 {
+        const { left, top, width, height } = this.canvas.getBoundingClientRect();
+        return new Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height);
+    }
+
+    /** Draws in the next frame. */
+    request(): void {
+        this.root.dataset["state"] = "moving";
+        clearTimeout(this.timer);
+        if (this.waiting) return;
+        this.waiting = true;
+        requestAnimationFrame(() => void this.draw(1));
+    }
+
+    private size(): [number, number] {
+        const { clientWidth, clientHeight } = this.canvas;
+        const scale = Math.min(devicePixelRatio, LONGEST / Math.max(clientWidth, clientHeight, 1));
+        return [Math.max(1, Math.round(clientWidth * scale)), Math.max(1, Math.round(clientHeight * scale))];
+    }
+
+    private async draw(samples: number): Promise<void> {
+        const state = this.current;
+        await this.stage.prepare(state);
+        this.waiting = false;
+        if (state !== this.current) return this.request();
+        const size = this.size();
+        const { width, height } = this.canvas;
+        if (width !== size[0] || height !== size[1]) this.stage.renderer.setSize(...size, false);
+        this.stage.draw(state, size, samples);
+        if (samples < this.stage.samples) {
+            this.timer = window.setTimeout(() => void this.draw(this.stage.samples), STILL);
+        } else {
+            this.rest();
+        }
+    }
+
+    /** The picture stands still: the address names it. */
+    private rest(): void {
+        const link = this.link();
+        const address = location.href.split("#")[0] + (link && `#${link}`);
+        if (address !== location.href) history.replaceState(null, "", address);
+        this.root.dataset["state"] = "still";
+    }
+}
