@@ -17,7 +17,7 @@ const OF_MANY: usize = 20;
 /// at the points, of any length.
 pub(super) fn unfolded(points: &[[f32; 3]], normals: &[Vec3], mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     for facing in FACING {
-        let mut folds = Folds { fans: Fans::new(points, triangles), normals, facing, changed: false };
+        let mut folds = Folds { fans: Fans::new(points, triangles), normals, facing };
         let found = folds.found();
         if found.is_empty() || found.len() * OF_MANY > folds.fans.len() {
             return folds.fans.into_triangles();
