@@ -117,5 +117,7 @@ for (const [number, shader] of shaders.entries()) {
     assert.equal(fault, "", `shader ${number}`);
     await writeFile(path.join(folder, `${number}.bin`), Buffer.from(pixels.split(",")[1], "base64"));
 }
-assert.deepEqual(complaints(page), []);
+// That reading back waits for the drawing is known.
+const unknown = complaints(page).filter((text) => !text.includes("GPU stall due to ReadPixels"));
+assert.deepEqual(unknown, []);
 await browser.close();

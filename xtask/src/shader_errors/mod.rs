@@ -115,10 +115,8 @@ impl Run {
         let sides: [(&str, fn(&Measured) -> &Tally); 3] =
             [("`f32`", |all| &all.single), ("WGSL", |all| &all.wgsl), ("GLSL ES", |all| &all.glsl)];
         let told = sides.map(|(name, side)| {
-            let tallies = self.measured.iter().map(side);
-            let [beyond, count] =
-                tallies.fold([0, 0], |[beyond, count], tally| [beyond + tally.beyond, count + tally.count]);
-            format!("{name} {beyond} of {count}")
+            let beyond: usize = self.measured.iter().map(side).map(|tally| tally.beyond).sum();
+            format!("{name} {beyond}")
         });
         told.join(", ")
     }
