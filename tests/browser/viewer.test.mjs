@@ -50,7 +50,7 @@ test("a drag turns the model, and with shift the light", async () => {
 });
 
 test("light from a side lights that side", async () => {
-    const page = await openViewer(browser, "view.html", { fragment: "light=raking&from=-80,0&fill=0&mode=clay&surface=smooth" });
+    const page = await openViewer(browser, "proof.html", { fragment: "light=raking&from=-80,0&fill=0&mode=clay&surface=smooth" });
     const sides = async () => [await light(page, [0.42, 0.6]), await light(page, [0.58, 0.6])];
     const [left, right] = await sides();
     assert(left > right + 30, `${left}, ${right}`);
