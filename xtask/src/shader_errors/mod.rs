@@ -112,13 +112,12 @@ impl Run {
 
     /// The numbers of channels of all surfaces that differ by more than 1e-3.
     fn beyond(&self) -> String {
-        let sides: [(&str, fn(&Measured) -> &Tally); 3] =
-            [("`f32`", |all| &all.single), ("WGSL", |all| &all.wgsl), ("GLSL ES", |all| &all.glsl)];
-        let told = sides.map(|(name, side)| {
-            let beyond: usize = self.measured.iter().map(side).map(|tally| tally.beyond).sum();
-            format!("{name} {beyond}")
-        });
-        told.join(", ")
+        let beyond = |side: fn(&Measured) -> &Tally| -> usize {
+            self.measured.iter().map(|measured| side(measured).beyond).sum()
+        };
+        let [single, wgsl, glsl] =
+            [beyond(|all| &all.single), beyond(|all| &all.wgsl), beyond(|all| &all.glsl)];
+        format!("`f32` {single}, WGSL {wgsl}, GLSL ES {glsl}")
     }
 }
 
