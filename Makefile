@@ -13,14 +13,15 @@ test: tools features ## Formatting, lints, documentation and all tests but the s
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
 	cargo test --workspace
 
-# Each feature of the library off and on beside others; without any, the tests that say what is not read.
+# The command without its graphics processor; the library without any feature, with the tests that say what is not read.
+# `test-slow` checks features off and on beside others.
 features: ## The library and the command without their cargo features
-	cargo check -p taotie --no-default-features --features draco,webp
 	cargo check -p taotie-cli --no-default-features
 	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 
 test-slow: ## The tests that take minutes each
 	cargo check -p taotie --no-default-features --features basis,exr
+	cargo check -p taotie --no-default-features --features draco,webp
 	cargo test --release --workspace --lib --bins --tests -- --ignored
 
 # TAOTIE=/path/to/taotie takes that program instead of building one; FAULTS holds options, such as `--rounds 10`.

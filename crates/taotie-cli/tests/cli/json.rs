@@ -89,7 +89,7 @@ fn of_render() {
     assert_eq!((report.model.as_str(), report.files.as_slice()), ("a.gltf", ["b.png".to_owned()].as_slice()));
     assert_eq!((report.triangles, report.size, report.samples), (2, [8, 6], Some(1)));
     assert_eq!(report.integrator, Integrator::Raster);
-    assert_eq!(report.device, serde_json::json!({ "name": "cpu" }));
+    assert_eq!(report.device, serde_json::json!({ "name": "cpu", "shadows": null }));
     let reflection =
         Reflection { energy: "compensated".into(), specular_aa: true, grazing_normals: "soften".into() };
     assert_eq!(report.reflection, reflection);

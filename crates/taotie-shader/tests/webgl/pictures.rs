@@ -221,6 +221,7 @@ fn webgl_shows_every_model_as_the_renderer() {
 }
 
 #[test]
+#[ignore = "takes half a minute; `make test` draws the models"]
 fn webgl_shows_every_method_as_the_renderer() {
     draw("webgl-methods", &methods());
 }

@@ -52,11 +52,13 @@ impl Folds<'_> {
 
     /// Flips or collapses an edge of a facet, the longest first; `false` where none can be.
     fn unfold(&mut self, t: usize) -> bool {
+        if self.fans.is_touched(t) {
+            return false;
+        }
         let [a, b, c] = self.fans.longest_first(t);
         let edges = [[a, b, c], [b, c, a], [c, a, b]];
-        !self.fans.is_touched(t)
-            && (edges.iter().any(|corners| self.flip(t, *corners))
-                || edges.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a)))
+        edges.iter().any(|corners| self.flip(t, *corners))
+            || edges.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a))
     }
 
     /// Returns `true` where a facet faces the normals of its corners and is no sliver.

@@ -155,8 +155,8 @@ mod tests {
         close(Vec3::new(0.0, 0.0, 1.0), 0.75, 0.5);
         close(Vec3::new(0.0, 0.0, -1.0), 0.25, 0.5);
         close(Vec3::new(0.6, 0.8, 0.0), 0.5, 0.204_832_76);
-        assert_eq!(uv_of(Vec3::new(0.0, 1.0, 0.0))[1], 0.0);
-        assert_eq!(uv_of(Vec3::new(0.0, -1.0, 0.0))[1], 1.0);
+        assert_eq!(uv_of(Vec3::new(0.0f32, 1.0, 0.0))[1], 0.0);
+        assert_eq!(uv_of(Vec3::new(0.0f32, -1.0, 0.0))[1], 1.0);
     }
 
     #[test]
