@@ -16,6 +16,10 @@ const heard = new WeakMap();
 // Exceptions and whatever else the browser complained about.
 export const complaints = (page) => heard.get(page).complaints;
 
+// The same of a page that reads pixels back: that this waits for the drawing is known.
+export const complaintsOfReader = (page) =>
+    complaints(page).filter((text) => !text.includes("GPU stall due to ReadPixels"));
+
 // A page that notes what it asks for and what is wrong with it.
 export async function newPage(browser, [width, height]) {
     const page = await browser.newPage({ viewport: { width, height } });

@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
 import path from "node:path";
-import { complaints, folder, launch, newPage } from "./browser.mjs";
+import { complaintsOfReader, folder, launch, newPage } from "./browser.mjs";
 
 const { shaders, ...scene } = JSON.parse(await readFile(path.join(folder, "scene.json"), "utf8"));
 
@@ -105,5 +105,5 @@ for (const [number, shader] of shaders.entries()) {
     assert.equal(fault, "", `shader ${number}`);
     await writeFile(path.join(folder, `${number}.json`), JSON.stringify(pixels));
 }
-assert.deepEqual(complaints(page), []);
+assert.deepEqual(complaintsOfReader(page), []);
 await browser.close();
