@@ -55,7 +55,7 @@ pub(super) fn collapsed(
     let pruning = more.contains(Choices::Prune);
     let limit = if pruning { LARGEST_LEFT_OUT } else { f32::MAX };
     let normals: Vec<[f32; 3]> = match options.normal_weight > 0.0 {
-        true => normals(&part.points, &triangles).into_iter().map(Vec3::to_array).collect(),
+        true => normals(part, &triangles).into_iter().map(Vec3::to_array).collect(),
         false => Vec::new(),
     };
     let weights = vec![options.normal_weight; if normals.is_empty() { 0 } else { 3 }];
@@ -87,10 +87,10 @@ pub(super) fn pruned(part: &Part, from: Reduced, options: &SimplifyOptions) -> R
 }
 
 /// Returns one normal a point, 0 where triangles cancel, weighted by the triangles' areas.
-pub(super) fn normals(points: &[[f32; 3]], triangles: &[[u32; 3]]) -> Vec<Vec3> {
-    let mut sums = vec![Vec3::splat(0.0f32); points.len()];
+pub(super) fn normals(part: &Part, triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::splat(0.0f32); part.points.len()];
     for triangle in triangles {
-        let [a, b, c] = triangle.map(|v| Vec3::from_array(points[v as usize]));
+        let [a, b, c] = triangle.map(|v| Vec3::from_array(part.points[v as usize]));
         let doubled_area = (b - a).cross(c - a);
         triangle.iter().for_each(|v| sums[*v as usize] += doubled_area);
     }

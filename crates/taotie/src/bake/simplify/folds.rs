@@ -7,25 +7,27 @@ use super::fan::Fans;
 use super::slivers::THIN;
 use crate::math::Vec3;
 
-/// A facet that is changed faces the normals of its corners by at least this cosine afterwards: that of 78° in the first
-/// rounds, then that of 87°. There are several, since one fold may lie on another.
-const FACING: [f64; 4] = [0.2, 0.2, 0.05, 0.05];
+/// Rounds, since one fold may lie on another.
+const ROUNDS: usize = 4;
 /// Where more than one triangle of so many faces away, the high-poly surface has no one outside there.
 const OF_MANY: usize = 20;
+/// A facet that is changed faces the normals of its corners by at least this cosine afterwards: that of 78°.
+const FACING: f64 = 0.2;
 
-/// Returns the triangles with fewer folds; as they are where there is none. `normals` are those that facets are to face
+/// Returns the triangles with fewer folds; as they are where there is none. `normals` are those of the high-poly surface
 /// at the points, of any length.
 pub(super) fn unfolded(points: &[[f32; 3]], normals: &[Vec3], mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    for facing in FACING {
-        let mut folds = Folds { fans: Fans::new(points, triangles), normals, facing };
+    for _ in 0..ROUNDS {
+        let mut folds = Folds { fans: Fans::new(points, triangles), normals, changed: false };
         let found = folds.found();
-        if found.is_empty() || found.len() * OF_MANY > folds.fans.len() {
-            return folds.fans.into_triangles();
+        if found.len() * OF_MANY <= folds.fans.len() {
+            found.into_iter().for_each(|t| folds.unfold(t));
         }
-        for t in found {
-            folds.unfold(t);
-        }
+        let changed = folds.changed;
         triangles = folds.fans.into_triangles();
+        if !changed {
+            break;
+        }
     }
     triangles
 }
@@ -34,8 +36,7 @@ pub(super) fn unfolded(points: &[[f32; 3]], normals: &[Vec3], mut triangles: Vec
 struct Folds<'a> {
     fans: Fans<'a>,
     normals: &'a [Vec3],
-    /// The least cosine of a facet that is changed.
-    facing: f64,
+    changed: bool,
 }
 
 impl Folds<'_> {
@@ -50,20 +51,19 @@ impl Folds<'_> {
         self.fans.shape(corners).cosine(a + b + c)
     }
 
-    /// Flips or collapses an edge of a facet, the longest first; `false` where none can be.
-    fn unfold(&mut self, t: usize) -> bool {
+    fn unfold(&mut self, t: usize) {
         if self.fans.is_touched(t) {
-            return false;
+            return;
         }
         let [a, b, c] = self.fans.longest_first(t);
-        let edges = [[a, b, c], [b, c, a], [c, a, b]];
-        edges.iter().any(|corners| self.flip(t, *corners))
-            || edges.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a))
+        let turned = [[a, b, c], [b, c, a], [c, a, b]];
+        self.changed |= turned.iter().any(|corners| self.flip(t, *corners))
+            || turned.iter().any(|[a, b, _]| self.collapse(*a, *b) || self.collapse(*b, *a));
     }
 
     /// Returns `true` where a facet faces the normals of its corners and is no sliver.
     fn is_sound(&self, corners: [u32; 3]) -> bool {
-        self.cosine(corners) > self.facing && self.fans.shape(corners).height() >= THIN
+        self.cosine(corners) > FACING && self.fans.shape(corners).height() >= THIN
     }
 
     fn flip(&mut self, t: usize, corners: [u32; 3]) -> bool {
@@ -109,8 +109,8 @@ mod tests {
         let found = unfolded(&points, &[UP; 4], [triangles.as_slice(); 1].concat());
         // One triangle of two is too many to be a fold.
         assert_eq!(found, triangles);
-        let mut folds = Folds { fans: Fans::new(&points, triangles), normals: &[UP; 4], facing: 0.2 };
-        assert!(folds.unfold(0));
+        let mut folds = Folds { fans: Fans::new(&points, triangles), normals: &[UP; 4], changed: false };
+        folds.unfold(0);
         let found = folds.fans.into_triangles();
         assert!(
             found.len() == 2 && doubled_areas(&points, &found).iter().all(|area| *area > 0.0),

@@ -75,7 +75,8 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
     let mut reduced = whole::reduce(&part, &components, options);
     if reduced.method != SimplifyMethod::Kept {
         reduced.triangles = slivers::mended(&part.points, reduced.triangles);
-        reduced.triangles = unfolded(&part, reduced.triangles);
+        let normals = collapse::normals(&part, &part.triangles);
+        reduced.triangles = folds::unfolded(&part.points, &normals, reduced.triangles);
     }
     let found = reduced.triangles.len();
     if found == 0 {
@@ -93,13 +94,6 @@ pub fn simplify(mesh: &Mesh, options: &SimplifyOptions, progress: Progress<'_>) 
     let reached = is_near(found, options.triangles) || method == SimplifyMethod::Kept;
     progress.at(1.0)?;
     Ok(Simplified { mesh, error, method, reached, notes })
-}
-
-/// Unfolds what faces away from the high-poly surface, then what faces away from its own neighbours.
-fn unfolded(part: &Part, triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    let first = folds::unfolded(&part.points, &collapse::normals(&part.points, &part.triangles), triangles);
-    let own = collapse::normals(&part.points, &first);
-    folds::unfolded(&part.points, &own, first)
 }
 
 fn note_fate(fate: Fate, notes: &mut Warnings) {
