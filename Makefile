@@ -13,13 +13,13 @@ test: tools features ## Formatting, lints, documentation and all tests but the s
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --workspace
 	cargo test --workspace
 
-# The command without its graphics processor; the library without any feature, with the tests that say what is not read.
-# `test-slow` checks features off and on beside others.
+# `test-slow` runs the tests that say what is not read, and checks features off and on beside others.
 features: ## The library and the command without their cargo features
+	cargo check -p taotie --no-default-features
 	cargo check -p taotie-cli --no-default-features
-	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 
 test-slow: ## The tests that take minutes each
+	cargo test -p taotie --no-default-features --config 'profile.dev.package.taotie.opt-level=0' --test features
 	cargo check -p taotie --no-default-features --features basis,exr
 	cargo check -p taotie --no-default-features --features draco,webp
 	cargo test --release --workspace --lib --bins --tests -- --ignored

@@ -44,12 +44,14 @@ fn relief_of_a_bottle_is_kept() {
 }
 
 #[test]
+#[ignore = "takes half a minute"]
 fn relief_of_cups_is_kept() {
     relief_is_kept("polyhaven-models/tea_set_01", &USUAL, &Most { told: 1.5, seen: 1.0 });
 }
 
 /// Its map has more than three times as many texels as the asset's.
 #[test]
+#[ignore = "takes half a minute"]
 fn relief_of_a_camera_is_kept() {
     relief_is_kept("polyhaven-models/Camera_01", &USUAL, &Most { told: 3.3, seen: 2.3 });
 }
