@@ -199,8 +199,6 @@ fn the_page_draws_what_the_renderer_draws() {
     let looks = [
         look("ggx", "tangent-normal"),
         look("cook-torrance", "bump"),
-        look("blinn-phong", "smooth"),
-        look("ggx-printed", "bump-printed"),
         look("lambert", "facet"),
     ];
     assert_same(&node, &folder, &vessel.subject("--env studio"), &looks);
