@@ -17,6 +17,7 @@ use taotie_report::collection_page::{self, Entry, Gallery};
 /// Those of the manifest, of the collection's sources, and of writing.
 pub fn write_page(collection: &Collection) -> Result<Vec<PathBuf>> {
     let store = Store::new(collection.output());
+    store.make()?;
     let mut history = History::read(store.root())?;
     let scans = collection.scans()?.scans;
     let entries = scans.iter().map(|scan| match history.last.remove(&scan.id) {
