@@ -15,7 +15,7 @@ use crate::record::{Record, SCHEMA, State};
 use crate::store::Store;
 use ledger::Ledger;
 use plan::{Plan, Todo};
-use process::{Heard, Process};
+use process::{Heard, Start};
 use running::{Phase, Running};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -96,18 +96,15 @@ pub fn drive(
     hear: &mut dyn FnMut(Event<'_>) -> bool,
 ) -> Result<Summary> {
     let found = collection.scans()?;
-    let store = Store::new(collection.output());
-    store.make()?;
-    let manifest = Manifest::open(&Manifest::path_of(store.root(), options.shard))?;
-    let history = History::read(store.root())?;
-    let plan = Plan::of(collection, &found.scans, (&history, &store), options)?;
+    let books = Books::open(collection.output(), options.shard)?;
+    let plan = Plan::of(collection, &found.scans, &books, options)?;
     let mut summary = Summary { known: plan.known, warnings: found.warnings, ..Summary::default() };
-    summary.warnings.absorb(history.warnings.clone());
+    summary.warnings.absorb(books.history.warnings.clone());
     for pattern in collection.unused_overrides(&found.scans) {
         summary.warnings.note(format!("the override for `{pattern}` covers no asset"), 1);
     }
     let ids = plan.ids.clone();
-    let mut driver = Driver::new(collection, options, worker, (store, manifest, history));
+    let mut driver = Driver::new(collection, options, worker, books);
     driver.all = plan.todo.iter().map(Todo::cost).sum();
     let judged = plan.judged;
     hear(Event::Planned { todo: plan.todo.len() + judged.len(), known: plan.known });
@@ -118,20 +115,32 @@ pub fn drive(
     let done = driver.run(hear);
     summary.attempts = driver.attempts;
     for id in &ids {
-        if let Some(record) = driver.history.last.get(id) {
+        if let Some(record) = driver.books.history.last.get(id) {
             *summary.states.entry(record.state).or_default() += 1;
         }
     }
     done.map(|()| summary)
 }
 
+/// What is known of a collection, and where that is written down.
+struct Books {
+    store: Store,
+    manifest: Manifest,
+    history: History,
+}
+
+/// What a process took.
+#[derive(Debug, Clone, Copy, Default)]
+struct Took {
+    seconds: f64,
+    forecast: Option<u64>,
+}
+
 /// The work on a collection.
 struct Driver<'a> {
     collection: &'a Collection,
     worker: &'a Worker,
-    store: Store,
-    manifest: Manifest,
-    history: History,
+    books: Books,
     ledger: Ledger,
     limits: Limits,
     time_limit: Option<Duration>,
@@ -148,22 +157,26 @@ struct Driver<'a> {
     done: f64,
 }
 
+impl Books {
+    /// Opens the manifest, and reads what all of them say.
+    fn open(root: PathBuf, shard: Option<Shard>) -> Result<Self> {
+        let store = Store::new(root);
+        store.make()?;
+        let manifest = Manifest::open(&Manifest::path_of(store.root(), shard))?;
+        let history = History::read(store.root())?;
+        Ok(Self { store, manifest, history })
+    }
+}
+
 impl<'a> Driver<'a> {
-    fn new(
-        collection: &'a Collection,
-        options: &DriveOptions,
-        worker: &'a Worker,
-        (store, manifest, history): (Store, Manifest, History),
-    ) -> Self {
+    fn new(collection: &'a Collection, options: &DriveOptions, worker: &'a Worker, books: Books) -> Self {
         let run = collection.run();
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let memory = options.memory.or(run.memory).or_else(|| free_memory().map(Bytes));
         Self {
             collection,
             worker,
-            store,
-            manifest,
-            history,
+            books,
             ledger: Ledger::new(memory),
             limits: Limits { memory, allow_outside: options.allow_outside, ..Limits::default() },
             time_limit: options.time_limit.or(run.time_limit),
@@ -213,7 +226,8 @@ impl<'a> Driver<'a> {
             self.begun += 1;
             let job = self.job(&todo);
             let folder = nonempty(self.collection.folder());
-            match Process::start(self.worker, (&folder, self.begun), &job, &self.heard.0) {
+            let start = Start { worker: self.worker, folder: &folder, number: self.begun };
+            match start.process(&job, &self.heard.0) {
                 Ok(process) => {
                     self.ledger.take(want);
                     let patience = self.time_limit.unwrap_or_else(|| running::patience_to_read(todo.bytes));
@@ -221,7 +235,7 @@ impl<'a> Driver<'a> {
                 }
                 Err(error) => {
                     let outcome = ended::without_process(&error, &todo);
-                    self.finish(todo, outcome, (0.0, None), hear)?;
+                    self.finish(todo, outcome, Took::default(), hear)?;
                 }
             }
         }
@@ -257,13 +271,12 @@ impl<'a> Driver<'a> {
             None => {
                 let mut ended = self.running.remove(at);
                 self.ledger.give_back(ended.reserved);
-                let seconds = ended.start.elapsed().as_secs_f64();
+                let took = Took { seconds: ended.start.elapsed().as_secs_f64(), forecast: ended.forecast };
                 let outcome = ended::outcome(&mut ended);
                 if let Some(address) = ended.address.as_ref().filter(|_| !outcome.state.is_made()) {
-                    self.store.sweep(address);
+                    self.books.store.sweep(address);
                 }
-                let forecast = ended.forecast;
-                self.finish(ended.todo, outcome, (seconds, forecast), hear)
+                self.finish(ended.todo, outcome, took, hear)
             }
         }
     }
@@ -308,14 +321,14 @@ impl<'a> Driver<'a> {
         &mut self,
         todo: Todo,
         outcome: Outcome,
-        (seconds, forecast): (f64, Option<u64>),
+        took: Took,
         hear: &mut dyn FnMut(Event<'_>) -> bool,
     ) -> Result<()> {
         self.done += todo.cost();
         let input = if outcome.input.is_empty() { todo.input.clone() } else { outcome.input };
         let record = Record {
             schema: SCHEMA,
-            attempt: 1 + self.history.last.get(&todo.scan.id).map_or(0, |last| last.attempt),
+            attempt: 1 + self.books.history.last.get(&todo.scan.id).map_or(0, |last| last.attempt),
             id: todo.scan.id,
             ended: now(),
             version: VERSION.into(),
@@ -324,10 +337,10 @@ impl<'a> Driver<'a> {
             error: outcome.error,
             title: todo.scan.title,
             input,
-            seconds,
+            seconds: took.seconds,
             stages: outcome.stages,
             peak_bytes: outcome.peak_bytes,
-            forecast_bytes: forecast,
+            forecast_bytes: took.forecast,
             figures: outcome.figures,
             require: todo.settings.require,
             required: outcome.required,
@@ -339,12 +352,12 @@ impl<'a> Driver<'a> {
 
     fn add(&mut self, record: Record, hear: &mut dyn FnMut(Event<'_>) -> bool) -> Result<()> {
         if record.state.is_made() {
-            self.store.link(&record.id, &record.parts)?;
+            self.books.store.link(&record.id, &record.parts)?;
         }
-        self.manifest.add(&record)?;
+        self.books.manifest.add(&record)?;
         self.attempts += 1;
         hear(Event::Ended(&record));
-        self.history.add(record);
+        self.books.history.add(record);
         Ok(())
     }
 

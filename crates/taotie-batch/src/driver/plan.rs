@@ -1,14 +1,13 @@
 //! What is to be done of a collection.
 
-use super::{DriveOptions, now};
+use super::{Books, DriveOptions, now};
 use crate::address::{self, VERSION};
 use crate::collection::{Collection, Scan};
 use crate::input::InputFile;
-use crate::manifest::History;
 use crate::objects::AssetObject;
 use crate::record::{Record, State};
 use crate::settings::Settings;
-use crate::store::Store;
+use std::path::Path;
 use taotie::Result;
 
 /// What is to be done, and what is not.
@@ -61,7 +60,7 @@ impl Plan {
     pub fn of(
         collection: &Collection,
         scans: &[Scan],
-        (history, store): (&History, &Store),
+        books: &Books,
         options: &DriveOptions,
     ) -> Result<Self> {
         let mut plan = Self { todo: Vec::new(), judged: Vec::new(), known: 0, ids: Vec::new() };
@@ -69,8 +68,7 @@ impl Plan {
         for scan in scans.iter().filter(is_ours) {
             plan.ids.push(scan.id.clone());
             let todo = todo(collection, scan)?;
-            let last = history.last.get(&scan.id);
-            match due(todo, last, (collection, store), options.retry_failed) {
+            match due(todo, (collection.folder(), books), options.retry_failed) {
                 Due::Making(todo) => plan.todo.push(todo),
                 Due::Judging(record) => plan.judged.push(*record),
                 Due::Nothing => plan.known += 1,
@@ -91,23 +89,24 @@ fn todo(collection: &Collection, scan: &Scan) -> Result<Todo> {
     Ok(Todo { scan: scan.clone(), settings, settings_hash, input, bytes })
 }
 
-fn due(todo: Todo, last: Option<&Record>, (collection, store): (&Collection, &Store), retry: bool) -> Due {
+fn due(todo: Todo, (folder, books): (&Path, &Books), retry: bool) -> Due {
     let is_same = |last: &&Record| {
         (&last.settings, last.version.as_str()) == (&todo.settings_hash, VERSION)
             && last.input.first().map(|file| &file.path) == Some(&todo.scan.path)
-            && last.has_same_input(collection.folder())
+            && last.has_same_input(folder)
     };
-    let Some(last) = last.filter(is_same) else { return Due::Making(todo) };
+    let last = books.history.last.get(&todo.scan.id).filter(is_same);
+    let Some(last) = last else { return Due::Making(todo) };
     if !last.state.is_made() {
         return if retry { Due::Making(todo) } else { Due::Nothing };
     }
-    if !last.parts.iter().all(|part| store.holds(part)) {
+    if !last.parts.iter().all(|part| books.store.holds(part)) {
         return Due::Making(todo);
     }
     if last.require == todo.settings.require && last.title == todo.scan.title {
         return Due::Nothing;
     }
-    let object = last.part("asset").and_then(|part| store.object::<AssetObject>(&part.address));
+    let object = last.part("asset").and_then(|part| books.store.object::<AssetObject>(&part.address));
     object.map_or(Due::Making(todo.clone()), |object| Due::Judging(Box::new(judged(last, &todo, &object))))
 }
 

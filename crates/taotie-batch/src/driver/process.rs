@@ -37,17 +37,24 @@ pub struct Process {
     complaints: Option<JoinHandle<String>>,
 }
 
-impl Process {
-    /// Starts one in a folder, and tells it its job.
+/// The start of a process.
+#[derive(Clone, Copy)]
+pub struct Start<'a> {
+    /// The program.
+    pub worker: &'a Worker,
+    /// The folder that it runs in.
+    pub folder: &'a Path,
+    /// Its number among all of the driver's.
+    pub number: u64,
+}
+
+impl Start<'_> {
+    /// Starts a process, and tells it its job.
     ///
     /// # Errors
     /// Those of the system.
-    pub fn start(
-        worker: &Worker,
-        (folder, number): (&Path, u64),
-        job: &Job,
-        heard: &Sender<Heard>,
-    ) -> io::Result<Self> {
+    pub fn process(self, job: &Job, heard: &Sender<Heard>) -> io::Result<Process> {
+        let Self { worker, folder, number } = self;
         let mut command = Command::new(&worker.program);
         command.args(&worker.arguments).current_dir(folder);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -62,12 +69,14 @@ impl Process {
         }
         let complaints =
             stderr.map(|stderr| thread::Builder::new().spawn(move || tail(stderr))).transpose()?;
-        let mut process = Self { number, child, stdin, complaints };
+        let mut process = Process { number, child, stdin, complaints };
         // Where it has ended already, that is heard.
         let _ = process.tell(job);
         Ok(process)
     }
+}
 
+impl Process {
     /// Lets it begin its work.
     pub fn go(&mut self, threads: usize) {
         // Where it has ended, that is heard.

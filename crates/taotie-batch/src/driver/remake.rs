@@ -1,6 +1,6 @@
 //! An asset made once more, to be held against what is there.
 
-use super::process::{Heard, Process, Worker};
+use super::process::{Heard, Start, Worker};
 use super::{POLL, nonempty};
 use crate::collection::Collection;
 use crate::job::{Job, Message, Outcome};
@@ -36,7 +36,7 @@ pub fn remake(
     };
     let (sender, heard) = mpsc::channel();
     let folder = nonempty(collection.folder());
-    let started = Process::start(worker, (&folder, 0), &job, &sender);
+    let started = Start { worker, folder: &folder, number: 0 }.process(&job, &sender);
     let mut process = started.map_err(|e| Error::io(&worker.program, e))?;
     let mut outcome = None;
     loop {

@@ -5,7 +5,8 @@ use crate::address::VERSION;
 use crate::objects::{AssetObject, entries};
 use std::path::{Path, PathBuf};
 use taotie::Result;
-use taotie::asset::{Asset, Baker, Proof, Report, ScanFile, Warning};
+use taotie::asset::{Baker, Proof, Report, ScanFile, Warning, Written};
+use taotie::io::FileSet;
 use taotie_report::bake_page;
 
 /// Bakes a scan, proves it, and writes all of it to an address.
@@ -28,7 +29,7 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
     report.proof = Some(proof.figures.clone());
     let mut all = written.files().to_vec();
     if settings.report {
-        all.extend(told(report.clone(), (&proof, written.asset()), &path, &files)?);
+        all.extend(told(report.clone(), &proof, &written, &files)?);
     }
     progress.begin("commit")?;
     files.commit()?;
@@ -47,19 +48,14 @@ pub fn make(work: &Work<'_>, file: ScanFile, address: &str) -> Result<AssetObjec
 }
 
 /// Writes the report: a page and JSON. Neither tells of folders or times, which others do not share.
-fn told(
-    mut report: Report,
-    (proof, asset): (&Proof, &Asset),
-    path: &Path,
-    files: &taotie::io::FileSet,
-) -> Result<[PathBuf; 2]> {
+fn told(mut report: Report, proof: &Proof, written: &Written, files: &FileSet) -> Result<[PathBuf; 2]> {
     report.high = name_of(Path::new(&report.high)).to_string_lossy().into_owned();
     report.low = report.low.map(|low| name_of(Path::new(&low)).to_string_lossy().into_owned());
     report.maps.iter_mut().flat_map(|map| &mut map.file).for_each(|file| *file = name_of(file));
-    let [html, json] = ["report.html", "report.json"].map(|kind| path.with_extension(kind));
+    let [html, json] = ["report.html", "report.json"].map(|kind| written.path().with_extension(kind));
     report.files.extend([html.clone(), json.clone()]);
     report.files.iter_mut().for_each(|file| *file = name_of(file));
-    files.write_text(&html, &taotie_report::html(&bake_page::page(&report, proof, asset)?))?;
+    files.write_text(&html, &taotie_report::html(&bake_page::page(&report, proof, written.asset())?))?;
     files.write_text(&json, &serde_json::to_string_pretty(&report).expect("all keys are text"))?;
     Ok([html, json])
 }
