@@ -45,7 +45,7 @@ enum Command {
     Compare(Box<compare::CompareArgs>),
     /// Bakes a high-poly scan to low-poly glTF with a normal map, and measures the error.
     Bake(Box<bake::BakeArgs>),
-    /// Bakes a whole collection, each scan in a process of its own; what is done is not done again.
+    /// Bakes a whole collection: each scan in a process of its own, and nothing twice.
     Batch(Box<batch::BatchArgs>),
     /// Does the job that stands on stdin, for `taotie batch`.
     #[command(name = batch::WORKER, hide = true)]

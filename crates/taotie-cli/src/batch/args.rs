@@ -19,7 +19,7 @@ collection.toml says where scans lie and what is made of them: docs/collections.
 that a run which was cut off goes on where it was. Exit codes: 0 all is done, 1 a requirement is not met, 2 an asset failed or \
 was refused.";
 
-/// Bakes a whole collection: each scan in a process of its own; what is done is not done again.
+/// Bakes a whole collection: each scan in a process of its own, and nothing twice.
 #[derive(Args)]
 #[command(before_help = EXAMPLES)]
 pub struct BatchArgs {
